@@ -5,7 +5,8 @@
     python docs/pictures/take.py my-first first --chromium /usr/bin/chromium
 
 It needs Playwright and Pillow, of the extras dev and video, and a Chromium. Each picture has 128 colours, to keep it
-small. The films, `reach.gif` and those of the studies, are made by `harness video`. `reach.png` is how that film ends.
+small. The films, `reach.gif` and those of the studies, are made by `harness video`. `reach.png` is how that film
+begins.
 """
 
 import argparse
@@ -44,9 +45,8 @@ def main() -> None:
 
 
 def _take_end(name: str) -> None:
-    """The last picture of a film: how its last episode ended."""
+    """The first picture of a film: how its last episode ended."""
     with Image.open(HERE / f"{name}.gif") as film:
-        film.seek(film.n_frames - 1)
         film.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE).save(HERE / f"{name}.png", optimize=True)
 
 

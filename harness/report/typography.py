@@ -60,11 +60,6 @@ def to_html(text: str) -> str:
     return "".join(f"<sub>{part}</sub>" if is_subscript else part for part, is_subscript in parts)
 
 
-def length_of(text: str) -> int:
-    """How many characters of a text are seen."""
-    return sum(len(it.text) for it in pieces_of(text))
-
-
 def _power_of_ten(found: re.Match[str]) -> str:
     digits, sign, exponent = found.groups()
     power = f"10{(sign.replace('+', '') + exponent).translate(RAISED)}"

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,14 +16,20 @@ from harness.scene.picture import BACKGROUND, Camera, camera_for, chain_of, corn
 from harness.text import visible
 
 if TYPE_CHECKING:
-    from PIL import Image, ImageDraw
+    from PIL import Image, ImageDraw, ImageFont
 
 LIGHT = light_colours()
 INK = LIGHT["ink"]
 COLOURS = tuple(LIGHT[name] for name in SIDES)
 """The colours of the sides, as on the page."""
-WIDTH, HEIGHT, LINE = 320, 260, 22
-"""The size of one side's picture and of a line of text, in pixels."""
+WIDTH, HEIGHT, LINE, LETTERS = 180, 190, 18, 12
+"""The size of one side's picture, of a line of text and of its letters, in pixels. A phone shows two sides whole."""
+COLUMNS = 2
+"""How many sides stand beside one another; others stand below."""
+APART = "   "
+"""What stands between two things that are told; each gets a line."""
+TOLD = 2
+"""The lines below a picture."""
 FRAMES, FEWEST, PER_STEP = 36, 16, 5
 """The frames of an episode: at most, at least, and for each step of a short one."""
 RATE = 12
@@ -95,38 +102,47 @@ def _view(side: Side, episode: Episode, way: Float, camera: Camera, step: float,
     measured = f"{side.error} {episode.distance[row]:.3f} {side.unit}".rstrip()
     outcome = episode.outcome if step >= episode.steps[-1] else ""
     picture = draw_arm(side.scene, qpos, episode.target[row], path, colour, camera)
-    return view_of(picture, side.title, f"{measured}   paid {episode.paid[row]:.2f}", colour, outcome)
+    return view_of(picture, side.title, f"{measured}{APART}paid {episode.paid[row]:.2f}", colour, outcome)
 
 
 def view_of(picture: "Image.Image", title: str, told: str, colour: str, outcome: str) -> "Image.Image":
     """A side: its picture, WIDTH x HEIGHT; its title above, what is measured below, and how it ended, if it did."""
     from PIL import Image, ImageDraw
 
-    image = Image.new("RGB", (WIDTH, HEIGHT + 2 * LINE), BACKGROUND)
+    image = Image.new("RGB", (WIDTH, HEIGHT + (1 + TOLD) * LINE), BACKGROUND)
     image.paste(picture, (0, LINE))
     pen = ImageDraw.Draw(image)
-    pen.rectangle((0, 4, 4, LINE - 4), fill=colour)
-    _write(pen, (10, 3), title, INK)
-    _write(pen, (10, HEIGHT + LINE), told, INK)
+    pen.rectangle((0, 3, 4, LINE - 3), fill=colour)
+    _write(pen, (10, 2), title, INK)
+    first, *others = told.split(APART)
+    for line, text in enumerate((first, APART.join(others))):
+        _write(pen, (10, HEIGHT + (1 + line) * LINE), text, INK)
     if outcome:
-        pen.rectangle((WIDTH - 92, 2, WIDTH - 8, LINE), outline=colour, width=2)
-        _write(pen, (WIDTH - 50, 3), outcome, colour, "ma")
+        half = pen.textlength(outcome, _letters()) / 2 + 6
+        middle, top = WIDTH - 6 - half, LINE + 4
+        pen.rectangle((middle - half, top, middle + half, top + LINE), BACKGROUND, colour, 2)
+        _write(pen, (middle, top + 3), outcome, colour, "ma")
     return image
 
 
 def frame_of(views: list["Image.Image"], caption: str, is_last: bool) -> Frame:
-    """All sides beside one another, with a line below; an episode's last frame is held."""
+    """All sides, two in a row, with a line below; an episode's last frame is held."""
     from PIL import Image, ImageDraw
 
-    size = (WIDTH * len(views), HEIGHT + 3 * LINE)
-    whole = Image.new("RGB", size, BACKGROUND)
+    rows, high = -(-len(views) // COLUMNS), views[0].height
+    whole = Image.new("RGB", (WIDTH * min(COLUMNS, len(views)), rows * high + LINE), BACKGROUND)
     for index, view in enumerate(views):
-        whole.paste(view, (WIDTH * index, 0))
-    _write(ImageDraw.Draw(whole), (10, HEIGHT + 2 * LINE - 2), caption, INK)
+        whole.paste(view, (WIDTH * (index % COLUMNS), high * (index // COLUMNS)))
+    _write(ImageDraw.Draw(whole), (10, rows * high), caption, INK)
     return Frame(whole, HELD if is_last else 1 / RATE)
 
 
-def _write(pen: "ImageDraw.ImageDraw", at: tuple[int, int], text: str, colour: str, anchor: str = "la") -> None:
+def _write(pen: "ImageDraw.ImageDraw", at: tuple[float, float], text: str, colour: str, anchor: str = "la") -> None:
+    pen.text(at, visible(text), colour, _letters(), anchor)
+
+
+@cache
+def _letters() -> "ImageFont.FreeTypeFont | ImageFont.ImageFont":
     from PIL import ImageFont
 
-    pen.text(at, visible(text), colour, ImageFont.load_default(14), anchor)
+    return ImageFont.load_default(LETTERS)

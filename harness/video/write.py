@@ -1,4 +1,8 @@
-"""Films as files: GIF by pillow, MP4 by ffmpeg."""
+"""Films as files: GIF by pillow, MP4 by ffmpeg.
+
+A GIF begins with its last picture, which is how the last episode ended: where only one picture of it is seen, it is
+this one.
+"""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -56,6 +60,7 @@ def write_film(frames: Iterable[Frame], path: Path) -> None:
 def _write_gif(frames: list[Frame], path: Path) -> None:
     from PIL import Image
 
+    frames = [*frames[-1:], *frames[:-1]]
     palette = _palette([frames[0].image, frames[-1].image])
     images = [frame.image.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
     durations = [round(1000 * frame.seconds) for frame in frames]

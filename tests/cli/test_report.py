@@ -138,7 +138,16 @@ def test_summary_goes_where_it_is_told(harness, experiment, tmp_path):
     answer = harness("report", experiment, "--summary", "records/kept")
     assert (answer.status, answer.out, answer.err) == (0, "", "Summary: records/kept\n")
     left = {path.name for path in (tmp_path / "records" / "kept").iterdir()}
-    assert left == {"experiment.toml", "results.json", "cells.csv", "curves.parquet", "summary.md", "figures"}
+    assert left == {
+        "experiment.toml",
+        "results.json",
+        "cells.csv",
+        "curves.parquet",
+        "runs.parquet",
+        "figures.json",
+        "summary.md",
+        "figures",
+    }
 
 
 def test_summary_holds_what_json_prints(harness, experiment, tmp_path):

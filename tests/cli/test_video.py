@@ -14,7 +14,7 @@ def test_a_film_of_the_first_comparison_is_the_default(harness, experiment, tmp_
     assert (answer.status, answer.out) == (0, "")
     assert "Video: a.gif" in answer.err
     with Image.open(tmp_path / "a.gif") as film:
-        assert film.width == 640
+        assert film.width == 360
         assert film.n_frames > 5
 
 
@@ -23,7 +23,7 @@ def test_named_cells_are_shown(harness, experiment, tmp_path):
     (cell, *_) = sorted(path.name for path in (tmp_path / experiment / "cells").iterdir())
     assert harness("video", experiment, "--cells", cell, "--episodes", "1", "--out", "a.gif").status == 0
     with Image.open(tmp_path / "a.gif") as film:
-        assert film.width == 320
+        assert film.width == 180
 
 
 @pytest.mark.parametrize(

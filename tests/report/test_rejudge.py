@@ -7,8 +7,9 @@ from typing import Any
 
 import pytest
 
-from harness.report.rejudge import NOTICE, judged_anew, rejudge, stored_comparisons
+from harness.report.rejudge import NOTICE, judged_anew, rejudge
 from harness.report.rows.comparison import answer_text
+from harness.report.summary.stored import stored_comparisons
 
 REFERENCE = Path(__file__).parents[2] / "results" / "reference"
 RECORDS = sorted(path.parent for path in REFERENCE.glob("**/results.json"))

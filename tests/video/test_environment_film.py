@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from harness.cli import main
 from harness.errors import UsageError
@@ -15,8 +16,8 @@ from harness.record.store import Store
 from harness.registry.given import read_given
 from harness.registry.registry import load_registry
 from harness.results import Results, load_results
-from harness.video.environment_film import environment_film
-from harness.video.film import HELD
+from harness.video.environment_film import box_of, environment_film
+from harness.video.film import HEIGHT, HELD, WIDTH
 
 TOY = str(Path(__file__).parents[1] / "experiment" / "environments" / "toy.py")
 
@@ -49,7 +50,7 @@ def line(results: Results, monkeypatch: pytest.MonkeyPatch) -> Any:
 def test_baseline_and_proposed_reward_stand_beside_one_another(results: Results):
     """Both play the episodes of their evaluations, from the first on; the end of each is held."""
     frames = list(environment_film(results, [], 2))
-    assert frames[0].image.width == 640
+    assert frames[0].image.width == 360
     assert [frame.seconds for frame in frames].count(HELD) == 2
     assert (np.asarray(frames[0].image) != np.asarray(frames[-1].image)).any()
 
@@ -66,7 +67,7 @@ def test_the_command_films_an_environment_too(results: Results, tmp_path: Path):
 def test_a_baseline_without_another_reward_is_shown_alone(tmp_path: Path):
     """As in an experiment that goes on."""
     (frame, *_) = environment_film(run_some(tmp_path / "experiment", 1), [], 1)
-    assert frame.image.width == 320
+    assert frame.image.width == 180
 
 
 def test_where_no_cell_is_done_there_is_nothing_to_show(tmp_path: Path):
@@ -79,7 +80,7 @@ def test_a_named_cell_is_shown_alone(results: Results):
     """By how its id begins."""
     name = results.done[1].cell.id[:6]
     (frame, *_) = environment_film(results, [name], 1)
-    assert frame.image.width == 320
+    assert frame.image.width == 180
 
 
 def test_an_episode_that_goes_another_way_is_refused(results: Results, line: Any):
@@ -124,3 +125,32 @@ def test_an_episode_that_was_cut_is_shown(tmp_path: Path):
     results = run_some(tmp_path / "experiment", 1, task="toy:endless=true", evaluation_horizon=6)
     frames = list(environment_film(results, [], 1))
     assert frames[-1].seconds == HELD
+
+
+def dot(x: int, y: int, size: tuple[int, int] = (400, 300)) -> Image.Image:
+    """A picture of a small square."""
+    picture = Image.new("RGB", size, "#445544")
+    picture.paste("#ffffff", (x, y, x + 10, y + 10))
+    return picture
+
+
+def test_pictures_are_cropped_to_what_moves():
+    """With some air, in the shape of a film's picture."""
+    left, top, right, bottom = box_of([dot(100, 100), dot(180, 110)])
+    assert (left < 100, top < 100, right > 190, bottom > 120) == (True,) * 4
+    assert right - left < 200
+    assert (right - left) / (bottom - top) == pytest.approx(WIDTH / HEIGHT, rel=0.03)
+
+
+@pytest.mark.parametrize("x", [0, 390])
+def test_the_part_lies_within_the_picture(x: int):
+    """Where the edge is near, it is moved."""
+    left, top, right, bottom = box_of([dot(x, 0), dot(x, 20)])
+    assert (left >= 0, top >= 0, right <= 400, bottom <= 300) == (True,) * 4
+    assert left <= x < right
+
+
+def test_pictures_in_which_nothing_moves_stay_whole():
+    """As do those of two sizes."""
+    assert box_of([dot(5, 5), dot(5, 5)]) is None
+    assert box_of([dot(5, 5), dot(5, 5, (200, 300))]) is None

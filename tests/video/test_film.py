@@ -1,12 +1,14 @@
 """The pictures of a film."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from harness.results.replay import Episode, Show, Side
 from harness.robot.load import load_robot
 from harness.scene.scene import scene_of
-from harness.video.film import FRAMES, HELD, film_of
+from harness.video.film import FRAMES, HEIGHT, HELD, LINE, WIDTH, film_of
 
 
 def episode(steps: int, outcome: str) -> Episode:
@@ -30,16 +32,24 @@ def show() -> Show:
 
 
 def test_a_film_shows_all_sides_and_holds_the_end(show: Show):
-    """Its last picture is seen longest; sides stand beside one another."""
+    """Its last picture is seen longest; sides stand beside one another, and fit a phone."""
     frames = list(film_of(show))
     assert 1 < len(frames) <= FRAMES
     assert frames[-1].seconds == HELD
-    assert frames[0].image.width == 640
+    assert frames[0].image.width == 360
     assert (np.asarray(frames[0].image) != np.asarray(frames[-1].image)).any()
 
 
 def test_a_side_that_ended_stands_still(show: Show):
     """While the other one goes on."""
-    first, last = (np.asarray(frame.image)[30:250] for frame in list(film_of(show))[-10:-1:8])
-    np.testing.assert_array_equal(first[:, :320], last[:, :320])
-    assert (first[:, 320:] != last[:, 320:]).any()
+    first, last = (np.asarray(frame.image)[LINE : LINE + HEIGHT] for frame in list(film_of(show))[-10:-1:8])
+    np.testing.assert_array_equal(first[:, :WIDTH], last[:, :WIDTH])
+    assert (first[:, WIDTH:] != last[:, WIDTH:]).any()
+
+
+def test_a_third_side_stands_below(show: Show):
+    """A film is never wider than two."""
+    frame = next(film_of(replace(show, sides=(*show.sides, show.sides[0]))))
+    alone = next(film_of(show))
+    assert frame.image.width == alone.image.width
+    assert frame.image.height == 2 * alone.image.height - LINE

@@ -19,25 +19,28 @@ def draw_panels(
         points: Of a single run, at most.
         amount: What the curves are.
     """
-    panels = panels_of(combination)
-    if panels is None:
-        return None
+    panels = panels_of(combination, points)
+    return None if panels is None else draw_both(panels, amount)
+
+
+def draw_both(panels: tuple[CurvePanel, CurvePanel], amount: str = "accumulated reward") -> tuple[Chart, Chart]:
+    """The same of two panels that are there."""
     steps = linear_axis(*step_range(panels), "environment step", 5)
     rewards = linear_axis(*reward_range(panels), amount)
-    return _draw_panel(panels[0], steps, rewards, points), _draw_panel(panels[1], steps, rewards, points)
+    return _draw_panel(panels[0], steps, rewards), _draw_panel(panels[1], steps, rewards)
 
 
-def _draw_panel(panel: CurvePanel, steps: Axis, rewards: Axis, points: int) -> Chart:
-    stride, colour = panel.stride, panel.role.lower()
+def _draw_panel(panel: CurvePanel, steps: Axis, rewards: Axis) -> Chart:
+    colour = panel.role.lower()
     thin = [
-        draw_curve(run, stride, f"seed {seed}", colour, points)._replace(width=1.0, opacity=0.5)
+        Line(run.steps.tolist(), run.values.tolist(), colour, f"seed {seed}", width=1.0, opacity=0.5)
         for run, seed in zip(panel.runs, panel.seeds, strict=True)
     ]
-    regions = regions_of(panel, POINTS)
+    regions = regions_of(panel)
     shades = [_shade(region, colour) for region in regions]
-    thick = draw_curve(panel.mean, stride, "mean", colour)._replace(width=3.0)
+    thick = Line(panel.mean.steps.tolist(), panel.mean.values.tolist(), colour, "mean", width=3.0)
     flags = [Flag(step, f"{name}: step {step:,}", int(name == "first negative")) for name, step in panel.marks.items()]
-    names = [Word(*region.centre, region.name) for region in regions if region.has_room(steps.high)]
+    names = [Word(*it.centre, it.name) for it in regions if it.has_room(steps.high, rewards.high - rewards.low)]
     return Chart(steps, rewards, (*shades, *flags, *thin, thick, *names, _markers(panel, colour)))
 
 

@@ -11,10 +11,13 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.report.figures.chart import Area, Axis, Chart, Dots, Flag, Line, Note, Word
+from harness.report.typography import pieces_of
 from harness.text import visible
 
 CHARACTER = 6.9
 """Width of a character of a label, [px]."""
+WIDTHS = {**dict.fromkeys("0123456789", 8.0), **dict.fromkeys("−×→≤≥+=", 10.5), **dict.fromkeys(".,;:[]()", 4.9)}
+"""Widths of the characters of numbers, [px]: digits are all as wide, and wider than letters are on average."""
 LINE = 16.0
 """Height of a line of labels, [px]."""
 SAMPLE = (26.0, 12.0)
@@ -22,6 +25,8 @@ SAMPLE = (26.0, 12.0)
 NOWHERE = Axis(0.0, 1.0, "", ())
 BESIDE = {"start": (0.0, 1.0), "middle": (0.5, 0.5), "end": (1.0, 0.0)}
 """Which shares of a text lie before and behind its place, by the text's anchor."""
+SUBSCRIPT = 3.0
+"""How much lower a subscript stands, [px]."""
 OFF = 4.0
 """Distance from a line to a word beside it, [px]."""
 
@@ -108,9 +113,9 @@ def draw_sample(mark: Line | Dots) -> Element:
 def _frame(chart: Chart) -> Frame:
     """The frame of a chart: it leaves as much room as the labels need."""
     names = [text for _, text in chart.y.ticks]
-    left = (LINE if chart.y.title else 0.0) + 10.0 + CHARACTER * max(map(len, names), default=0)
-    notes = [len(mark.text) for mark in chart.marks if isinstance(mark, Note)]
-    right = 8.0 + CHARACTER * max(len(chart.x.ticks[-1][1]) / 2 if chart.x.ticks else 0.0, *notes, 0.0)
+    left = (LINE if chart.y.title else 0.0) + 10.0 + max(map(width_of, names), default=0.0)
+    notes = [width_of(mark.text) for mark in chart.marks if isinstance(mark, Note)]
+    right = 8.0 + max(width_of(chart.x.ticks[-1][1]) / 2 if chart.x.ticks else 0.0, *notes, 0.0)
     rows = [mark.row + 1 for mark in chart.marks if isinstance(mark, Flag)]
     width = chart.width - left - right
     return Frame(chart, left, 10.0 + LINE * max(rows, default=0), width, width if chart.is_square else chart.height)
@@ -181,7 +186,7 @@ def _(mark: Dots, svg: Element, frame: Frame) -> None:
 def _(mark: Word, svg: Element, frame: Frame) -> None:
     x, y = frame.across([mark.x])[0], frame.down([mark.y])[0]
     before, behind = BESIDE[mark.anchor]
-    long, beside = CHARACTER * len(mark.text), x + OFF * (behind - before)
+    long, beside = width_of(mark.text), x + OFF * (behind - before)
     inside = max(frame.left + OFF + before * long, min(beside, frame.left + frame.width - OFF - behind * long))
     _text(svg, inside, y + 4.0 - mark.rise, mark.text, mark.anchor).set("class", "word")
 
@@ -233,7 +238,7 @@ def _legend(chart: Chart) -> str:
     for name, mark in legend_of(chart):
         row = SubElement(rows, "li")
         row.append(draw_sample(mark))
-        SubElement(row, "span").text = visible(name)
+        SubElement(row, "span").text = "".join(it.text for it in pieces_of(visible(name)))
     return ElementTree.tostring(rows, encoding="unicode") if len(rows) else ""
 
 
@@ -268,8 +273,26 @@ def _tenths(count: int) -> str:
 
 def _text(svg: Element, x: float, y: float, text: str, anchor: str) -> Element:
     element = SubElement(svg, "text", {"x": f"{x:.1f}", "y": f"{y:.1f}", "text-anchor": anchor})
-    element.text = visible(text)
+    set_text(element, text)
     return element
+
+
+def width_of(text: str) -> float:
+    """About how wide a text is, [px]."""
+    return sum(WIDTHS.get(character, CHARACTER) for piece in pieces_of(visible(text)) for character in piece.text)
+
+
+def set_text(element: Element, text: str) -> None:
+    """Write a text into an SVG element, with its signs and subscripts."""
+    lowered = False
+    for piece in pieces_of(visible(text)):
+        if piece.is_subscript == lowered and not len(element):
+            element.text = piece.text
+            continue
+        span = SubElement(element, "tspan", {"dy": f"{SUBSCRIPT if piece.is_subscript else -SUBSCRIPT:g}"})
+        span.text, lowered = piece.text, piece.is_subscript
+        if lowered:
+            span.set("font-size", "75%")
 
 
 def _name(element: Element, name: str) -> None:

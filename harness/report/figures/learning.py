@@ -27,6 +27,19 @@ def learning_heading(name: str) -> str:
     return f"{name.replace('_', ' ').capitalize()} while learning"
 
 
+def flat_text(learning: Learning, metric: str, text: Text = percentage) -> str:
+    """The words in the place of a figure in which nothing happens; empty where something does."""
+    points = [*learning.baseline.known(metric), *learning.proposed.known(metric)]
+    values, steps = {point.value.mean for point in points}, [point.steps for point in points]
+    if len(values) != 1 or len(set(steps)) < 2:
+        return ""
+    (value,) = values
+    return (
+        f"{learning_heading(metric)}: {text(value)} under both rewards at each of {len(set(steps))} evaluations, from "
+        f"{min(steps):,} to {max(steps):,} steps."
+    )
+
+
 def draw_learning(learning: Learning, metric: str, text: Text = percentage) -> Chart:
     """Means as lines, intervals as bands, random actions as a dotted line.
 

@@ -2,15 +2,15 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from harness.arrays import Float
-from harness.eta.curve import GroupCurve
+from harness.eta.curve import GroupCurve, Kind
 from harness.eta.index import Index
 from harness.eta.scored_sums import BB, KK, Pair
+from harness.report.figures.points import POINTS, select_points
 
 
 class Curved(Protocol):
@@ -41,6 +41,13 @@ class Curved(Protocol):
         """The same for the proposed reward."""
 
 
+class Drawn(NamedTuple):
+    """The points of a curve that are drawn, in order."""
+
+    steps: Float
+    values: Float
+
+
 @dataclass(frozen=True, eq=False)
 class CurvePanel:
     """The runs of one training under their own reward.
@@ -48,66 +55,68 @@ class CurvePanel:
     Attributes:
         role: ``Baseline`` or ``Proposed``.
         reward: Its label.
-        curve: The curves of its runs.
+        kind: Of the curves.
+        index: Of the mean curve.
         seeds: The seed of each run.
-        marks: Marked steps of the mean curve, by name. An event that never happens is left out.
+        runs: The curve of each run.
+        mean: Their mean.
     """
 
     role: str
     reward: str
-    curve: GroupCurve
+    kind: Kind
+    index: Index
     seeds: tuple[int, ...]
-    marks: Mapping[str, int]
-
-    @cached_property
-    def runs(self) -> Float:
-        """Each run's accumulated reward, every `stride`-th step of it, (runs, points)."""
-        return self.curve.runs
+    runs: tuple[Drawn, ...]
+    mean: Drawn
 
     @property
-    def stride(self) -> int:
-        """Steps from one point to the next."""
-        return self.curve.stride
-
-    @cached_property
-    def mean(self) -> Float:
-        """The mean over the runs, (points,)."""
-        mean: Float = self.runs.mean(axis=0)
-        return mean
+    def marks(self) -> dict[str, int]:
+        """Marked steps of the mean curve, by name. An event that never happens is left out."""
+        steps = {"first negative": self.index.first_negative, "cross-over": self.index.crossover}
+        return {name: step for name, step in steps.items() if step is not None}
 
     @property
     def heights(self) -> list[float]:
         """The height of the drawn mean curve at each mark."""
-        steps = np.arange(len(self.mean)) * self.stride
-        heights: list[float] = np.interp(list(self.marks.values()), steps, self.mean).tolist()
+        heights: list[float] = np.interp(list(self.marks.values()), *self.mean).tolist()
         return heights
 
 
-def panels_of(combination: Curved) -> tuple[CurvePanel, CurvePanel] | None:
+def panel_of(
+    role: str, reward: str, curve: GroupCurve, index: Index, seeds: tuple[int, ...], points: int = POINTS
+) -> CurvePanel:
+    """The panel of one training's curves, of which single runs have `points` points at most."""
+    runs = curve.runs
+    drawn = tuple(_drawn(run, curve.stride, points) for run in runs)
+    return CurvePanel(role, reward, curve.kind, index, seeds, drawn, _drawn(runs.mean(axis=0), curve.stride, POINTS))
+
+
+def panels_of(combination: Curved, points: int = POINTS) -> tuple[CurvePanel, CurvePanel] | None:
     """A panel for the baseline and one for the proposed reward; None without a finished pair."""
     baseline, proposed = combination.baseline_index, combination.proposed_index
     if baseline is None or proposed is None:
         return None
     curves, seeds = combination.curves, combination.seeds
     return (
-        CurvePanel("Baseline", combination.baseline, curves[BB], seeds, _marks(baseline)),
-        CurvePanel("Proposed", combination.proposed, curves[KK], seeds, _marks(proposed)),
+        panel_of("Baseline", combination.baseline, curves[BB], baseline, seeds, points),
+        panel_of("Proposed", combination.proposed, curves[KK], proposed, seeds, points),
     )
+
+
+def _drawn(values: Float, stride: int, most: int) -> Drawn:
+    points = select_points(values, most)
+    return Drawn((points * stride).astype(np.float64), values[points])
 
 
 def step_range(panels: Sequence[CurvePanel]) -> tuple[float, float]:
     """The steps that all panels span."""
-    return 0.0, float(max(panel.curve.index.steps for panel in panels) - 1)
+    return 0.0, float(max(panel.index.steps for panel in panels) - 1)
 
 
 def reward_range(panels: Sequence[CurvePanel]) -> tuple[float, float]:
     """The range from the lowest to the highest value of all panels and 0, with some margin."""
-    low = min(0.0, *(float(panel.runs.min()) for panel in panels))
-    high = max(0.0, *(float(panel.runs.max()) for panel in panels))
+    low = min(0.0, *(float(run.values.min()) for panel in panels for run in panel.runs))
+    high = max(0.0, *(float(run.values.max()) for panel in panels for run in panel.runs))
     air = 0.04 * (high - low) or 1.0
     return low - air, high + air
-
-
-def _marks(index: Index) -> dict[str, int]:
-    steps = {"first negative": index.first_negative, "cross-over": index.crossover}
-    return {name: step for name, step in steps.items() if step is not None}

@@ -11,8 +11,8 @@ FARTHEST = 30.0
 TICKS = ((0.45, (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9)), (1.0, (1, 1.5, 2, 3, 5, 7)), (2.2, (1, 2, 5)))
 """Which digits are marked if the axis spans at most so many decades. On a longer axis only powers of ten are marked."""
 
-ROOM = 32
-"""The fewest characters that have room along the axis, since long names may stand beside it."""
+ROOM = 26
+"""The fewest characters that have room along the axis, since numbers with their intervals may stand beside it."""
 
 
 def is_drawable(ratio: Ratio) -> bool:

@@ -6,11 +6,10 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.report.figures.panel import CurvePanel
-from harness.report.figures.points import POINTS, select_points
 
 OMEGA_1, OMEGA_2 = "Ω₁", "Ω₂"
-ROOM = 0.02
-"""A region gets its name written into it if it spans at least this share of an axis."""
+ROOM = (0.02, 0.08)
+"""A region gets its name written into it if it spans at least these shares of both axes."""
 
 
 class Region(NamedTuple):
@@ -30,16 +29,15 @@ class Region(NamedTuple):
         at = int(np.searchsorted(done, done[-1] / 2.0))
         return float(self.x[at : at + 2].mean()), float(self.y[at : at + 2].mean() / 2.0)
 
-    def has_room(self, last: float) -> bool:
-        """Whether the region's name can be written into it, on an axis of steps that ends at `last`."""
-        return float(self.x[-1] - self.x[0]) >= ROOM * last
+    def has_room(self, steps: float, height: float) -> bool:
+        """Whether the region's name can be written into it, on axes of so many steps and of that height."""
+        return float(np.ptp(self.x)) >= ROOM[0] * steps and float(np.ptp(self.y)) >= ROOM[1] * height
 
 
-def regions_of(panel: CurvePanel, points: int = POINTS) -> list[Region]:
-    """Both regions of a panel's mean curve, of which `points` are drawn. A region without any area is left out."""
-    drawn = select_points(panel.mean, points)
-    steps, values = (drawn * panel.stride).astype(np.float64), panel.mean[drawn]
-    is_sum = panel.curve.kind == "accumulated"
+def regions_of(panel: CurvePanel) -> list[Region]:
+    """Both regions of a panel's mean curve as it is drawn. A region without any area is left out."""
+    steps, values = panel.mean
+    is_sum = panel.kind == "accumulated"
     parts = _around_zero(steps, values) if is_sum else _around_crossover(panel, steps, values)
     found = [Region(name, *_trim(*part)) for name, part in zip((OMEGA_1, OMEGA_2), parts, strict=True)]
     return [region for region in found if len(region.x) > 1]
@@ -56,7 +54,7 @@ def _around_zero(steps: Float, values: Float) -> list[tuple[Float, Float]]:
 
 def _around_crossover(panel: CurvePanel, steps: Float, values: Float) -> list[tuple[Float, Float]]:
     """The regions before and after the cross-over, as indices with per-step curves are summed."""
-    index = panel.curve.index
+    index = panel.index
     end = -1 if index.first_negative is None else index.steps if index.crossover is None else index.crossover
     return [(steps[side], values[side]) for side in (steps <= end, steps > end)]
 

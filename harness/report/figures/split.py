@@ -3,13 +3,13 @@
 from collections.abc import Iterable, Iterator
 
 from harness.eta.splits import Split
-from harness.report.figures.chart import Axis, Chart, Dots, Line, Mark, Word
+from harness.report.figures.chart import Axis, Chart, Dots, Line, Mark, Note
 from harness.report.figures.ratio_axis import interval_ends, is_drawable, named_ticks, ratio_range
-from harness.report.figures.split_rows import SplitRow, has_parts, split_rows
+from harness.report.figures.split_rows import PATHS, SplitRow, has_parts, split_rows
 from harness.report.rows.comparison import better_of, ratio_with_interval
 
-LOWEST = 7.1
-"""Place of the axis, counted down from the top."""
+ROW, AIR = 24.0, 0.9
+"""Height of a row, [px]; space above the first and below the last one, in rows."""
 
 
 def draw_split(name: str, split: Split) -> Chart | None:
@@ -17,10 +17,13 @@ def draw_split(name: str, split: Split) -> Chart | None:
     rows = split_rows(name, split)
     if not has_parts(rows):
         return None
-    names = tuple((-row.place, row.label) for row in rows)
+    lowest = rows[-1].place + AIR
+    names = [(-row.place, row.label.partition(",")[0]) for row in rows]
+    names += [(-top, where) for where, top in PATHS if top < lowest]
     ratios = ratio_axis(name, rows)
-    marks = [mark for row in rows for mark in (*draw_ratio(row, ratios), _number(row))]
-    return Chart(ratios, Axis(-LOWEST, 0.9, "", names, has_grid=False), tuple(marks), height=262.0)
+    marks = [mark for row in rows for mark in (*draw_ratio(row, ratios), number_of(row))]
+    places = Axis(-lowest, AIR, "", tuple(names), has_grid=False)
+    return Chart(ratios, places, tuple(marks), height=ROW * (lowest + AIR))
 
 
 def ratio_axis(name: str, rows: Iterable[SplitRow]) -> Axis:
@@ -40,8 +43,6 @@ def draw_ratio(row: SplitRow, axis: Axis) -> Iterator[Mark]:
     yield Dots([row.ratio.value], [-row.place], row.colour, (told,), row.shape, row.is_open, 4.5)
 
 
-def _number(row: SplitRow) -> Word:
-    """The number and its interval above the point; a word if there is no point."""
-    if not is_drawable(row.ratio) or row.ratio.value is None:
-        return Word(1.0, -row.place, ratio_with_interval(row.ratio), "start")
-    return Word(row.ratio.value, -row.place, ratio_with_interval(row.ratio), rise=13.0)
+def number_of(row: SplitRow) -> Note:
+    """The number and its interval at the right of the panel, or the word that stands in its place."""
+    return Note(-row.place, ratio_with_interval(row.ratio))

@@ -8,6 +8,9 @@ from harness.report.figures.chart import Shape
 from harness.report.figures.ratio_axis import is_drawable
 from harness.report.rows.comparison import ratio_text
 
+PATHS = (("proposed runs", 3.5), ("baseline's runs", 6.7))
+"""The names of both paths, and where their rows begin, counted down from the top."""
+
 
 class SplitRow(NamedTuple):
     """One ratio of a split."""
@@ -27,13 +30,13 @@ def split_rows(name: str, split: Split) -> list[SplitRow]:
     """An eta, its split, and both paths whose mean the split is, from top to bottom."""
     rows = [
         SplitRow(name, split.eta, 0.0, "ink", "circle"),
-        SplitRow("ruler", split.ruler, 1.3, "ruler", "square"),
+        SplitRow("ruler", split.ruler, 1.2, "ruler", "square"),
         SplitRow("behaviour", split.behaviour, 2.2, "behaviour", "diamond"),
     ]
-    for place, (where, path) in enumerate(zip(("proposed runs", "baseline's runs"), split.paths, strict=False)):
+    for (where, top), path in zip(PATHS, split.paths, strict=False):
         rows += [
-            SplitRow(f"ruler, {where}", path.ruler, 3.5 + 2.2 * place, "ruler", "square", True),
-            SplitRow(f"behaviour, {where}", path.behaviour, 4.4 + 2.2 * place, "behaviour", "diamond", True),
+            SplitRow(f"ruler, {where}", path.ruler, top + 0.9, "ruler", "square", True),
+            SplitRow(f"behaviour, {where}", path.behaviour, top + 1.9, "behaviour", "diamond", True),
         ]
     return rows
 

@@ -3,13 +3,25 @@
 Each is an SVG file with all that tells what it shows. `missing` tells of cells that are not done.
 """
 
-from harness.report.figures.accumulated import draw_panels
-from harness.report.figures.learning import describe_learning, draw_learning, learning_heading, learning_names
-from harness.report.figures.points import FEWEST, POINTS
+from collections.abc import Iterator, Mapping
+from typing import TypeAlias
+
+import numpy as np
+
+from harness.eta.splits import Split
+from harness.report.figures.accumulated import draw_both
+from harness.report.figures.learning import (
+    describe_learning,
+    draw_learning,
+    flat_text,
+    learning_heading,
+    learning_names,
+)
+from harness.report.figures.panel import CurvePanel, reward_range
 from harness.report.figures.race import draw_race
 from harness.report.figures.split import draw_split
 from harness.report.figures.split_rows import describe_split
-from harness.report.rows.behaviour import text_of
+from harness.report.rows.behaviour import Text, percentage, text_of
 from harness.report.rows.comparison import format_number, rewards_text, seeds_text
 from harness.report.rows.numbers import splits_of
 from harness.report.rows.race import TITLE as RACE_TITLE
@@ -19,12 +31,11 @@ from harness.report.summary.svg import INTERVALS, TitledChart, draw_svg
 from harness.results.comparison import Comparison
 from harness.results.learning import Learning
 
-OF_ALL_RUNS = 8_000
-"""The most points of all runs in a figure together, about 70 kB."""
-LEARNING_WIDTH, LEARNING_HEIGHT = 720.0, 250.0
-"""Width of the figure of learning, and height of its panels, [px]."""
 PANELS = 3
-"""How many panels it has, side by side."""
+"""How many panels the figure of learning has at most."""
+Panels: TypeAlias = tuple[CurvePanel, CurvePanel]
+FLAT = 0.03
+"""Curves that span less of the axis than this share look like a line."""
 RUNS = (
     "Thin: one run per seed. Thick: their mean, which the indices are taken from. Shaded: Ω₁ below 0, which I_N sums, "
     "and Ω₂ above 0, which I_P sums."
@@ -32,15 +43,29 @@ RUNS = (
 LEARNING = "Lines: means over seeds. Bands: 95% intervals."
 
 
-def runs_file(combination: Comparison, missing: str = "") -> bytes | None:
-    """The figure of accumulated reward: all runs and their mean, a panel per reward; None without a finished pair."""
-    runs = 2 * max(1, len(combination.seeds))
-    charts = draw_panels(combination, max(FEWEST, min(POINTS, OF_ALL_RUNS // runs)))
-    if charts is None:
+def runs_file(combination: Comparison, panels: Panels | None, missing: str = "", note: str = "") -> bytes | None:
+    """The figure of accumulated reward: all runs and their mean, a panel per reward; None without a finished pair.
+
+    Args:
+        combination: What was compared.
+        panels: Its curves; None if they are not known.
+        missing: Which of its cells are not done.
+        note: What else there is to say about the curves.
+    """
+    if panels is None:
         return None
     headings = (f"Baseline: {combination.baseline}", f"Proposed: {combination.proposed}")
-    panels = [TitledChart(heading, chart) for heading, chart in zip(headings, charts, strict=True)]
-    return _file("Accumulated reward", combination, missing, panels, [RUNS])
+    titled = [TitledChart(heading, chart) for heading, chart in zip(headings, draw_both(panels), strict=True)]
+    return _file("Accumulated reward", combination, missing, titled, [RUNS, *_flat(panels), *filter(None, [note])])
+
+
+def _flat(panels: Panels) -> Iterator[str]:
+    """What is said of curves that are a line on the scale that both panels have."""
+    low, high = reward_range(panels)
+    for panel in panels:
+        values = np.concatenate([run.values for run in panel.runs])
+        if np.ptp(values) < FLAT * (high - low):
+            yield f"On the scale of both panels the curves of {panel.reward} cannot be told from a line."
 
 
 def split_file(combination: Comparison, missing: str = "") -> bytes | None:
@@ -55,8 +80,12 @@ def split_file(combination: Comparison, missing: str = "") -> bytes | None:
     ]
     if not panels:
         return None
-    told = [describe_split(name, split) for name, split in splits.items()]
+    told = [describe_split(name, split) if drawn[name] else _not_drawn(name, split) for name, split in splits.items()]
     return _file("Ruler x behaviour", combination, missing, panels, [*told, INTERVALS])
+
+
+def _not_drawn(name: str, split: Split) -> str:
+    return f"{name} is not drawn: {split.eta.note or 'no part has a number'}."
 
 
 def race_file(told: RaceTold) -> bytes:
@@ -64,21 +93,40 @@ def race_file(told: RaceTold) -> bytes:
     return draw_svg(RACE_TITLE, [RACE_TITLE, told.sentence], [TitledChart("", draw_race(told))])
 
 
-def learning_file(combination: Comparison, learning: Learning, missing: str = "") -> bytes | None:
-    """The figure of the first measures over environment steps, under both rewards; None if none is known."""
-    names = learning_names(learning, combination)[:PANELS]
-    if not names:
+def measures_of(combination: Comparison, learning: Learning | None) -> dict[str, bool]:
+    """The measures that the figure of learning shows, and whether each is written as a percentage."""
+    names = learning_names(learning, combination)[:PANELS] if learning else []
+    shares = [it.name for it in combination.changes_of(combination.manner) if text_of(it) is percentage]
+    return {name: name in shares for name in names}
+
+
+def learning_file(
+    combination: Comparison, learning: Learning, measures: Mapping[str, bool], missing: str = ""
+) -> bytes | None:
+    """The figure of some measures over environment steps, under both rewards; None if nothing happens in any.
+
+    Args:
+        combination: What was compared.
+        learning: How it learned.
+        measures: See `measures_of`.
+        missing: Which of its cells are not done.
+    """
+    flat = {name: flat_text(learning, name, text) for name, text in _texts(measures).items()}
+    texts = {name: text for name, text in _texts(measures).items() if not flat[name]}
+    if not texts:
         return None
-    texts = {change.name: text_of(change) for change in combination.changes_of(combination.manner)}
-    of_each = {name: texts.get(name, format_number) for name in names}
-    charts = {name: draw_learning(learning, name, text) for name, text in of_each.items()}
-    told = [f"{learning_heading(name)}: {describe_learning(learning, name, text)}" for name, text in of_each.items()]
-    width = LEARNING_WIDTH / len(names)
-    panels = [
-        TitledChart(learning_heading(name), chart._replace(width=width, height=LEARNING_HEIGHT))
-        for name, chart in charts.items()
-    ]
-    return _file("Learning", combination, missing, panels, [LEARNING, *told])
+    told = [f"{learning_heading(name)}: {describe_learning(learning, name, text)}" for name, text in texts.items()]
+    panels = [TitledChart(learning_heading(name), draw_learning(learning, name, it)) for name, it in texts.items()]
+    return _file("Learning", combination, missing, panels, [LEARNING, *told, *filter(None, flat.values())])
+
+
+def flat_words(learning: Learning, measures: Mapping[str, bool]) -> str:
+    """What is said in the place of a figure of learning in which nothing happens; empty where nothing is known."""
+    return " ".join(filter(None, (flat_text(learning, name, text) for name, text in _texts(measures).items())))
+
+
+def _texts(measures: Mapping[str, bool]) -> dict[str, Text]:
+    return {name: percentage if is_share else format_number for name, is_share in measures.items()}
 
 
 def _file(what: str, combination: Comparison, missing: str, panels: list[TitledChart], notes: list[str]) -> bytes:

@@ -39,7 +39,7 @@ from harness.text import visible
 
 SIDES = ("baseline", "proposed", "random")
 Pictures: TypeAlias = Mapping[str, str]
-"""Paths of a combination's figures, by what they show."""
+"""The lines with a combination's figures, or the words in their place, by what they show."""
 
 SHOWN = {
     "runs": "Accumulated reward of every run and their mean",
@@ -59,9 +59,9 @@ def write_markdown(results: Results, overview: str, pictures: Sequence[Pictures]
 
     Args:
         results: The results of the experiment.
-        overview: Path of the figure of all combinations; empty if there is none.
+        overview: The line with the figure of all combinations; empty if there is none.
         pictures: The pictures of each combination.
-        race: Path of the figure of the race for the best reward; empty if there is none.
+        race: The line with the figure of the race for the best reward; empty if there is none.
     """
     combinations = results.combinations
     parts = [
@@ -73,8 +73,8 @@ def write_markdown(results: Results, overview: str, pictures: Sequence[Pictures]
         *_overview(results, overview),
         *pooled_part(combinations),
     ]
-    for number, (combination, paths) in enumerate(zip(combinations, pictures, strict=True), 1):
-        parts += _section(results, number, combination, paths)
+    for number, (combination, lines) in enumerate(zip(combinations, pictures, strict=True), 1):
+        parts += _section(results, number, combination, lines)
     unfinished = [f"* {escape(line)}" for line in remarks_on_cells(results)]
     parts += ["## Remarks", "\n".join(unfinished)] if unfinished else []
     return "\n\n".join([*parts, *what_it_took(results)]) + "\n"
@@ -87,13 +87,13 @@ def pooled_part(combinations: Sequence[Comparison]) -> list[str]:
     return [f"## {POOLED_TITLE}", "\n".join(lines), POOLED] if answers else []
 
 
-def _race(results: Results, path: str) -> list[str]:
+def _race(results: Results, picture: str) -> list[str]:
     """Who is the best, in a race for the best reward."""
     told = race_told(results)
     if told is None:
         return []
     table = markdown_table(told.grid.headings, told.grid.rows)
-    return [f"## {RACE_TITLE}", f"**{escape(told.sentence)}**", table, RACE, f"![{RACE_TITLE}]({path})"]
+    return [f"## {RACE_TITLE}", f"**{escape(told.sentence)}**", table, RACE, picture]
 
 
 def what_it_took(results: Results) -> list[str]:
@@ -103,7 +103,7 @@ def what_it_took(results: Results) -> list[str]:
     return ["## What it took", _effort(results), *([markdown_table(("", "", "cells"), rows)] if rows else [])]
 
 
-def _overview(results: Results, path: str) -> list[str]:
+def _overview(results: Results, picture: str) -> list[str]:
     combinations = results.combinations
     if not combinations:
         return ["No combination: nothing is planned under a baseline and another reward."]
@@ -117,7 +117,7 @@ def _overview(results: Results, path: str) -> list[str]:
     parts = [markdown_table(headings, rows), f"{scales_text(results.subject)} {SPLIT} {what_decides(results.subject)}"]
     if not any(combination.seeds for combination in combinations):
         parts.append("No combination is finished: no seed is done under both of its rewards.")
-    return [*parts, f"![eta of every combination, with ruler and behaviour]({path})"] if path else parts
+    return [*parts, picture] if picture else parts
 
 
 def _row(number: int, combination: Comparison, has_returns: bool, missing: str) -> tuple[str, ...]:
@@ -147,7 +147,7 @@ def _parts(split: Split) -> str:
     return f"{ratio_text(split.ruler)} x {ratio_text(split.behaviour)}"
 
 
-def _section(results: Results, number: int, combination: Comparison, paths: Pictures) -> list[str]:
+def _section(results: Results, number: int, combination: Comparison, pictures: Pictures) -> list[str]:
     """Both answers, what they rest on, every remark, and the figures."""
     title = f"## {number}. {combination.group.title}: {rewards_text(combination)}"
     headline = combination.headline
@@ -155,7 +155,6 @@ def _section(results: Results, number: int, combination: Comparison, paths: Pict
     shown = (*behaviour_grids(combination), along_grid(combination), *numbers) if combination.seeds else ()
     tables = [part for grid in shown if grid.rows for part in (grid.title, markdown_table(grid.headings, grid.rows))]
     notes = [f"* {escape(note)}" for grid in shown for note in grid.notes]
-    images = [f"![{SHOWN[what]}]({path})" for what, path in paths.items()]
     parts = [
         escape(title),
         *(f"**{escape(mixture.text)}.**" for mixture in combination.mixtures),
@@ -164,7 +163,7 @@ def _section(results: Results, number: int, combination: Comparison, paths: Pict
         escape(combination.speed_text),
         escape(headline.number and f"The number: {headline.number}"),
     ]
-    return [part for part in [*parts, *tables, "\n".join(notes), *images] if part]
+    return [part for part in [*parts, *tables, "\n".join(notes), *pictures.values()] if part]
 
 
 def _effort(results: Results) -> str:

@@ -6,11 +6,12 @@ from typing import NamedTuple
 
 from harness.eta.splits import no_splits
 from harness.report.apart import tell_apart
-from harness.report.figures.chart import Axis, Chart, Dots, Line, Mark, Note
+from harness.report.figures.chart import Axis, Chart, Dots, Line, Mark
 from harness.report.figures.draw import CHARACTER
-from harness.report.figures.split import draw_ratio, ratio_axis
+from harness.report.figures.ratio_axis import is_drawable
+from harness.report.figures.split import draw_ratio, number_of, ratio_axis
 from harness.report.figures.split_rows import SplitRow
-from harness.report.rows.comparison import BETTER, ratio_text, scales_text
+from harness.report.rows.comparison import BETTER, scales_text
 from harness.report.rows.numbers import splits_of
 from harness.report.summary.svg import INTERVALS, TitledChart, draw_svg
 from harness.results.comparison import Comparison
@@ -21,7 +22,7 @@ LINE = 18.0
 """Distance from one number to the next, [px]."""
 AIR = 0.8
 """Space between two combinations, in lines."""
-WIDTH = 340.0
+WIDTH = 400.0
 """Width of a panel with its numbers, [px]."""
 LEGEND = {"eta": "eta, equal to", "ruler": "ruler times", "behaviour": "behaviour"}
 
@@ -45,7 +46,7 @@ class Row(NamedTuple):
 
 
 def draw_overview(combinations: Sequence[Comparison], missing: Sequence[str]) -> bytes | None:
-    """A row per combination, as SVG; None without a combination that has a finished pair.
+    """A row per combination, as SVG; None if no combination has a ratio that can be drawn.
 
     Args:
         combinations: Rows, from top to bottom; one without a finished pair has a row too.
@@ -56,10 +57,27 @@ def draw_overview(combinations: Sequence[Comparison], missing: Sequence[str]) ->
     shared, names = name_apart(combinations)
     labels = [_label(*given) for given in zip(names, combinations, missing, strict=True)]
     rows = list(_rows(combinations, labels))
-    of = ["eta"] if any(it.main for it in combinations) else list(BETTER)
-    panels = [TitledChart(name, _chart(name, rows, is_first=number == 0)) for number, name in enumerate(of)]
+    returned = ["eta"] if any(it.main for it in combinations) else []
+    of = returned if _is_drawn("eta", rows) else [*returned, *BETTER]
+    drawn = [name for name in of if _is_drawn(name, rows)]
+    if not drawn:
+        return None
+    panels = [TitledChart(name, _chart(name, rows)) for name in drawn]
     title = "eta = ruler x behaviour of every combination"
-    return draw_svg(title, (title, shared), panels, [scales_text(combinations[0].group.subject), INTERVALS])
+    left_out = [_not_drawn(name, rows) for name in of if name not in drawn]
+    notes = [*left_out, scales_text(combinations[0].group.subject), INTERVALS]
+    return draw_svg(title, (title, shared), panels, notes)
+
+
+def _is_drawn(name: str, rows: Sequence[Row]) -> bool:
+    """Whether there is anything to show in the panel of an eta."""
+    return any(is_drawable(part.ratio) for row in rows for part in _split(row, name))
+
+
+def _not_drawn(name: str, rows: Sequence[Row]) -> str:
+    """Why an eta has no panel, in words."""
+    reasons = dict.fromkeys(note for row in rows if (note := _split(row, name)[0].ratio.note))
+    return f"{name} is not drawn, no combination has a number that says something: {'; '.join(reasons)}."
 
 
 def name_apart(combinations: Sequence[Comparison]) -> tuple[str, list[str]]:
@@ -91,12 +109,12 @@ def _rows(combinations: Sequence[Comparison], labels: Sequence[list[str]]) -> It
         top = bottom
 
 
-def _chart(name: str, rows: Sequence[Row], is_first: bool) -> Chart:
-    """The panel of an eta; the first one has the names of the rows."""
+def _chart(name: str, rows: Sequence[Row]) -> Chart:
+    """The panel of an eta."""
     parts = [part for row in rows for part in _split(row, name)]
     ratios = ratio_axis(name, parts)
-    names = [place for row in rows for place in _places(row)] if is_first else []
-    between = [Line([ratios.low, ratios.high], [-row.top] * 2, "ruler", width=0.5) for row in rows[1:]]
+    names = [place for row in rows for place in _places(row)]
+    between = [Line([ratios.low, ratios.high], [-row.top] * 2, "random", width=0.5) for row in rows[1:]]
     width = WIDTH + CHARACTER * max((len(line) for _, line in names), default=0)
     height = rows[-1].bottom
     places = Axis(-height, 0.0, "", tuple(names), has_grid=False)
@@ -125,4 +143,4 @@ def _marks(parts: Iterable[SplitRow], ratios: Axis) -> Iterator[Mark]:
     for part in parts:
         for mark in draw_ratio(part, ratios):
             yield mark._replace(legend=LEGEND[part.label]) if isinstance(mark, Dots) else mark
-        yield Note(-part.place, ratio_text(part.ratio))
+        yield number_of(part)

@@ -17,17 +17,23 @@ from harness.report.figures.draw import (
     figure_height,
     legend_of,
     panel_left,
+    set_text,
+    width_of,
 )
 from harness.report.figures.palette import light_colours
+from harness.report.typography import typeset
 from harness.text import visible
 
 CREATOR = "harness report --summary"
 """The creator that is written into every figure. It tells which figures in a folder are ours."""
 INTERVALS = "Bars: 95% intervals over seeds; one that ends at the edge of its panel goes on."
 RULES = Path(__file__).parent.parent / "figures" / "chart.css"
-FONT = "font-family: system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
-EDGE, BETWEEN = 16.0, 24.0
-"""Margins around the figure and between its panels, [px]."""
+FONT = (
+    "font-family: system-ui, -apple-system, 'Segoe UI', Roboto, 'Noto Sans', 'Liberation Sans', "
+    "'Helvetica Neue', Arial, sans-serif"
+)
+EDGE = 16.0
+"""Margin around the figure, [px]."""
 LINE = 18.0
 """Height of a line of text, [px]."""
 BOLD = 1.12
@@ -43,15 +49,15 @@ class TitledChart(NamedTuple):
 
 
 def draw_svg(title: str, headline: Sequence[str], panels: Sequence[TitledChart], notes: Sequence[str] = ()) -> bytes:
-    """A figure as a file: the headline, the panels side by side, one legend for all, notes.
+    """A figure as a file: the headline, the panels one below the other, which a phone shows too, one legend, notes.
 
     Args:
         title: What it shows, for those who cannot see it.
         headline: Paragraphs; the first is bold.
-        panels: The panels from left to right, at least one.
+        panels: The panels from top to bottom, at least one.
         notes: Paragraphs below.
     """
-    width = 2 * EDGE + sum(panel.chart.width for panel in panels) + BETWEEN * (len(panels) - 1)
+    width = 2 * EDGE + max(panel.chart.width for panel in panels)
     svg = Element("svg", {"xmlns": "http://www.w3.org/2000/svg", "class": "chart", "style": FONT, "role": "img"})
     SubElement(svg, "title").text = visible(title)
     SubElement(svg, "metadata").text = CREATOR
@@ -67,7 +73,7 @@ def draw_svg(title: str, headline: Sequence[str], panels: Sequence[TitledChart],
         y = _write(svg, EDGE, y, text, room)
     height = y + EDGE
     svg.attrib.update({"viewBox": f"0 0 {width:g} {height:g}", "width": f"{width:g}", "height": f"{height:g}"})
-    ElementTree.indent(svg, space="")  # a line for each element: what changed can be seen
+    _indent(svg)
     text = ElementTree.tostring(svg, encoding="unicode")
     return f"{text}\n".encode()
 
@@ -78,19 +84,24 @@ def chart_style() -> str:
     return re.sub(r"var\(--([\w-]+)\)", lambda name: colours[name[1]], rules)
 
 
+def _indent(svg: Element) -> None:
+    """Give each element a line, so that what changed can be seen; a text with subscripts stays in one."""
+    ElementTree.indent(svg, space="")
+    for text in svg.iter("text"):
+        text.text = (text.text or "").strip("\n")
+        for piece in text:
+            piece.tail = None
+
+
 def _draw_panels(svg: Element, panels: Sequence[TitledChart], y: float, title: str) -> float:
-    """Draw headings, then charts, whose horizontal axes are level; returns where they end."""
-    x, tops = EDGE, []
+    """Draw each heading and its chart below; returns where they end."""
     for panel in panels:
         left = panel_left(panel.chart)
-        tops.append(_write(svg, x + left, y, panel.heading, panel.chart.width - left, is_bold=True))
-        x += panel.chart.width + BETWEEN
-    x, bottom = EDGE, max(tops) + max(figure_height(panel.chart) for panel in panels)
-    for panel in panels:
+        y = _write(svg, EDGE + left, y, panel.heading, panel.chart.width - left, is_bold=True)
         figure, height = draw_figure(panel.chart, panel.heading or title), figure_height(panel.chart)
-        _place(svg, figure, x, bottom - height, (panel.chart.width, height))
-        x += panel.chart.width + BETWEEN
-    return bottom + LINE / 2
+        _place(svg, figure, EDGE, y, (panel.chart.width, height))
+        y += height + LINE / 2
+    return y
 
 
 def _draw_legend(svg: Element, panels: Sequence[TitledChart], y: float, room: float) -> float:
@@ -101,7 +112,7 @@ def _draw_legend(svg: Element, panels: Sequence[TitledChart], y: float, room: fl
             named.setdefault(name, mark)
     x = EDGE
     for name, mark in named.items():
-        taken = SAMPLE[0] + 6.0 + CHARACTER * len(name)
+        taken = SAMPLE[0] + 6.0 + width_of(name)
         if x > EDGE and x + taken > EDGE + room:
             x, y = EDGE, y + LINE
         _place(svg, draw_sample(mark), x, y + (LINE - SAMPLE[1]) / 2, SAMPLE)
@@ -117,9 +128,11 @@ def _place(svg: Element, figure: Element, x: float, y: float, size: tuple[float,
 
 def _write(svg: Element, x: float, y: float, text: str, room: float, is_bold: bool = False) -> float:
     """Write as many lines as the text needs; returns where they end."""
-    for line in textwrap.wrap(visible(text), int(room / (CHARACTER * (BOLD if is_bold else 1.0)))):
+    printed = typeset(visible(text))
+    character = max(CHARACTER, width_of(printed) / max(1, len(printed))) * (BOLD if is_bold else 1.0)
+    for line in textwrap.wrap(printed, int(room / character)):
         element = SubElement(svg, "text", {"x": f"{x:g}", "y": f"{y + 0.75 * LINE:g}"})
-        element.text = line
+        set_text(element, line)
         if is_bold:
             element.set("font-weight", "bold")
         y += LINE

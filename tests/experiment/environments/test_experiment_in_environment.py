@@ -597,7 +597,16 @@ def test_records_hold_what_the_report_says(folder: Path, tmp_path: Path, report:
     """JSON, a row for each cell, and the comparisons as a table; they are read without any cell."""
     target = tmp_path / "records"
     report(folder, "--summary", target)
-    kept = {"experiment.toml", "results.json", "cells.csv", "curves.parquet", "figures", "summary.md"}
+    kept = {
+        "experiment.toml",
+        "results.json",
+        "cells.csv",
+        "curves.parquet",
+        "runs.parquet",
+        "figures.json",
+        "figures",
+        "summary.md",
+    }
     assert {path.name for path in target.iterdir()} == kept
     told = json.loads((target / "results.json").read_text())
     assert told == json.loads(report(folder, "--json"))

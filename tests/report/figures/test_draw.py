@@ -176,3 +176,14 @@ def test_axes_have_readable_numbers():
     """Thousands apart, shares as percentages."""
     assert [text for _, text in linear_axis(0.0, 20_000.0, "", 5).ticks] == ["0", "5,000", "10,000", "15,000", "20,000"]
     assert [text for _, text in share_axis("").ticks] == ["0%", "25%", "50%", "75%", "100%"]
+
+
+def test_a_symbol_has_a_subscript():
+    """Lowered and smaller; what follows stands where the text began."""
+    (text,) = (
+        it for it in draw_figure(Chart(PLAIN, UP, (Word(5.0, 0.0, "eta_N = 2 x I_P"),)), "").iter("text") if len(it)
+    )
+    assert "".join(text.itertext()) == "ηN = 2 × IP"
+    assert [(it.text, it.get("dy"), it.get("font-size")) for it in text] == [
+        ("N", "3", "75%"), (" = 2 × I", "-3", None), ("P", "3", "75%"),
+    ]  # fmt: skip

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from harness.eta.curve import Kind, curve_of
-from harness.report.figures.panel import CurvePanel
+from harness.report.figures.panel import CurvePanel, panel_of
 from harness.report.figures.regions import OMEGA_1, OMEGA_2, regions_of
 
 VALUES = st.lists(st.integers(-9, 9).map(float), min_size=2, max_size=40)
@@ -15,7 +15,8 @@ VALUES = st.lists(st.integers(-9, 9).map(float), min_size=2, max_size=40)
 def panel(curve: list[float], kind: Kind = "accumulated") -> CurvePanel:
     """One run whose curve this is."""
     rewards = np.array(curve) if kind == "per-step" else np.diff(curve, prepend=0.0)
-    return CurvePanel("Baseline", "baseline", curve_of([rewards], kind), (0,), {})
+    whole = curve_of([rewards], kind)
+    return panel_of("Baseline", "baseline", whole, whole.index, (0,))
 
 
 def regions(curve: list[float], kind: Kind = "accumulated"):
@@ -79,7 +80,8 @@ def test_per_step_curve_without_crossover_is_one_region(curve: list[float], name
 
 
 def test_region_of_few_steps_has_no_room_for_its_name():
-    """Below a fiftieth of the axis: the name would cover more than the region."""
+    """Below a fiftieth of the axis, or if it is flat: the name would cover more than the region."""
     (region,) = regions_of(panel([0.0, -1.0, 0.0]))
-    assert region.has_room(100.0)
-    assert not region.has_room(101.0)
+    assert region.has_room(100.0, 12.0)
+    assert not region.has_room(101.0, 12.0)
+    assert not region.has_room(100.0, 13.0)

@@ -1,6 +1,6 @@
 import numpy as np
 
-from harness.report.figures.chart import Dots, Line, Word
+from harness.report.figures.chart import Dots, Line, Note, Word
 from harness.report.figures.split import draw_split
 from harness.report.figures.split_rows import describe_split
 
@@ -35,7 +35,7 @@ def test_near_zero_is_a_word_in_the_figure(build):
     """A ratio that says little is no point: it would stretch the axis."""
     _, drawn = figures(build(baseline=(9, 9), proposed={"arp": (1, 3_000)}, seeds=2))
     chart = drawn["eta_P"]
-    assert [word.text for word in marks(chart, Word)].count("near zero") == 6
+    assert [note.text for note in marks(chart, Note)].count("near zero") == 6
     assert len(marks(chart, Dots)) == 1
     assert chart.x.high < 10.0
 
@@ -43,7 +43,7 @@ def test_near_zero_is_a_word_in_the_figure(build):
 def test_missing_part_is_a_word_in_the_figure(build):
     """What has no value is n/a in its row; what has one is still drawn."""
     _, drawn = figures(build(baseline=(39, 0)))
-    assert sorted(word.text for word in marks(drawn["eta_P"], Word)) == ["1.89", *["n/a"] * 6]
+    assert sorted(note.text for note in marks(drawn["eta_P"], Note)) == ["1.89", *["n/a"] * 6]
 
 
 def test_one_seed_has_points_without_bars(build):
@@ -72,4 +72,15 @@ def test_words_say_the_same(build):
     both, drawn = figures(build())
     text = describe_split("eta_P", both["eta_P"])
     assert text == "eta_P 1.89 = ruler 1.89 x behaviour 1.00; interaction 1.00."
-    assert all(word.text.split()[0] in text for word in marks(drawn["eta_P"], Word)[:3])
+    assert all(note.text.split()[0] in text for note in marks(drawn["eta_P"], Note)[:3])
+
+
+def test_numbers_stand_in_a_column_beside_the_panel(build):
+    """One for each row, at its height, and no text over a mark; each path has a heading."""
+    _, drawn = figures(build())
+    chart = drawn["eta_N"]
+    assert [note.y for note in marks(chart, Note)] == [dots.y[0] for dots in marks(chart, Dots)]
+    assert marks(chart, Word) == []
+    assert [name for _, name in chart.y.ticks] == [
+        *["eta_N", "ruler", "behaviour"], *["ruler", "behaviour"] * 2, "proposed runs", "baseline's runs",
+    ]  # fmt: skip

@@ -1,12 +1,15 @@
 """What the figures of a summary say."""
 
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 
 import pytest
 
+from harness.eta.seed_mean import SeedMean
+from harness.report.figures.panel import panels_of
 from harness.report.figures.regions import OMEGA_1, OMEGA_2
 from harness.report.figures.split_rows import split_rows
-from harness.report.summary.figures import learning_file, runs_file, split_file
+from harness.report.summary.figures import flat_words, learning_file, measures_of, runs_file, split_file
 from harness.results.learning import learning_of
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -14,7 +17,13 @@ SVG = "{http://www.w3.org/2000/svg}"
 
 def words(svg):
     """Every text of a figure, in order."""
-    return [node.text for node in ET.fromstring(svg).iter(f"{SVG}text")]
+    return ["".join(node.itertext()) for node in ET.fromstring(svg).iter(f"{SVG}text")]
+
+
+def runs_of(results, missing=""):
+    """The figure of accumulated reward of the only combination."""
+    (combination,) = results.combinations
+    return runs_file(combination, panels_of(combination), missing)
 
 
 def strokes(svg, colour, width):
@@ -27,7 +36,7 @@ def strokes(svg, colour, width):
 
 def test_every_run_and_the_mean_are_drawn(build):
     """Thin and thick, in the two colours of the report."""
-    svg = runs_file(build(seeds=3).combinations[0])
+    svg = runs_of(build(seeds=3))
     for colour in ("baseline", "proposed"):
         assert strokes(svg, colour, "1") == 3
         assert strokes(svg, colour, "3") == 1
@@ -35,7 +44,7 @@ def test_every_run_and_the_mean_are_drawn(build):
 
 def test_marks_of_both_panels_are_named(build):
     """First negative and cross-over, each with its step; what never happens has no mark."""
-    told = words(runs_file(build(proposed={"arp": (0, 39)}).combinations[0]))
+    told = words(runs_of(build(proposed={"arp": (0, 39)})))
     assert [text for text in told if "step" in text] == [
         "environment step",
         "first negative: step 1",
@@ -46,13 +55,20 @@ def test_marks_of_both_panels_are_named(build):
 
 def test_regions_of_the_indices_are_named(build):
     """In each panel those that have an area."""
-    told = words(runs_file(build(proposed={"arp": (0, 39)}).combinations[0]))
+    told = words(runs_of(build(proposed={"arp": (0, 39)})))
     assert [text for text in told if text in (OMEGA_1, OMEGA_2)] == [OMEGA_1, OMEGA_2, OMEGA_2]
+
+
+def test_curves_that_look_like_a_line_are_told(build):
+    """Both panels have one scale; the mutant: curves that are as high as the other ones."""
+    told = " ".join(words(runs_of(build(baseline=(3_000, 30_000), proposed={"arp": (1, 3)}, seeds=2))))
+    assert "the curves of arp cannot be told from a line" in told
+    assert "cannot be told from a line" not in " ".join(words(runs_of(build(seeds=2))))
 
 
 def test_figure_stands_alone(build):
     """What it is, what was compared where, over which seeds, and what is missing."""
-    told = words(runs_file(build().combinations[0], "1 failed of 8 cells"))
+    told = words(runs_of(build(), "1 failed of 8 cells"))
     assert told[:3] == [
         "Accumulated reward",
         "mujoco · sac · fd100 · fd100-reach",
@@ -64,13 +80,13 @@ def test_figure_stands_alone(build):
 def test_no_pair_no_figures(build):
     """Without a finished pair there is nothing to draw."""
     (combination,) = build(seeds=1, ended={("arp", 0): ("failed", "it broke")}).combinations
-    assert runs_file(combination) is split_file(combination) is None
+    assert runs_file(combination, panels_of(combination)) is split_file(combination) is None
 
 
 def test_split_has_every_number_with_its_interval(build):
     """As the table says them."""
     told = words(split_file(build(proposed={"arp": (5, 34)}).combinations[0]))
-    assert {"eta_N = ruler x behaviour", "eta_P = ruler x behaviour"} <= set(told)
+    assert {"ηN = ruler × behaviour", "ηP = ruler × behaviour"} <= set(told)
     assert sum(text.endswith("]") and "[" in text for text in told) == 14
 
 
@@ -95,17 +111,18 @@ def test_unsplit_combination_has_no_split(build):
 
 @pytest.fixture
 def learned(build):
-    """A combination that was evaluated while learning, and how it learned."""
+    """A combination that was evaluated while learning, how it learned, and the measures that are shown."""
     results = build(learned={10: 1})
     (combination,) = results.combinations
-    return combination, learning_of(results, combination)
+    learning = learning_of(results, combination)
+    return combination, learning, measures_of(combination, learning)
 
 
 def test_learning_names_its_curves(learned):
     """Both rewards and the floor, in the legend, and in words below."""
     told = words(learning_file(*learned))
-    assert {"baseline", "arp", "random actions", "success rate", "100%"} <= set(told)
-    assert any(text.startswith("Success rate while learning: baseline 25.0% after 10 steps") for text in told)
+    assert {"baseline", "arp", "random actions", "success rate", "100\u202f%"} <= set(told)
+    assert any(text.startswith("Success rate while learning: baseline 25.0\u202f% after 10 steps") for text in told)
 
 
 def test_learning_shows_intervals(learned):
@@ -116,5 +133,21 @@ def test_learning_shows_intervals(learned):
 
 def test_learning_without_success_is_not_drawn(learned):
     """Where that metric is not installed."""
-    combination, learning = learned
-    assert learning_file(combination, type(learning)(learning.baseline, learning.proposed, {})) is None
+    combination, learning, _ = learned
+    nothing = type(learning)(learning.baseline, learning.proposed, {})
+    assert learning_file(combination, nothing, measures_of(combination, nothing)) is None
+
+
+def level(curve):
+    """The same curve at 0."""
+    points = {name: tuple(it._replace(value=SeedMean(0.0)) for it in points) for name, points in curve.points.items()}
+    return replace(curve, points=points)
+
+
+def test_learning_in_which_nothing_happens_is_words(learned):
+    """The mutant of a flat line: its figure goes, and the words have its value."""
+    combination, learning, measures = learned
+    flat = replace(learning, baseline=level(learning.baseline), proposed=level(learning.proposed))
+    assert learning_file(combination, flat, measures) is None
+    assert flat_words(flat, measures).startswith("Success rate while learning: 0.0% under both rewards at each of 2 ")
+    assert flat_words(learning, measures) == ""

@@ -11,7 +11,9 @@ def drawn(results, missing=None):
     """The texts of the overview, and the classes of what is drawn in it."""
     told = missing or [""] * len(results.combinations)
     svg = ET.fromstring(draw_overview(results.combinations, told))
-    return [node.text for node in svg.iter(f"{SVG}text")], [node.get("class") for node in svg.iter(f"{SVG}path")]
+    return ["".join(node.itertext()) for node in svg.iter(f"{SVG}text")], [
+        node.get("class") for node in svg.iter(f"{SVG}path")
+    ]
 
 
 def test_overview_has_a_row_per_combination(build):
@@ -28,8 +30,8 @@ def test_each_ratio_has_a_point_and_its_interval(build):
     for colour in ("ink", "ruler", "behaviour"):
         assert kinds.count(f"dot {colour}") == 2 + 1
         assert kinds.count(f"line {colour}") == 2
-    assert [text for text in told if text in ("eta, equal to", "ruler times", "behaviour")] == [
-        "eta, equal to",
+    assert [text for text in told if text in ("η, equal to", "ruler times", "behaviour")] == [
+        "η, equal to",
         "ruler times",
         "behaviour",
     ]
@@ -46,4 +48,17 @@ def test_overview_says_once_what_is_shared(build):
 def test_no_pair_no_overview(build):
     """Without a finished pair there is nothing to draw."""
     results = build(seeds=1, ended={("arp", 0): ("failed", "it broke")})
+    assert draw_overview(results.combinations, [""]) is None
+
+
+def test_an_eta_without_a_number_is_words(build):
+    """No empty panel: a note says why."""
+    told, kinds = drawn(build(baseline=(39, 0)))
+    assert kinds.count("axis") == 1
+    assert any(text.startswith("ηP is not drawn, no combination has a number") for text in told)
+
+
+def test_no_number_no_overview(build):
+    """Where neither eta has one."""
+    results = build(baseline=(40, 0), proposed={"arp": (0, 0)})
     assert draw_overview(results.combinations, [""]) is None

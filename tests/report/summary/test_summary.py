@@ -26,6 +26,8 @@ def test_folder_has_every_record(summarise):
         "results.json",
         "cells.csv",
         "curves.parquet",
+        "runs.parquet",
+        "figures.json",
         "summary.md",
         "figures/overview.svg",
         *(f"figures/{STEM}.{what}.svg" for what in ("runs", "split", "learning")),
@@ -78,7 +80,15 @@ def test_same_results_give_the_same_bytes(build, tmp_path):
 def test_no_finished_combination_is_a_summary_too(summarise):
     """It has every record, and no figure."""
     left = names(summarise(ended={("arp", seed): ("failed", "it broke") for seed in range(3)}))
-    assert left == {"experiment.toml", "results.json", "cells.csv", "curves.parquet", "summary.md"}
+    assert left == {
+        "experiment.toml",
+        "results.json",
+        "cells.csv",
+        "curves.parquet",
+        "runs.parquet",
+        "figures.json",
+        "summary.md",
+    }
 
 
 def test_null_control_has_figures(summarise):

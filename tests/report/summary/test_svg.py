@@ -85,13 +85,14 @@ def test_legend_has_every_name_once(figure):
     assert len(samples) == 1
 
 
-def test_horizontal_axes_are_level():
-    """Though one panel has a text above it, and the other one a long heading."""
+def test_panels_stand_below_one_another():
+    """Each where the one above it ended, so that a phone shows them as large as a page does."""
     flagged = CHART._replace(marks=(Flag(0.5, "here", 1),))
     svg = ET.fromstring(draw_svg("a title", ("first",), [TitledChart("one", flagged), TitledChart(LABEL, CHART)]))
-    ends = [float(node.get("y")) + float(node.get("height")) for node in svg if node.get("role") == "img"]
-    assert len(ends) == 2
-    assert ends[0] == ends[1]
+    one, other = (node for node in svg if node.get("role") == "img")
+    assert one.get("x") == other.get("x")
+    assert float(one.get("y")) + float(one.get("height")) < float(other.get("y"))
+    assert float(svg.get("width")) < 1.1 * CHART.width
 
 
 def test_samples_of_dots_are_drawn():
@@ -112,3 +113,9 @@ def test_same_numbers_same_bytes(figure):
     """There is no date and no random id."""
     again = draw_svg("a title", ("first", LABEL), [TitledChart("one", CHART), TitledChart(LABEL, CHART)], [LABEL])
     assert figure == again
+
+
+def test_a_subscript_stands_beside_its_symbol():
+    """No line break of the file comes between them: it would be a space."""
+    svg = ET.fromstring(draw_svg("a title", ("eta_N of it",), [TitledChart("one", CHART)]))
+    assert [it for it in ("".join(node.itertext()) for node in svg.iter(f"{SVG}text")) if "η" in it] == ["ηN of it"]

@@ -1,0 +1,60 @@
+"""Numbers, signs and symbols as print has them."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from harness.report.typography import Piece, pieces_of, to_html, typeset
+
+
+@pytest.mark.parametrize(
+    ("plain", "printed"),
+    [
+        ("ruler x behaviour", "ruler × behaviour"),
+        ("-78.9 [-80, -.5]", "−78.9 [−80, −.5]"),
+        ("99 -> 100 %", "99 → 100\u202f%"),
+        ("95% intervals", "95\u202f% intervals"),
+        ("0.37 s instead of 0.86 s", "0.37\u202fs instead of 0.86\u202fs"),
+        ("p <= 0.05", "p ≤ 0.05"),
+        ("1e-4, 1e5 and -3.2e-05", "10⁻⁴, 10⁵ and −3.2 × 10⁻⁵"),
+        ("9.81 m/s^2, rad^-1", "9.81\u202fm/s², rad⁻¹"),
+    ],
+)
+def test_a_sign_is_set(plain: str, printed: str):
+    """What a keyboard lacks."""
+    assert typeset(plain) == printed
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["arp:k2=-2", "sac:lr=3e-4", "x [m]", "two-sided", "2026-11-24", "0-9", "3 steps", "10 seeds", "1e-4x", "-"],
+)
+def test_what_people_type_stays(text: str):
+    """The mutants: labels, dates, ranges and words that look like signs or units."""
+    assert typeset(text) == text
+
+
+@pytest.mark.parametrize(
+    ("text", "pieces"),
+    [
+        ("eta_N = ruler x 2", [Piece("η"), Piece("N", True), Piece(" = ruler × 2")]),
+        ("I_P", [Piece("I"), Piece("P", True)]),
+        ("the mean: eta", [Piece("the mean: η")]),
+        ("beta, my_eta_N and eta:k=2", [Piece("beta, my_eta_N and eta:k=2")]),
+        ("", []),
+    ],
+)
+def test_a_symbol_has_its_subscript(text: str, pieces: list[Piece]):
+    """A word that only contains one stays."""
+    assert pieces_of(text) == pieces
+
+
+def test_html_is_escaped_and_has_subscripts():
+    """A label cannot become a tag."""
+    assert to_html("eta_P of <b>") == "η<sub>P</sub> of &lt;b&gt;"
+
+
+@given(st.text(alphabet="x-><=e^0159.% msN_IPetaη[](", max_size=30))
+def test_setting_again_changes_nothing(text: str):
+    """A text may pass through twice."""
+    assert typeset(typeset(text)) == typeset(text)
