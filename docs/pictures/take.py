@@ -4,9 +4,8 @@
     harness run --sim mujoco --algo sac-fast --reward arp,dense --steps 10000 --out first
     python docs/pictures/take.py my-first first --chromium /usr/bin/chromium
 
-It needs Playwright and Pillow, of the extras dev and video, and a Chromium. Each picture has 128 colours, to keep it
-small. The films, `reach.gif` and those of the studies, are made by `harness video`. `reach.png` is how that film
-begins.
+It needs Playwright and Pillow, of the extras dev and video, and a Chromium. The films, `reach.gif` and those of the
+studies, are made by `harness video`. `reach.png` is how that film begins.
 """
 
 import argparse
@@ -18,7 +17,7 @@ from PIL import Image
 from playwright.sync_api import Page, sync_playwright
 
 HERE = Path(__file__).parent
-WIDTH, HEIGHT, COLOURS, AIR = 1080, 900, 128, 16
+WIDTH, HEIGHT, COLOURS, AIR = 1200, 900, 128, 16
 
 
 def main() -> None:
@@ -33,13 +32,13 @@ def main() -> None:
         browser = playwright.chromium.launch(executable_path=given.chromium, args=flags)
         page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT}, color_scheme="light")
         page.goto((given.demo / "report.html").resolve().as_uri())
-        _take(page, "demo", "h1", "#combination-1 .verdict")
+        page.wait_for_timeout(2000)  # the arms are drawn
+        _take(page, "demo", "h1", ".card")
         page.goto((given.first / "report.html").resolve().as_uri() + "#replay-1")
-        page.wait_for_timeout(3000)  # the replay draws its first episode
-        _take(page, "first-answer", "h1", "#combination-1 .verdict")
-        _take(page, "first-verdict", "#title-2", "#combination-2 .verdict")
-        _take(page, "first-number", "#combination-1 figure:has-text('eta_P = ruler') >> nth=0")
-        _take(page, "first-replay", "#replay-title", "#replay-player")
+        page.wait_for_timeout(3000)
+        _take(page, "first-answer", "h1", ".comparison >> nth=1")
+        _take(page, "first-number", "#number ~ .panels >> nth=1")
+        _take(page, "first-replay", "#see", "#replay-player")
         browser.close()
     _take_end("reach")
 
@@ -56,7 +55,7 @@ def _take(page: Page, name: str, first: str, last: str = "") -> None:
     bottom = end["y"] + end["height"]
     clip: Any = {"x": 0, "y": top["y"] - AIR, "width": WIDTH, "height": bottom - top["y"] + 2 * AIR}
     shot = Image.open(io.BytesIO(page.screenshot(full_page=True, clip=clip)))
-    shot.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE).save(HERE / f"{name}.png", optimize=True)
+    shot.convert("RGB").save(HERE / f"{name}.png", optimize=True)
 
 
 def _box(page: Page, selector: str) -> Any:
