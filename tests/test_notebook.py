@@ -11,21 +11,24 @@ NOTEBOOK = Path(__file__).parent.parent / "examples" / "first-steps.ipynb"
 CODE = [it for it in json.loads(NOTEBOOK.read_text(encoding="utf-8"))["cells"] if it["cell_type"] == "code"]
 
 
-def run_cells(cells: list[dict[str, Any]]) -> tuple[dict[str, Any], list[str]]:
-    """What the cells leave, and the text of each one's last expression, as a notebook shows it."""
+def run_cells(cells: list[dict[str, Any]]) -> tuple[dict[str, Any], list[tuple[str, str]]]:
+    """What the cells leave, and each one's last expression: its text, and its HTML if it has some."""
     seen: dict[str, Any] = {}
     shown = []
     for cell in cells:
         *before, last = ast.parse("".join(cell["source"])).body
         exec(compile(ast.Module(before, []), str(NOTEBOOK), "exec"), seen)
         assert isinstance(last, ast.Expr)
-        shown.append(repr(eval(compile(ast.Expression(last.value), str(NOTEBOOK), "eval"), seen)))
+        value = eval(compile(ast.Expression(last.value), str(NOTEBOOK), "eval"), seen)
+        html = getattr(value, "_repr_html_", None)
+        shown.append((repr(value), html() if html else ""))
     return seen, shown
 
 
-def kept_texts(cells: list[dict[str, Any]]) -> list[str]:
-    """The committed text of each cell; a notebook breaks a long dict into lines."""
-    return ["".join(it["outputs"][0]["data"]["text/plain"]).replace("\n", "") for it in cells]
+def kept(cells: list[dict[str, Any]]) -> list[tuple[str, str]]:
+    """The committed text and HTML of each cell; a notebook breaks a long dict into lines."""
+    told = [it["outputs"][0]["data"] for it in cells]
+    return [("".join(it["text/plain"]).replace("\n", ""), "".join(it.get("text/html", ""))) for it in told]
 
 
 def test_notebook_runs_and_its_outputs_are_those_of_today(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
@@ -35,7 +38,7 @@ def test_notebook_runs_and_its_outputs_are_those_of_today(tmp_path: Path, monkey
     split = seen["split"]
     assert round(split.ruler.value, 9) == round(split.eta.value, 9) == 1.5
     assert seen["results"].folder == Path("first-steps")
-    assert shown == kept_texts(CODE)
+    assert shown == kept(CODE)
 
 
 def test_first_output_is_a_table():
