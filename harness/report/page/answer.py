@@ -39,7 +39,7 @@ class Card(NamedTuple):
     sure: str
     """What decided, how sure it is, and whether the robot learns faster; empty where nothing decided."""
     pay: str = ""
-    """How much more an episode is paid, up to a colon if `parts` follow."""
+    """How much more an episode is paid, without the end of the sentence."""
     is_ruler: bool = False
     """Whether nearly all of that is the ruler."""
     why: str = ""
@@ -61,7 +61,7 @@ def card_of(comparison: Comparison, name: str) -> Card:
     pay, faster = pay_of(comparison), _learns(comparison.speed_ruling)
     if faster:
         card = card._replace(sure=f"{card.sure} {faster}".lstrip())
-    return card if pay is None else _with_pay(card, pay)
+    return card if pay is None else _with_pay(card, pay, found.answer)
 
 
 def _learns(ruling: Ruling | None) -> str:
@@ -131,12 +131,17 @@ NOTES = {"ruler": "same movements, other counting", "behaviour": "other movement
 """What the parts of the pay are."""
 
 
-def _with_pay(card: Card, pay: Pay) -> Card:
+AGAINST = {(Answer.HURTS, True): ", for worse behaviour", (Answer.HELPS, False): ", for better behaviour"}
+"""What is added where the pay goes the other way than the behaviour."""
+
+
+def _with_pay(card: Card, pay: Pay, answer: Answer) -> Card:
     farthest = max((abs(part.size) for part in pay.parts), default=0.0)
     parts = tuple(
         Row(it.name, NOTES[it.name], draw_part(it.size, farthest, it.name), it.text, it.name) for it in pay.parts
     )
-    return card._replace(pay=pay.told, is_ruler=pay.is_ruler, why=pay.why, parts=parts)
+    told = pay.told if pay.grows is None else pay.told + AGAINST.get((answer, pay.grows), "")
+    return card._replace(pay=told, is_ruler=pay.is_ruler, why=pay.why, parts=parts)
 
 
 def groups_of(cards: Sequence[Card], comparisons: Sequence[Comparison]) -> list[dict[str, Any]]:

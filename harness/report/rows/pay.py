@@ -34,6 +34,8 @@ class Pay(NamedTuple):
     """The ruler and the behaviour; empty where they are not known."""
     why: str
     """Why there are no parts, in a sentence; empty where there are."""
+    grows: bool | None = None
+    """Whether an episode is paid more; None where the number is none of episodes."""
 
     @property
     def is_ruler(self) -> bool:
@@ -54,7 +56,9 @@ def pay_of(comparison: Comparison) -> Pay | None:
     if split is not None:
         proposed, baseline = (format_number(split.returns[pair].mean) for pair in (KK, BB))
         sides = f"An episode is paid {proposed} instead of {baseline}"
-        return _ratio(f"{sides}: {{}} times as much", split.ratio) or _difference(sides, split)
+        pay = _ratio(f"{sides}: {{}} times as much", split.ratio) or _difference(sides, split)
+        change = split.total.change.mean
+        return pay and pay._replace(grows=None if not change else change > 0.0)
     named = {"eta_P": "What was earned (I_P)", "eta_N": "What was lost (I_N)"}
     of_index = (_ratio(f"{told} is {{}} times as large", comparison.splits[name]) for name, told in named.items())
     return next((it for it in of_index if it is not None), None)

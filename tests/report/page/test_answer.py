@@ -96,3 +96,21 @@ def test_what_cannot_be_told_is_told_once(build):
     assert re.match(
         r"(Their trainings are not enough: it takes [\d,]+ to [\d,]+ of each|Nothing decides)", told["CANNOT TELL"]
     )
+
+
+FAILED = {"arp": lambda seed: (), "baseline": lambda seed: (5, 6, 7, 8)}
+
+
+@pytest.mark.parametrize(
+    ("curves", "reached", "told"),
+    [
+        ({"baseline": (1, 20), "proposed": {"arp": (20, 1)}}, HELPED, "times as much, for better behaviour"),
+        ({"baseline": (1, 20), "proposed": {"arp": (20, 1)}}, FAILED, "times as much, for worse behaviour"),
+        ({}, {}, "times as much"),
+    ],
+    ids=["less for better", "more for worse", "cannot tell"],
+)
+def test_pay_that_goes_the_other_way_than_the_behaviour_is_told(build, curves, reached, told):
+    """In a word; where nothing decided about the behaviour, there is none."""
+    (combination,) = build(seeds=6, reached=reached, **curves).combinations
+    assert card_of(combination, "arp").pay.endswith(told)
