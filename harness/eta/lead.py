@@ -143,7 +143,7 @@ def at_most_text(deciding: Sequence[Compared]) -> str:
         return ""
     first, *others = most
     name, _, amount = first.partition(" by ")
-    return f"So far, {' and '.join([f'{name} differs by {amount}', *others])}, up or down."
+    return f"So far, {' and '.join([f'{name} differs by {amount}', *others])}, either way."
 
 
 def _at_most(change: Compared) -> str:

@@ -97,7 +97,7 @@ def test_how_large_a_difference_can_be_is_told_either_way():
     """Of each measure that has an interval."""
     later = change(TIME, [1.0, 1.2, 1.1], [1.3, 1.0, 1.2])
     assert re.fullmatch(
-        r"So far, success differs by at most \d+ points and time to target by at most [\d.]+ s, up or down\.",
+        r"So far, success differs by at most \d+ points and time to target by at most [\d.]+ s, either way\.",
         at_most_text([OPEN, later]),
     )
     assert at_most_text([change(SUCCESS, [0.5], [0.6])]) == ""

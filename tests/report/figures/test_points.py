@@ -17,7 +17,7 @@ def test_drawn_points_keep_the_extremes(count):
 
 
 def test_single_spike_survives():
-    """One step that sticks out of a flat run is drawn, up or down."""
+    """One step that sticks out of a flat run is drawn, either way."""
     values = np.zeros(50_000)
     values[12_345], values[40_001] = 1.0, -1.0
     assert {12_345, 40_001} <= set(select_points(values).tolist())

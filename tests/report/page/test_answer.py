@@ -40,7 +40,7 @@ def test_a_card_without_an_answer_says_how_large_the_difference_can_be(build):
     """And no measure decides."""
     (combination,) = build().combinations
     card = card_of(combination, "arp")
-    assert re.fullmatch(r"So far, success differs by at most \d+ points, up or down\.", card.sure)
+    assert re.fullmatch(r"So far, success differs by at most \d+ points, either way\.", card.sure)
     assert {row.note for row in card.rows} == {""}
 
 
