@@ -534,7 +534,9 @@ def test_the_report_is_printed(folder: Path, report: Callable[..., str]):
 def test_the_report_is_a_page(folder: Path, tmp_path: Path, report: Callable[..., str]):
     """That of recorded trainings."""
     report(folder, "--html", tmp_path / "page.html")
-    assert "right against near" in (tmp_path / "page.html").read_text()
+    page = (tmp_path / "page.html").read_text()
+    assert "each compared with near" in page
+    assert "</b> right</h2>" in page
 
 
 @pytest.fixture
