@@ -114,10 +114,9 @@ def _clear_of_zero(changes: Sequence[Compared], ruling: Ruling) -> str:
     if not clear or ruling.corrected is None:
         return ""
     names, p = " and ".join(map(name_of, clear)), 100.0 * ruling.corrected
-    return (
-        f"The bar of {names} misses the line. But with all bars of this page, luck alone shows one like it in {p:.0f} "
-        "of 100 experiments."
-    )
+    several = len(changes) > 1 or ruling.asked > 1
+    test = "with all bars of this page" if several else "by the exact test"
+    return f"The bar of {names} misses the line, but {test} luck shows one like it in {p:.0f} of 100 experiments."
 
 
 def _luck(p: float) -> str:
@@ -129,8 +128,6 @@ def _luck(p: float) -> str:
 
 NOTES = {"ruler": "same movements, other counting", "behaviour": "other movements, same counting"}
 """What the parts of the pay are."""
-
-
 AGAINST = {(Answer.HURTS, True): ", for worse behaviour", (Answer.HELPS, False): ", for better behaviour"}
 """What is added where the pay goes the other way than the behaviour."""
 

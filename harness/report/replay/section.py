@@ -20,7 +20,6 @@ TEMPLATE = HERE / "replay.html.j2"
 FULL = 32_767
 """Values are scaled to whole numbers up to this, by their column's largest. A unit is 1e-4 rad for a joint."""
 
-TITLE = "Replay"
 EXPLANATION = (
     "Episodes of the final evaluations, drawn from the recorded joint positions: both policies began in the same pose "
     "with the same target (green). Line: the way of the end effector. Drag to turn the view."
@@ -33,7 +32,6 @@ class Replay(NamedTuple):
     html: str
     style: str
     script: str
-    title: str = TITLE
     explanation: str = EXPLANATION
 
 

@@ -49,8 +49,10 @@ def test_a_bar_that_misses_the_line_without_an_answer_has_its_reason(helped):
     whole = replace(helped, ruling=replace(helped.ruling, corrected=0.128, of_measures=(0.128,)))
     card = card_of(whole, "arp")
     assert card.answer == "CANNOT TELL"
-    assert "The bar of success misses the line." in card.sure
-    assert "luck alone shows one like it in 13 of 100 experiments" in card.sure
+    assert "The bar of success misses the line, " in card.sure
+    assert "but by the exact test luck shows one like it in 13 of 100 experiments" in card.sure
+    asked = replace(whole, ruling=replace(whole.ruling, asked=2))
+    assert "but with all bars of this page luck" in card_of(asked, "arp").sure
 
 
 def test_only_what_a_test_decided_is_coloured(build, helped):
