@@ -64,6 +64,7 @@ def test_its_command_runs(installed: dict[str, str]):
     assert _python(installed, "-m", "harness", "wary-reaches") == "1.54 m\n"
 
 
+@pytest.mark.slow
 def test_its_tests_pass(installed: dict[str, str]):
     """With the old names of the contract kit, and names of checks by ``check.__name__``."""
     options = ["-q", "-p", "no:cacheprovider", "-c", os.devnull, "--rootdir", str(PACKAGE)]
