@@ -4,12 +4,12 @@
 and words stay as they are. What the page does not show is not drawn.
 """
 
-import json
 import re
 import sys
 from pathlib import Path
 
 from harness.errors import UsageError
+from harness.files.bounded import parse_json, reading
 from harness.report.summary.drawing import DRAWN, FIGURES, FORMAT, draw_figures
 from harness.report.summary.files import put_files
 from harness.report.summary.runs import RUNS, read_runs
@@ -22,15 +22,17 @@ def redraw(folder: Path) -> None:
     """Draw the figures of a record again. A figure that has nothing to show becomes words on the page, or goes.
 
     Raises:
-        UsageError: The folder has no such record, one without the curves of its runs, or one of a newer version.
+        UsageError: The folder has no such record, one without the curves of its runs, a damaged one, or one of a newer
+            version.
     """
     missing = [name for name in (RECORD, SUMMARY, DRAWN, RUNS) if not (folder / name).is_file()]
     if missing:
         raise UsageError(f"'{folder}' lacks {', '.join(missing)}: name a folder that `harness report --summary` wrote")
-    record, told = (json.loads((folder / name).read_text(encoding="utf-8")) for name in (RECORD, DRAWN))
-    if told["format"] > FORMAT:
-        raise UsageError(f"'{folder / DRAWN}' was written by a newer version: update this one")
-    drawn = draw_figures(record, told, read_runs((folder / RUNS).read_bytes()))
+    with reading(folder, "record", UsageError):
+        record, told = (parse_json((folder / name).read_bytes()) for name in (RECORD, DRAWN))
+        if told["format"] > FORMAT:
+            raise UsageError(f"'{folder / DRAWN}' was written by a newer version: update this one")
+        drawn = draw_figures(record, told, read_runs((folder / RUNS).read_bytes()))
     page = (folder / SUMMARY).read_text(encoding="utf-8")
     shown = {path: svg for path, svg in drawn.files.items() if f"]({path})" in page}
     page = PICTURE.sub(lambda found: found[0] if found[1] in shown else drawn.words.get(found[1], ""), page)
@@ -40,6 +42,8 @@ def redraw(folder: Path) -> None:
 
 if __name__ == "__main__":
     try:
+        if not sys.argv[1:]:
+            raise UsageError("Name the folders whose figures are drawn: python -m harness.report.redraw FOLDER ...")
         for name in sys.argv[1:]:
             redraw(Path(name))
     except UsageError as error:

@@ -71,6 +71,23 @@ def test_a_record_without_curves_is_refused(summary: Path):
     assert files_of(summary) == before
 
 
+@pytest.mark.parametrize("name", ["results.json", "figures.json", "runs.parquet"])
+def test_a_damaged_record_is_refused(summary: Path, name: str):
+    """In one line, and nothing is written."""
+    (summary / name).write_bytes((summary / name).read_bytes()[:20])
+    before = files_of(summary)
+    with pytest.raises(UsageError, match="is no readable record"):
+        redraw(summary)
+    assert files_of(summary) == before
+
+
+def test_no_folder_is_a_usage_error():
+    """Nothing was drawn, and nobody should think so."""
+    ended = subprocess.run([sys.executable, "-m", "harness.report.redraw"], capture_output=True, text=True, check=False)
+    assert (ended.returncode, ended.stdout) == (2, "")
+    assert ended.stderr.startswith("Name the folders")
+
+
 def test_a_newer_version_is_told_in_one_line(summary: Path):
     """With exit status 2, as of every command."""
     told = (summary / "figures.json").read_text()

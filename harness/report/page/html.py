@@ -248,13 +248,12 @@ def _downloads(results: Results) -> list[Download]:
 
 
 def _ranking(results: Results) -> dict[str, Any] | None:
-    """The order of the rewards in all places; None if there is only one comparison, which has no order."""
-    if len(results.combinations) < 2:
-        return None
+    """The order of the rewards in all places; None where there are not several of both."""
     ranking = ranking_of(results)
+    if not ranking.tasks:
+        return None
     return {
         "title": RANKING_TITLE,
-        "note": ranking.note,
         "explanation": RANKING,
         "choice": CHOICE,
         "agreement": AGREEMENT,

@@ -12,6 +12,7 @@ from harness.experiment.experiment import run
 from harness.files.keyed_file import write_keyed
 from harness.record.verify import verify
 from harness.report.page.frames import frames_of
+from harness.report.page.html import write_html
 from harness.results import load_results
 from harness.results.frames import FOREIGN, MOST_BYTES, frames_file, made_of, read_frames
 from harness.results.recordings.results import RecordedResults
@@ -63,6 +64,20 @@ def test_the_page_has_both_sides(results: RecordedResults):
     assert [side.title for side in strips.sides] == ["Baseline: near", "Proposed: right"]
     assert all(side.source.startswith("data:image/webp;base64,") for side in strips.sides)
     assert all("Pictures after 0, " in side.told for side in strips.sides)
+
+
+@pytest.mark.parametrize("most", [2, 0], ids=["few", "many"])
+def test_a_page_holds_each_picture_once(
+    results: RecordedResults, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, most: int
+):
+    """However many comparisons there are: the still of the first screen is cut out of it, and leads to it."""
+    monkeypatch.setattr("harness.report.page.html.OPEN", most)
+    write_html(results, tmp_path / "page.html")
+    page = (tmp_path / "page.html").read_text(encoding="utf-8")
+    assert page.count("data:image/webp") == 2
+    for name in ("strip-1-1", "strip-1-2"):
+        assert page.count(f'id="{name}"') == page.count(f'data-strip="{name}"') == 1
+    assert page.count('href="#strip-1-1"') == 1
 
 
 def test_kept_pictures_are_whole(results: RecordedResults):

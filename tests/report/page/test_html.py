@@ -22,14 +22,14 @@ class Page(HTMLParser):
 
     def __init__(self, text):
         super().__init__()
-        self.links, self.tags, self.ids, self.figures, self.words = [], [], set(), [], []
+        self.links, self.tags, self.names, self.figures, self.words = [], [], [], [], []
         self._inside = ""
         self.feed(text)
 
     def handle_starttag(self, tag, attributes):
         """Note what the element is and where it points."""
         self.tags.append(tag)
-        self.ids |= {value for name, value in attributes if name == "id"}
+        self.names += [value for name, value in attributes if name == "id"]
         self.links += [value for name, value in attributes if name in LOADING]
         if tag == "svg" and (label := dict(attributes).get("aria-label")):
             self.figures.append(label)
@@ -43,6 +43,11 @@ class Page(HTMLParser):
         """Keep visible words."""
         if not self._inside:
             self.words += data.split()
+
+    @property
+    def ids(self):
+        """The places that have a name."""
+        return set(self.names)
 
     @property
     def text(self):
@@ -167,6 +172,14 @@ def test_what_is_empty_is_left_out(build, write):
     page = write(build(seeds=1, ended={("arp", 0): ("failed", "it broke")}))
     assert not {"learning", "number", "see"} & page.ids
     assert "form" not in page.tags
+
+
+@pytest.mark.parametrize("simulators", [("mujoco",), ("mujoco", "pybullet", "kinematic")])
+def test_every_place_has_a_name_of_its_own(build, write, simulators):
+    """And every link within the page leads to one of them, or into the replay."""
+    page = write(build(simulators=simulators, learned={10: 1}))
+    assert len(page.names) == len(set(page.names))
+    assert {link.removeprefix("#") for link in page.links if not link.startswith("#replay-")} <= page.ids
 
 
 def test_decided_answers_come_first(build, write):
