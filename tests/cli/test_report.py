@@ -3,6 +3,8 @@ import json
 
 import pytest
 
+from tests.report.summary.kept import RECORDS
+
 
 @pytest.fixture
 def experiment(finished):
@@ -138,16 +140,7 @@ def test_summary_goes_where_it_is_told(harness, experiment, tmp_path):
     answer = harness("report", experiment, "--summary", "records/kept")
     assert (answer.status, answer.out, answer.err) == (0, "", "Summary: records/kept\n")
     left = {path.name for path in (tmp_path / "records" / "kept").iterdir()}
-    assert left == {
-        "experiment.toml",
-        "results.json",
-        "cells.csv",
-        "curves.parquet",
-        "runs.parquet",
-        "figures.json",
-        "summary.md",
-        "figures",
-    }
+    assert left == {*RECORDS, "figures"}
 
 
 def test_summary_holds_what_json_prints(harness, experiment, tmp_path):

@@ -48,6 +48,7 @@ from harness.results import Results, load_results
 from harness.results.load import require_arm
 from harness.results.two_experiments import Between, Verdict, between
 from harness_plugins.exporters.csv_runs import write_runs
+from tests.report.summary.kept import RECORDS
 
 TOY = Path(__file__).with_name("toy.py")
 STEPS = 32
@@ -599,16 +600,7 @@ def test_records_hold_what_the_report_says(folder: Path, tmp_path: Path, report:
     """JSON, a row for each cell, and the comparisons as a table; they are read without any cell."""
     target = tmp_path / "records"
     report(folder, "--summary", target)
-    kept = {
-        "experiment.toml",
-        "results.json",
-        "cells.csv",
-        "curves.parquet",
-        "runs.parquet",
-        "figures.json",
-        "figures",
-        "summary.md",
-    }
+    kept = {*RECORDS, "figures"}
     assert {path.name for path in target.iterdir()} == kept
     told = json.loads((target / "results.json").read_text())
     assert told == json.loads(report(folder, "--json"))

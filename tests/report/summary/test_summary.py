@@ -10,6 +10,7 @@ import pytest
 from harness.errors import UsageError
 from harness.report.document import report_text
 from harness.report.summary.summary import write_summary
+from tests.report.summary.kept import RECORDS
 
 STEM = "mujoco-sac-fd100-fd100-reach-arp-against-baseline"
 
@@ -22,13 +23,7 @@ def names(folder):
 def test_folder_has_every_record(summarise):
     """Records, one page, and the figures; nothing else."""
     assert names(summarise(learned={10: 1})) == {
-        "experiment.toml",
-        "results.json",
-        "cells.csv",
-        "curves.parquet",
-        "runs.parquet",
-        "figures.json",
-        "summary.md",
+        *RECORDS,
         "figures/overview.svg",
         *(f"figures/{STEM}.{what}.svg" for what in ("runs", "split", "learning")),
     }
@@ -80,15 +75,7 @@ def test_same_results_give_the_same_bytes(build, tmp_path):
 def test_no_finished_combination_is_a_summary_too(summarise):
     """It has every record, and no figure."""
     left = names(summarise(ended={("arp", seed): ("failed", "it broke") for seed in range(3)}))
-    assert left == {
-        "experiment.toml",
-        "results.json",
-        "cells.csv",
-        "curves.parquet",
-        "runs.parquet",
-        "figures.json",
-        "summary.md",
-    }
+    assert left == RECORDS
 
 
 def test_null_control_has_figures(summarise):
