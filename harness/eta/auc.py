@@ -149,7 +149,9 @@ def _tasks(paid: Float, above: Mask, tasks: Sequence[str] | NDArray[Any] | None)
     members = []
     for rows, count in zip(both, pairs, strict=True):
         placed = _places(paid[rows], above[rows])
-        value = float(placed[above[rows]].mean())
+        below = int((~above[rows]).sum())
+        halves = np.rint(2.0 * below * placed[above[rows]]).sum()  # whole numbers: the same in every order
+        value = float(halves) / (2.0 * count)
         members.append(_Task(count / sum(pairs), rows, above[rows], placed - value, value))
     return members
 
