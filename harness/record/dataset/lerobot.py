@@ -52,6 +52,7 @@ from harness.record.dataset.lerobot_facts import (
     TASK,
     TASKS,
     Listing,
+    count_of,
     names_of,
     read_info,
     read_listing,
@@ -130,6 +131,7 @@ def open_lerobot(name: str, success: SuccessRule | None, cluster: str = "", part
         success="" if rule is None else rule.text,
         operator=cluster or next((key for key in OPERATOR_KEYS if key in told), ""),
         task=TASK if TASK in shapes else TASKS if TASKS in listing.keys else "",
+        declared_tasks=count_of(info.get("total_tasks")),
         notes=(*notes, *census.notes),
     )
     return Dataset(facts, partial(_pieces, facts, layout._replace(rule=rule)))
