@@ -114,7 +114,7 @@ def open_lerobot(name: str, success: SuccessRule | None, cluster: str = "", part
         shapes = shapes_of(path, features)
         own = own_rewards(path, info.get(OWN_REWARDS), shapes, (REWARD, *NEEDED, NEXT_STATE))
         listing, tasks = read_listing(folder), read_tasks(folder)
-    files, notes = _files(folder, info, listing)
+        files, notes = _files(folder, info, listing)
     census = _census(folder, files, shapes, listing, info, partial_is_enough)
     layout = _Layout(files, shapes, own, listing, tasks, census.episodes, None)
     told = (*layout.keys, *listing.keys)
@@ -156,9 +156,11 @@ def _files(folder: Path, info: Mapping[str, Any], listing: Listing) -> tuple[tup
     if len(found) > MOST_FILES:
         raise SchemaError(f"{folder} has {len(found):,} files, {MOST_FILES:,} are allowed")
     if {CHUNK, FILE} <= {*listing.keys} and info.get("data_path", DATA_PATH) == DATA_PATH:
-        places = {(row.get(CHUNK), row.get(FILE)) for row in listing.rows.values()}
-        if not all(isinstance(number, int) and 0 <= number < MOST_FILES for place in places for number in place):
+        rows = listing.rows.values()
+        numbers = [count_of(row.get(key)) for row in rows for key in (CHUNK, FILE)]
+        if not all(number is not None and number < MOST_FILES for number in numbers):
             raise SchemaError(f"{listing.path} names a file by {CHUNK} and {FILE} that are no numbers of files")
+        places = {(row[CHUNK], row[FILE]) for row in rows}
         named = {folder / DATA_PATH.format(chunk_index=chunk, file_index=file) for chunk, file in places}
         beside = [path for path in found if path not in named]
         found = [path for path in found if path in named]
