@@ -239,7 +239,7 @@ def test_meshes_start_at_the_folder_of_the_urdf(tmp_path: Path):
         (
             "max_speed_deg_s = [90, 180.0]",
             "",
-            "arm.urdf: joint 'elbow' has no velocity limit. Give it one, or max_speed_d",
+            "arm.urdf: joint 'elbow' has no velocity limit above 0. Write into .*: max_speed_deg_s = { elb",
         ),
         ("[90, 180.0]", "[91, 180]", "robot.toml: max_speed_deg_s of 'shoulder' is 91; the URDF allows 90."),
     ],
