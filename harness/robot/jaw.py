@@ -42,9 +42,9 @@ class Jaw:
     def warning(self, settings: Path) -> str:
         """What a user has to know, and to write into the robot.toml `settings` if it is a jaw, in one line."""
         return (
-            f"the last joint, '{self.joint}', looks like the jaw of a gripper: {', and '.join(self.reasons)}. "
-            f"It counts as a joint of the arm, and the end effector is its link '{self.tip}'. If it is a jaw, "
-            f"write into {settings}: end_effector = {json.dumps(self.palm, ensure_ascii=False)}"
+            f"the last joint, '{self.joint}', looks like the jaw of a gripper: {', '.join(self.reasons)}. The end "
+            f"effector is its link '{self.tip}'. If it is a jaw, write into {settings}: "
+            f"end_effector = {json.dumps(self.palm, ensure_ascii=False)}"
         )
 
 
@@ -65,9 +65,9 @@ def find_jaw(urdf: Urdf, chain: Chain, joints: Sequence[Joint]) -> Jaw | None:
     is_named = bool(JAW.search(last.name)) and not WRIST.search(last.name)
     frames = [link for link in _fixed_to(urdf, before.child) if TOOL.search(link)]
     reasons = [
-        *["its name says so"] * is_named,
-        *[f"link '{frame}', which it does not move, is named like the frame of a tool" for frame in frames[:1]],
-        *["it only turns its link about the end effector"] * (last.kind != "prismatic"),
+        *["it has such a name"] * is_named,
+        *[f"the tool's frame '{frame}' does not move with it" for frame in frames[:1]],
+        "it slides" if last.kind == "prismatic" else "its hinge is the end effector",
     ]
     if not is_named and not frames:
         return None

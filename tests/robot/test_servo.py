@@ -116,6 +116,7 @@ def test_drives_cannot_be_changed(tmp_path: Path):
             "",
             r"\[servo\]: missing stiffness_n_per_m of 'slide'. Give one value per",
         ),
+        ("[10, 20]", "{ shoulder = 10 }", r"\[servo\]: missing max_torque_nm of 'elbow'. Give one value per"),
         ("[10, 20]", "[10]", r"\[servo\]: max_torque_nm has 1 values for 2 turning joints. Give one per joint."),
         ("[10, 20]", "[10, 0]", r"\[servo\]: max_torque_nm of 'elbow' is 0. Give a positive value."),
         ("[100, 200]", "[-1, 2]", r"\[servo\]: stiffness_nm_per_rad of 'shoulder' is -1. Give a positive value."),
