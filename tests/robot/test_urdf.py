@@ -118,7 +118,8 @@ def test_defaults_are_those_of_the_urdf_reference():
         ('lower="-1.5"', 'lower="2.5"', "Joint 'bend' has the limits 2.5 to 2."),
         ('lower="-1.5"', 'lower="2"', "Joint 'bend' has the limits 2 to 2."),
         ('upper="2"', 'upper="inf"', "Joint 'bend' has 'inf' where a finite number belongs."),
-        ('velocity="3"', 'velocity="0"', "Joint 'bend' has the velocity limit 0."),
+        ("0 0 -2", "0 0 1_0", "Joint 'bend' has '1_0' where a finite number belongs."),
+        ('<axis xyz="0 0 -2"/>', "<axis/>", "Joint 'bend' has an <axis> without xyz."),
     ],
 )
 def test_bad_file_is_refused_in_one_line(old: str, new: str, message: str):
@@ -141,6 +142,15 @@ def test_no_root_is_refused():
     joint = '<joint name="j" type="fixed"><parent link="a"/><child link="a"/></joint>'
     with pytest.raises(UsageError, match="one root link, carried by no joint; found: none"):
         chain_of(f'<robot name="ring"><link name="a"/>{joint}</robot>', "a")
+
+
+@pytest.mark.parametrize(
+    "content", ["", "<!-- a -->", '<xacro:arm prefix="left"/>', "<xacro:macro><link/></xacro:macro>"]
+)
+def test_a_file_without_links_is_refused(content: str):
+    """It may be one for xacro, whose elements are no words of a URDF."""
+    with pytest.raises(UsageError, match="has no <link>"):
+        parse_urdf(f"<robot>{content}</robot>")
 
 
 def test_fixed_joint_needs_no_axis():
