@@ -7,7 +7,7 @@ import warnings
 from dataclasses import replace
 from pathlib import Path
 from time import monotonic
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -18,7 +18,11 @@ from harness.recorder.asked import Asked
 from harness.recorder.calls import Calls
 from harness.recorder.column import OWN, Column, columns_of, source_of
 from harness.recorder.env_facts import env_facts, versions_of
+from harness.recorder.guard import Guard, Raised, Step
+from harness.recorder.trial import Trial
 
+Place: TypeAlias = tuple[int, int, int]
+"""Env, episode, step."""
 ROWS_AT_ONCE = 256
 """Single rows become numbers of an array together, which takes half of the time."""
 
@@ -31,6 +35,8 @@ class Recorder:
         pays: Index of the column that the learner is paid; None where it is paid by the env.
         trained: Index of the column that the env should pay; None where the column is what the env pays, or differed.
         looks: Whether a function measures: it is given the observations.
+        guard: Asks the functions.
+        trial: Asks them more than once; None once that is over.
         calls: Notes what each env is told; None where its actions are not recorded.
         next_time: Of the next step.
         next_episodes: Numbers of the next episodes, (num_envs,).
@@ -56,6 +62,9 @@ class Recorder:
         self.trained = None if asked.evaluation or asked.pay or self.columns[index].is_own else index
         self.pays = index if asked.pay else None
         self.looks = any(column.measures for column in self.columns)
+        self.guard = Guard()
+        self.trial: Trial | None = Trial(env, self.guard) if self.looks else None
+        self._drew: set[str] = set()
         self._path, self._on_error, self._stopped = Path(asked.path), asked.on_error, False
         self._rows: list[list[float]] = []
         facts = TrainingFacts(
@@ -99,28 +108,74 @@ class Recorder:
         """Count an episode that is cut."""
         self._writer.facts = replace(self._writer.facts, cut=self._writer.facts.cut + 1)
 
-    def give_up(self, column: Column, env: int, episode: int, step: int, error: BaseException) -> None:
+    def give_up(self, column: Column, at: Place, reason: str, error: BaseException | None = None) -> None:
         """Note that a column has failed, and tell it.
 
         Raises:
             UsageError: The user wants errors raised, or the learner is paid by this reward.
         """
         column.given_up = True
-        failure = Failure(column.name, int(env), int(episode), int(step), one_line(error))
+        failure = Failure(column.name, *map(int, at), reason)
         self._writer.facts = replace(self._writer.facts, failures=(*self._writer.facts.failures, failure))
-        where = f"{column.noun} failed in env {env}, episode {episode}, step {step}: {one_line(error)}"
+        where = f"{column.noun} failed in {_told(at)}: {reason}"
         if self.pays is not None and column is self.columns[self.pays]:
             raise UsageError(f"{where}. It pays the learner, so the training cannot go on") from error
         self._tell(where, "The training goes on; from this step on it is recorded as NaN", error)
 
-    def tell_paid_otherwise(self, value: float, paid: float, env: int, episode: int, step: int) -> None:
+    def note(self, column: Column, told: str) -> None:
+        """Tell something of a column that goes on being recorded."""
+        line = f"{column.noun}: {told}"
+        if line not in self._writer.facts.notes:
+            self._writer.facts = replace(self._writer.facts, notes=(*self._writer.facts.notes, line))
+            warnings.warn(line, Noted, stacklevel=_depth_of_caller())
+
+    def note_draw(self, column: Column, generator: str, at: Place) -> None:
+        """Tell the first time that a function draws from a generator that the whole process shares."""
+        if column.name in self._drew:
+            return
+        self._drew.add(column.name)
+        pays = self.pays is not None and column is self.columns[self.pays]
+        kept = "It pays the learner, so this is part of the training" if pays else "The training does not notice"
+        self.note(
+            column,
+            f"it draws from {generator}, first in {_told(at)}. {kept}, but nobody can compute its numbers again. Make a "
+            "generator of its own, `self.rng = numpy.random.default_rng(0)` in reset()",
+        )
+
+    def restart(self, column: Column, place: int, at: Place, *given: Any) -> None:
+        """Tell a function with a memory that an episode starts."""
+        (found,) = self.guard.ask([column.measures[place].reset], [given])  # type: ignore[attr-defined] # it remembers
+        if self.guard.drew:
+            self.note_draw(column, self.guard.drew[0], at)
+        if isinstance(found, Raised):
+            self.give_up(column, at, one_line(found.error), found.error)
+
+    def try_again(self, column: Column, step: Step, answer: Any, at: Place) -> None:
+        """Ask a function about one of the first steps again."""
+        assert self.trial is not None
+        found = self.trial.note(column, step, answer, column.name in self._drew)
+        if found is not None:
+            self.give_up(column, at, found.told)
+
+    def end_trial(self, at: Place) -> None:
+        """Ask all functions about the first episode again, if that was not done."""
+        if self.trial is None:
+            return
+        trial, self.trial = self.trial, None
+        for found in trial.end(self.columns):
+            if found.is_wrong:
+                self.give_up(found.column, at, found.told)
+            else:
+                self.note(found.column, found.told)
+
+    def tell_paid_otherwise(self, value: float, paid: float, at: Place) -> None:
         """Note the first step in which the env paid something else than the reward named `trained_with`, and tell it.
 
         Raises:
             UsageError: The user wants errors raised.
         """
         name, self.trained = self._writer.facts.trained_with, None
-        where = f"env {env}, episode {episode}, step {step}: the env paid {paid:.9g}, {name!r} {value:.9g}"
+        where = f"{_told(at)}: the env paid {paid:.9g}, {name!r} {value:.9g}"
         self._writer.facts = replace(self._writer.facts, paid_otherwise=where)
         self._tell(
             f"the learner is not paid by trained_with={name!r}: {where}",
@@ -194,6 +249,11 @@ class Recorder:
         warnings.warn(f"{problem}. {rest}", GivenUp, stacklevel=_depth_of_caller())
 
 
+def _told(at: Place) -> str:
+    env, episode, step = at
+    return f"env {env}, episode {episode}, step {step}"
+
+
 def _depth_of_caller() -> int:
     """How many frames above `Recorder._tell` the code stands that stepped the env: the first outside this room."""
     depth, frame = 1, sys._getframe(1)
@@ -204,6 +264,10 @@ def _depth_of_caller() -> int:
 
 class GivenUp(UserWarning):
     """Something is not recorded from now on, and the training goes on."""
+
+
+class Noted(UserWarning):
+    """Something that is recorded does not say what one would think."""
 
 
 def differs(value: Any, paid: Any) -> Any:
