@@ -80,7 +80,7 @@ def _is_plain(code: CodeType, known: dict[str, Any]) -> bool:
     for name in code.co_names:
         inner = getattr(np, name, None)
         is_builtin = hasattr(builtins, name) and name not in BUILTINS and inner is None
-        if name.startswith("_") or (is_builtin and name not in known):
+        if (name.startswith("_") or is_builtin) and name not in known:
             return False
         if isinstance(inner, ModuleType) and inner not in MODULES and name not in known:
             return False

@@ -133,6 +133,15 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         names = [column.name for column in self._columns]
         return dict(zip(names, self._row[KEYS:], strict=False)) if self._row else {}
 
+    @property
+    def functions(self) -> dict[str, Measure]:
+        """The functions that this env is measured with, by name: its own copies of those with a memory, as they are.
+
+        A reward that remembers something beyond its ``reset()``, as how many steps a training has had, goes on from
+        there where it is given to `harness.evaluate_policy`.
+        """
+        return {column.name.partition("_")[2]: column.measures[0] for column in self._columns if column.measures}
+
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
