@@ -85,7 +85,7 @@ def _parts_of(whole: Any, but: Any = None, of_functions: bool = False) -> Mappin
         is_empty = isinstance(part, tuple | frozenset) and not part  # of these Python has one for all
         if id(part) not in found and part is not but and not isinstance(part, WITHOUT_STATE) and not is_empty:
             found[id(part)] = part
-            waiting += _used_by(part) if of_functions and isinstance(part, FunctionType) else _held_by(part)
+            waiting += used_by(part) if of_functions and isinstance(part, FunctionType) else _held_by(part)
     return found
 
 
@@ -102,7 +102,12 @@ def _held_by(part: Any) -> Iterator[Any]:
         yield from getattr(part, "__dict__", {}).values()
 
 
-def _used_by(function: FunctionType) -> Iterator[Any]:
+def used_by(function: Any) -> Iterator[Any]:
+    """What a function was defined with, and what of its module it uses by a name; of a method, whose it is."""
+    if isinstance(function, MethodType):
+        yield function.__self__
+    if not isinstance(function, FunctionType):
+        return
     yield from function.__defaults__ or ()
     yield from (function.__kwdefaults__ or {}).values()
     for cell in function.__closure__ or ():

@@ -89,6 +89,7 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
             evaluation: A finished policy acts, and nothing is trained: `trained_with` and `seed` are then those of the
                 training that the policy comes from; see `harness.recorder.evaluate_policy`.
             pay: Pay the learner the reward `trained_with`, and not what the env pays. Where it fails, that is an error.
+                Wrappers that normalise or transform what is paid then stand outside of this one.
             number: Of this env among several that record one training into one path, each with a number of its own.
             resume: Go on with the recording in `path`, if there is one, after what it has. Otherwise a path that
                 holds one is refused. Rewards, measures and env have to be the same as before.
@@ -178,6 +179,10 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
             self.finish()
         finally:
             super().close()
+
+    def note(self, line: str) -> None:
+        """Tell something that whoever reads the recording has to know, and write it down."""
+        self._recorder.note(line)
 
     def finish(self) -> None:
         """Write what is left, and leave the env open; what comes later is not recorded."""

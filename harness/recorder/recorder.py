@@ -10,6 +10,7 @@ from time import monotonic
 from typing import Any, TypeAlias
 
 import numpy as np
+from gymnasium.vector import VectorEnv
 
 from harness.errors import StorageError, UsageError, one_line
 from harness.record.recording.facts import REWARD, ActionFacts, Failure, TrainingFacts
@@ -20,6 +21,7 @@ from harness.recorder.column import OWN, Column, columns_of, source_of
 from harness.recorder.env_facts import env_facts, versions_of
 from harness.recorder.guard import Guard, Raised, Step
 from harness.recorder.trial import Trial
+from harness.recorder.wrapped import tell_wrapped_pay
 
 Place: TypeAlias = tuple[int, int, int]
 """Env, episode, step."""
@@ -57,6 +59,8 @@ class Recorder:
             StorageError: The files cannot be written.
         """
         rewards = asked.all_rewards
+        recorder = "RecordVectorRewards" if isinstance(env, VectorEnv) else "RecordRewards"
+        of_wrappers = tell_wrapped_pay(env, recorder, asked.pay)
         self.columns = columns_of(env, rewards, asked.behaviour, num_envs, frozenset(asked.batched))
         index = [column.name for column in self.columns].index(f"{REWARD}{asked.trained_with}")
         self.trained = None if asked.evaluation or asked.pay or self.columns[index].is_own else index
@@ -92,6 +96,8 @@ class Recorder:
         self._note_given_up(asked.path)
         now = self._writer.facts.actions  # a recording of an older version, which goes on, has none
         self.calls = None if now is None else Calls(now, num_envs, self._note_actions)
+        for line in of_wrappers:
+            self.note(line)
         self.next_time, self.next_episodes = self._writer.next_time, self._writer.next_episodes
 
     def note_seed(self, seed: Any) -> None:
@@ -122,9 +128,8 @@ class Recorder:
             raise UsageError(f"{where}. It pays the learner, so the training cannot go on") from error
         self._tell(where, "The training goes on; from this step on it is recorded as NaN", error)
 
-    def note(self, column: Column, told: str) -> None:
-        """Tell something of a column that goes on being recorded."""
-        line = f"{column.noun}: {told}"
+    def note(self, line: str) -> None:
+        """Tell, once, something of what goes on being recorded."""
         if line not in self._writer.facts.notes:
             self._writer.facts = replace(self._writer.facts, notes=(*self._writer.facts.notes, line))
             warnings.warn(line, Noted, stacklevel=_depth_of_caller())
@@ -137,8 +142,7 @@ class Recorder:
         pays = self.pays is not None and column is self.columns[self.pays]
         kept = "It pays the learner, so this is part of the training" if pays else "The training does not notice"
         self.note(
-            column,
-            f"it draws from {generator}, first in {_told(at)}. {kept}, but nobody can compute its numbers again. Make a "
+            f"{column.noun}: it draws from {generator}, first in {_told(at)}. {kept}, but nobody can compute its numbers again. Make a "
             "generator of its own, `self.rng = numpy.random.default_rng(0)` in reset()",
         )
 
@@ -166,7 +170,7 @@ class Recorder:
             if found.is_wrong:
                 self.give_up(found.column, at, found.told)
             else:
-                self.note(found.column, found.told)
+                self.note(f"{found.column.noun}: {found.told}")
 
     def tell_paid_otherwise(self, value: float, paid: float, at: Place) -> None:
         """Note the first step in which the env paid something else than the reward named `trained_with`, and tell it.
