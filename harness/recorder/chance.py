@@ -1,8 +1,8 @@
 """The generators of random numbers that a whole process shares: NumPy's, Python's and torch's.
 
-What only looks on may draw from them, and the training must not notice. So their state is noted before each step, and put
-back if it was moved. NumPy and Python take 40 microseconds to tell their states. Reading the same bytes where they stand
-takes less than one; that this gives the same is tried before it is relied on.
+What only looks on may draw from them, and the training must not notice. So their state is noted before each step, and
+put back if it was moved. NumPy and Python take 40 microseconds to tell their states. Reading the same bytes where they
+stand takes less than one; that this gives the same is tried before it is relied on.
 """
 
 import ctypes
@@ -56,7 +56,7 @@ class _NumPy:
     """The generator behind ``numpy.random.rand`` and the like."""
 
     def __init__(self) -> None:
-        self._shared = np.random.mtrand._rand  # type: ignore[attr-defined] # what np.random.seed seeds
+        self._shared = np.random.mtrand._rand  # what np.random.seed seeds
         self._bits = self._shared._bit_generator
         self._words, self._gauss = self._ways_to_read()
 
@@ -71,7 +71,7 @@ class _NumPy:
             return
         words, gauss = mark
         *key, place = struct.unpack(f"={WORDS}Ii", words)
-        np.random.set_state(("MT19937", np.array(key, np.uint32), place, *GAUSS.unpack(gauss)))
+        np.random.set_state(("MT19937", np.array(key, np.uint32), place, *GAUSS.unpack(gauss)))  # type: ignore[arg-type]
 
     def _ways_to_read(self) -> tuple[Read | None, Read | None]:
         """How the words and the kept normal number are read; None where that is not known to be right."""
@@ -89,8 +89,7 @@ class _NumPy:
 def _gauss_offset() -> int:
     """Where in a ``RandomState`` the kept normal number stands, found in one of our own; -1 if it is not found."""
     probe = np.random.RandomState(0)
-    name, key, place, *_ = probe.get_state()
-    probe.set_state((name, key, place, 1, PROBE))
+    probe.set_state({**probe.get_state(legacy=False), "has_gauss": 1, "gauss": PROBE})
     whole = ctypes.string_at(id(probe), type(probe).__basicsize__)
     at = whole.find(struct.pack("=d", PROBE)) - 8
     return at if at >= 0 and GAUSS.unpack_from(whole, at) == (1, PROBE) else -1
@@ -100,7 +99,7 @@ class _Python:
     """The generator behind ``random.random`` and the like."""
 
     def __init__(self) -> None:
-        self._shared = random.seed.__self__  # type: ignore[attr-defined] # a bound method
+        self._shared: Any = vars(random)["_inst"]
         self._words = self._way_to_read()
 
     def mark(self) -> Any:

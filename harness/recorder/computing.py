@@ -11,11 +11,12 @@ from typing import Any
 
 import numpy as np
 
-BUILTINS = frozenset(
-    "abs all any bool complex dict divmod enumerate filter float frozenset int isinstance iter len list map max min "
-    "next pow print range reversed round set slice sorted str sum tuple zip ArithmeticError AttributeError Exception "
-    "False IndexError KeyError None RuntimeError True TypeError ValueError ZeroDivisionError".split()
-)
+BUILTINS = {
+    *("abs", "all", "any", "bool", "complex", "dict", "divmod", "enumerate", "filter", "float", "frozenset", "int"),
+    *("isinstance", "iter", "len", "list", "map", "max", "min", "next", "pow", "print", "range", "reversed", "round"),
+    *("set", "slice", "sorted", "str", "sum", "tuple", "zip", "ArithmeticError", "AttributeError", "Exception"),
+    *("IndexError", "KeyError", "RuntimeError", "TypeError", "ValueError", "ZeroDivisionError"),
+}
 MODULES = (math, cmath, operator, np, np.linalg, np.fft)
 NUMBERS = (int, float, complex, str, bytes, type(None), np.generic, np.ufunc)
 REACHES_FURTHER = frozenset({"IMPORT_NAME", "STORE_GLOBAL", "DELETE_GLOBAL", "LOAD_BUILD_CLASS"})
@@ -35,10 +36,8 @@ def _is_harmless(found: Any, seen: set[int]) -> bool:
     """The same of anything that code uses by a name of its own."""
     if id(found) in seen or isinstance(found, NUMBERS):
         return True
-    if isinstance(found, ModuleType):
-        return found in MODULES
-    if isinstance(found, BuiltinFunctionType):
-        return found.__self__ in MODULES
+    if isinstance(found, ModuleType | BuiltinFunctionType):
+        return getattr(found, "__self__", found) in MODULES
     if isinstance(found, tuple | frozenset):
         return all(_is_harmless(part, seen) for part in found)
     if isinstance(found, np.ndarray):

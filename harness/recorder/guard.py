@@ -4,8 +4,10 @@ What it is given it cannot spoil, what it draws from a generator that everybody 
 where it does not return, it is ended.
 """
 
+import math
 import pickle
 import signal
+import sys
 import threading
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
@@ -74,7 +76,9 @@ class Guard:
             self.drew = {}
             return [_answer(function, step) for function, step in zip(functions, steps, strict=False)]
         answers, alarm, drew = list[Any](), self._alarm, dict[int, str]()
-        self.drew, own = drew, self._sealer.own if self._sealer.is_open else None
+        # A tensor that shares its memory with an array writes into it, read-only or not.
+        own = self._sealer.own if self._sealer.is_open or "torch" in sys.modules else None
+        self.drew = drew
         mark = self._chance.mark()
         alarm.begin()
         try:
@@ -98,15 +102,15 @@ class Guard:
             alarm.end()
         return answers
 
-    def answer(self, function: Function, step: Step) -> Any:
+    def answer(self, function: Function, step: Step, is_watched: bool = True) -> Any:
         """What one function says of a step.
 
         Raises:
             Exception: Whatever it raises; TimeoutError if it does not return.
         """
-        (found,) = self.ask([function], [step])
+        (found,) = self.ask([function], [step], is_watched=is_watched)
         if isinstance(found, Raised):
-            raise _plain_error(found.error) from found.error
+            raise found.error if isinstance(found.error, Exception) else _plain_error(found.error)
         return found
 
     def reason(self, function: Function, step: Step, error: BaseException) -> str:
@@ -140,23 +144,23 @@ def _answer(function: Function, step: Step) -> Any:
 def _plain_error(error: BaseException) -> BaseException:
     if isinstance(error, NoAnswer):
         return TimeoutError(f"it has not returned for {LONGEST_CALL:g} s")
-    return error if isinstance(error, Exception) else RuntimeError(one_line(error))
+    return RuntimeError(one_line(error))
 
 
 def same(one: Any, other: Any) -> bool:
     """Whether two values are equal at any depth; NaN is equal to NaN. What cannot be compared counts as equal."""
     try:
         if isinstance(one, dict):
-            return isinstance(other, dict) and one.keys() == other.keys() and all(same(one[k], other[k]) for k in one)
+            return one.keys() == other.keys() and all(same(one[k], other[k]) for k in one)
         if isinstance(one, list | tuple):
             return len(one) == len(other) and all(map(same, one, other))
         if isinstance(one, np.ndarray):
             return np.array_equal(one, other, equal_nan=one.dtype.kind in "fc")
-        if hasattr(one, "__dict__") and type(one).__eq__ is object.__eq__:
+        is_plain = getattr(type(one), "__eq__", None) is object.__eq__  # it is equal to nothing else
+        if is_plain and hasattr(one, "__dict__"):
             return type(one) is type(other) and same(vars(one), vars(other))
-        if type(one).__eq__ is object.__eq__:
-            return one is other or pickle.dumps(one) == pickle.dumps(other)
-        return bool(one == other) or bool(one != one and other != other)
+        equal = pickle.dumps(one) == pickle.dumps(other) if is_plain else bool(one == other)
+        return equal or (isinstance(one, float) and math.isnan(one) and math.isnan(other))
     except Exception:  # whatever objects of users raise
         return True
 

@@ -240,8 +240,7 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
             self._recorder.give_up(column, self._place(env), reason, error)
         if self._recorder.trial is not None and column.measures and not column.given_up and step.live[0]:
             answer = numbers.copy() if column.batched else float(numbers[0])
-            self._recorder.try_again(column, self._given(column, step, 0), answer, self._place(0))
-            if column.given_up:
+            if not self._recorder.try_again(column, self._given(column, step, 0), answer, self._place(0)):
                 numbers[:] = np.nan
 
     def _ways_to_measure(self, column: Column, step: BatchStep) -> tuple[Float, Mask, Callable[[int], Any]]:

@@ -121,7 +121,8 @@ class Recorder:
             UsageError: The user wants errors raised, or the learner is paid by this reward.
         """
         column.given_up = True
-        failure = Failure(column.name, *map(int, at), reason)
+        env, episode, step = map(int, at)
+        failure = Failure(column.name, env, episode, step, reason)
         self._writer.facts = replace(self._writer.facts, failures=(*self._writer.facts.failures, failure))
         where = f"{column.noun} failed in {_told(at)}: {reason}"
         if self.pays is not None and column is self.columns[self.pays]:
@@ -142,8 +143,8 @@ class Recorder:
         pays = self.pays is not None and column is self.columns[self.pays]
         kept = "It pays the learner, so this is part of the training" if pays else "The training does not notice"
         self.note(
-            f"{column.noun}: it draws from {generator}, first in {_told(at)}. {kept}, but nobody can compute its numbers again. Make a "
-            "generator of its own, `self.rng = numpy.random.default_rng(0)` in reset()",
+            f"{column.noun}: it draws from {generator}, first in {_told(at)}. {kept}, but nobody can compute its numbers "
+            "again. Make a generator of its own, `self.rng = numpy.random.default_rng(0)` in reset()"
         )
 
     def restart(self, column: Column, place: int, at: Place, *given: Any) -> None:
@@ -154,12 +155,13 @@ class Recorder:
         if isinstance(found, Raised):
             self.give_up(column, at, one_line(found.error), found.error)
 
-    def try_again(self, column: Column, step: Step, answer: Any, at: Place) -> None:
-        """Ask a function about one of the first steps again."""
+    def try_again(self, column: Column, step: Step, answer: Any, at: Place) -> bool:
+        """Ask a function about one of the first steps again; returns whether it goes on, and was not given up."""
         assert self.trial is not None
         found = self.trial.note(column, step, answer, column.name in self._drew)
         if found is not None:
             self.give_up(column, at, found.told)
+        return found is None
 
     def end_trial(self, at: Place) -> None:
         """Ask all functions about the first episode again, if that was not done."""

@@ -23,7 +23,7 @@ class ReadOnlyDict(dict[Any, Any]):
     def _refuse(self, *_: Any, **__: Any) -> Never:
         raise TypeError("it is read-only: a function that looks on writes nothing into it")
 
-    __setitem__ = __delitem__ = __ior__ = pop = popitem = clear = update = setdefault = _refuse  # type: ignore[assignment]
+    __setitem__ = __delitem__ = __ior__ = pop = popitem = clear = update = setdefault = _refuse
 
     def __deepcopy__(self, memo: dict[int, Any]) -> dict[Any, Any]:
         return {key: copy.deepcopy(value, memo) for key, value in self.items()}
@@ -38,8 +38,8 @@ class ReadOnlyList(list[Any]):
     def _refuse(self, *_: Any, **__: Any) -> Never:
         raise TypeError("it is read-only: a function that looks on writes nothing into it")
 
-    __setitem__ = __delitem__ = __iadd__ = __imul__ = append = extend = insert = pop = _refuse  # type: ignore[assignment]
-    remove = clear = sort = reverse = _refuse  # type: ignore[assignment]
+    __setitem__ = __delitem__ = __iadd__ = __imul__ = append = extend = insert = pop = _refuse
+    remove = clear = sort = reverse = _refuse
 
     def __deepcopy__(self, memo: dict[int, Any]) -> list[Any]:
         return [copy.deepcopy(value, memo) for value in self]
@@ -75,8 +75,8 @@ class Sealer:
         return self._seal_other(value)
 
     def own(self, step: tuple[Any, ...]) -> tuple[Any, ...]:
-        """What one function is given of a sealed step."""
-        return tuple(map(self.seal, step)) if self.is_open else step
+        """Copies of a sealed step, for one function."""
+        return tuple(map(self.seal, step))
 
     def _seal_other(self, value: Any) -> Any:
         if isinstance(value, tuple):
@@ -90,20 +90,15 @@ class Sealer:
             return copied
         if type(value) in (list, ReadOnlyList):
             return ReadOnlyList(map(self.seal, value))
-        if type(value) in (set, frozenset):
-            return frozenset(value)
         if isinstance(value, AS_THEY_ARE) and not isinstance(value, np.void):
             return value
         self.is_open = True
-        try:
-            return copy.deepcopy(value)
-        except Exception:  # whatever objects of users raise: nobody can copy it, and nobody else has to
-            return value
+        return writable(value)
 
 
 def writable(value: Any) -> Any:
-    """A copy of something sealed that can be written into."""
+    """A copy that can be written into, also of something sealed; what cannot be copied itself."""
     try:
         return copy.deepcopy(value)
-    except Exception:  # as above
+    except Exception:  # whatever objects of users raise
         return value

@@ -12,7 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from harness.errors import UsageError, sentence
 from harness.recorder.column import Column, as_number
+from harness.recorder.computing import only_computes
 from harness.recorder.guard import Guard, Raised, Step, same
 from harness.recorder.own_copies import uses_parts_of
 
@@ -114,15 +116,15 @@ class Trial:
         self._restart(one, column=column)
         apart = self._first_apart(column, one, other)
         if apart:
-            return Finding(
-                column, f"{apart}: its copies share a memory, as an attribute of the class. Keep it in self"
-            )
+            return Finding(column, f"{apart}: its copies share a memory, as an attribute of the class. Keep it in self")
         return None
 
     def _restart(self, *copies: Any, column: Column) -> bool:
         """Whether they could be reset."""
         given = (np.ones(self.env.num_envs, bool),) if column.batched else ()
-        return not any(isinstance(it, Raised) for it in self.guard.ask([it.reset for it in copies], [given] * len(copies)))
+        return not any(
+            isinstance(it, Raised) for it in self.guard.ask([it.reset for it in copies], [given] * len(copies))
+        )
 
     def _first_apart(self, column: Column, function: Any, between: Any = None) -> str:
         """The first step to which a function answers otherwise, in words.
@@ -178,3 +180,39 @@ def _alike(answer: Any, again: Any) -> bool:
         return bool(np.allclose(answer, np.asarray(again, float), rtol=1e-6, atol=1e-9, equal_nan=True))
     except (TypeError, ValueError):
         return False
+
+
+class Guarded:
+    """A function of a step that is asked again in its first steps, for what pays steps that were taken long ago.
+
+    It is called as the function is, and has ``reset()`` if that has one.
+    """
+
+    def __init__(self, function: Any, noun: str) -> None:
+        """Ask nothing yet.
+
+        Args:
+            function: It.
+            noun: What messages call it, ``reward 'v1'``.
+        """
+        self._column = Column(noun, noun, function, measures=[function])
+        self._guard, self._is_watched = Guard(), not only_computes(function)
+        self._trial, self._steps = Trial(None, self._guard), 0
+        if self._column.remembers:
+            self.reset = lambda: self._guard.answer(function.reset, ())
+
+    def __call__(self, *step: Any) -> Any:
+        """What the function says.
+
+        Raises:
+            UsageError: It remembers something that nobody restarts.
+        """
+        answer = self._guard.answer(self._column.measures[0], step, self._is_watched)
+        if self._steps < FIRST_STEPS and not self._column.remembers:
+            self._steps += 1
+            found = self._trial.note(self._column, step, as_number(answer), bool(self._guard.drew))
+            if self._steps == FIRST_STEPS:
+                found = found or next(self._trial.end([self._column]), None)
+            if found is not None:
+                raise UsageError(f"{sentence(self._column.noun)}: {found.told}")
+        return answer

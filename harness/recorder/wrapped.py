@@ -39,8 +39,8 @@ def tell_wrapped_pay(env: Any, recorder: str, pays: bool) -> list[str]:
         if pays and not is_own:
             raise UsageError(
                 f"{name} stands inside {recorder}(..., pay=True): it changes what the env pays, and not the other "
-                f"rewards, so their trainings could not be compared. Put it outside: {name}({recorder}(env, ..., "
-                "pay=True))"
+                f"rewards, so their trainings could not be compared. Put it outside: "
+                f"{name}({recorder}(env, ..., pay=True))"
             )
         if pays:
             told.append(f"{name} stands inside the recorder: 'own' is what it makes of the pay, and no other reward is")
@@ -68,8 +68,8 @@ def tell_normalisation(env: Any, path: Path, policy: Callable[[Any], Any]) -> li
         ]
     if not inside and NORMALISED in _wrappers_of_training(path):
         return [
-            f"the training's observations were normalised ({NORMALISED}), and those of the evaluation are not. Wrap its "
-            "env too: env.obs_rms = trained.obs_rms, env.update_running_mean = False"
+            f"the training's observations were normalised ({NORMALISED}), and those of the evaluation are not. Wrap "
+            "its env too: env.obs_rms = trained.obs_rms, env.update_running_mean = False"
         ]
     held = list(used_by(policy))
     for model in held:
@@ -84,7 +84,7 @@ def tell_normalisation(env: Any, path: Path, policy: Callable[[Any], Any]) -> li
 
 
 def _wrappers_of_training(path: Path) -> list[str]:
-    """Names of the wrappers of the training in whose folder an evaluation lies; none where there is no such training."""
+    """Names of the wrappers of the training in whose folder an evaluation lies, if it lies in one."""
     try:
         facts = TrainingFacts.read(path.parent / facts_name(0))
     except (HarnessError, OSError):

@@ -10,13 +10,13 @@ import pytest
 from harness.recorder.chance import Chance
 
 DRAWS: dict[str, tuple[str, Callable[[], Any]]] = {
-    "numpy": ("numpy.random", lambda: np.random.rand()),
+    "numpy": ("numpy.random", np.random.rand),
     "numpy many": ("numpy.random", lambda: np.random.rand(2_000)),
     "numpy as many as its words": ("numpy.random", lambda: np.random.randint(0, 2**32, 624, dtype=np.uint32)),
     "numpy seed": ("numpy.random", lambda: np.random.seed(3)),
-    "numpy kept normal": ("numpy.random", lambda: np.random.randn()),
-    "python": ("random", lambda: random.random()),
-    "python kept normal": ("random", lambda: random.gauss()),
+    "numpy kept normal": ("numpy.random", np.random.randn),
+    "python": ("random", random.random),
+    "python kept normal": ("random", random.gauss),
     "python seed": ("random", lambda: random.seed(3)),
 }
 

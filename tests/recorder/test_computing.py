@@ -31,7 +31,7 @@ def _loops(x: Any) -> float:
 
 
 def _stores(x: Any) -> float:
-    global GAINS
+    global GAINS  # noqa: PLW0603 (what is tested)
     GAINS = (x, x)
     return x
 

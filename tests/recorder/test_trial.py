@@ -2,7 +2,7 @@
 
 import random
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -21,10 +21,9 @@ ACTION = np.array([0.5], np.float32)
 
 
 @pytest.fixture(autouse=True)
-def forgotten() -> Iterator[None]:
+def forgotten() -> None:
     """The memory is empty."""
     MEMORY.update(count=0, best=-9.0, last=0.0, seen=[])
-    yield
 
 
 def counts(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
@@ -144,8 +143,7 @@ def test_memory_in_a_batch_is_found_in_its_first_step(tmp_path: Path):
     )
     recorded.reset(seed=0)
     with pytest.warns(GivenUp) as told:
-        for _ in range(2):
-            recorded.step(np.zeros(3, np.int64))
+        recorded.step(np.zeros(3, np.int64))
     recorded.close()
     assert sorted(str(it.message).split("'")[1] for it in told) == ["all", "jumps"]
     assert np.isnan(read_recording(tmp_path / "run").rewards["jumps"]).all()
@@ -177,8 +175,7 @@ def test_memory_beyond_reset_is_told(counting: Callable[..., Any], tmp_path: Pat
     env = harness.RecordRewards(counting(4), tmp_path / "run", trained_with="own", rewards={"stages": Curriculum()})
     env.reset(seed=0)
     with pytest.warns(Noted, match=r"reward 'stages': it remembers something beyond reset\(\)"):
-        for _ in range(4):
-            env.step(ACTION)
+        _ = [env.step(ACTION) for _ in range(4)]
     env.close()
     (note,) = read_recording(tmp_path / "run").facts.notes
     assert note.startswith("reward 'stages'")

@@ -24,7 +24,12 @@ GOOD = {
 SPOILS = {
     "a_halves": "    action /= 2\n    next_observation *= 0\n    info.clear()\n    return float(action[0])\n",
     "b_counts": "    COUNT.append(1)\n    return float(len(COUNT))\n\n\nCOUNT = []\n",
-    "c_draws": "    import random\n    import numpy as np\n    np.random.seed(3)\n    return np.random.rand() + random.random()\n",
+    "c_draws": """    import random
+    import numpy as np
+
+    np.random.seed(3)
+    return np.random.rand() + random.random()
+""",
     "d_raises": "    return 1 / 0\n",
     "e_waits": "    while True:\n        pass\n",
 }
@@ -39,7 +44,17 @@ def _recorded(folder: Path, bodies: dict[str, str]) -> dict[str, Any]:
     asked = ["--plugin", str(rewards / "*.py"), "--reward", "own,calm", "--algo", "random", "--seeds", "1"]
     size = ["--steps", "60", "--evaluation-episodes", "1", "--executor", "here"]
     with pytest.raises(SystemExit) as ended:
-        main(["run", "--task", "gymnasium:id=Pendulum-v1,made_with=max_episode_steps=20", *asked, *size, "--out", str(folder / "out")])
+        main(
+            [
+                "run",
+                "--task",
+                "gymnasium:id=Pendulum-v1,made_with=max_episode_steps=20",
+                *asked,
+                *size,
+                "--out",
+                str(folder / "out"),
+            ]
+        )
     assert ended.value.code == 0
     store = Store.open(folder / "out")
     found: dict[str, Any] = {}
@@ -47,10 +62,13 @@ def _recorded(folder: Path, bodies: dict[str, str]) -> dict[str, Any]:
         for path in sorted(recordings_in(store.cell_folder(cell))):
             recording = read_recording(path)
             found |= {f"{cell.reward.name} {path.name} {name}": values for name, values in recording.rewards.items()}
-            found[f"{cell.reward.name} {path.name} told"] = [it.column for it in recording.facts.failures] + [*recording.facts.notes]
+            found[f"{cell.reward.name} {path.name} told"] = [it.column for it in recording.facts.failures] + [
+                *recording.facts.notes
+            ]
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("toys")
 @pytest.mark.filterwarnings("ignore::UserWarning")
 def test_five_files_that_spoil_change_no_number_of_the_others(
