@@ -16,7 +16,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 WORDS = 624
-"""Of a Mersenne Twister; its place among them follows or precedes them."""
+"""The words of a Mersenne Twister; its place among them follows or precedes them."""
 GAUSS = struct.Struct("=i4xd")
 """Whether NumPy keeps a second normal number for the next call, and that number."""
 PROBE = 0.1234567890123
@@ -35,7 +35,7 @@ class Chance:
         return self._numpy.mark(), self._python.mark(), _torch_states()
 
     def moved(self, mark: Mark) -> str:
-        """Whose state is not that of `mark`, as messages name it; empty if they all are."""
+        """The one whose state is not that of `mark`, as messages name it; empty if there is none."""
         if self._numpy.mark() != mark[0]:
             return "numpy.random"
         if self._python.mark() != mark[1]:
@@ -71,7 +71,7 @@ class _NumPy:
             return
         words, gauss = mark
         *key, place = struct.unpack(f"={WORDS}Ii", words)
-        np.random.set_state(("MT19937", np.array(key, np.uint32), place, *GAUSS.unpack(gauss)))  # type: ignore[arg-type]
+        np.random.set_state(("MT19937", np.array(key, np.uint32), place, *GAUSS.unpack(gauss)))
 
     def _ways_to_read(self) -> tuple[Read | None, Read | None]:
         """How the words and the kept normal number are read; None where that is not known to be right."""
@@ -130,7 +130,7 @@ def _reader(address: int, size: int) -> Read:
 
 
 def _torch_generators() -> list[Any]:
-    """Of a torch that something has imported: its generator, and those of graphics cards that are in use."""
+    """The generator of a torch that something has imported, and those of graphics cards that are in use."""
     torch = sys.modules.get("torch")
     own = getattr(torch, "default_generator", None)
     if torch is None or own is None:  # it is being imported

@@ -143,8 +143,8 @@ class Recorder:
         pays = self.pays is not None and column is self.columns[self.pays]
         kept = "It pays the learner, so this is part of the training" if pays else "The training does not notice"
         self.note(
-            f"{column.noun}: it draws from {generator}, first in {_told(at)}. {kept}, but nobody can compute its numbers "
-            "again. Make a generator of its own, `self.rng = numpy.random.default_rng(0)` in reset()"
+            f"{column.noun}: it draws from {generator}, first in {_told(at)}. {kept}, but nobody can compute its "
+            "numbers again. Make a generator of its own, `self.rng = numpy.random.default_rng(0)` in reset()"
         )
 
     def restart(self, column: Column, place: int, at: Place, *given: Any) -> None:

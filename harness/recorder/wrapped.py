@@ -16,7 +16,7 @@ from harness.record.recording.recorded_training import facts_name
 from harness.recorder.own_copies import used_by
 
 NORMALISED = "NormalizeObservation"
-"""As recordings name the wrapper, `harness.recorder.env_facts`."""
+"""The wrapper's name in recordings, `harness.recorder.env_facts`."""
 PAY = (gymnasium.RewardWrapper, VectorRewardWrapper, NormalizeReward, VectorNormalizeReward)
 
 
