@@ -1,6 +1,5 @@
 """What both wrappers share: the columns, what is done when one fails, and the files."""
 
-import copy
 import os
 import sys
 import warnings
@@ -279,8 +278,3 @@ class Noted(UserWarning):
 def differs(value: Any, paid: Any) -> Any:
     """Whether a reward is another number than what the env paid, by more than float32 loses; not where it is NaN."""
     return abs(value - paid) > 1e-6 + 1e-5 * abs(paid)
-
-
-def kept(observation: Any) -> Any:
-    """A copy: envs may write the next observation into the same place."""
-    return observation.copy() if isinstance(observation, np.ndarray) else copy.deepcopy(observation)
