@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable, Collection, Mapping
+from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -14,6 +15,7 @@ from harness.recorder.asked import OnError
 from harness.recorder.column import Given
 from harness.recorder.env_facts import LEARNERS
 from harness.recorder.record_rewards import RecordRewards
+from harness.recorder.wrapped import tell_normalisation
 
 EPISODES = 100
 FIRST_SEED = 1_000_000_007
@@ -87,6 +89,8 @@ def evaluate_policy(
         after=after,
     )
     try:
+        for line in tell_normalisation(made, Path(path), policy):
+            recorded.note(line)
         for episode in range(episodes):
             observation, _ = recorded.reset(seed=first_seed + episode)
             ended = False

@@ -20,7 +20,7 @@ from harness.experiment.environments.spaces import (
     kind_of_actions,
 )
 from harness.recorder.column import Column, as_number, columns_of
-from harness.recorder.recorder import kept
+from harness.recorder.guard import Guard, Step
 from harness.testing.violations import Check, check, raise_first, require, settings_are_frozen, settings_survive_json
 
 STEPS, LONGEST = 100, 20_000
@@ -188,34 +188,36 @@ def _steps(env: AnyEnv, seed: int, count: int, columns: Sequence[Column] = (), c
         columns: The rewards and measures.
         cut_at: After so many steps another episode begins.
     """
-    before, number = _begin(env, columns, seed), 0
+    guard = Guard()
+    before, number = _begin(env, columns, guard, seed), 0
     env.action_space.seed(seed)
     for done in range(1, count + 1):
         action, number = env.action_space.sample(), number + 1
         observation, paid, terminated, truncated, info = env.step(action)
-        after, ended = kept(observation), bool(terminated or truncated)
-        told = [(column, _value(column, paid, before, action, after, info)) for column in columns]
+        after, ended = guard.seal(observation), bool(terminated or truncated)
+        given = before, guard.seal(action), after, guard.seal(info)
+        told = [(column, _value(column, paid, given, guard)) for column in columns]
         numbers = [*flat_observation(env.observation_space, after).tolist(), float(paid)]
         yield _Step(done, number, after, ended, numbers, told)
         before = after
         if ended or done == cut_at:
-            before, number = _begin(env, columns), 0
+            before, number = _begin(env, columns, guard), 0
 
 
-def _begin(env: AnyEnv, columns: Sequence[Column], seed: int | None = None) -> Any:
+def _begin(env: AnyEnv, columns: Sequence[Column], guard: Guard, seed: int | None = None) -> Any:
     """Begin an episode; returns the first observation."""
     observation, _ = env.reset(seed=seed)
     for column in columns:
         if column.remembers:
-            column.measures[0].reset()  # type: ignore[attr-defined] # it remembers
-    return kept(observation)
+            guard.answer(column.measures[0].reset, ())  # type: ignore[attr-defined] # it remembers
+    return guard.seal(observation)
 
 
-def _value(column: Column, paid: Any, *step: Any) -> Any:
+def _value(column: Column, paid: Any, step: Step, guard: Guard) -> Any:
     """What a reward or a measure says of a step, as it says it."""
     if column.is_own:
         return paid
-    return step[-1].get(column.key) if column.key is not None else column.measures[0](*step)
+    return step[-1].get(column.key) if column.key is not None else guard.answer(column.measures[0], step)
 
 
 def _rollout(environment: Environment, env: AnyEnv) -> list[Row]:

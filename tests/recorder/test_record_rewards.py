@@ -138,7 +138,7 @@ def test_env_is_left_as_it_is(record: Callable[..., Any], counting: Callable[...
 
 
 def test_reward_cannot_change_what_the_learner_sees(record: Callable[..., Any]):
-    """One that writes into an observation writes into a copy."""
+    """One that writes into an observation is given up, and told what to write instead."""
 
     def spoil(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
         next_observation[:] = 99
@@ -146,7 +146,8 @@ def test_reward_cannot_change_what_the_learner_sees(record: Callable[..., Any]):
 
     env = record(rewards={"spoil": spoil})
     env.reset()
-    assert env.step(ACTION)[0].tolist() == [1]
+    with pytest.warns(UserWarning, match="reward 'spoil' failed .* it writes into its next_observation"):
+        assert env.step(ACTION)[0].tolist() == [1]
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning:gymnasium")

@@ -12,6 +12,7 @@ from harness.arrays import Float
 from harness.errors import UsageError
 from harness.record.dataset.dataset import Dataset, Piece, leaves, take_rows
 from harness.recorder.column import as_number
+from harness.recorder.trial import Guarded
 from harness.registry.choice import choose
 from harness.registry.registry import Registry
 from harness.reward import Reward
@@ -182,7 +183,7 @@ def payers_of(
     found: dict[str, Payer] = {}
     for name in names or (*recorded, *functions):
         if name in functions:
-            found[name] = Stepwise(functions[name].make())
+            found[name] = Stepwise(Guarded(functions[name].make(), f"reward '{name}'"))
         elif name in recorded:
             found[name] = Recorded(name)
         else:
@@ -213,7 +214,7 @@ def given_payers(rewards: Mapping[str, Any], places: ArmPlaces | None) -> dict[s
     found: dict[str, Payer] = {}
     for name, given in rewards.items():
         if not hasattr(given, "initial_carry"):
-            found[name] = Stepwise(given)
+            found[name] = Stepwise(Guarded(given, f"reward '{name}'"))
         elif places is None:
             raise UsageError(f"The reward {name!r} needs places='end_effector=0:3,target=3:6'")
         else:

@@ -20,6 +20,7 @@ Number = Annotated[float, Field(allow_inf_nan=False)]
 MOST_NAMES = 1_000
 """The most rewards, and the most measures of behaviour."""
 MOST_ENVS = 1_000_000
+MOST_NOTES = 10 * MOST_NAMES
 MOST_SOURCE = 100_000
 """Characters of a reward's code that are kept."""
 MOST_ACTION_NUMBERS = 256
@@ -32,7 +33,7 @@ Acted: TypeAlias = Literal["", "deterministic", "stochastic", "random"]
 """How the policy of an evaluation chose its actions: the best one, drawn, or without a policy; empty: nobody told."""
 ACTED: tuple[Acted, ...] = get_args(Acted)
 LATER: Mapping[str, Any] = MappingProxyType(
-    {"pay": False, "bounds": {}, "horizon": 0, "cut": 0, "acted": "", "after": 0}
+    {"pay": False, "bounds": {}, "horizon": 0, "cut": 0, "acted": "", "after": 0, "notes": ()}
 )
 """Facts that the first recordings did not have. At these values they are left out of the file."""
 
@@ -120,6 +121,7 @@ class TrainingFacts:
         cut: How many episodes were cut so.
         acted: Of an evaluation: how actions were chosen.
         after: Of an evaluation: environment steps of training before it; 0: the training had ended.
+        notes: What was told of rewards and measures that are recorded: that they draw, or remember. A line each.
     """
 
     rewards: tuple[str, ...]
@@ -142,6 +144,7 @@ class TrainingFacts:
     cut: int = 0
     acted: Acted = ""
     after: int = 0
+    notes: tuple[str, ...] = ()
 
     @property
     def numbers(self) -> tuple[str, ...]:
@@ -213,6 +216,7 @@ class TrainingFacts:
             cut=data.get("cut", 0),
             acted=data.get("acted", ""),
             after=data.get("after", 0),
+            notes=tuple(data.get("notes", ())),
         )
 
 
@@ -282,6 +286,7 @@ class RecordingForm(TypedDict):
     cut: NotRequired[Whole]
     acted: NotRequired[Acted]
     after: NotRequired[Whole]
+    notes: NotRequired[Annotated[list[Line], Field(max_length=MOST_NOTES)]]
 
 
 FORM: TypeAdapter[RecordingForm] = TypeAdapter(RecordingForm)

@@ -77,6 +77,7 @@ def read_runs(
     rescaled = _rescaled(rewards, members.values())
     notes += [*equal_sentences(equal), *(it.sentence(name, other) for (name, other), it in rescaled.items())]
     notes += [f"{run.path}: {run.facts.paid_otherwise}" for run in members.values() if run.facts.paid_otherwise]
+    notes += _told_notes(everything)
     return Runs(
         group or _group_of(env, shortest),
         rewards,
@@ -92,6 +93,15 @@ def read_runs(
         _read(folder, random) if random else next((it for it in evaluated if it.facts.acted == RANDOM), None),
         again,
     )
+
+
+def _told_notes(runs: Iterable[Run]) -> list[str]:
+    """What recorders told of rewards, measures and wrappers; once, though every recording may say it with its step."""
+    told: dict[str, str] = {}
+    for run in runs:
+        for line in run.facts.notes:
+            told.setdefault(line.partition(",")[0], f"{run.path}: {line}")
+    return [*told.values()]
 
 
 def _group_of(env: str, steps: int) -> Group:
