@@ -63,6 +63,14 @@ class Run:
         return self.recorded.path
 
     @property
+    def shortfall(self) -> str:
+        """What there is of what was asked for, ``3 of 20 episodes``; empty of a whole one, and if nobody said."""
+        facts, episodes = self.facts, len(self.episodes.last)
+        if episodes < facts.episodes_asked:
+            return f"{episodes:,} of {facts.episodes_asked:,} episodes"
+        return f"{self.steps:,} of {facts.steps_asked:,} steps" if self.steps < facts.steps_asked else ""
+
+    @property
     def reward(self) -> str:
         """The reward that it was trained with."""
         return self.facts.trained_with
