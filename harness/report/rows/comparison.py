@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from harness.eta.curve import Kind
 from harness.eta.equal import equal_sentences
-from harness.eta.headline import Headline, count_seeds
+from harness.eta.headline import Answer, Headline, count_seeds
 from harness.eta.index import Index, Ratio
 from harness.eta.seed_mean import SeedMean
 from harness.eta.splits import Decomposition, Split, SplitPath, Splits, SumSplit
@@ -78,6 +78,19 @@ def scales_text(subject: str) -> str:
 def what_decides(subject: str) -> str:
     """What the tests hold for, of a ``robot`` or an ``agent``."""
     return TESTS.format(subject=subject)
+
+
+def scale_text(comparison: Comparison) -> str:
+    """Why behaviour differs where both rewards ask for the same, k times as loudly; empty where that is not so."""
+    found, names = comparison.rescaling, comparison.names
+    if found is None or comparison.is_control or comparison.headline.answer not in (Answer.HELPS, Answer.HURTS):
+        return ""
+    if not found.is_ruler or (found.factor, found.offset) == (1.0, 0.0):
+        return ""
+    return (
+        f"{names.proposed} {found.formula(names.baseline)}: both rewards prefer the same steps. The learner reacts to "
+        "the size of the pay, so its scale decides here, and not what is paid for."
+    )
 
 
 def basis_text(comparison: Comparison) -> str:

@@ -14,6 +14,7 @@ from harness.report.rows.comparison import (
     count_cells,
     remarks_on_cells,
     rewards_text,
+    scale_text,
     scales_text,
     seeds_text,
     what_decides,
@@ -62,7 +63,9 @@ def _combination_block(results: Results, combination: Comparison) -> RenderableT
         Text(f"The {combination.group.subject}: {answer_text(headline)}", style="bold"),
         Text(headline.robot),
     ]
-    parts += [Text(line) for line in (basis_text(combination), advice(results, combination)) if line]
+    parts += [
+        Text(line) for line in (scale_text(combination), basis_text(combination), advice(results, combination)) if line
+    ]
     parts += [Text(combination.speed_text)] if combination.speed_text else []
     parts += [Text("\nThe number", style="bold"), Text(headline.number)] if headline.number else []
     parts.append(Text(f"\n{claims_text(combination)}"))

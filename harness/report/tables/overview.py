@@ -7,7 +7,15 @@ from rich.console import Group as Together
 from rich.text import Text
 
 from harness.report.answers import STYLES
-from harness.report.rows.comparison import Grid, advice, basis_text, count_cells, remarks_on_cells, split_grid
+from harness.report.rows.comparison import (
+    Grid,
+    advice,
+    basis_text,
+    count_cells,
+    remarks_on_cells,
+    scale_text,
+    split_grid,
+)
 from harness.report.rows.pools import TITLE, pooled_answers
 from harness.report.rows.returns import matrix_title, return_grid
 from harness.report.tables.grid import divide_columns, show_grid
@@ -52,7 +60,8 @@ def _comparisons(results: Results) -> list[RenderableType]:
     parts = [comparison_lines(combinations)]
     if len(combinations) == 1:
         return [*parts, *_sentences(results, combinations[0])]
-    return [*parts, *(part for line in _bases(combinations) for part in (Text(), Text(line)))]
+    lines = [*filter(None, dict.fromkeys(map(scale_text, combinations))), *_bases(combinations)]
+    return [*parts, *(part for line in lines for part in (Text(), Text(line)))]
 
 
 def pooled_lines(combinations: Sequence[Comparison]) -> list[RenderableType]:
@@ -124,6 +133,7 @@ def _sentences(results: Results, combination: Comparison) -> list[RenderableType
     headline = combination.headline
     lines = [
         headline.robot,
+        scale_text(combination),
         basis_text(combination),
         combination.speed_text,
         headline.number,

@@ -1,6 +1,6 @@
 """Reads the recorded trainings below a folder, and finds out what makes them one study."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
@@ -8,7 +8,7 @@ from typing import Any
 
 from harness.errors import SchemaError, UsageError
 from harness.eta.equal import equal_sentences, equal_trainings
-from harness.eta.rescaling import Rescaling, rescaling_of
+from harness.eta.rescaling import Rescaling
 from harness.record.cell import NO_ROBOT, NO_SIMULATOR, UNKNOWN_ALGORITHM
 from harness.record.plan_file import PLAN
 from harness.record.recording.facts import TrainingFacts
@@ -20,7 +20,7 @@ from harness.results.measured import DETERMINISTIC, STOCHASTIC
 from harness.results.recordings.episodes import count_text
 from harness.results.recordings.notes import notes_on
 from harness.results.recordings.recording_results import RecordingResults
-from harness.results.recordings.runs import NO_CONTROL, NO_NAME, RANDOM, Run, Runs
+from harness.results.recordings.runs import NO_CONTROL, NO_NAME, RANDOM, Run, Runs, rescaling_between
 
 
 def has_recordings(folder: Path) -> bool:
@@ -101,16 +101,11 @@ def _group_of(env: str, steps: int) -> Group:
     return Group(NO_ROBOT, Choice(env, (), env), UNKNOWN_ALGORITHM, steps, 0, simulator=NO_SIMULATOR)
 
 
-def _rescaled(rewards: Sequence[str], runs: Iterable[Run]) -> dict[tuple[str, str], Rescaling]:
+def _rescaled(rewards: Sequence[str], runs: Collection[Run]) -> dict[tuple[str, str], Rescaling]:
     """For each reward the first one before it that it is but for scale and offset."""
     found: dict[tuple[str, str], Rescaling] = {}
     for other, name in combinations(rewards, 2):
-        lines = [
-            run.likeness.lines[other, name]
-            for run in runs
-            if {name, other} <= {*run.facts.rewards} and run.episodes.knows(name) and run.episodes.knows(other)
-        ]
-        rescaling = rescaling_of(lines)
+        rescaling = rescaling_between(runs, name, other)
         if rescaling is not None and name not in {it for it, _ in found}:
             found[name, other] = rescaling
     return found

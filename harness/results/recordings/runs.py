@@ -10,7 +10,7 @@ from typing import NamedTuple, Self
 from harness.arrays import Float
 from harness.eta.behaviour_change import Measure
 from harness.eta.interval import SHARE, UNBOUNDED, Bounds
-from harness.eta.rescaling import Rescaling
+from harness.eta.rescaling import Rescaling, rescaling_of
 from harness.record.recording.facts import TrainingFacts
 from harness.results.comparison import Group
 from harness.results.measured import DETERMINISTIC, EVALUATION, STOCHASTIC, WHOLE, Moment
@@ -100,6 +100,17 @@ class Run:
     def paid_by(self, reward: str) -> Float:
         """What a reward pays for each step, read from the files, (steps,)."""
         return self.recorded.paid_by(reward)
+
+
+def rescaling_between(runs: Iterable[Run], reward: str, other: str) -> Rescaling | None:
+    """What a reward is of another one, by all trainings that know both; None if it is another one."""
+    return rescaling_of(
+        [
+            run.likeness.lines[other, reward]
+            for run in runs
+            if {reward, other} <= {*run.facts.rewards} and run.episodes.knows(reward) and run.episodes.knows(other)
+        ]
+    )
 
 
 NO_CONTROL: Mapping[int, int] = MappingProxyType({})

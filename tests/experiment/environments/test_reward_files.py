@@ -29,7 +29,16 @@ def calm(observation, action, next_observation, info):
     return float(next_observation[0] - _scale.SPEED * abs(next_observation[2]))
 """
 UPRIGHT = "def upright(observation, action, next_observation, info):\n    return float(next_observation[0] > 0.95)\n"
-CRASHES = "def crashes(observation, action, next_observation, info):\n    return 1 / 0\n"
+CRASHES = """
+class crashes:
+    episodes = 0
+
+    def reset(self):
+        self.episodes += 1
+
+    def __call__(self, observation, action, next_observation, info):
+        return 1 / (2 - self.episodes)
+"""
 BEHAVIOUR = """
 lower_is_better = ["effort"]
 
@@ -129,13 +138,13 @@ def test_file_of_the_name_of_the_environments_own_reward_is_refused(tmp_path: Pa
 
 
 def test_crash_costs_only_the_cells_that_it_pays(trained: Path):
-    """All others are done, recorded by every other reward, and say what was given up."""
+    """If the trial did not see it. All others are done, recorded by every reward, and say what was given up."""
     results = load_results(trained)
     assert {(it.cell.reward.label, it.status) for it in results.manifests} == {
         ("own", "done"), ("calm", "done"), ("upright", "done"), ("crashes", "failed"),
     }  # fmt: skip
     for manifest in results.done:
-        assert manifest.note == "reward crashes given up in the training, episode 0, step 0: ZeroDivisionError: " + (
+        assert manifest.note == "reward crashes given up in the training, episode 1, step 0: ZeroDivisionError: " + (
             "division by zero"
         )
         training = read_recording(results.store.cell_folder(manifest.cell) / TRAINING_RECORDING)
