@@ -141,6 +141,7 @@ class Comparison:
         speed_ruling: What the test says of how fast the robot learns; None where that was not asked.
         same_steps: Whether the policies of both rewards take the same steps in every evaluation, bit for bit.
         rescaling: What the proposed reward is, if it is the baseline but for scale and offset; else None.
+        same_starts: Whether policies met the same episodes in their evaluations, as far as that is known.
     """
 
     group: Group
@@ -164,6 +165,7 @@ class Comparison:
     speed_ruling: Ruling | None = None
     same_steps: bool = False
     rescaling: Rescaling | None = None
+    same_starts: bool = True
 
     @property
     def place_key(self) -> tuple[Group, str, str]:

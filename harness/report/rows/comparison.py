@@ -24,6 +24,7 @@ from harness.results.standing import told_manifests
 from harness.text import command_text
 
 SCALES = "eta compares two rewards, each on its own scale. It does not say how the {subject} behaves."
+UNLIKE_STARTS = "The policies did not meet the same starts, so that luck with them is part of the difference."
 SPLIT = (
     "eta = ruler x behaviour. For the ruler both rewards score the same runs. For the behaviour one reward scores the "
     "runs of both trainings."
@@ -78,6 +79,12 @@ def scales_text(subject: str) -> str:
 def what_decides(subject: str) -> str:
     """What the tests hold for, of a ``robot`` or an ``agent``."""
     return TESTS.format(subject=subject)
+
+
+def beside_answer(comparison: Comparison) -> list[str]:
+    """What a reader of the answer has to know at once, a sentence or two each."""
+    starts = "" if comparison.same_starts else UNLIKE_STARTS
+    return [line for line in (scale_text(comparison), starts) if line]
 
 
 def scale_text(comparison: Comparison) -> str:

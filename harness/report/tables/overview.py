@@ -11,9 +11,9 @@ from harness.report.rows.comparison import (
     Grid,
     advice,
     basis_text,
+    beside_answer,
     count_cells,
     remarks_on_cells,
-    scale_text,
     split_grid,
 )
 from harness.report.rows.pools import TITLE, pooled_answers
@@ -60,7 +60,7 @@ def _comparisons(results: Results) -> list[RenderableType]:
     parts = [comparison_lines(combinations)]
     if len(combinations) == 1:
         return [*parts, *_sentences(results, combinations[0])]
-    lines = [*filter(None, dict.fromkeys(map(scale_text, combinations))), *_bases(combinations)]
+    lines = [*dict.fromkeys(line for it in combinations for line in beside_answer(it)), *_bases(combinations)]
     return [*parts, *(part for line in lines for part in (Text(), Text(line)))]
 
 
@@ -133,7 +133,7 @@ def _sentences(results: Results, combination: Comparison) -> list[RenderableType
     headline = combination.headline
     lines = [
         headline.robot,
-        scale_text(combination),
+        *beside_answer(combination),
         basis_text(combination),
         combination.speed_text,
         headline.number,

@@ -14,7 +14,7 @@ from harness.results.compare import Match, compare
 from harness.results.comparison import Comparison
 from harness.results.measured import EVALUATION, Measured, Moment
 from harness.results.mixture import Mixture
-from harness.results.recordings.runs import MANNERS, Run, Runs, rescaling_between
+from harness.results.recordings.runs import MANNERS, Run, Runs, meet_same_starts, rescaling_between
 
 UNKNOWN = "a reward is not known in all trainings"
 
@@ -36,7 +36,8 @@ def compare_runs(
         again if len(again) == len(seeds) else [],
     )
     found = compare(_Recorded(runs, kind, averaged), match, swaps)
-    return replace(found, rescaling=rescaling_between((*match.of_baseline, *match.of_proposed), proposed, baseline))
+    both = [*match.of_baseline, *match.of_proposed]
+    return replace(found, rescaling=rescaling_between(both, proposed, baseline), same_starts=meet_same_starts(both))
 
 
 class _Recorded:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from harness.record.recording.facts import OWN_SOURCE
 from harness.results.recordings.episodes import count_text, cut_text
-from harness.results.recordings.runs import Run
+from harness.results.recordings.runs import Run, meet_same_starts
 
 UNLIKE_STARTS = (
     "The policies did not meet the same starts: the first observations of their evaluations differ, so that luck with "
@@ -26,7 +26,7 @@ def notes_on(everything: Sequence[Run], trained: Sequence[str], members: Mapping
     return [
         *_unclosed(it for it in everything if it.facts.evaluation),
         *_length_notes(runs, min(run.steps for run in runs)),
-        *_start_notes(runs),
+        *([] if meet_same_starts(runs) else [UNLIKE_STARTS]),
         *_end_notes(trained, members),
         *_code_notes(everything),
         *_bounds_notes(everything),
@@ -56,15 +56,6 @@ def _length_notes(runs: Iterable[Run], shortest: int) -> list[str]:
     if going:
         notes.append(f"Still going on, or ended before the recording was closed: {', '.join(map(_quoted, going))}")
     return notes
-
-
-def _start_notes(runs: Iterable[Run]) -> list[str]:
-    """Whether policies met other episodes than others did, as far as the first observations tell."""
-    evaluations = [it for run in runs for it in (run.evaluation, run.other) if it is not None and it.facts.starts]
-    by_count: dict[int, set[int]] = {}
-    for it in evaluations:
-        by_count.setdefault(len(it.episodes.last), set()).add(it.facts.starts)
-    return [UNLIKE_STARTS] if any(len(starts) > 1 for starts in by_count.values()) else []
 
 
 def _end_notes(trained: Sequence[str], members: Mapping[tuple[str, int], Run]) -> list[str]:

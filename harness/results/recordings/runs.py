@@ -113,6 +113,15 @@ def rescaling_between(runs: Iterable[Run], reward: str, other: str) -> Rescaling
     )
 
 
+def meet_same_starts(runs: Iterable[Run]) -> bool:
+    """Whether policies met the same episodes in their evaluations, as far as the first observations tell."""
+    starts: dict[int, set[int]] = {}
+    for it in _with_evaluations(runs):
+        if it.facts.starts:
+            starts.setdefault(len(it.episodes.last), set()).add(it.facts.starts)
+    return all(len(found) == 1 for found in starts.values())
+
+
 NO_CONTROL: Mapping[int, int] = MappingProxyType({})
 NO_RUNS: Mapping[int, Run] = MappingProxyType({})
 

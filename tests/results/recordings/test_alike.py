@@ -11,7 +11,7 @@ from harness.eta.headline import Answer
 from harness.eta.rescaling import rescaling_of
 from harness.record.recording.recorded_training import RecordedTraining, read_recording
 from harness.report.page.answer import card_of
-from harness.report.rows.comparison import scale_text
+from harness.report.rows.comparison import UNLIKE_STARTS, beside_answer, scale_text
 from harness.results.recordings.alike import Likeness, likeness_of
 from tests.results.recordings.conftest import load_study, record
 
@@ -140,5 +140,17 @@ def test_where_only_the_scale_differs_the_answer_says_so(tmp_path, pays, is_told
     assert comparison.headline.answer is Answer.HELPS
     told = scale_text(comparison)
     assert ("so its scale decides here" in told) is is_told
-    assert card_of(comparison, "other").scale == told
+    assert card_of(comparison, "other").beside == ((told,) if told else ())
     assert scale_text(replace(comparison, ruling=None)) == ""
+
+
+def test_other_starts_are_told_beside_the_answer(tmp_path):
+    """Those of an evaluation on the way too."""
+    for reward, starts in (("plain", 7), ("thrice", 8)):
+        record(tmp_path / reward, reward, 0, ARMS)
+        record(tmp_path / reward / "half", reward, 0, ARMS, evaluation=True, after=50, starts=starts)
+    (comparison,) = load_study(tmp_path).comparisons
+    assert not comparison.same_starts
+    assert beside_answer(comparison) == [UNLIKE_STARTS]
+    assert card_of(comparison, "thrice").beside == (UNLIKE_STARTS,)
+    assert beside_answer(replace(comparison, same_starts=True)) == []
