@@ -1,4 +1,4 @@
-"""An environment that draws its starts from a generator of its own: the report does not claim that they were the same."""
+"""An environment that draws its starts from a generator of its own: no report claims that they were the same."""
 
 import harness
 from harness.report.rows.comparison import UNLIKE_STARTS, beside_answer
