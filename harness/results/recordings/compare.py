@@ -37,7 +37,8 @@ def compare_runs(
     )
     found = compare(_Recorded(runs, kind, averaged), match, swaps)
     both = [*match.of_baseline, *match.of_proposed]
-    return replace(found, rescaling=rescaling_between(both, proposed, baseline), same_starts=meet_same_starts(both))
+    rescaling = None if baseline == proposed else rescaling_between(both, proposed, baseline)
+    return replace(found, rescaling=rescaling, same_starts=meet_same_starts(both))
 
 
 class _Recorded:
