@@ -31,13 +31,14 @@ def calm(observation, action, next_observation, info):
 UPRIGHT = "def upright(observation, action, next_observation, info):\n    return float(next_observation[0] > 0.95)\n"
 CRASHES = """
 class crashes:
-    episodes = 0
+    episodes, was_asked = 0, False
 
     def reset(self):
-        self.episodes += 1
+        self.episodes, self.was_asked = self.episodes + self.was_asked, False
 
     def __call__(self, observation, action, next_observation, info):
-        return 1 / (2 - self.episodes)
+        self.was_asked = True
+        return 1 / (1 - self.episodes)
 """
 BEHAVIOUR = """
 lower_is_better = ["effort"]
@@ -243,7 +244,7 @@ def test_other_code_of_a_reward_that_trained_is_refused(trained: Path, tmp_path:
 
 def test_mended_file_pays_what_it_could_not(trained: Path, files: Path, tmp_path: Path, say: Say):
     """It had trained nothing, since its cells failed."""
-    _lay(tmp_path, crashes=CRASHES.replace("1 / 0", "0.5"))
+    _lay(tmp_path, crashes=CRASHES.replace("1 / (1 - self.episodes)", "0.5"))
     assert say("score", trained, "--plugin", tmp_path / "crashes.py")[0] == 0
     cell = next(it.cell for it in load_results(trained).done)
     assert set(read_recording(Store.open(trained).cell_folder(cell) / TRAINING_RECORDING).rewards["crashes"]) == {0.5}
