@@ -71,6 +71,8 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         horizon: int | None = None,
         acted: Acted = "",
         after: int = 0,
+        steps_asked: int = 0,
+        episodes_asked: int = 0,
     ) -> None:
         """Check what was given, and start the recording.
 
@@ -100,6 +102,9 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
             acted: Of an evaluation: ``"deterministic"``, ``"stochastic"``, or ``"random"`` for actions that no policy
                 chose; empty where that is not known.
             after: Of an evaluation before the training ended: environment steps of training before it.
+            steps_asked: Environment steps that the whole training is to take, over all envs that record into `path`.
+                Reports tell of a training that took fewer, and do not compare it. 0: not known.
+            episodes_asked: The same of an evaluation: its episodes.
 
         Raises:
             UsageError: Something of that cannot be used, or `path` holds another recording.
@@ -110,7 +115,7 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         asked = Asked(
             path, trained_with, rewards, behaviour or {}, lower_is_better, seed, evaluation, pay, number, resume,
             on_error, bounds=bounds or {}, learners=learners, horizon=horizon,
-            acted=acted, after=after,
+            acted=acted, after=after, steps_asked=steps_asked, episodes_asked=episodes_asked,
         )  # fmt: skip
         self._recorder = Recorder(env, asked, num_envs=1, actions=action_facts(env.action_space))
         self._columns, self._guard = self._recorder.columns, self._recorder.guard
@@ -149,6 +154,7 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         """Start an episode."""
         observation, info = self.env.reset(seed=seed, options=options)
         self._recorder.note_seed(seed)
+        self._recorder.note_start(observation)
         if self._calls is not None:
             self._calls.note_reset(0, seed, options)
         self._end_trial()

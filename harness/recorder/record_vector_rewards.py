@@ -59,6 +59,8 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         number: int = 0,
         resume: bool = False,
         on_error: OnError = "warn",
+        steps_asked: int = 0,
+        episodes_asked: int = 0,
     ) -> None:
         """Check what was given, and start the recording; see `harness.recorder.record_rewards.RecordRewards`.
 
@@ -77,6 +79,8 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
             number: Of this batch among several that record one training into one path.
             resume: Go on with the recording in `path`, if there is one.
             on_error: ``"warn"``, or ``"raise"`` to stop the training where a reward or a measure fails.
+            steps_asked: Environment steps that the whole training is to take, over all envs; 0: not known.
+            episodes_asked: Of an evaluation, its episodes; 0: not known.
 
         Raises:
             UsageError: Something of that cannot be used, or `path` holds another recording.
@@ -87,7 +91,7 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         self._mode = _autoreset_mode(env)
         asked = Asked(
             path, trained_with, rewards, behaviour or {}, lower_is_better, seed, evaluation, pay, number, resume,
-            on_error, batched, bounds or {},
+            on_error, batched, bounds or {}, steps_asked=steps_asked, episodes_asked=episodes_asked,
         )  # fmt: skip
         self._recorder = Recorder(env, asked, env.num_envs, _action_facts(env))
         self._guard = self._recorder.guard

@@ -15,9 +15,9 @@ from harness.errors import StorageError, UsageError, one_line
 from harness.record.recording.facts import REWARD, ActionFacts, Failure, TrainingFacts
 from harness.record.recording.recording_writer import RecordingWriter, Rows
 from harness.recorder.asked import Asked
-from harness.recorder.calls import Calls
+from harness.recorder.calls import Calls, checksum
 from harness.recorder.column import OWN, Column, columns_of, source_of
-from harness.recorder.env_facts import env_facts, versions_of
+from harness.recorder.env_facts import env_facts, normalises, versions_of
 from harness.recorder.guard import Guard, Raised, Step
 from harness.recorder.trial import Trial
 from harness.recorder.wrapped import tell_wrapped_pay
@@ -88,7 +88,10 @@ class Recorder:
             horizon=asked.horizon or 0,
             acted=asked.acted,
             after=asked.after,
+            steps_asked=asked.steps_asked,
+            episodes_asked=asked.episodes_asked,
         )
+        self._sums_starts = asked.evaluation and num_envs == 1 and not normalises(facts.env)
         try:
             self._writer = RecordingWriter(self._path, facts, asked.number, asked.resume)
         except OSError as error:
@@ -109,6 +112,12 @@ class Recorder:
 
     def _note_actions(self, facts: ActionFacts) -> None:
         self._writer.facts = replace(self._writer.facts, actions=facts)
+
+    def note_start(self, observation: Any) -> None:
+        """Sum up the first observation of an episode of an evaluation: policies should meet the same."""
+        if self._sums_starts:
+            starts = checksum(observation, self._writer.facts.starts)
+            self._writer.facts = replace(self._writer.facts, starts=starts)
 
     def note_cut(self) -> None:
         """Count an episode that is cut."""

@@ -150,7 +150,10 @@ class EnvironmentWorld:
 
     def _recorded(self, env: AnyEnv, number: int) -> RecordRewards[Any, Any]:
         path = self._folder / TRAINING_RECORDING
-        return RecordRewards(env, path, seed=self._cell.seed, pay=True, number=number, **self._columns(env))
+        steps = self._cell.steps
+        return RecordRewards(
+            env, path, seed=self._cell.seed, pay=True, number=number, steps_asked=steps, **self._columns(env)
+        )
 
     def _evaluate(
         self,
