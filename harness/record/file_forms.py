@@ -9,6 +9,8 @@ from typing import Annotated, Any, Literal, NotRequired
 from pydantic import AfterValidator, ConfigDict, Field, StringConstraints, TypeAdapter, ValidationError, with_config
 from typing_extensions import TypedDict
 
+from harness.files.names import is_inside, twins
+
 MOST_CELLS = 1_000_000
 """The most cells of a plan."""
 MOST_LOOKS = 1_000
@@ -18,9 +20,15 @@ MOST_FILES = 100_000
 
 
 def _inside(path: str) -> str:
-    if ".." in path.split("/"):
-        raise ValueError("leads out of the folder")
+    if not is_inside(path):
+        raise ValueError("is no path of a file in the folder")
     return path
+
+
+def _distinct(files: dict[str, str]) -> dict[str, str]:
+    if alike := twins(files):
+        raise ValueError(f"{alike[0]} is named twice, in other letters")
+    return files
 
 
 def _moment(text: str) -> str:
@@ -32,7 +40,7 @@ def _moment(text: str) -> str:
 Name = Annotated[str, StringConstraints(min_length=1, max_length=1_000)]
 Line = Annotated[str, StringConstraints(max_length=100_000)]
 Digest = Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{64}$")]
-FilePath = Annotated[str, StringConstraints(max_length=1_000, pattern=r"^[^/\\]+(/[^/\\]+)*$"), AfterValidator(_inside)]
+FilePath = Annotated[str, StringConstraints(max_length=1_000), AfterValidator(_inside)]
 """In the folder that names it, or below."""
 Count = Annotated[int, Field(gt=0, lt=2**53)]
 Whole = Annotated[int, Field(ge=0, lt=2**63)]
@@ -109,7 +117,7 @@ class EndingForm(TypedDict):
     started: Moment
     seconds: Seconds
     environment: EnvironmentForm
-    files: NotRequired[Annotated[dict[FilePath, Digest], Field(max_length=MOST_FILES)]]
+    files: NotRequired[Annotated[dict[FilePath, Digest], Field(max_length=MOST_FILES), AfterValidator(_distinct)]]
 
 
 @with_config(EXACT)
