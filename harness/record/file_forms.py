@@ -6,13 +6,15 @@ A folder may come from anybody. A file of another form is damaged; no value of a
 from datetime import datetime
 from typing import Annotated, Any, Literal, NotRequired
 
+import tomli_w
 from pydantic import AfterValidator, ConfigDict, Field, StringConstraints, TypeAdapter, ValidationError, with_config
 from typing_extensions import TypedDict
 
 from harness.files.names import is_inside, twins
+from harness.registry.toml_file import MOST_DEPTH, depth_of
 
-MOST_CELLS = 1_000_000
-"""The most cells of a plan."""
+MOST_CELLS = 100_000
+"""The most cells of a plan. All are in memory, and each leaves a folder."""
 MOST_LOOKS = 1_000
 """The most looks of a plan."""
 MOST_FILES = 100_000
@@ -23,6 +25,16 @@ def _inside(path: str) -> str:
     if not is_inside(path):
         raise ValueError("is no path of a file in the folder")
     return path
+
+
+def _writable(experiment: dict[str, Any]) -> dict[str, Any]:
+    if depth_of(experiment) > MOST_DEPTH:
+        raise ValueError(f"is nested more than {MOST_DEPTH} deep")
+    try:
+        tomli_w.dumps(experiment).encode()
+    except (TypeError, ValueError):  # null, or half a character
+        raise ValueError("holds a value that no experiment file has") from None
+    return experiment
 
 
 def _distinct(files: dict[str, str]) -> dict[str, str]:
@@ -165,7 +177,7 @@ class PlanForm(TypedDict):
     a_a: bool
     control: NotRequired[list[Annotated[list[Whole], Field(min_length=2, max_length=2)]]]
     cells: Annotated[list[CellForm], Field(max_length=MOST_CELLS)]
-    experiment: NotRequired[dict[Name, Any]]
+    experiment: NotRequired[Annotated[dict[Name, Any], AfterValidator(_writable)]]
     experiment_digest: NotRequired[Digest]
     terms: NotRequired[TermsForm]
 

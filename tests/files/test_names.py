@@ -12,7 +12,7 @@ def test_names_of_files_are_plain(name: str):
 
 
 @pytest.mark.parametrize(
-    "name", ["", ".", "..", "a/b", "/a", "a\\b", "C:a", "C:\\a", "a\0", "a\n", "\x1b[2J", "\ud800", "x" * 256, "é" * 128]
+    "name", ["", ".", "..", "a/b", "/a", "a\\b", "C:a", "C:\\a", "a\0", "a\n", "\x1b[2J", "\ud800", "é" * 128]
 )
 def test_what_leads_elsewhere_is_not_plain(name: str):
     """On any system; nor what no system takes for a name."""
