@@ -6,6 +6,10 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from harness.errors import StorageError, UsageError
+from harness.record.folder import CHECKPOINT
+
+JOURNAL = "study.log"
+"""The file of a search that grows; see `harness.tune.study`."""
 
 
 @contextmanager
@@ -73,6 +77,20 @@ def storage_errors(folder: Path) -> Iterator[None]:
         ) from error
 
 
+def require_text(folder: Path, noun: str = "--out") -> None:
+    """See that a folder's path is text: libraries that write into it take nothing else.
+
+    Raises:
+        UsageError: It holds bytes that are not UTF-8.
+    """
+    try:
+        str(folder).encode()
+    except UnicodeEncodeError:
+        raise UsageError(
+            f"{noun} '{folder}' is not written in UTF-8, which files in it need: give another name"
+        ) from None
+
+
 def make_folder(folder: Path, inner: str = "") -> None:
     """Make the folder that a user named, or see whether the one that is there can be written into.
 
@@ -81,8 +99,9 @@ def make_folder(folder: Path, inner: str = "") -> None:
         inner: A folder in it that is made too.
 
     Raises:
-        UsageError: It cannot be made or written into.
+        UsageError: It cannot be made or written into, or is not written in UTF-8.
     """
+    require_text(folder)
     existing = next(parent for parent in [folder, *folder.absolute().parents] if parent.exists())
     if not existing.is_dir() or not os.access(existing, os.W_OK | os.X_OK):
         raise UsageError(f"--out '{folder}' cannot be written: '{existing}' allows no writing here")
@@ -95,15 +114,19 @@ def make_folder(folder: Path, inner: str = "") -> None:
 def refuse_links(folder: Path, rule: str = "nothing is written into a folder with links") -> None:
     """See that nothing in a folder leads out of it: what is written there could land elsewhere.
 
+    A file with a second name is a link too, where a run would write on in it. All others are replaced.
+
     Args:
         folder: To look through.
         rule: What the message says is not done.
 
     Raises:
-        UsageError: There is a symbolic link in it; the message names it.
+        UsageError: There is such a link in it; the message names it.
     """
     for parent, folders, files in os.walk(folder):
+        goes_on = CHECKPOINT in files or Path(parent).name.startswith(".")
         for name in (*folders, *files):
             path = Path(parent) / name
-            if path.is_symlink():
+            has_names = (goes_on or name == JOURNAL) and name in files and path.lstat().st_nlink > 1
+            if path.is_symlink() or has_names:
                 raise UsageError(f"'{path}' is a link; {rule}: remove it")
