@@ -13,7 +13,7 @@ from harness.robot.kinematics import link_frames
 SPEED, ACCELERATION = 0.8, 0.6
 """Shares of a joint's maxima that may be used, NOTE Table I."""
 START_NOISE = np.radians(6.0)
-"""A joint starts within this of home, [rad]."""
+"""A joint starts within this of home, [rad]; a slide within that share of it, see `Robot.per_radian`."""
 SLOWEST, FASTEST = 8.0, 2.0
 """Longest and shortest period of the sines that a motion is made of, [s]."""
 SINES = 3
@@ -71,7 +71,7 @@ def smooth_motions(robot: Robot, seed: int, episodes: int, steps: int, period: f
 
 def draw_start(robot: Robot, rng: np.random.Generator) -> Float:
     """Joint positions near home and within the ranges, (dof,), [rad]."""
-    noise = rng.uniform(-START_NOISE, START_NOISE, robot.dof)
+    noise = rng.uniform(-START_NOISE, START_NOISE, robot.dof) * robot.per_radian
     return np.minimum(np.maximum(robot.home + noise, robot.lower), robot.upper)
 
 
@@ -109,7 +109,10 @@ def draw_swinging(
     pace: Pace = SMOOTH,
     farthest: float = np.pi,
 ) -> Float:
-    """One motion from rest at `start`, (steps + 1, dof), [rad]; no joint goes farther away than `farthest`, [rad]."""
+    """One motion from rest at `start`, (steps + 1, dof), [rad]; no joint goes farther away than `farthest`, [rad].
+
+    A slide goes no farther than that share of its range, see `Robot.per_radian`.
+    """
     swing = _draw_swing(rng, robot.dof, np.arange(steps + 1, dtype=np.float64) * period)
     return start + _largest_scale(robot, start, swing, period, pace, farthest) * swing
 
@@ -135,4 +138,4 @@ def _largest_scale(robot: Robot, start: Float, swing: Float, period: float, pace
         (pace.acceleration * robot.max_acceleration, np.abs(change).max(axis=0)),
     ]
     scales = [limit / np.maximum(reached, NOTHING) for limit, reached in limits]
-    return np.asarray(np.minimum(np.min(scales, axis=0), farthest))
+    return np.asarray(np.minimum(np.min(scales, axis=0), farthest * robot.per_radian))

@@ -183,7 +183,7 @@ def _measure(
             name,
             families[name],
             placement_of(performance.placed, robot, orders.poses),
-            drift_between(ideal, performance.driven),
+            drift_between(ideal, performance.driven, robot.per_radian),
             seconds[name],
             {
                 kind: response_of(performance.classes[kind], told, robot, setting.period)
@@ -200,7 +200,8 @@ def _compare(a: str, first: Performance, b: str, second: Performance, setting: S
     if dives[0] is not None and dives[1] is not None:
         contact = compare_contacts(dives[0].contact, dives[1].contact, setting.period)
     disagreement = float((first.placed.contact != second.placed.contact).mean())
-    drift, differences = drift_between(first.driven, second.driven), _differences(first, second, setting, orders)
+    drift = drift_between(first.driven, second.driven, setting.robot.per_radian)
+    differences = _differences(first, second, setting, orders)
     return Pair(a, b, drift, contact, disagreement, differences)
 
 

@@ -16,7 +16,7 @@ from harness.testing.simulators.simulations import (
 from harness.testing.violations import check, require
 
 STAYS = 0.1
-"""So far from home, [rad] or [m], is an arm at most that stays there."""
+"""So far from home, [rad] or a slide's share of it, is an arm at most that stays there; see `Robot.per_radian`."""
 
 
 @check("sim-ground-contact")
@@ -44,7 +44,7 @@ def ground_contact_is_the_envs_own(simulator: Simulator, robot: Robot) -> None:
         for qpos in way_into_the_ground(robot):
             targets[0] = qpos
             state = copied(simulation.drive(targets, PERIOD))
-            contact, stays = state.ground_contact, (np.abs(state.qpos - home.qpos) < STAYS).all(axis=1)
+            contact, stays = state.ground_contact, (np.abs(state.qpos - home.qpos) < STAYS * robot.per_radian).all(axis=1)
             new = contact & ~home.ground_contact & stays  # who left home was told so: another check says it
             told = f"env 0 alone goes into the ground, and ground_contact goes from {home.ground_contact.tolist()} to "
             require(not new[1:].any(), f"{told}{contact.tolist()}: the others stand at home")
