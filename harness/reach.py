@@ -32,8 +32,8 @@ FD100_CENTER = np.array([0.85, 0.0, 0.7])
 FD100_HALF_EXTENT = np.array([0.2, 0.3, 0.3])
 
 START_NOISE = (
-    "largest distance of a joint from the robot's home pose at the start, +- [rad]; of a sliding joint so large a share "
-    "of its range as that angle is of a full turn"
+    "largest distance of a joint from the robot's home pose at the start, +- [rad]; of a sliding joint as large a "
+    "share of its range as that angle is of a full turn"
 )
 START_TRIES = 100
 """How often a start is drawn until it is clear of the fixed obstacles."""
@@ -67,9 +67,7 @@ class ReachTask(Conditions):
         Extents | None,
         Field(description="half the edges of the targets' box [m]; None: in fd100-reach 0.2x0.3x0.3, scaled by reach"),
     ] = None
-    start_noise: Annotated[
-        float, Field(ge=0, description=START_NOISE)
-    ] = math.radians(6)
+    start_noise: Annotated[float, Field(ge=0, description=START_NOISE)] = math.radians(6)
     speed: Annotated[
         float, Field(gt=0, le=1, description="fraction of a joint's maximum speed that may be used, NOTE Table I")
     ] = 0.8

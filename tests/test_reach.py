@@ -9,8 +9,8 @@ import pytest
 import harness
 from harness.errors import UsageError
 from harness.reach import ReachTask
-from harness.robot.robot import read_robot
 from harness.robot.inverse_kinematics import reach_position
+from harness.robot.robot import read_robot
 
 ROBOT = harness.load_robot("fd100")
 

@@ -17,7 +17,14 @@ from harness.errors import UsageError
 from harness.files.bounded import digest_of, read_text, reading
 from harness.robot.chain_end import find_chain_end
 from harness.robot.joint_limits import describe_origin, read_joint_limits
-from harness.robot.kinematics import Chain, build_chain, chain_length, end_effector_position, position_jacobian, read_only
+from harness.robot.kinematics import (
+    Chain,
+    build_chain,
+    chain_length,
+    end_effector_position,
+    position_jacobian,
+    read_only,
+)
 from harness.robot.normal_urdf import normal_urdf
 from harness.robot.servo import Servo, read_servo
 from harness.robot.settings import FILE, JOINT_KEYS, RobotSettings, read_settings

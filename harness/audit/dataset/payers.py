@@ -111,7 +111,7 @@ def places_of(text: str | None, robot: str | None, registry: Registry) -> ArmPla
     arm = load_robot(Path(robot) if Path(robot).exists() else robot, registry)
     places = parse_places(text, arm.end_effector)
     if JOINTS_DEG in places.places and arm.chain.slides.any():
-        raise UsageError(f"joints_deg, and robot '{arm.name}' has joints that slide: give joints, in radians and metres")
+        raise UsageError(f"joints_deg, and robot '{arm.name}' has joints that slide: give joints, in rad and m")
     return places
 
 
