@@ -95,15 +95,18 @@ def require_solids(name: str, simulator: Simulator, robot: Robot, registry: Regi
         MissingSolid: It lacks one; names its link.
     """
     missing, probes = _missing_of(simulator, robot)
-    if missing and (len(missing) < len(probes) or _tells_contact(simulator, load_robot(KNOWN, registry))):
+    if missing and (len(missing) < len(probes) or _tells_contact(simulator, robot, registry)):
         raise MissingSolid(
             f"Simulator '{name}' has {missing_in_words(missing)} of robot '{robot.name}': the arm touches nothing "
             "where that solid alone is in the ground. Give the link another <collision>, or take another simulator."
         )
 
 
-def _tells_contact(simulator: Simulator, known: Robot) -> bool:
-    missing, probes = _missing_of(simulator, known)
+def _tells_contact(simulator: Simulator, silent: Robot, registry: Registry | None) -> bool:
+    """Whether a simulator that tells no contact of one arm does of another."""
+    if silent.name == KNOWN:
+        return False
+    missing, probes = _missing_of(simulator, load_robot(KNOWN, registry))
     return len(missing) < len(probes)
 
 
@@ -122,6 +125,11 @@ def missing_in_words(missing: Sequence[Probe]) -> str:
     return f"no solid for link{'s' * (len(links) > 1)} {', '.join(links)}"
 
 
+def few_points(shapes: Sequence[Sequence[Shape]]) -> list[list[Shape]]:
+    """The same shapes, with no more than `DIRECTIONS` points for a mesh: quick to compute with, a little too small."""
+    return [[_with_few_points(shape) for shape in group] for group in shapes]
+
+
 def _first_contacts(robot: Robot, solids: Sequence[Solids]) -> Float:
     """Poses, (n, dof), where the lowest solid is `DEPTH` below the ground, on ways there from above it."""
     drawn = np.random.default_rng(0).uniform(robot.lower, robot.upper, (4 * WAYS, robot.dof))
@@ -132,13 +140,14 @@ def _first_contacts(robot: Robot, solids: Sequence[Solids]) -> Float:
         middle = (above + inside) / 2.0
         deep = (_heights(robot, solids, middle).min(axis=0) < -DEPTH)[:, None]
         above, inside = np.where(deep, above, middle), np.where(deep, middle, inside)
-    return inside
+    return np.asarray(inside)
 
 
 def _heights(robot: Robot, solids: Sequence[Solids], poses: Float) -> Float:
     """The height of the lowest point of each solid at each pose, (solids, poses), [m]."""
     frames = link_frames(robot.chain, poses)
-    return np.stack([alone.lowest(frames) for alone in solids])
+    heights: Float = np.stack([alone.lowest(frames) for alone in solids])
+    return heights
 
 
 def _solids_alone(robot: Robot) -> Iterator[tuple[str, str, Solids]]:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from harness.env.solid_probes import Probe
 from harness.simulator import family_of
 
 from .classes import CONTACT, Told, told_by
@@ -39,6 +40,8 @@ class Measured:
         tracking: How far the driven arm is from where it was told to be.
         seconds_per_step: Of one arm, median, [s].
         responses: How its joints follow, by class of motions.
+        touched: In how many dives it touches the ground; None where there are none.
+        missing: The solids that it lacks.
     """
 
     name: str
@@ -47,6 +50,8 @@ class Measured:
     tracking: Drift
     seconds_per_step: float
     responses: Mapping[str, Response]
+    touched: int | None = None
+    missing: tuple[Probe, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
@@ -58,6 +63,8 @@ class Measured:
             "tracking_error_m": self.tracking.max_tip_error_m,
             "tracking_error_rad": self.tracking.max_joint_error_rad,
             "seconds_per_step": self.seconds_per_step,
+            "dives_touched": self.touched,
+            "missing_solids": [probe.link for probe in self.missing],
             "classes": {name: response.to_json() for name, response in self.responses.items()},
         }
 
@@ -189,6 +196,8 @@ def _measure(
                 kind: response_of(performance.classes[kind], told, robot, setting.period)
                 for kind, told in orders.classes.items()
             },
+            None if performance.dived is None else int(performance.dived.contact.any(axis=0).sum()),
+            performance.missing,
         )
         for name, performance in performed.items()
     )

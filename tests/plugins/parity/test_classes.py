@@ -15,7 +15,7 @@ from harness_plugins.parity.classes import (
     shares_told,
     told_by,
 )
-from harness_plugins.parity.motions import CLEARANCE, lowest_points
+from harness_plugins.parity.clearance import CLEARANCE, lowest_points
 
 
 @pytest.fixture(scope="module")
