@@ -12,6 +12,8 @@ from harness.robot.kinematics import link_frames
 
 CLEARANCE = 0.1
 """Height that the tip and each joint keep above the ground, as a share of the arm's reach."""
+STILL, POSES = 1e-6, 64
+"""A point stands still whose height differs by no more in so many poses, [m]."""
 MARGIN = 0.02
 """Height that the solids of each joint keep above it, [m]; half of that at home where it is less, as in a turret."""
 
@@ -30,8 +32,16 @@ class GroundClearance:
 
     def is_clear(self, qpos: Float) -> Mask:
         """Whether all keep their heights at each of the joint positions, (n, dof): (n,)."""
-        clear: Mask = lowest_points(self._robot, qpos) >= CLEARANCE * self._robot.reach
-        return clear & (self._heights(qpos) >= self._needed).all(axis=0)
+        points = point_heights(self._robot, qpos)[self._rises]
+        high = (points >= CLEARANCE * self._robot.reach).all(axis=0)
+        return np.asarray(high & (self._heights(qpos) >= self._needed).all(axis=0))
+
+    @cached_property
+    def _rises(self) -> Mask:
+        """Which of the points can change their heights, (dof,): a turret's next joint cannot meet the ground."""
+        rng, robot = np.random.default_rng(0), self._robot
+        heights = point_heights(robot, rng.uniform(robot.lower, robot.upper, (POSES, robot.dof)))
+        return np.asarray(np.ptp(heights, axis=1) > STILL)
 
     @cached_property
     def _needed(self) -> Float:
@@ -45,15 +55,19 @@ class GroundClearance:
         return heights
 
 
-def lowest_points(robot: Robot, qpos: Float) -> Float:
-    """Height of the lowest of the tip and the origins of the joints that move, [m].
+def point_heights(robot: Robot, qpos: Float) -> Float:
+    """Heights of the origins of all joints but the first, which stands still, and of the tip, [m].
 
     Args:
         robot: The arm.
         qpos: Joint positions, (n, dof), [rad].
 
     Returns:
-        Shape (n,). The links reach lower, by their thickness.
+        Shape (dof, n). The links reach lower, by their thickness.
     """
-    joints = link_frames(robot.chain, qpos)[1:, 2, 3]  # the first joint's origin stands still
-    return np.asarray(np.vstack([joints, robot.end_effector(qpos)[:, 2]]).min(axis=0))
+    return np.vstack([link_frames(robot.chain, qpos)[1:, 2, 3], robot.end_effector(qpos)[:, 2]])
+
+
+def lowest_points(robot: Robot, qpos: Float) -> Float:
+    """The lowest of the `point_heights`, (n,), [m]."""
+    return np.asarray(point_heights(robot, qpos).min(axis=0))

@@ -9,7 +9,7 @@ from harness.errors import UsageError
 from harness.robot.ground_clearance import build_solids
 from harness.robot.kinematics import link_frames
 from harness_plugins.parity.classes import class_motions
-from harness_plugins.parity.clearance import CLEARANCE, GroundClearance, lowest_points
+from harness_plugins.parity.clearance import CLEARANCE, GroundClearance, lowest_points, point_heights
 from harness_plugins.parity.motions import ACCELERATION, SPEED, smooth_motions
 
 PERIOD = 0.1
@@ -90,3 +90,11 @@ def test_a_long_tool_keeps_above_the_ground_that_tip_and_joints_are_far_from(rob
     assert build_solids(armed.joint_shapes).lowest(link_frames(armed.chain, motion)).min() > 0.019
     before = smooth_motions(robot, 0, 3, 100, PERIOD).reshape(-1, robot.dof)
     assert build_solids(armed.joint_shapes).lowest(link_frames(armed.chain, before)).min() < 0.0
+
+
+def test_a_joint_that_stands_still_near_the_ground_holds_nothing_up(robot):
+    """As the second joint of a turret below a tenth of the reach, which cannot meet the ground: motions are drawn."""
+    tall = replace(robot)
+    tall.__dict__["reach"] = 1.05 * point_heights(robot, robot.home[None])[0, 0] / CLEARANCE
+    motion = smooth_motions(tall, 0, 2, 20, PERIOD).reshape(-1, robot.dof)
+    assert point_heights(robot, motion)[1:].min() >= CLEARANCE * tall.reach
