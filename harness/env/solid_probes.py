@@ -25,7 +25,7 @@ WAYS = 512
 """Straight ways in joint space from above the ground into it, at whose first contacts the arm is looked at."""
 HALVINGS = 14
 """How often a way is halved to find where the lowest solid is `DEPTH` below the ground."""
-DEPTH, GAP = 4e-3, 2e-3
+DEPTH, GAP = 5e-3, 2e-3
 """How deep one solid is in the ground, and how high all others are above it at least, [m]: more than engines round."""
 KNOWN = "fd100"
 """The arm that tells whether a simulator tells of ground contact at all."""
@@ -63,7 +63,7 @@ def probes_of(robot: Robot) -> tuple[Probe, ...]:
     lowest, second = _two_lowest(heights)
     probes = []
     for (link, kind, _), own in zip(solids, heights, strict=True):
-        gaps = np.where((own == lowest) & (own <= -0.5 * DEPTH), second, -np.inf)
+        gaps = np.where((own == lowest) & (own <= -0.8 * DEPTH), second, -np.inf)
         best = int(gaps.argmax())
         if gaps[best] >= GAP:
             probes.append(Probe(link, kind, poses[best]))
