@@ -16,7 +16,7 @@ from harness.recorder.trial import Guarded
 from harness.registry.choice import choose
 from harness.registry.registry import Registry
 from harness.reward import Reward
-from harness.score.places import ArmPay, ArmPlaces, parse_places
+from harness.score.places import JOINTS_DEG, ArmPay, ArmPlaces, parse_places
 
 
 class Payer(Protocol):
@@ -159,7 +159,11 @@ def places_of(text: str | None, robot: str | None, registry: Registry) -> ArmPla
         return parse_places(text)
     from harness.robot.load import load_robot
 
-    return parse_places(text, load_robot(Path(robot) if Path(robot).exists() else robot, registry).end_effector)
+    arm = load_robot(Path(robot) if Path(robot).exists() else robot, registry)
+    places = parse_places(text, arm.end_effector)
+    if JOINTS_DEG in places.places and arm.chain.slides.any():
+        raise UsageError(f"joints_deg, and robot '{arm.name}' has joints that slide: give joints, in rad and m")
+    return places
 
 
 def payers_of(
