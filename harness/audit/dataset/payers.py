@@ -38,6 +38,9 @@ class Unseen:
     def __getattr__(self, name: str) -> Any:
         self._look()
 
+    def __deepcopy__(self, memo: Any) -> "Unseen":
+        return self  # to copy is not to look: functions are given copies
+
     def _look(self, *_: Any) -> Any:
         self.looked_at = True
         raise LookupError("nothing is known of what came after this step")

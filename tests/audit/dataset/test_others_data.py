@@ -1,5 +1,6 @@
 """Data sets as others write them: each answer is that of pairs counted one by one, or the data set is refused."""
 
+import copy
 import json
 from pathlib import Path
 
@@ -10,8 +11,10 @@ import pyarrow.parquet as pq
 import pytest
 
 from harness.audit.dataset.audit_dataset import audit_dataset
+from harness.audit.dataset.payers import Unseen
 from harness.errors import SchemaError, UsageError
 from harness.eta.auc import AGAINST, CANNOT_TELL, RANKS
+from harness.recorder.sealed import Sealer
 from tests.record.dataset.frames import info_of, write_frames
 from tests.record.dataset.written import episode, write_minari
 
@@ -113,6 +116,13 @@ def test_a_function_that_does_not_look_at_the_next_observation_is_paid_every_ste
     told = {"told": lambda o, a, n, info: 100.0 * info["next.success"] - 1.0}
     (found,) = ask(folder, rewards=told).rewards
     assert (found.by_success.value, found.by_success.answer, found.unpaid) == (1.0, RANKS, ())
+
+
+def test_a_copy_of_what_is_not_known_is_no_look_at_it():
+    """Functions get copies of their own once torch is imported, or a step holds what only a copy protects."""
+    unseen = Unseen()
+    assert copy.deepcopy(Sealer().seal(unseen)) is unseen
+    assert not unseen.looked_at
 
 
 def paid_by(number: int, label, **more):
