@@ -98,6 +98,28 @@ def test_link_in_a_folder_is_refused(tmp_path: Path, inner: str):
         refuse_links(tmp_path / "out")
 
 
+@pytest.mark.parametrize("inner", ["study.log", ".0.partial/log.txt", "0/trace.parquet"])
+def test_a_second_name_of_a_file_that_grows_is_refused(tmp_path: Path, inner: str):
+    """What is appended would land in the other one; files that are replaced may have as many as they like."""
+    (tmp_path / "it" / "0").mkdir(parents=True)
+    (tmp_path / "it" / "0" / "checkpoint.safetensors").write_text("")
+    (tmp_path / "of a person").write_text("kept")
+    (tmp_path / "it" / "report.html").hardlink_to(tmp_path / "of a person")
+    refuse_links(tmp_path / "it")
+    (tmp_path / "it" / inner).parent.mkdir(exist_ok=True)
+    (tmp_path / "it" / inner).hardlink_to(tmp_path / "of a person")
+    with pytest.raises(UsageError, match=f"{inner}' is a link"):
+        refuse_links(tmp_path / "it")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems take text alone")
+def test_a_folder_whose_name_is_no_text_is_refused(tmp_path: Path):
+    """Libraries that write into it would end with a traceback, after the training."""
+    with pytest.raises(UsageError, match=r"--out .* is not written in UTF-8"):
+        make_folder(tmp_path / "bad\udcff")
+    assert not list(tmp_path.iterdir())
+
+
 def test_folder_may_be_a_link_itself(tmp_path: Path):
     """The user says where his results go."""
     (tmp_path / "disk").mkdir()
