@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from packaging.requirements import Requirement
 
-from harness.errors import UsageError
-from harness.record.out_folder import folder_lock, make_folder, refuse_links
+from harness.errors import StorageError, UsageError
+from harness.record.out_folder import folder_lock, make_folder, refuse_links, storage_errors
 
 HOLD = """
 import sys
@@ -134,3 +134,11 @@ def test_versions_that_emptied_what_a_link_leads_to_are_not_allowed():
     project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())["project"]
     (asked,) = (Requirement(text) for text in project["dependencies"] if text.startswith("filelock"))
     assert [version for version in ("3.16", "3.20.2", "3.20.3") if asked.specifier.contains(version)] == ["3.20.3"]
+
+
+def test_a_folder_that_is_gone_is_called_gone(tmp_path: Path):
+    """Nothing of it is kept, and no disk is full; a file that is missing in a folder that is there is told as such."""
+    with pytest.raises(StorageError, match="it' is gone"), storage_errors(tmp_path / "it"):
+        (tmp_path / "it" / "file").write_text("")
+    with pytest.raises(StorageError, match="cannot be written: No such file"), storage_errors(tmp_path):
+        (tmp_path / "it" / "file").write_text("")
