@@ -271,3 +271,13 @@ def test_only_steps_wait_for_the_disk(tmp_path: Path, monkeypatch: pytest.Monkey
     writer.append(np.zeros((len(training), 9)))
     writer.close()
     assert len(waited) == 3  # facts, steps, and the folder that holds both
+
+
+def test_steps_times_columns_are_bounded_before_they_are_read(folder: Path, monkeypatch: pytest.MonkeyPatch):
+    """Ten million steps of 16,000 columns are a terabyte, though each part is small."""
+    monkeypatch.setattr("harness.record.recording.recorded_training.MOST_NUMBERS", 10)
+    monkeypatch.setattr(
+        "harness.record.recording.recorded_training.read_part", lambda *given: pytest.fail("it was read")
+    )
+    with pytest.raises(SchemaError, match=r"more than \d+ steps of \d+ columns, 10 numbers are allowed"):
+        read_recording(folder)
