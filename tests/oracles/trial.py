@@ -1,0 +1,136 @@
+"""One question to the program about an input that was made, and what may be answered."""
+
+import contextlib
+import io
+import json
+import math
+import re
+import signal
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from random import Random
+from types import FrameType
+from typing import Any, TypeAlias
+
+from harness.cli import main
+
+USAGE, DAMAGED = 2, 1
+UNSEEN = 1e-9
+"""Numbers that differ by a smaller share are the same: sums are taken in another order."""
+
+SECONDS = 5.0
+"""An answer to inputs as small as these is there in milliseconds."""
+
+Answer: TypeAlias = Mapping[str, Any]
+
+
+class Refused(Exception):  # noqa: N818 (it is no error of the test)
+    """The program said in a line that it does not read the input."""
+
+
+class TookTooLong(BaseException):
+    """The program was still at work after `SECONDS`. No `except Exception` takes it for an error of its own."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """An input, a question, and what is right.
+
+    Attributes:
+        change: What was changed, in words.
+        ask: Asks the program; raises `Refused`.
+        right: Each of these is right to answer. Without any the input has to be refused.
+        may_refuse: Whether a refusal is right beside them.
+        tells: A pattern of what has to be told beside the answer; empty if nothing has to be.
+    """
+
+    change: str
+    ask: Callable[[], tuple[Answer, str]]
+    right: Sequence[Answer] = ()
+    may_refuse: bool = False
+    tells: str = ""
+
+
+Oracle: TypeAlias = Callable[[Random, Path], Trial]
+"""Makes an input in an empty folder, changes it, and says what is right. All by the random numbers it is given."""
+
+
+def fault_of(trial: Trial) -> str | None:
+    """What is wrong with what the program answers; None if nothing is."""
+    try:
+        with _limited():
+            answer, said = trial.ask()
+    except TookTooLong:
+        return f"{trial.change}: no answer within {SECONDS:g} s"
+    except Refused as refusal:
+        if trial.right and not trial.may_refuse:
+            return f"{trial.change}: refused, and {trial.right[0]} is right: {refusal}"
+        return None
+    except Exception as error:
+        return f"{trial.change}: raised {error!r}"
+    if not trial.right:
+        return f"{trial.change}: read as {answer}, and has to be refused"
+    if not any(is_same(answer, right) for right in trial.right):
+        return f"{trial.change}: answered {answer}, right is {' or '.join(map(str, trial.right))}"
+    if trial.tells and not re.search(trial.tells, said):
+        return f"{trial.change}: answered without a word on it, /{trial.tells}/"
+    return None
+
+
+@contextlib.contextmanager
+def _limited() -> Iterator[None]:
+    """Raises `TookTooLong` where the block does not end."""
+
+    def stop(number: int, frame: FrameType | None) -> None:
+        raise TookTooLong
+
+    before = signal.signal(signal.SIGALRM, stop)
+    signal.setitimer(signal.ITIMER_REAL, SECONDS, 0.1)  # again: Python ignores what is raised while it cleans up
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def is_same(one: Any, other: Any) -> bool:
+    """Whether two answers are the same, numbers but for rounding. Only what `other` names is looked at."""
+    if isinstance(other, Mapping):
+        return isinstance(one, Mapping) and all(key in one and is_same(one[key], other[key]) for key in other)
+    if isinstance(other, list | tuple):
+        return (
+            isinstance(one, list | tuple)
+            and len(one) == len(other)
+            and all(is_same(*pair) for pair in zip(one, other, strict=True))
+        )
+    if isinstance(other, float) and isinstance(one, int | float):
+        return math.isclose(one, other, rel_tol=UNSEEN, abs_tol=UNSEEN)
+    return bool(one == other)
+
+
+def call(*arguments: object) -> tuple[str, str]:
+    """What a command prints on standard output and on standard error.
+
+    Raises:
+        Refused: It ends as a usage error does, with one line.
+        AssertionError: It ends in another way.
+    """
+    out, err = io.StringIO(), io.StringIO()
+    status: Any = None
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        try:
+            main([str(argument) for argument in arguments])
+        except SystemExit as ended:
+            status = ended.code
+    said = err.getvalue().strip()
+    if status in {USAGE, DAMAGED} and "\n" not in said and said:
+        raise Refused(said)
+    assert status == 0, f"status {status}: {said[-500:]}"
+    return out.getvalue(), said
+
+
+def call_json(*arguments: object) -> tuple[Any, str]:
+    """What a command tells as JSON, and all its text."""
+    out, said = call(*arguments, "--json")
+    return json.loads(out), f"{out}\n{said}"
