@@ -38,7 +38,7 @@ def auc_within_tasks(episodes: Sequence[Told]) -> float | None:
 
 
 def indices(rewards: Sequence[Sequence[float]]) -> tuple[float, float]:
-    """I_N and I_P of runs: each run's running sum, cut to the shortest, their mean, its negative and positive values."""
+    """I_N and I_P of runs: running sums, cut to the shortest run, their mean, its negative and its positive values."""
     steps = min(map(len, rewards))
     total = np.zeros(steps)
     for run in rewards:

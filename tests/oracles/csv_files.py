@@ -155,12 +155,12 @@ def no_matter(rng: Random, folder: Path) -> Trial:
     return Trial(f"written as {style.__name__}", lambda: ask(folder), [answer_of(groups)])
 
 
-def windows(table: Table, rng: Random) -> bytes:  # noqa: ARG001 (as the others)
+def windows(table: Table, rng: Random) -> bytes:
     """Lines end as on Windows."""
     return text_of(table, "\r\n").encode()
 
 
-def marked(table: Table, rng: Random) -> bytes:  # noqa: ARG001
+def marked(table: Table, rng: Random) -> bytes:
     """Begins with the mark of UTF-8, and ends without a new line."""
     return text_of(table).rstrip("\n").encode("utf-8-sig")
 
@@ -221,7 +221,7 @@ def shift_column(groups: list[list[Table]], rng: Random) -> None:
         row[_place(table)] = reward
 
 
-def swap_groups(groups: list[list[Table]], rng: Random) -> None:  # noqa: ARG001
+def swap_groups(groups: list[list[Table]], rng: Random) -> None:
     """The base line is the other one."""
     groups.reverse()
 
@@ -233,7 +233,7 @@ def cut_rows(groups: list[list[Table]], rng: Random) -> None:
         del table.rows[steps:]
 
 
-def scale_proposed(groups: list[list[Table]], rng: Random) -> None:  # noqa: ARG001
+def scale_proposed(groups: list[list[Table]], rng: Random) -> None:
     """The proposed rewards are twice as large."""
     for table in groups[1]:
         for row in table.rows:
@@ -313,7 +313,7 @@ def no_rows(table: Table, rng: Random) -> bytes:
     return rng.choice((text_of(Table(table.header, [])).encode(), b"", b"\n\n"))
 
 
-def no_header(table: Table, rng: Random) -> bytes:  # noqa: ARG001
+def no_header(table: Table, rng: Random) -> bytes:
     """The first line is a row."""
     return text_of(Table(table.rows[0], table.rows[1:])).encode()
 
@@ -323,12 +323,12 @@ def semicolons(table: Table, rng: Random) -> bytes:
     return text_of(table).replace(",", rng.choice((";", "\t", "|"))).encode()
 
 
-def other_coding(table: Table, rng: Random) -> bytes:  # noqa: ARG001
+def other_coding(table: Table, rng: Random) -> bytes:
     """UTF-16."""
     return text_of(table).encode("utf-16")
 
 
-def pointer(table: Table, rng: Random) -> bytes:  # noqa: ARG001
+def pointer(table: Table, rng: Random) -> bytes:
     """What Git LFS leaves in a file's place."""
     return b"version https://git-lfs.github.com/spec/v1\noid sha256:" + b"4d" * 32 + b"\nsize 12345\n"
 
@@ -339,14 +339,14 @@ def episodes(table: Table, rng: Random) -> bytes:
     return text_of(Table(["episode", "reward", rng.choice(("length", "len", "steps"))], rows)).encode()
 
 
-def monitor(table: Table, rng: Random) -> bytes:  # noqa: ARG001
+def monitor(table: Table, rng: Random) -> bytes:
     """stable-baselines3's Monitor."""
     head = json.dumps({"t_start": 1.5, "env_id": "Arm-v0"})
     rows = [f"{row[_place(table)]},20,{place}.5" for place, row in enumerate(table.rows)]
     return "\n".join([f"#{head}", "r,l,t", *rows, ""]).encode()
 
 
-def binary(table: Table, rng: Random) -> bytes:  # noqa: ARG001
+def binary(table: Table, rng: Random) -> bytes:
     """No text at all."""
     return b"\x89HDF\r\n\x1a\n" + bytes(rng.randrange(256) for _ in range(200))
 

@@ -371,7 +371,7 @@ def text_for_numbers(parts: Parts, rng: Random) -> None:
     parts.layout.scalars_in_lists = False
 
 
-def backwards(parts: Parts, rng: Random) -> None:  # noqa: ARG001 (as the others)
+def backwards(parts: Parts, rng: Random) -> None:
     """Frames count down."""
     number, frame = parts.columns["episode_index"], parts.columns["frame_index"].copy()
     counts = np.bincount(number)
@@ -393,13 +393,13 @@ DAMAGES = (
     missing_column, text_for_numbers, backwards, begins_late,
 )  # fmt: skip
 
-# What can be left out, or read around: the episodes of each answer that is right, whether a refusal is too, and what has
-# to be told.
+# What can be left out, or read around: the episodes of each answer that is right, whether a refusal is too, and what
+# has to be told.
 
 Partly = tuple[Sequence[Sequence[Run]], bool, str]
 
 
-def left_over(parts: Parts, runs: Sequence[Run], rng: Random) -> Partly:  # noqa: ARG001 (as the others)
+def left_over(parts: Parts, runs: Sequence[Run], rng: Random) -> Partly:
     """Episodes lie there that the metadata no longer list."""
     count = rng.randrange(1, max(2, len(runs) // 3))
     parts.episodes = parts.episodes[:-count]
@@ -431,7 +431,7 @@ def fewer_told(parts: Parts, runs: Sequence[Run], rng: Random) -> Partly:
     return [runs], True, r"(?i)total"
 
 
-def renamed_reward(parts: Parts, runs: Sequence[Run], rng: Random) -> Partly:  # noqa: ARG001
+def renamed_reward(parts: Parts, runs: Sequence[Run], rng: Random) -> Partly:
     """A stranger's list of own rewards calls another column `recorded`."""
     parts.columns["annotation"] = -np.abs(np.sin(np.arange(len(parts.place)))).astype(np.float32)
     parts.info["features"]["annotation"] = {"dtype": "float32", "shape": [1], "names": None}

@@ -175,46 +175,45 @@ def _any(file: Any, rng: Random) -> Any:
     return file[f"episode_{rng.randrange(len(file))}"]
 
 
-def short_rewards(file: Any, runs: Sequence[Run], rng: Random) -> Any:  # noqa: ARG001 (as the others)
+def short_rewards(file: Any, runs: Sequence[Run], rng: Random) -> Any:
     """A reward is missing at the end."""
     rewards = _any(file, rng)["rewards"]
     rewards.resize(len(rewards) - 1, axis=0)
     return [], True, ""
 
 
-def short_actions(file: Any, runs: Sequence[Run], rng: Random) -> Any:  # noqa: ARG001
+def short_actions(file: Any, runs: Sequence[Run], rng: Random) -> Any:
     """An action is missing at the end."""
     actions = _any(file, rng)["actions"]
     actions.resize(len(actions) - 1, axis=0)
     return [], True, ""
 
 
-def lie_on_steps(file: Any, runs: Sequence[Run], rng: Random) -> Any:  # noqa: ARG001
+def lie_on_steps(file: Any, runs: Sequence[Run], rng: Random) -> Any:
     """The attribute tells of other steps than there are."""
     _any(file, rng).attrs["total_steps"] += rng.choice((1, 7))
     return [], True, ""
 
 
-def cut_whole(file: Any, runs: Sequence[Run], rng: Random) -> Any:  # noqa: ARG001
+def cut_whole(file: Any, runs: Sequence[Run], rng: Random) -> Any:
     """All arrays of an episode lack the last step; attribute and metadata still tell of it."""
     group = _any(file, rng)
 
-    def cut(name: str, found: Any) -> None:  # noqa: ARG001
-        if isinstance(found, h5py.Dataset) and len(found):
-            if found.maxshape[0] is None:
-                found.resize(len(found) - 1, axis=0)
+    def cut(name: str, found: Any) -> None:
+        if isinstance(found, h5py.Dataset) and len(found) and found.maxshape[0] is None:
+            found.resize(len(found) - 1, axis=0)
 
     group.visititems(cut)
     return [], True, ""
 
 
-def drop_episode(file: Any, runs: Sequence[Run], rng: Random) -> Any:  # noqa: ARG001
+def drop_episode(file: Any, runs: Sequence[Run], rng: Random) -> Any:
     """An episode is gone; metadata still tell of it."""
     del file[f"episode_{rng.randrange(len(runs))}"]
     return [], True, ""
 
 
-def probabilities(file: Any, runs: Sequence[Run], rng: Random) -> Any:  # noqa: ARG001
+def probabilities(file: Any, runs: Sequence[Run], rng: Random) -> Any:
     """A label is neither 0 nor 1."""
     group = _any(file, rng)["infos"]
     values = np.asarray(group["success"][...], np.float64)
@@ -239,7 +238,7 @@ def nan_pay(file: Any, runs: Sequence[Run], rng: Random) -> Any:
     return [_but(runs, number)], False, LEFT_OUT
 
 
-def linked_copy(file: Any, runs: Sequence[Run], rng: Random) -> Any:  # noqa: ARG001
+def linked_copy(file: Any, runs: Sequence[Run], rng: Random) -> Any:
     """An episode is a hard link to another one: it is no evidence of its own."""
     file[f"episode_{len(runs)}"] = _any(file, rng)
     return [runs], True, ""
@@ -271,7 +270,7 @@ def loop(file: Any, runs: Sequence[Run], rng: Random) -> Any:
     return [runs], True, ""
 
 
-def dangling(file: Any, runs: Sequence[Run], rng: Random) -> Any:  # noqa: ARG001
+def dangling(file: Any, runs: Sequence[Run], rng: Random) -> Any:
     """Rewards are a link to nothing, or into another file."""
     group = _any(file, rng)
     del group["rewards"]
@@ -279,7 +278,7 @@ def dangling(file: Any, runs: Sequence[Run], rng: Random) -> Any:  # noqa: ARG00
     return [], True, ""
 
 
-def wide_rewards(file: Any, runs: Sequence[Run], rng: Random) -> Any:  # noqa: ARG001
+def wide_rewards(file: Any, runs: Sequence[Run], rng: Random) -> Any:
     """A step has two rewards."""
     group = _any(file, rng)
     values = np.stack([group["rewards"][...]] * 2, axis=1)
@@ -288,7 +287,7 @@ def wide_rewards(file: Any, runs: Sequence[Run], rng: Random) -> Any:  # noqa: A
     return [], True, ""
 
 
-def left_over(file: Any, runs: Sequence[Run], rng: Random) -> Any:  # noqa: ARG001
+def left_over(file: Any, runs: Sequence[Run], rng: Random) -> Any:
     """More episodes lie there than metadata tell of: nothing says which belong."""
     group = file.create_group(f"episode_{len(runs)}")
     _write_episode(group, len(runs), replace(runs[0], rewards=runs[0].rewards + np.float32(8.0)), Layout())

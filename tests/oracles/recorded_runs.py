@@ -121,7 +121,7 @@ def unlabel(runs: Sequence[Run], rng: Random) -> list[Run]:
     ]
 
 
-def shift_pay(runs: Sequence[Run], rng: Random) -> list[Run]:  # noqa: ARG001 (as the others)
+def shift_pay(runs: Sequence[Run], rng: Random) -> list[Run]:
     """All rewards stand a row later; the first of all is that of the last."""
     flat = np.roll(np.concatenate([run.rewards for run in runs]), 1)
     begins = np.cumsum([0, *map(len, runs)])
@@ -134,7 +134,7 @@ def other_task(runs: Sequence[Run], rng: Random) -> list[Run]:
     return changed_at(runs, rng.randrange(len(runs)), lambda run: replace(run, task=(run.task + 1) % (last + 1)))
 
 
-def turn_all(runs: Sequence[Run], rng: Random) -> list[Run]:  # noqa: ARG001
+def turn_all(runs: Sequence[Run], rng: Random) -> list[Run]:
     """Every reward has the other sign."""
     return [with_rewards(run, -run.rewards) for run in runs]
 
@@ -162,7 +162,7 @@ def renumber_tasks(runs: Sequence[Run], rng: Random) -> list[Run]:
     return [replace(run, task=numbers[run.task]) for run in runs]
 
 
-def leave(runs: Sequence[Run], rng: Random) -> list[Run]:  # noqa: ARG001
+def leave(runs: Sequence[Run], rng: Random) -> list[Run]:
     """As they are."""
     return list(runs)
 

@@ -25,7 +25,7 @@ SECONDS = 5.0
 Answer: TypeAlias = Mapping[str, Any]
 
 
-class Refused(Exception):  # noqa: N818 (it is no error of the test)
+class Refused(Exception):
     """The program said in a line that it does not read the input."""
 
 
@@ -62,20 +62,24 @@ def fault_of(trial: Trial) -> str | None:
         with _limited():
             answer, said = trial.ask()
     except TookTooLong:
-        return f"{trial.change}: no answer within {SECONDS:g} s"
+        fault = f"no answer within {SECONDS:g} s"
     except Refused as refusal:
-        if trial.right and not trial.may_refuse:
-            return f"{trial.change}: refused, and {trial.right[0]} is right: {refusal}"
-        return None
-    except Exception as error:
-        return f"{trial.change}: raised {error!r}"
+        fault = f"refused, and {trial.right[0]} is right: {refusal}" if trial.right and not trial.may_refuse else ""
+    except Exception as error:  # the program may raise anything
+        fault = f"raised {error!r}"
+    else:
+        fault = _fault_in(answer, said, trial)
+    return f"{trial.change}: {fault}" if fault else None
+
+
+def _fault_in(answer: Answer, said: str, trial: Trial) -> str:
     if not trial.right:
-        return f"{trial.change}: read as {answer}, and has to be refused"
+        return f"read as {answer}, and has to be refused"
     if not any(is_same(answer, right) for right in trial.right):
-        return f"{trial.change}: answered {answer}, right is {' or '.join(map(str, trial.right))}"
+        return f"answered {answer}, right is {' or '.join(map(str, trial.right))}"
     if trial.tells and not re.search(trial.tells, said):
-        return f"{trial.change}: answered without a word on it, /{trial.tells}/"
-    return None
+        return f"answered without a word on it, /{trial.tells}/"
+    return ""
 
 
 @contextlib.contextmanager
