@@ -23,7 +23,10 @@ def audit(
     random: flags.RandomFolder = None,
     places: of_dataset.Places = None,
     success: of_dataset.Success = None,
+    labels: of_dataset.LabelsFile = None,
+    success_above: of_dataset.SuccessAbove = None,
     cluster: of_dataset.Cluster = None,
+    partial: of_dataset.Partial = False,
     beginner: of_dataset.Beginner = None,
     html: of_dataset.HtmlFile = None,
     plugin: PluginFiles = None,
@@ -50,12 +53,16 @@ def audit(
             places=places,
             robot=robot,
             success=success,
+            labels=labels,
+            success_above=success_above,
             cluster=cluster,
+            partial=partial,
             beginner=beginner,
         )
         return show_answer(found, as_json, html)
     of_datasets = {
-        "--places": places, "--success": success, "--cluster": cluster, "--beginner": beginner, "--html": html
+        "--places": places, "--success": success, "--labels": labels, "--success-above": success_above,
+        "--cluster": cluster, "--partial": partial or None, "--beginner": beginner, "--html": html,
     }  # fmt: skip
     for flag, given in of_datasets.items():
         if given is not None:

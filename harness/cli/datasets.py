@@ -25,7 +25,10 @@ def audit_rewards_on(
     places: str | None = None,
     robot: str | None = None,
     success: str | None = None,
+    labels: Path | None = None,
+    success_above: float | None = None,
     cluster: str | None = None,
+    partial: bool = False,
     beginner: str | None = None,
 ) -> "DatasetAudit":
     """What rewards say of a data set."""
@@ -39,7 +42,10 @@ def audit_rewards_on(
         places=places,
         robot=robot,
         success=success or "",
+        labels=labels,
+        success_above=success_above,
         cluster=cluster or "",
+        partial=partial,
         beginner=beginner,
         registry=load_registry(given=read_given(plugin)),
     )
@@ -71,6 +77,7 @@ def score_dataset(
     places: str | None,
     robot: str | None,
     out: Path | None,
+    partial: bool,
     as_json: bool,
 ) -> int:
     """Write what rewards pay each step of a data set; status 1 where one could not pay."""
@@ -82,7 +89,7 @@ def score_dataset(
     from harness.registry.registry import load_registry
 
     registry = load_registry(given=read_given(plugin))
-    arm, opened = places_of(places, robot, registry), open_dataset(dataset)
+    arm, opened = places_of(places, robot, registry), open_dataset(dataset, None, partial=partial)
     paid = pay_dataset(opened, payers_of(opened, registry, rewards, arm), arm)
     into = scores_place(opened.facts.path, out)
     write_dataset_scores(paid, into)
@@ -90,6 +97,8 @@ def score_dataset(
         say_json({"files": [{"file": dataset, "scores": str(into), "rewards": list(paid.paid)}]})
     else:
         say(f"{dataset} -> {into}")
+    for line in (*opened.facts.notes, *paid.notes):
+        complain(line)
     for name, reason in paid.failed.items():
         complain(f"reward {name}: n/a ({reason})")
     return 1 if paid.failed else 0

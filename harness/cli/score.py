@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from harness.cli.datasets import names_dataset, score_dataset
-from harness.cli.flags.dataset import Places
+from harness.cli.flags.dataset import Partial, Places
 from harness.cli.flags.score import Environment, Every, OutFolder, RewardNames, Targets
 from harness.cli.flags.shared import AsJson, PluginFiles, RobotName
 from harness.cli.output import complain, say, say_json
@@ -30,6 +30,7 @@ def score(
     task: Environment = None,
     out: OutFolder = None,
     places: Places = None,
+    partial: Partial = False,
     robot: RobotName = None,
     plugin: PluginFiles = None,
     as_json: AsJson = False,
@@ -43,8 +44,8 @@ def score(
         if len(targets) > 1:
             raise UsageError("One data set is scored at a time: name it alone")
         refuse_flags({"--all": every, "--task": task}, "a data set")
-        return score_dataset(targets[0], split_list(reward or []), plugin, places, robot, out, as_json)
-    for flag, given in (("--places", places), ("--robot", robot)):
+        return score_dataset(targets[0], split_list(reward or []), plugin, places, robot, out, partial, as_json)
+    for flag, given in (("--places", places), ("--robot", robot), ("--partial", partial or None)):
         if given is not None:
             raise UsageError(f"{flag} needs a data set: harness score minari:NAME, or harness score lerobot:FOLDER")
     folder = Path(targets[0]) if len(targets) == 1 and Path(targets[0]).is_dir() else None

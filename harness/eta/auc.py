@@ -9,9 +9,13 @@ error that each of them would have. That error is a model's. Where the data show
 cluster adds to the AUC (DeLong 1988, Obuchowski 1997), it takes the model's place. Of clusters the interval reaches so
 many standard errors as Student's t with the degrees of freedom of Satterthwaite. The table in
 ``docs/statistics-tables.md`` shows how often it holds the truth.
+
+Episodes of different tasks are not compared. Each task has an AUC of its own, and all of them have the mean of these,
+each as often as it has pairs: the share of all pairs within a task. Its variance is the sum over the tasks, each with
+the square of its weight; what a cluster adds to several tasks is added up before it is squared.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, Literal, NamedTuple, TypeAlias, get_args
 
@@ -42,10 +46,12 @@ class Auc:
         low: The lower end of its 95 % interval; None where there is none.
         high: The upper end.
         answer: What can be said of it.
-        reason: Why there is no interval; empty if there is one.
+        reason: Why there is no interval, or why nothing is said in spite of one; else empty.
         above: Episodes of the first kind.
         below: Of the second kind.
         clusters: Over which the interval is.
+        pairs: Of an episode of the first kind and one of the second, of one task.
+        tasks: How many have such pairs.
     """
 
     value: float | None
@@ -56,38 +62,74 @@ class Auc:
     above: int
     below: int
     clusters: int
+    pairs: int = 0
+    tasks: int = 0
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
         return asdict(self)
 
 
-def auc_of(paid: Float, above: Mask, clusters: Sequence[str] | NDArray[Any] | None = None) -> Auc:
+class _Task(NamedTuple):
+    """Episodes that are compared with one another.
+
+    Attributes:
+        weight: Its share of all pairs.
+        rows: Numbers of its episodes.
+        above: Which of them are of the first kind.
+        apart: How far the place of each is from the AUC of the task, which is the mean of either kind's.
+        value: The AUC of the task.
+    """
+
+    weight: float
+    rows: NDArray[np.int64]
+    above: Mask
+    apart: Float
+    value: float
+
+    @property
+    def counts(self) -> tuple[int, int]:
+        """Episodes of either kind."""
+        return int(self.above.sum()), int((~self.above).sum())
+
+
+def auc_of(
+    paid: Float,
+    above: Mask,
+    clusters: Sequence[str] | NDArray[Any] | None = None,
+    tasks: Sequence[str] | NDArray[Any] | None = None,
+) -> Auc:
     """How a reward ranks episodes.
 
     Args:
         paid: What it pays each episode, (episodes,), finite.
         above: Which episodes should be paid more, (episodes,).
         clusters: Who, or what, made each; None where each stands alone.
+        tasks: What each does; only episodes of one task are compared. None where all do the same.
     """
     group = np.arange(len(paid)) if clusters is None else np.unique(np.asarray(clusters), return_inverse=True)[1]
     m, n, count = int(above.sum()), int((~above).sum()), len(np.unique(group))
     if not (m and n):
         return Auc(None, None, None, CANNOT_TELL, "there are no episodes of both kinds", m, n, count)
-    placed = _places(rounded(paid), above)
-    value = float(placed[above].mean())
-    of_above, of_below = (len(np.unique(group[kind])) for kind in (above, ~above))
+    members = _tasks(rounded(paid), above, tasks)
+    if not members:
+        return Auc(None, None, None, CANNOT_TELL, "no task has episodes of both kinds", m, n, count)
+    value = min(1.0, sum(task.weight * task.value for task in members))
+    pairs = sum(int(np.prod(task.counts)) for task in members)
+    compared, kind = (np.concatenate(it) for it in zip(*((task.rows, task.above) for task in members), strict=True))
+    of_above, of_below = (len(np.unique(group[compared[it]])) for it in (kind, ~kind))
     if min(of_above, of_below) < LEAST:
         noun = "episodes" if count == len(paid) else "operators or files"
         reason = f"no interval below {LEAST} {noun} of each kind"
-        return Auc(value, None, None, CANNOT_TELL, reason, m, n, count)
-    spread = _spread(placed - value, above, group)
-    scale = _scale(spread, value, m, n, max(m / of_above, n / of_below))
+        return Auc(value, None, None, CANNOT_TELL, reason, m, n, count, pairs, len(members))
+    spread = _spread(members, value, group)
+    model = _model_of(members)
+    scale = _scale(spread, float(model(value)), max(kind.sum() / of_above, (~kind).sum() / of_below))
     freedom = np.inf if count == len(paid) else spread.freedom
-    low, high = _ends(value, m, n, scale, quantile(CONFIDENCE, freedom))
-    surely_low, surely_high = _ends(value, m, n, scale, quantile(DECIDING, freedom))
+    low, high = _ends(value, model, scale, quantile(CONFIDENCE, freedom))
+    surely_low, surely_high = _ends(value, model, scale, quantile(DECIDING, freedom))
     answer = RANKS if surely_low > CHANCE else AGAINST if surely_high < CHANCE else CANNOT_TELL
-    return Auc(value, low, high, answer, "", m, n, count)
+    return Auc(value, low, high, answer, "", m, n, count, pairs, len(members))
 
 
 def rounded(values: Float) -> Float:
@@ -95,6 +137,21 @@ def rounded(values: Float) -> Float:
     unit = 1e-9 * float(np.abs(values).max(initial=0.0))
     made: Float = np.round(values / unit) if unit else np.asarray(values, np.float64)
     return made
+
+
+def _tasks(paid: Float, above: Mask, tasks: Sequence[str] | NDArray[Any] | None) -> list[_Task]:
+    """Those that have episodes of both kinds."""
+    task = np.zeros(len(paid), int) if tasks is None else np.unique(np.asarray(tasks), return_inverse=True)[1]
+    order = np.argsort(task, kind="stable")
+    parts = np.split(order, np.flatnonzero(np.diff(task[order])) + 1)
+    both = [rows for rows in parts if 0 < above[rows].sum() < len(rows)]
+    pairs = [int(above[rows].sum() * (~above[rows]).sum()) for rows in both]
+    members = []
+    for rows, count in zip(both, pairs, strict=True):
+        placed = _places(paid[rows], above[rows])
+        value = float(placed[above[rows]].mean())
+        members.append(_Task(count / sum(pairs), rows, above[rows], placed - value, value))
+    return members
 
 
 def _places(paid: Float, above: Mask) -> Float:
@@ -119,19 +176,39 @@ class _Spread(NamedTuple):
     freedom: float
 
 
-def _spread(apart: Float, above: Mask, group: NDArray[np.int64]) -> _Spread:
-    """From how far the place of each episode is from the AUC, which is the mean of either kind's, (episodes,)."""
-    count = int(group.max()) + 1
-    first = np.bincount(group[above], apart[above], count) / above.sum()
-    other = np.bincount(group[~above], apart[~above], count) / (~above).sum()
-    parts = []
-    for sums, kind in ((first, above), (other, ~above)):
-        clusters = len(np.unique(group[kind]))
-        parts.append((float(sums @ sums) * clusters / (clusters - 1), clusters - 1))
+def _spread(members: Sequence[_Task], value: float, group: NDArray[np.int64]) -> _Spread:
+    """From what each cluster adds to the AUC, by task and kind.
+
+    Where all episodes of a task and kind are of one cluster, they show no variance. The model's of one episode takes
+    its place.
+    """
+    together = np.zeros(int(group.max()) + 1)
+    parts: list[tuple[float, int]] = []
+    kinds: tuple[set[int], set[int]] = (set(), set())
+    squares = 0.0
+    for task in members:
+        for place, kind in enumerate((task.above, ~task.above)):
+            of_kind, inverse = np.unique(group[task.rows[kind]], return_inverse=True)
+            sums = task.weight * np.bincount(inverse, task.apart[kind]) / kind.sum()
+            together[of_kind] += sums
+            squares += float(sums @ sums)
+            kinds[place].update(of_kind.tolist())
+            clusters = len(of_kind)
+            if clusters > 1:
+                parts.append((float(sums @ sums) * clusters / (clusters - 1), clusters - 1))
+            elif len(members) > 1:
+                parts.append((task.weight**2 * _of_one(value)[place], 1))
     alone = sum(part for part, _ in parts)
     freedom = alone**2 / sum(part**2 / free for part, free in parts) if alone > 0.0 else 0.0
-    least = min(free for _, free in parts)  # Satterthwaite's is never below it
-    return _Spread(max(0.0, alone + 2.0 * float(first @ other)), float(max(least, freedom)))
+    most = sum(len(kind) - 1 for kind in kinds)  # clusters that act in several tasks are not there several times
+    least = min(*(free for _, free in parts), most)  # Satterthwaite's is never below it
+    across = float(together @ together) - squares
+    return _Spread(max(0.0, alone + across), float(max(least, min(freedom, most))))
+
+
+def _of_one(chance: float) -> tuple[float, float]:
+    """The variance of the place of one episode of either kind, for exponential pay (Hanley, McNeil 1982)."""
+    return chance / (2.0 - chance) - chance**2, 2.0 * chance**2 / (1.0 + chance) - chance**2
 
 
 def _model(chance: Float | float, m: int, n: int) -> Any:
@@ -142,19 +219,26 @@ def _model(chance: Float | float, m: int, n: int) -> Any:
     )
 
 
-def _scale(spread: _Spread, value: float, m: int, n: int, size: float) -> float:
+def _model_of(members: Sequence[_Task]) -> Callable[[Float | float], Any]:
+    """The same of the mean over tasks, by the chance that all of them have."""
+    weights: dict[tuple[int, int], float] = {}
+    for task in members:
+        weights[task.counts] = weights.get(task.counts, 0.0) + task.weight**2
+    return lambda chance: sum(weight * _model(chance, *counts) for counts, weight in weights.items())
+
+
+def _scale(spread: _Spread, model: float, size: float) -> float:
     """By what factor the data's variance is larger than the model's; 1 where it is smaller.
 
     Where all pairs are ranked the same, the data show no variance: then the episodes of one kind and cluster, `size` of
     them on average, count as one.
     """
-    model = float(_model(value, m, n))
     return max(1.0, spread.variance / model) if model > 0.0 else size
 
 
-def _ends(value: float, m: int, n: int, scale: float, reach: float) -> Interval:
+def _ends(value: float, model: Callable[[Float | float], Any], scale: float, reach: float) -> Interval:
     """The least and the largest chance that is not farther from the AUC than so many standard errors of its own."""
     tried = np.linspace(0.0, 1.0, GRID)
-    held = np.abs(value - tried) <= np.maximum(reach * np.sqrt(scale * _model(tried, m, n)), 0.5 / (GRID - 1))
+    held = np.abs(value - tried) <= np.maximum(reach * np.sqrt(scale * model(tried)), 0.5 / (GRID - 1))
     ends = tried[held]
     return float(ends[0]), float(ends[-1])

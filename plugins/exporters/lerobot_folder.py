@@ -11,14 +11,14 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from harness.arrays import Float
-from harness.record.dataset.dataset import OWN_REWARDS, leaves
-from harness.record.dataset.lerobot import ACTION, INFO, NEXT_STATE, REWARD, STATE
+from harness.record.dataset.dataset import OPERATOR_KEYS, OWN_REWARDS, leaves
+from harness.record.dataset.lerobot_facts import ACTION, DATA_PATH, INFO, NEXT_STATE, REWARD, STATE
 from harness.text import file_stems
 
 from .episodes import Exported, Source
 
 VERSION = "v3.0"
-FILE = "chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
+FILE = DATA_PATH.removeprefix("data/")
 FILE_ROWS, GROUP_ROWS = 2_000_000, 65_536
 """Rows of a file, and of a group in it, at least; no episode lies in two files."""
 CHUNK_FILES = 1_000
@@ -31,7 +31,7 @@ def write_lerobot(source: Source, folder: Path) -> int:
 
     A frame has what was seen before a step (``observation.state``), what was done (``action``), and what came of it:
     ``next.observation.state``, ``next.reward`` (what the learner was paid), ``next.done``, ``next.success``, and
-    ``next.reward_...`` for each reward.
+    ``next.reward_...`` for each reward. The list of episodes says of each whose policy acted, as ``operator``.
 
     Raises:
         OSError: The folder cannot be written.
@@ -42,6 +42,7 @@ def write_lerobot(source: Source, folder: Path) -> int:
     (folder / INFO).parent.mkdir(parents=True)
     frames = _Frames(folder)
     for number, episode in enumerate(source.episodes()):
+        frames.operators.append(episode.operator)
         frames.append(_table(number, frames.rows, episode, columns, source.period))
     frames.close()
     _write_tables(folder, frames)
@@ -61,6 +62,7 @@ class _Frames:
         self.rows = 0
         self.lengths: list[int] = []
         self.files: list[int] = []
+        self.operators: list[str] = []
         self.schema: pa.Schema | None = None
         self.sums: dict[str, list[Float]] = {}
 
@@ -165,6 +167,7 @@ def _write_tables(folder: Path, frames: _Frames) -> None:
             "episode_index": np.arange(count),
             "tasks": pa.array([[TASK]] * count, pa.list_(pa.string())),
             "length": np.array(frames.lengths, np.int64),
+            OPERATOR_KEYS[0]: pa.array(frames.operators, pa.string()),
             "data/chunk_index": files // CHUNK_FILES,
             "data/file_index": files % CHUNK_FILES,
             "dataset_from_index": ends - np.array(frames.lengths, np.int64),
@@ -202,7 +205,7 @@ def _stats(frames: _Frames) -> Iterator[tuple[str, dict[str, Any]]]:
 
 
 def _write_info(folder: Path, source: Source, frames: _Frames, columns: Mapping[str, str]) -> None:
-    data = "data/" + FILE
+    data = DATA_PATH
     told = {
         "codebase_version": VERSION,
         "robot_type": source.robot,

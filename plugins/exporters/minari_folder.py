@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.record.dataset.dataset import OWN_REWARDS, Nested
-from harness.record.dataset.minari import MAIN, METADATA
+from harness.record.dataset.minari_facts import MAIN, METADATA
 
 from .episodes import Exported, Source
 

@@ -63,7 +63,7 @@ def test_report_shows_the_recorded_reward(call):
 
 @pytest.mark.parametrize(("dataset", "steps"), [("minari:m", 72), ("lerobot:l", 60)])
 def test_score_writes_what_each_step_is_paid(call, tmp_path: Path, dataset: str, steps: int):
-    """Beside the data set, which stays as it is."""
+    """Beside the data set, which stays as it is; a step after which nothing was seen has a row, and no pay."""
     before = sorted(tmp_path.rglob("*"))
     status, _, _ = call("score", dataset, "--plugin", "near.py", "--reward", "near,arp", *PLACES)
     assert status == 0
@@ -71,7 +71,8 @@ def test_score_writes_what_each_step_is_paid(call, tmp_path: Path, dataset: str,
     assert sorted(tmp_path.rglob("*")) == sorted([*before, tmp_path / name])
     table = pq.read_table(tmp_path / name)
     assert table.column_names == ["episode", "step", "near", "arp"]
-    assert table.num_rows == steps
+    assert table.num_rows == 72
+    assert [table[name].null_count for name in ("near", "arp")] == [72 - steps] * 2
 
 
 def test_a_reward_that_fails_is_told_and_the_others_go_on(call, tmp_path: Path):

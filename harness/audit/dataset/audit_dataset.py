@@ -1,6 +1,9 @@
 """`audit_dataset`: for each reward, whether it ranks recorded behaviour as success does, and what it pays for."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial as bound
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -8,14 +11,17 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
 from harness.audit.dataset.dataset_audit import DatasetAudit, PaidStep, RewardAnswer, WrongPair
-from harness.audit.dataset.paid_dataset import FAILURE, SUCCESS, UNKNOWN, PaidDataset, pay_dataset
+from harness.audit.dataset.paid_dataset import Labels, PaidDataset, pay_dataset
 from harness.audit.dataset.payers import Payer, given_payers, payers_of, places_of
+from harness.audit.dataset.withheld import answer_that_holds, lines_of, of_its_own_return
 from harness.audit.recorded.paid import Paid, compare_paid, pairs_of
 from harness.audit.recorded.pair import Pair, pair_of
+from harness.errors import UsageError
 from harness.eta.auc import Auc, auc_of, rounded
 from harness.eta.clustered_share import share_of
 from harness.eta.rescaling import line_of
-from harness.record.dataset.dataset import Dataset
+from harness.record.dataset.dataset import RECORDED, Dataset
+from harness.record.dataset.labels import FAILURE, SUCCESS, UNKNOWN, parse_success, read_labels
 from harness.record.dataset.open_dataset import open_dataset
 from harness.registry.registry import Registry, load_registry
 from harness.score.places import ArmPlaces
@@ -28,6 +34,25 @@ FILE = "file"
 """What `--cluster` says for episodes of one file to count as alike."""
 
 
+@dataclass(frozen=True)
+class _Grouped:
+    """How episodes belong together.
+
+    Attributes:
+        noun: What intervals are over.
+        clusters: Number of each episode's cluster.
+        tasks: Number of each episode's task; only those of one task are compared.
+        names: Of the tasks.
+        untold: How many episodes nothing says the operator of, though it does of others.
+    """
+
+    noun: str
+    clusters: NDArray[np.int64]
+    tasks: NDArray[np.int64]
+    names: tuple[str, ...]
+    untold: int
+
+
 def audit_dataset(
     dataset: str,
     rewards: Mapping[str, Any] | Sequence[str] = (),
@@ -35,7 +60,10 @@ def audit_dataset(
     places: str | None = None,
     robot: str | None = None,
     success: str = "",
+    labels: str | Path | None = None,
+    success_above: float | None = None,
     cluster: str = "",
+    partial: bool = False,
     beginner: str | None = None,
     registry: Registry | None = None,
 ) -> DatasetAudit:
@@ -48,29 +76,61 @@ def audit_dataset(
             files in `registry`.
         places: Where an arm's end effector and target stand in an observation, ``end_effector=0:3,target=3:6``.
         robot: The robot whose joints `places` names.
-        success: What says whether a step was a success: a key of infos, or a column; found by its name if empty.
+        success: What says whether a step, or an episode, was a success: a key, a column or an attribute, also
+            ``KEY>0.5``; found by its name if empty. With `labels` a column of that file.
+        labels: A CSV file with the columns ``episode`` and ``success``.
+        success_above: The recorded return above which an episode is a success.
         cluster: What says who made an episode: an attribute or a column, or ``file``; found by its name if empty.
+        partial: Whether less than the metadata declares is enough.
         beginner: Another data set that should be paid less.
         registry: The plugins; loaded if None.
 
     Raises:
-        UsageError: A data set, a reward, a place or a robot is none.
-        SchemaError: A data set is damaged.
+        UsageError: A data set, a reward, a place, a robot or a label is none.
+        SchemaError: A data set is damaged, or is not what its metadata declares.
     """
     plugins = registry or load_registry()
     arm = places_of(places, robot, plugins)
     by_file = cluster == FILE
-    opened = open_dataset(dataset, success, "" if by_file else cluster)
-    other = open_dataset(beginner, "", "" if by_file else cluster) if beginner is not None else None
+    outside = _outside(success, labels, success_above)
+    open_it = bound(open_dataset, cluster="" if by_file else cluster, partial=partial)
+    opened = open_it(dataset, None if outside is not None else success)
+    other = open_it(beginner, None) if beginner is not None else None
+    if success_above is not None and RECORDED not in opened.facts.rewards:
+        raise UsageError(
+            f"--success-above needs a recorded reward, and {opened.facts.name} has none: give --labels FILE"
+        )
 
     def payers(of: Dataset) -> dict[str, Payer]:
         if isinstance(rewards, Mapping):
             return given_payers(rewards, arm)
-        return payers_of(of, plugins, rewards, arm)
+        return payers_of(of, plugins, rewards, arm, labelled=outside is not None or beginner is not None)
 
-    paid = pay_dataset(opened, payers(opened), arm)
+    paid = pay_dataset(opened, payers(opened), arm, outside)
     below = None if other is None else pay_dataset(other, payers(other), arm)
-    return judge(paid, below, arm, by_file)
+    found = judge(paid, below, arm, by_file)
+    if outside is None:
+        return found
+    return replace(found, success=_said_by(labels, success_above), notes=(*_unmatched(outside, paid), *found.notes))
+
+
+def _outside(success: str, labels: str | Path | None, success_above: float | None) -> Labels | None:
+    if labels is not None and success_above is not None:
+        raise UsageError("--labels and --success-above both say what succeeded: leave out one")
+    if success_above is not None and success:
+        raise UsageError("--success and --success-above both say what succeeded: leave out one")
+    if labels is not None:
+        return Labels(by_episode=read_labels(Path(labels), parse_success(success)))
+    return None if success_above is None else Labels(above=success_above)
+
+
+def _said_by(labels: str | Path | None, success_above: float | None) -> str:
+    return f"the file {labels}" if labels is not None else f"a recorded return above {success_above:g}"
+
+
+def _unmatched(outside: Labels, paid: PaidDataset) -> list[str]:
+    beside = sorted({*(outside.by_episode or {})} - paid.all_numbers)
+    return [f"Labels of episodes that are not there: {len(beside):,} (the first is {beside[0]})"] if beside else []
 
 
 def judge(
@@ -84,18 +144,10 @@ def judge(
         places: By which standing still was told; None for all numbers of an observation.
         by_file: Whether episodes of one file count as alike, and not those of one operator.
     """
-    noun, groups = _clusters(paid, by_file)
-    known = paid.told != UNKNOWN
-    still = paid.summed(paid.still.astype(np.float64))
-    lengths = np.diff(paid.begins).astype(np.float64)
-    answers = [_answer(paid, below, name, groups, by_file) for name in paid.paid]
-    notes = list(paid.facts.notes)
-    if not known.any():
-        notes.append("Nothing says which episodes succeeded: name the column with --success")
-    elif not known.all():
-        notes.append(f"Episodes left out, since nothing says whether they succeeded: {int((~known).sum()):,}")
-    if places is None and paid.still.any():
-        notes.append("All numbers of an observation tell whether it stands still, also those that are no positions")
+    grouped = _grouped(paid, by_file)
+    groups = grouped.clusters
+    known = ~np.isnan(paid.moved)
+    still, lengths = paid.summed(paid.still.astype(np.float64)), paid.summed(known.astype(np.float64))
     return DatasetAudit(
         paid.facts,
         None if below is None else below.facts,
@@ -103,92 +155,148 @@ def judge(
         paid.steps,
         int((paid.told == SUCCESS).sum()),
         int((paid.told == FAILURE).sum()),
-        (noun, int(groups.max()) + 1),
+        (grouped.noun, int(groups.max()) + 1),
         share_of(still, lengths, groups),
-        tuple(answers),
+        tuple(_answer(paid, below, name, grouped, by_file) for name in paid.paid),
         _pairs(paid, groups),
         {**(below.failed if below else {}), **paid.failed},
-        tuple(notes),
+        tuple(_notes(paid, below, grouped, places)),
+        grouped.names,
+        paid.facts.success,
     )
 
 
-def _clusters(paid: PaidDataset, by_file: bool) -> tuple[str, NDArray[np.int64]]:
-    """What intervals are over, and the number of each episode's cluster."""
+def _notes(paid: PaidDataset, below: PaidDataset | None, grouped: _Grouped, places: ArmPlaces | None) -> list[str]:
+    """What was left out, and what to keep in mind."""
+    notes = [*paid.facts.notes, *paid.notes]
+    notes += [f"{below.facts.name}: {line}" for line in (*below.facts.notes, *below.notes)] if below else []
+    unknown = int((paid.told == UNKNOWN).sum())
+    if unknown == len(paid):
+        notes.append(
+            "Nothing says which episodes succeeded: name the key with --success KEY, or give --labels episodes.csv or "
+            "--success-above RETURN"
+        )
+    elif unknown:
+        notes.append(f"Episodes left out, since nothing says whether they succeeded: {unknown:,}")
+    if grouped.untold:
+        notes.append(f"Nothing says who made {grouped.untold:,} of the episodes: each of them counts by itself")
+    unseen = int(np.isnan(paid.moved[paid.begins[1:] - 1]).sum())
+    if unseen:
+        notes.append(
+            f"Nothing is known of what was seen after the last step of {unseen:,} episodes. Recorded pay counts there, "
+            "and that of functions that do not look at next_observation"
+        )
+    if places is None and paid.still.any():
+        notes.append("All numbers of an observation tell whether it stands still, also those that are no positions")
+    return notes
+
+
+def _grouped(paid: PaidDataset, by_file: bool) -> _Grouped:
+    """What intervals are over, and what is compared."""
+    names, tasks = np.unique(np.array(paid.tasks, object).astype(str), return_inverse=True)
+    told = tuple(names.tolist())
     if by_file:
-        return "files", np.unique(paid.files, return_inverse=True)[1].astype(np.int64)
-    if all(paid.operators):
-        return "operators", np.unique(paid.operators, return_inverse=True)[1].astype(np.int64)
-    return "episodes", np.arange(len(paid), dtype=np.int64)
+        clusters = np.unique(paid.files, return_inverse=True)[1]
+        return _Grouped("files", clusters.astype(np.int64), tasks, told, 0)
+    if any(paid.operators):
+        each = [who or f"\0{number}" for number, who in enumerate(paid.operators)]
+        clusters = np.unique(each, return_inverse=True)[1]
+        return _Grouped("operators", clusters.astype(np.int64), tasks, told, sum(not who for who in paid.operators))
+    return _Grouped("episodes", np.arange(len(paid), dtype=np.int64), tasks, told, 0)
 
 
-def _answer(
-    paid: PaidDataset, below: PaidDataset | None, name: str, groups: NDArray[np.int64], by_file: bool
-) -> RewardAnswer:
-    known, returns, steps = paid.told != UNKNOWN, paid.returns[name], paid.paid[name]
+def _answer(paid: PaidDataset, below: PaidDataset | None, name: str, grouped: _Grouped, by_file: bool) -> RewardAnswer:
+    lost = paid.lost[name]
+    known, returns, steps = (paid.told != UNKNOWN) & ~lost, paid.returns[name], np.nan_to_num(paid.paid[name])
     success = paid.told == SUCCESS
-    earned = np.maximum(steps, 0.0)
-    wrong = _wrong(rounded(returns), success, known & ~success)
+    earned = np.where(np.isnan(paid.moved), 0.0, np.maximum(steps, 0.0))
+    groups, tasks = grouped.clusters, grouped.tasks
+    auc = auc_of(returns[known], success[known], groups[known], tasks[known])
+    wrong = _most_wrong(paid, name, known, tasks)
     return RewardAnswer(
         name,
-        auc_of(returns[known], success[known], groups[known]),
-        _by_level(paid, below, name, groups, by_file),
+        of_its_own_return(answer_that_holds(auc, paid, name, groups, tasks), paid, name),
+        _by_level(paid, below, name, grouped, by_file),
+        _wrong(rounded(returns), success, known, tasks),
         wrong,
-        _most_wrong(paid, name, success, known & ~success) if wrong else (),
         share_of(paid.summed(np.where(paid.still, earned, 0.0)), paid.summed(earned), groups),
-        _most_paid(paid, steps),
+        _most_paid(paid, paid.paid[name]),
+        lines_of(paid, name),
     )
 
 
-def _by_level(
-    paid: PaidDataset, below: PaidDataset | None, name: str, groups: NDArray[np.int64], by_file: bool
-) -> Auc | None:
+def _by_level(paid: PaidDataset, below: PaidDataset | None, name: str, grouped: _Grouped, by_file: bool) -> Auc | None:
     if below is None or name not in below.paid:
         return None
+    under = _grouped(below, by_file)
+    kept = np.concatenate([~paid.lost[name], ~below.lost[name]])
     returns = np.concatenate([paid.returns[name], below.returns[name]])
     above = np.arange(len(returns)) < len(paid)
-    return auc_of(returns, above, np.concatenate([groups, groups.max() + 1 + _clusters(below, by_file)[1]]))
+    clusters = np.concatenate([grouped.clusters, grouped.clusters.max() + 1 + under.clusters])
+    several = len(grouped.names) > 1 or len(under.names) > 1
+    tasks = np.array([*paid.tasks, *below.tasks] if several else [""] * len(returns))
+    return auc_of(returns[kept], above[kept], clusters[kept], tasks[kept])
 
 
-def _wrong(returns: Float, success: Mask, failure: Mask) -> int:
-    best = np.sort(returns[failure])
-    return int((len(best) - np.searchsorted(best, returns[success], side="right")).sum())
+def _wrong(returns: Float, success: Mask, known: Mask, tasks: NDArray[np.int64]) -> int:
+    """Pairs of one task in which the failure is paid more."""
+    count = 0
+    for task in np.unique(tasks):
+        here = known & (tasks == task)
+        best = np.sort(returns[here & ~success])
+        count += int((len(best) - np.searchsorted(best, returns[here & success], side="right")).sum())
+    return count
 
 
-def _most_wrong(paid: PaidDataset, name: str, success: Mask, failure: Mask) -> tuple[WrongPair, ...]:
-    """The worst paid success beside the best paid failure, the next worst beside the next best, and so on."""
+def _most_wrong(paid: PaidDataset, name: str, known: Mask, tasks: NDArray[np.int64]) -> tuple[WrongPair, ...]:
+    """The worst paid success of a task beside its best paid failure, the next worst beside the next best, and so on."""
     returns = paid.returns[name]
-    low, high = (
-        np.flatnonzero(it)[np.argsort(s * returns[it], kind="stable")] for it, s in ((success, 1), (failure, -1))
-    )
+    success = paid.told == SUCCESS
     found = []
-    for one, other in zip(low[:MOST_PAIRS].tolist(), high[:MOST_PAIRS].tolist(), strict=False):
-        if returns[other] > returns[one]:
-            curves = tuple(np.cumsum(paid.paid[name][paid.episode_steps(it)]) for it in (one, other))
-            numbers = int(paid.numbers[one]), int(paid.numbers[other])
-            found.append(WrongPair(*numbers, (float(returns[one]), float(returns[other])), (curves[0], curves[1])))
-    return tuple(found)
+    for task in np.unique(tasks[known]):
+        here = known & (tasks == task)
+        low = np.flatnonzero(here & success)
+        high = np.flatnonzero(here & ~success)
+        low, high = low[np.argsort(returns[low], kind="stable")], high[np.argsort(-returns[high], kind="stable")]
+        found += list(zip(low[:MOST_PAIRS].tolist(), high[:MOST_PAIRS].tolist(), strict=False))
+    worst = sorted(found, key=lambda pair: returns[pair[0]] - returns[pair[1]])[:MOST_PAIRS]
+    return tuple(_wrong_pair(paid, name, *pair) for pair in worst if returns[pair[1]] > returns[pair[0]])
+
+
+def _wrong_pair(paid: PaidDataset, name: str, one: int, other: int) -> WrongPair:
+    steps, returns = np.nan_to_num(paid.paid[name]), paid.returns[name]
+    curves = tuple(np.cumsum(steps[paid.episode_steps(it)]) for it in (one, other))
+    numbers = int(paid.numbers[one]), int(paid.numbers[other])
+    return WrongPair(*numbers, (float(returns[one]), float(returns[other])), (curves[0], curves[1]))
 
 
 def _most_paid(paid: PaidDataset, steps: Float) -> tuple[PaidStep, ...]:
+    steps = np.where(np.isnan(steps), -np.inf, steps)
     largest = np.maximum.reduceat(steps, paid.begins[:-1])
     found = []
     for place in np.argsort(-largest, kind="stable")[:MOST_STEPS].tolist():
         step = int(np.argmax(steps[paid.episode_steps(place)]))
-        found.append(PaidStep(int(paid.numbers[place]), step, float(largest[place])))
+        if np.isfinite(largest[place]):
+            found.append(PaidStep(int(paid.numbers[place]), step, float(largest[place])))
     return tuple(found)
 
 
 def _pairs(paid: PaidDataset, groups: NDArray[np.int64]) -> tuple[Pair, ...]:
-    """Every two rewards: means over parts of the data set, no cluster in two of them."""
+    """Every two rewards: means over parts of the data set, no cluster in two of them. What one lacks is left out."""
     names = tuple(paid.paid)
+    whole = ~np.any([paid.lost[name] for name in names], axis=0) if names else np.ones(len(paid), bool)
     part = groups % min(BLOCKS, int(groups.max()) + 1)
+    common = np.repeat(whole, np.diff(paid.begins))
+    for name in names:
+        common &= ~np.isnan(paid.paid[name])
     step_part = np.repeat(part, np.diff(paid.begins))
-    members = [(part == number, step_part == number) for number in range(int(part.max()) + 1)]
+    members = [((part == number) & whole, (step_part == number) & common) for number in np.unique(part[whole])]
     blocks = [
         Paid(
             {name: paid.paid[name][steps] for name in names}, {name: paid.returns[name][it] for name in names}, {}
         )
         for it, steps in (members if len(names) > 1 else ())
+        if steps.any()
     ]  # fmt: skip
     return tuple(
         pair_of(

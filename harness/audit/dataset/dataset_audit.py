@@ -24,6 +24,7 @@ PROMISE = (
 
 
 WIDTH = 100
+TASKS_SHOWN = 10
 DISTANCES = (
     "Distances of two rewards: 0 is the same but for scale and offset, 0.71 unrelated, 1 opposite. They are means over "
     "parts of the data set, with 95% intervals over these"
@@ -78,6 +79,7 @@ class RewardAnswer:
         pairs: Those that it ranks most wrongly, each episode in one of them at most.
         still: The share of what it pays, where that is above 0, that it pays while nothing happens.
         most: The steps that it pays most, one of an episode at most.
+        unpaid: What it could not be paid, a line each.
     """
 
     name: str
@@ -87,6 +89,7 @@ class RewardAnswer:
     pairs: tuple[WrongPair, ...]
     still: SeedMean
     most: tuple[PaidStep, ...]
+    unpaid: tuple[str, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
@@ -98,6 +101,7 @@ class RewardAnswer:
             "most_wrong": [pair.to_json() for pair in self.pairs],
             "paid_standing_still": mean_json(self.still),
             "paid_most": [asdict(step) for step in self.most],
+            "unpaid": list(self.unpaid),
         }
 
 
@@ -117,7 +121,9 @@ class DatasetAudit:
         rewards: One of each.
         pairs: Every two rewards.
         failed: By reward that could not pay: why.
-        notes: What to keep in mind, a line each.
+        notes: What was left out, and what to keep in mind, a line each.
+        tasks: Names of the tasks; episodes of one are compared.
+        success: What says which episodes succeeded; empty if nothing does.
     """
 
     facts: DatasetFacts
@@ -132,6 +138,8 @@ class DatasetAudit:
     pairs: tuple[Pair, ...]
     failed: Mapping[str, str]
     notes: tuple[str, ...]
+    tasks: tuple[str, ...] = ()
+    success: str = ""
 
     def __str__(self) -> str:
         return _text(self)
@@ -147,6 +155,8 @@ class DatasetAudit:
             "steps": self.steps,
             "successes": self.successes,
             "failures": self.failures,
+            "success_told_by": self.success,
+            "tasks": list(self.tasks),
             "intervals_over": {"what": self.clusters[0], "count": self.clusters[1]},
             "steps_standing_still": mean_json(self.still),
             "rewards": [reward.to_json() for reward in self.rewards],
@@ -167,6 +177,11 @@ def setting_of(audit: DatasetAudit) -> str:
     untold = audit.episodes - audit.successes - audit.failures
     told = f"{audit.successes:,} successes, {audit.failures:,} failures"
     told += f", {untold:,} of which nothing says it" if untold else ""
+    told += f", told by {audit.success}" if audit.success else ""
+    if len(audit.tasks) > 1:
+        shown = ", ".join(name or "none" for name in audit.tasks[:TASKS_SHOWN])
+        more = ", ..." if len(audit.tasks) > TASKS_SHOWN else ""
+        told += f"; {len(audit.tasks):,} tasks ({shown}{more}), and only episodes of one are compared"
     noun, count = audit.clusters
     over = "each episode counts by itself" if noun == "episodes" else f"intervals over {count:,} {noun}"
     return f"{audit.facts.format}; {audit.episodes:,} episodes, {audit.steps:,} steps; {told}; {over}"
@@ -203,7 +218,7 @@ def still_text(reward: RewardAnswer, audit: DatasetAudit) -> str:
 
 def pairs_text(reward: RewardAnswer) -> str:
     """How many pairs it ranks wrongly, and the worst."""
-    total = reward.by_success.above * reward.by_success.below
+    total = reward.by_success.pairs
     if not total:
         return f"{MISSING} (no episodes of both kinds)"
     told = f"{reward.wrong:,} of {total:,} pairs"
@@ -257,6 +272,7 @@ def _of_reward(reward: RewardAnswer, audit: DatasetAudit) -> list[RenderableType
         lines.append(Text(verdict_of(reward.by_level, f"an episode of {audit.facts.name}", than)))
     grid = answer_grid()
     for question, answer in (
+        *(("not paid", line) for line in reward.unpaid),
         ("ranked wrongly", pairs_text(reward)),
         ("standing still", still_text(reward, audit)),
         ("paid most", most_text(reward)),

@@ -1,7 +1,7 @@
 """A data set paid by several rewards: what is kept of each step and of each episode. Observations are not."""
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 from harness.arrays import Float, Mask
 from harness.audit.dataset.payers import Payer
 from harness.errors import HarnessError, SchemaError, one_line
-from harness.record.dataset.dataset import Dataset, DatasetFacts, Nested, Piece, leaves
+from harness.record.dataset.dataset import RECORDED, Dataset, DatasetFacts, Nested, Piece, leaves
+from harness.record.dataset.identity import Fingerprint
+from harness.record.dataset.labels import FAILURE, SUCCESS, UNKNOWN
 from harness.reward import LARGEST_PAID
 from harness.score.places import ArmPlaces
 
@@ -20,23 +22,29 @@ LEARNT = 4_096
 """After so many steps it is known how much a number of an observation changes in a step."""
 STILL = 0.05
 """A step that moves less than this part of the root mean square of all steps is one in which nothing happens."""
-UNKNOWN, FAILURE, SUCCESS = -1, 0, 1
 
 
 @dataclass(frozen=True, eq=False)
 class PaidDataset:
-    """What several rewards pay for a data set.
+    """What several rewards pay for a data set. Equal episodes are there once, and none with a flaw.
 
     Attributes:
         facts: Of the data set.
-        paid: By reward, what it pays each step, (steps,), finite.
+        paid: By reward, what it pays each step, (steps,); NaN where it cannot be known, since nothing is known of what
+            was seen after the step, or where it paid no finite number.
         failed: By reward that could not pay: why.
-        moved: How far each step moved, (steps,), relative to the others.
+        moved: How far each step moved, (steps,), relative to the others; NaN where it is not known.
         begins: Number of the first step of each episode, and behind the last the number of all steps, (episodes + 1,).
         numbers: Of the episodes in the data set, (episodes,).
         told: `SUCCESS`, `FAILURE` or `UNKNOWN`, (episodes,).
+        shown_last: Which episodes are a success by their last step alone, (episodes,).
+        recorded: What the data set's own reward pays each episode, and its last step, (episodes, 2); NaN without one.
         operators: Who made each episode; empty texts if nothing says it.
+        tasks: What each episode does; empty texts if nothing says it.
         files: Where each lies.
+        all_numbers: Of all episodes, also of those that are left out.
+        notes: What was left out, a line each.
+        by_return: Whether the recorded return says what succeeded.
     """
 
     facts: DatasetFacts
@@ -46,8 +54,14 @@ class PaidDataset:
     begins: NDArray[np.int64]
     numbers: NDArray[np.int64]
     told: NDArray[np.int8]
+    shown_last: Mask
+    recorded: Float
     operators: tuple[str, ...]
+    tasks: tuple[str, ...]
     files: tuple[str, ...]
+    all_numbers: frozenset[int]
+    notes: tuple[str, ...] = ()
+    by_return: bool = False
 
     def __len__(self) -> int:
         return len(self.numbers)
@@ -58,14 +72,33 @@ class PaidDataset:
         return int(self.begins[-1])
 
     @cached_property
+    def unpaid(self) -> Mapping[str, Mask]:
+        """By reward, which episodes it does not pay the last step, for want of what was seen after it, (episodes,)."""
+        last = self.begins[1:] - 1
+        return {
+            name: np.isnan(values[last]) & np.isnan(self.moved[last]) & ~self.lost[name]
+            for name, values in self.paid.items()
+        }
+
+    @cached_property
+    def lost(self) -> Mapping[str, Mask]:
+        """By reward, the episodes in which it pays a step no finite number, (episodes,)."""
+        unseen = np.isnan(self.moved)
+        return {
+            name: self.summed((np.isnan(values) & ~unseen).astype(np.float64)) > 0.0
+            for name, values in self.paid.items()
+        }
+
+    @cached_property
     def returns(self) -> Mapping[str, Float]:
-        """By reward, the sum over each episode, (episodes,)."""
-        return {name: self.summed(values) for name, values in self.paid.items()}
+        """By reward, the sum over each episode, (episodes,), of all that it pays."""
+        return {name: self.summed(np.nan_to_num(values)) for name, values in self.paid.items()}
 
     @cached_property
     def still(self) -> Mask:
         """In which steps nothing happens, (steps,)."""
-        root = float(np.sqrt(np.mean(np.square(self.moved))))
+        seen = self.moved[~np.isnan(self.moved)]
+        root = float(np.sqrt(np.mean(np.square(seen)))) if len(seen) else 0.0
         still: Mask = self.moved <= STILL * root
         return still
 
@@ -79,16 +112,40 @@ class PaidDataset:
         return slice(int(self.begins[place]), int(self.begins[place + 1]))
 
 
-def pay_dataset(dataset: Dataset, payers: Mapping[str, Payer], places: ArmPlaces | None = None) -> PaidDataset:
+@dataclass(frozen=True)
+class Labels:
+    """What says from outside which episodes succeeded.
+
+    Attributes:
+        by_episode: `SUCCESS`, `FAILURE` or `UNKNOWN` by number of the episode; None if that is not what says it.
+        above: The recorded return above which an episode is a success; None likewise.
+    """
+
+    by_episode: Mapping[int, int] | None = None
+    above: float | None = None
+
+    def of(self, episodes: Sequence["_Episode"]) -> NDArray[np.int8]:
+        """Of each episode."""
+        if self.by_episode is not None:
+            return np.array([self.by_episode.get(it.number, UNKNOWN) for it in episodes], np.int8)
+        paid = np.array([it.recorded for it in episodes])
+        return np.where(np.isnan(paid), UNKNOWN, np.where(paid > self.above, SUCCESS, FAILURE)).astype(np.int8)
+
+
+def pay_dataset(
+    dataset: Dataset, payers: Mapping[str, Payer], places: ArmPlaces | None = None, labels: Labels | None = None
+) -> PaidDataset:
     """Pay all steps of a data set, reading a piece at a time.
 
-    A reward that fails is left out, and the reason is told; the others go on.
+    A reward that fails is left out, and the reason is told; the others go on. So is an episode with a flaw, such as a
+    number that is not finite, and one that equals another.
 
     Args:
         dataset: It.
         payers: By name.
         places: Where the end effector stands, by which a step is told from standing still; None to take all numbers of
             an observation.
+        labels: What says which episodes succeeded; None where the data set does.
 
     Raises:
         SchemaError: The data set is damaged, or has more than 20 million steps.
@@ -101,105 +158,218 @@ def pay_dataset(dataset: Dataset, payers: Mapping[str, Payer], places: ArmPlaces
         movement.take(piece)
         if kept.steps > MOST_STEPS:
             raise SchemaError(f"{dataset.facts.path} has more than {MOST_STEPS:,} steps, which is not allowed")
-    if not kept.episodes:
-        raise SchemaError(f"{dataset.facts.path} has no episode with a step that can be paid")
-    numbers, told, operators, files, begins = zip(*kept.episodes, strict=True)
-    return PaidDataset(
-        dataset.facts,
-        {name: np.concatenate(parts) for name, parts in kept.paid.items() if name not in kept.failed},
-        kept.failed,
-        movement.end(),
-        np.array([*begins, kept.steps], np.int64),
-        np.array(numbers, np.int64),
-        np.array(told, np.int8),
-        operators,
-        files,
-    )
+    return kept.end(dataset.facts, movement.end(), labels)
+
+
+@dataclass
+class _Episode:
+    """What is known of one so far."""
+
+    number: int
+    operator: str
+    task: str
+    file: str
+    begin: int
+    content: Fingerprint
+    recorded: float = 0.0
+    last: float = np.nan
+    flaw: str = ""
 
 
 class _Kept:
-    """What is kept of the pieces. An episode without a step that can be paid is left out."""
+    """What is kept of the pieces."""
 
     def __init__(self, payers: Mapping[str, Payer]) -> None:
         self._payers = payers
-        self.paid: dict[str, list[Float]] = {name: [] for name in payers}
-        self.failed: dict[str, str] = {}
-        self.episodes: list[tuple[int, int, str, str, int]] = []
+        self._paid: dict[str, list[Float]] = {name: [] for name in payers}
+        self._failed: dict[str, str] = {}
+        self._odd: dict[str, str] = {}
+        self._told: list[NDArray[np.int8]] = []
+        self._episodes: list[_Episode] = []
         self.steps = 0
 
     def take(self, piece: Piece) -> None:
-        if not len(piece):
-            if piece.first and piece.success:
-                self._mark(SUCCESS)
-            return
         if piece.first == 0:
-            begins = (piece.episode, UNKNOWN, piece.operator, piece.file, self.steps)
-            self.episodes.append(begins)
-        if piece.success is not None:
-            self._mark(SUCCESS if piece.success else FAILURE)
-        for name, payer in self._payers.items():
-            if name not in self.failed:
-                self._pay(name, payer, piece)
+            begins = _Episode(piece.episode, piece.operator, piece.task, piece.file, self.steps, Fingerprint())
+            self._episodes.append(begins)
+        episode = self._episodes[-1]
+        if piece.task != episode.task and piece.task not in episode.task.split(" + "):
+            episode.task = " + ".join(sorted({*episode.task.split(" + "), *piece.task.split(" + ")}))
+        episode.flaw = episode.flaw or piece.flaw
+        self._told.append(piece.told)
         self.steps += len(piece)
+        if not episode.flaw:
+            episode.content.take(piece)
+            own = piece.rewards.get(RECORDED, np.full(1, np.nan))
+            episode.recorded, episode.last = episode.recorded + float(own.sum()), float(own[-1])
+        for name, payer in self._payers.items():
+            if name not in self._failed:
+                self._pay(name, payer, piece, episode)
 
-    def _mark(self, told: int) -> None:
-        number, before, *others = self.episodes[-1]
-        self.episodes[-1] = (number, max(told, before), *others)  # type: ignore[assignment] # of the same types
+    def _pay(self, name: str, payer: Payer, piece: Piece, episode: _Episode) -> None:
+        whole = np.full(len(piece), np.nan)
+        if not episode.flaw:
+            try:
+                paid = np.asarray(payer.pay(piece), np.float64)
+            except HarnessError:
+                raise
+            except (Exception, SystemExit) as error:  # a plugin may raise anything
+                self._failed[name] = f"episode {piece.episode}: {one_line(error)}"
+                return
+            fits = np.abs(paid) <= LARGEST_PAID
+            if not fits.all():
+                told = f"it pays a number that is not finite, or beyond {LARGEST_PAID:g}"
+                self._odd.setdefault(name, f"episode {piece.episode}: ValueError: {told}")
+            whole[: len(paid)] = np.where(fits, paid, np.nan)
+        self._paid[name].append(whole)
 
-    def _pay(self, name: str, payer: Payer, piece: Piece) -> None:
-        try:
-            paid = payer.pay(piece)
-            if not (np.abs(paid) <= LARGEST_PAID).all():
-                raise ValueError(f"it pays a number that is not finite, or beyond {LARGEST_PAID:g}")
-        except HarnessError:
-            raise
-        except (Exception, SystemExit) as error:  # a plugin may raise anything
-            self.failed[name] = f"episode {piece.episode}: {one_line(error)}"
-            self.paid[name] = []
-        else:
-            self.paid[name].append(np.asarray(paid, np.float64))
+    def end(self, facts: DatasetFacts, moved: Float, labels: Labels | None) -> PaidDataset:
+        """All of them, without what is left out."""
+        begins = np.array([*(it.begin for it in self._episodes), self.steps], np.int64)
+        success, shown_last = _told_of(np.concatenate(self._told), begins)
+        if labels is not None:
+            success = labels.of(self._episodes)
+            shown_last = success == SUCCESS  # nobody says by which step
+        chosen, notes = _choose(self._episodes, success)
+        if not chosen.any():
+            flaw = next(it for it in self._episodes if it.flaw)
+            raise SchemaError(
+                f"{facts.path}: no episode can be used, and {len(self._episodes):,} are there. Episode {flaw.number}: "
+                f"{flaw.flaw}"
+            )
+        steps = np.repeat(chosen, np.diff(begins))
+        members = [it for it, stays in zip(self._episodes, chosen, strict=True) if stays]
+        found = PaidDataset(
+            facts,
+            {name: np.concatenate(parts)[steps] for name, parts in self._paid.items() if name not in self._failed},
+            self._failed,
+            moved[steps],
+            np.concatenate([[0], np.cumsum(np.diff(begins)[chosen])]).astype(np.int64),
+            np.array([it.number for it in members], np.int64),
+            success[chosen],
+            shown_last[chosen],
+            np.array([(it.recorded, it.last) for it in members]),
+            tuple(it.operator for it in members),
+            tuple(it.task for it in members),
+            tuple(it.file for it in members),
+            frozenset(it.number for it in self._episodes),
+            notes,
+            labels is not None and labels.above is not None,
+        )
+        without = {name for name, lost in found.lost.items() if lost.all()}
+        return replace(
+            found,
+            paid={name: values for name, values in found.paid.items() if name not in without},
+            failed={**self._failed, **{name: self._odd[name] for name in found.paid if name in without}},
+        )
+
+
+def _told_of(told: NDArray[np.int8], begins: NDArray[np.int64]) -> tuple[NDArray[np.int8], Mask]:
+    """Of each episode, whether it succeeded, and whether its last step alone says so.
+
+    A step that is a success makes the episode one. It is a failure if all steps from the first that is known are
+    failures: labels may begin late, but they have no gap.
+    """
+    starts, ends = begins[:-1], begins[1:] - 1
+    known = told != UNKNOWN
+    stops = np.zeros(len(told), np.int64)
+    stops[:-1] = known[:-1] & ~known[1:]
+    stops[ends] = 0
+    found = np.where(
+        np.maximum.reduceat(told, starts) == SUCCESS,
+        SUCCESS,
+        np.where(known[ends] & (np.add.reduceat(stops, starts) == 0), FAILURE, UNKNOWN),
+    )
+    successes = np.add.reduceat((told == SUCCESS).astype(np.int64), starts)
+    return found.astype(np.int8), (successes == 1) & (told[ends] == SUCCESS)
+
+
+def _choose(episodes: list[_Episode], success: NDArray[np.int8]) -> tuple[Mask, tuple[str, ...]]:
+    """Which episodes are used, and what is told of the others. Of equal ones the first is, with what any says."""
+    flawed = [it for it in episodes if it.flaw]
+    notes = []
+    if flawed:
+        one = flawed[0]
+        notes.append(f"Left out, since they cannot be paid: {_count(len(flawed))} (episode {one.number}: {one.flaw})")
+    first: dict[bytes, int] = {}
+    copies: list[tuple[int, int]] = []
+    torn: set[int] = set()
+    for place, episode in enumerate(episodes):
+        if episode.flaw:
+            continue
+        original = first.setdefault(episode.task.encode() + b"\0" + episode.content.digest(), place)
+        if original != place:
+            copies.append((place, original))
+            both = {int(success[place]), int(success[original])}
+            if both == {SUCCESS, FAILURE}:
+                torn.add(original)
+            success[original] = max(both)
+    success[list(torn)] = UNKNOWN
+    if copies:
+        copy, original = (episodes[place].number for place in copies[0])
+        equal = f"(episode {copy} is episode {original})"
+        notes.append(f"Left out, since they equal another, which counts once: {_count(len(copies))} {equal}")
+    if torn:
+        numbers = ", ".join(str(episodes[place].number) for place in sorted(torn)[:5])
+        notes.append(
+            f"Equal episodes are a success here and a failure there; not known of: {_count(len(torn))} ({numbers})"
+        )
+    chosen = np.array([not it.flaw for it in episodes])
+    chosen[[place for place, _ in copies]] = False
+    return chosen, tuple(notes)
+
+
+def _count(number: int) -> str:
+    return f"{number:,} {'episode' if number == 1 else 'episodes'}"
 
 
 class _Movement:
-    """How far each step moves: the mean over the numbers of an observation, each by how much it changes in a step."""
+    """How far each step moves: the mean over the numbers of an observation, each by how much it changes in a step.
+
+    Observations of another size, in the env of another task, have a scale of their own.
+    """
 
     def __init__(self, places: ArmPlaces | None) -> None:
         self._places = places
-        self._waiting: list[Float] = []
-        self._count = 0
-        self._scale: Float | None = None
+        self._waiting: dict[int, list[tuple[int, Float]]] = {}
+        self._count: dict[int, int] = {}
+        self._scale: dict[int, Float] = {}
         self._moved: list[Float] = []
 
     def take(self, piece: Piece) -> None:
-        if not len(piece):
+        moved = np.full(len(piece), np.nan)
+        self._moved.append(moved)
+        if piece.flaw or not piece.seen:
             return
         place = piece.observations
         vectors = flat_rows(place) if self._places is None else self._places.end_effector(place)
         change = np.abs(np.diff(vectors, axis=0))
-        if self._scale is not None:
-            self._moved.append(self._far(change))
+        width = change.shape[1]
+        if width in self._scale:
+            moved[: len(change)] = self._far(change)
             return
-        self._waiting.append(change)
-        self._count += len(change)
-        if self._count >= LEARNT:
-            self._learn()
+        self._waiting.setdefault(width, []).append((len(self._moved) - 1, change))
+        self._count[width] = self._count.get(width, 0) + len(change)
+        if self._count[width] >= LEARNT:
+            self._learn(width)
 
     def end(self) -> Float:
-        if self._scale is None:
-            self._learn()
+        for width in tuple(self._waiting):
+            self._learn(width)
         return np.concatenate(self._moved)
 
-    def _learn(self) -> None:
-        self._scale = np.sqrt(np.mean(np.square(np.concatenate(self._waiting)), axis=0))
-        self._moved = [self._far(change) for change in self._waiting]
-        self._waiting = []
+    def _learn(self, width: int) -> None:
+        waiting = self._waiting.pop(width)
+        self._scale[width] = np.sqrt(np.mean(np.square(np.concatenate([change for _, change in waiting])), axis=0))
+        for place, change in waiting:
+            self._moved[place][: len(change)] = self._far(change)
 
     def _far(self, change: Float) -> Float:
-        assert self._scale is not None
-        moves = self._scale > 0.0
+        scale = self._scale[change.shape[1]]
+        moves = scale > 0.0
         if not moves.any():
             return np.zeros(len(change))
-        far: Float = np.mean(change[:, moves] / self._scale[moves], axis=1)
+        far: Float = np.mean(change[:, moves] / scale[moves], axis=1)
         return far
 
 

@@ -21,7 +21,29 @@ class Payer(Protocol):
     """Pays the pieces of a data set in their order."""
 
     def pay(self, piece: Piece) -> Float:
-        """What it pays the steps of a piece, (steps,)."""
+        """What it pays the steps of a piece, (steps,).
+
+        One that needs what was seen after a step leaves out the last of the piece, where nothing is known of that.
+        """
+
+
+class Unseen:
+    """Stands where an observation is not known, and notices a function that looks at it."""
+
+    def __init__(self) -> None:
+        self.looked_at = False
+
+    def __getattr__(self, name: str) -> Any:
+        self._look()
+
+    def _look(self, *_: Any) -> Any:
+        self.looked_at = True
+        raise LookupError("nothing is known of what came after this step")
+
+    __array__ = __bool__ = __call__ = __contains__ = __float__ = __getitem__ = __index__ = __int__ = _look
+    __iter__ = __len__ = __str__ = __repr__ = __neg__ = __abs__ = __eq__ = __ne__ = __lt__ = __le__ = __gt__ = _look
+    __ge__ = __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __truediv__ = __rtruediv__ = _look
+    __pow__ = __matmul__ = __rmatmul__ = __hash__ = __format__ = _look
 
 
 @dataclass(frozen=True)
@@ -36,7 +58,7 @@ class Recorded:
 
     def pay(self, piece: Piece) -> Float:
         """The column."""
-        return piece.rewards[self.name]
+        return piece.rewards[self.name]  # also of the last step, whatever was seen after it
 
 
 @dataclass(frozen=True)
@@ -55,7 +77,7 @@ class Stepwise:
             reset()
         for part in (*leaves(piece.observations), *leaves(piece.actions), *piece.infos.values()):
             part.setflags(write=False)
-        count, paid = len(piece), np.empty(len(piece))
+        count, paid = piece.seen, np.empty(len(piece))
         infos = piece.infos.items()
         before = take_rows(piece.observations, 0)
         for row in range(count):
@@ -63,7 +85,20 @@ class Stepwise:
             info = {key: values[row] for key, values in infos}
             paid[row] = as_number(self.function(before, take_rows(piece.actions, row), after, info))
             before = after
-        return paid
+        if count == len(piece):
+            return paid
+        last = self._without_next(before, take_rows(piece.actions, count), {key: it[count] for key, it in infos})
+        paid[count:] = np.nan if last is None else last
+        return paid[:count] if last is None else paid
+
+    def _without_next(self, observation: Any, action: Any, info: Mapping[str, Any]) -> float | None:
+        """What it pays a step after which nothing was seen; None of a function that looks at what came then."""
+        unseen = Unseen()
+        try:
+            paid = as_number(self.function(observation, action, unseen, info))
+        except Exception:  # whatever it makes of what is not there
+            return None
+        return None if unseen.looked_at else paid
 
 
 @dataclass
@@ -87,6 +122,8 @@ class OfArm:
         far = self.places.distances(piece.observations)
         if piece.first == 0:
             self._pay.begin(far[0])
+        if not piece.seen:
+            return np.empty(0)
         with np.errstate(all="ignore"):  # what is not finite is refused by whoever asked
             return self._pay.pay(far[1:])
 
@@ -111,7 +148,9 @@ def places_of(text: str | None, robot: str | None, registry: Registry) -> ArmPla
     return parse_places(text, load_robot(Path(robot) if Path(robot).exists() else robot, registry).end_effector)
 
 
-def payers_of(dataset: Dataset, registry: Registry, names: Sequence[str], places: ArmPlaces | None) -> dict[str, Payer]:
+def payers_of(
+    dataset: Dataset, registry: Registry, names: Sequence[str], places: ArmPlaces | None, labelled: bool = True
+) -> dict[str, Payer]:
     """What pays the data set, by name.
 
     Args:
@@ -120,6 +159,7 @@ def payers_of(dataset: Dataset, registry: Registry, names: Sequence[str], places
         names: Of functions, of an arm's rewards, or of recorded ones; without any: all that are recorded and all
             functions of plugin files.
         places: Where an arm's end effector and target stand.
+        labelled: Whether something else than the data set says which episodes succeeded, or nobody asks.
 
     Raises:
         UsageError: A name is not known, or an arm's reward has no map of places.
@@ -142,9 +182,11 @@ def payers_of(dataset: Dataset, registry: Registry, names: Sequence[str], places
             found[choice.label] = OfArm(choice.build(registry, "rewards"), places)
     if not found:
         broken = " ".join(registry.broken_files())
+        untold = not (dataset.facts.success or labelled)
         raise UsageError(
-            f"{dataset.facts.name} has no recorded reward: give functions with --plugin FILE, or --reward NAME with "
-            f"--places MAP.{f' {broken}' if broken else ''}"
+            f"{dataset.facts.name} has no recorded reward{', and nothing says which episodes succeeded' * untold}: "
+            "give functions with --plugin FILE, or --reward NAME with --places MAP"
+            f"{'; and labels with --labels episodes.csv, or --success KEY' * untold}.{f' {broken}' if broken else ''}"
         )
     return found
 

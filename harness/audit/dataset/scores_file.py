@@ -18,7 +18,7 @@ def scores_place(folder: Path, out: Path | None) -> Path:
 
 
 def write_dataset_scores(paid: PaidDataset, path: Path) -> None:
-    """Write a row for each step: ``episode``, ``step``, and a column for each reward.
+    """Write a row for each step: ``episode``, ``step``, and a column for each reward, empty where it could not pay.
 
     Raises:
         UsageError: No reward could pay, or the file cannot be written.
@@ -28,7 +28,8 @@ def write_dataset_scores(paid: PaidDataset, path: Path) -> None:
         raise UsageError(f"Nothing is written, since no reward pays {paid.facts.name}: {told}")
     lengths = np.diff(paid.begins)
     steps = np.arange(paid.steps) - np.repeat(paid.begins[:-1], lengths)
-    columns = {"episode": np.repeat(paid.numbers, lengths), "step": steps, **paid.paid}
+    columns = {"episode": np.repeat(paid.numbers, lengths), "step": steps}
+    columns |= {name: pa.array(values, from_pandas=True) for name, values in paid.paid.items()}
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with whole_file(path) as partial:

@@ -17,10 +17,30 @@ Places = Annotated[
 Success = Annotated[
     str | None,
     typer.Option(
-        help="Of a data set: the key of infos, or the column, that says whether a step was a success.",
-        metavar="KEY",
+        help="Of a data set: the key, column or attribute that says whether a step, or an episode, was a success; with "
+        "a threshold where it is a number, 'KEY>0.5'.",
+        metavar="KEY[>NUMBER]",
         show_default="success, is_success or next.success",
     ),
+]
+LabelsFile = Annotated[
+    Path | None,
+    typer.Option(
+        help="Of a data set: a CSV file with the columns episode and success, a line for each episode.",
+        metavar="FILE",
+        show_default=False,
+    ),
+]
+SuccessAbove = Annotated[
+    float | None,
+    typer.Option(
+        help="Of a data set: the recorded return above which an episode is a success.",
+        metavar="RETURN",
+        show_default=False,
+    ),
+]
+Partial = Annotated[
+    bool, typer.Option("--partial", help="Of a data set: take what is there, if it is less than the metadata declares.")
 ]
 Cluster = Annotated[
     str | None,

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float
 from harness.errors import SchemaError
+from harness.text import shortened
 
 Nested: TypeAlias = Any
 """Rows of an observation or an action: an array (rows, ...), or a dict or a tuple of `Nested`."""
@@ -22,7 +23,9 @@ MOST_STEPS, MOST_EPISODES = 100_000_000, 2_000_000
 MOST_NUMBERS = 16_384
 """The most numbers of one observation, or of one action: pictures are left out."""
 MOST_KEYS = 1_000
-"""The most columns, or parts of an observation."""
+"""The most columns, or parts of an observation; of an episode's parts all together."""
+MOST_VALUES = 20_000_000_000
+"""The most numbers that are read of a data set: steps times the numbers of each."""
 RECORDED = "recorded"
 """The name of the reward that the data set's own column of rewards holds."""
 SUCCESS_KEYS = ("success", "is_success")
@@ -46,8 +49,9 @@ class DatasetFacts:
         env: The specification of the env that its metadata tells, as text; empty if it tells none. It is never run.
         names: By column, ``observation`` and ``action``, what its numbers are called, as far as the metadata says.
         rewards: Names of the rewards that are recorded; `RECORDED` is the data set's own.
-        success: The column that says whether a step was a success; empty if there is none.
+        success: What says whether a step, or an episode, was a success; empty if nothing does.
         operator: What says who made an episode; empty if nothing does.
+        task: What says which task an episode does; empty if nothing does.
         notes: What to keep in mind, a line each.
     """
 
@@ -59,6 +63,7 @@ class DatasetFacts:
     rewards: tuple[str, ...] = ()
     success: str = ""
     operator: str = ""
+    task: str = ""
     notes: tuple[str, ...] = ()
 
 
@@ -69,14 +74,18 @@ class Piece:
     Attributes:
         episode: Its number in the data set.
         first: Number of the first step in the episode, counted from 0.
-        observations: Before each step, and after the last: `Nested` of steps + 1 rows.
+        observations: Before each step, and after the last: `Nested` of steps + 1 rows; of as many rows as steps where
+            nothing is known of what came after the last.
         actions: `Nested` of as many rows as steps.
         infos: By key, what was told after each step, (steps, ...).
-        rewards: By name, what was recorded, (steps,), finite.
-        success: Whether one of these steps was a success; None where nothing says it.
+        rewards: By name, what was recorded, (steps,).
+        told: Whether each step was a success, `SUCCESS`, `FAILURE` or `UNKNOWN` of `labels`, (steps,). What holds for a
+            whole episode stands in its last step.
         operator: Who, or what, made the episode; empty if nothing says it.
+        task: Which task it does; empty if nothing says it.
         file: Where the episode lies, in the data set's folder.
         is_last: Whether the episode ends with this piece.
+        flaw: Why the episode cannot be used, such as a number that is not finite; empty if it can.
     """
 
     episode: int
@@ -85,13 +94,20 @@ class Piece:
     actions: Nested
     infos: Mapping[str, NDArray[Any]]
     rewards: Mapping[str, Float]
-    success: bool | None
+    told: NDArray[np.int8]
     operator: str
+    task: str
     file: str
     is_last: bool
+    flaw: str = ""
 
     def __len__(self) -> int:
         return row_count(self.actions)
+
+    @property
+    def seen(self) -> int:
+        """Of how many steps it is known what was seen after them: all, or all but the last."""
+        return row_count(self.observations) - 1
 
 
 @dataclass(frozen=True)
@@ -154,20 +170,52 @@ def take_rows(rows: Nested, which: slice | int) -> Nested:
     return rows[which]
 
 
-def require_finite(values: NDArray[Any], noun: str) -> NDArray[Any]:
-    """Numbers that can be counted with.
+def flaw_of(rows: Nested, noun: str) -> str:
+    """Why numbers cannot be counted with: one is not finite, or too large; empty if they can.
 
     Raises:
-        SchemaError: One is not finite, or too large; or they are no numbers.
+        SchemaError: They are no numbers.
     """
-    if values.dtype.kind not in "biuf":
-        raise SchemaError(f"{noun} holds {values.dtype}, no numbers")
-    largest = LARGEST if values.dtype.itemsize >= 8 else np.inf
-    if values.dtype.kind == "f" and not (np.isfinite(values) & (np.abs(values) <= largest)).all():
-        raise SchemaError(f"{noun} holds a value that is not a finite number, or one beyond {LARGEST:g}")
-    return values
+    for values in leaves(rows):
+        if values.dtype.kind not in "biuf":
+            raise SchemaError(f"{noun} holds {values.dtype}, no numbers")
+        largest = LARGEST if values.dtype.itemsize >= 8 else np.inf
+        if values.dtype.kind == "f" and not (np.isfinite(values) & (np.abs(values) <= largest)).all():
+            return f"{noun} holds a value that is not a finite number, or one beyond {LARGEST:g}"
+    return ""
 
 
-def any_success(told: NDArray[Any] | None) -> bool | None:
-    """Whether one of the steps was a success."""
-    return None if told is None else bool(np.asarray(told, bool).any())
+def own_rewards(path: Path, told: Any, known: Mapping[str, Any], taken: tuple[str, ...] = ()) -> dict[str, str]:
+    """By column, the names of rewards that `harness export` wrote.
+
+    Args:
+        path: What a message names.
+        told: What the metadata has under `OWN_REWARDS`.
+        known: The columns that there are.
+        taken: Columns that mean something else.
+
+    Raises:
+        SchemaError: Two columns have one name, one is called what the data set's own reward is, or it means something
+            else.
+    """
+    own = told if isinstance(told, dict) else {}
+    own = {key: shortened(name, 200) for key, name in own.items() if key in known and isinstance(name, str)}
+    for key, name in own.items():
+        if name == RECORDED or key in taken or list(own.values()).count(name) > 1:
+            raise SchemaError(
+                f"{path}: {OWN_REWARDS} calls {shortened(key, 80)} '{name}', but that name, or that column, is another "
+                "reward's or no reward's"
+            )
+    return own
+
+
+def require_readable(path: Path, steps: int, width: int) -> None:
+    """Bounds on what is read, before any of it is.
+
+    Raises:
+        SchemaError: So many steps of so many numbers are too much.
+    """
+    if steps > MOST_STEPS:
+        raise SchemaError(f"{path} has more than {MOST_STEPS:,} steps, which is not allowed")
+    if steps * width > MOST_VALUES:
+        raise SchemaError(f"{path} has {steps * width:,} numbers, {MOST_VALUES:,} are allowed")

@@ -1,12 +1,11 @@
 """A LeRobot data set: a folder of JSON and Parquet files, read by pyarrow alone; its videos are left out.
 
 A frame holds what was seen and what was done then, and under names that begin with ``next.`` what came of it. What was
-seen after the last frame of an episode is not recorded, so that the last step has no next observation and is not paid.
-`harness export` writes that too, as ``next.observation.state``, and then no step is lost.
+seen after the last frame of an episode is not recorded: its pay and its success count, but no function can look at what
+came next. `harness export` writes that too, as ``next.observation.state``.
 """
 
 import math
-import re
 from collections.abc import Iterator, Mapping
 from functools import partial
 from itertools import pairwise
@@ -15,14 +14,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from harness.errors import NewerFormat, SchemaError, UsageError
-from harness.files.bounded import read_json, reading, require_regular
+from harness.errors import SchemaError, UsageError
+from harness.files.bounded import reading, require_regular
+from harness.record.dataset.census import Census, take_census
 from harness.record.dataset.dataset import (
-    MOST_KEYS,
-    MOST_NUMBERS,
     OPERATOR_KEYS,
     OWN_REWARDS,
     PIECE_BYTES,
@@ -32,137 +31,168 @@ from harness.record.dataset.dataset import (
     Dataset,
     DatasetFacts,
     Piece,
-    require_finite,
+    flaw_of,
+    own_rewards,
+    require_readable,
+)
+from harness.record.dataset.labels import UNKNOWN, SuccessRule, missing_key
+from harness.record.dataset.lerobot_facts import (
+    ACTION,
+    CHUNK,
+    DATA_PATH,
+    EPISODE,
+    FILE,
+    FRAME,
+    INFO,
+    MOST_FILES,
+    NEEDED,
+    NEXT_STATE,
+    REWARD,
+    STATE,
+    TASK,
+    TASKS,
+    Listing,
+    names_of,
+    read_info,
+    read_listing,
+    read_tasks,
+    shapes_of,
+    version_of,
 )
 from harness.text import shortened
 
-INFO = Path("meta/info.json")
-KNOWN = ((2, 0), (2, 1), (3, 0))
-"""Versions of the layout."""
-STATE, ACTION, EPISODE, FRAME = "observation.state", "action", "episode_index", "frame_index"
-NEXT_STATE, REWARD = f"next.{STATE}", "next.reward"
-NEEDED = (STATE, ACTION, EPISODE, FRAME)
-MOST_FILES, MOST_BYTES = 1_000_000, 2**35
+MOST_BYTES = 2**35
 GROUP_BYTES = 2**30
 """The most bytes of a group of rows, unpacked."""
-_VERSION = re.compile(r"v?(\d{1,4})\.(\d{1,4})")
 
 
 class _Layout(NamedTuple):
-    """What is read of each file."""
+    """What is read of each file, and what is known of each episode."""
 
     files: tuple[Path, ...]
-    columns: tuple[str, ...]
     shapes: Mapping[str, tuple[int, ...]]
     own: Mapping[str, str]
+    listing: Listing
+    tasks: Mapping[int, str]
+    episodes: frozenset[int]
+    rule: SuccessRule | None
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """Columns that are told beside what was seen and done."""
+        return tuple(name for name in self.shapes if name not in (STATE, ACTION, NEXT_STATE))
+
+    def of_episode(self, number: int, key: str) -> Any:
+        """What the list of episodes says under a key."""
+        return self.listing.rows.get(number, {}).get(key)
 
 
-def open_lerobot(name: str, success: str = "", cluster: str = "") -> Dataset:
+def open_lerobot(name: str, success: SuccessRule | None, cluster: str = "", partial_is_enough: bool = False) -> Dataset:
     """A data set; its steps are read later.
 
     Args:
         name: Its folder.
-        success: The column that says whether a step was a success; found by its name if empty.
-        cluster: The column that says who made an episode; found by its name if empty.
+        success: Where success stands, in a column or in the list of episodes; found by its name if it has no key. None
+            where it is not looked for.
+        cluster: The column, or the key of an episode, that says who made it; found by its name if empty.
+        partial_is_enough: Whether less than the metadata declares may be there.
 
     Raises:
         UsageError: It is not there.
         NewerFormat: Its layout is of a newer version.
-        SchemaError: It is damaged, or lacks a column.
+        SchemaError: It is damaged, lacks a column, or is not what its metadata declares.
     """
     folder = Path(name).expanduser()
     path = folder / INFO
     if not path.is_file():
         raise UsageError(f"No LeRobot data set at '{name}': name its folder, which holds {INFO}")
     with reading(path, "LeRobot data set"):
-        info = _info(path)
-        version = _version(path, info)
+        info = read_info(path)
+        version = version_of(path, info)
         features = info["features"]
-        layout = _layout(folder, info, features)
-    told = _keys(layout)
-    known = tuple(f"{begin}{key}" for key in SUCCESS_KEYS for begin in ("next.", ""))
-    if success and success not in told:
-        raise UsageError(f"--success {success}: {folder} has no such column; it has {', '.join(told)}")
+        shapes = shapes_of(path, features)
+        own = own_rewards(path, info.get(OWN_REWARDS), shapes, (REWARD, *NEEDED, NEXT_STATE))
+        listing, tasks = read_listing(folder), read_tasks(folder)
+    files, notes = _files(folder, info, listing)
+    census = _census(folder, files, shapes, listing, info, partial_is_enough)
+    layout = _Layout(files, shapes, own, listing, tasks, census.episodes, None)
+    told = (*layout.keys, *listing.keys)
+    rule = _success_rule(success, told, folder)
     if cluster and cluster not in told:
-        raise UsageError(f"--cluster {cluster}: {folder} has no such column; it has {', '.join(told)}")
-    lost = () if NEXT_STATE in layout.columns else ("The last step of each episode has no next observation: left out",)
+        raise missing_key("--cluster", cluster, folder, told)
     facts = DatasetFacts(
         f"lerobot:{name}",
         folder,
         f"LeRobot v{'.'.join(map(str, version))}",
         env=shortened(str(info.get("robot_type") or ""), 200),
-        names={"observation": _names(features, STATE), "action": _names(features, ACTION)},
-        rewards=(*((RECORDED,) if REWARD in layout.columns else ()), *layout.own.values()),
-        success=success or next((key for key in known if key in told), ""),
+        names={"observation": names_of(features, STATE), "action": names_of(features, ACTION)},
+        rewards=(*((RECORDED,) if REWARD in shapes else ()), *own.values()),
+        success="" if rule is None else rule.text,
         operator=cluster or next((key for key in OPERATOR_KEYS if key in told), ""),
-        notes=lost,
+        task=TASK if TASK in shapes else TASKS if TASKS in listing.keys else "",
+        notes=(*notes, *census.notes),
     )
-    return Dataset(facts, partial(_pieces, facts, layout))
+    return Dataset(facts, partial(_pieces, facts, layout._replace(rule=rule)))
 
 
-def _info(path: Path) -> dict[str, Any]:
-    info = read_json(path)
-    if not isinstance(info, dict) or not isinstance(info.get("features"), dict):
-        raise SchemaError(f"{path} tells of no features")
-    if len(info["features"]) > MOST_KEYS or not all(isinstance(it, dict) for it in info["features"].values()):
-        raise SchemaError(f"{path} tells of features that are none, or of more than {MOST_KEYS:,}")
-    return info
+def _success_rule(success: SuccessRule | None, told: tuple[str, ...], folder: Path) -> SuccessRule | None:
+    """Where success stands; None where nothing says it, or where it is not looked for."""
+    if success is None:
+        return None
+    if success.key:
+        if success.key not in told:
+            raise missing_key("--success", success.key, folder, told)
+        return success
+    known = (f"{begin}{key}" for key in SUCCESS_KEYS for begin in ("next.", ""))
+    key = next((key for key in known if key in told), None)
+    return SuccessRule(key) if key else None
 
 
-def _version(path: Path, info: Mapping[str, Any]) -> tuple[int, int]:
-    told = shortened(str(info.get("codebase_version")), 40)
-    found = _VERSION.fullmatch(told)
-    version = (int(found[1]), int(found[2])) if found else (0, 0)
-    if version in KNOWN:
-        return version
-    versions = ", ".join(f"v{major}.{minor}" for major, minor in KNOWN)
-    if version > KNOWN[-1]:
-        raise NewerFormat(f"{path} tells of version {told}, and {versions} are read: it is newer")
-    raise SchemaError(f"{path} tells of version {told}, and {versions} are read")
-
-
-def _layout(folder: Path, info: Mapping[str, Any], features: Mapping[str, Any]) -> _Layout:
-    for name in NEEDED:
-        if name not in features:
-            raise SchemaError(f"{folder / INFO} tells of no column {name}")
-    shapes = {name: shape for name, feature in features.items() if (shape := _shape(feature)) is not None}
-    for name in NEEDED:
-        if name not in shapes:
-            raise SchemaError(f"{folder / INFO}: the column {name} holds no numbers, or more than {MOST_NUMBERS:,}")
+def _files(folder: Path, info: Mapping[str, Any], listing: Listing) -> tuple[tuple[Path, ...], list[str]]:
+    """The files of frames, and what is told of those that are left out. Since v3.0 the list of episodes names them."""
     found = sorted((folder / "data").glob("*/*.parquet"))
-    if not found:
-        raise SchemaError(f"{folder} has no file data/*/*.parquet")
     if len(found) > MOST_FILES:
         raise SchemaError(f"{folder} has {len(found):,} files, {MOST_FILES:,} are allowed")
-    own = info.get(OWN_REWARDS, {})
-    own = own if isinstance(own, dict) else {}
-    own = {key: shortened(name, 200) for key, name in own.items() if key in shapes and isinstance(name, str)}
-    return _Layout(tuple(found), tuple(shapes), shapes, own)
+    if {CHUNK, FILE} <= {*listing.keys} and info.get("data_path", DATA_PATH) == DATA_PATH:
+        places = {(row.get(CHUNK), row.get(FILE)) for row in listing.rows.values()}
+        if not all(isinstance(number, int) and 0 <= number < MOST_FILES for place in places for number in place):
+            raise SchemaError(f"{listing.path} names a file by {CHUNK} and {FILE} that are no numbers of files")
+        named = {folder / DATA_PATH.format(chunk_index=chunk, file_index=file) for chunk, file in places}
+        beside = [path for path in found if path not in named]
+        found = [path for path in found if path in named]
+    else:
+        beside = []
+    if not found:
+        raise SchemaError(f"{folder} has no file data/*/*.parquet that belongs to it")
+    names = ", ".join(path.relative_to(folder).as_posix() for path in beside[:3])
+    return tuple(found), [
+        f"Left out, since no episode stands in them: {len(beside):,} files ({names})"
+    ] if beside else []
 
 
-def _shape(feature: Mapping[str, Any]) -> tuple[int, ...] | None:
-    """The shape of a column of numbers; None of a picture, a video, a text, or of one that is too large."""
-    shape, kind = feature.get("shape"), str(feature.get("dtype"))
-    if not re.fullmatch(r"float(16|32|64)|u?int(8|16|32|64)|bool", kind) or not isinstance(shape, list):
-        return None
-    if len(shape) > 8 or not all(isinstance(it, int) and 0 < it <= MOST_NUMBERS for it in shape):
-        return None
-    return tuple(shape) if math.prod(shape) <= MOST_NUMBERS else None
-
-
-def _keys(layout: _Layout) -> tuple[str, ...]:
-    return tuple(name for name in layout.columns if name not in (STATE, ACTION, NEXT_STATE))
-
-
-def _names(features: Mapping[str, Any], column: str) -> tuple[str, ...]:
-    """What the numbers of a column are called: a list, or a table with one list."""
-    names = features[column].get("names")
-    if isinstance(names, dict) and len(names) == 1:
-        (names,) = names.values()
-    size = math.prod(features[column]["shape"])
-    if not isinstance(names, list) or len(names) != size or not all(isinstance(it, str) for it in names):
-        return ()
-    return tuple(shortened(it, 100) for it in names)
+def _census(
+    folder: Path,
+    files: tuple[Path, ...],
+    shapes: Mapping[str, tuple[int, ...]],
+    listing: Listing,
+    info: Mapping[str, Any],
+    partial_is_enough: bool,
+) -> Census:
+    """Count the frames of each episode, which takes one column."""
+    found: dict[int, int] = {}
+    width, total = sum(math.prod(shape) for shape in shapes.values()), 0
+    for path in files:
+        with reading(path, "LeRobot data set"):
+            require_regular(path, MOST_BYTES)
+            with pq.ParquetFile(path) as file:
+                _require_columns(path, file, shapes)
+                total += file.metadata.num_rows
+                require_readable(folder, total, width)
+                for batch in file.iter_batches(columns=[EPISODE]):
+                    numbers, counts = np.unique(_array(path, batch, EPISODE, (1,), 0), return_counts=True)
+                    for number, count in zip(numbers.tolist(), counts.tolist(), strict=True):
+                        found[int(number)] = found.get(int(number), 0) + count
+    return take_census(folder, listing.declared(info), found, partial_is_enough)
 
 
 def _pieces(facts: DatasetFacts, layout: _Layout) -> Iterator[Piece]:
@@ -181,17 +211,18 @@ class _Frames:
         self._facts, self._layout = facts, layout
         self._waiting: dict[str, NDArray[Any]] = {}
         self._file = ""
-        self._has_next = NEXT_STATE in layout.columns
+        self._has_next = NEXT_STATE in layout.shapes
         width = 8 * sum(math.prod(shape) for shape in layout.shapes.values())
         self._rows = max(2, min(ROWS, PIECE_BYTES // width))
-        self._seen = self._at = -1  # the episode, and its frame that waits
+        self._seen: set[int] = set()
+        self._number = self._at = -1  # the episode, and its frame that waits
 
     def take(self, path: Path) -> Iterator[Piece]:
-        require_regular(path, MOST_BYTES)
         with pq.ParquetFile(path) as file:
-            _require_columns(path, file, self._layout)
-            for batch in file.iter_batches(self._rows, columns=list(self._layout.columns)):
-                table = {name: _array(path, batch, name, shape) for name, shape in self._layout.shapes.items()}
+            first = 0
+            for batch in file.iter_batches(self._rows, columns=list(self._layout.shapes)):
+                table = {name: _array(path, batch, name, shape, first) for name, shape in self._layout.shapes.items()}
+                first += batch.num_rows
                 yield from self._take(table, path.relative_to(self._facts.path).as_posix())
 
     def end(self) -> Iterator[Piece]:
@@ -215,47 +246,72 @@ class _Frames:
 
     def _piece(self, table: dict[str, NDArray[Any]], ends: bool) -> Iterator[Piece]:
         """The steps of some frames of one episode; if it goes on, the last frame waits."""
-        frame, number = table[FRAME], int(table[EPISODE][0])
+        number = int(table[EPISODE][0])
         where = f"{self._facts.path / self._file}, episode {number}"
-        begins = number > self._seen and frame[0] == 0
-        goes_on = number == self._seen and frame[0] == self._at
-        if not (begins or goes_on) or (np.diff(frame) != 1).any():
-            raise SchemaError(f"{where}: its frames do not follow one another, from 0 on")
-        self._seen, self._at = number, int(frame[-1])
-        count = len(frame) if ends and self._has_next else len(frame) - 1
-        told = table[self._facts.success] if self._facts.success else None
-        success = None if told is None else bool(np.asarray(told[: count if not ends else None], bool).any())
-        if count == 0 and not ends:
+        self._require_order(table[FRAME], number, where)
+        count = len(table[FRAME]) if ends else len(table[FRAME]) - 1
+        if count == 0 or number not in self._layout.episodes:
             return
-        state = require_finite(table[STATE], f"{where}: {STATE}")
-        if self._has_next and count:
-            after = require_finite(table[NEXT_STATE][count - 1 : count], f"{where}: {NEXT_STATE}")
-            state = np.concatenate([state[:count], after])
-        else:
-            state = state[: count + 1]
-        rewards = {RECORDED: REWARD, **{name: key for key, name in self._layout.own.items()}}
-        first = int(frame[0])
-        operator = f"{np.asarray(table[self._facts.operator]).ravel()[0]}" if self._facts.operator else ""
+        state = table[STATE] if ends else table[STATE][: count + 1]
+        if self._has_next:
+            state = np.concatenate([table[STATE][:count], table[NEXT_STATE][count - 1 : count]])
+        action, rewards = table[ACTION][:count], self._rewards(table, count)
         yield Piece(
             number,
-            first,
+            int(table[FRAME][0]),
             state,
-            require_finite(table[ACTION][:count], f"{where}: {ACTION}"),
-            {name: table[name][:count] for name in _keys(self._layout) if name not in self._layout.own},
-            {
-                name: np.asarray(require_finite(table[key][:count], f"{where}: {key}"), np.float64).reshape(count)
-                for name, key in rewards.items()
-                if name in self._facts.rewards
-            },
-            success,
-            operator,
+            action,
+            {name: table[name][:count] for name in self._layout.keys if name not in self._layout.own},
+            rewards,
+            self._told(table, count, number, where, ends),
+            self._of(table, number, self._facts.operator),
+            self._task(table, number),
             self._file,
             ends,
+            flaw_of(state, STATE) or flaw_of(action, ACTION) or flaw_of(rewards, REWARD),
         )
 
+    def _require_order(self, frame: NDArray[Any], number: int, where: str) -> None:
+        begins = number not in self._seen and frame[0] == 0
+        goes_on = number == self._number and frame[0] == self._at
+        if not (begins or goes_on) or (np.diff(frame.astype(np.int64)) != 1).any():
+            raise SchemaError(f"{where}: its frames do not follow one another, from 0 on")
+        self._seen.add(number)
+        self._number, self._at = number, int(frame[-1])
 
-def _require_columns(path: Path, file: pq.ParquetFile, layout: _Layout) -> None:
-    missing = [name for name in layout.columns if name not in file.schema_arrow.names]
+    def _rewards(self, table: Mapping[str, NDArray[Any]], count: int) -> dict[str, NDArray[np.float64]]:
+        columns = {RECORDED: REWARD, **{name: key for key, name in self._layout.own.items()}}
+        return {name: np.asarray(table[columns[name]][:count], np.float64).ravel() for name in self._facts.rewards}
+
+    def _told(
+        self, table: Mapping[str, NDArray[Any]], count: int, number: int, where: str, ends: bool
+    ) -> NDArray[np.int8]:
+        rule = self._layout.rule
+        if rule is not None and rule.key in table:
+            return rule.of_steps(table[rule.key][:count], f"{where}: {rule.key}")
+        told = np.full(count, UNKNOWN, np.int8)
+        if rule is not None and ends:
+            value = self._layout.of_episode(number, rule.key)
+            told[-1] = rule.of_episode(value, f"{self._layout.listing.path}, episode {number}: {rule.key}")
+        return told
+
+    def _of(self, table: Mapping[str, NDArray[Any]], number: int, key: str) -> str:
+        """What is said of the episode: by its first frame, or by the list of episodes."""
+        if key in table:
+            return f"{np.asarray(table[key]).ravel()[0]}"
+        told = self._layout.of_episode(number, key)
+        return "" if told is None else shortened(str(told), 200)
+
+    def _task(self, table: Mapping[str, NDArray[Any]], number: int) -> str:
+        if self._facts.task == TASK:
+            numbers = np.unique(np.asarray(table[TASK])).tolist()
+            return " + ".join(self._layout.tasks.get(it, str(it)) for it in numbers)
+        told = self._layout.of_episode(number, TASKS)
+        return shortened(" + ".join(map(str, told)) if isinstance(told, list) else str(told or ""), 200)
+
+
+def _require_columns(path: Path, file: pq.ParquetFile, shapes: Mapping[str, Any]) -> None:
+    missing = [name for name in shapes if name not in file.schema_arrow.names]
     if missing:
         raise SchemaError(f"{path} has no column {', '.join(missing)}, of which {INFO} tells")
     for number in range(file.metadata.num_row_groups):
@@ -263,25 +319,45 @@ def _require_columns(path: Path, file: pq.ParquetFile, layout: _Layout) -> None:
             raise SchemaError(f"{path} has a group of rows of more than {GROUP_BYTES:,} bytes")
 
 
-def _array(path: Path, batch: pa.RecordBatch, name: str, shape: tuple[int, ...]) -> NDArray[Any]:
+def _array(path: Path, batch: pa.RecordBatch, name: str, shape: tuple[int, ...], first: int) -> NDArray[Any]:
     """A column, (rows,) where the shape is one number, else (rows, ...).
+
+    Args:
+        path: The file.
+        batch: Some of its rows.
+        name: Of the column.
+        shape: That its rows should have.
+        first: Number of the first row in the file.
 
     Raises:
         SchemaError: It has gaps, or rows of another shape.
     """
     column = batch.column(name)
-    size = math.prod(shape)
-    while (
-        pa.types.is_list(column.type) or pa.types.is_fixed_size_list(column.type) or pa.types.is_large_list(column.type)
-    ):
-        if column.null_count:
-            raise SchemaError(f"{path}: {name} has gaps")
+    noun = f"{path}: {name} has gaps, or other rows than the {list(shape)} that {INFO} tells"
+    for level, size in enumerate(_sizes(column.type, shape, noun)):
+        lengths = pc.fill_null(pc.list_value_length(column), -1).to_numpy(zero_copy_only=False)
+        odd = np.flatnonzero(lengths != size)
+        if len(odd):
+            raise SchemaError(f"{noun}; the first is row {first + int(odd[0]) // math.prod(shape[:level])}")
         column = column.flatten()
     if isinstance(column, pa.ExtensionArray):
         raise SchemaError(f"{path}: {name} is of the type {column.type}, not of lists of numbers")
-    if column.null_count or len(column) != size * batch.num_rows:
-        raise SchemaError(f"{path}: {name} has gaps, or other rows than the {list(shape)} that {INFO} tells")
+    if column.null_count and name in (EPISODE, FRAME, TASK):
+        raise SchemaError(noun)
+    if column.null_count:  # what pandas writes for a number that is none
+        column = column.cast(pa.float64())
     values = np.asarray(column.to_numpy(zero_copy_only=False))
     if values.dtype.kind not in "biuf":
         raise SchemaError(f"{path}: {name} holds {values.dtype}, no numbers")
     return values if shape == (1,) and name not in (STATE, ACTION) else values.reshape(batch.num_rows, *shape)
+
+
+def _sizes(kind: pa.DataType, shape: tuple[int, ...], noun: str) -> tuple[int, ...]:
+    """How long the lists of a column are at each depth: one for each number of the shape, or one for all."""
+    depth = 0
+    while pa.types.is_list(kind) or pa.types.is_fixed_size_list(kind) or pa.types.is_large_list(kind):
+        kind, depth = kind.value_type, depth + 1
+    sizes = {len(shape): shape, 1: (math.prod(shape),), **({0: ()} if math.prod(shape) == 1 else {})}
+    if depth not in sizes:
+        raise SchemaError(noun)
+    return sizes[depth]

@@ -4,24 +4,20 @@ The library `minari` is not needed. It makes spaces and, where the metadata has 
 set; here all comes from the shapes in the file.
 """
 
-import json
-import math
-import os
 import re
 from collections.abc import Iterator, Mapping
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.errors import NewerFormat, SchemaError, UsageError
-from harness.files.bounded import read_json, reading, require_regular
+from harness.errors import SchemaError, UsageError
+from harness.files.bounded import reading, require_regular
+from harness.record.dataset.census import Declared, take_census
 from harness.record.dataset.dataset import (
     MOST_EPISODES,
-    MOST_KEYS,
-    MOST_NUMBERS,
     OPERATOR_KEYS,
     OWN_REWARDS,
     PIECE_BYTES,
@@ -32,303 +28,321 @@ from harness.record.dataset.dataset import (
     DatasetFacts,
     Nested,
     Piece,
-    any_success,
+    flaw_of,
     leaves,
-    require_finite,
+    own_rewards,
+    require_readable,
     row_count,
+)
+from harness.record.dataset.hdf5_parts import (
+    Walk,
+    address,
+    group_of,
+    member_of,
+    numbers_of_row,
+    open_hdf5,
+)
+from harness.record.dataset.labels import UNKNOWN, SuccessRule, missing_key
+from harness.record.dataset.minari_facts import (
+    MAIN,
+    MOST_BYTES,
+    dataset_folder,
+    pictures_of,
+    read_metadata,
+    require_known,
+    text_of,
 )
 from harness.text import shortened
 
-METADATA, MAIN = Path("data/metadata.json"), Path("data/main_data.hdf5")
-NEWEST = (0, 5)
-"""The newest version of Minari whose files are known."""
-MOST_BYTES = 2**40
-CHUNK_BYTES = 2**28
-"""The most bytes of a chunk: HDF5 unpacks it whole."""
-DEEPEST = 8
+TASK_KEYS = (
+    *("task", "task_id", "task_index", "task_name", "env_id", "env_name", "env", "environment", "env_spec"),
+    *("options/task", "options/task_id", "options/task_index", "options/task_name", "options/env_id"),
+)
+"""What may say which task an episode does, or in which env: an attribute of it, or a key of its infos."""
+STEP_DATA = ("observations", "actions", "rewards", "terminations", "truncations", "infos")
 _EPISODE = re.compile(r"episode_(0|[1-9]\d{0,8})")
-_VERSION = re.compile(r"(\d{1,4})\.(\d{1,4})")
 
 
-def dataset_folder(name: str) -> Path:
-    """The folder of a data set: a path, or a name below the place where Minari keeps them.
+class _Layout(NamedTuple):
+    """What is read of each episode.
 
-    Raises:
-        UsageError: There is none.
+    Attributes:
+        numbers: Of the episodes.
+        own: By key of infos, names of rewards that `harness export` wrote.
+        pictures: Parts of the observation that are left out.
+        rule: Where success stands; None where nothing says it.
     """
-    home = Path(os.environ.get("MINARI_DATASETS_PATH") or Path.home() / ".minari" / "datasets")
-    for folder in (Path(os.path.expanduser(name)), home / name):
-        if (folder / MAIN).is_file():
-            return folder
-    raise UsageError(
-        f"No Minari data set at '{name}', nor in '{home}': name its folder, which holds {MAIN}, or fetch it with "
-        f"minari download {shortened(name, 80)}"
-    )
+
+    numbers: tuple[int, ...]
+    own: Mapping[str, str]
+    pictures: frozenset[str]
+    rule: SuccessRule | None
 
 
-def open_minari(name: str, success: str = "", cluster: str = "") -> Dataset:
+class _Overview(NamedTuple):
+    """What a first look at all episodes tells.
+
+    Attributes:
+        steps: Of each episode, by number.
+        told: How many it says that it has, likewise.
+        infos: Keys of infos, of all episodes.
+        attributes: Attributes and further arrays of episodes, likewise.
+        again: Numbers that are other names for an episode with a lower one, which is read once.
+        strangers: Names in the file that are no episode's.
+    """
+
+    steps: dict[int, int]
+    told: dict[int, int]
+    infos: dict[str, None]
+    attributes: dict[str, None]
+    again: set[int]
+    strangers: tuple[str, ...]
+
+
+def open_minari(name: str, success: SuccessRule | None, cluster: str = "", partial_is_enough: bool = False) -> Dataset:
     """A data set; its steps are read later.
 
     Args:
         name: Its folder, or its name below Minari's folder.
-        success: The key of infos that says whether a step was a success; found by its name if empty.
-        cluster: The attribute of episodes that says who made them; found by its name if empty.
+        success: Where success stands, in infos or in an attribute of episodes; found by its name if it has no key. None
+            where it is not looked for.
+        cluster: The attribute of episodes, or the key of infos, that says who made them; found by its name if empty.
+        partial_is_enough: Whether less than the metadata declares may be there.
 
     Raises:
         UsageError: It is not there, or h5py is not installed.
         NewerFormat: A newer version of Minari wrote it.
-        SchemaError: It is damaged, or stored in another way than HDF5.
+        SchemaError: It is damaged, stored in another way than HDF5, or is not what its metadata declares.
     """
     folder = dataset_folder(name)
     path = folder / MAIN
     with reading(path, "Minari data set"):
         require_regular(path, MOST_BYTES)
-        with _opened(path) as file:
-            metadata = _metadata(folder, file)
-            numbers = _episode_numbers(path, file)
-            first = _group(path, file, f"episode_{numbers[0]}")
-            keys = _info_keys(path, first)
-            attributes = set(first.attrs)
-    _require_known(path, metadata)
-    own = _own_rewards(metadata, keys)
-    pictures = _pictures(metadata)
-    notes = [f"The pictures {', '.join(sorted(pictures))} are left out"] if pictures else []
+        with open_hdf5(path) as file:
+            metadata = read_metadata(folder, file)
+            require_known(path, metadata)
+            seen = _overview(path, file)
+        own = own_rewards(path, metadata.get(OWN_REWARDS), seen.infos)
+        episodes, steps = (_whole(metadata.get(key)) for key in ("total_episodes", "total_steps"))
+        declared = Declared(episodes, steps, lengths=seen.told)
+        census = take_census(path, declared, seen.steps, partial_is_enough)
+    told = (*seen.infos, *seen.attributes)
+    if cluster and cluster not in told:
+        raise missing_key("--cluster", cluster, path, told)
+    pictures = pictures_of(metadata)
+    rule = _success_rule(success, told, path)
     facts = DatasetFacts(
         f"minari:{name}",
         folder,
         f"Minari {metadata.get('minari_version', '')}".strip(),
-        env=_text(metadata.get("env_spec")),
+        env=text_of(metadata.get("env_spec")),
         rewards=(RECORDED, *own.values()),
-        success=_chosen(success, keys, SUCCESS_KEYS, "--success", path),
-        operator=cluster or next((key for key in OPERATOR_KEYS if key in attributes), ""),
-        notes=tuple(notes),
+        success="" if rule is None else rule.text,
+        operator=cluster or next((key for key in OPERATOR_KEYS if key in told), ""),
+        task=next((key for key in TASK_KEYS if key in told), ""),
+        notes=tuple(_notes(pictures, seen, metadata, census.notes)),
     )
-    return Dataset(facts, partial(_pieces, facts, numbers, own, pictures))
+    return Dataset(
+        facts, partial(_pieces, facts, _Layout(tuple(sorted(census.episodes - seen.again)), own, pictures, rule))
+    )
 
 
-def _opened(path: Path) -> Any:
-    try:
-        import h5py
-    except ImportError as error:
-        raise UsageError(
-            f"A Minari data set needs h5py, which cannot be imported ({error}): pip install 'fd100-harness[minari]'"
-        ) from error
-    return h5py.File(path, "r", locking=False)
+def _success_rule(success: SuccessRule | None, told: tuple[str, ...], path: Path) -> SuccessRule | None:
+    """Where success stands; None where nothing says it, or where it is not looked for."""
+    if success is None:
+        return None
+    if success.key:
+        if success.key not in told:
+            raise missing_key("--success", success.key, path, told)
+        return success
+    key = next((key for key in SUCCESS_KEYS if key in told), None)
+    return SuccessRule(key) if key else None
 
 
-def _metadata(folder: Path, file: Any) -> dict[str, Any]:
-    """What the data set tells of itself; before Minari 0.5 it stood in attributes of the file."""
-    path = folder / METADATA
-    if not path.is_file():
-        return {str(key): value for key, value in file.attrs.items()}
-    told = read_json(path)
-    if not isinstance(told, dict):
-        raise SchemaError(f"{path} holds no table")
-    return told
+def _notes(
+    pictures: frozenset[str], seen: _Overview, metadata: Mapping[str, Any], census: tuple[str, ...]
+) -> Iterator[str]:
+    if pictures:
+        yield f"The pictures {', '.join(sorted(pictures))} are left out"
+    if seen.again:
+        yield f"Names for an episode that has another name already, left out: {len(seen.again):,}"
+    if seen.strangers:
+        yield f"Left out, since they are no episodes: {shortened(', '.join(seen.strangers), 200)}"
+    if metadata.get("combined_datasets") and not any(key in seen.attributes for key in TASK_KEYS):
+        yield "It was put together from several data sets, and nothing says which episode is of which"
+    yield from census
 
 
-def _require_known(path: Path, metadata: Mapping[str, Any]) -> None:
-    kind = metadata.get("data_format", "hdf5")
-    if kind != "hdf5":
-        raise SchemaError(f"{path} tells of the format {shortened(str(kind), 40)!r}; Minari data sets in hdf5 are read")
-    found = _VERSION.match(str(metadata.get("minari_version", "")))
-    if found and (int(found[1]), int(found[2])) > NEWEST:
-        newest = ".".join(map(str, NEWEST))
-        raise NewerFormat(f"{path} was written by Minari {found[0]}, and versions up to {newest} are read")
+def _whole(value: Any) -> int | None:
+    """A number of episodes or steps, as JSON or HDF5 has it."""
+    whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
+    return int(value) if whole and value >= 0 else None
 
 
-def _episode_numbers(path: Path, file: Any) -> list[int]:
+def _overview(path: Path, file: Any) -> _Overview:
     if len(file) > MOST_EPISODES:
         raise SchemaError(f"{path} has {len(file):,} episodes, {MOST_EPISODES:,} are allowed")
     numbers = sorted(int(found[1]) for key in file if (found := _EPISODE.fullmatch(key)))
     if not numbers:
         raise SchemaError(f"{path} has no episode")
-    return numbers
+    strangers = tuple(key for key in file if not _EPISODE.fullmatch(key))[:5]
+    seen = _Overview({}, {}, {}, {}, set(), strangers)
+    numbers_at: dict[int, int] = {}
+    for number in numbers:
+        group = group_of(path, file, f"episode_{number}")
+        first = numbers_at.setdefault(address(group), number)
+        if first != number:
+            seen.again.add(number)
+            seen.steps[number] = seen.steps[first]
+            continue
+        seen.steps[number] = len(member_of(path, group, "rewards"))
+        if (told := _whole(group.attrs.get("total_steps"))) is not None:
+            seen.told[number] = told
+        seen.infos.update(dict.fromkeys(_info_keys(path, group)))
+        seen.attributes.update(dict.fromkeys(key for key in (*group.attrs, *group) if key not in STEP_DATA))
+    return seen
 
 
-def _group(path: Path, parent: Any, key: str) -> Any:
-    found = _member(path, parent, key)
-    if hasattr(found, "dtype"):
-        raise SchemaError(f"{path}: {found.name} is no group")
-    return found
+def _info_keys(path: Path, episode: Any) -> Iterator[str]:
+    """Keys of the infos that hold numbers, at any depth, ``a/b``."""
+    if "infos" in episode:
+        yield from (key for key, _ in Walk(path).numbers(group_of(path, episode, "infos")))
 
 
-def _member(path: Path, parent: Any, key: str) -> Any:
-    """A part of a group; one that lies in another file is refused.
-
-    Raises:
-        SchemaError: It is missing, leads to another file, or is too large to be unpacked.
-    """
-    import h5py
-
-    link = parent.get(key, getlink=True)
-    if link is None:
-        raise SchemaError(f"{path}: {parent.name} has no {key}")
-    if not isinstance(link, h5py.HardLink):
-        raise SchemaError(f"{path}: {parent.name}/{key} is a link to somewhere else, which is not followed")
-    found = parent[key]
-    if isinstance(found, h5py.Datatype):
-        raise SchemaError(f"{path}: {found.name} is a type, no data")
-    if isinstance(found, h5py.Dataset):
-        if found.external or found.is_virtual:
-            raise SchemaError(f"{path}: {found.name} takes its numbers from other files, which is not followed")
-        if found.chunks and math.prod(found.chunks) * found.dtype.itemsize > CHUNK_BYTES:
-            raise SchemaError(f"{path}: {found.name} has chunks of more than {CHUNK_BYTES:,} bytes")
-    elif len(found) > MOST_KEYS:
-        raise SchemaError(f"{path}: {found.name} has {len(found):,} parts, {MOST_KEYS:,} are allowed")
-    return found
-
-
-def _info_keys(path: Path, episode: Any) -> dict[str, None]:
-    """Keys of the infos that hold a number for each step, at any depth, ``a/b``."""
-    if "infos" not in episode:
-        return {}
-    return {key: None for key, _ in _walk(path, _group(path, episode, "infos"))}
-
-
-def _walk(path: Path, group: Any, prefix: str = "", depth: int = 0) -> Iterator[tuple[str, Any]]:
-    if depth > DEEPEST:
-        raise SchemaError(f"{path}: {group.name} is nested too deeply")
-    for key in group:
-        found = _member(path, group, key)
-        if hasattr(found, "dtype"):
-            if found.dtype.kind in "biuf" and found.ndim >= 1 and _size(found) <= MOST_NUMBERS:
-                yield f"{prefix}{key}", found
-        else:
-            yield from _walk(path, found, f"{prefix}{key}/", depth + 1)
-
-
-def _size(found: Any) -> int:
-    return math.prod(found.shape[1:])
-
-
-def _chosen(given: str, keys: Mapping[str, None], known: tuple[str, ...], flag: str, path: Path) -> str:
-    if given and given not in keys:
-        raise UsageError(f"{flag} {given}: {path} has no such key; it has {', '.join(keys) or 'none'}")
-    return given or next((key for key in known if key in keys), "")
-
-
-def _own_rewards(metadata: Mapping[str, Any], keys: Mapping[str, None]) -> dict[str, str]:
-    """By key of infos, the names of rewards that `harness export` wrote."""
-    told = metadata.get(OWN_REWARDS, {})
-    if not isinstance(told, dict):
-        return {}
-    return {key: shortened(name, 200) for key, name in told.items() if key in keys and isinstance(name, str)}
-
-
-def _text(spec: Any) -> str:
-    return spec if isinstance(spec, str) else ""
-
-
-def _pictures(metadata: Mapping[str, Any]) -> frozenset[str]:
-    """Parts of the observation that are pictures, by their place, ``observations/camera``."""
-    text = metadata.get("observation_space")
-    if not isinstance(text, str):
-        return frozenset()
-    try:
-        space = json.loads(text)
-    except (ValueError, RecursionError):
-        return frozenset()
-    return frozenset(_picture_places(space, "observations", 0))
-
-
-def _picture_places(space: Any, place: str, depth: int) -> Iterator[str]:
-    if not isinstance(space, dict) or depth > DEEPEST:
-        return
-    shape, parts = space.get("shape"), space.get("subspaces")
-    if space.get("dtype") == "uint8" and isinstance(shape, list) and len(shape) == 3:
-        yield place
-    elif isinstance(parts, dict):
-        for key, part in parts.items():
-            yield from _picture_places(part, f"{place}/{key}", depth + 1)
-    elif isinstance(parts, list):
-        for number, part in enumerate(parts):
-            yield from _picture_places(part, f"{place}/_index_{number}", depth + 1)
-
-
-def _pieces(
-    facts: DatasetFacts, numbers: list[int], own: Mapping[str, str], pictures: frozenset[str]
-) -> Iterator[Piece]:
+def _pieces(facts: DatasetFacts, layout: _Layout) -> Iterator[Piece]:
     path = facts.path / MAIN
-    with reading(path, "Minari data set"), _opened(path) as file:
-        for number in numbers:
-            yield from _episode(path, facts, _group(path, file, f"episode_{number}"), number, own, pictures)
+    values = 0
+    with reading(path, "Minari data set"), open_hdf5(path) as file:
+        for number in layout.numbers:
+            episode = _Episode(path, facts, layout, group_of(path, file, f"episode_{number}"), number)
+            values += episode.steps * episode.width
+            require_readable(path, 1, values)
+            yield from episode.pieces()
 
 
-def _episode(
-    path: Path, facts: DatasetFacts, group: Any, number: int, own: Mapping[str, str], pictures: frozenset[str]
-) -> Iterator[Piece]:
-    observations = _nested(path, group, "observations", pictures, "observations")
-    actions = _nested(path, group, "actions", frozenset(), "actions")
-    rewards = _member(path, group, "rewards")
-    steps = len(rewards)
-    if steps == 0:
-        return
-    if row_count(actions) != steps or row_count(observations) != steps + 1:
-        raise SchemaError(
-            f"{path}: episode {number} has {steps:,} rewards, {row_count(actions):,} actions and "
-            f"{row_count(observations):,} observations; a Minari episode has one observation more than actions"
-        )
-    infos = dict(_walk(path, _group(path, group, "infos"))) if "infos" in group else {}
-    begins = {key: len(found) - steps for key, found in infos.items()}
-    infos = {key: found for key, found in infos.items() if begins[key] in (0, 1)}  # others are not one for each step
-    width = sum(
-        part.dtype.itemsize * _size(part) for part in (*leaves(observations), *leaves(actions), *infos.values())
-    )
-    rows = max(1, min(ROWS, PIECE_BYTES // max(1, width)))
-    operator = _operator(group, facts.operator)
-    for first in range(0, steps, rows):
-        end = min(first + rows, steps)
-        told = {
-            key: np.asarray(found[first + begins[key] : end + begins[key]])
-            for key, found in infos.items()
-        }  # fmt: skip
-        paid = {RECORDED: rewards[first:end], **{name: told[key] for key, name in own.items() if key in told}}
-        yield Piece(
-            number,
-            first,
-            _read(observations, slice(first, end + 1), f"{path}, episode {number}: observations"),
-            _read(actions, slice(first, end), f"{path}, episode {number}: actions"),
-            {key: values for key, values in told.items() if key not in own},
-            {name: _numbers(values, f"{path}, episode {number}: reward {name}") for name, values in paid.items()},
-            any_success(told.get(facts.success)),
-            operator,
-            MAIN.as_posix(),
-            end == steps,
-        )
+class _Episode:
+    """One episode in the file."""
 
+    def __init__(self, path: Path, facts: DatasetFacts, layout: _Layout, group: Any, number: int) -> None:
+        self._path, self._facts, self._layout, self._group, self._number = path, facts, layout, group, number
+        walk = Walk(path)
+        self._observations = walk.nested(group, "observations", layout.pictures, "observations")
+        self._actions = walk.nested(group, "actions", frozenset(), "actions")
+        self._rewards = member_of(path, group, "rewards")
+        self.steps = len(self._rewards)
+        self._require_rows()
+        infos = dict(walk.numbers(group_of(path, group, "infos"))) if "infos" in group else {}
+        self._single = {key: found for key, found in infos.items() if found.size == 1 != self.steps}
+        rows = {key: found for key, found in infos.items() if found.ndim and len(found) - self.steps in (0, 1)}
+        self._infos = {key: found for key, found in rows.items() if key not in self._single}
+        parts = (*leaves(self._observations), *leaves(self._actions), *self._infos.values())
+        self.width = sum(numbers_of_row(part) for part in parts)
+        self._bytes = sum(part.dtype.itemsize * numbers_of_row(part) for part in parts)
 
-def _operator(group: Any, key: str) -> str:
-    told = group.attrs[key] if key and key in group.attrs else ""
-    return shortened(told.decode(errors="replace") if isinstance(told, bytes) else str(told), 200)
+    def _require_rows(self) -> None:
+        steps, name = self.steps, f"{self._path}: episode {self._number}"
+        if self._rewards.size != steps:
+            raise SchemaError(f"{name} has {numbers_of_row(self._rewards):,} rewards a step, not one")
+        if row_count(self._actions) != steps or row_count(self._observations) != steps + 1:
+            raise SchemaError(
+                f"{name} has {steps:,} rewards, {row_count(self._actions):,} actions and "
+                f"{row_count(self._observations):,} observations; a Minari episode has one observation more than "
+                "actions"
+            )
+
+    def pieces(self) -> Iterator[Piece]:
+        """All its steps; of an episode without any, nothing."""
+        rows = max(1, min(ROWS, PIECE_BYTES // max(1, self._bytes)))
+        operator, task = self._of(self._facts.operator), self._of(self._facts.task)
+        label = self._label()
+        for first in range(0, self.steps, rows):
+            end = min(first + rows, self.steps)
+            infos = {key: self._info(key, first, end) for key in self._infos}
+            own = self._layout.own
+            paid = {RECORDED: self._rewards[first:end]}
+            paid |= {name: infos[key] for key, name in own.items() if key in infos}
+            gone = [name for name in own.values() if name not in paid]
+            seen = _read(self._observations, slice(first, end + 1))
+            done = _read(self._actions, slice(first, end))
+            told = self._told(infos, end - first)
+            if end == self.steps and told[-1] == UNKNOWN:
+                told[-1] = label
+            yield Piece(
+                self._number,
+                first,
+                seen,
+                done,
+                {key: values for key, values in infos.items() if key not in own},
+                {name: _numbers(values, name) for name, values in paid.items()},
+                told,
+                operator,
+                task,
+                MAIN.as_posix(),
+                end == self.steps,
+                f"reward {gone[0]} is not recorded"
+                if gone
+                else flaw_of(seen, "observations") or flaw_of(done, "actions") or flaw_of(paid, "a reward"),
+            )
+
+    def _info(self, key: str, first: int, end: int) -> NDArray[Any]:
+        """What was told after these steps; infos may begin with what the reset told."""
+        found = self._infos[key]
+        begins = len(found) - self.steps
+        return np.asarray(found[first + begins : end + begins])
+
+    def _told(self, infos: Mapping[str, NDArray[Any]], count: int) -> NDArray[np.int8]:
+        rule = self._layout.rule
+        if rule is not None and rule.key in infos:
+            return rule.of_steps(infos[rule.key], self._noun(rule.key))
+        return np.full(count, UNKNOWN, np.int8)
+
+    def _label(self) -> int:
+        """What is said of the whole episode: by one number in infos, an attribute, or an array beside the steps."""
+        rule = self._layout.rule
+        if rule is None or rule.key in self._infos:
+            return UNKNOWN
+        if rule.key in self._single:
+            return rule.of_episode(self._single[rule.key][()], self._noun(rule.key))
+        if rule.key in self._group.attrs:
+            return rule.of_episode(self._group.attrs[rule.key], self._noun(rule.key))
+        if rule.key not in self._group:
+            return UNKNOWN
+        found = member_of(self._path, self._group, rule.key)
+        if not hasattr(found, "dtype") or found.size not in (1, self.steps, self.steps + 1):
+            raise UsageError(f"{self._noun(rule.key)} is no label of an episode or of its steps")
+        if found.size == 1:
+            return rule.of_episode(found[()], self._noun(rule.key))
+        return int(rule.of_steps(np.asarray(found[found.size - self.steps :]), self._noun(rule.key)).max())
+
+    def _of(self, key: str) -> str:
+        """What an attribute says, or the first step's info."""
+        if not key:
+            return ""
+        if key in self._group.attrs:
+            told = self._group.attrs[key]
+        elif key in self._infos and self._infos[key].size == len(self._infos[key]):
+            told = self._info(key, 0, 1).ravel()[0]
+        elif key in self._single:
+            told = self._single[key][()]
+        else:
+            return ""
+        if isinstance(told, np.ndarray) and told.size == 1:
+            told = told.ravel()[0]
+        return shortened(told.decode(errors="replace") if isinstance(told, bytes) else str(told), 200)
+
+    def _noun(self, key: str) -> str:
+        return f"{self._path}, episode {self._number}: {key}"
 
 
 def _numbers(values: NDArray[Any], noun: str) -> NDArray[np.float64]:
-    return np.asarray(require_finite(values, noun), np.float64).reshape(len(values))
+    if values.size != len(values):
+        raise SchemaError(f"the reward {noun} holds {values.size // max(1, len(values)):,} numbers a step, not one")
+    return np.asarray(values, np.float64).reshape(len(values))
 
 
-def _nested(path: Path, parent: Any, key: str, left_out: frozenset[str], place: str, depth: int = 0) -> Nested:
-    """An observation or an action as arrays in the file."""
-    found = _member(path, parent, key)
-    if hasattr(found, "dtype"):
-        if found.ndim < 1 or found.dtype.kind not in "biuf" or _size(found) > MOST_NUMBERS:
-            raise SchemaError(f"{path}: {found.name} holds no rows of at most {MOST_NUMBERS:,} numbers")
-        return found
-    if depth > DEEPEST:
-        raise SchemaError(f"{path}: {found.name} is nested too deeply")
-    parts = {
-        name: _nested(path, found, name, left_out, f"{place}/{name}", depth + 1)
-        for name in found
-        if f"{place}/{name}" not in left_out
-    }
-    if parts and all(f"_index_{number}" in parts for number in range(len(parts))):
-        return tuple(parts[f"_index_{number}"] for number in range(len(parts)))
-    return parts
-
-
-def _read(rows: Nested, which: slice, noun: str) -> Nested:
+def _read(rows: Nested, which: slice) -> Nested:
     if isinstance(rows, dict):
-        return {key: _read(part, which, noun) for key, part in rows.items()}
+        return {key: _read(part, which) for key, part in rows.items()}
     if isinstance(rows, tuple):
-        return tuple(_read(part, which, noun) for part in rows)
-    return require_finite(np.asarray(rows[which]), noun)
+        return tuple(_read(part, which) for part in rows)
+    return np.asarray(rows[which])

@@ -79,6 +79,7 @@ def _reward(place: int, reward: RewardAnswer, audit: DatasetAudit) -> dict[str, 
         "badge": BADGES[reward.by_success.answer],
         "lead": _lead(reward.by_success),
         "told": [
+            *(("Not paid", line) for line in reward.unpaid),
             ("Ranked wrongly", pairs_text(reward)),
             ("While nothing happens", still_text(reward, audit)),
             ("Paid most", most_text(reward)),

@@ -10,6 +10,7 @@ import pytest
 from harness.errors import NewerFormat, SchemaError, UsageError
 from harness.record.dataset import lerobot
 from harness.record.dataset.dataset import RECORDED
+from harness.record.dataset.labels import FAILURE, SUCCESS
 from harness.record.dataset.open_dataset import open_dataset
 from tests.record.dataset.written import episode, write_lerobot
 
@@ -19,7 +20,7 @@ def test_every_known_version_is_read(tmp_path: Path, version: str) -> None:
     """Every known version is read."""
     episodes = [episode(4), episode(3, 1)]
     pieces = list(open_dataset(f"lerobot:{write_lerobot(tmp_path / 'd', episodes, version)}").pieces())
-    assert [(piece.episode, len(piece)) for piece in pieces if len(piece)] == [(0, 3), (1, 2)]
+    assert [(piece.episode, len(piece), piece.seen) for piece in pieces] == [(0, 4, 3), (1, 3, 2)]
 
 
 @pytest.mark.parametrize("rows", [2, 3, 5, 100])
@@ -31,7 +32,7 @@ def test_batches_do_not_change_the_steps(tmp_path: Path, monkeypatch: pytest.Mon
     for number in (0, 2):
         actions = np.concatenate([piece.actions for piece in pieces if piece.episode == number])
         after = np.concatenate([piece.observations[1:] for piece in pieces if piece.episode == number])
-        assert np.array_equal(actions, np.float32(episodes[number]["actions"][:-1]))
+        assert np.array_equal(actions, np.float32(episodes[number]["actions"]))
         assert np.array_equal(after, np.float32(episodes[number]["observations"][1:-1]))
 
 
@@ -41,10 +42,8 @@ def test_a_success_in_the_last_frame_counts(tmp_path: Path, monkeypatch: pytest.
     monkeypatch.setattr(lerobot, "ROWS", rows)
     folder = write_lerobot(tmp_path / "d", [episode(4, success=True), episode(4, 1)])
     pieces = list(open_dataset(f"lerobot:{folder}").pieces())
-    assert [any(bool(piece.success) for piece in pieces if piece.episode == number) for number in (0, 1)] == [
-        True,
-        False,
-    ]
+    told = [np.concatenate([piece.told for piece in pieces if piece.episode == number]).tolist() for number in (0, 1)]
+    assert told == [[FAILURE, FAILURE, FAILURE, SUCCESS], [FAILURE] * 4]
 
 
 @pytest.mark.parametrize("rows", [2, 3, 100])

@@ -11,6 +11,7 @@ from harness.errors import NewerFormat, SchemaError, UsageError
 from harness.record.dataset import dataset as sizes
 from harness.record.dataset import minari
 from harness.record.dataset.dataset import RECORDED
+from harness.record.dataset.labels import FAILURE, SUCCESS
 from harness.record.dataset.open_dataset import open_dataset
 from tests.record.dataset.written import episode, write_minari
 
@@ -28,7 +29,7 @@ def test_infos_are_those_after_each_step(tmp_path: Path) -> None:
     """Infos are those after each step."""
     (piece,) = open_dataset(f"minari:{write_minari(tmp_path / 'd', [episode(5, success=True)])}").pieces()
     assert piece.infos["success"].tolist() == [False, False, False, False, True]
-    assert piece.success
+    assert piece.told.tolist() == [FAILURE] * 4 + [SUCCESS]
 
 
 def test_a_data_set_is_found_by_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -49,7 +50,7 @@ def test_long_episodes_come_in_pieces(tmp_path: Path, monkeypatch: pytest.Monkey
         (8, 1, True),
     ]
     assert np.array_equal(np.concatenate([piece.observations[1:] for piece in pieces]), one["observations"][1:])
-    assert [piece.success for piece in pieces] == [False, False, True]
+    assert [SUCCESS in piece.told for piece in pieces] == [False, False, True]
 
 
 def test_dicts_and_tuples_stay_what_they_are(tmp_path: Path) -> None:
@@ -140,11 +141,11 @@ def test_an_episode_without_its_last_observation_is_refused(tmp_path: Path) -> N
         list(open_dataset(f"minari:{write_minari(tmp_path / 'd', [one])}").pieces())
 
 
-def test_a_reward_that_is_not_finite_is_refused(tmp_path: Path) -> None:
-    """A reward that is not finite is refused."""
+def test_a_number_that_is_not_finite_is_a_flaw_of_its_episode(tmp_path: Path) -> None:
+    """A number that is not finite is a flaw of its episode."""
     one = {**episode(3), "rewards": np.array([0.0, np.nan, 0.0])}
-    with pytest.raises(SchemaError, match="not a finite number"):
-        list(open_dataset(f"minari:{write_minari(tmp_path / 'd', [one])}").pieces())
+    pieces = open_dataset(f"minari:{write_minari(tmp_path / 'd', [one, episode(3, 1)])}").pieces()
+    assert ["not a finite number" in piece.flaw for piece in pieces] == [True, False]
 
 
 def test_too_many_steps_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

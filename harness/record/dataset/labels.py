@@ -1,0 +1,174 @@
+"""Whether an episode succeeded: true, false, or not known. A probability is no label until a user says from where on.
+
+Labels are false and true, 0 and 1. NaN and -1 are what people write for "nobody looked": not known. Everything else
+needs a threshold, ``KEY>0.5``.
+"""
+
+import csv
+import io
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.errors import UsageError
+from harness.files.bounded import read_text
+from harness.registry.names import did_you_mean
+from harness.text import shortened
+
+UNKNOWN, FAILURE, SUCCESS = -1, 0, 1
+LABELS_BYTES = 2**28
+"""The most bytes of a file of labels."""
+_RULE = re.compile(r"\s*(?P<key>[^<>=]+?)\s*(?:(?P<sign>>=|<=|>|<)\s*(?P<number>[^<>=\s]+)\s*)?")
+_COMPARE = {">": np.greater, ">=": np.greater_equal, "<": np.less, "<=": np.less_equal}
+_TRUE, _FALSE, _UNTOLD = ("true", "1", "1.0"), ("false", "0", "0.0"), ("", "nan", "none", "null", "-1", "-1.0")
+
+
+@dataclass(frozen=True)
+class SuccessRule:
+    """Where success stands, and from where on a number is one.
+
+    Attributes:
+        key: The key or column; empty where it is found by its name.
+        sign: ``>``, ``>=``, ``<`` or ``<=``; empty where it holds labels.
+        threshold: What the sign compares with.
+    """
+
+    key: str = ""
+    sign: str = ""
+    threshold: float = 0.0
+
+    @property
+    def text(self) -> str:
+        """As a user types it."""
+        return f"{self.key}{self.sign}{self.threshold:g}" if self.sign else self.key
+
+    def of_steps(self, values: NDArray[Any], noun: str) -> NDArray[np.int8]:
+        """`SUCCESS`, `FAILURE` or `UNKNOWN` of each step, (steps,).
+
+        Args:
+            values: What stands there, (steps,) or (steps, 1).
+            noun: What a message calls it.
+
+        Raises:
+            UsageError: It is neither a label nor is there a threshold.
+        """
+        if values.dtype.kind not in "biuf":
+            raise UsageError(f"{noun} holds {values.dtype}, no labels: 0, 1, false and true are")
+        if values.size != len(values):
+            raise UsageError(
+                f"{noun} holds {values.size // len(values):,} numbers a step, no label: name another key with --success"
+            )
+        flat = np.asarray(values, np.float64).ravel()
+        known = ~np.isnan(flat)
+        told: NDArray[np.int8] = np.full(len(flat), UNKNOWN, np.int8)
+        if self.sign:
+            told[known] = _COMPARE[self.sign](flat[known], self.threshold)
+            return told
+        known &= flat != UNKNOWN
+        odd = flat[known & (flat != FAILURE) & (flat != SUCCESS)]
+        if len(odd):
+            raise UsageError(self._refused(noun, f"{odd[0]:g}"))
+        told[known] = flat[known]
+        return told
+
+    def of_episode(self, value: Any, noun: str) -> int:
+        """The same of one value that holds for a whole episode; text and None as they stand in JSON and CSV."""
+        if isinstance(value, bytes):
+            value = value.decode(errors="replace")
+        if value is None:
+            return UNKNOWN
+        if isinstance(value, str):
+            return self._of_text(value, noun)
+        numbers = np.asarray(value).ravel()
+        if not len(numbers):
+            return UNKNOWN
+        if len(numbers) > 1:
+            raise UsageError(f"{noun} holds {len(numbers):,} values, no label: name another key with --success")
+        return int(self.of_steps(numbers, noun)[0])
+
+    def _of_text(self, value: str, noun: str) -> int:
+        text = value.strip().lower()
+        if text in _UNTOLD and (not self.sign or text not in ("-1", "-1.0")):
+            return UNKNOWN
+        if not self.sign and text in (*_TRUE, *_FALSE):
+            return SUCCESS if text in _TRUE else FAILURE
+        try:
+            number = float(text)
+        except ValueError:
+            raise UsageError(f"{noun} says {shortened(value, 40)!r}: 0, 1, false and true are labels") from None
+        return int(self.of_steps(np.array([number]), noun)[0])
+
+    def _refused(self, noun: str, value: str) -> str:
+        return (
+            f"{noun} holds {value}, which is no label: 0, 1, false and true are, NaN and -1 are not known. Say from "
+            f"where on it is a success: --success '{self.key}>0.5'"
+        )
+
+
+def parse_success(text: str) -> SuccessRule:
+    """What ``--success`` says: ``KEY``, ``KEY>0.5``, also with ``>=``, ``<`` or ``<=``.
+
+    Raises:
+        UsageError: It is neither.
+    """
+    if not text:
+        return SuccessRule()
+    found = _RULE.fullmatch(text)
+    threshold = _number(found["number"]) if found and found["number"] else 0.0
+    if found is None or threshold is None:
+        raise UsageError(f"--success {text}: write KEY, or KEY>0.5 with a number; >, >=, < and <= are allowed")
+    return SuccessRule(found["key"], found["sign"] or "", threshold)
+
+
+def _number(text: str) -> float | None:
+    try:
+        value = float(text)
+    except ValueError:
+        return None
+    return value if np.isfinite(value) else None
+
+
+def missing_key(flag: str, key: str, path: Path, known: Iterable[str]) -> UsageError:
+    """What is said where a key is not there: the nearest, and all that are."""
+    keys = list(dict.fromkeys(known))
+    shown = shortened(", ".join(keys), 400) or "none"
+    return UsageError(f"{flag} {key}: {path} has no such key; it has {shown}.{did_you_mean(key, keys)}")
+
+
+def read_labels(path: Path, rule: SuccessRule) -> dict[int, int]:
+    """By number of the episode, its label: a CSV file with the columns ``episode`` and ``success``.
+
+    Args:
+        path: The file.
+        rule: Names another column than ``success``, or a threshold.
+
+    Raises:
+        UsageError: It is not there or has other columns; a line has no number, no label, or contradicts another.
+    """
+    rule = rule if rule.key else SuccessRule("success")
+    try:
+        rows = csv.DictReader(io.StringIO(read_text(path, LABELS_BYTES).removeprefix("\ufeff"), newline=""))
+        names = [name.strip() for name in rows.fieldnames or () if name is not None]
+        if not {"episode", rule.key} <= {*names}:
+            raise UsageError(
+                f"--labels {path} has the columns {shortened(', '.join(names), 100) or 'none'}; it needs episode and "
+                f"{rule.key}, a line for each episode"
+            )
+        rows.fieldnames = names
+        labels: dict[int, int] = {}
+        for row in rows:
+            where = f"--labels {path}, line {rows.line_num}"
+            number = str(row["episode"] or "").strip()
+            if not re.fullmatch(r"\d{1,9}", number):
+                raise UsageError(f"{where}: {shortened(number, 40)!r} is no number of an episode, counted from 0")
+            label = rule.of_episode(row[rule.key], where)
+            if labels.setdefault(int(number), label) != label:
+                raise UsageError(f"{where}: episode {number} has another label above")
+    except (OSError, ValueError, csv.Error) as error:
+        raise UsageError(f"--labels {path} cannot be read as CSV: {shortened(str(error), 200)}") from None
+    return labels

@@ -1,0 +1,197 @@
+"""What a LeRobot data set tells of itself: ``meta/info.json``, the list of its episodes, and the texts of its tasks."""
+
+import math
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from harness.errors import NewerFormat, SchemaError
+from harness.files.bounded import parse_json, read_bytes, read_json, require_regular
+from harness.record.dataset.census import Declared
+from harness.record.dataset.dataset import MOST_EPISODES, MOST_KEYS, MOST_NUMBERS
+from harness.text import shortened
+
+INFO, EPISODES, LISTS = Path("meta/info.json"), Path("meta/episodes.jsonl"), Path("meta/episodes")
+KNOWN = ((2, 0), (2, 1), (3, 0))
+"""Versions of the layout."""
+STATE, ACTION, EPISODE, FRAME = "observation.state", "action", "episode_index", "frame_index"
+NEXT_STATE, REWARD, TASK, TASKS = f"next.{STATE}", "next.reward", "task_index", "tasks"
+NEEDED = (STATE, ACTION, EPISODE, FRAME)
+SINGLE = (REWARD, EPISODE, FRAME, TASK)
+"""Columns that hold one number of each frame."""
+CHUNK, FILE = "data/chunk_index", "data/file_index"
+DATA_PATH = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
+MOST_FILES, LIST_BYTES = 1_000_000, 2**29
+_VERSION = re.compile(r"v?(\d{1,4})\.(\d{1,4})")
+
+
+class Listing(NamedTuple):
+    """The episodes that the metadata lists.
+
+    Attributes:
+        path: Where they stand.
+        keys: What is known of an episode.
+        rows: By number of the episode, a value of each key: a number, a text, None, or a list of texts.
+    """
+
+    path: Path
+    keys: tuple[str, ...]
+    rows: Mapping[int, Mapping[str, Any]]
+
+    def declared(self, info: Mapping[str, Any]) -> Declared:
+        """With the totals of ``info.json``."""
+        lengths = {
+            number: steps for number, row in self.rows.items() if (steps := _count(row.get("length"))) is not None
+        }
+        return Declared(_count(info.get("total_episodes")), _count(info.get("total_frames")), self.rows.keys(), lengths)
+
+
+def read_info(path: Path) -> dict[str, Any]:
+    """The content of ``meta/info.json``.
+
+    Raises:
+        SchemaError: It tells of no columns, or of too many.
+    """
+    info = read_json(path)
+    if not isinstance(info, dict) or not isinstance(info.get("features"), dict):
+        raise SchemaError(f"{path} tells of no features")
+    if len(info["features"]) > MOST_KEYS or not all(isinstance(it, dict) for it in info["features"].values()):
+        raise SchemaError(f"{path} tells of features that are none, or of more than {MOST_KEYS:,}")
+    return info
+
+
+def version_of(path: Path, info: Mapping[str, Any]) -> tuple[int, int]:
+    """The version of the layout.
+
+    Raises:
+        NewerFormat: It is newer than those that are known.
+        SchemaError: It is another.
+    """
+    told = shortened(str(info.get("codebase_version")), 40)
+    found = _VERSION.fullmatch(told)
+    version = (int(found[1]), int(found[2])) if found else (0, 0)
+    if version in KNOWN:
+        return version
+    versions = ", ".join(f"v{major}.{minor}" for major, minor in KNOWN)
+    if version > KNOWN[-1]:
+        raise NewerFormat(f"{path} tells of version {told}, and {versions} are read: it is newer")
+    raise SchemaError(f"{path} tells of version {told}, and {versions} are read")
+
+
+def shapes_of(path: Path, features: Mapping[str, Any]) -> dict[str, tuple[int, ...]]:
+    """By column of numbers, its shape. Pictures, videos, texts and what is too large are left out.
+
+    Raises:
+        SchemaError: A column that is needed is not among them.
+    """
+    for name in NEEDED:
+        if name not in features:
+            raise SchemaError(f"{path} tells of no column {name}")
+    shapes = {name: shape for name, feature in features.items() if (shape := _shape(feature)) is not None}
+    for name in NEEDED:
+        if name not in shapes:
+            raise SchemaError(f"{path}: the column {name} holds no numbers, or more than {MOST_NUMBERS:,}")
+    for name in SINGLE:
+        if math.prod(shapes.get(name, ())) != 1:
+            raise SchemaError(f"{path}: the column {name} holds {math.prod(shapes[name]):,} numbers a frame, not one")
+    return shapes
+
+
+def _shape(feature: Mapping[str, Any]) -> tuple[int, ...] | None:
+    shape, kind = feature.get("shape"), str(feature.get("dtype"))
+    if not re.fullmatch(r"float(16|32|64)|u?int(8|16|32|64)|bool", kind) or not isinstance(shape, list):
+        return None
+    if len(shape) > 8 or not all(isinstance(it, int) and 0 < it <= MOST_NUMBERS for it in shape):
+        return None
+    return tuple(shape) if math.prod(shape) <= MOST_NUMBERS else None
+
+
+def names_of(features: Mapping[str, Any], column: str) -> tuple[str, ...]:
+    """What the numbers of a column are called: a list, or a table with one list."""
+    names = features[column].get("names")
+    if isinstance(names, dict) and len(names) == 1:
+        (names,) = names.values()
+    size = math.prod(features[column]["shape"])
+    if not isinstance(names, list) or len(names) != size or not all(isinstance(it, str) for it in names):
+        return ()
+    return tuple(shortened(it, 100) for it in names)
+
+
+def read_listing(folder: Path) -> Listing:
+    """The list of episodes: ``meta/episodes.jsonl`` up to v2.1, Parquet files in ``meta/episodes`` since v3.0.
+
+    Raises:
+        SchemaError: It lists an episode twice, or is no list of episodes.
+    """
+    if (folder / EPISODES).is_file():
+        place, rows = folder / EPISODES, _json_lines(folder / EPISODES)
+    else:
+        place, rows = folder / LISTS, _tables(sorted((folder / LISTS).glob("*/*.parquet")))
+    listed: dict[int, dict[str, Any]] = {}
+    keys: dict[str, None] = {}
+    for row in rows:
+        number = _count(row.get(EPISODE))
+        if number is None or number in listed:
+            raise SchemaError(f"{place} has a row without {EPISODE}, or lists episode {number} twice")
+        listed[number] = row
+        keys |= dict.fromkeys(row)
+        if len(listed) > MOST_EPISODES or len(keys) > MOST_KEYS:
+            raise SchemaError(f"{place} lists more than {MOST_EPISODES:,} episodes, or {MOST_KEYS:,} keys")
+    return Listing(place, tuple(keys), listed)
+
+
+def _json_lines(path: Path) -> Iterator[dict[str, Any]]:
+    for line in read_bytes(path, LIST_BYTES).splitlines():
+        if not line.strip():
+            continue
+        row = parse_json(line)
+        if not isinstance(row, dict):
+            raise SchemaError(f"{path} has a line that is no table")
+        yield {key: value for key, value in row.items() if key == TASKS or not isinstance(value, dict)}
+
+
+def _tables(paths: list[Path]) -> Iterator[dict[str, Any]]:
+    if len(paths) > MOST_FILES:
+        raise SchemaError(f"{paths[0].parent} has more than {MOST_FILES:,} files")
+    for path in paths:
+        require_regular(path, LIST_BYTES)
+        with pq.ParquetFile(path) as file:
+            names = [it.name for it in file.schema_arrow if it.name == TASKS or _is_single(it.type)]
+            if file.metadata.num_rows > MOST_EPISODES or len(names) > MOST_KEYS:
+                raise SchemaError(f"{path} lists more than {MOST_EPISODES:,} episodes, or {MOST_KEYS:,} keys")
+            for batch in file.iter_batches(columns=names):
+                yield from batch.to_pylist()
+
+
+def _is_single(kind: pa.DataType) -> bool:
+    if pa.types.is_list(kind) or pa.types.is_fixed_size_list(kind):
+        return _is_single(kind.value_type)
+    return any(
+        check(kind)
+        for check in (pa.types.is_boolean, pa.types.is_integer, pa.types.is_floating, pa.types.is_string)
+    )  # fmt: skip
+
+
+def _count(value: Any) -> int | None:
+    return value if isinstance(value, int) and not isinstance(value, bool) and value >= 0 else None
+
+
+def read_tasks(folder: Path) -> dict[int, str]:
+    """By number, what a task is called: ``meta/tasks.jsonl``, or ``meta/tasks.parquet`` with texts as an index."""
+    lines, table = folder / "meta/tasks.jsonl", folder / "meta/tasks.parquet"
+    if lines.is_file():
+        rows = list(_json_lines(lines))
+    elif table.is_file():
+        rows = list(_tables([table]))
+    else:
+        rows = []
+    named = {}
+    for row in rows:
+        number, text = _count(row.get(TASK)), row.get("task", row.get("__index_level_0__"))
+        if number is not None and isinstance(text, str):
+            named[number] = shortened(text, 200)
+    return named
