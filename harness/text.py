@@ -1,9 +1,13 @@
-"""Text of strangers made fit to be shown: what a terminal, a page or a reader would obey or not see is written out."""
+"""Text of strangers made fit to be shown: what a terminal, a page or a reader would obey or not see is written out.
+
+`print_visible` is the only way to a terminal, beside `harness.cli.terminal` for tables.
+"""
 
 import hashlib
 import os
 import re
 import shlex
+import sys
 import unicodedata
 from collections.abc import Iterable
 from pathlib import Path
@@ -31,7 +35,13 @@ def visible(text: str, keep: str = "") -> str:
     """
     if text.isprintable():
         return text
-    return "".join(char if char in keep else _escaped(char) for char in text)
+    hidden = [char for char in set(text) if char not in keep and unicodedata.category(char) in HIDDEN]
+    return text.translate({ord(char): char.encode("unicode_escape").decode("ascii") for char in hidden})
+
+
+def print_visible(text: str, err: bool = False) -> None:
+    """Print lines of whatever origin on standard output or standard error, in the encoding of that stream."""
+    print(visible(text, keep="\n"), file=sys.stderr if err else sys.stdout, flush=True)
 
 
 def shortened(message: str, most: int = LONGEST_MESSAGE) -> str:
@@ -116,7 +126,3 @@ def _stem(text: str) -> str:
         return stem
     digest = hashlib.sha256(text.encode()).hexdigest()[:8]
     return f"{stem[: LONGEST_STEM - 9]}-{digest}"
-
-
-def _escaped(char: str) -> str:
-    return char.encode("unicode_escape").decode("ascii") if unicodedata.category(char) in HIDDEN else char

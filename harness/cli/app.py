@@ -25,7 +25,7 @@ from harness.cli.help import PLAIN, All, Command, Commands, LongCommand
 from harness.cli.merge import merge
 from harness.cli.names import list_names
 from harness.cli.new_plugin import new_plugin
-from harness.cli.output import complain
+from harness.cli.output import complain, libraries_visible, say
 from harness.cli.plugins import plugins
 from harness.cli.report import report
 from harness.cli.retired import repair
@@ -85,7 +85,7 @@ def _show_version(wanted: bool) -> None:
     if wanted:
         import harness
 
-        typer.echo(harness.__version__)
+        say(harness.__version__)
         raise typer.Exit
 
 
@@ -135,7 +135,9 @@ def main(args: list[str] | None = None) -> None:
 
     Exit status: 0 fine, 1 some cells failed, 2 a usage error, 70 what nobody foresaw, 130 interrupted.
     """
-    sys.exit(_answer(sys.argv[1:] if args is None else args))
+    with libraries_visible():
+        status = _answer(sys.argv[1:] if args is None else args)
+    sys.exit(status)
 
 
 def _answer(args: list[str]) -> int:

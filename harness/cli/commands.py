@@ -12,7 +12,7 @@ from harness.cli.help import PLAIN, Command
 from harness.cli.unexpected import describe_fault
 from harness.errors import HarnessError, PluginError
 from harness.registry.registry import Registry
-from harness.text import command_text
+from harness.text import command_text, visible
 
 KIND = "commands"
 PANEL = "From plugins"
@@ -35,7 +35,7 @@ def add_plugin_commands(app: typer.Typer, registry: Registry) -> None:
         if name in _words_to_complete() and name in registry.names(KIND):
             app.command(name, rich_help_panel=PANEL)(registry.get(KIND, name).load())
             continue
-        help_line = _summary_of(registry, name)
+        help_line = visible(_summary_of(registry, name), keep="\n")
         app.command(name, help=help_line, rich_help_panel=PANEL, context_settings=PASS_ON)(_called(registry, name))
 
 

@@ -3,6 +3,8 @@
 from collections.abc import Callable, Iterator
 from typing import TypeAlias
 
+from harness.text import visible
+
 Complete: TypeAlias = Callable[[str], list[tuple[str, str]]]
 
 
@@ -22,4 +24,4 @@ def _offers(kind: str, incomplete: str) -> Iterator[tuple[str, str]]:
     registry = load_registry()
     for name in registry.names(kind):
         if name.startswith(begun):
-            yield f"{before}{comma}{name}", registry.get(kind, name).summary
+            yield f"{before}{comma}{name}", visible(registry.get(kind, name).summary)

@@ -1,12 +1,16 @@
 """``harness eta``: two groups of recorded runs compared, or all recorded trainings of a folder."""
 
+import glob
+import os
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import typer
 
+from harness.cli.datasets import names_dataset
 from harness.cli.flags import eta as flags
-from harness.cli.flags.shared import AsJson, CurveKind, PluginFiles, RecordedFolder
+from harness.cli.flags.shared import AsJson, CurveKind, PluginFiles
 from harness.cli.output import say, say_json
 from harness.cli.recordings import refuse_flags
 from harness.cli.results_shown import show_results
@@ -16,10 +20,15 @@ from harness.text import command_text
 if TYPE_CHECKING:
     from harness.score.compare import ComparedRuns
 
+MOST_VISITED = 10_000
+"""Files of a folder that are looked at for CSV files."""
+NUMBERED = re.compile(r"[-_ .]*(seed|run)?[-_ .]*\d*$", re.IGNORECASE)
+"""How names of the files of one group differ."""
+
 
 def eta(
     context: typer.Context,
-    folder: RecordedFolder = None,
+    folder: flags.TrainingsFolder = None,
     baseline: flags.BaselineRuns = None,
     proposed: flags.ProposedRuns = None,
     curve: CurveKind = "accumulated",
@@ -32,9 +41,10 @@ def eta(
 ) -> int:
     """Compare recorded trainings, such as anybody's CSV files.
 
-    A file has a column 'reward', or is a trace of this harness. If the files have distances too, each eta is split into
-    ruler and behaviour. Put patterns in quotes. --baseline and --proposed may be given several times. In a FOLDER of
-    recorded trainings, each reward that a policy was trained with is compared with every other one.
+    A file has a column 'reward' and a row for each environment step, or is a trace of this harness. If the files have
+    distances too, each eta is split into ruler and behaviour. All runs are cut to the steps of the shortest. Put
+    patterns in quotes. --baseline and --proposed may be given several times. In a FOLDER of recorded trainings, each
+    reward that a policy was trained with is compared with every other one.
     """
     groups = {"--baseline": baseline, "--proposed": proposed}
     loose = [*([] if folder is None or not any(groups.values()) else [str(folder)]), *context.args]
@@ -49,6 +59,7 @@ def eta(
                 "--proposed-reward": proposed_reward, "--plugin": plugin,
             }
         )  # fmt: skip
+        _require_trainings(folder)
         from harness.results import load_results
 
         results = load_results(folder, curve)
@@ -75,6 +86,53 @@ def eta(
     )
     _show(comparison, plot, as_json)
     return 0
+
+
+def _require_trainings(folder: Path) -> None:
+    """Check that a folder is one of trainings, as far as the name of another command or flag would fit better.
+
+    Raises:
+        UsageError: It is a data set, a file, or a folder of CSV files alone; says what to type.
+    """
+    from harness.cli.recordings import holds_recordings
+    from harness.record.store import Store
+
+    if names_dataset(folder):
+        audit = command_text("harness", "audit", str(folder))
+        raise UsageError(f"'{folder}' is a data set, which holds no trainings to compare: {audit} judges its rewards")
+    if folder.is_file():
+        raise UsageError(f"'{folder}' is a file: {command_text(*_command([glob.escape(str(folder))]))}")
+    if not folder.is_dir() or Store.is_experiment(folder) or holds_recordings([folder]):
+        return
+    patterns = _patterns_in(folder)
+    if patterns:
+        raise UsageError(f"'{folder}' holds CSV files: {command_text(*_command(patterns))}")
+
+
+def _command(patterns: list[str]) -> tuple[str, ...]:
+    """The command that compares groups of files; what is called a baseline is the baseline."""
+    named = [pattern for pattern in patterns if "base" in pattern.lower()]
+    ordered = [*named[:1], *(pattern for pattern in patterns if pattern not in named), *named[1:], "OTHER/*.csv"]
+    return ("harness", "eta", "--baseline", ordered[0], "--proposed", ordered[1])
+
+
+def _patterns_in(folder: Path) -> list[str]:
+    """Patterns of groups of CSV files: one for each folder that has some, or for each beginning of names in one."""
+    found: dict[str, set[str]] = {}
+    visited = 0
+    for place, inner, names in os.walk(folder):
+        inner.sort()
+        visited += len(names)
+        stems = {NUMBERED.sub("", name[:-4]) for name in names if name.lower().endswith(".csv")}
+        if stems:
+            found[place] = stems
+        if visited > MOST_VISITED:
+            break
+    if len(found) != 1:
+        return [os.path.join(glob.escape(place), "*.csv") for place in found]
+    ((place, stems),) = found.items()
+    several = sorted(stems) if len(stems) == 2 and all(stems) else [""]
+    return [os.path.join(glob.escape(place), f"{glob.escape(stem)}*.csv") for stem in several]
 
 
 def _show(comparison: "ComparedRuns", plot: Path | None, as_json: bool) -> None:

@@ -10,6 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperCommand, TyperGroup
 
+from harness.cli.output import say
+from harness.text import visible
+
 if TYPE_CHECKING:
     from typer.core import TyperArgument, TyperOption
 
@@ -40,6 +43,10 @@ GROUPS: Mapping[str, Sequence[str]] = MappingProxyType(
 
 class Command(TyperCommand):
     """A command whose help keeps the lines of its examples."""
+
+    def get_help(self, ctx: Any) -> str:
+        """Called for the whole text, which plugins wrote parts of."""
+        return visible(super().get_help(ctx), keep="\n")
 
     def format_options(self, ctx: Any, formatter: Any) -> None:
         """Called when the help is written."""
@@ -73,6 +80,10 @@ class LongCommand(Command):
 class Commands(TyperGroup):
     """All commands: the help shows `FIRST`, and every one with ``--all``."""
 
+    def get_help(self, ctx: Any) -> str:
+        """Called for the whole text, which plugins wrote parts of."""
+        return visible(super().get_help(ctx), keep="\n")
+
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Called with what was typed: ``--help --all`` is ``--all``, which an earlier ``--help`` would hide."""
         asked = list(takewhile(lambda word: word.startswith("-"), args))
@@ -104,7 +115,7 @@ def _show_whole(context: typer.Context, parameter: Any, wanted: bool) -> None:
     """Show the help with everything in it, and end."""
     if wanted:
         context.meta[parameter.opts[0]] = True
-        typer.echo(context.get_help())
+        say(context.get_help())
         raise typer.Exit
 
 

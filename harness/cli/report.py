@@ -7,12 +7,10 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import typer
-
 from harness.cli.datasets import audit_rewards_on, names_dataset, show_answer
 from harness.cli.flags import report as flags
 from harness.cli.flags.shared import AsJson, CurveKind, MetricNames, Names, PluginFiles
-from harness.cli.output import complain
+from harness.cli.output import complain, say
 from harness.cli.recordings import holds_recordings, refuse_flags
 from harness.cli.results_shown import show_results
 from harness.errors import UsageError
@@ -82,7 +80,7 @@ def _show_committed(folders: Sequence[Path], as_json: bool, beside: Sequence[str
         for flag in beside or ["Reading several folders together"] * (len(folders) > 1):
             refuse_committed(folder, flag)
     if as_json:
-        typer.echo(committed_text(folders[0]))
+        say(committed_text(folders[0]))
     else:
         show(committed_table(folders[0]))
     return 0

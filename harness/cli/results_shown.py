@@ -3,8 +3,6 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import typer
-
 from harness.cli.output import complain, say
 
 if TYPE_CHECKING:
@@ -48,7 +46,7 @@ def show_results(
     if as_json:
         from harness.report.document import report_text
 
-        typer.echo(report_text(results))
+        say(report_text(results))
     elif details or (html is None and summary is None):
         _print_tables(results, details, command)
     for line in results.damaged_recordings:

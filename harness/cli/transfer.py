@@ -6,7 +6,7 @@ import typer
 
 from harness.cli.flags.shared import SIMULATORS, AsJson, ExperimentFolder, PluginFiles
 from harness.cli.interrupted import kept_when_interrupted
-from harness.cli.output import say_json
+from harness.cli.output import say, say_json
 
 
 def transfer(
@@ -52,5 +52,5 @@ def transfer(
 
         show(transfer_table(transfers))
     else:
-        typer.echo("Nothing to evaluate: the policies were trained in the only simulator that is installed.")
+        say("Nothing to evaluate: the policies were trained in the only simulator that is installed.")
     return 1 if transfers.failed else 0

@@ -1,11 +1,11 @@
 """What becomes of an exception that nobody meant to raise: one line, and a log with the rest."""
 
-import sys
 import tempfile
 import traceback
 from pathlib import Path
 
 from harness.errors import one_line
+from harness.text import print_visible
 
 
 def describe_unexpected(error: Exception) -> str:
@@ -32,6 +32,6 @@ def leave_story(error: Exception) -> str:
         ) as file:
             file.write(story)
     except OSError:
-        sys.stderr.write(story)
+        print_visible(story.rstrip("\n"), err=True)
         return "the lines above."
     return f"the log, {Path(file.name)}"

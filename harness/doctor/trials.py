@@ -19,6 +19,7 @@ from harness.hookspecs import NOUNS
 from harness.registry.choice import choose
 from harness.registry.libraries import is_met
 from harness.registry.registry import Registry, load_registry
+from harness.text import one_line_of, print_visible
 
 LIMIT = 60.0
 """Seconds that a trial may take. Importing the largest library takes some five."""
@@ -131,7 +132,7 @@ def main(kind: str, name: str) -> int:
     try:
         take_a_step(kind, name)
     except (Exception, SystemExit) as error:  # whatever a library raises
-        print(reason_of(error), file=sys.stderr)  # noqa: T201 # for who started this process
+        print_visible(one_line_of(reason_of(error)), err=True)  # for who started this process
         return FAILED
     return 0
 

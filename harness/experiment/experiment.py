@@ -35,13 +35,14 @@ from harness.registry.registry import Registry, load_registry
 from harness.results import Results
 from harness.results.load import read_results
 from harness.results.standing import standing_of
+from harness.text import visible
 from harness.tracker import Tracker
 
 DEFAULT_FOLDER = Path("results") / "runs"
 
 
 def _warn(line: str) -> None:
-    warnings.warn(line, RuntimeWarning, stacklevel=2)
+    warnings.warn(visible(line), RuntimeWarning, stacklevel=2)
 
 
 def run(**given: Unpack[RunArguments]) -> Results:

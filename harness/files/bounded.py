@@ -6,12 +6,14 @@ import json
 import math
 import os
 import stat
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, BinaryIO
 
 from harness.errors import HarnessError, SchemaError, one_line
+from harness.files.file_kind import HEAD, FileKind, kind_of
 
 TEXT_BYTES = 16 * 2**20
 """Most that is read of a file that people or programs write as text, unless a reader says otherwise."""
@@ -43,6 +45,16 @@ def require_regular(path: Path, most: int) -> None:
     """See whether a library may open a file by its name; see `open_regular`."""
     with open_regular(path, most):
         pass
+
+
+def kind_at(path: Path) -> FileKind | None:
+    """What a file is by its first bytes; None for text, for what is not known, and where it cannot be read."""
+    try:
+        with open_regular(path, sys.maxsize) as file:
+            head = file.read(HEAD)
+    except OSError:
+        return None
+    return kind_of(head, path)
 
 
 def read_bytes(path: Path, most: int = TEXT_BYTES) -> bytes:
@@ -94,7 +106,7 @@ def _refuse(constant: str) -> Any:
 
 @contextmanager
 def reading(path: Path, noun: str, kind: type[HarnessError] = SchemaError) -> Iterator[None]:
-    """Whatever a reader lets through becomes one line that names the file.
+    """Whatever a reader lets through becomes one line that names the file, and what it is if that is something else.
 
     Args:
         path: What is read.
@@ -109,7 +121,10 @@ def reading(path: Path, noun: str, kind: type[HarnessError] = SchemaError) -> It
     except HarnessError:
         raise
     except Exception as error:  # readers of other people's bytes raise anything
-        raise kind(f"{path} is no readable {noun}: {one_line(error)}") from error
+        found = kind_at(path)
+        is_other = found is not None and not path.name.lower().endswith(found.endings)
+        reason = f"it is {found.sentence}" if found is not None and is_other else one_line(error)
+        raise kind(f"{path} is no readable {noun}: {reason}") from error
 
 
 def digest_of(path: Path) -> str:

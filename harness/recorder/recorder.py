@@ -18,6 +18,7 @@ from harness.recorder.asked import Asked
 from harness.recorder.calls import Calls
 from harness.recorder.column import OWN, Column, columns_of, source_of
 from harness.recorder.env_facts import env_facts, versions_of
+from harness.text import visible
 
 ROWS_AT_ONCE = 256
 """Single rows become numbers of an array together, which takes half of the time."""
@@ -191,7 +192,7 @@ class Recorder:
         if self._on_error == "raise":
             kind = StorageError if isinstance(error, OSError) else UsageError
             raise kind(problem) from error
-        warnings.warn(f"{problem}. {rest}", GivenUp, stacklevel=_depth_of_caller())
+        warnings.warn(visible(f"{problem}. {rest}"), GivenUp, stacklevel=_depth_of_caller())
 
 
 def _depth_of_caller() -> int:

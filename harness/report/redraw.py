@@ -14,6 +14,7 @@ from harness.report.summary.drawing import DRAWN, FIGURES, FORMAT, draw_figures
 from harness.report.summary.files import put_files
 from harness.report.summary.runs import RUNS, read_runs
 from harness.report.summary.summary import RECORD, SUMMARY
+from harness.text import one_line_of, print_visible
 
 PICTURE = re.compile(r"^!\[[^]]*\]\((figures/[^)]+\.svg)\)$", re.MULTILINE)
 
@@ -47,5 +48,5 @@ if __name__ == "__main__":
         for name in sys.argv[1:]:
             redraw(Path(name))
     except UsageError as error:
-        sys.stderr.write(f"{error}\n")
+        print_visible(one_line_of(str(error)), err=True)
         sys.exit(2)

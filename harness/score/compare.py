@@ -2,12 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import zip_longest
-from typing import Any, NamedTuple
+from functools import partial
+from typing import Any
 
-import numpy as np
-
-from harness.arrays import Float
 from harness.errors import UsageError
 from harness.eta.curve import GroupCurve, Kind
 from harness.eta.decompose import decompose
@@ -19,12 +16,9 @@ from harness.eta.swaps import corrected_p
 from harness.registry.choice import choose
 from harness.registry.registry import Registry
 from harness.reward import Reward
-from harness.score.recording import ROWS, Chunk, Recording
-from harness.score.rescore import RecordingScorer
+from harness.score.compared_rows import copy_notes, notes_of, stream_groups
+from harness.score.recording import Recording
 from harness.score.reward_guess import Guess, guess_reward, misfit
-
-HELD = 1_000_000
-"""The most rows that are in memory at once, of all runs of a group together."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,8 +30,9 @@ class ComparedRuns:
         curves: S_r(tau_q) by (r, q).
         rewards: What paid each group, ``baseline`` and ``proposed``; None where no registered reward did.
         runs: How many runs each group has.
-        rows_left_out: Rows behind the group's shortest run, in which no mean over all runs can be taken.
+        rows_left_out: The group's rows behind the shortest run of both groups: no two curves have them both.
         with_events: Whether the event terms are in the curves.
+        notes: What a reader has to know of the files: budgets that were cut, copies that count once.
     """
 
     decomposition: Decomposition
@@ -46,6 +41,7 @@ class ComparedRuns:
     runs: dict[str, int]
     rows_left_out: dict[str, int]
     with_events: bool
+    notes: tuple[str, ...] = ()
 
     @property
     def kind(self) -> Kind:
@@ -69,17 +65,8 @@ class ComparedRuns:
             "curve": self.kind,
             "with_events": self.with_events,
             "number": self.number,
+            "notes": list(self.notes),
         }
-
-
-class _Streamed(NamedTuple):
-    """A group's curves, after all its rows were read."""
-
-    own: GroupCurve
-    """The curve of what was recorded."""
-    other: GroupCurve | None
-    """The curve of what the other group's reward would have paid; None if it was not asked for, or is not finite."""
-    rows_left_out: int
 
 
 def compare_recordings(
@@ -108,14 +95,20 @@ def compare_recordings(
     """
     _require_events([*baseline, *proposed] if with_events else [])
     groups = [_in_order_of_seeds(baseline), _in_order_of_seeds(proposed)]
+    _require_apart(*groups)
     given = (baseline_reward, proposed_reward)
     guesses = [_reward_of(group, name, registry) for group, name in zip(groups, given, strict=True)]
     missing = _why_not_split([*baseline, *proposed], guesses)
     others = [None, None] if missing is not None else [_build(guess, registry) for guess in reversed(guesses)]
-    streamed = [_stream(group, other, kind, with_events) for group, other in zip(groups, others, strict=True)]
-    curves: dict[Pair, GroupCurve] = {BB: streamed[0].own, KK: streamed[1].own}
-    if streamed[0].other is not None and streamed[1].other is not None:
-        curves |= {KB: streamed[0].other, BK: streamed[1].other}
+    stream = partial(stream_groups, others=others, kind=kind, with_events=with_events)
+    sides = stream(groups)
+    copies = [side.copies for side in sides]
+    if any(copies):
+        groups = [[run for run in group if run not in of] for group, of in zip(groups, copies, strict=True)]
+        sides = stream(groups)
+    curves: dict[Pair, GroupCurve] = {BB: sides[0].own, KK: sides[1].own}
+    if sides[0].other is not None and sides[1].other is not None:
+        curves |= {KB: sides[0].other, BK: sides[1].other}
     elif missing is None:
         missing = "one group's reward is not finite on the other group's runs"
     names = ("baseline", "proposed")
@@ -124,8 +117,9 @@ def compare_recordings(
         curves,
         {name: guess.choice for name, guess in zip(names, guesses, strict=True)},
         {name: len(group) for name, group in zip(names, groups, strict=True)},
-        {name: group.rows_left_out for name, group in zip(names, streamed, strict=True)},
+        {name: side.left_out for name, side in zip(names, sides, strict=True)},
         with_events,
+        (*copy_notes(copies), *notes_of(sides)),
     )
 
 
@@ -178,6 +172,14 @@ def _require_events(recordings: Sequence[Recording]) -> None:
             raise UsageError(f"{recording.path} has no event terms: leave out --with-events")
 
 
+def _require_apart(baseline: Sequence[Recording], proposed: Sequence[Recording]) -> None:
+    """Check that no file is in both groups, unless both are the same group."""
+    ours, theirs = ({recording.path.resolve(): recording.path for recording in group} for group in (baseline, proposed))
+    both = [path for place, path in ours.items() if place in theirs]
+    if both and ours.keys() != theirs.keys():
+        raise UsageError(f"'{both[0]}' is in both groups: let --baseline and --proposed name different files")
+
+
 def _in_order_of_seeds(group: Sequence[Recording]) -> list[Recording]:
     """The recordings by seed if all seeds are known, else as given."""
     seeds = {recording.path: recording.seed for recording in group}
@@ -191,40 +193,3 @@ def _are_paired(baseline: Sequence[Recording], proposed: Sequence[Recording]) ->
         return True
     seeds_b, seeds_k = ([recording.seed for recording in group] for group in (baseline, proposed))
     return seeds_b == seeds_k and None not in seeds_b and len(set(seeds_b)) == len(seeds_b)
-
-
-# All rows
-
-
-def _stream(group: Sequence[Recording], other: Reward | None, kind: Kind, with_events: bool) -> _Streamed:
-    """Read all rows of a group, the same steps of every run at once, up to the end of the shortest run.
-
-    The rest is read, too: a fault in it is a fault of the file.
-    """
-    rows = max(1, min(ROWS, HELD // len(group)))
-    own, scored = GroupCurve(len(group), kind), GroupCurve(len(group), kind)
-    scorers = [RecordingScorer(other) for _ in group] if other is not None else []
-    finite, left_out = True, 0
-    for chunks in zip_longest(*(recording.chunks(rows) for recording in group)):
-        there = [chunk for chunk in chunks if chunk is not None]
-        steps = min(len(chunk.reward) for chunk in there) if len(there) == len(group) else 0
-        left_out += sum(len(chunk.reward) - steps for chunk in there)
-        if not steps:
-            continue
-        own.add(np.stack([_paid(chunk, chunk.reward, with_events)[:steps] for chunk in there]))
-        if scorers and finite:
-            values = _score(scorers, there, with_events, steps)
-            finite = bool(np.isfinite(values).all())
-            scored.add(values)
-    return _Streamed(own, scored if scorers and finite else None, left_out)
-
-
-def _score(scorers: Sequence[RecordingScorer], chunks: Sequence[Chunk], with_events: bool, steps: int) -> Float:
-    """What another reward would have paid in the first `steps` rows of each chunk, (runs, steps)."""
-    with np.errstate(all="ignore"):  # a reward may divide by anything where it then takes another value
-        scored = [scorer.score(chunk) for scorer, chunk in zip(scorers, chunks, strict=True)]
-    return np.stack([_paid(chunk, value, with_events)[:steps] for chunk, value in zip(chunks, scored, strict=True)])
-
-
-def _paid(chunk: Chunk, shaped: Float, with_events: bool) -> Float:
-    return shaped + chunk.event if with_events and chunk.event is not None else shaped

@@ -12,6 +12,7 @@ import pyarrow.csv
 
 from harness.errors import UsageError
 from harness.score.recording import COLUMNS, LARGEST, Recording, choose_columns
+from harness.score.row_meaning import MONITOR, RowWatch, Watched, watched_columns, why_no_steps
 from harness.text import shortened
 
 SPELLINGS = {
@@ -35,17 +36,21 @@ _SEPARATED = re.compile(r"\d[,' ]\d")
 
 
 class _Header(NamedTuple):
-    """The first line of a CSV file: all names as they are, and the places of the columns that are read."""
+    """The first line of a CSV file."""
 
     names: list[str]
+    """All names, as they are."""
     positions: dict[str, int]
+    """The places of the columns that are read."""
+    watched: list[Watched]
+    """The columns that say whether rows are steps."""
 
 
 def open_csv(path: Path) -> Recording:
     """A recorded run in a CSV file; its rows are read later.
 
     Raises:
-        UsageError: It cannot be read, has too many columns or no reward column.
+        UsageError: It cannot be read, has too many columns or no reward column, or its rows are known to be no steps.
     """
     header = _read_header(path)
     columns = tuple(header.positions)
@@ -63,6 +68,11 @@ def _read_header(path: Path) -> _Header:
     if len(names) > MOST_COLUMNS:
         raise UsageError(f"{path}, line 1: {len(names):,} columns, {MOST_COLUMNS:,} are allowed")
     spelled = [name.strip().lower() for name in names]
+    foreign = MONITOR if names and names[0].startswith("#{") else None
+    if foreign is None and "reward" not in spelled:
+        foreign = why_no_steps(spelled)
+    if foreign is not None:
+        raise UsageError(f"{path} is {foreign}")
     found = {name: next((text for text in SPELLINGS[name] if text in spelled), None) for name in COLUMNS}
     chosen = choose_columns(name for name, text in found.items() if text is not None)
     if "reward" not in chosen:
@@ -70,7 +80,7 @@ def _read_header(path: Path) -> _Header:
     for name in chosen:
         if spelled.count(str(found[name])) > 1:
             raise UsageError(f"{path}, line 1: two columns are called '{found[name]}'")
-    return _Header(names, {name: spelled.index(str(found[name])) for name in chosen})
+    return _Header(names, {name: spelled.index(str(found[name])) for name in chosen}, watched_columns(spelled))
 
 
 def _lines(file: TextIO) -> Iterator[str]:
@@ -96,16 +106,29 @@ def _no_reward(names: list[str]) -> str:
 
 
 def _csv_batches(path: Path, header: _Header) -> Iterator[pa.RecordBatch]:
-    """The wanted columns, empty cells as nulls."""
+    """The wanted columns, empty cells as nulls.
+
+    Raises:
+        UsageError: A row cannot be read, or rows are no steps.
+    """
     keys = {str(position): name for name, position in header.positions.items()}
+    looked = {it.role: str(it.position) for it in header.watched}
+    texts = dict.fromkeys([place for place in looked.values() if place not in keys], pa.string())
+    watch = RowWatch(header.watched, 2)
     read = pa.csv.ReadOptions(column_names=[str(position) for position in range(len(header.names))], skip_rows=1)
     convert = pa.csv.ConvertOptions(
-        column_types=dict.fromkeys(keys, pa.float64()), include_columns=list(keys), null_values=["", " "]
+        column_types={**dict.fromkeys(keys, pa.float64()), **texts},
+        include_columns=[*keys, *texts],
+        null_values=["", " "],
     )
     try:
         with pa.csv.open_csv(path, read_options=read, convert_options=convert) as file:
             for batch in file:
-                yield batch.rename_columns(list(keys.values()))
+                watch.look({role: batch.column(place) for role, place in looked.items()})
+                yield batch.select(list(keys)).rename_columns(list(keys.values()))
+            watch.require_steps()
+    except UsageError as error:
+        raise UsageError(f"{path}: {error}") from error
     except (pa.ArrowException, OSError) as error:
         raise _report_csv(path, header, str(error)) from error
 
@@ -137,6 +160,8 @@ def _find_fault(cells: list[str], header: _Header) -> str | None:
     texts = {name: cells[position].strip() for name, position in header.positions.items()}
     for name, text in texts.items():
         problem = _problem_of(text, name in _needed_cells(texts))
+        if problem is not None and text and text == header.names[header.positions[name]].strip():
+            problem = "the header stands here once more: two files joined into one? Give each run a file"
         if problem is not None:
             return f"column '{header.names[header.positions[name]].strip()}': {problem}"
     return None

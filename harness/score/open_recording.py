@@ -7,6 +7,7 @@ from pathlib import Path
 
 from harness.errors import UsageError
 from harness.files.bounded import open_regular, reading
+from harness.files.file_kind import HEAD, kind_of
 from harness.score.csv_recording import open_csv
 from harness.score.recording import Recording
 from harness.score.trace_recording import open_trace
@@ -31,18 +32,23 @@ def open_recording(path: Path) -> Recording:
     """A recorded run; its columns are looked at, its rows are read later.
 
     Raises:
-        UsageError: The file cannot be read, is empty or has no reward column.
+        UsageError: The file cannot be read, is empty, something else by its first bytes, or has no reward column.
         SchemaError: It is a Parquet file, and no trace that this version reads.
     """
     with reading(path, "recording", UsageError):
         try:
             with open_regular(path, MOST_BYTES) as file:
-                magic = file.read(len(_PARQUET))
+                head = file.read(HEAD)
         except OSError as error:
             raise UsageError(f"{path} cannot be read: {error.strerror}") from error
-        if not magic:
+        if not head:
             raise UsageError(f"{path} is empty")
-        return open_trace(path) if magic == _PARQUET else open_csv(path)
+        if head.startswith(_PARQUET):
+            return open_trace(path)
+        kind = kind_of(head, path)
+        if kind is not None:
+            raise UsageError(f"{path} is {kind.sentence}")
+        return open_csv(path)
 
 
 def _match_files(pattern: str) -> list[Path]:

@@ -1,6 +1,6 @@
 """A trace of this project as a recording."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -15,6 +15,10 @@ from harness.record.manifest import read_manifest
 from harness.record.trace import FORMAT, FORMAT_KEY
 from harness.score.recording import MOST_ROWS, ROWS, Recording, choose_columns
 from harness.score.scorer import TOUCHED
+from harness.text import shortened
+
+SHOWN = 60
+"""The most characters of a name in a message."""
 
 
 def open_trace(path: Path) -> Recording:
@@ -27,6 +31,8 @@ def open_trace(path: Path) -> Recording:
         with pq.ParquetFile(path) as file:
             schema, rows = file.schema_arrow, file.metadata.num_rows
         version = int((schema.metadata or {}).get(FORMAT_KEY, b"0"))
+    if FORMAT_KEY not in (schema.metadata or {}):
+        raise SchemaError(f"{path} is a Parquet file, and no trace: {_what_it_has(schema.names)}")
     if rows > MOST_ROWS:
         raise SchemaError(f"{path} has {rows:,} rows, {MOST_ROWS:,} are allowed")
     if not 0 < version <= FORMAT:
@@ -38,6 +44,14 @@ def open_trace(path: Path) -> Recording:
     declared, seed = (cell.reward.label, cell.seed) if cell else (None, None)
     report = partial(_report_trace, path)
     return Recording(path, columns, declared, seed, partial(_trace_batches, path, columns), report, 1)
+
+
+def _what_it_has(names: Sequence[str]) -> str:
+    """What a Parquet file of others is, and what to do with it."""
+    if {"episode_index", "frame_index"} <= set(names):
+        return "it is a part of a LeRobot data set: harness audit lerobot:FOLDER"
+    told = ", ".join(shortened(name, SHOWN) for name in names[:12]) + (", ..." if len(names) > 12 else "")
+    return f"export its rewards as CSV with a column 'reward'; there is: {told}"
 
 
 def _read_cell(manifest: Path) -> Cell | None:

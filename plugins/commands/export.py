@@ -10,6 +10,7 @@ from typing import Annotated, Any, NamedTuple
 import typer
 
 from harness.cli.flags.shared import PluginFiles
+from harness.cli.output import say
 from harness.errors import UsageError
 from harness.files.whole_file import write_whole
 from harness.policy import CARD, Network, load_policy
@@ -107,7 +108,7 @@ def _write_models(folder: Path, files: dict[Path, Form]) -> None:
     models = {file: _model(form, policy, card) for file, form in files.items()}  # all of them before one is written
     for file, model in models.items():
         write_whole(file, model)
-        typer.echo(f"Model: {file} ({policy.kind})", err=True)
+        say(f"Model: {file} ({policy.kind})", err=True)
 
 
 def _write_runs(folder: Path, out: Path) -> int:
@@ -126,7 +127,7 @@ def _write_runs(folder: Path, out: Path) -> int:
     _tell(_written(out, partial(write_runs, results)))
     if results.damaged:
         verify = command_text("harness", "verify", folder)
-        typer.echo(f"Left out, damaged: {len(results.damaged)} cells; {verify} names them", err=True)
+        say(f"Left out, damaged: {len(results.damaged)} cells; {verify} names them", err=True)
     return 1 if results.damaged else 0
 
 
@@ -166,14 +167,12 @@ def _write_datasets(folder: Path, places: list[tuple[Path, DatasetForm]], plugin
                     publish(partial, whole)
                 finally:
                     shutil.rmtree(partial, ignore_errors=True)  # gone if it took its place
-            typer.echo(f"{place / source.name}-v0: {count:,} episodes", err=True)
+            say(f"{place / source.name}-v0: {count:,} episodes", err=True)
             left_out |= dict.fromkeys(source.left_out)
     for line in left_out:
-        typer.echo(line, err=True)
+        say(line, err=True)
     if damaged:
-        typer.echo(
-            f"Left out, damaged: {damaged} cells; {command_text('harness', 'verify', folder)} names them", err=True
-        )
+        say(f"Left out, damaged: {damaged} cells; {command_text('harness', 'verify', folder)} names them", err=True)
     return 1 if damaged or left_out else 0
 
 
@@ -196,7 +195,7 @@ def _written(out: Path, write: Callable[[Path], dict[Path, int]]) -> dict[Path, 
 
 def _tell(written: dict[Path, int]) -> None:
     for place, count in written.items():
-        typer.echo(f"{place}: {count} {'run' if count == 1 else 'runs'}", err=True)
+        say(f"{place}: {count} {'run' if count == 1 else 'runs'}", err=True)
 
 
 def _network_in(folder: Path) -> tuple[Network, dict[str, Any]]:

@@ -1,7 +1,6 @@
 """The nodes of a cluster: which of them have what the cells need."""
 
 import math
-import sys
 import tempfile
 import time
 from collections.abc import Sequence
@@ -17,7 +16,7 @@ from harness.experiment.installation import describe_installation, differences
 from harness.record.cell import Cell
 from harness.registry.given import Given, given_to_json
 from harness.registry.registry import load_registry
-from harness.text import one_line_of
+from harness.text import one_line_of, print_visible
 
 from .node import Found, look_around
 
@@ -122,9 +121,10 @@ class Nodes:
             self._seen = now
         elif now - self._seen >= ALONE_AFTER:
             self._seen = math.inf
-            sys.stderr.write(
+            print_visible(
                 "harness: every node of the Ray cluster that can run these cells is lost. The run waits, and goes on "
-                "when a node joins. Ctrl-C ends it: finished cells are kept, and the same command does the others\n"
+                "when a node joins. Ctrl-C ends it: finished cells are kept, and the same command does the others",
+                err=True,
             )
 
     def _ask(self, told: dict[str, Any]) -> Node:
@@ -148,7 +148,7 @@ class Nodes:
             node.sees_folder = found.sees_folder
             node.refusal = ", ".join(differences(self._here, found.installed))
         if node.refusal:
-            sys.stderr.write(f"harness: {one_line_of(f'node {node.name} gets no cells: {node.refusal}')}\n")
+            print_visible(f"harness: {one_line_of(f'node {node.name} gets no cells: {node.refusal}')}", err=True)
 
     def _complaints(self) -> list[str]:
         size = f"it has no room for {self.cpus:g} CPUs" + f" and {self.gpus:g} GPUs" * bool(self.gpus)

@@ -5,7 +5,8 @@ import pytest
 
 HEADER = "t,beginDistance,prevBest,distance,delta_distance,reward\n"
 BASE = ",1,1,1,0,0\n,1,1,2,,-1\n,1,1,0.5,,0.5\n,1,0.5,0.5,,0.5\n,1,0.5,0.25,,0.75\n"
-K2 = "0,1,1,1,0,0\n1,1,1,1.5,0.5,-0.5\n2,1,0.5,0.5,-0.5,0.75\n3,1,0.25,0.25,-0.25,1.125\n"
+K2 = "0,1,1,1,0,0\n1,1,1,1.5,0.5,-0.5\n"
+K2 += "2,1,0.5,0.5,-0.5,0.75\n3,1,0.25,0.25,-0.25,1.125\n4,1,0.125,0.125,-0.125,1.3125\n"
 
 
 @pytest.fixture
@@ -24,9 +25,9 @@ def test_json_is_all_that_goes_to_standard_output(harness, recorded):
     data = json.loads(answer.out)
     assert (answer.status, answer.err) == (0, "")
     assert data["baseline"] == {"first_negative": 1, "crossover": 3, "steps": 5, "I_N": -1.5, "I_P": 0.8, "total": -0.8}
-    assert data["proposed"] == {"first_negative": 1, "crossover": 2, "steps": 4, "I_N": -0.5, "I_P": 1.6, "total": 1.1}
+    assert data["proposed"] == {"first_negative": 1, "crossover": 2, "steps": 5, "I_N": -0.5, "I_P": 4.3, "total": 3.8}
     assert data["eta_N"]["eta"]["value"] == pytest.approx(0.5 / 1.5)
-    assert data["eta_P"]["eta"]["value"] == pytest.approx((0.25 + 1.375) / 0.75)
+    assert data["eta_P"]["eta"]["value"] == pytest.approx((0.25 + 1.375 + 2.6875) / 0.75)
     on_proposed, on_baseline = data["eta_N"]["paths"]
     assert on_proposed["behaviour"]["value"] == pytest.approx(0.5 / 1.5)
     assert on_proposed["ruler"]["value"] == pytest.approx(1.0)
@@ -52,9 +53,10 @@ def test_the_per_step_curve_is_told_as_such(harness, recorded):
     assert "per-step reward" in harness("eta", *recorded, "--curve", "per-step").out
 
 
-def test_a_flag_may_be_repeated(harness, recorded):
+def test_a_flag_may_be_repeated(harness, recorded, tmp_path: Path):
     """Several patterns make one group; a file that two of them match is one run."""
-    answer = harness("eta", *recorded, "--baseline", "base/0*", "--baseline", "k2/0.csv", "--json")
+    (tmp_path / "more.csv").write_text(HEADER + BASE)
+    answer = harness("eta", *recorded, "--baseline", "base/0*", "--baseline", "more.csv", "--json")
     assert json.loads(answer.out)["runs"] == {"baseline": 3, "proposed": 2}
 
 
@@ -65,6 +67,59 @@ def test_rows_behind_the_shortest_run_are_told(harness, recorded, tmp_path: Path
     out = harness("eta", *recorded).out
     assert "baseline 2 runs (1 row " in out
     assert "proposed 2 runs\n" in out
+    assert "* All runs are cut to the 5 steps of the shortest, 'base/0.csv'; the longest has 6\n" in out
+
+
+def test_unequal_budgets_are_no_difference(harness, tmp_path: Path):
+    """Twice as many steps of the same rewards: both are cut to the common ones, eta_N is 1, and it is told."""
+    for name, pairs in (("short", 500), ("long", 1000)):
+        (tmp_path / name).mkdir()
+        for number in range(3):
+            (tmp_path / name / f"{number}.csv").write_text("reward\n" + "0.5\n-1\n" * pairs)
+    data = json.loads(harness("eta", "--baseline", "short/*.csv", "--proposed", "long/*.csv", "--json").out)
+    assert data["eta_N"]["eta"]["value"] == 1.0
+    assert data["baseline"] == data["proposed"]
+    assert data["rows_left_out"] == {"baseline": 0, "proposed": 3000}
+    assert (
+        data["notes"][0] == "All runs are cut to the 1,000 steps of the shortest, 'short/0.csv'; the longest has 2,000"
+    )
+
+
+@pytest.mark.parametrize(
+    ("files", "folder", "command"),
+    [
+        (
+            ["it/base/0.csv", "it/k2/0.csv"],
+            "it",
+            "harness eta --baseline 'it/base/*.csv' --proposed 'it/k2/*.csv'",
+        ),
+        (["it/k2/0.csv", "it/my-base/0.csv"], "it", "--baseline 'it/my-base/*.csv' --proposed 'it/k2/*.csv'"),
+        (["it/arp_seed0.csv", "it/base_1.csv"], "it", "--baseline 'it/base*.csv' --proposed 'it/arp*.csv'"),
+        (["it/0.csv", "it/1.csv"], "it", "--baseline 'it/*.csv' --proposed 'OTHER/*.csv'"),
+        (["it/0.csv"], "it/0.csv", "'it/0.csv' is a file: harness eta --baseline it/0.csv --proposed"),
+        ([], "minari:a/b-v0", "is a data set, which holds no trainings to compare: harness audit minari:a/b-v0"),
+    ],
+)
+def test_what_is_no_folder_of_trainings_is_told_the_command(harness, tmp_path: Path, files, folder, command):
+    """CSV files, a single one, a data set: one line, with the names filled in."""
+    for name in files:
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text("reward\n1\n2\n")
+    answer = harness("eta", folder)
+    assert (answer.status, answer.out, answer.err.count("\n")) == (2, "", 1)
+    assert command in answer.err
+
+
+def test_help_promises_no_data_set(harness):
+    """Its trainings are compared; data sets are for the audit."""
+    assert "minari" not in harness("eta", "--help").out
+
+
+def test_a_file_in_both_groups_is_refused(harness, recorded):
+    """Two patterns that overlap: the run would be compared with itself."""
+    answer = harness("eta", *recorded, "--baseline", "k2/0.csv")
+    assert (answer.status, answer.out) == (2, "")
+    assert "'k2/0.csv' is in both groups" in answer.err
 
 
 def test_plot_writes_a_page(harness, recorded, tmp_path: Path):

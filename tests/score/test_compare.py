@@ -15,7 +15,7 @@ import pytest
 from rich.console import Console
 from scipy import stats
 
-import harness.score.compare
+import harness.score.compared_rows
 from harness.errors import UsageError
 from harness.hookspecs import PROJECT
 from harness.record.manifest import Manifest
@@ -167,7 +167,7 @@ def test_every_figure_equals_plain_python(groups: Path, kind: str):
     """Indices, etas, rulers, behaviours and their intervals, from files of both programs and of different length."""
     data = compare(groups / "base", groups / "k2", kind=kind).to_json()
     accumulated = kind == "accumulated"
-    base, k2 = ([read_run(path) for path in sorted((groups / name).glob("*.csv"))] for name in ("base", "k2"))
+    base, k2 = ([read_run(path)[:60] for path in sorted((groups / name).glob("*.csv"))] for name in ("base", "k2"))
     paid = {
         "BB": [[row[0] for row in run] for run in base],
         "KK": [[row[0] for row in run] for run in k2],
@@ -206,7 +206,7 @@ def test_every_figure_equals_plain_python(groups: Path, kind: str):
             assert [shown["low"], shown["high"]] == pytest.approx([low, high], rel=1e-6)
     assert data["rewards"] == {"baseline": BASELINE, "proposed": K2}
     assert data["runs"] == {"baseline": 5, "proposed": 4}
-    assert data["rows_left_out"] == {"baseline": 5 + 10 + 15 + 20, "proposed": 30 + 20 + 10}
+    assert data["rows_left_out"] == {"baseline": 10 + 15 + 20 + 25 + 30, "proposed": 30 + 20 + 10}
     assert (data["curve"], data["with_events"]) == (kind, False)
     assert data["number"].startswith(f"I_N with {K2} is ")
     json.dumps(data, allow_nan=False)
@@ -244,7 +244,7 @@ def test_a_group_against_itself_is_one(groups: Path):
 def test_pieces_of_any_size_give_the_same(groups: Path, monkeypatch: pytest.MonkeyPatch, held: int):
     """How many rows are held at once changes nothing but the last digit."""
     whole = compare(groups / "base", groups / "k2").to_json()
-    monkeypatch.setattr(harness.score.compare, "HELD", held)
+    monkeypatch.setattr(harness.score.compared_rows, "HELD", held)
     pieces = compare(groups / "base", groups / "k2").to_json()
     assert pieces["baseline"] == whole["baseline"]
     assert pieces["rows_left_out"] == whole["rows_left_out"]
@@ -312,12 +312,67 @@ def test_one_run_has_etas_and_no_interval(tmp_path: Path):
     assert "one seed: no interval below 3 seeds" in data["eta_N"]["eta"]["note"]
 
 
-def test_runs_are_cut_to_the_shortest_of_their_group(tmp_path: Path):
-    """The mean is over all runs at every step; how many rows were left out is said."""
-    data = compare(write_rewards(tmp_path / "b", [-1, -1, 7, 7], [-3, 1]), write_rewards(tmp_path / "k", [1])).to_json()
-    assert data["baseline"]["steps"] == 2
+def test_runs_are_cut_to_the_shortest_of_both_groups(tmp_path: Path):
+    """The mean is over all runs at every step; how many rows were left out is said, and which run is the shortest."""
+    base = write_rewards(tmp_path / "b", [-1, -1, 7, 7], [-3, 1])
+    data = compare(base, write_rewards(tmp_path / "k", [1, 2, 3])).to_json()
+    assert data["baseline"]["steps"] == data["proposed"]["steps"] == 2
     assert data["baseline"]["I_N"] == -4.0
-    assert data["rows_left_out"] == {"baseline": 2, "proposed": 0}
+    assert data["rows_left_out"] == {"baseline": 2, "proposed": 1}
+    assert data["notes"] == [f"All runs are cut to the 2 steps of the shortest, '{base}/1.csv'; the longest has 4"]
+
+
+def test_a_run_that_broke_off_is_named(tmp_path: Path):
+    """One of three is cut after one step: the others lose nearly all, and the reader learns by which file."""
+    base = write_rewards(tmp_path / "b", range(10), [5, *range(1, 10)], [1])
+    (note,) = compare(base, write_rewards(tmp_path / "k", range(1, 11))).notes
+    assert note.endswith(f"of the shortest, '{base}/2.csv'; the longest has 10. Leave it out if it broke off")
+
+
+def varied(seed: int, rows: int = 40) -> list[float]:
+    """Rewards that no other training pays."""
+    return np.random.default_rng(seed).normal(-1.0, 1.0, rows).tolist()
+
+
+def test_a_copy_counts_once(tmp_path: Path):
+    """Each of three runs stored again under another name, longer or not: the same answer, and told."""
+    runs = [varied(seed) for seed in range(3)]
+    proposed = write_rewards(tmp_path / "k", *map(varied, range(10, 13)))
+    distinct = compare(write_rewards(tmp_path / "b", *runs), proposed).to_json()
+    copies = compare(write_rewards(tmp_path / "c", *runs, *[[*run, 7.0] for run in runs]), proposed).to_json()
+    assert copies["notes"][0] == f"'{tmp_path}/c/3.csv' is equal to '{tmp_path}/c/0.csv': the run counts once"
+    assert copies["runs"] == distinct["runs"] == {"baseline": 3, "proposed": 3}
+    assert copies["eta_N"]["eta"] == distinct["eta_N"]["eta"]
+    assert distinct["notes"] == []
+
+
+def test_equal_runs_of_few_rewards_may_be_chance(tmp_path: Path):
+    """-1 a step and 0 at an episode's start: three trainings that never succeed count as three, and are told."""
+    data = compare(write_rewards(tmp_path / "b", *[[0, -1, -1]] * 3), write_rewards(tmp_path / "k", [0, -2, -1]))
+    assert data.runs["baseline"] == 3
+    assert data.notes[0].endswith("record the same rewards; each counts")
+
+
+def test_equal_runs_in_both_groups_are_told(tmp_path: Path):
+    """A file that was copied into the other group under another name."""
+    b, k = write_rewards(tmp_path / "b", varied(0), varied(1)), write_rewards(tmp_path / "k", varied(1), varied(2))
+    assert compare(b, k).notes == (
+        f"'{b}/1.csv' and '{k}/0.csv' record the same rewards: between them there is nothing to compare",
+    )
+
+
+def test_other_units_are_told(tmp_path: Path):
+    """Millimetres beside metres: the reward is 1,000 times as large, and nothing else."""
+    for seed in range(3):
+        write_run(tmp_path / "m" / f"{seed}.csv", arp(1.0), seed, 60)
+        lines = (tmp_path / "m" / f"{seed}.csv").read_text().splitlines()
+        cells = [line.split(",") for line in lines[1:]]
+        rows = [",".join([first, *(str(1000.0 * float(cell)) for cell in rest)]) for first, *rest in cells]
+        (tmp_path / "mm").mkdir(exist_ok=True)
+        (tmp_path / "mm" / f"{seed}.csv").write_text("\n".join([lines[0], *rows]) + "\n")
+    notes = compare(tmp_path / "m", tmp_path / "mm").notes
+    assert "are both in metres?" in notes[-1]
+    assert compare(tmp_path / "m", tmp_path / "m").notes == ()
 
 
 def test_a_fault_behind_the_shortest_run_is_told(tmp_path: Path):
@@ -460,7 +515,7 @@ def register_rewards(register):
 """
     for name, rows in (
         ("b", ("0,1,1,1,0,0", "1,1,1,2,1,-1", "2,1,0,0,-1,1")),
-        ("k", ("0,1,1,1,0,0", "1,1,1,4,3,-1.75")),
+        ("k", ("0,1,1,1,0,0", "1,1,1,4,3,-1.75", "2,1,1,2,1,-1.5")),
     ):
         (tmp_path / name).mkdir()
         (tmp_path / name / "run.csv").write_text("\n".join([HEADER, *rows]) + "\n")
@@ -468,7 +523,7 @@ def register_rewards(register):
     groups = (match_recordings(f"{tmp_path}/{name}/*.csv") for name in "bk")
     data = compare_recordings(*groups, registry).to_json()
     assert data["rewards"] == {"baseline": BASELINE, "proposed": "inverse"}
-    assert data["eta_N"]["eta"]["value"] == 1.75
+    assert data["eta_N"]["eta"]["value"] == 5.0
     assert data["eta_N"]["ruler"]["value"] is None
     assert data["eta_N"]["ruler"]["note"] == "one group's reward is not finite on the other group's runs"
 

@@ -211,7 +211,7 @@ def test_a_parquet_file_that_is_no_trace_is_refused(tmp_path: Path):
     """Other Parquet files, damaged ones and those of a later version are told in one line."""
     path = tmp_path / "other.parquet"
     pq.write_table(pa.table({"reward": [1.0]}), path)
-    with pytest.raises(SchemaError, match=r"other\.parquet is a trace of format 0, this version reads 1 to 2"):
+    with pytest.raises(SchemaError, match=r"other\.parquet is a Parquet file, and no trace: .* there is: reward"):
         open_recording(path)
     path.write_bytes(path.read_bytes()[:20])
     with pytest.raises(SchemaError, match=r"other\.parquet is no readable trace"):
@@ -285,7 +285,7 @@ def test_a_file_in_another_encoding_is_refused(tmp_path: Path):
     """A spreadsheet's UTF-16 is told as such, not as a missing column."""
     path = tmp_path / "run.csv"
     path.write_text("reward\n1\n", encoding="utf-16")
-    with pytest.raises(UsageError, match="line 1: no CSV file in UTF-8, and no trace"):
+    with pytest.raises(UsageError, match="is text in UTF-16: save it as UTF-8"):
         open_recording(path)
 
 

@@ -7,6 +7,14 @@ import typer
 
 from harness.cli.flags.shared import REWARDS
 
+TrainingsFolder = Annotated[
+    Path | None,
+    typer.Argument(
+        help="A folder of trainings that harness.RecordRewards recorded, or of an experiment.",
+        metavar="FOLDER",
+        show_default=False,
+    ),
+]
 BaselineRuns = Annotated[
     list[str] | None,
     typer.Option(help="Runs of the baseline, such as 'base/*.csv'.", metavar="GLOB", show_default=False),

@@ -70,7 +70,7 @@ def _section(comparison: ComparedRuns) -> dict[str, Any]:
         **EMPTY,
         "title": runs_text(comparison),
         "card": card,
-        "summary": scales_text("robot"),
+        "summary": " ".join([scales_text("robot"), *(f"{note}." for note in comparison.notes)]),
         "has_number": True,
         "splits": [
             Panel(f"{name} = ruler x behaviour", draw_chart(chart, told), told)

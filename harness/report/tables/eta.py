@@ -15,7 +15,9 @@ def eta_table(comparison: ComparedRuns) -> RenderableType:
     splits = comparison.decomposition.splits
     parts: list[RenderableType] = [
         Text(comparison_title(comparison), style="bold"),
-        Text(f"{runs_text(comparison)}\n"),
+        Text(runs_text(comparison)),
+        *(Text(f"* {note}") for note in comparison.notes),
+        Text(""),
         Text(comparison.number, style="bold"),
     ]
     decomposition = comparison.decomposition

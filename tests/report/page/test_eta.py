@@ -27,7 +27,7 @@ def test_every_run_and_both_means_are_drawn(compare):
     ]  # fmt: skip
     assert [line.width > 1 for line in lines] == [line.in_legend for line in lines]
     assert lines[2].y == [0.0, -1.0, -0.5, 0.0, 0.75]
-    assert lines[5].y == [0.0, -0.5, 0.25, 1.375]
+    assert lines[5].y == [0.0, -0.5, 0.25, 1.375, 2.6875]
 
 
 def test_axis_says_which_curve(compare):

@@ -1,0 +1,204 @@
+"""What a row of somebody's table stands for: a step, as an index needs it, or an episode or a mean over many."""
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+
+from harness.arrays import Float
+from harness.errors import UsageError
+
+NEEDED = "an index needs the reward of each environment step"
+RECORD = "harness.RecordRewards records it"
+MONITOR = f"stable-baselines3's Monitor: a row is an episode, and {NEEDED}; {RECORD}"
+
+EPISODE = ("episode", "ep", "eps", "episode_id", "episode_index", "episode_number", "episode_num", "i_episode")
+LENGTH = (
+    "l", "length", "len", "episode_length", "ep_length", "ep_len", "eplen", "episode_len", "episode_steps", "ep_steps",
+    "num_steps", "n_steps", "steps", "timesteps",
+)  # fmt: skip
+COUNTER = (
+    "t", "step", "timestep", "time_step", "step_count", "env_step", "environment_step", "global_step", "total_steps",
+    "total_timesteps", "", "index", "unnamed: 0",
+)  # fmt: skip
+ACROSS_EPISODES = ("global_step", "total_steps", "total_timesteps")
+"""Counters that no new episode sets back."""
+CHARTED = re.compile(r" - |__(min|max)$")
+"""In names of columns that Weights & Biases exports, ``run - tag`` and ``run - tag__MIN``."""
+SB3_LOGGED = re.compile(r"rollout/ep_(rew|len)_mean|time/total_timesteps|eval/mean_reward")
+RETURNS = re.compile(
+    r"(charts|train|eval|rollout)/\w*(return|reward)|averageepret|(mean|average)_(episode_)?(reward|return)$"
+)
+"""How programs of others call a mean return."""
+INDEX = ("", "index", "unnamed: 0")
+"""Counters of rows, as pandas writes them: they say nothing of steps."""
+ENV = "env"
+"""Which of several envs a row is of."""
+
+
+class Watched(NamedTuple):
+    """A column that says what rows are."""
+
+    role: str
+    """``episode``, ``length``, ``counter`` or ``env``."""
+    name: str
+    position: int
+
+
+def why_no_steps(names: Sequence[str]) -> str | None:
+    """Whose table without a column 'reward' it is, and why its rows are no steps; None for any other.
+
+    Args:
+        names: As in the header, trimmed and in lower case.
+    """
+    told = (
+        (_has(names, "r", "l", "t"), MONITOR),
+        (_has(names, "wall time", "step", "value"), _chart("exported from TensorBoard")),
+        (any(map(CHARTED.search, names)), _chart("exported from Weights & Biases")),
+        (_has(names, "training_iteration"), _means("RLlib's progress.csv: a row is a training iteration")),
+        (any(map(SB3_LOGGED.fullmatch, names)), _means("stable-baselines3's progress.csv: a row is a report")),
+        (any(map(RETURNS.match, names)), _means("a log of returns: a row is an episode, or a report")),
+    )
+    return next((sentence for is_so, sentence in told if is_so), None)
+
+
+def _has(names: Sequence[str], *wanted: str) -> bool:
+    return set(wanted) <= set(names)
+
+
+def _means(what: str) -> str:
+    return f"{what}, with a mean over steps or episodes, and {NEEDED}; {RECORD}"
+
+
+def _chart(origin: str) -> str:
+    return f"a chart {origin}: its rows are points of a curve, and {NEEDED}; {RECORD}"
+
+
+def watched_columns(names: Sequence[str]) -> list[Watched]:
+    """The columns that say what rows are, the first of each role.
+
+    Args:
+        names: See `why_no_steps`.
+    """
+    roles = {"episode": EPISODE, "length": LENGTH, "counter": COUNTER, "env": (ENV,)}
+    found = []
+    for role, of in roles.items():
+        name = next((name for name in of if name in names), None)
+        if name is not None:
+            found.append(Watched(role, name, names.index(name)))
+    return found
+
+
+class RowWatch:
+    """Looks at all rows of a table, some at a time, and at last says whether they were steps."""
+
+    def __init__(self, columns: Sequence[Watched], first_line: int) -> None:
+        self._columns, self._line, self._rows = {it.role: it for it in columns}, first_line, 0
+        self._before: dict[str, float] = {}
+        self._count_of_env: dict[float, float] = {}
+        self._repeats = self._counts = False
+        self._longest, self._counts_up = 0.0, True
+
+    def look(self, texts: Mapping[str, pa.Array]) -> None:
+        """Look at the next rows.
+
+        Args:
+            texts: By role what stands in its column, as text or as numbers.
+
+        Raises:
+            UsageError: They are no single steps; names the line, and what to do.
+        """
+        values = {role: number for role, of in texts.items() if (number := self._numbers(role, of)) is not None}
+        if "episode" in values:
+            self._repeats |= bool((np.diff(values["episode"], prepend=self._last("episode")) == 0.0).any())
+        if "length" in values:
+            self._look_at_lengths(values["length"])
+        if "counter" in values:
+            self._look_at_counter(values["counter"], values.get("env"))
+        self._before |= {role: float(number[-1]) for role, number in values.items() if len(number)}
+        rows = len(next(iter(texts.values()), ()))
+        self._line += rows
+        self._rows += rows
+
+    def require_steps(self) -> None:
+        """Check that the rows were steps, after the last one.
+
+        Raises:
+            UsageError: Each was an episode.
+        """
+        length, episode = self._columns.get("length"), self._columns.get("episode")
+        if self._repeats or self._rows < 2:
+            return
+        if length is not None and self._longest > 1.0 and not self._counts_up:
+            raise UsageError(_episodes(f"column '{length.name}' has their lengths", length.name))
+        is_one_step = length is not None or self._counts or ENV in self._columns
+        if episode is not None and not is_one_step:
+            raise UsageError(_episodes(f"column '{episode.name}' has another number in each row", episode.name))
+
+    def _numbers(self, role: str, column: pa.Array) -> Float | None:
+        """Whole numbers, NaN where a cell is empty; None, for good, of a column that holds anything else."""
+        if role not in self._columns:
+            return None
+        try:
+            if pa.types.is_string(column.type):
+                column = pc.utf8_trim_whitespace(column)
+                column = pc.if_else(pc.equal(column, ""), None, column).cast(pa.float64())
+            values: Float = column.to_numpy(zero_copy_only=False).astype(np.float64)
+        except (pa.ArrowException, ValueError):
+            values = np.array([0.5])
+        if not (np.isnan(values) | (values == np.floor(values))).all() or (len(values) and np.isnan(values).all()):
+            del self._columns[role]
+            return None
+        return values
+
+    def _last(self, role: str) -> float:
+        return self._before.get(role, np.nan)
+
+    def _look_at_lengths(self, lengths: Float) -> None:
+        """Whether they count up to the length of an episode, from row to row, as a count of steps does."""
+        rise = np.diff(lengths, prepend=self._before.get("length", 0.0))
+        self._counts_up &= bool(((rise == 1.0) | (lengths <= 1.0)).all())
+        self._longest = max(self._longest, float(np.nanmax(lengths, initial=0.0)))
+
+    def _look_at_counter(self, counts: Float, env: Float | None) -> None:
+        name = self._columns["counter"].name
+        self._counts |= name not in INDEX
+        before = self._before_of(counts, env)
+        rise = counts - before
+        again = (counts <= 1.0) & (rise <= 0.0) & (name not in ACROSS_EPISODES)
+        odd = np.isfinite(rise) & (rise != 1.0) & ~again
+        if not odd.any():
+            return
+        row = int(np.argmax(odd))
+        shown = name or "without a name"
+        way = f"line {self._line + row}: column '{shown}' goes from {before[row]:,.0f} to {counts[row]:,.0f}"
+        if rise[row] > 1.0:
+            why = "rows are missing, or a row is more than a step"
+        elif rise[row] == 0.0:
+            why = f"a row stands twice, or several envs stand in one file; a column '{ENV}' says which"
+        else:
+            why = "rows stand in another order, or the file holds two runs"
+        raise UsageError(f"{way}: {why}, and {NEEDED}. If each row is a step, delete that column")
+
+    def _before_of(self, counts: Float, env: Float | None) -> Float:
+        """What the counter was in the row before, of the same env where there are several."""
+        if env is None:
+            return np.concatenate([[self._last("counter")], counts[:-1]])
+        order = np.argsort(env, kind="stable")
+        sorted_env, sorted_counts = env[order], counts[order]
+        before = np.concatenate([[np.nan], sorted_counts[:-1]])
+        first = np.concatenate([[True], sorted_env[1:] != sorted_env[:-1]])
+        before[first] = [self._count_of_env.get(it, np.nan) for it in sorted_env[first]]
+        last = np.concatenate([first[1:], [True]])
+        newest = zip(sorted_env[last].tolist(), sorted_counts[last].tolist(), strict=True)
+        self._count_of_env |= newest
+        found = np.empty_like(counts)
+        found[order] = before
+        return found
+
+
+def _episodes(how: str, column: str) -> str:
+    return f"its rows are episodes ({how}), and {NEEDED}; {RECORD}. If each row is a step, delete the column '{column}'"

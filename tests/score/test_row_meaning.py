@@ -1,0 +1,146 @@
+"""What rows of other people's tables are: steps are read, and everything else is refused in one line."""
+
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.errors import UsageError
+from harness.score.open_recording import open_recording
+
+
+def rewards_of(path: Path) -> list[float]:
+    """What is read of a file."""
+    return [value for chunk in open_recording(path).chunks(3) for value in chunk.reward.tolist()]
+
+
+def write(path: Path, header: str, rows: Iterable[object]) -> Path:
+    """A CSV file."""
+    path.write_text("\n".join([header, *map(str, rows)]) + "\n")
+    return path
+
+
+def episodes(header: str) -> list[str]:
+    """Rows of ten episodes: number, return, length, seconds, by the columns of a header."""
+    rng = np.random.default_rng(0)
+    cell = {
+        "episode": lambda number: number,
+        "reward": lambda number: rng.normal(-19.0),
+        "length": lambda number: 200,
+        "l": lambda number: 150 + number,
+        "t": lambda number: 0.5 * number,
+        "": lambda number: number,
+    }
+    return [",".join(str(cell[name](number)) for name in header.split(",")) for number in range(10)]
+
+
+@pytest.mark.parametrize(
+    ("header", "told"),
+    [
+        ("episode,reward,length", "its rows are episodes (column 'length' has their lengths)"),
+        ("episode,reward", "its rows are episodes (column 'episode' has another number in each row)"),
+        (",episode,reward", "its rows are episodes (column 'episode'"),
+        ("reward,l,t", "its rows are episodes (column 'l' has their lengths)"),
+        ("reward,length", "its rows are episodes (column 'length'"),
+    ],
+)
+def test_rows_that_are_episodes_are_refused(tmp_path: Path, header: str, told: str):
+    """The line says how it is known, what an index needs, and what to do if it is wrong."""
+    path = write(tmp_path / "it.csv", header, episodes(header))
+    with pytest.raises(UsageError) as raised:
+        rewards_of(path)
+    assert str(raised.value).startswith(f"{path}: {told}")
+    assert "an index needs the reward of each environment step" in str(raised.value)
+    assert "If each row is a step, delete the column" in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    ("lines", "told"),
+    [
+        (['#{"t_start": 1.0, "env_id": "Pendulum-v1"}', "r,l,t", "-19.8,200,0.0"], "stable-baselines3's Monitor"),
+        (["r,l,t", "-19.8,200,0.0"], "stable-baselines3's Monitor"),
+        (['"Step","a - charts/episodic_return","a - charts/episodic_return__MIN"'], "from Weights & Biases"),
+        (["Wall time,Step,Value", "1.0,0,2.0"], "exported from TensorBoard"),
+        (["env_runners/episode_return_mean,training_iteration"], "RLlib's progress.csv"),
+        (["episode_reward_mean,training_iteration,timesteps_total"], "RLlib's progress.csv"),
+        (["rollout/ep_len_mean,rollout/ep_rew_mean,time/total_timesteps"], "stable-baselines3's progress.csv"),
+        (["charts/episodic_return,global_step"], "a log of returns"),
+        (["mean_reward,step"], "a log of returns"),
+    ],
+)
+def test_logs_of_known_programs_are_called_by_name(tmp_path: Path, lines: list[str], told: str):
+    """Each of them has no reward of a step."""
+    with pytest.raises(UsageError, match="an index needs the reward of each environment step") as raised:
+        open_recording(write(tmp_path / "it.csv", lines[0], lines[1:]))
+    assert told in str(raised.value)
+
+
+STEPS = {
+    "an episode that lasts": ("episode,reward", ["0,1", "0,2", "1,3", "1,4"]),
+    "episodes of one step": ("episode,reward,length", ["0,1,1", "1,2,1", "2,3,1", "3,4,1"]),
+    "episodes of one step, counted": ("episode,step,reward", ["0,0,1", "1,0,2", "2,0,3", "3,0,4"]),
+    "a length beside each step": ("episode,reward,length", ["0,1,2", "0,2,2", "1,3,2", "1,4,2"]),
+    "a length so far": ("reward,episode_length", ["1,1", "2,2", "3,1", "4,2"]),
+    "a length in metres": ("reward,length", ["1,0.5", "2,0.5", "3,0.5", "4,0.5"]),
+    "a time in seconds": ("t,reward", ["0,1", "0.02,2", "0.04,3", "0.06,4"]),
+    "counted from 0 in each episode": ("t,reward", ["0,1", "1,2", "0,3", "1,4"]),
+    "counted on and on": ("global_step,reward", ["7,1", "8,2", "9,3", "10,4"]),
+    "pandas' index": (",reward", ["0,1", "1,2", "2,3", "3,4"]),
+    "two envs": ("env,episode,step,reward", ["0,0,0,1", "1,1,0,2", "0,0,1,3", "1,1,1,4"]),
+    "an episode called by letters": ("episode,reward", ["a,1", "b,2", "c,3", "d,4"]),
+    "a column that is empty": ("episode,t,reward", [",,1", ",,2", ",,3", ",,4"]),
+    "an episode that ended at once": ("t,reward", ["0,1", "0,2", "1,3", "2,4"]),
+}
+
+
+@pytest.mark.parametrize("name", STEPS)
+def test_rows_that_are_steps_are_read(tmp_path: Path, name: str):
+    """Whatever else stands beside the reward."""
+    header, rows = STEPS[name]
+    assert rewards_of(write(tmp_path / "it.csv", header, rows)) == [1.0, 2.0, 3.0, 4.0]
+
+
+@pytest.mark.parametrize(
+    ("header", "rows", "told"),
+    [
+        ("step,reward", ["0,1", "1000,2", "2000,3"], "line 3: column 'step' goes from 0 to 1,000: rows are missing"),
+        ("t,reward", ["0,1", "1,2", "3,3"], "line 4: column 't' goes from 1 to 3: rows are missing"),
+        ("t,reward", ["5,1", "6,2", "6,3"], "line 4: column 't' goes from 6 to 6: a row stands twice"),
+        ("t,reward", ["5,1", "4,2"], "line 3: column 't' goes from 5 to 4: rows stand in another order"),
+        (
+            "global_step,reward",
+            ["0,1", "1,2", "0,3"],
+            "goes from 1 to 0: rows stand in another order, or the file holds",
+        ),
+        (",reward", ["0,1", "10,2"], "column 'without a name' goes from 0 to 10: rows are missing"),
+        ("env,t,reward", ["0,0,1", "1,0,2", "0,1,3", "1,2,4"], "line 5: column 't' goes from 0 to 2"),
+    ],
+)
+def test_a_count_that_is_no_count_of_steps_is_refused(tmp_path: Path, header: str, rows: list[str], told: str):
+    """Rows that are missing, stand twice or in another order: line, column and both numbers."""
+    with pytest.raises(UsageError) as raised:
+        rewards_of(write(tmp_path / "it.csv", header, rows))
+    assert told in str(raised.value)
+    assert "delete that column" in str(raised.value)
+
+
+def test_counts_go_on_across_pieces(tmp_path: Path):
+    """A file of some megabytes comes in pieces; a row that is missing far behind is found, and no other."""
+    rows = [f"{number},{number % 7}" for number in range(300_000)]
+    assert len(rewards_of(write(tmp_path / "it.csv", "step,reward", rows))) == 300_000
+    del rows[250_000]
+    with pytest.raises(UsageError, match=r"line 250002: column 'step' goes from 249,999 to 250,001"):
+        rewards_of(write(tmp_path / "it.csv", "step,reward", rows))
+
+
+def test_envs_count_across_pieces(tmp_path: Path):
+    """Each for itself, also where a piece ends between them."""
+    rows = [f"{env},{step},{step % 7}" for step in range(100_000) for env in range(3)]
+    assert len(rewards_of(write(tmp_path / "it.csv", "env,step,reward", rows))) == 300_000
+
+
+def test_a_header_in_the_middle_is_told(tmp_path: Path):
+    """Two files that were joined into one."""
+    with pytest.raises(UsageError, match="line 4, column 'reward': the header stands here once more"):
+        rewards_of(write(tmp_path / "it.csv", "a,reward", ["1,2", "1,3", "a,reward", "1,4"]))
