@@ -217,7 +217,8 @@ def _describe_robot(robot: Robot) -> str:
     tip = f"end effector {robot.end_effector_link}, reach {robot.reach:.3f} m, files in {robot.folder}"
     origins = [(f"{quantity.replace('_', ' ')}:", origin) for quantity, origin in robot.origins.items()]
     told = f"robot {robot.name}: {robot.dof} joints, {tip}\n{_table([head, *rows])}\n\nFrom\n{_table(origins)}"
-    return f"{told}\n\n{_describe_drives(robot)}"
+    warnings = [f"Note: {line}" for line in robot.warnings]
+    return "\n\n".join([told, *warnings, _describe_drives(robot)])
 
 
 def _describe_drives(robot: Robot) -> str:

@@ -30,6 +30,8 @@ FD100_REACH = 1.5413267497929588
 """Reach of the FD100, [m]. The box of targets below was chosen for it."""
 FD100_CENTER = np.array([0.85, 0.0, 0.7])
 FD100_HALF_EXTENT = np.array([0.2, 0.3, 0.3])
+FD100_MOUNT = 0.43
+"""Height of the FD100's first joint over the world's origin, [m]: its box has that room for an arm's stand."""
 
 START_TRIES = 100
 """How often a start is drawn until it is clear of the fixed obstacles."""
@@ -39,7 +41,8 @@ START_TRIES = 100
 class ReachTask(Conditions):
     """Bring the end effector of an arm within epsilon of a target.
 
-    The defaults are those of the FD100 (`fd100-reach`). For another arm the box of targets is scaled by its reach.
+    The defaults are those of the FD100 (`fd100-reach`). For another arm the box of targets is scaled by its reach
+    and follows its mount, see `way_to_mount`.
     """
 
     epsilon: Annotated[Positive, Field(description="distance within which the target is reached, NOTE eq. 20 [m]")] = (
@@ -56,7 +59,8 @@ class ReachTask(Conditions):
     target_center: Annotated[
         Metres3 | None,
         Field(
-            description="centre of the targets' box, world frame [m]; None: in fd100-reach 0.85x0x0.7, scaled by reach"
+            description="centre of the targets' box, world frame [m]; None: in fd100-reach 0.85x0x0.7, scaled by "
+            "reach, moved with the mount"
         ),
     ] = None
     target_half_extent: Annotated[
@@ -98,7 +102,9 @@ class ReachTask(Conditions):
     def target_box(self, robot: Robot) -> tuple[Float, Float]:
         """Centre and half edges of the box of targets, (3,) both, [m]."""
         scale = robot.reach / FD100_REACH
-        center = scale * FD100_CENTER if self.target_center is None else np.array(self.target_center)
+        center = (
+            scale * FD100_CENTER + way_to_mount(robot) if self.target_center is None else np.array(self.target_center)
+        )
         half = scale * FD100_HALF_EXTENT if self.target_half_extent is None else np.array(self.target_half_extent)
         return center, half
 
@@ -180,6 +186,22 @@ class ReachTask(Conditions):
     def target_reward_in_words(self) -> str:
         """See `harness.task.Task`."""
         return f"{self.target_reward:+g}"
+
+
+def way_to_mount(robot: Robot) -> Float:
+    """By how much a box of targets, scaled by the arm's reach, moves along with the arm's mount, (3,), [m].
+
+    It is 0 for an arm whose first joint is no farther from the world's origin, up and aside, than the FD100's, scaled
+    likewise: how far along its axis a first joint stands is the choice of who wrote the URDF. For one that is farther
+    away, on a table or beside the origin, it is the rest of the way.
+    """
+    first = robot.chain.T_previous_joint[0, :3, 3]
+    aside, room = np.array([first[0], first[1], 0.0]), FD100_MOUNT * (robot.reach / FD100_REACH)
+    distance = float(np.linalg.norm(aside))
+    beyond = max(distance - room, 0.0) / distance if distance else 0.0
+    up = max(float(first[2]) - room, 0.0)
+    way: Float = beyond * aside + np.array([0.0, 0.0, up])
+    return way
 
 
 def _text(vector: Float) -> str:

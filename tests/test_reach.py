@@ -1,14 +1,16 @@
 """The reach task: where episodes start, what the targets are, which overrides are refused."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import harness
 from harness.errors import UsageError
-from harness.reach import ReachTask
+from harness.reach import FD100_MOUNT, ReachTask, way_to_mount
 from harness.robot.inverse_kinematics import reach_position
+from tests.robot.brought_arms import TABLE_MOUNT, changed, read_arm
 
 ROBOT = harness.load_robot("fd100")
 
@@ -46,6 +48,50 @@ def test_box_of_another_arm_is_scaled_by_its_reach():
         np.testing.assert_allclose(part, scale * of_fd100, rtol=1e-12)
     given = ReachTask(target_center=(0.5, 0.1, 0.6), target_half_extent=(0.1, 0.2, 0.0))
     np.testing.assert_array_equal(given.target_box(arm), [(0.5, 0.1, 0.6), (0.1, 0.2, 0.0)])
+
+
+def test_box_of_the_fd100_is_the_same_bit_for_bit():
+    """Whatever follows a mount, its own does not: neither that of the unity-arm."""
+    for name in ("fd100", "unity-arm"):
+        assert way_to_mount(harness.load_robot(name)).tolist() == [0.0, 0.0, 0.0]
+    np.testing.assert_array_equal(ReachTask().target_box(ROBOT), [(0.85, 0.0, 0.7), (0.2, 0.3, 0.3)])
+
+
+def test_box_follows_a_mount_on_a_table(tmp_path: Path):
+    """It stands as high over a table as another one over the ground, and the arm reaches as much of it."""
+    heights = {"table": 0.8, "stand": 0.2}
+    arms = [
+        read_arm(tmp_path / name, changed(('xyz="0 0 0.1" rpy', f'xyz="0 0 {height}" rpy')))
+        for name, height in heights.items()
+    ]
+    (center, half), (low, same_half) = map(ReachTask().target_box, arms)
+    np.testing.assert_array_equal(half, same_half)
+    room = FD100_MOUNT * arms[0].reach / ROBOT.reach
+    np.testing.assert_allclose(center - low, [0.0, 0.0, 0.8 - room], atol=1e-12)
+    assert center[2] - half[2] > 0.75
+    points = np.random.default_rng(0).uniform(-1.0, 1.0, (64, 3)) * half
+    reached = [
+        reach_position(arm, points + box + [0.0, 0.0, shift], np.tile(arm.home, (64, 1)))[1]
+        for arm, box, shift in zip(arms, (center, low), (0.0, 0.2 - room), strict=True)
+    ]
+    assert reached[0].sum() > 32
+    np.testing.assert_array_equal(*reached)
+
+
+def test_box_follows_a_mount_beside_the_origin(tmp_path: Path):
+    """Two metres aside the arm would reach no target; a little aside it reaches all, and the box stays."""
+    aside = read_arm(tmp_path / "a", changed(('xyz="0 0 0.1" rpy', 'xyz="-1.2 1.6 0.1" rpy')))
+    near = read_arm(tmp_path / "b", changed(('xyz="0 0 0.1" rpy', 'xyz="-0.06 0.08 0.1" rpy')))
+    room = FD100_MOUNT * aside.reach / ROBOT.reach
+    np.testing.assert_allclose(way_to_mount(aside), (2.0 - room) / 2.0 * np.array([-1.2, 1.6, 0.0]))
+    assert not way_to_mount(near).any()
+    ReachTask().check(aside)
+
+
+def test_a_given_box_follows_nothing(tmp_path: Path):
+    """Numbers are in the world's frame."""
+    table = read_arm(tmp_path, TABLE_MOUNT)
+    assert ReachTask(target_center=(0.4, 0.0, 0.9)).target_box(table)[0].tolist() == [0.4, 0.0, 0.9]
 
 
 def test_targets_are_in_the_world():

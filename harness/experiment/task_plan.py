@@ -186,7 +186,8 @@ def _with_arm(asked: Asked, given: Given, registry: Registry, load: Callable[[st
         load_metrics(registry, names)
 
     brought = ("evaluation_horizon",)
-    return TaskPlan(task, simulators, robot, baseline, rewards, fit, table_of, brought, require)
+    warnings = tuple(f"robot {arm.name}: {line}" for line in arm.warnings)
+    return TaskPlan(task, simulators, robot, baseline, rewards, fit, table_of, brought, require, warnings=warnings)
 
 
 def _fit(algorithm: Choice, task: Choice, robot: Robot, registry: Registry, steps: int) -> Fit:

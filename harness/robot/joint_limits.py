@@ -4,7 +4,7 @@ These numbers are those of `robot.toml`, or of the URDF by fixed rules where it 
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,12 +14,14 @@ from harness.arrays import Float
 from harness.errors import UsageError
 from harness.robot.kinematics import Chain, chain_length, read_only
 from harness.robot.resting_pose import choose_home
-from harness.robot.settings import FILE, JOINT_KEYS, Quantity, RobotSettings, motion_of, shown
+from harness.robot.settings import FILE, JOINT_KEYS, Motion, Quantity, RobotSettings, motion_of, shown, toml_key
 from harness.robot.shapes import Shape
 from harness.robot.urdf import Joint
 
 LARGEST_DEFAULT_SPEED = {"turning": math.radians(180.0), "sliding": 1.0}
 """[rad/s] and [m/s]. Where a URDF allows more and robot.toml says nothing, it seldom is the arm's: 10 rad/s for 2."""
+EXAMPLE_SPEED: Mapping[Motion, str] = {"turning": "90", "sliding": "0.2"}
+"""What a message shows as the value of a key."""
 SPEED_UP_RATE = 8.0
 """Largest acceleration by largest speed, [1/s], where robot.toml has none: full speed in an eighth of a second."""
 RULES = {
@@ -87,10 +89,9 @@ def describe_origin(settings: RobotSettings, quantity: Quantity, driven: Sequenc
 
 def _max_speed(settings: RobotSettings, urdf: Path, driven: Sequence[Joint]) -> Float:
     given = settings.values("max_speed", driven)
-    for joint, value in zip(driven, given, strict=True):
-        if value is None and joint.velocity is None:
-            key = JOINT_KEYS["max_speed"][motion_of(joint)]
-            raise UsageError(f"{urdf}: joint '{joint.name}' has no velocity limit. Give it one, or {key} in a {FILE}.")
+    lacking = [joint for joint, value in zip(driven, given, strict=True) if value is None and joint.velocity is None]
+    if lacking:
+        raise UsageError(f"{urdf}: {_speeds_wanted(settings, lacking)}")
     default = [min(joint.velocity or math.inf, LARGEST_DEFAULT_SPEED[motion_of(joint)]) for joint in driven]
     speed = _fill(given, np.array(default))
     _check_positive(settings, "max_speed", driven, speed)
@@ -101,6 +102,17 @@ def _max_speed(settings: RobotSettings, urdf: Path, driven: Sequence[Joint]) -> 
                 f"the URDF allows {shown(joint.velocity, joint)}."
             )
     return speed
+
+
+def _speeds_wanted(settings: RobotSettings, joints: Sequence[Joint]) -> str:
+    """What to write for joints that have no speed limit."""
+    names = ", ".join(f"'{joint.name}'" for joint in joints)
+    lines = []
+    for motion, key in JOINT_KEYS["max_speed"].items():
+        those = [f"{toml_key(joint.name)} = {EXAMPLE_SPEED[motion]}" for joint in joints if motion_of(joint) == motion]
+        lines += [f"{key} = {{ {', '.join(those)} }}"] * bool(those)
+    told = f"joint{'s' * (len(joints) > 1)} {names} {'has' if len(joints) == 1 else 'have'} no velocity limit above 0."
+    return f"{told} Write into {settings.path}, with the arm's own numbers: {' and '.join(lines)}"
 
 
 def _check_positive(settings: RobotSettings, quantity: Quantity, driven: Sequence[Joint], values: Float) -> None:

@@ -14,7 +14,7 @@ from harness.arrays import Float
 from harness.errors import UsageError
 from harness.robot.kinematics import build_chain, forward
 from harness.robot.meshes import locate_mesh
-from harness.robot.urdf import LARGEST, Joint, JointKind, Urdf, linked, read_axis, read_number, read_vector
+from harness.robot.urdf import LARGEST, Joint, JointKind, Urdf, linked, number_of, read_axis, read_vector
 
 NEXT_TO_NO_MASS = ElementTree.fromstring("""<inertial><mass value="1e-6"/>
 <inertia ixx="1e-9" iyy="1e-9" izz="1e-9" ixy="0" ixz="0" iyz="0"/></inertial>""")
@@ -25,6 +25,8 @@ SMALLEST_MOMENT = 1e-9
 """[kg m^2]."""
 ROUNDING = 1e-3
 """The rounding of the moments in a URDF, as a share of them."""
+UNUSED = ("limit", "dynamics", "safety_controller", "calibration")
+"""Parts of a joint with numbers that nothing uses, or that were read before: a word in place of one stops engines."""
 MOST_SHAPES = 1_000
 """Collisions and visuals of all links together: a hundred for each link of an arm."""
 MOST_MESH_BYTES = 512 * 2**20
@@ -35,7 +37,8 @@ def normal_urdf(urdf: Urdf, driven: Collection[str], folder: Path) -> Urdf:
     """The same arm with its meshes found, its other joints fixed and a mass for every link.
 
     Joints that are not driven are fixed at zero, or at the end of their range that is nearest to it. Meshes have
-    absolute paths. Links without mass or inertia get next to none; an inertia that no body can have becomes a ball's.
+    absolute paths. Words in the place of numbers that nothing uses are left out. Links without mass or inertia get
+    next to none; an inertia that no body can have becomes a ball's.
 
     Args:
         urdf: The URDF; it is left as it is.
@@ -53,6 +56,7 @@ def normal_urdf(urdf: Urdf, driven: Collection[str], folder: Path) -> Urdf:
     for joint in robot.findall("joint"):
         if joint.get("name") not in driven and joint.get("type") != "fixed":
             _fix(joint)
+        _drop_words(joint)
     size = 0
     for link in robot.findall("link"):
         _give_mass(link)
@@ -79,6 +83,29 @@ def _fix(joint: Element) -> None:
     joint.append(Element("origin", origin))
 
 
+def _drop_words(joint: Element) -> None:
+    """Leave out what is no number in the parts that nothing uses, and a fixed joint's axis if it has such."""
+    for part in [part for part in joint if part.tag in UNUSED]:
+        words = [name for name, text in part.items() if not _is_number(text)]
+        for name in words:
+            del part.attrib[name]
+        if words and not part.attrib:
+            joint.remove(part)
+    if joint.get("type") == "fixed":
+        for axis in joint.findall("axis"):
+            if not all(map(_is_number, axis.get("xyz", "").split())):
+                joint.remove(axis)
+
+
+def _is_number(text: str) -> bool:
+    """Whether an engine can read a text as a number, be it an infinity."""
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
 def _pose_at_rest(joint: Element) -> Float:
     """T_parent_child with the joint at zero, or as near to it as its range allows, (4, 4)."""
     xyz = read_vector(joint, "origin", "xyz", default=(0.0, 0.0, 0.0))
@@ -87,12 +114,20 @@ def _pose_at_rest(joint: Element) -> Float:
     name, parent, child = names
     kind, position, axis = joint.get("type"), 0.0, (1.0, 0.0, 0.0)
     if kind in {"revolute", "prismatic"}:
-        lower, upper = (read_number(joint, "limit", end) or 0.0 for end in ("lower", "upper"))
-        position, axis = max(lower, min(upper, 0.0)), read_axis(joint)
+        position = _position_at_rest(joint)
+    if position:
+        axis = read_axis(joint)
     else:
         kind = "continuous"  # at zero they all are alike
     moved = Joint(name, cast(JointKind, kind), parent, child, xyz, rpy, axis, 0.0, 0.0, None)
     return forward(build_chain([moved]), [position])
+
+
+def _position_at_rest(joint: Element) -> float:
+    """The number of its range that is nearest to 0; 0 where it names no range."""
+    limit = joint.find("limit")
+    lower, upper = (number_of("0" if limit is None else limit.get(end, "0")) for end in ("lower", "upper"))
+    return max(lower, min(upper, 0.0)) if lower <= upper else 0.0
 
 
 def _rpy_from_rotation(rotation: Float) -> Float:
@@ -140,11 +175,8 @@ def _number(link: Element, inertial: Element, tag: str, attribute: str) -> float
     """An attribute of the inertial's element `tag`; 0 where it is missing."""
     part = inertial.find(tag)
     text = "0" if part is None else part.get(attribute, "0")
-    try:
-        number = float(text)
-    except ValueError:
-        number = math.nan
-    if not abs(number) <= LARGEST:  # NaN is not either
+    number = number_of(text)
+    if math.isnan(number):
         given = f"Link '{link.get('name')}' has '{text}' in <{tag} {attribute}=...>"
         raise UsageError(f"{given}. Give a finite number of at most {LARGEST:g}.")
     return number

@@ -15,6 +15,7 @@ from harness.arrays import Float
 from harness.errors import UsageError
 from harness.files.bounded import digest_of, read_text, reading
 from harness.robot.chain_end import find_chain_end
+from harness.robot.jaw import Jaw, find_jaw
 from harness.robot.joint_limits import describe_origin, read_joint_limits
 from harness.robot.kinematics import Chain, build_chain, chain_length, end_effector_position, position_jacobian
 from harness.robot.normal_urdf import normal_urdf
@@ -51,6 +52,7 @@ class Robot:
         joint_shapes: The same shapes by the driven joint that moves them, in the frame of its child link; dof entries.
         origins: Where the end effector, home, speeds and accelerations come from, in words.
         servo: The drives of the joints; None where robot.toml has no `[servo]`.
+        warnings: What to know before anything is trained, a line each.
     """
 
     name: str
@@ -68,6 +70,7 @@ class Robot:
     joint_shapes: tuple[tuple[Shape, ...], ...] = field(repr=False)
     origins: Mapping[str, str] = field(repr=False)
     servo: Servo | None = field(default=None, repr=False)
+    warnings: tuple[str, ...] = field(default=(), repr=False)
 
     @cached_property
     def digest(self) -> str:
@@ -185,7 +188,12 @@ def _read_robot(path: Path) -> Robot:
         joint_shapes=joint_shapes,
         origins=_origins(settings, driven),
         servo=read_servo(settings, driven),
+        warnings=() if settings.text("end_effector") else _warn_of_jaw(find_jaw(given, chain, joints), settings),
     )
+
+
+def _warn_of_jaw(jaw: Jaw | None, settings: RobotSettings) -> tuple[str, ...]:
+    return () if jaw is None else (jaw.warning(settings.path),)
 
 
 def _find_files(path: Path) -> tuple[RobotSettings, Path]:

@@ -127,7 +127,9 @@ def _read_part(table: RobotSettings, part: Part, joints: Sequence[Joint]) -> Flo
     for joint, value in zip(joints, table.numbers(PART_KEYS[part], joints), strict=True):
         key = PART_KEYS[part][motion_of(joint)]
         if value is None and part not in FRICTIONS:
-            raise UsageError(f"{table.place}: missing {key}. Give one value per {motion_of(joint)} joint.")
+            raise UsageError(
+                f"{table.place}: missing {key} of '{joint.name}'. Give one value per {motion_of(joint)} joint."
+            )
         number = value or 0.0
         if number < 0.0 or (part in POSITIVE and not number):
             allowed = "a positive value" if part in POSITIVE else "0 or more"

@@ -3,7 +3,9 @@
 Every key may be left out. Units are in the keys: degrees for joints that turn, metres for joints that slide.
 """
 
+import json
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,6 +19,7 @@ from harness.text import shortened
 FILE = "robot.toml"
 SHOWN = 100
 """Characters of a value that is refused."""
+SHOWN_NAMES = 5
 TEXT_KEYS = ("name", "urdf", "end_effector")
 
 Quantity = Literal["home", "max_speed", "max_acceleration"]
@@ -26,7 +29,7 @@ JOINT_KEYS: Mapping[Quantity, Mapping[Motion, str]] = {
     "max_speed": {"turning": "max_speed_deg_s", "sliding": "max_speed_m_s"},
     "max_acceleration": {"turning": "max_acceleration_deg_s2", "sliding": "max_acceleration_m_s2"},
 }
-"""The keys that hold one value per joint of a motion, in the order of the chain."""
+"""The keys that hold one value per joint of a motion: a list in the order of the chain, or a table by joint names."""
 SERVO = "servo"
 """The table of the drives; see `harness.robot.servo`."""
 KEYS = (*TEXT_KEYS, *(key for keys in JOINT_KEYS.values() for key in keys.values()), SERVO)
@@ -114,21 +117,35 @@ class RobotSettings:
         return RobotSettings(self.path, entries, place)
 
     def _list(self, key: str, motion: Motion, joints: Sequence[Joint]) -> Any:
-        """An iterator over the values of a key, None without end where it is left out."""
-        count = sum(motion_of(joint) == motion for joint in joints)
-        if key not in self.entries:
-            return iter([None] * count)
-        values = self.entries[key]
+        """An iterator over the values of a key, None where it is left out, without end where all are."""
+        names = [joint.name for joint in joints if motion_of(joint) == motion]
+        values = self.entries.get(key)
+        if values is None:
+            return iter([None] * len(names))
+        if isinstance(values, dict):
+            return iter(self._by_name(key, motion, values, names))
         if not isinstance(values, list) or not all(_is_finite_number(value) for value in values):
             raise UsageError(
-                f"{self.place}: {key} is {_shown(values)}. "
-                f"Give a list of {count} finite numbers, one per {motion} joint."
+                f"{self.place}: {key} is {_shown(values)}. Give a list of {len(names)} finite numbers, one per "
+                f"{motion} joint, or a table of joints by name, {{ {toml_key(names[0] if names else 'joint')} = 1 }}."
             )
-        if len(values) != count:
+        if len(values) != len(names):
             raise UsageError(
-                f"{self.place}: {key} has {len(values)} values for {count} {motion} joints. Give one per joint."
+                f"{self.place}: {key} has {len(values)} values for {len(names)} {motion} joints. Give one per joint."
             )
         return iter([float(value) for value in values])
+
+    def _by_name(self, key: str, motion: Motion, values: Mapping[str, Any], names: Sequence[str]) -> list[float | None]:
+        """One value per joint of a table; None for a joint that it leaves out."""
+        unknown = sorted(values.keys() - set(names))
+        if unknown:
+            given = ", ".join(f"'{shortened(name, SHOWN)}'" for name in unknown[:SHOWN_NAMES])
+            allowed = ", ".join(f"'{name}'" for name in names) or "none"
+            raise UsageError(f"{self.place}: {key} names {given}. The {motion} joints of the arm: {allowed}.")
+        for name, value in values.items():
+            if not _is_finite_number(value):
+                raise UsageError(f"{self.place}: {key} of '{name}' is {_shown(value)}. Give a finite number.")
+        return [float(values[name]) if name in values else None for name in names]
 
 
 def read_settings(path: Path) -> RobotSettings:
@@ -154,6 +171,11 @@ def _check_keys(place: str, entries: Mapping[str, Any], keys: Sequence[str]) -> 
 def motion_of(joint: Joint) -> Motion:
     """How a joint that moves does."""
     return "sliding" if joint.kind == "prismatic" else "turning"
+
+
+def toml_key(name: str) -> str:
+    """A name as TOML takes it before a ``=``."""
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else json.dumps(name, ensure_ascii=False)
 
 
 def shown(value: float, joint: Joint) -> str:

@@ -3,6 +3,7 @@
 Reference: http://wiki.ros.org/urdf/XML/link
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -15,7 +16,7 @@ from harness.arrays import Float
 from harness.errors import UsageError
 from harness.robot.kinematics import read_only, transform
 from harness.robot.meshes import distinct, read_mesh
-from harness.robot.urdf import LARGEST, Urdf, Vector, linked
+from harness.robot.urdf import LARGEST, Urdf, Vector, linked, number_of
 from harness.text import shortened
 
 ShapeKind = Literal["box", "cylinder", "capsule", "sphere", "mesh"]
@@ -183,11 +184,8 @@ def read_origin(element: Element, owner: str) -> Float:
 
 
 def _numbers(text: str, count: int, where: str, owner: str) -> list[float]:
-    try:
-        numbers = [float(word) for word in text.split(None, count)]
-    except ValueError:
-        numbers = []
-    if len(numbers) != count or not all(abs(number) <= LARGEST for number in numbers):  # NaN is not either
+    numbers = [number_of(word) for word in text.split(None, count)]
+    if len(numbers) != count or any(map(math.isnan, numbers)):
         belongs = f"where {count} finite numbers belong, of at most {LARGEST:g}"
         raise UsageError(f"{owner} has {shortened(repr(text), 60)} in {where}, {belongs}. Correct it.")
     return numbers

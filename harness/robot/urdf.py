@@ -4,15 +4,16 @@ Only what kinematics needs is read: joints, their frames, axes and limits. Refer
 """
 
 import math
+import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal, cast, get_args
-from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
 from harness.errors import UsageError
+from harness.robot.urdf_xml import read_xml
 
 JointKind = Literal["fixed", "revolute", "continuous", "prismatic"]
 KINDS = (*get_args(JointKind), "planar", "floating")
@@ -21,40 +22,12 @@ Vector = tuple[float, float, float]
 
 MOST_LINKS = 200
 """The most links of a URDF: an arm has ten, a humanoid with both hands less than 150."""
-MOST_ELEMENTS = 20_000
-"""The most elements of a URDF's XML: 100 for each of its links."""
-MOST_LEVELS = 30
-"""Elements within one another; a URDF has six."""
 SHOWN = 20
 """Names in a message."""
 LARGEST = 1e18
 """The largest number: more than any arm's, and products of several stay finite."""
-
-
-class _BoundedBuilder(ElementTree.TreeBuilder):
-    """Builds a tree that is not large, of a text that defines no words of its own."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._count = self._depth = 0
-
-    def start(self, tag: str, attrs: dict[str, str], /) -> Element:
-        """Called by the parser for every element that begins."""
-        self._count, self._depth = self._count + 1, self._depth + 1
-        if self._count > MOST_ELEMENTS or self._depth > MOST_LEVELS:
-            raise UsageError(
-                f"The URDF has more than {MOST_ELEMENTS:,} elements, or {MOST_LEVELS} within one another. Simplify it."
-            )
-        return super().start(tag, attrs)
-
-    def end(self, tag: str, /) -> Element:
-        """Called by the parser for every element that ends."""
-        self._depth -= 1
-        return super().end(tag)
-
-    def doctype(self, name: str, public: str | None, system: str | None) -> None:
-        """Called by the parser before a document type is read, which could define words as long as it likes."""
-        raise UsageError(f"The URDF has a <!DOCTYPE {name}>, which no URDF needs. Take it out.")
+NUMBER = re.compile(r"\s*[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?\s*", re.ASCII)
+"""A number as ROS reads one; `float` also takes 1_000."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +44,7 @@ class Joint:
         axis: Unit vector in the joint's frame along which it slides or about which it turns; unused when fixed.
         lower: Smallest position, [rad] or, for a prismatic joint, [m]; -inf for a continuous or fixed joint.
         upper: Largest position, as `lower`; inf for a continuous or fixed joint.
-        velocity: Largest speed, [rad/s] or [m/s], positive; None where the URDF names none.
+        velocity: Largest speed, [rad/s] or [m/s], positive; None where the URDF names none that is.
     """
 
     name: str
@@ -93,7 +66,7 @@ class Urdf:
     Names are unique, each joint has a known type and joins two links, and the links are one tree.
 
     Attributes:
-        text: The URDF as text, for engines.
+        text: The URDF as text, for engines; see `harness.robot.urdf_xml`.
         element: The same as `<robot>`; who wants to change it changes a copy.
     """
 
@@ -146,7 +119,7 @@ def parse_urdf(text: str) -> Urdf:
     Raises:
         UsageError: The text is no URDF, or not one that `Urdf` describes.
     """
-    urdf = Urdf(text, _parse(text))
+    urdf = Urdf(*read_xml(text))
     links = [_name(link) for link in urdf.element.findall("link")]
     if len(links) > MOST_LINKS:
         raise UsageError(f"The URDF has {len(links):,} links, {MOST_LINKS} are allowed. Give the arm alone.")
@@ -159,16 +132,6 @@ def parse_urdf(text: str) -> Urdf:
     for link in links:
         _path_to(link, urdf.carriers)  # raises where joints form a loop
     return urdf
-
-
-def _parse(text: str) -> Element:
-    try:
-        robot: Element = ElementTree.XML(text, ElementTree.XMLParser(target=_BoundedBuilder()))
-    except (ElementTree.ParseError, ValueError) as error:  # the latter of half characters
-        raise UsageError(f"The URDF is not well-formed XML: {error}. Correct it there.") from error
-    if robot.tag != "robot":
-        raise UsageError(f"The outermost element is <{robot.tag}>, a URDF's is <robot>. Give a URDF.")
-    return robot
 
 
 def _check_unique(what: str, names: Sequence[str]) -> None:
@@ -235,7 +198,7 @@ def _read_joint(joint: Element) -> Joint:
         axis=(1.0, 0.0, 0.0) if kind == "fixed" else read_axis(joint),
         lower=lower,
         upper=upper,
-        velocity=_velocity(joint),
+        velocity=None if kind == "fixed" else _velocity(joint),
     )
 
 
@@ -243,7 +206,7 @@ def _kind(joint: Element) -> JointKind:
     kind, allowed = joint.get("type"), get_args(JointKind)
     if kind not in allowed:
         raise _joint_error(joint, f"is of type '{kind}'; allowed on the chain: {', '.join(allowed)}. Change it.")
-    if joint.find("mimic") is not None:
+    if kind != "fixed" and joint.find("mimic") is not None:
         raise _joint_error(joint, "mimics another one, but each joint of the chain moves by itself. Remove <mimic>.")
     return cast(JointKind, kind)
 
@@ -252,8 +215,10 @@ def read_axis(joint: Element) -> Vector:
     """Unit vector along which the joint slides or about which it turns, in the joint's frame.
 
     Raises:
-        UsageError: It has no length.
+        UsageError: It has no length, or an <axis> without xyz, which parsers read in different ways.
     """
+    if joint.find("axis") is not None and _text(joint, "axis", "xyz") is None:
+        raise _joint_error(joint, "has an <axis> without xyz. Give it <axis xyz=.../>.")
     x, y, z = read_vector(joint, "axis", "xyz", default=(1.0, 0.0, 0.0))  # the default of the URDF reference
     length = math.hypot(x, y, z)
     if length == 0.0:
@@ -273,10 +238,9 @@ def _limits(joint: Element, kind: JointKind) -> tuple[float, float]:
 
 
 def _velocity(joint: Element) -> float | None:
-    velocity = read_number(joint, "limit", "velocity")
-    if velocity is not None and velocity <= 0.0:
-        raise _joint_error(joint, f"has the velocity limit {velocity:g}. Give a positive one, or leave it out.")
-    return velocity
+    """The largest speed; None where what stands there is none: exporters write 0, nothing or the largest float."""
+    velocity = number_of(_text(joint, "limit", "velocity") or "")
+    return velocity if velocity > 0.0 else None
 
 
 def read_vector(joint: Element, tag: str, attribute: str, default: Vector) -> Vector:
@@ -305,12 +269,15 @@ def read_number(joint: Element, tag: str, attribute: str) -> float | None:
     return None if text is None else _finite(joint, text)
 
 
+def number_of(text: str) -> float:
+    """The number that a text is; NaN where it is none, or one beyond `LARGEST`."""
+    number = float(text) if NUMBER.fullmatch(text) else math.nan
+    return number if abs(number) <= LARGEST else math.nan
+
+
 def _finite(joint: Element, text: str) -> float:
-    try:
-        number = float(text)
-    except ValueError:
-        number = math.nan
-    if not abs(number) <= LARGEST:  # NaN is not either
+    number = number_of(text)
+    if math.isnan(number):
         raise _joint_error(joint, f"has '{text}' where a finite number belongs, of at most {LARGEST:g}. Correct it.")
     return number
 

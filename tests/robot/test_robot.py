@@ -239,8 +239,21 @@ def test_meshes_start_at_the_folder_of_the_urdf(tmp_path: Path):
         (
             "max_speed_deg_s = [90, 180.0]",
             "",
-            "arm.urdf: joint 'elbow' has no velocity limit. Give it one, or max_speed_d",
+            "arm.urdf: joint 'elbow' has no velocity limit above 0. Write into .*: max_speed_deg_s = { elb",
         ),
+        (
+            "[90, 180.0]",
+            "{ elbow = 90, wrist = 1 }",
+            r"max_speed_deg_s names 'wrist'. The turning joints .* 'shoul",
+        ),
+        (
+            "[90, 180.0]",
+            "{ slide = 1 }",
+            "max_speed_deg_s names 'slide'. The turning joints of the arm: 'shoul",
+        ),
+        ("[90, 180.0]", "{ elbow = '1' }", "robot.toml: max_speed_deg_s of 'elbow' is '1'. Give a finite number."),
+        ("[90, 180.0]", "{ elbow = 0 }", "robot.toml: max_speed_deg_s of 'elbow' is 0. Give a positive value."),
+        ("[90, 180.0]", "{ shoulder = 1 }", "joint 'elbow' has no velocity limit above 0. Write into "),
         ("[90, 180.0]", "[91, 180]", "robot.toml: max_speed_deg_s of 'shoulder' is 91; the URDF allows 90."),
     ],
 )
@@ -252,6 +265,36 @@ def test_bad_settings_are_refused_in_one_line(tmp_path: Path, old: str, new: str
         read_robot(_write(tmp_path, toml=toml))
     assert str(tmp_path) in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_numbers_may_stand_by_the_joints_names(tmp_path: Path):
+    """In any order; what a table leaves out follows the rules."""
+    robot = read_robot(_write(tmp_path))
+    by_name = TOML.replace("[90, 180.0]", "{ elbow = 180, shoulder = 90.0 }").replace("[0, 90]", "{ elbow = 90 }")
+    named = read_robot(_write(tmp_path, toml=by_name))
+    np.testing.assert_array_equal(named.max_speed, robot.max_speed)
+    assert (named.home[1], named.home[0]) == (robot.home[1], 0.5)  # the middle of the shoulder's range
+
+
+@pytest.mark.parametrize("velocity", ["0", "0.0", "-1", "", "inf", "1.7976931348623157e+308", "x"])
+def test_robot_toml_wins_over_a_placeholder(tmp_path: Path, velocity: str):
+    """What is no speed limits none; without robot.toml the line to write is told, and it works."""
+    urdf = URDF.replace('velocity="1.5707963267948966"', f'velocity="{velocity}"')
+    assert read_robot(_write(tmp_path, urdf=urdf)).max_speed[0] == np.pi / 2
+    (tmp_path / "robot.toml").unlink()
+    with pytest.raises(UsageError, match="joints 'shoulder', 'elbow' have no velocity limit above 0") as caught:
+        read_robot(tmp_path / "arm.urdf")
+    file, line = str(caught.value).rpartition("Write into ")[2].split(", with the arm's own numbers: ")
+    Path(file).write_text(line)
+    assert read_robot(tmp_path / "arm.urdf").max_speed.tolist() == [np.pi / 2, np.pi / 2, 0.5]
+
+
+def test_what_to_write_has_both_kinds_of_joints(tmp_path: Path):
+    """And names in quotes where TOML wants them."""
+    urdf = URDF.replace(' velocity="0.5"', "").replace('"elbow"', '"the elbow"')
+    with pytest.raises(UsageError) as caught:
+        read_robot(_write(tmp_path, toml="", urdf=urdf) / "arm.urdf")
+    assert str(caught.value).endswith('max_speed_deg_s = { "the elbow" = 90 } and max_speed_m_s = { slide = 0.2 }')
 
 
 def test_fault_of_the_urdf_names_the_file(tmp_path: Path):

@@ -106,8 +106,17 @@ def test_drives_cannot_be_changed(tmp_path: Path):
     [
         ("[servo]", "servo = 5", r"robot.toml: servo is 5. Write a table: \[servo\], and its keys below."),
         ("latency_s", "delay_s", r"robot.toml: \[servo\]: unknown delay_s. The keys are max_torque_nm, max_force_n"),
-        ("max_torque_nm = [10, 20]", "", r"\[servo\]: missing max_torque_nm. Give one value per turning joint."),
-        ("stiffness_n_per_m = [3000]", "", r"\[servo\]: missing stiffness_n_per_m. Give one value per sliding joint."),
+        (
+            "max_torque_nm = [10, 20]",
+            "",
+            r"\[servo\]: missing max_torque_nm of 'shoulder'. Give one value per",
+        ),
+        (
+            "stiffness_n_per_m = [3000]",
+            "",
+            r"\[servo\]: missing stiffness_n_per_m of 'slide'. Give one value per",
+        ),
+        ("[10, 20]", "{ shoulder = 10 }", r"\[servo\]: missing max_torque_nm of 'elbow'. Give one value per"),
         ("[10, 20]", "[10]", r"\[servo\]: max_torque_nm has 1 values for 2 turning joints. Give one per joint."),
         ("[10, 20]", "[10, 0]", r"\[servo\]: max_torque_nm of 'elbow' is 0. Give a positive value."),
         ("[100, 200]", "[-1, 2]", r"\[servo\]: stiffness_nm_per_rad of 'shoulder' is -1. Give a positive value."),

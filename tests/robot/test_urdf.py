@@ -118,7 +118,8 @@ def test_defaults_are_those_of_the_urdf_reference():
         ('lower="-1.5"', 'lower="2.5"', "Joint 'bend' has the limits 2.5 to 2."),
         ('lower="-1.5"', 'lower="2"', "Joint 'bend' has the limits 2 to 2."),
         ('upper="2"', 'upper="inf"', "Joint 'bend' has 'inf' where a finite number belongs."),
-        ('velocity="3"', 'velocity="0"', "Joint 'bend' has the velocity limit 0."),
+        ("0 0 -2", "0 0 1_0", "Joint 'bend' has '1_0' where a finite number belongs."),
+        ('<axis xyz="0 0 -2"/>', "<axis/>", "Joint 'bend' has an <axis> without xyz."),
     ],
 )
 def test_bad_file_is_refused_in_one_line(old: str, new: str, message: str):

@@ -1,5 +1,7 @@
 """Targets just above the ground, and targets that have to be met closely."""
 
+from pathlib import Path
+
 import numpy as np
 
 import harness
@@ -7,6 +9,7 @@ from harness.authoring import GroundContact
 from harness.robot.inverse_kinematics import reach_position
 from harness_plugins.tasks.low import Low
 from harness_plugins.tasks.small_target import SmallTarget
+from tests.robot.brought_arms import changed, read_arm
 
 ROBOT = harness.load_robot("fd100")
 
@@ -27,6 +30,14 @@ def test_box_of_another_arm_is_scaled_by_its_reach():
     np.testing.assert_allclose(Low().target_box(arm), scale * np.array(Low().target_box(ROBOT)), rtol=1e-12)
     given = Low(target_center=(0.5, 0.1, 0.6), target_half_extent=(0.1, 0.2, 0.0))
     np.testing.assert_array_equal(given.target_box(arm), [(0.5, 0.1, 0.6), (0.1, 0.2, 0.0)])
+
+
+def test_box_stays_at_the_ground_and_follows_a_mount_aside(tmp_path: Path):
+    """The ground is where it is, whatever an arm stands on."""
+    arms = (read_arm(tmp_path / str(x), changed(('xyz="0 0 0.1" rpy', f'xyz="{x} 0 0.8" rpy'))) for x in (0, 2))
+    (center, _), (moved, _) = map(Low().target_box, arms)
+    assert center[2] == moved[2] < 0.1
+    assert 1.5 < moved[0] - center[0] < 2.0
 
 
 def test_small_target_is_a_fifth_of_the_usual():
