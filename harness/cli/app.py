@@ -79,6 +79,7 @@ UNFORESEEN = 70
 LONG_NAME = (
     "a path that was given is too long: most systems take names of 255 bytes, and paths of 4,096. Give a shorter one"
 )
+NO_TEXT = "a name or path that was given is not written in UTF-8, which this needs: give another"
 
 
 def _show_version(wanted: bool) -> None:
@@ -156,8 +157,8 @@ def _answer(args: list[str]) -> int:
     except (HarnessError, OSError) as error:
         return _say_failure(error)
     except Exception as error:  # nobody's traceback on the screen
-        complain(describe_unexpected(error))
-        return UNFORESEEN
+        complain(NO_TEXT if _is_no_text(error) else describe_unexpected(error))
+        return USAGE if _is_no_text(error) else UNFORESEEN
 
 
 def _take_allowed(args: list[str]) -> list[str]:
@@ -190,6 +191,11 @@ def _has_long_name(error: Exception) -> bool:
     """Whether the system refused a path for its length: it stands in what was typed, for ours are short."""
     cause = error if isinstance(error, OSError) else error.__cause__
     return isinstance(cause, OSError) and cause.errno == errno.ENAMETOOLONG
+
+
+def _is_no_text(error: Exception) -> bool:
+    """Whether a library refused bytes of a name that stand for no text."""
+    return isinstance(error, UnicodeEncodeError) and any("\udc80" <= char <= "\udcff" for char in error.object)
 
 
 def _with_help(error: TyperException) -> str:

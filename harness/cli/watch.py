@@ -1,5 +1,6 @@
 """``harness watch``: the replay of an experiment in the browser, while it goes on."""
 
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -7,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from harness.cli.flags.shared import ExperimentFolder
-from harness.cli.output import say
+from harness.cli.output import complain, say
+from harness.cli.unexpected import describe_unexpected
 from harness.errors import HarnessError, UsageError, one_line
 
 if TYPE_CHECKING:
@@ -15,6 +17,8 @@ if TYPE_CHECKING:
 
 HOST = "127.0.0.1"
 """Nobody else on the network sees the page."""
+PATIENCE = 60.0
+"""Seconds to wait for a client that asks nothing."""
 
 
 def watch(
@@ -76,8 +80,19 @@ def open_server(pages: Pages, port: int) -> "ThreadingHTTPServer":
         "/state": ("text/plain; charset=utf-8", pages.state),
     }
 
+    class Server(ThreadingHTTPServer):
+        """A server whose clients may leave at any time."""
+
+        def handle_error(self, request: object, client_address: object) -> None:
+            """Say in a line what nobody foresaw; a client that left, as a browser does, is foreseen."""
+            error = sys.exception()
+            if isinstance(error, Exception) and not isinstance(error, ConnectionError | TimeoutError):
+                complain(describe_unexpected(error))
+
     class Handler(BaseHTTPRequestHandler):
         """Answers the two addresses of the page."""
+
+        timeout = PATIENCE
 
         def do_GET(self) -> None:
             """Answer with a page, or with its state."""
@@ -89,7 +104,7 @@ def open_server(pages: Pages, port: int) -> "ThreadingHTTPServer":
             kind, make = route
             try:
                 text = make()
-            except HarnessError as error:
+            except (HarnessError, OSError) as error:  # the folder may be gone by now
                 self.send_error(500, explain=one_line(error))  # in the body: the status line is Latin-1
                 return
             self.send_response(200)
@@ -102,6 +117,6 @@ def open_server(pages: Pages, port: int) -> "ThreadingHTTPServer":
             """Say nothing: the terminal is the user's."""
 
     try:
-        return ThreadingHTTPServer((HOST, port), Handler)
+        return Server((HOST, port), Handler)
     except OSError as error:
         raise UsageError(f"--port {port} cannot be had: {error.strerror}. Give another, or leave it out") from error

@@ -298,6 +298,7 @@ def check(experiment: Experiment, options: RunOptions = DEFAULTS, given: Sequenc
         asked = (*plan.cells, *(cell for cell, _ in plan.skipped))
         earlier = store.read_plan()
         refuse_mixed(f"--out '{store.folder}'", earlier.cells, asked)
+        replace(earlier, cells=asked).with_cells_of(earlier.cells)  # refuses what would be too many
         refuse_other_looks(store.folder, earlier, plan.terms, asked)
     return ExperimentRun(plan, store, registry, executor, options, trackers)
 

@@ -2,6 +2,7 @@
 
 import hashlib
 import itertools
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
@@ -16,6 +17,7 @@ from harness.experiment.looks import own_seed, terms_of
 from harness.experiment.task_plan import Given, TaskPlan, choose_each, plan_tasks, table_of, unnamed
 from harness.record.cell import EVALUATION_HORIZON as HORIZON
 from harness.record.cell import Cell
+from harness.record.file_forms import MOST_CELLS
 from harness.record.plan_file import control_seeds
 from harness.record.terms import NEW, Terms
 from harness.registry.choice import Choice, split_list
@@ -35,8 +37,6 @@ MOST_STEPS = 1_000_000_000
 """The most steps of a training: eleven days at 1,000 steps a second."""
 MOST_EPISODES = 100_000
 """The most episodes of an evaluation. A share of successes is then exact to 0.2 %."""
-MOST_CELLS = 100_000
-"""The most cells of a plan. All are in memory, and each leaves a folder."""
 
 Names: TypeAlias = Annotated[list[Given], Field(min_length=1, max_length=MOST_NAMES)]
 
@@ -205,12 +205,13 @@ def expand(experiment: Experiment, registry: Registry) -> Plan:
             for ``drive=servo``, or there are more cells than `MOST_CELLS`.
         PluginError: A plugin is broken, or raises; says whose it is.
     """
+    _require_few_names(experiment)
     tasks = plan_tasks(experiment, experiment.tasks, registry)
     algorithms = choose_each(registry, "algorithms", experiment.algo)
-    fits = {(it.task, *pair): it.fit(*pair) for it in tasks for pair in itertools.product(algorithms, it.trained)}
     terms = terms_of(experiment, tasks, algorithms) if experiment.until else NEW
     seeds = list(range(terms.looks[-1])) if terms.looks else experiment.seed_list
     _require_few(len(seeds), tasks, len(algorithms))
+    fits = {(it.task, *pair): it.fit(*pair) for it in tasks for pair in itertools.product(algorithms, it.trained)}
     control = control_seeds(seeds) if any(it.has_control for it in tasks) else {}
     # Seeds outermost: every reward has a run early, and a plan that is cut short still compares.
     matrix = [
@@ -257,13 +258,32 @@ def _cell(
     )  # fmt: skip
 
 
+def _require_few_names(experiment: Experiment) -> None:
+    """Raise UsageError if the names alone are too many, before one of them is looked up."""
+    lists: dict[str, Sequence[Any]] = {
+        "tasks": experiment.tasks,
+        "simulators": experiment.sim,
+        "algorithms": experiment.algo,
+        "rewards": experiment.reward or [],
+        "seeds": [] if experiment.until else experiment.seed_list,
+    }
+    counts = {noun: len({str(name) for name in names}) for noun, names in lists.items() if names}
+    if math.prod(counts.values()) > MOST_CELLS:
+        factors = " x ".join(f"{count} {noun}" for noun, count in counts.items())
+        raise UsageError(
+            f"{factors} are {math.prod(counts.values()):,} cells, {MOST_CELLS:,} are allowed. "
+            "Make several experiments of it."
+        )
+
+
 def _require_few(seeds: int, tasks: Sequence[TaskPlan], algorithms: int) -> None:
     """Raise UsageError if the matrix is too large, before it is made."""
-    count = seeds * algorithms * sum(len(it.simulators) * len(it.trained) for it in tasks)
+    count = seeds * algorithms * sum(len(it.simulators) * (len(it.trained) + it.has_control) for it in tasks)
     if count > MOST_CELLS:
         first = tasks[0]
         factors = f"{seeds} seeds x {len(first.simulators)} simulators x {algorithms} algorithms"
         factors = f"{factors} x {len(first.trained)} rewards" + (f" x {len(tasks)} tasks" if len(tasks) > 1 else "")
+        factors += ", with a null control," if first.has_control else ""
         raise UsageError(f"{factors} are {count:,} cells, {MOST_CELLS:,} are allowed. Make several experiments of it.")
 
 

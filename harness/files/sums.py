@@ -11,12 +11,13 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from harness.files.bounded import digest_of, read_text
+from harness.files.names import is_plain
 from harness.files.whole_file import write_whole
 
 SUMS = "SHA256SUMS"
 FIRST_LINE = "# harness made these files from others"
 """It says whose list it is; ``sha256sum`` takes it for a comment."""
-_LINE = re.compile(r"([0-9a-f]{64})  ([^/\\\n]+)")
+_LINE = re.compile(r"([0-9a-f]{64})  (.+)")
 _EARLIER = re.compile(r"report\.html|results\.parquet|scores[\w.-]*")
 """The names in lists of version 0.1, which had no such line."""
 
@@ -66,7 +67,10 @@ def forget_made(path: Path) -> None:
 
 
 def read_sums(folder: Path) -> dict[str, str]:
-    """The digests in a folder's ``SHA256SUMS``, by name; lines that are none are left out, and so is a foreign list."""
+    """The digests in a folder's ``SHA256SUMS``, by the name of a file there.
+
+    Lines that name no file of the folder are left out, and so is a foreign list.
+    """
     lines = _lines(folder)
     return {} if _is_foreign(lines) else _told(lines)
 
@@ -96,7 +100,7 @@ def _lines(folder: Path) -> list[str]:
 
 
 def _told(lines: list[str]) -> dict[str, str]:
-    return {found[2]: found[1] for found in map(_LINE.fullmatch, lines) if found}
+    return {found[2]: found[1] for found in map(_LINE.fullmatch, lines) if found and is_plain(found[2])}
 
 
 def _is_foreign(lines: list[str]) -> bool:

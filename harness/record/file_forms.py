@@ -6,11 +6,15 @@ A folder may come from anybody. A file of another form is damaged; no value of a
 from datetime import datetime
 from typing import Annotated, Any, Literal, NotRequired
 
+import tomli_w
 from pydantic import AfterValidator, ConfigDict, Field, StringConstraints, TypeAdapter, ValidationError, with_config
 from typing_extensions import TypedDict
 
-MOST_CELLS = 1_000_000
-"""The most cells of a plan."""
+from harness.files.names import is_inside, twins
+from harness.registry.toml_file import MOST_DEPTH, depth_of
+
+MOST_CELLS = 100_000
+"""The most cells of a plan. All are in memory, and each leaves a folder."""
 MOST_LOOKS = 1_000
 """The most looks of a plan."""
 MOST_FILES = 100_000
@@ -18,9 +22,25 @@ MOST_FILES = 100_000
 
 
 def _inside(path: str) -> str:
-    if ".." in path.split("/"):
-        raise ValueError("leads out of the folder")
+    if not is_inside(path):
+        raise ValueError("is no path of a file in the folder")
     return path
+
+
+def _writable(experiment: dict[str, Any]) -> dict[str, Any]:
+    if depth_of(experiment) > MOST_DEPTH:
+        raise ValueError(f"is nested more than {MOST_DEPTH} deep")
+    try:
+        tomli_w.dumps(experiment).encode()
+    except (TypeError, ValueError):  # null, or half a character
+        raise ValueError("holds a value that no experiment file has") from None
+    return experiment
+
+
+def _distinct(files: dict[str, str]) -> dict[str, str]:
+    if alike := twins(files):
+        raise ValueError(f"{alike[0]} is named twice, in other letters")
+    return files
 
 
 def _moment(text: str) -> str:
@@ -32,7 +52,7 @@ def _moment(text: str) -> str:
 Name = Annotated[str, StringConstraints(min_length=1, max_length=1_000)]
 Line = Annotated[str, StringConstraints(max_length=100_000)]
 Digest = Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{64}$")]
-FilePath = Annotated[str, StringConstraints(max_length=1_000, pattern=r"^[^/\\]+(/[^/\\]+)*$"), AfterValidator(_inside)]
+FilePath = Annotated[str, StringConstraints(max_length=1_000), AfterValidator(_inside)]
 """In the folder that names it, or below."""
 Count = Annotated[int, Field(gt=0, lt=2**53)]
 Whole = Annotated[int, Field(ge=0, lt=2**63)]
@@ -109,7 +129,7 @@ class EndingForm(TypedDict):
     started: Moment
     seconds: Seconds
     environment: EnvironmentForm
-    files: NotRequired[Annotated[dict[FilePath, Digest], Field(max_length=MOST_FILES)]]
+    files: NotRequired[Annotated[dict[FilePath, Digest], Field(max_length=MOST_FILES), AfterValidator(_distinct)]]
 
 
 @with_config(EXACT)
@@ -157,7 +177,7 @@ class PlanForm(TypedDict):
     a_a: bool
     control: NotRequired[list[Annotated[list[Whole], Field(min_length=2, max_length=2)]]]
     cells: Annotated[list[CellForm], Field(max_length=MOST_CELLS)]
-    experiment: NotRequired[dict[Name, Any]]
+    experiment: NotRequired[Annotated[dict[Name, Any], AfterValidator(_writable)]]
     experiment_digest: NotRequired[Digest]
     terms: NotRequired[TermsForm]
 

@@ -73,6 +73,18 @@ def storage_errors(folder: Path) -> Iterator[None]:
         ) from error
 
 
+def require_text(folder: Path, noun: str = "--out") -> None:
+    """See that a folder's path is text: libraries that write into it take nothing else.
+
+    Raises:
+        UsageError: It holds bytes that are not UTF-8.
+    """
+    try:
+        str(folder).encode()
+    except UnicodeEncodeError:
+        raise UsageError(f"{noun} '{folder}' is not written in UTF-8, which files in it need: give another name") from None
+
+
 def make_folder(folder: Path, inner: str = "") -> None:
     """Make the folder that a user named, or see whether the one that is there can be written into.
 
@@ -81,8 +93,9 @@ def make_folder(folder: Path, inner: str = "") -> None:
         inner: A folder in it that is made too.
 
     Raises:
-        UsageError: It cannot be made or written into.
+        UsageError: It cannot be made or written into, or is not written in UTF-8.
     """
+    require_text(folder)
     existing = next(parent for parent in [folder, *folder.absolute().parents] if parent.exists())
     if not existing.is_dir() or not os.access(existing, os.W_OK | os.X_OK):
         raise UsageError(f"--out '{folder}' cannot be written: '{existing}' allows no writing here")

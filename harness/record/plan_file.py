@@ -8,9 +8,9 @@ from typing import Any, Self
 
 import tomli_w
 
-from harness.errors import SchemaError, UsageError
+from harness.errors import SchemaError, UsageError, one_line
 from harness.files.bounded import digest_of, reading
-from harness.files.sealed import read_sealed, seal
+from harness.files.sealed import read_sealed, seal, unseal
 from harness.files.whole_file import write_whole
 from harness.record import file_forms as forms
 from harness.record.cell import Cell
@@ -21,7 +21,7 @@ EXPERIMENT, PLAN = "experiment.toml", "plan.json"
 FORMAT = SEALED_SINCE = 2
 """Format 1, of version 0.1, has no digest, and names no experiment."""
 PLAN_BYTES = 2**28
-"""Most that is read of a plan: some 150,000 cells."""
+"""Most that is read of a plan: 100,000 cells of 2,600 bytes each."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,14 +47,40 @@ class StoredPlan:
     terms: Terms = FIRST
 
     def with_cells_of(self, earlier: Sequence[Cell]) -> Self:
-        """The same, behind the cells that were asked for before: a folder grows, nothing is lost."""
-        return replace(self, cells=tuple(dict.fromkeys([*earlier, *self.cells])))
+        """The same, behind the cells that were asked for before: a folder grows, nothing is lost.
+
+        Raises:
+            UsageError: Together they are too many: nobody could read the plan again.
+        """
+        cells = tuple(dict.fromkeys([*earlier, *self.cells]))
+        if len(cells) > forms.MOST_CELLS:
+            raise UsageError(
+                f"{len(earlier):,} cells that are there and those that are asked for are {len(cells):,}, "
+                f"{forms.MOST_CELLS:,} are allowed in one folder. Name another folder"
+            )
+        return replace(self, cells=cells)
 
     def write(self, folder: Path) -> None:
         """Write both files; ``plan.json``, which says all, comes first.
 
         Raises:
             OSError: One cannot be written; each is there as it was before, or as it is now.
+            UsageError: Nobody could read it again. Nothing is written.
+        """
+        try:
+            text, content = self._texts()
+        except (ValueError, TypeError, RecursionError) as error:  # of what a stranger's plan, or a flag, told
+            raise UsageError(
+                f"'{folder}' cannot hold what is asked for, nobody could read its {PLAN} again: {one_line(error)}"
+            ) from None
+        write_whole(folder / PLAN, content)
+        write_whole(folder / EXPERIMENT, text)
+
+    def _texts(self) -> tuple[str, bytes]:
+        """Both files, which can be read again.
+
+        Raises:
+            ValueError: They could not.
         """
         text = self.experiment_text
         data = {
@@ -67,8 +93,11 @@ class StoredPlan:
             "terms": self.terms.to_json(),
             "cells": [cell.to_json() for cell in self.cells],
         }
-        write_whole(folder / PLAN, seal(data))
-        write_whole(folder / EXPERIMENT, text)
+        content = seal(data)
+        if len(content) > PLAN_BYTES:
+            raise ValueError(f"it has {len(content):,} bytes, {PLAN_BYTES:,} are allowed")
+        forms.require_form(forms.PLAN, unseal(content))
+        return text, content
 
     @property
     def experiment_text(self) -> str:
@@ -86,7 +115,7 @@ def read_plan(folder: Path) -> StoredPlan:
     data = read_sealed(path, "plan", FORMAT, SEALED_SINCE, PLAN_BYTES)
     with reading(path, "plan"):
         forms.require_form(forms.PLAN, data)
-        cells = tuple(Cell.from_json(cell) for cell in data["cells"])
+        cells = tuple(dict.fromkeys(Cell.from_json(cell) for cell in data["cells"]))  # each counts once
         control = {int(seed): int(other) for seed, other in data.get("control", [])}
         terms = Terms.from_json(data.get("terms", {}))
         return StoredPlan(data["baseline"], data["a_a"], control, cells, data.get("experiment", {}), terms=terms)

@@ -27,7 +27,7 @@ from harness.record.cell_folder import examine
 from harness.record.file_forms import Status
 from harness.record.folder import CHECKPOINT, LOG, MANIFEST, partial_folder, publish
 from harness.record.manifest import Manifest, now, read_manifest
-from harness.record.out_folder import folder_lock, is_held, make_folder, refuse_links
+from harness.record.out_folder import folder_lock, is_held, make_folder, refuse_links, require_text
 from harness.record.plan_file import EXPERIMENT, PLAN, StoredPlan, plan_from_cells, read_plan
 from harness.record.terms import Terms
 
@@ -77,6 +77,7 @@ class Store:
         Raises:
             UsageError: The folder is not there, or is not an experiment's.
         """
+        require_text(folder, "Folder")
         if not folder.is_dir():
             raise UsageError(f"No folder '{folder}'. Name the --out folder of a run")
         if not cls.is_experiment(folder):
@@ -97,6 +98,7 @@ class Store:
         Raises:
             UsageError: It holds something else, or a link.
         """
+        require_text(folder)
         if folder.exists() and not folder.is_dir():
             raise UsageError(f"--out '{folder}' is a file: name a folder")
         if folder.is_dir() and not _is_usable(folder):

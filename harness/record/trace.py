@@ -48,6 +48,7 @@ from numpy.typing import NDArray
 from harness.arrays import Float
 from harness.errors import SchemaError, SimulationDiverged
 from harness.files.bounded import reading, require_regular
+from harness.files.parquet import require_room
 from harness.record.episode_facts import EpisodeFacts
 from harness.reward import LARGEST_PAID
 
@@ -219,6 +220,10 @@ def _numpy_type(name: str) -> type[np.generic]:
     return np.bool_ if name in FLAGS else np.float64
 
 
+KNOWN = trace_schema(1, 1, dict.fromkeys(EXTRAS, 1))
+"""All columns that are read, whatever else is there; lists may have other lengths."""
+
+
 @dataclass(frozen=True, eq=False)
 class Trace:
     """A recorded trace in memory: one numpy array per column, and what is known of its episodes."""
@@ -287,9 +292,13 @@ def read_trace(path: Path, columns: list[str] | None = None) -> Trace:
         version = _version(file.schema_arrow, path)
         if columns is not None and OBSTACLE not in file.schema_arrow.names:
             columns = [name for name in columns if name != OBSTACLE]
-        there = columns if version > 1 or columns is None else _columns_of_1(columns)
-        _require_columns(file.schema_arrow, there or (_columns_of_1([]) if version == 1 else []), path)
+        if columns is None:
+            there = [name for name in file.schema_arrow.names if name in KNOWN.names]
+        else:
+            there = columns if version > 1 else _columns_of_1(columns)
+        _require_columns(file.schema_arrow, _columns_of_1(there) if version == 1 else there, path)
         _require_rows(file, path)
+        require_room(file, there)
         table, facts = file.read(columns=there), _facts(file)
         arrays = {name: _to_numpy(table.column(name), f"{path}: {name}") for name in table.column_names}
     if version == 1:
@@ -319,9 +328,8 @@ def _require_columns(schema: pa.Schema, columns: list[str], path: Path) -> None:
     missing = [name for name in columns if name not in schema.names]
     if missing:
         raise SchemaError(f"{path} has no column {', '.join(missing)}")
-    known = trace_schema(1, 1, dict.fromkeys(EXTRAS, 1))
-    for name in (name for name in schema.names if name in known.names):
-        found, expected = schema.field(name).type, known.field(name).type
+    for name in (name for name in schema.names if name in KNOWN.names):
+        found, expected = schema.field(name).type, KNOWN.field(name).type
         if pa.types.is_fixed_size_list(expected):
             right = pa.types.is_fixed_size_list(found) and found.value_type == expected.value_type
         else:

@@ -1,32 +1,44 @@
 """What in an experiment's folder is not what was written there, and how to mend it."""
 
 import os
+import re
 import shutil
+import stat
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
-from harness.errors import NewerFormat, SchemaError
+from harness.errors import NewerFormat, SchemaError, UsageError
 from harness.files.bounded import reading, require_regular
 from harness.files.keyed_file import is_whole
+from harness.files.parquet import require_room
 from harness.files.sums import SUMS, changed_since_made, forget_made, read_sums
 from harness.files.whole_file import files_in, is_partial, write_whole
 from harness.record import file_forms as forms
 from harness.record.cell import Cell
 from harness.record.cell_folder import REMEDY, added_files, examine, require_files
-from harness.record.folder import DERIVED, MANIFEST, TRANSFER
+from harness.record.folder import DERIVED, SCORES, TRANSFER
 from harness.record.manifest import Ending, Manifest, read_manifest, read_record
 from harness.record.plan_file import EXPERIMENT, PLAN, is_experiment_of_plan, read_plan
-from harness.record.store import CELLS, LOCK, RESULTS, Store
+from harness.record.store import CELLS, REPORT, RESULTS, Store
 
 DERIVED_BYTES, TABLE_BYTES = 2**32, 2**30
+OF_A_CELL = ["id", "status"]
+"""Columns of the table of results that are read here."""
 DAMAGED = "damaged"
 """Where `repair` puts what is damaged: nothing is thrown away."""
 ADDED_REMEDY = "harness verify --repair sets it aside"
 PLAN_REMEDY = "harness verify --repair puts it together from the cells; the same harness run asks for the rest"
 MADE_REMEDY = "harness report or harness score makes it again"
+LINE_REMEDY = f"nothing moves what has this name: take the line out of {SUMS}"
+FOREIGN_REMEDY = "no report reads it and nothing moves it: take it away if it is not yours"
+_CELL, _TRANSFER = re.compile(r"[0-9a-f]{16}"), re.compile(r".+-[0-9a-f]{12}")
+"""Names of folders; see `harness.record.cell.Cell.id` and `harness.transfer.record.simulator_id`."""
+LONGEST_NAME = 200
+"""Bytes of a name that are kept among what is damaged, where a number follows."""
 
 
 class Problem(NamedTuple):
@@ -36,6 +48,8 @@ class Problem(NamedTuple):
     """In the folder; relative to it."""
     what: str
     remedy: str
+    stays: bool = False
+    """Whether `repair` tells it and leaves it: the harness makes nothing of this name in this place."""
 
     def to_json(self) -> dict[str, str]:
         """Plain data."""
@@ -76,9 +90,11 @@ def repair(folder: Path) -> list[Action]:
     """Make a folder such that `verify` finds nothing, and that another run does again what is missing then.
 
     Nothing is thrown away: what is damaged goes to the folder ``damaged``, of a link a text that says where it led.
+    Whoever made the folder wrote its names too. So only what the harness itself makes is moved, in its place: folders
+    of cells and transfers, and regular files. All else is told and left.
 
     Raises:
-        UsageError: The folder is no experiment's, or another run is using it.
+        UsageError: The folder is no experiment's, another run is using it, or ``damaged`` is no folder.
         SchemaError: The plan is damaged, and the cells do not tell what it was.
     """
     store = Store.open(folder)
@@ -124,6 +140,9 @@ def _of_plan(folder: Path) -> Iterator[Problem]:
 def _of_cells(folder: Path) -> Iterator[Problem]:
     for path in _folders(folder / CELLS, "[!.]*"):
         inside = path.relative_to(folder)
+        if not _CELL.fullmatch(path.name):
+            yield Problem(inside, "it has no name that a cell has", FOREIGN_REMEDY, stays=True)
+            continue
         try:
             manifest = read_manifest(path)
         except NewerFormat:
@@ -139,7 +158,9 @@ def _of_cells(folder: Path) -> Iterator[Problem]:
             yield Problem(inside, found.reason.removesuffix(f"; {REMEDY}"), REMEDY)
             continue
         for name in added_files(path, manifest):
-            yield Problem(inside / name, "the cell did not leave it, and no report reads it", ADDED_REMEDY)
+            stays = not _is_regular(path / name)
+            remedy = FOREIGN_REMEDY if stays else ADDED_REMEDY
+            yield Problem(inside / name, "the cell did not leave it, and no report reads it", remedy, stays)
 
 
 def _gone(folder: Path) -> Iterator[Problem]:
@@ -170,14 +191,21 @@ def _planned(folder: Path) -> Sequence[Cell]:
 def _done_in_table(path: Path) -> set[str]:
     with reading(path, "table"):
         require_regular(path, TABLE_BYTES)
-        if pq.read_metadata(path).num_rows > forms.MOST_CELLS:
+        file = pq.ParquetFile(path, read_dictionary=OF_A_CELL)
+        if file.metadata.num_rows > forms.MOST_CELLS:
             raise SchemaError(f"{path} has more than {forms.MOST_CELLS:,} rows")
-        table = pq.read_table(path, columns=["id", "status"])
-        return {str(row["id"]) for row in table.to_pylist() if row["status"] == "done"}
+        require_room(file, OF_A_CELL)
+        table = file.read(OF_A_CELL)
+        done = table.filter(pc.equal(table["status"], "done"))["id"]
+        return {str(name) for name in done.unique().to_pylist()}  # a text may stand in very many rows
 
 
 def _of_transfers(folder: Path) -> Iterator[Problem]:
     for path in _folders(folder / TRANSFER, "*/[!.]*"):
+        if not (_CELL.fullmatch(path.parent.name) and _TRANSFER.fullmatch(path.name)):
+            what = "it has no name that an evaluation elsewhere has"
+            yield Problem(path.relative_to(folder), what, FOREIGN_REMEDY, stays=True)
+            continue
         try:
             require_files(path, read_transfer_ending(path))
         except NewerFormat:
@@ -201,19 +229,31 @@ def read_transfer_ending(folder: Path) -> Ending:
 
 def _of_made(folder: Path) -> Iterator[Problem]:
     for parent in (folder, *_folders(folder / CELLS, "[!.]*")):
-        for name in sorted(set(changed_since_made(parent)) - _not_made(parent)):
-            yield Problem((parent / name).relative_to(folder), f"it is not what {SUMS} beside it says", MADE_REMEDY)
+        made = _made_in(parent, folder)
+        for name in sorted(changed_since_made(parent)):
+            path = parent / name
+            if name in made and (_is_regular(path) or not os.path.lexists(path)):
+                yield Problem(path.relative_to(folder), f"it is not what {SUMS} beside it says", MADE_REMEDY)
+            else:
+                what = f"it says otherwise of '{name}', which is no file that the harness makes there"
+                yield Problem((parent / SUMS).relative_to(folder), what, LINE_REMEDY, stays=True)
     for path in files_in(folder / DERIVED):
-        if not is_partial(path) and not is_whole(path, DERIVED_BYTES):
+        if _is_regular(path) and not is_partial(path) and not is_whole(path, DERIVED_BYTES):
             yield Problem(path.relative_to(folder), "it is not what was made", MADE_REMEDY)
 
 
-def _not_made(folder: Path) -> set[str]:
-    """Files that no report made, whatever a list of digests says of them."""
+def _made_in(parent: Path, folder: Path) -> set[str]:
+    """Files that commands of the harness make in this place, whatever a list of digests says of others."""
+    if parent == folder:
+        return {RESULTS, REPORT, SUMS}
     try:
-        return {PLAN, EXPERIMENT, LOCK, MANIFEST, *read_manifest(folder).files}
+        return {SCORES, SUMS} - read_manifest(parent).files.keys()
     except SchemaError:
-        return {PLAN, EXPERIMENT, LOCK, MANIFEST}
+        return {SCORES, SUMS}
+
+
+def _is_regular(path: Path) -> bool:
+    return stat.S_ISREG(path.lstat().st_mode) if os.path.lexists(path) else False
 
 
 def _folders(folder: Path, pattern: str) -> list[Path]:
@@ -235,15 +275,26 @@ def _mend_plan(folder: Path, store: Store) -> list[Action]:
 
 def _set_aside(folder: Path, problem: Problem) -> Action:
     """Move a folder or a file to where damaged ones are kept."""
+    if problem.stays:
+        return _leave(problem)
     target = _free_name(folder, problem.path.name)
-    shutil.move(folder / problem.path, target)
+    try:
+        os.rename(folder / problem.path, target)  # what lies on another disk is not copied and removed
+    except OSError as error:
+        return Action(problem.path, f"it cannot be moved, {error.strerror}; it stays")
     return Action(problem.path, f"moved to {target.relative_to(folder)}; {problem.remedy}")
+
+
+def _leave(problem: Problem) -> Action:
+    return Action(problem.path, f"{problem.what}. It stays: {problem.remedy}")
 
 
 def _set_aside_made(folder: Path, problem: Problem) -> Action:
     """The same of a file that a report made; the list that tells of it is written anew."""
     path = folder / problem.path
-    if not path.exists():  # the list told of it
+    if problem.stays:
+        return _leave(problem)
+    if not os.path.lexists(path):  # the list told of it
         forget_made(path)
         return Action(problem.path, f"it is gone; {MADE_REMEDY}")
     action = _set_aside(folder, problem)
@@ -263,8 +314,11 @@ def _note_link(folder: Path, problem: Problem) -> Action:
 
 def _free_name(folder: Path, name: str) -> Path:
     """A path among what is damaged that nothing has yet."""
-    number = 0
-    while (target := folder / DAMAGED / f"{name}-{number}").exists():
+    home = folder / DAMAGED
+    if os.path.lexists(home) and not home.is_dir():
+        raise UsageError(f"'{home}' is no folder, and what is damaged goes there: rename it")
+    home.mkdir(exist_ok=True)
+    begin, number = os.fsdecode(os.fsencode(name)[:LONGEST_NAME]), 0
+    while os.path.lexists(target := home / f"{begin}-{number}"):
         number += 1
-    target.parent.mkdir(exist_ok=True)
     return target

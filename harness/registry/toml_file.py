@@ -52,12 +52,12 @@ def _read(path: Path) -> dict[str, Any]:
         keys = tomllib.loads(text)
     except RecursionError:
         raise too_deep from None
-    if _depth(keys) > MOST_DEPTH:
+    if depth_of(keys) > MOST_DEPTH:
         raise too_deep
     return keys
 
 
-def _depth(keys: dict[str, Any]) -> int:
+def depth_of(keys: dict[str, Any]) -> int:
     """How many tables and lists lie within one another; counted no further than is of interest."""
     depth = 0
     level: list[Any] = [keys]

@@ -9,13 +9,15 @@ import sys
 from pathlib import Path
 
 from harness.errors import UsageError
-from harness.files.bounded import parse_json, reading
+from harness.files.bounded import read_bytes, read_json, read_text, reading
 from harness.report.summary.drawing import DRAWN, FIGURES, FORMAT, draw_figures
 from harness.report.summary.files import put_files
 from harness.report.summary.runs import RUNS, read_runs
 from harness.report.summary.summary import RECORD, SUMMARY
 from harness.text import one_line_of, print_visible
 
+RECORD_BYTES = 2**28
+"""Most that is read of each file of a record."""
 PICTURE = re.compile(r"^!\[[^]]*\]\((figures/[^)]+\.svg)\)$", re.MULTILINE)
 
 
@@ -30,11 +32,11 @@ def redraw(folder: Path) -> None:
     if missing:
         raise UsageError(f"'{folder}' lacks {', '.join(missing)}: name a folder that `harness report --summary` wrote")
     with reading(folder, "record", UsageError):
-        record, told = (parse_json((folder / name).read_bytes()) for name in (RECORD, DRAWN))
+        record, told = (read_json(folder / name, RECORD_BYTES) for name in (RECORD, DRAWN))
         if told["format"] > FORMAT:
             raise UsageError(f"'{folder / DRAWN}' was written by a newer version: update this one")
-        drawn = draw_figures(record, told, read_runs((folder / RUNS).read_bytes()))
-    page = (folder / SUMMARY).read_text(encoding="utf-8")
+        drawn = draw_figures(record, told, read_runs(read_bytes(folder / RUNS, RECORD_BYTES)))
+        page = read_text(folder / SUMMARY, RECORD_BYTES)
     shown = {path: svg for path, svg in drawn.files.items() if f"]({path})" in page}
     page = PICTURE.sub(lambda found: found[0] if found[1] in shown else drawn.words.get(found[1], ""), page)
     page = re.sub(r"\n{3,}", "\n\n", page)

@@ -10,12 +10,17 @@ import pyarrow.parquet as pq
 
 from harness.arrays import Float, Mask
 from harness.errors import UsageError, one_line
+from harness.files.bounded import reading, require_regular
+from harness.files.parquet import require_room
 from harness.files.sums import changed_since_made, note_made
 from harness.files.whole_file import whole_file
 from harness.record.folder import MANIFEST
 from harness.reward import Reward
 from harness.score.recording import Chunk, Recording
 from harness.score.scorer import Scorer
+
+MOST_BYTES = 2**35
+"""Most that is read of a file of scores."""
 
 
 class RecordingScorer:
@@ -70,10 +75,8 @@ def _write(into: Path, columns: Mapping[str, Float]) -> None:
     kept: dict[str, pa.ChunkedArray] = {}
     rows = len(next(iter(columns.values())))
     if into.exists() and into.name not in changed_since_made(into.parent):
-        earlier = pq.read_table(into)
-        if earlier.num_rows != rows:
-            raise UsageError(f"{into} has {earlier.num_rows} rows, the recording {rows}: it belongs to another one")
-        kept = dict(zip(earlier.column_names, earlier.columns, strict=True))
+        with reading(into, "file of scores", UsageError):
+            kept = _earlier(into, rows)
     try:
         into.parent.mkdir(parents=True, exist_ok=True)
         with whole_file(into) as partial:
@@ -82,6 +85,16 @@ def _write(into: Path, columns: Mapping[str, Float]) -> None:
             note_made(into)  # behind the manifest, which names what the cell itself left
     except OSError as error:
         raise UsageError(f"'{into}' cannot be written: {error.strerror}. Name another folder with --out") from None
+
+
+def _earlier(path: Path, rows: int) -> dict[str, pa.ChunkedArray]:
+    require_regular(path, MOST_BYTES)
+    file = pq.ParquetFile(path)
+    if file.metadata.num_rows != rows:
+        raise UsageError(f"{path} has {file.metadata.num_rows} rows, the recording {rows}: it belongs to another one")
+    require_room(file)
+    table = file.read()
+    return dict(zip(table.column_names, table.columns, strict=True))
 
 
 class _Rows(NamedTuple):

@@ -9,11 +9,12 @@ import pyarrow.parquet as pq
 
 from harness.errors import SchemaError, UsageError
 from harness.files.bounded import reading
+from harness.files.parquet import require_room
 from harness.record.cell import Cell
 from harness.record.folder import MANIFEST
 from harness.record.manifest import read_manifest
 from harness.record.trace import FORMAT, FORMAT_KEY
-from harness.score.recording import MOST_ROWS, ROWS, Recording, choose_columns
+from harness.score.recording import COLUMNS, MOST_ROWS, ROWS, Recording, choose_columns
 from harness.score.scorer import TOUCHED
 from harness.text import shortened
 
@@ -30,6 +31,8 @@ def open_trace(path: Path) -> Recording:
     with reading(path, "trace"):
         with pq.ParquetFile(path) as file:
             schema, rows = file.schema_arrow, file.metadata.num_rows
+            if rows <= MOST_ROWS:
+                require_room(file, [name for name in (*COLUMNS, *TOUCHED) if name in schema.names])
         version = int((schema.metadata or {}).get(FORMAT_KEY, b"0"))
     if FORMAT_KEY not in (schema.metadata or {}):
         raise SchemaError(f"{path} is a Parquet file, and no trace: {_what_it_has(schema.names)}")

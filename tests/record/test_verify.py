@@ -161,6 +161,72 @@ def test_a_forged_list_of_digests_takes_no_sound_file(ran: Path):
     assert {path: path.read_bytes() for path in before if path.exists()} == before
 
 
+@pytest.mark.parametrize(
+    "name", ["..", ".", "cells", "policy", "../../plan.json", "/etc/passwd", "C:x", "x" * 300, "a\x1b[2J", "notes.txt"]
+)
+@pytest.mark.parametrize("is_in_cell", [False, True])
+def test_a_list_of_digests_of_a_stranger_moves_nothing(ran: Path, name: str, is_in_cell: bool):
+    """Whatever it names: `..` would take all cells away, `cells` all trainings."""
+    folder = _first_cell(ran) if is_in_cell else ran
+    if name == "notes.txt" and not is_in_cell:  # in a cell it was added, whatever a list says
+        (folder / name).write_text("of a person")
+    before = {path: path.read_bytes() for path in _files(ran) if path != folder / SUMS}
+    (folder / SUMS).write_text(f"{FIRST_LINE}\n{'0' * 64}  {name}\n")
+    assert len(verify(ran)) == 1
+    assert len(repair(ran)) == 1
+    assert {path: path.read_bytes() for path in before} == before
+    assert {path.name for path in ran.parent.iterdir()} == {"ran"}
+
+
+@pytest.mark.parametrize("name", [RESULTS, REPORT])
+def test_only_a_file_is_set_aside_in_the_place_of_one(ran: Path, name: str):
+    """A folder of its name is not what a report made: it is told and left."""
+    (ran / name).unlink()
+    (ran / name).mkdir()
+    (ran / name / "of a person").write_text("kept")
+    [problem] = verify(ran)
+    assert f"'{name}'" in problem.what
+    [action] = repair(ran)
+    assert "It stays" in action.what
+    assert (ran / name / "of a person").read_text() == "kept"
+
+
+def test_a_folder_that_is_no_cell_stays(ran: Path):
+    """Somebody's notes among the cells."""
+    (ran / CELLS / "notes").mkdir()
+    (ran / CELLS / "notes" / "a.txt").write_text("kept")
+    [problem] = verify(ran)
+    assert problem.path == Path(CELLS) / "notes"
+    repair(ran)
+    assert (ran / CELLS / "notes" / "a.txt").read_text() == "kept"
+
+
+def test_a_file_in_place_of_the_folder_for_damage_is_told(ran: Path):
+    """In a line, before anything is moved."""
+    (ran / DAMAGED).write_text("a file")
+    (ran / REPORT).write_text("<html>9</html>")
+    with pytest.raises(UsageError, match=f"{DAMAGED}' is no folder"):
+        repair(ran)
+    assert (ran / REPORT).exists()
+
+
+def test_a_long_name_is_set_aside_under_a_shorter_one(ran: Path):
+    """A number follows it there."""
+    (_first_cell(ran) / ("x" * 255)).write_text("kept")
+    repair(ran)
+    assert verify(ran) == []
+    assert (ran / DAMAGED / f"{'x' * 200}-0").read_text() == "kept"
+
+
+def test_a_text_of_the_table_that_stands_in_many_rows_takes_little_memory(ran: Path):
+    """A megabyte in 100,000 rows is 100 GB, if each row gets its own."""
+    text = pa.array(["x" * 1_000_000])
+    many = pa.DictionaryArray.from_arrays(pa.array([0] * 100_000, pa.int32()), text)
+    pq.write_table(pa.table({"id": many, "status": pa.array(["done"] * 100_000)}), ran / RESULTS)
+    note_made(ran / RESULTS)
+    assert verify(ran) == []
+
+
 def test_link_is_found_and_noted(ran: Path, tmp_path: Path):
     """It leads out of the folder; what it leads to stays, and a text says where it led."""
     (tmp_path / "kept").mkdir()

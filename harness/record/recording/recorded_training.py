@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from harness.arrays import Float
 from harness.errors import SchemaError
 from harness.files.bounded import reading, require_regular
+from harness.files.parquet import MOST_NUMBERS, require_room
 from harness.record.recording.facts import BEHAVIOUR, REWARD, TrainingFacts
 from harness.record.recording.scores import read_scores, scores_name
 
@@ -101,6 +102,7 @@ def read_recording(folder: Path, only: Collection[str] | None = None) -> Recorde
             )
         facts = [TrainingFacts.read(folder / facts_name(number)) for number in numbers]
         _require_alike(folder, numbers, facts)
+        _require_few(folder, sum(part_count(folder, number) for number in numbers), len(part_schema(facts[0])))
         tables = [read_steps(folder, number, one, only=only) for number, one in zip(numbers, facts, strict=True)]
         scores = [
             read_scores(folder / scores_name(number), len(table["time"]))
@@ -171,7 +173,9 @@ def read_steps(
     schema = part_schema(facts)
     names = schema.names if with_calls else schema.names[: schema.get_field_index(FLAGS[-1]) + 1]
     names = [name for name in names if only is None or name in only or name not in facts.numbers]
-    parts = [read_part(folder / part_name(number, part), schema, names) for part in range(part_count(folder, number))]
+    count = part_count(folder, number)
+    _require_few(folder, count, len(names))
+    parts = [read_part(folder / part_name(number, part), schema, names) for part in range(count)]
     for part, table in enumerate(parts[:-1]):
         if len(table) != PART_ROWS:
             raise SchemaError(f"{folder / part_name(number, part)} has {len(table):,} steps, not {PART_ROWS:,}")
@@ -179,6 +183,15 @@ def read_steps(
     columns = {name: np.asarray(whole.column(name).to_numpy()) for name in names}
     _require_sound(folder, facts, columns)
     return columns
+
+
+def _require_few(folder: Path, parts: int, columns: int) -> None:
+    """See that all steps together find room: each part alone may be small."""
+    steps = max(parts - 1, 0) * PART_ROWS  # the last one may be short
+    if steps * columns > MOST_NUMBERS:
+        raise SchemaError(
+            f"{folder} has more than {steps:,} steps of {columns:,} columns, {MOST_NUMBERS:,} numbers are allowed"
+        )
 
 
 def part_count(folder: Path, number: int) -> int:
@@ -202,6 +215,7 @@ def read_part(path: Path, schema: pa.Schema, names: Sequence[str] | None = None)
             raise SchemaError(f"{path} has other columns than {facts_name(int(path.name.split('-')[1]))} tells")
         if file.metadata.num_rows > PART_ROWS:
             raise SchemaError(f"{path} has {file.metadata.num_rows:,} steps, {PART_ROWS:,} are allowed")
+        require_room(file, names)
         table = file.read(names)
         if any(column.null_count for column in table.columns):
             raise SchemaError(f"{path} has gaps")

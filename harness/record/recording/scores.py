@@ -19,6 +19,7 @@ from typing_extensions import TypedDict
 from harness.arrays import Float
 from harness.errors import NewerFormat, SchemaError
 from harness.files.bounded import parse_json, reading, require_regular
+from harness.files.parquet import require_room
 from harness.files.whole_file import whole_file
 from harness.record.file_forms import EXACT, Name, require_form
 from harness.record.recording.facts import (
@@ -132,6 +133,7 @@ def read_scores(path: Path, steps: int) -> Scores | None:
         if file.metadata.num_rows < steps:
             return None
         facts = _facts_of(path, file.schema_arrow)
+        require_room(file)
         table = file.read()
         columns = {name: np.asarray(table.column(name).to_numpy(), np.float64) for name in table.column_names}
         if any(np.isinf(values).any() for values in columns.values()):

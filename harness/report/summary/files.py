@@ -26,8 +26,11 @@ def put_files(folder: Path, files: Mapping[str, bytes], figures: str) -> None:
         figures: The folder of the figures, within `folder`.
 
     Raises:
-        UsageError: `folder` cannot be written.
+        UsageError: `folder` cannot be written, or a link in it leads out of it.
     """
+    for inner in (PARTIAL, figures):
+        if (folder / inner).is_symlink():
+            raise UsageError(f"'{folder / inner}' is a link; nothing is written through it: remove it")
     partial = folder / PARTIAL
     try:
         _write(partial, files)

@@ -8,6 +8,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from harness.eta.curve import Kind
+from harness.files.parquet import require_room
 from harness.report.figures.panel import CurvePanel, Drawn, panels_of
 from harness.report.figures.points import FEWEST, POINTS
 from harness.results.comparison import Comparison
@@ -31,6 +32,10 @@ SCHEMA = pa.schema(
     ],
     metadata={"format": str(FORMAT), "about": ABOUT},
 )
+
+TEXTS = (*PLACE, "trained_with", "seeds")
+MOST_CURVES, MOST_POINTS, LONGEST_TEXT = 1_000_000, 100_000_000, 100_000
+"""Most that is read of a file, of its curves and of one text in it."""
 
 
 class Key(NamedTuple):
@@ -67,8 +72,19 @@ def runs_file_of(runs: Runs) -> bytes:
 
 
 def read_runs(content: bytes) -> Runs:
-    """The curves of such a file."""
-    rows = pq.read_table(pa.BufferReader(content)).to_pylist()
+    """The curves of such a file.
+
+    Raises:
+        ValueError: They take more room than a summary may, or it is no such file.
+    """
+    file = pq.ParquetFile(pa.BufferReader(content), read_dictionary=TEXTS)
+    if file.metadata.num_rows > MOST_CURVES:
+        raise ValueError(f"it has {file.metadata.num_rows:,} curves, {MOST_CURVES:,} are allowed")
+    require_room(file, most=MOST_POINTS)
+    table = file.read()
+    if any(len(text) > LONGEST_TEXT for name in TEXTS for text in table[name].unique().to_pylist()):
+        raise ValueError(f"a text has more than {LONGEST_TEXT:,} characters")
+    rows = table.to_pylist()
     return {
         Key(**{name: row[name] for name in Key._fields}): Drawn(
             np.asarray(row["step"], np.float64), np.asarray(row["value"], np.float64)

@@ -1,0 +1,69 @@
+"""What a Parquet file will take in memory, from what it says at its end: a small file may tell of very many rows."""
+
+from collections import Counter
+from collections.abc import Collection, Iterator
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+MOST_NUMBERS = 2**31
+"""The most numbers that are read at once, rows times columns: 16 GiB of float64."""
+TEXT_BYTES = 2**28
+"""The most bytes of texts that are read at once."""
+
+
+def require_room(file: pq.ParquetFile, columns: Collection[str] | None = None, most: int = MOST_NUMBERS) -> None:
+    """See that columns of a file take a bounded memory when they are read.
+
+    Rows times columns count, not each alone, and what the parts of the file hold, not only what the whole tells: both
+    may lie. Texts have no width, so they are read as `open_texts` reads them.
+
+    Args:
+        file: It is open, and nothing of it was read.
+        columns: Those that will be read; None for all of them.
+        most: The numbers that they may have together.
+
+    Raises:
+        ValueError: They take more.
+    """
+    schema, told, owners = file.schema_arrow, file.metadata, list(_owners(file.schema_arrow))
+    if len(owners) != told.num_columns:
+        raise ValueError("it tells of other columns than it has")
+    wanted = set(schema.names if columns is None else columns)
+    numbers = Counter({name: told.num_rows * _width(schema.field(name).type) for name in wanted & {*schema.names}})
+    held: Counter[str] = Counter()
+    texts = 0
+    for group in map(told.row_group, range(told.num_row_groups)):
+        for place, name in enumerate(owners):
+            if name in wanted:
+                chunk = group.column(place)
+                held[name] += chunk.num_values
+                texts += chunk.total_uncompressed_size * pa.types.is_dictionary(schema.field(name).type)
+    total = sum((numbers | held).values())
+    if total > most:
+        raise ValueError(f"it has {told.num_rows:,} rows of {total:,} numbers, {most:,} are allowed")
+    if texts > TEXT_BYTES:
+        raise ValueError(f"its texts have {texts:,} bytes, {TEXT_BYTES:,} are allowed")
+
+
+def _owners(schema: pa.Schema) -> Iterator[str]:
+    """The column of each of the file's own columns, which hold the values of nested ones."""
+    for field in schema:
+        yield from [field.name] * _leaves(field.type)
+
+
+def _leaves(kind: pa.DataType) -> int:
+    return sum(_leaves(kind.field(place).type) for place in range(kind.num_fields)) or 1
+
+
+def _width(kind: pa.DataType) -> int:
+    """The numbers of a row, gaps included."""
+    if pa.types.is_fixed_size_list(kind):
+        return int(kind.list_size) * _width(kind.value_type)
+    if pa.types.is_string(kind) or pa.types.is_large_string(kind) or _is_bytes(kind):
+        raise ValueError(f"it has a column of {kind}, where numbers are read")
+    return sum(_width(kind.field(place).type) for place in range(kind.num_fields)) or 1
+
+
+def _is_bytes(kind: pa.DataType) -> bool:
+    return bool(pa.types.is_binary(kind) or pa.types.is_large_binary(kind) or pa.types.is_fixed_size_binary(kind))
