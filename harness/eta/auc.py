@@ -149,7 +149,9 @@ def _tasks(paid: Float, above: Mask, tasks: Sequence[str] | NDArray[Any] | None)
     members = []
     for rows, count in zip(both, pairs, strict=True):
         placed = _places(paid[rows], above[rows])
-        value = float(placed[above[rows]].mean())
+        below = int((~above[rows]).sum())
+        halves = np.rint(2.0 * below * placed[above[rows]]).sum()  # whole numbers: the same in every order
+        value = float(halves) / (2.0 * count)
         members.append(_Task(count / sum(pairs), rows, above[rows], placed - value, value))
     return members
 
@@ -182,28 +184,45 @@ def _spread(members: Sequence[_Task], value: float, group: NDArray[np.int64]) ->
     Where all episodes of a task and kind are of one cluster, they show no variance. The model's of one episode takes
     its place.
     """
-    together = np.zeros(int(group.max()) + 1)
-    parts: list[tuple[float, int]] = []
-    kinds: tuple[set[int], set[int]] = (set(), set())
+    together = np.zeros((2, int(group.max()) + 1))
+    there = np.zeros(together.shape, bool)
+    parts: list[_Part] = []
     squares = 0.0
     for task in members:
         for place, kind in enumerate((task.above, ~task.above)):
             of_kind, inverse = np.unique(group[task.rows[kind]], return_inverse=True)
             sums = task.weight * np.bincount(inverse, task.apart[kind]) / kind.sum()
-            together[of_kind] += sums
+            together[place, of_kind] += sums
+            there[place, of_kind] = True
             squares += float(sums @ sums)
-            kinds[place].update(of_kind.tolist())
-            clusters = len(of_kind)
-            if clusters > 1:
-                parts.append((float(sums @ sums) * clusters / (clusters - 1), clusters - 1))
+            if len(of_kind) > 1:
+                parts.append(_part(sums))
             elif len(members) > 1:
-                parts.append((task.weight**2 * _of_one(value)[place], 1))
-    alone = sum(part for part, _ in parts)
-    freedom = alone**2 / sum(part**2 / free for part, free in parts) if alone > 0.0 else 0.0
-    most = sum(len(kind) - 1 for kind in kinds)  # clusters that act in several tasks are not there several times
-    least = min(*(free for _, free in parts), most)  # Satterthwaite's is never below it
-    across = float(together @ together) - squares
-    return _Spread(max(0.0, alone + across), float(max(least, min(freedom, most))))
+                parts.append(_Part(task.weight**2 * _of_one(value)[place], 1))
+    both = together.sum(axis=0)
+    across = float(both @ both) - squares
+    # Clusters that act in several tasks are not there several times.
+    freedom = min(_freedom(parts), _freedom([_part(sums[it]) for sums, it in zip(together, there, strict=True)]))
+    return _Spread(max(0.0, sum(part.variance for part in parts) + across), freedom)
+
+
+class _Part(NamedTuple):
+    """What clusters of one kind add to a variance."""
+
+    variance: float
+    freedom: int
+
+
+def _part(sums: Float) -> _Part:
+    """From what each of at least two clusters adds to the AUC."""
+    return _Part(float(sums @ sums) * len(sums) / (len(sums) - 1), len(sums) - 1)
+
+
+def _freedom(parts: Sequence[_Part]) -> float:
+    """The degrees of freedom of a sum of variances (Satterthwaite), which are never below those of a part."""
+    alone = sum(part.variance for part in parts)
+    freedom = alone**2 / sum(part.variance**2 / part.freedom for part in parts) if alone > 0.0 else 0.0
+    return float(max(min(part.freedom for part in parts), freedom))
 
 
 def _of_one(chance: float) -> tuple[float, float]:

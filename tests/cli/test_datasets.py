@@ -54,6 +54,19 @@ def test_audit_writes_a_page(call, tmp_path: Path):
     assert "pair-0-0" in (tmp_path / "page.html").read_text()
 
 
+@pytest.mark.parametrize("flags", [("--labels", "labels.csv"), ("--success-above", "0"), ("--success", "success>0.5")])
+def test_success_is_told_by_what_a_user_names(call, tmp_path: Path, flags: tuple[str, str]):
+    """And the page says what."""
+    (tmp_path / "labels.csv").write_text("episode,success\n0,1\n1,0\n")
+    status, out, _ = call("audit", "minari:m", "--json", "--html", "page.html", *flags)
+    told = {"--labels": "the file labels.csv", "--success-above": "a recorded return above 0"}
+    assert status == 0
+    assert json.loads(out)["success_told_by"] == told.get(flags[0], flags[1])
+    page = (tmp_path / "page.html").read_text().replace("&gt;", ">")
+    assert f"told by {json.loads(out)['success_told_by']}" in page
+    assert all(line in page for line in json.loads(out)["notes"])
+
+
 def test_report_shows_the_recorded_reward(call):
     """And takes no others."""
     status, out, _ = call("report", "lerobot:l", "--json")
@@ -93,6 +106,11 @@ def test_a_reward_that_fails_is_told_and_the_others_go_on(call, tmp_path: Path):
         (("audit", "minari:m", "--reward", "arp", "--places", "end_effector=0:3,target=4:7"), "beyond the 6 numbers"),
         (("audit", "minari:m", "--sim", "mujoco"), "--sim does not go with a data set"),
         (("audit", "minari:m", "--success", "won"), "it has success"),
+        (("audit", "minari:m", "--success", "sucess"), "Did you mean 'success'?"),
+        (("audit", "minari:m", "--success", "success>x"), "write KEY, or KEY>0.5"),
+        (("audit", "minari:m", "--labels", "near.py"), "it needs episode and success"),
+        (("audit", "minari:m", "--labels", "l.csv", "--success-above", "1"), "leave out one"),
+        (("audit", "--reward", "arp", "--partial"), "--partial needs a data set"),
         (("audit", "--reward", "arp", "--places", "end_effector=0:3,target=3:6"), "--places needs a data set"),
         (("score", "minari:m", "--all"), "--all does not go with a data set"),
         (("score", "m.csv", *PLACES), "--places needs a data set"),

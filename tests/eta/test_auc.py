@@ -113,6 +113,69 @@ def test_pay_of_no_meaning_cannot_tell():
     assert found.low < 0.5 < found.high
 
 
+def pairs_within(paid, above, tasks):
+    """The share of pairs of one task in the right order, counted one by one; None without any."""
+    right = count = 0.0
+    for one in range(len(paid)):
+        for other in range(len(paid)):
+            if above[one] and not above[other] and tasks[one] == tasks[other]:
+                count += 1
+                right += 1.0 if paid[one] > paid[other] else 0.5 if paid[one] == paid[other] else 0.0
+    return right / count if count else None
+
+
+@given(st.lists(st.tuples(st.integers(-9, 9), st.booleans(), st.integers(0, 3)), min_size=2, max_size=40))
+def test_the_value_is_the_share_of_pairs_within_a_task(drawn):
+    """However many episodes of either kind a task has."""
+    paid, above, tasks = (np.array(it) for it in zip(*drawn, strict=True))
+    found, expected = auc_of(paid.astype(float), above, None, tasks), pairs_within(paid, above, tasks)
+    assert (found.value is None) == (expected is None)
+    assert found.value is None or found.value == pytest.approx(expected)
+
+
+def test_tasks_are_not_compared_with_one_another():
+    """Perfect in each of two tasks, though one pays ten more."""
+    above, task = np.arange(40) % 2 == 0, np.arange(40) // 20
+    paid = above + 10.0 * task
+    assert auc_of(paid, above).value == pytest.approx(0.75)
+    found = auc_of(paid, above, None, task)
+    assert (found.value, found.answer, found.pairs, found.tasks) == (1.0, RANKS, 200, 2)
+
+
+def test_no_task_with_both_kinds_cannot_tell():
+    """And says why."""
+    above = np.arange(10) < 5
+    found = auc_of(np.arange(10.0), above, None, above)
+    assert (found.value, found.reason) == (None, "no task has episodes of both kinds")
+
+
+def test_one_task_is_as_none():
+    """And so are tasks without pairs beside it."""
+    rng = np.random.default_rng(3)
+    paid, above, cluster = rng.normal(size=30), rng.random(30) < 0.5, rng.integers(0, 9, 30)
+    assert auc_of(paid, above, cluster, np.ones(30)) == auc_of(paid, above, cluster)
+    more = [np.concatenate([it, it[:1]]) for it in (paid, above, cluster)]
+    ends = auc_of(*more, np.array([0] * 30 + [1]))
+    assert (ends.value, ends.low, ends.high) == tuple(
+        getattr(auc_of(paid, above, cluster), name) for name in ("value", "low", "high")
+    )
+
+
+def test_an_operator_of_several_tasks_is_one():
+    """What it adds to several tasks is no new evidence: ten tasks of the same operators are as one."""
+    rng = np.random.default_rng(1)
+    operator = np.repeat(np.arange(12), 5)
+    above = operator % 2 == 0
+    paid = rng.normal(size=12)[operator] + 0.1 * rng.normal(size=60) + above
+    once = auc_of(paid, above, operator)
+    tasks = np.repeat(np.arange(10), 60)
+    often = auc_of(np.tile(paid, 10), np.tile(above, 10), np.tile(operator, 10), tasks)
+    apart = auc_of(np.tile(paid, 10), np.tile(above, 10), np.tile(operator, 10) + 12 * tasks, tasks)
+    assert often.value == pytest.approx(once.value)
+    assert often.high - often.low == pytest.approx(once.high - once.low, rel=0.1)
+    assert apart.high - apart.low < 0.5 * (once.high - once.low)
+
+
 def test_a_share_is_that_of_the_sums():
     """With an interval over clusters."""
     found = share_of(np.array([1.0, 0.0, 2.0]), np.array([2.0, 2.0, 4.0]), np.arange(3))
@@ -202,6 +265,63 @@ def test_the_interval_over_operators_holds_the_chance(shape, labels):
     """It is wider than it would have to be where operators differ little, and never much too narrow."""
     found = [coverage(one, TIMES // 2) for one in TOGETHER if (one[:2], one.labels) == (shape, labels)]
     assert np.mean([held for held, _ in found]) >= 0.93
+    assert max(wrong for _, wrong in found) <= 0.05 + 0.015  # of 1,000 data sets
+
+
+class Tasks(NamedTuple):
+    """Where data sets of several tasks are drawn from: each task pays another amount and succeeds at another rate.
+
+    ``size`` episodes are an operator's: of one task, or with ``shared`` of all tasks in turn.
+    """
+
+    tasks: int
+    episodes: int
+    size: int
+    shared: bool
+    chance: float
+
+    def draw(self, rng):
+        """What is paid, what succeeds, the clusters and the tasks."""
+        task = np.repeat(np.arange(self.tasks), self.episodes)
+        number = np.arange(len(task))
+        place = number % self.episodes if self.shared else number
+        cluster = place // self.size
+        rates = rng.uniform(0.3, 0.7, self.tasks)
+        while True:
+            above = rng.random(len(task)) < rates[task]
+            both = [it for it in range(self.tasks) if 0 < above[task == it].sum() < self.episodes]
+            used = np.isin(task, both)
+            if min(len(np.unique(cluster[used & kind])) for kind in (above, ~above)) >= 3:
+                break
+        alike = 0.3 if self.size > 1 or self.shared else 0.0
+        paid = np.sqrt(alike) * rng.normal(size=len(task))[cluster] + np.sqrt(1 - alike) * rng.normal(size=len(task))
+        return (
+            paid + np.sqrt(2.0) * ndtri(self.chance) * above + 9.0 * rng.normal(size=self.tasks)[task],
+            above,
+            cluster,
+            task,
+        )
+
+
+OF_TASKS = [
+    Tasks(tasks, episodes, size, shared, chance)
+    for (tasks, episodes, size, shared), chance in product(
+        (
+            *((2, 10, 1, False), (2, 50, 1, False), (10, 10, 1, False), (10, 3, 1, False), (30, 2, 1, False)),
+            *((2, 50, 5, False), (10, 10, 5, False), (10, 10, 1, True), (5, 20, 2, True)),
+        ),
+        CHANCES,
+    )
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("shape", sorted({one[:4] for one in OF_TASKS}))
+def test_the_interval_over_tasks_holds_the_chance(shape):
+    """Few episodes of many tasks, and operators of one task or of all of them."""
+    found = [coverage(one, TIMES // 2) for one in OF_TASKS if one[:4] == shape]
+    assert np.mean([held for held, _ in found]) >= 0.93
+    assert min(held for held, _ in found) >= 0.91
     assert max(wrong for _, wrong in found) <= 0.05 + 0.015  # of 1,000 data sets
 
 

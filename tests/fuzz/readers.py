@@ -18,6 +18,7 @@ from harness.files.sealed import seal, unseal
 from harness.motion.limits import JointLimits
 from harness.policy import CARD, WEIGHTS, Greedy, Policy, SquashedGaussian, UniformChoice, load_policy
 from harness.policy.inverse_kinematics import InverseKinematics
+from harness.record.dataset.labels import SuccessRule, read_labels
 from harness.record.dataset.open_dataset import open_dataset
 from harness.record.folder import SCENE
 from harness.record.manifest import Manifest, read_manifest
@@ -44,6 +45,7 @@ from tests.fuzz.mutate import (
     mutate_toml,
     mutate_xml,
 )
+from tests.record.dataset.frames import write_frames
 from tests.record.dataset.written import episode, write_lerobot, write_minari
 
 Mutate = Callable[[bytes, Random], bytes]
@@ -203,8 +205,19 @@ def _datasets(folder: Path) -> dict[str, Reader]:
         }
         return Reader(files, {f"{kind}/{name}": mutate}, lambda at: _exhaust_dataset(f"{kind}:{at / kind}"))
 
-    frames = "data/chunk-000/file-000.parquet"
+    frames, episodes = "data/chunk-000/file-000.parquet", "meta/episodes/chunk-000/file-000.parquet"
+    lists = write_frames(folder / "lists", [{"observation.state": np.zeros((3, 2)), "action": np.zeros((3, 2))}] * 2)
+    lines = write_frames(
+        folder / "lines", [{"observation.state": np.zeros((3, 2)), "action": np.zeros((3, 2))}], "v2.1"
+    )
     return {
+        "episodes of lerobot": reader("lerobot", lists, episodes, _mutate_parquet),
+        "lines of lerobot": reader("lerobot", lines, "meta/episodes.jsonl", mutate_json),
+        "labels": Reader(
+            {"labels.csv": b"episode,success\n0,1\n1,false\n"},
+            {"labels.csv": mutate_csv},
+            lambda at: read_labels(at / "labels.csv", SuccessRule()),
+        ),
         "minari": reader("minari", minari, "data/main_data.hdf5", mutate_bytes),
         "facts of minari": reader("minari", minari, "data/metadata.json", mutate_json),
         "lerobot": reader("lerobot", lerobot, frames, _mutate_parquet),

@@ -23,6 +23,7 @@ NAMES = (
     *("recorded trace", "trace", "scene", "manifest", "sealed manifest", "plan", "sealed plan"),
     *("recorded training", "steps of a recorded training"),
     *("minari", "facts of minari", "lerobot", "facts of lerobot"),
+    *("episodes of lerobot", "lines of lerobot", "labels"),
 )
 EACH = pytest.mark.parametrize("name", NAMES)
 SEEDS = st.integers(0, 2**63)

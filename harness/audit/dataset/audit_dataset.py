@@ -13,7 +13,7 @@ from harness.arrays import Float, Mask
 from harness.audit.dataset.dataset_audit import DatasetAudit, PaidStep, RewardAnswer, WrongPair
 from harness.audit.dataset.paid_dataset import Labels, PaidDataset, pay_dataset
 from harness.audit.dataset.payers import Payer, given_payers, payers_of, places_of
-from harness.audit.dataset.withheld import answer_that_holds, lines_of, of_its_own_return
+from harness.audit.dataset.withheld import answer_that_holds, level_that_holds, lines_of, of_its_own_return
 from harness.audit.recorded.paid import Paid, compare_paid, pairs_of
 from harness.audit.recorded.pair import Pair, pair_of
 from harness.errors import UsageError
@@ -235,7 +235,8 @@ def _by_level(paid: PaidDataset, below: PaidDataset | None, name: str, grouped: 
     clusters = np.concatenate([grouped.clusters, grouped.clusters.max() + 1 + under.clusters])
     several = len(grouped.names) > 1 or len(under.names) > 1
     tasks = np.array([*paid.tasks, *below.tasks] if several else [""] * len(returns))
-    return auc_of(returns[kept], above[kept], clusters[kept], tasks[kept])
+    auc = auc_of(returns[kept], above[kept], clusters[kept], tasks[kept])
+    return level_that_holds(auc, paid, below, name, clusters, tasks)
 
 
 def _wrong(returns: Float, success: Mask, known: Mask, tasks: NDArray[np.int64]) -> int:

@@ -125,7 +125,7 @@ class Labels:
     above: float | None = None
 
     def of(self, episodes: Sequence["_Episode"]) -> NDArray[np.int8]:
-        """Of each episode."""
+        """Labels of episodes."""
         if self.by_episode is not None:
             return np.array([self.by_episode.get(it.number, UNKNOWN) for it in episodes], np.int8)
         paid = np.array([it.recorded for it in episodes])
@@ -265,7 +265,7 @@ class _Kept:
 
 
 def _told_of(told: NDArray[np.int8], begins: NDArray[np.int64]) -> tuple[NDArray[np.int8], Mask]:
-    """Of each episode, whether it succeeded, and whether its last step alone says so.
+    """Whether each episode succeeded, and whether its last step alone says so.
 
     A step that is a success makes the episode one. It is a failure if all steps from the first that is known are
     failures: labels may begin late, but they have no gap.

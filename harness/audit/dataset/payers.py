@@ -1,5 +1,6 @@
 """What pays the steps of a data set: its own columns, functions of plugin files, and an arm's rewards."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -83,7 +84,7 @@ class Stepwise:
         for row in range(count):
             after = take_rows(piece.observations, row + 1)
             info = {key: values[row] for key, values in infos}
-            paid[row] = as_number(self.function(before, take_rows(piece.actions, row), after, info))
+            paid[row] = number_or_nan(self.function(before, take_rows(piece.actions, row), after, info))
             before = after
         if count == len(piece):
             return paid
@@ -95,10 +96,22 @@ class Stepwise:
         """What it pays a step after which nothing was seen; None of a function that looks at what came then."""
         unseen = Unseen()
         try:
-            paid = as_number(self.function(observation, action, unseen, info))
+            paid = number_or_nan(self.function(observation, action, unseen, info))
         except Exception:  # whatever it makes of what is not there
             return None
         return None if unseen.looked_at else paid
+
+
+def number_or_nan(value: Any) -> float:
+    """One number; NaN where it is infinite too, since such a step has no pay, whatever the other steps have.
+
+    Raises:
+        ValueError: It is of another shape.
+        TypeError: It is no number.
+    """
+    if isinstance(value, np.ndarray) and value.shape == ():
+        value = value[()]
+    return math.nan if isinstance(value, float | np.floating) and not math.isfinite(value) else as_number(value)
 
 
 @dataclass

@@ -53,6 +53,22 @@ def answer_that_holds(
     return auc
 
 
+def level_that_holds(
+    auc: Auc, paid: PaidDataset, below: PaidDataset, name: str, clusters: NDArray[np.int64], tasks: NDArray[np.str_]
+) -> Auc:
+    """The same of a data set above that of a beginner; see `answer_that_holds`."""
+    torn = any((it.unpaid[name] | it.lost[name]).any() for it in (paid, below))
+    if auc.answer == CANNOT_TELL or not torn:
+        return auc
+    above = np.arange(len(paid) + len(below)) < len(paid)
+    for best in (True, False):
+        sides = ((paid, best), (below, not best))
+        moved = np.concatenate([_moved(it, name, np.full(len(it), most)) for it, most in sides])
+        if auc_of(moved, above, clusters, tasks).answer != auc.answer:
+            return replace(auc, answer=CANNOT_TELL, reason=UNPAID if paid.unpaid[name].any() else LOST)
+    return auc
+
+
 def of_its_own_return(auc: Auc, paid: PaidDataset, name: str) -> Auc:
     """Without a word where the recorded return is both what succeeds and what is asked about."""
     if paid.by_return and name == RECORDED and auc.answer != CANNOT_TELL:

@@ -106,7 +106,7 @@ class Piece:
 
     @property
     def seen(self) -> int:
-        """Of how many steps it is known what was seen after them: all, or all but the last."""
+        """How many steps it is known of what was seen after them: all, or all but the last."""
         return row_count(self.observations) - 1
 
 

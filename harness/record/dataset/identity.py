@@ -23,7 +23,7 @@ class Fingerprint:
             part.update(_packed(rows).tobytes())
 
     def digest(self) -> bytes:
-        """Of all pieces so far."""
+        """All pieces so far, as some bytes."""
         return b"".join(part.digest() for part in self._parts)
 
 

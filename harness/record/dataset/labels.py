@@ -44,7 +44,7 @@ class SuccessRule:
 
     @property
     def text(self) -> str:
-        """As a user types it."""
+        """What a user types for it."""
         return f"{self.key}{self.sign}{self.threshold:g}" if self.sign else self.key
 
     def of_steps(self, values: NDArray[Any], noun: str) -> NDArray[np.int8]:

@@ -25,6 +25,8 @@ SINGLE = (REWARD, EPISODE, FRAME, TASK)
 """Columns that hold one number of each frame."""
 CHUNK, FILE = "data/chunk_index", "data/file_index"
 DATA_PATH = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
+LEFT_OUT = ("stats/", "videos/")
+"""How keys of an episode begin that say nothing of it as a whole."""
 MOST_FILES, LIST_BYTES = 1_000_000, 2**29
 _VERSION = re.compile(r"v?(\d{1,4})\.(\d{1,4})")
 
@@ -160,7 +162,7 @@ def _tables(paths: list[Path]) -> Iterator[dict[str, Any]]:
     for path in paths:
         require_regular(path, LIST_BYTES)
         with pq.ParquetFile(path) as file:
-            names = [it.name for it in file.schema_arrow if it.name == TASKS or _is_single(it.type)]
+            names = [it.name for it in file.schema_arrow if _is_single(it.type) and not it.name.startswith(LEFT_OUT)]
             if file.metadata.num_rows > MOST_EPISODES or len(names) > MOST_KEYS:
                 raise SchemaError(f"{path} lists more than {MOST_EPISODES:,} episodes, or {MOST_KEYS:,} keys")
             for batch in file.iter_batches(columns=names):
@@ -170,10 +172,14 @@ def _tables(paths: list[Path]) -> Iterator[dict[str, Any]]:
 def _is_single(kind: pa.DataType) -> bool:
     if pa.types.is_list(kind) or pa.types.is_fixed_size_list(kind):
         return _is_single(kind.value_type)
-    return any(
-        check(kind)
-        for check in (pa.types.is_boolean, pa.types.is_integer, pa.types.is_floating, pa.types.is_string)
-    )  # fmt: skip
+    kinds = (
+        pa.types.is_boolean,
+        pa.types.is_integer,
+        pa.types.is_floating,
+        pa.types.is_string,
+        pa.types.is_large_string,
+    )
+    return any(check(kind) for check in kinds)
 
 
 def _count(value: Any) -> int | None:

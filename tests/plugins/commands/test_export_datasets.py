@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import harness
+from harness.audit.dataset.audit_dataset import audit_dataset
 from harness.audit.dataset.paid_dataset import pay_dataset
 from harness.audit.dataset.payers import OfArm, Recorded, Stepwise
 from harness.cli import main
@@ -105,6 +106,20 @@ def test_both_formats_say_the_same(exported: Path):
         if isinstance(first[0], dict):
             first, second = [it["distance"] for it in first], [it["next.distance"] for it in second]
         assert np.concatenate(second) == pytest.approx(np.concatenate(first), abs=1e-6)
+
+
+@pytest.mark.parametrize("kind", ["training", "evaluation"])
+def test_both_formats_get_the_same_answer(exported: Path, kind: str):
+    """Intervals are over the trainings in both; the same episodes are equal."""
+    one, other = (audit_dataset(_dataset(exported, form, kind).facts.name) for form in FORMATS)
+    assert one.clusters == other.clusters
+    assert one.clusters[0] == "operators"
+    assert (one.episodes, one.successes, one.failures) == (other.episodes, other.successes, other.failures)
+    for first, second in zip(one.rewards, other.rewards, strict=True):
+        assert (first.by_success.answer, first.by_success.clusters) == (
+            second.by_success.answer,
+            second.by_success.clusters,
+        )
 
 
 def test_minari_reads_what_was_written(exported: Path):

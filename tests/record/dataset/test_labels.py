@@ -1,0 +1,105 @@
+"""What is a label, and what needs a threshold."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.errors import UsageError
+from harness.record.dataset.labels import FAILURE, SUCCESS, UNKNOWN, SuccessRule, parse_success, read_labels
+
+
+@pytest.mark.parametrize("kind", [bool, np.uint8, np.int8, np.float16, np.float64])
+@pytest.mark.parametrize("shape", [(2,), (2, 1)])
+def test_labels_have_any_type(kind: type, shape: tuple[int, ...]) -> None:
+    """Labels have any type."""
+    assert SuccessRule("k").of_steps(np.array([0, 1], kind).reshape(shape), "k").tolist() == [FAILURE, SUCCESS]
+
+
+def test_nan_and_minus_one_are_not_known() -> None:
+    """NaN and -1 are not known."""
+    assert SuccessRule("k").of_steps(np.array([np.nan, -1.0]), "k").tolist() == [UNKNOWN, UNKNOWN]
+
+
+@pytest.mark.parametrize("value", [0.5, 2.0, np.inf, -2.0])
+def test_another_number_is_refused(value: float) -> None:
+    """Another number is refused, with what to type."""
+    with pytest.raises(UsageError, match=r"--success 'k>0\.5'"):
+        SuccessRule("k").of_steps(np.array([0.0, value]), "k")
+
+
+def test_several_numbers_a_step_are_no_label() -> None:
+    """Several numbers a step are no label."""
+    with pytest.raises(UsageError, match="2 numbers a step"):
+        SuccessRule("k").of_steps(np.zeros((3, 2)), "k")
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [("k>0.5", [0, 0, 1, -1]), ("k>=0.5", [0, 1, 1, -1]), ("k < 0.5", [1, 0, 0, -1]), ("a b/c<=0.5", [1, 1, 0, -1])],
+)
+def test_a_threshold_makes_labels(text: str, told: list[int]) -> None:
+    """A threshold makes labels; NaN stays unknown."""
+    assert parse_success(text).of_steps(np.array([0.2, 0.5, 0.7, np.nan]), "k").tolist() == told
+
+
+@pytest.mark.parametrize("text", ["k>", "k>x", "k=1", "k>nan", ">1", "k>1>2"])
+def test_a_rule_that_is_none_is_refused(text: str) -> None:
+    """A rule that is none is refused."""
+    with pytest.raises(UsageError, match=r"KEY>0\.5"):
+        parse_success(text)
+
+
+@pytest.mark.parametrize(
+    ("value", "told"),
+    [
+        ("True", 1),
+        (b"false", 0),
+        ("1.0", 1),
+        ("", -1),
+        ("nan", -1),
+        (None, -1),
+        (-1, -1),
+        ([True], 1),
+        (np.float32(0), 0),
+    ],
+)
+def test_an_episode_s_label_may_be_text(value: object, told: int) -> None:
+    """An episode's label may be text."""
+    assert SuccessRule("k").of_episode(value, "k") == told
+
+
+@pytest.mark.parametrize("value", ["won", 0.5, [1, 0], "0.5"])
+def test_another_value_of_an_episode_is_refused(value: object) -> None:
+    """Another value of an episode is refused."""
+    with pytest.raises(UsageError, match="label"):
+        SuccessRule("k").of_episode(value, "k")
+
+
+def test_a_file_of_labels_may_have_a_threshold(tmp_path: Path) -> None:
+    """A file of labels may have a threshold, and another column."""
+    (tmp_path / "l.csv").write_text("episode, score\n0,0.2\n1,0.7\n2,\n")
+    assert read_labels(tmp_path / "l.csv", parse_success("score>0.5")) == {0: FAILURE, 1: SUCCESS, 2: UNKNOWN}
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("number,success\n0,1\n", "it needs episode and success"),
+        ("episode,success\nx,1\n", "line 2: 'x' is no number of an episode"),
+        ("episode,success\n0,1\n0,0\n", "line 3: episode 0 has another label above"),
+        ("episode,success\n0,0.5\n", "line 2 holds 0.5, which is no label"),
+        ("", "none; it needs episode"),
+    ],
+)
+def test_a_file_of_labels_that_is_none_is_one_line(tmp_path: Path, text: str, told: str) -> None:
+    """A file of labels that is none is one line."""
+    (tmp_path / "l.csv").write_text(text)
+    with pytest.raises(UsageError, match=told):
+        read_labels(tmp_path / "l.csv", SuccessRule())
+
+
+def test_a_file_of_labels_that_is_not_there_is_one_line(tmp_path: Path) -> None:
+    """A file of labels that is not there is one line."""
+    with pytest.raises(UsageError, match="cannot be read"):
+        read_labels(tmp_path / "l.csv", SuccessRule())
