@@ -42,8 +42,8 @@ class Jaw:
     def warning(self, settings: Path) -> str:
         """What a user has to know, and to write into the robot.toml `settings` if it is a jaw, in one line."""
         return (
-            f"the last joint, '{self.joint}', looks like the jaw of a gripper: {', '.join(self.reasons)}. The end "
-            f"effector is its link '{self.tip}'. If it is a jaw, write into {settings}: "
+            f"the end effector, '{self.tip}', is moved by '{self.joint}', which looks like the jaw of a gripper: "
+            f"{', '.join(self.reasons)}. If it is one, write into {settings}: "
             f"end_effector = {json.dumps(self.palm, ensure_ascii=False)}"
         )
 
@@ -65,9 +65,9 @@ def find_jaw(urdf: Urdf, chain: Chain, joints: Sequence[Joint]) -> Jaw | None:
     is_named = bool(JAW.search(last.name)) and not WRIST.search(last.name)
     frames = [link for link in _fixed_to(urdf, before.child) if TOOL.search(link)]
     reasons = [
-        *["it has such a name"] * is_named,
-        *[f"the tool's frame '{frame}' does not move with it" for frame in frames[:1]],
-        "it slides" if last.kind == "prismatic" else "its hinge is the end effector",
+        *["by its name"] * is_named,
+        *[f"it does not move the tool's frame '{frame}'" for frame in frames[:1]],
+        "it slides" if last.kind == "prismatic" else "it only turns its link",
     ]
     if not is_named and not frames:
         return None

@@ -91,7 +91,7 @@ def _max_speed(settings: RobotSettings, urdf: Path, driven: Sequence[Joint]) -> 
     given = settings.values("max_speed", driven)
     lacking = [joint for joint, value in zip(driven, given, strict=True) if value is None and joint.velocity is None]
     if lacking:
-        raise UsageError(f"{urdf}: {_speeds_wanted(settings, lacking)}")
+        raise UsageError(f"{urdf}: {_speeds_wanted(settings, driven, lacking)}")
     default = [min(joint.velocity or math.inf, LARGEST_DEFAULT_SPEED[motion_of(joint)]) for joint in driven]
     speed = _fill(given, np.array(default))
     _check_positive(settings, "max_speed", driven, speed)
@@ -104,14 +104,18 @@ def _max_speed(settings: RobotSettings, urdf: Path, driven: Sequence[Joint]) -> 
     return speed
 
 
-def _speeds_wanted(settings: RobotSettings, joints: Sequence[Joint]) -> str:
-    """What to write for joints that have no speed limit."""
-    names = ", ".join(f"'{joint.name}'" for joint in joints)
+def _speeds_wanted(settings: RobotSettings, driven: Sequence[Joint], lacking: Sequence[Joint]) -> str:
+    """What to write for joints that have no speed limit; short enough for a line that is cut at 300 characters."""
     lines = []
     for motion, key in JOINT_KEYS["max_speed"].items():
-        those = [f"{toml_key(joint.name)} = {EXAMPLE_SPEED[motion]}" for joint in joints if motion_of(joint) == motion]
-        lines += [f"{key} = {{ {', '.join(those)} }}"] * bool(those)
-    told = f"joint{'s' * (len(joints) > 1)} {names} {'has' if len(joints) == 1 else 'have'} no velocity limit above 0."
+        names = [joint.name for joint in lacking if motion_of(joint) == motion]
+        example = EXAMPLE_SPEED[motion]
+        if len(names) == sum(motion_of(joint) == motion for joint in driven):
+            lines += [f"{key} = [{', '.join([example] * len(names))}]"] * bool(names)
+        elif names:
+            lines += [f"{key} = {{ {', '.join(f'{toml_key(name)} = {example}' for name in names)} }}"]
+    more = f" and {len(lacking) - 1} more" * (len(lacking) > 1)
+    told = f"joint '{lacking[0].name}'{more}: no velocity limit above 0."
     return f"{told} Write into {settings.path}, with the arm's own numbers: {' and '.join(lines)}"
 
 

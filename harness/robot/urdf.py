@@ -121,6 +121,8 @@ def parse_urdf(text: str) -> Urdf:
     """
     urdf = Urdf(*read_xml(text))
     links = [_name(link) for link in urdf.element.findall("link")]
+    if not links:
+        raise UsageError("The URDF has no <link>. If it is a xacro file, expand it: xacro arm.urdf.xacro > arm.urdf")
     if len(links) > MOST_LINKS:
         raise UsageError(f"The URDF has {len(links):,} links, {MOST_LINKS} are allowed. Give the arm alone.")
     _check_unique("link", links)

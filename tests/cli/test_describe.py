@@ -5,6 +5,9 @@ from pathlib import Path
 import pytest
 
 import harness_robots
+from tests.robot.brought_arms import JAW, changed
+
+SPEEDS = "max_speed_deg_s = [90, 90, 90, 90]"
 
 
 def test_the_task_is_described_as_the_tuple(harness):
@@ -81,6 +84,28 @@ def test_robot_of_a_path_is_described(harness, tmp_path):
     assert "robot mine: 5 joints, end effector Axis06Tip" in out
     assert re.search(r"home: +the simplest pose clear of the ground", out)
     assert re.search(r"home: +robot\.toml", harness("describe", "unity-arm").out)
+
+
+def test_an_arm_with_a_jaw_is_described_with_what_to_write(harness, tmp_path):
+    """A run tells it too, before anything is trained, and the line is not cut."""
+    path = tmp_path / "arm.urdf"
+    path.write_text(JAW)
+    note = 'robot.toml: end_effector = "tcp"\n'
+    assert note in harness("describe", path).out
+    answer = harness("run", "--sim", "kinematic", "--algo", "random", "--robot", path, "--dry-run")
+    assert note in answer.err
+    assert "the end effector, 'jaw', is moved by 'gripper'" in answer.err
+
+
+def test_speeds_that_are_missing_are_told_whole(harness, tmp_path):
+    """What to write is not cut either, and then the arm is described."""
+    path = tmp_path / "arm.urdf"
+    path.write_text(changed(('velocity="2" effort="50"', 'velocity="0" effort="0"')))
+    answer = harness("describe", path)
+    assert answer.status == 2
+    assert answer.err.endswith(f"{tmp_path / 'robot.toml'}, with the arm's own numbers: {SPEEDS}\n")
+    (tmp_path / "robot.toml").write_text(SPEEDS)
+    assert re.search(r"max speed: +robot\.toml", harness("describe", path).out)
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,12 @@ def test_a_jaw_is_told_with_what_to_write(tmp_path: Path):
     robot = read_arm(tmp_path, JAW)
     assert (robot.dof, robot.end_effector_link) == (5, "jaw")
     (warning,) = robot.warnings
-    for part in ("'gripper'", "such a name", "'tcp' does not move", "its link 'jaw'", 'end_effector = "tcp"'):
+    for part in (
+        "'jaw', is moved by 'gripper'",
+        "by its name",
+        "the tool's frame 'tcp'",
+        'end_effector = "tcp"',
+    ):
         assert part in warning
     assert str(tmp_path / "robot.toml") in warning
     assert "\n" not in warning

@@ -144,6 +144,15 @@ def test_no_root_is_refused():
         chain_of(f'<robot name="ring"><link name="a"/>{joint}</robot>', "a")
 
 
+@pytest.mark.parametrize(
+    "content", ["", "<!-- a -->", '<xacro:arm prefix="left"/>', "<xacro:macro><link/></xacro:macro>"]
+)
+def test_a_file_without_links_is_refused(content: str):
+    """It may be one for xacro, whose elements are no words of a URDF."""
+    with pytest.raises(UsageError, match="has no <link>. If it is a xacro file, expand it: xacro "):
+        parse_urdf(f"<robot>{content}</robot>")
+
+
 def test_fixed_joint_needs_no_axis():
     """Exporters write an axis of no length where there is nothing to turn about."""
     urdf = ARM.replace('<origin xyz="0 0 1"/>', '<origin xyz="0 0 1"/> <axis xyz="0 0 0"/>')
