@@ -82,7 +82,9 @@ def require_text(folder: Path, noun: str = "--out") -> None:
     try:
         str(folder).encode()
     except UnicodeEncodeError:
-        raise UsageError(f"{noun} '{folder}' is not written in UTF-8, which files in it need: give another name") from None
+        raise UsageError(
+            f"{noun} '{folder}' is not written in UTF-8, which files in it need: give another name"
+        ) from None
 
 
 def make_folder(folder: Path, inner: str = "") -> None:

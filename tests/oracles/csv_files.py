@@ -13,7 +13,7 @@ from typing import Any
 import pyarrow.parquet as pq
 
 from tests.oracles.answers import Row, accelerated, etas, first_negative_and_crossover, indices
-from tests.oracles.trial import Answer, Trial, call, call_json
+from tests.oracles.trial import Answer, Shown, Trial, call, call_json
 
 HEADER = (
     "t", "beginDistance", "prevBest", "distance", "delta_distance", "reward", "target x", "target y", "target z",
@@ -100,7 +100,7 @@ def answer_of(groups: Sequence[Sequence[Table]], with_steps: bool = True) -> Ans
     for name, group in zip(("baseline", "proposed"), rewards, strict=True):
         below, above = indices(group)
         first, crossover = first_negative_and_crossover(group)
-        told[name] = {"I_N": round(below, 1) + 0.0, "I_P": round(above, 1) + 0.0}
+        told[name] = {"I_N": Shown(below), "I_P": Shown(above)}
         told[name] |= {"first_negative": first, "crossover": crossover}
         told[name] |= {"steps": steps} if with_steps else {}
     return told

@@ -11,13 +11,15 @@ from random import Random, SystemRandom
 
 import pytest
 
-from tests.oracles import csv_files, lerobot_sets, minari_sets
+from tests.oracles import arms, csv_files, lerobot_sets, minari_sets, recordings
 from tests.oracles.trial import Oracle, fault_of
 
 ORACLES: dict[str, Oracle] = {
     **lerobot_sets.ORACLES,
     **minari_sets.ORACLES,
     **csv_files.ORACLES,
+    **recordings.ORACLES,
+    **arms.ORACLES,
 }
 EACH = pytest.mark.parametrize("name", ORACLES)
 INPUTS, ALL, QUICK = "ORACLE_INPUTS", 500, 2
