@@ -136,9 +136,9 @@ def call(*arguments: object) -> tuple[str, str]:
         except SystemExit as ended:
             status = ended.code
     said = err.getvalue().strip()
-    if status == USAGE and "\n" not in said and said:
+    if status in {USAGE, DAMAGED} and said and "\n" not in said and not out.getvalue():
         raise Refused(said)
-    assert status == 0 or (status == DAMAGED and said), f"status {status}: {said[-500:]}"
+    assert status == 0 or (status == DAMAGED and (said or out.getvalue())), f"status {status}: {said[-500:]}"
     return out.getvalue(), said
 
 
