@@ -13,7 +13,7 @@ from harness.reward import Reward
 from harness.score.recording import ROWS, Chunk, Recording
 from harness.score.rescore import RecordingScorer
 
-HELD = 1_000_000
+HELD = 250_000
 """The most rows that are in memory at once, of all runs together."""
 ROWS_SEEN = 1_000
 """Rows of a chunk in which different rewards are counted."""
@@ -127,7 +127,7 @@ def copy_notes(copies: Sequence[Mapping[Recording, Recording]]) -> Iterator[str]
 
 
 def notes_of(sides: Sequence[ComparedRows]) -> Iterator[str]:
-    """Of budgets, equal runs and units."""
+    """What a reader has to know of budgets, equal runs and units."""
     lengths = {run.path: rows for side in sides for run, rows in zip(side.group, side.rows, strict=True)}
     shortest = min(lengths, key=lambda path: lengths[path])
     longer = [rows for rows in lengths.values() if rows > lengths[shortest]]

@@ -99,10 +99,12 @@ def _no_reward(names: list[str]) -> str:
     """Why there is no reward column."""
     line = ",".join(names)
     for separator, word in ((";", "semicolons"), ("\t", "tabs"), ("|", "|")):
-        if separator in line:
+        if line.count(separator) >= max(1, len(names)):
             return f"no column 'reward': the columns are separated by {word}; only commas are read, and decimal points"
     there = ", ".join(shortened(name.strip(), SHOWN) for name in names[:12]) + (", ..." if len(names) > 12 else "")
-    return f"no column 'reward'; there is: {there or 'nothing'}"
+    paid = next((name.strip() for name in names if name.strip().lower().startswith("reward_")), None)
+    rename = "" if paid is None else f". Call the one that taught 'reward', such as '{shortened(paid, SHOWN)}'"
+    return f"no column 'reward'; there is: {there or 'nothing'}{rename}"
 
 
 def _csv_batches(path: Path, header: _Header) -> Iterator[pa.RecordBatch]:

@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.compute as pc
 
 from harness.arrays import Float
 from harness.errors import UsageError
@@ -49,7 +48,7 @@ class Watched(NamedTuple):
 
 
 def why_no_steps(names: Sequence[str]) -> str | None:
-    """Whose table without a column 'reward' it is, and why its rows are no steps; None for any other.
+    """Why the rows of a table without a column 'reward' are no steps, by whose it is; None for any other table.
 
     Args:
         names: As in the header, trimmed and in lower case.
@@ -144,8 +143,7 @@ class RowWatch:
             return None
         try:
             if pa.types.is_string(column.type):
-                column = pc.utf8_trim_whitespace(column)
-                column = pc.if_else(pc.equal(column, ""), None, column).cast(pa.float64())
+                column = _parsed(column)
             values: Float = column.to_numpy(zero_copy_only=False).astype(np.float64)
         except (pa.ArrowException, ValueError):
             values = np.array([0.5])
@@ -198,6 +196,14 @@ class RowWatch:
         found = np.empty_like(counts)
         found[order] = before
         return found
+
+
+def _parsed(column: pa.Array) -> pa.Array:
+    """Texts as numbers; null where a cell is empty."""
+    import pyarrow.compute as pc  # most files have no such column
+
+    trimmed = pc.utf8_trim_whitespace(column)
+    return pc.if_else(pc.equal(trimmed, ""), None, trimmed).cast(pa.float64())
 
 
 def _episodes(how: str, column: str) -> str:

@@ -254,6 +254,8 @@ ROW = "0,1,1,1,0,0"
         (["a;reward", "1;2"], "line 1: no column 'reward': the columns are separated by semicolons"),
         (["a\treward", "1\t2"], "line 1: no column 'reward': the columns are separated by tabs"),
         (["a,b", "1,2"], "line 1: no column 'reward'; there is: a, b"),
+        (["a;,b", "1,2"], "line 1: no column 'reward'; there is: a;, b"),
+        (["time,reward_own", "1,2"], "Call the one that taught 'reward', such as 'reward_own'"),
         (["reward,b,Reward"], "line 1: two columns are called 'reward'"),
         ([], " is empty"),
         ([""], "line 1: no column 'reward'; there is: nothing"),

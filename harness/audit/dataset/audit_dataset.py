@@ -30,6 +30,7 @@ MOST_PAIRS, MOST_STEPS = 5, 3
 """So many wrongly ranked pairs, and steps, are told of each reward."""
 BLOCKS = 10
 """Distances between rewards are means over so many parts of the data set."""
+UNTOLD = "Nothing says which episodes"
 FILE = "file"
 """What `--cluster` says for episodes of one file to count as alike."""
 
@@ -172,12 +173,15 @@ def _notes(paid: PaidDataset, below: PaidDataset | None, grouped: _Grouped, plac
     notes += [f"{below.facts.name}: {line}" for line in (*below.facts.notes, *below.notes)] if below else []
     unknown = int((paid.told == UNKNOWN).sum())
     if unknown == len(paid):
+        who = f"{paid.facts.success} does not say of any episode whether it" if paid.facts.success else UNTOLD
         notes.append(
-            "Nothing says which episodes succeeded: name the key with --success KEY, or give --labels episodes.csv or "
-            "--success-above RETURN"
+            f"{who} succeeded: name the key with --success KEY, or give --labels episodes.csv or --success-above RETURN"
         )
     elif unknown:
         notes.append(f"Episodes left out, since nothing says whether they succeeded: {unknown:,}")
+    declared = paid.facts.declared_tasks
+    if declared is not None and declared != len(grouped.names):
+        notes.append(f"The metadata declares {declared:,} tasks, and {len(grouped.names):,} are in what is used")
     if grouped.untold:
         notes.append(f"Nothing says who made {grouped.untold:,} of the episodes: each of them counts by itself")
     unseen = int(np.isnan(paid.moved[paid.begins[1:] - 1]).sum())

@@ -52,6 +52,7 @@ class DatasetFacts:
         success: What says whether a step, or an episode, was a success; empty if nothing does.
         operator: What says who made an episode; empty if nothing does.
         task: What says which task an episode does; empty if nothing does.
+        declared_tasks: How many tasks the metadata says that there are; None if it does not.
         notes: What to keep in mind, a line each.
     """
 
@@ -64,6 +65,7 @@ class DatasetFacts:
     success: str = ""
     operator: str = ""
     task: str = ""
+    declared_tasks: int | None = None
     notes: tuple[str, ...] = ()
 
 

@@ -83,18 +83,17 @@ class Walk:
 
     def numbers(self, group: Any, prefix: str = "", depth: int = 0) -> Iterator[tuple[str, Any]]:
         """All arrays of numbers at any depth, by key, ``a/b``; an array of one number has no rows."""
-        for key, found in self._members(group, depth):
+        for key, found in self._members(group, depth, frozenset()):
             if not hasattr(found, "dtype"):
                 yield from self.numbers(found, f"{prefix}{key}/", depth + 1)
             elif found.dtype.kind in "biuf" and numbers_of_row(found) <= MOST_NUMBERS:
                 yield f"{prefix}{key}", found
 
-    def nested(self, parent: Any, key: str, left_out: frozenset[str], place: str, depth: int = 0) -> Nested:
+    def nested(self, found: Any, left_out: frozenset[str], place: str, depth: int = 0) -> Nested:
         """An observation or an action as arrays in the file.
 
         Args:
-            parent: The group that it stands in.
-            key: Its name there.
+            found: What stands in the file.
             left_out: Places that are not looked at.
             place: Its own.
             depth: How deep it stands in the episode.
@@ -102,21 +101,20 @@ class Walk:
         Raises:
             SchemaError: It holds no rows of numbers.
         """
-        found = member_of(self._path, parent, key)
         if hasattr(found, "dtype"):
             if found.ndim < 1 or found.dtype.kind not in "biuf" or numbers_of_row(found) > MOST_NUMBERS:
                 raise SchemaError(f"{self._path}: {found.name} holds no rows of at most {MOST_NUMBERS:,} numbers")
             return found
+        skipped = frozenset(name for name in found if f"{place}/{name}" in left_out) if left_out else left_out
         parts = {
-            name: self.nested(found, name, left_out, f"{place}/{name}", depth + 1)
-            for name, _ in self._members(found, depth)
-            if f"{place}/{name}" not in left_out
+            name: self.nested(part, left_out, f"{place}/{name}", depth + 1)
+            for name, part in self._members(found, depth, skipped)
         }
         if parts and all(f"_index_{number}" in parts for number in range(len(parts))):
             return tuple(parts[f"_index_{number}"] for number in range(len(parts)))
         return parts
 
-    def _members(self, group: Any, depth: int) -> Iterator[tuple[str, Any]]:
+    def _members(self, group: Any, depth: int, skipped: frozenset[str]) -> Iterator[tuple[str, Any]]:
         if depth > DEEPEST:
             raise SchemaError(f"{self._path}: {group.name} is nested too deeply")
         where = address(group)
@@ -124,6 +122,8 @@ class Walk:
             raise SchemaError(f"{self._path}: {group.name} is another name for a group that stands elsewhere too")
         self._groups.add(where)
         for key in group:
+            if key in skipped:
+                continue
             self._count += 1
             if self._count > MOST_KEYS:
                 raise SchemaError(f"{self._path}: {group.name}: an episode has more than {MOST_KEYS:,} parts")

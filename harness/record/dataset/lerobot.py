@@ -52,6 +52,7 @@ from harness.record.dataset.lerobot_facts import (
     TASK,
     TASKS,
     Listing,
+    count_of,
     names_of,
     read_info,
     read_listing,
@@ -113,7 +114,7 @@ def open_lerobot(name: str, success: SuccessRule | None, cluster: str = "", part
         shapes = shapes_of(path, features)
         own = own_rewards(path, info.get(OWN_REWARDS), shapes, (REWARD, *NEEDED, NEXT_STATE))
         listing, tasks = read_listing(folder), read_tasks(folder)
-    files, notes = _files(folder, info, listing)
+        files, notes = _files(folder, info, listing)
     census = _census(folder, files, shapes, listing, info, partial_is_enough)
     layout = _Layout(files, shapes, own, listing, tasks, census.episodes, None)
     told = (*layout.keys, *listing.keys)
@@ -130,6 +131,7 @@ def open_lerobot(name: str, success: SuccessRule | None, cluster: str = "", part
         success="" if rule is None else rule.text,
         operator=cluster or next((key for key in OPERATOR_KEYS if key in told), ""),
         task=TASK if TASK in shapes else TASKS if TASKS in listing.keys else "",
+        declared_tasks=count_of(info.get("total_tasks")),
         notes=(*notes, *census.notes),
     )
     return Dataset(facts, partial(_pieces, facts, layout._replace(rule=rule)))
@@ -154,9 +156,11 @@ def _files(folder: Path, info: Mapping[str, Any], listing: Listing) -> tuple[tup
     if len(found) > MOST_FILES:
         raise SchemaError(f"{folder} has {len(found):,} files, {MOST_FILES:,} are allowed")
     if {CHUNK, FILE} <= {*listing.keys} and info.get("data_path", DATA_PATH) == DATA_PATH:
-        places = {(row.get(CHUNK), row.get(FILE)) for row in listing.rows.values()}
-        if not all(isinstance(number, int) and 0 <= number < MOST_FILES for place in places for number in place):
+        rows = listing.rows.values()
+        numbers = [count_of(row.get(key)) for row in rows for key in (CHUNK, FILE)]
+        if not all(number is not None and number < MOST_FILES for number in numbers):
             raise SchemaError(f"{listing.path} names a file by {CHUNK} and {FILE} that are no numbers of files")
+        places = {(row[CHUNK], row[FILE]) for row in rows}
         named = {folder / DATA_PATH.format(chunk_index=chunk, file_index=file) for chunk, file in places}
         beside = [path for path in found if path not in named]
         found = [path for path in found if path in named]

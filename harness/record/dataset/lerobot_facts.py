@@ -47,9 +47,11 @@ class Listing(NamedTuple):
     def declared(self, info: Mapping[str, Any]) -> Declared:
         """With the totals of ``info.json``."""
         lengths = {
-            number: steps for number, row in self.rows.items() if (steps := _count(row.get("length"))) is not None
+            number: steps for number, row in self.rows.items() if (steps := count_of(row.get("length"))) is not None
         }
-        return Declared(_count(info.get("total_episodes")), _count(info.get("total_frames")), self.rows.keys(), lengths)
+        return Declared(
+            count_of(info.get("total_episodes")), count_of(info.get("total_frames")), self.rows.keys(), lengths
+        )
 
 
 def read_info(path: Path) -> dict[str, Any]:
@@ -136,7 +138,7 @@ def read_listing(folder: Path) -> Listing:
     listed: dict[int, dict[str, Any]] = {}
     keys: dict[str, None] = {}
     for row in rows:
-        number = _count(row.get(EPISODE))
+        number = count_of(row.get(EPISODE))
         if number is None or number in listed:
             raise SchemaError(f"{place} has a row without {EPISODE}, or lists episode {number} twice")
         listed[number] = row
@@ -182,7 +184,8 @@ def _is_single(kind: pa.DataType) -> bool:
     return any(check(kind) for check in kinds)
 
 
-def _count(value: Any) -> int | None:
+def count_of(value: Any) -> int | None:
+    """A whole number of at least 0; None where it is anything else."""
     return value if isinstance(value, int) and not isinstance(value, bool) and value >= 0 else None
 
 
@@ -197,7 +200,7 @@ def read_tasks(folder: Path) -> dict[int, str]:
         rows = []
     named = {}
     for row in rows:
-        number, text = _count(row.get(TASK)), row.get("task", row.get("__index_level_0__"))
+        number, text = count_of(row.get(TASK)), row.get("task", row.get("__index_level_0__"))
         if number is not None and isinstance(text, str):
             named[number] = shortened(text, 200)
     return named

@@ -198,15 +198,17 @@ def _overview(path: Path, file: Any) -> _Overview:
         seen.steps[number] = len(member_of(path, group, "rewards"))
         if (told := _whole(group.attrs.get("total_steps"))) is not None:
             seen.told[number] = told
-        seen.infos.update(dict.fromkeys(_info_keys(path, group)))
+        seen.infos.update(dict.fromkeys(_info_keys(path, group, seen.infos)))
         seen.attributes.update(dict.fromkeys(key for key in (*group.attrs, *group) if key not in STEP_DATA))
     return seen
 
 
-def _info_keys(path: Path, episode: Any) -> Iterator[str]:
-    """Keys of the infos that hold numbers, at any depth, ``a/b``."""
-    if "infos" in episode:
-        yield from (key for key, _ in Walk(path).numbers(group_of(path, episode, "infos")))
+def _info_keys(path: Path, episode: Any, known: Mapping[str, None]) -> list[str]:
+    """Keys of the infos that hold numbers, at any depth, ``a/b``. Nothing is opened where all are known already."""
+    if "infos" not in episode:
+        return []
+    infos = group_of(path, episode, "infos")
+    return [] if all(key in known for key in infos) else [key for key, _ in Walk(path).numbers(infos)]
 
 
 def _pieces(facts: DatasetFacts, layout: _Layout) -> Iterator[Piece]:
@@ -226,8 +228,8 @@ class _Episode:
     def __init__(self, path: Path, facts: DatasetFacts, layout: _Layout, group: Any, number: int) -> None:
         self._path, self._facts, self._layout, self._group, self._number = path, facts, layout, group, number
         walk = Walk(path)
-        self._observations = walk.nested(group, "observations", layout.pictures, "observations")
-        self._actions = walk.nested(group, "actions", frozenset(), "actions")
+        self._observations = walk.nested(member_of(path, group, "observations"), layout.pictures, "observations")
+        self._actions = walk.nested(member_of(path, group, "actions"), frozenset(), "actions")
         self._rewards = member_of(path, group, "rewards")
         self.steps = len(self._rewards)
         self._require_rows()

@@ -197,7 +197,10 @@ def test_pairs_are_compared_within_a_task(tmp_path: Path):
         made(it, np.full(STEPS, paid[it]), **{"next.success": bool(success[it]), "task_index": task[it]})
         for it in range(40)
     ]
-    found = ask(write_frames(tmp_path / "d", episodes))
+    folder = write_frames(tmp_path / "d", episodes)
+    (folder / "meta/info.json").write_text(json.dumps({**info_of(folder), "total_tasks": 1}))
+    found = ask(folder)
+    assert "The metadata declares 1 tasks, and 2 are in what is used" in found.notes
     assert share_of_pairs(paid, success) < 0.3
     assert found.rewards[0].by_success.value == share_of_pairs(paid, success, task) == 1.0
     assert found.tasks == ("0", "1")
