@@ -84,7 +84,9 @@ def answer_of(cells: Sequence[Done]) -> Answer:
 def reduced(told: Any) -> Answer:
     """What is compared of ``report --json``."""
     (one,) = told["combinations"]
-    (success,) = (metric for metric in one["behaviour"] if metric["name"] == "success_rate" and metric["baseline"] is not None)
+    (success,) = (
+        metric for metric in one["behaviour"] if metric["name"] == "success_rate" and metric["baseline"] is not None
+    )
     who = {"baseline": one["baseline"], "proposed": one["proposed"]}
     return {
         "eta_N": one["eta_N"]["eta"]["value"],

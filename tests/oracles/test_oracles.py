@@ -11,7 +11,7 @@ from random import Random, SystemRandom
 
 import pytest
 
-from tests.oracles import arms, csv_files, lerobot_sets, minari_sets, recordings
+from tests.oracles import arms, csv_files, experiments, lerobot_sets, minari_sets, recordings, settings
 from tests.oracles.trial import Oracle, fault_of
 
 ORACLES: dict[str, Oracle] = {
@@ -19,7 +19,9 @@ ORACLES: dict[str, Oracle] = {
     **minari_sets.ORACLES,
     **csv_files.ORACLES,
     **recordings.ORACLES,
+    **experiments.ORACLES,
     **arms.ORACLES,
+    **settings.ORACLES,
 }
 EACH = pytest.mark.parametrize("name", ORACLES)
 INPUTS, ALL, QUICK = "ORACLE_INPUTS", 500, 2
