@@ -11,14 +11,14 @@ import pytest
 from harness.eta.curve import GroupCurve
 from harness.policy import kinds
 from harness.policy.network import ACTIVATIONS
+from harness.record import cell_folder
 from harness.record.dataset import lerobot, minari
 from harness.record.dataset.census import Census
 from harness.record.dataset.identity import Fingerprint
 from harness.record.dataset.labels import SuccessRule
 from harness.record.recording import recorded_training
-from harness.results import done_cells
 from harness.robot import kinematics
-from harness.score import recording
+from harness.score import rescore
 from tests.oracles import settings
 from tests.oracles.test_oracles import faults_of
 
@@ -61,16 +61,19 @@ def _frames_come_in_any_order(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(lerobot._Frames, "_require_order", lambda self, frame, number, where: None)
 
 
-def _first_step_is_not_summed(patch: pytest.MonkeyPatch) -> None:
-    curves = GroupCurve._curves
-    patch.setattr(GroupCurve, "_curves", lambda self, rewards: curves(self, rewards) - rewards[:, :1])
+def _last_step_is_not_summed(patch: pytest.MonkeyPatch) -> None:
+    add = GroupCurve._add_mean
+    patch.setattr(GroupCurve, "_add_mean", lambda self, mean: add(self, mean[:-1]))
 
 
-def _best_distance_is_the_one_after_the_step(patch: pytest.MonkeyPatch) -> None:
-    def after(columns: Any) -> Any:
-        return columns["prev_best"], columns["distance"] - columns["prev_best"]
+def _best_distance_stays_the_first(patch: pytest.MonkeyPatch) -> None:
+    rows_of = rescore._rows_of
 
-    patch.setattr(recording, "_before_step", after)
+    def first(chunk: Any, mask: Any) -> Any:
+        rows = rows_of(chunk, mask)
+        return rows._replace(previous_best=rows.begin_distance)
+
+    patch.setattr(rescore, "_rows_of", first)
 
 
 def _angles_turn_the_other_way(patch: pytest.MonkeyPatch) -> None:
@@ -83,7 +86,7 @@ def _steps_may_be_missing(patch: pytest.MonkeyPatch) -> None:
 
 
 def _digests_are_not_looked_at(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(done_cells, "changed_files", lambda *_: [])
+    patch.setattr(cell_folder, "require_files", lambda folder, record: None)
 
 
 def _relu_for_tanh(patch: pytest.MonkeyPatch) -> None:
@@ -115,8 +118,8 @@ MUTANTS: tuple[tuple[Break, str], ...] = (
     (_metadata_are_not_believed, "lerobot, damaged"),
     (_metadata_are_not_believed, "minari, totals"),
     (_frames_come_in_any_order, "lerobot, damaged"),
-    (_first_step_is_not_summed, "csv, other numbers"),
-    (_best_distance_is_the_one_after_the_step, "csv, paid again"),
+    (_last_step_is_not_summed, "csv, other numbers"),
+    (_best_distance_stays_the_first, "csv, paid again"),
     (_angles_turn_the_other_way, "arm, written otherwise"),
     (_steps_may_be_missing, "recording, damaged"),
     (_digests_are_not_looked_at, "experiment, damaged"),
