@@ -1,6 +1,6 @@
 """Names of the array types; shape, unit and frame stand beside each use."""
 
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,3 +9,10 @@ Float: TypeAlias = NDArray[np.float64]
 Float32: TypeAlias = NDArray[np.float32]
 Ints: TypeAlias = NDArray[np.int64]
 Mask: TypeAlias = NDArray[np.bool_]
+
+
+def read_only(array: NDArray[Any]) -> NDArray[Any]:
+    """A view of an array that cannot be written into; it shows what its owner writes."""
+    view = array.view()
+    view.setflags(write=False)
+    return view

@@ -5,6 +5,7 @@
     HarnessError
     ├── UsageError            what the user gave cannot be used: one line, exit status 2, nothing written
     ├── PluginError           a plugin is broken: names the plugin, its distribution and the target
+    ├── MissingSolid          a simulator lacks a collision shape of an arm: names the link
     ├── SimulationDiverged    a simulation or a reward gave NaN or infinity: the cell fails, the other cells go on
     ├── ContractViolation     a plugin breaks its interface's contract: names the check
     ├── StorageError          a results folder cannot be written: the disk is full, or fails; what was done stays
@@ -29,6 +30,10 @@ class UsageError(HarnessError):
 
 class PluginError(HarnessError):
     """A plugin cannot be imported, or registers something that it does not contain."""
+
+
+class MissingSolid(HarnessError):
+    """A simulator has left out a collision shape of an arm, so the arm would pass through the ground."""
 
 
 class SimulationDiverged(HarnessError):

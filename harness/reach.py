@@ -33,6 +33,10 @@ FD100_HALF_EXTENT = np.array([0.2, 0.3, 0.3])
 FD100_MOUNT = 0.43
 """Height of the FD100's first joint over the world's origin, [m]: its box has that room for an arm's stand."""
 
+START_NOISE = (
+    "largest distance of a joint from the robot's home pose at the start, +- [rad]; of a sliding joint as large a "
+    "share of its range as that angle is of a full turn"
+)
 START_TRIES = 100
 """How often a start is drawn until it is clear of the fixed obstacles."""
 
@@ -67,9 +71,7 @@ class ReachTask(Conditions):
         Extents | None,
         Field(description="half the edges of the targets' box [m]; None: in fd100-reach 0.2x0.3x0.3, scaled by reach"),
     ] = None
-    start_noise: Annotated[
-        float, Field(ge=0, description="largest distance of a joint from the robot's home pose at the start, +- [rad]")
-    ] = math.radians(6)
+    start_noise: Annotated[float, Field(ge=0, description=START_NOISE)] = math.radians(6)
     speed: Annotated[
         float, Field(gt=0, le=1, description="fraction of a joint's maximum speed that may be used, NOTE Table I")
     ] = 0.8
@@ -125,7 +127,7 @@ class ReachTask(Conditions):
             UsageError: The arm touches fixed obstacles in all of the 100 starts that were drawn.
         """
         for _ in range(START_TRIES):
-            noise = rng.uniform(-self.start_noise, self.start_noise, robot.dof)
+            noise = rng.uniform(-self.start_noise, self.start_noise, robot.dof) * robot.per_radian
             start = np.minimum(np.maximum(robot.home + noise, robot.lower), robot.upper)
             if not self.obstacles or not self._touches(robot, start[None])[0]:
                 return start
@@ -176,7 +178,8 @@ class ReachTask(Conditions):
 
     def start_in_words(self, robot: Robot) -> str:
         """See `harness.task.Task`."""
-        return f"the home pose, each joint +- {math.degrees(self.start_noise):.3g} deg, from the seed"
+        slides = f" (a slide +- {self.start_noise / math.tau:.2%} of its range)" * bool(robot.chain.slides.any())
+        return f"the home pose, each joint +- {math.degrees(self.start_noise):.3g} deg{slides}, from the seed"
 
     def target_in_words(self, robot: Robot) -> str:
         """See `harness.task.Task`."""

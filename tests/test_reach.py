@@ -10,6 +10,7 @@ import harness
 from harness.errors import UsageError
 from harness.reach import FD100_MOUNT, ReachTask, way_to_mount
 from harness.robot.inverse_kinematics import reach_position
+from harness.robot.robot import read_robot
 from tests.robot.brought_arms import TABLE_MOUNT, changed, read_arm
 
 ROBOT = harness.load_robot("fd100")
@@ -135,6 +136,28 @@ def test_starts_are_near_home():
     away = np.abs([task.draw_start(ROBOT, generator) - ROBOT.home for _ in range(300)])
     assert away.max() <= task.start_noise == math.radians(6)
     assert (away.max(axis=0) > 0.9 * task.start_noise).all()
+
+
+SHORT_SLIDE = """<robot name="slide">
+<link name="base"/><link name="l1"/><link name="l2"/><link name="l3"/><link name="tool"/>
+<joint name="j1" type="revolute"><parent link="base"/><child link="l1"/><origin xyz="0 0 0.35"/><axis xyz="0 0 1"/>
+<limit lower="-2" upper="2" velocity="2" effort="50"/></joint>
+<joint name="j2" type="prismatic"><parent link="l1"/><child link="l2"/><origin xyz="0 0 0.25"/><axis xyz="0 0 1"/>
+<limit lower="0" upper="0.05" velocity="0.2" effort="9"/></joint>
+<joint name="j3" type="revolute"><parent link="l2"/><child link="l3"/><origin xyz="0 0 0.25"/><axis xyz="1 0 0"/>
+<limit lower="-2" upper="2" velocity="2" effort="50"/></joint>
+<joint name="jt" type="fixed"><parent link="l3"/><child link="tool"/><origin xyz="0.05 0 0.1"/></joint></robot>"""
+
+
+def test_a_slide_starts_within_a_share_of_its_range(tmp_path: Path):
+    """A slide of 5 cm starts within 0.83 mm of home, as 6 degrees are 1/60 of a turn; and uses all of that."""
+    (tmp_path / "slide.urdf").write_text(SHORT_SLIDE)
+    robot, task, generator = read_robot(tmp_path / "slide.urdf"), ReachTask(), rng()
+    away = np.abs([task.draw_start(robot, generator) - robot.home for _ in range(300)]).max(axis=0)
+    np.testing.assert_array_less(away, [math.radians(6), 0.05 / 60, math.radians(6)])
+    assert away[1] > 0.9 * 0.05 / 60
+    assert "a slide +- 1.67% of its range" in task.start_in_words(robot)
+    assert "slide" not in task.start_in_words(ROBOT)
 
 
 def test_starts_are_within_the_joint_ranges():

@@ -105,4 +105,5 @@ def audit_reward(reward: Reward, against: Reward, rollouts: Sequence[Rollout], g
 def _line(other: Score, score: Score) -> Line | None:
     """What a reward paid in the steps of a rollout, over what the other one paid; the event terms are the task's."""
     running = score.rollout.running
-    return line_of(other.values[running], score.values[running])
+    can_end = bool(score.rollout.reached.any())
+    return line_of(other.values[running], score.values[running], can_end=can_end)

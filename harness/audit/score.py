@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from harness.arrays import Float
+from harness.arrays import Float, read_only
 from harness.audit.rollout import Rollout
 from harness.errors import SimulationDiverged
 from harness.reward import LARGEST_PAID, Reward, Sample
@@ -23,6 +23,7 @@ def samples_of(distances: Float) -> Iterator[Sample]:
 
 def pay_distances(reward: Reward, distances: Float) -> Float:
     """Shaped reward of every step, (steps, n), for distances (steps + 1, n), [m]; may hold NaN and infinities."""
+    distances = read_only(distances)  # other rewards are paid by them too
     carry, values = reward.initial_carry(distances[0]), []
     with np.errstate(all="ignore"):  # a reward may divide by anything where it then takes another value
         for sample in samples_of(distances):

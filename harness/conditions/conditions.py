@@ -27,11 +27,17 @@ def _ordered(sizes: tuple[float, float]) -> tuple[float, float]:
 
 JointNoise = Annotated[
     Deviation,
-    Field(description="standard deviation of noise on observed joint angles; the end effector follows from them [rad]"),
+    Field(
+        description="standard deviation of noise on observed joint angles [rad], of slides as of start_noise; the end "
+        "effector follows from them"
+    ),
 ]
 SpeedNoise = Annotated[
     Deviation,
-    Field(description="standard deviation of noise on observed joint speeds [rad/s]; 1.41 times that on their changes"),
+    Field(
+        description="standard deviation of noise on observed joint speeds [rad/s], of slides likewise; 1.41 times that "
+        "on their changes"
+    ),
 ]
 TargetNoise = Annotated[
     Deviation, Field(description="standard deviation of noise on each observed coordinate of the target [m]")

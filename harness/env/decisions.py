@@ -126,7 +126,7 @@ class Decisions:
             self.around.restore(under("around.", state))
         self._resumable().restore(under("simulation.", state))
         self.environment_steps = int(state["environment_steps"])
-        episodes.sample.previous_distance[...] = state["previous_distance"]
+        episodes.previous_distance[...] = state["previous_distance"]
         for part in (self._starts, self._commands, self.events):
             part.restore(state)
         self.shaping.restore(state, episodes.begin_distance)

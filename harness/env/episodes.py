@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float, Mask
+from harness.arrays import Float, Mask, read_only
 from harness.errors import SimulationDiverged
 from harness.goal import Goal, Situation
 from harness.record.trace import COLUMN, NO_EXTRAS, SCALARS
@@ -37,9 +37,9 @@ class Episodes:
         qvel_change: Since the step before.
         action: (num_envs, action_size).
         extras: Columns that the record has beside the usual ones, and their widths; see `harness.record.trace`.
-        sample: What rewards are given: the same arrays.
+        sample: What rewards are given: the same arrays, which they cannot write into.
         numbers: What belongs to the target beside its position, (num_envs, goal.numbers); (num_envs, 0) without a goal.
-        situation: What a goal is given: the same arrays; without a goal it tells nothing.
+        situation: What a goal is given: the same; without a goal it tells nothing.
     """
 
     def __init__(
@@ -65,18 +65,13 @@ class Episodes:
         self.target, self.end_effector, self.offset = map(self._part, ("target", "end_effector", "offset"))
         self.qpos, self.action = self._part("qpos"), self._part("action")
         self.qvel, self.qvel_change = self._part("qvel"), self._part("qvel_change")
-        self._previous_distance = np.zeros(num_envs)
-        self.sample = Sample(
-            self.begin_distance,
-            self.previous_best,
-            self._previous_distance,
-            self.distance,
-            self.delta_distance,
-            self.step,
-        )
+        self.previous_distance = np.zeros(num_envs)
+        told = (self.begin_distance, self.previous_best, self.previous_distance, self.distance, self.delta_distance)
+        self.sample = Sample(*map(read_only, (*told, self.step)))
         self.numbers, self._set_at = self._part("numbers"), self._part("set_at")
         self._since, self._within = (self._column(name) if goal else np.zeros(0) for name in ("since", "within"))
-        self.situation = Situation(self.qpos, self.end_effector, self.target, self.numbers, self._since, self._within)
+        situation = (self.qpos, self.end_effector, self.target, self.numbers, self._since, self._within)
+        self.situation = Situation(*map(read_only, situation))
 
     def columns(self, *names: str) -> NDArray[np.intp]:
         """Where in `matrix` the arrays of these names stand, one after the other."""
@@ -107,7 +102,7 @@ class Episodes:
             self._since[envs] = self._within[envs] = 0.0
         self.offset[envs] = self.target[envs] - self.end_effector[envs]
         distance = self._errors()[envs]
-        for column in (self.begin_distance, self.previous_best, self.distance, self._previous_distance):
+        for column in (self.begin_distance, self.previous_best, self.distance, self.previous_distance):
             column[envs] = distance
         self.delta_distance[envs] = 0.0
         self.require_finite(self.distance)
@@ -129,7 +124,7 @@ class Episodes:
         self.qvel[...] = state.qvel
         np.subtract(self.target, state.end_effector, out=self.offset)
         distance = self._errors()
-        self._previous_distance[...] = self.distance
+        self.previous_distance[...] = self.distance
         self.distance[...] = distance
         np.subtract(distance, self.previous_best, out=self.delta_distance)
         return distance

@@ -8,13 +8,14 @@ from numpy.typing import NDArray
 from harness.arrays import Float, Mask
 from harness.errors import UsageError
 from harness.robot import Robot
-from harness.robot.kinematics import child_frames
+from harness.robot.ground_clearance import build_solids
+from harness.robot.kinematics import child_frames, link_frames
 from harness.simulator import State
 
 
 @dataclass(frozen=True)
 class IdealSimulator:
-    """No dynamics and no delay. The ground is touched when the end effector or a joint's origin is at z <= 0."""
+    """No dynamics and no delay. The ground is touched by a solid, or where the end effector or a joint is at z <= 0."""
 
     def open(self, robot: Robot, num_envs: int, control_period: float) -> "IdealSimulation":
         """See `harness.simulator.Simulator`."""
@@ -31,7 +32,7 @@ class IdealSimulation:
     """
 
     def __init__(self, robot: Robot, num_envs: int) -> None:
-        self.robot = robot
+        self.robot, self._solids = robot, build_solids(robot.joint_shapes)
         self.qpos = np.tile(robot.home, (num_envs, 1))
         self.qvel = np.zeros_like(self.qpos)
 
@@ -59,7 +60,8 @@ class IdealSimulation:
         frames = child_frames(self.robot.chain, self.qpos)
         tip = (frames[-1] @ self.robot.chain.T_last_tip)[:, :3, 3]
         heights = [tip[:, 2], *(frame[:, 2, 3] for frame in frames[1:])]  # the first joint's origin stands still
-        return State(self.qpos.copy(), self.qvel.copy(), tip, np.min(heights, axis=0) <= 0.0)
+        contact = (np.min(heights, axis=0) <= 0.0) | self._solids.touch_ground(link_frames(self.robot.chain, self.qpos))
+        return State(self.qpos.copy(), self.qvel.copy(), tip, contact)
 
     def render(self, env: int, target: Float, width: int, height: int) -> NDArray[np.uint8]:
         """Raises UsageError, always."""

@@ -38,20 +38,20 @@ class Senses:
             draw: See `Draw`.
         """
         self._conditions, self._robot, self._episodes, self._draw = conditions, robot, episodes, draw
-        n, dof = len(episodes.matrix), robot.dof
+        n = len(episodes.matrix)
         self.seen = episodes.another()
         self._history = np.zeros((conditions.observation_delay + 1, *episodes.matrix.shape))
         self._queue = np.zeros((conditions.action_delay, n, action_size))
         self._noisy = conditions.is_noisy
         deviations = (
-            (conditions.joint_noise, dof),
-            (conditions.speed_noise, dof),
-            (conditions.speed_noise * np.sqrt(2.0), dof),
-            (conditions.target_noise, 3),
-            (conditions.action_noise, action_size),
+            conditions.joint_noise * robot.per_radian,
+            conditions.speed_noise * robot.per_radian,
+            conditions.speed_noise * np.sqrt(2.0) * robot.per_radian,
+            np.full(3, conditions.target_noise),
+            np.full(action_size, conditions.action_noise),
         )
-        self._deviation = np.concatenate([np.full(size, deviation) for deviation, size in deviations])
-        self._places = np.cumsum([size for _, size in deviations])[:-1]
+        self._deviation = np.concatenate(deviations)
+        self._places = np.cumsum([len(deviation) for deviation in deviations])[:-1]
         self._noise = np.zeros((n, BLOCK, len(self._deviation)))
         self._blocks = np.full(n, -1)
 

@@ -1,13 +1,16 @@
 """Whether a reward is another one times a number plus a number, from what both paid for the same steps.
 
-Such rewards differ in their scale, and tell a learner the same about which step is better. Both columns have to lie on
-one line, in every step, up to rounding: that of single precision, because most observations are in it, from which a
-reward may be computed again. Steps may come in several recordings: of each it is enough to keep two steps of its line,
-see `Line`.
+Such rewards differ in their scale, and tell a learner the same about which step is better, with two exceptions: with a
+factor below 0 the better step of one is the worse step of the other; and where episodes can end before their time, an
+offset pays for living longer, or for ending sooner.
+
+Both columns have to lie on one line, in every step, up to rounding: that of single precision, because most observations
+are in it, from which a reward may be computed again. Steps may come in several recordings: of each it is enough to keep
+two steps of its line, see `Line`.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping, Sequence, Set
+from dataclasses import asdict, dataclass, field
 from typing import Any, Self, TypeAlias
 
 import numpy as np
@@ -19,6 +22,8 @@ ROUNDINGS = 8.0
 these are a millionth."""
 FEW = 100
 """Up to so many different payments are counted."""
+TWO = 2
+"""Fewer steps say nothing."""
 SHORT = 2.0**16
 """A number whose binary digits are no more than 16 is exact in every precision, as 10, -1 or 0.5."""
 
@@ -36,6 +41,7 @@ class Line:
         precision: Of the numbers: the spacing of floating-point numbers at 1.
         steps: How many steps lie on it.
         payments: The different numbers that the first reward paid, the smallest `FEW` + 1 of them.
+        can_end: Whether an episode ended before its time, terminated.
     """
 
     near: Payment
@@ -43,6 +49,7 @@ class Line:
     precision: float
     steps: int
     payments: frozenset[float]
+    can_end: bool = False
 
     def to_json(self) -> dict[str, Any]:
         """Plain data; `from_json` gives the same back."""
@@ -52,7 +59,7 @@ class Line:
     def from_json(cls, data: Mapping[str, Any]) -> Self:
         """What `to_json` told, also after a way through JSON."""
         near, far = ((float(one), float(other)) for one, other in (data["near"], data["far"]))
-        return cls(near, far, data["precision"], data["steps"], frozenset(data["payments"]))
+        return cls(near, far, data["precision"], data["steps"], frozenset(data["payments"]), data["can_end"])
 
 
 @dataclass(frozen=True)
@@ -64,21 +71,35 @@ class Rescaling:
         offset: 0 where it is nothing but rounding.
         steps: In how many steps, all that both rewards are known in.
         payments: How many different numbers the other one paid for them; None: more than `FEW`. Over 2 numbers any
-            reward that is a function of the other one is a line.
+            reward that is a function of the other one is a line. Over 1 the offset is taken for 0.
+        can_end: Whether episodes can end before their time, terminated.
     """
 
     factor: float
     offset: float
     steps: int
     payments: int | None
+    can_end: bool = field(default=False, compare=False)
+
+    @property
+    def is_ruler(self) -> bool:
+        """Whether it is nothing but another scale: both rewards tell a learner the same of which step is better."""
+        return self.factor > 0.0 and (self.offset == 0.0 or not self.can_end)
 
     def sentence(self, reward: str, other: str) -> str:
-        """What `reward` is, and how that was found."""
+        """What `reward` is, how that was found, and whether it is more than another scale."""
         count = f"more than {FEW}" if self.payments is None else self.payments
-        found = f"in all {self.steps:,} steps, for which {other} paid {count} different numbers"
-        return f"{reward} {self._formula(other)}, {found}"
+        numbers = "one number alone" if self.payments == 1 else f"{count} different numbers"
+        told = [f"{reward} {self.formula(other)}, in all {self.steps:,} steps, for which {other} paid {numbers}"]
+        if self.factor < 0.0:
+            told.append(f"It is the opposite reward: it pays less where {other} pays more")
+        if self.offset != 0.0 and self.can_end:
+            what = "living longer" if self.offset > 0.0 else "ending sooner"
+            told.append(f"Episodes can end before their time, so that the offset is no mere ruler: it pays for {what}")
+        return ". ".join(told)
 
-    def _formula(self, other: str) -> str:
+    def formula(self, other: str) -> str:
+        """What it is, to follow on its name: ``is 2 x other - 1``."""
         if self.offset == 0.0 and _digits(self.factor) == "1":
             return f"pays the same as {other}"
         scaled = other if _digits(self.factor) == "1" else f"{_digits(self.factor)} x {other}"
@@ -87,16 +108,18 @@ class Rescaling:
         return f"is {scaled} {'-' if self.offset < 0.0 else '+'} {_digits(abs(self.offset))}"
 
     def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return asdict(self)
+        """Plain data; ``can_end`` stands there only where it is true."""
+        told = asdict(self)
+        return told if self.can_end else {key: value for key, value in told.items() if key != "can_end"}
 
 
-def line_of(one: Float, other: Float) -> Line | None:
+def line_of(one: Float, other: Float, *, can_end: bool = False) -> Line | None:
     """The line on which what `other` paid lies over what `one` paid; None where there is none.
 
     Args:
         one: What a reward paid for each step, (steps,); steps in which either is NaN do not count.
         other: The same of another reward.
+        can_end: Whether an episode among them ended before its time, terminated.
     """
     known = np.isfinite(one) & np.isfinite(other)
     one, other = one[known], other[known]
@@ -108,17 +131,23 @@ def line_of(one: Float, other: Float) -> Line | None:
     precision = _precision(one, other)
     if not _is_on_line(one, other, *ends, precision):
         return None
-    return Line(*ends, precision, len(one), frozenset(np.unique(one)[: FEW + 1].tolist()))
+    return Line(*ends, precision, len(one), frozenset(np.unique(one)[: FEW + 1].tolist()), can_end)
 
 
 def rescaling_of(lines: Sequence[Line | None]) -> Rescaling | None:
-    """What the lines of several recordings say together; None if they are not one line, or one reward never changes."""
+    """What the lines of several recordings say together; None if they are not one line, or one reward alone changes.
+
+    Where neither ever changes, as an alive bonus, one is taken for the other one times a number.
+    """
     known = [line for line in lines if line is not None]
     if not known or len(known) < len(lines):
         return None
     near = min((line.near for line in known), key=lambda payment: abs(payment[0]))
     far = max((end for line in known for end in (line.near, line.far)), key=lambda payment: abs(payment[0] - near[0]))
-    if far[0] == near[0] or far[1] == near[1]:
+    can_end, steps = any(line.can_end for line in known), sum(line.steps for line in known)
+    if far[0] == near[0]:
+        return _of_constants({line.near for line in known}, steps, can_end)
+    if far[1] == near[1]:
         return None
     precision = max(line.precision for line in known)
     one, other = np.array([end for line in known for end in (line.near, line.far)]).T
@@ -129,7 +158,15 @@ def rescaling_of(lines: Sequence[Line | None]) -> Rescaling | None:
     if abs(offset) <= ROUNDINGS * precision * (abs(near[1]) + abs(factor * near[0])):
         offset = 0.0
     payments = len(frozenset[float]().union(*(line.payments for line in known)))
-    return Rescaling(factor, offset, sum(line.steps for line in known), payments if payments <= FEW else None)
+    return Rescaling(factor, offset, steps, payments if payments <= FEW else None, can_end)
+
+
+def _of_constants(paid: Set[Payment], steps: int, can_end: bool) -> Rescaling | None:
+    """The same where the first reward always paid one number; None if the other one did not, or one alone is 0."""
+    (one, other), *others = paid
+    if others or steps < TWO or (one == 0.0) != (other == 0.0):
+        return None
+    return Rescaling(1.0 if one == 0.0 else other / one, 0.0, steps, 1, can_end)
 
 
 def _is_on_line(one: Float, other: Float, near: Payment, far: Payment, precision: float) -> bool:

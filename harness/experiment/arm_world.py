@@ -8,6 +8,7 @@ from typing import Any
 from harness.algorithm import Algorithm, TrainingEnv
 from harness.env import ReachVectorEnv
 from harness.env.make import build_world
+from harness.env.solid_probes import require_solids
 from harness.executor import NO_SCALARS
 from harness.experiment.checkpoints.attempt import Attempt
 from harness.experiment.checkpoints.trace_parts import TraceParts
@@ -50,6 +51,7 @@ class ArmWorld:
     def build(self, algorithm: Algorithm) -> None:
         """See `CellWorld`. The env of the training is opened, so that it can be restored."""
         world, beat = build_world(self._cell, self._robot, self._registry), Beat(self._report)
+        require_solids(self._cell.simulator.label, world.simulator, self._robot, self._registry)
         self._evaluator = Evaluator(world, self._cell.evaluation_episodes, lambda: beat(self._now))
         self._env = world.open(algorithm.num_envs, resumable=True)
 

@@ -22,6 +22,7 @@ from harness.experiment.progress.trackers import OnTrouble, Trackers, build_trac
 from harness.experiment.progress.tracking import Tracking
 from harness.experiment.run_options import DEFAULTS, RunArguments, RunOptions
 from harness.experiment.selection import select
+from harness.experiment.trials.tried_plan import try_plan
 from harness.record.cell import Cell
 from harness.record.manifest import Manifest, read_manifest
 from harness.record.out_folder import storage_errors
@@ -280,7 +281,7 @@ def check(experiment: Experiment, options: RunOptions = DEFAULTS, given: Sequenc
     """Check everything that an experiment needs. Writes nothing; see `prepare`.
 
     Raises:
-        UsageError: Something given cannot be used.
+        UsageError: Something given cannot be used, or fails in an episode of random actions.
     """
     require_given(experiment.plugins, given)
     registry = load_registry(given=given)
@@ -300,6 +301,8 @@ def check(experiment: Experiment, options: RunOptions = DEFAULTS, given: Sequenc
         refuse_mixed(f"--out '{store.folder}'", earlier.cells, asked)
         replace(earlier, cells=asked).with_cells_of(earlier.cells)  # refuses what would be too many
         refuse_other_looks(store.folder, earlier, plan.terms, asked)
+    if any(store.examine(cell).status != "done" for cell in plan.cells):
+        plan, registry = try_plan(plan, registry)
     return ExperimentRun(plan, store, registry, executor, options, trackers)
 
 

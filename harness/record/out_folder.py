@@ -6,6 +6,10 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from harness.errors import StorageError, UsageError
+from harness.record.folder import CHECKPOINT
+
+JOURNAL = "study.log"
+"""The file of a search that grows; see `harness.tune.study`."""
 
 
 @contextmanager
@@ -110,15 +114,19 @@ def make_folder(folder: Path, inner: str = "") -> None:
 def refuse_links(folder: Path, rule: str = "nothing is written into a folder with links") -> None:
     """See that nothing in a folder leads out of it: what is written there could land elsewhere.
 
+    A file with a second name is a link too, where a run would write on in it. All others are replaced.
+
     Args:
         folder: To look through.
         rule: What the message says is not done.
 
     Raises:
-        UsageError: There is a symbolic link in it; the message names it.
+        UsageError: There is such a link in it; the message names it.
     """
     for parent, folders, files in os.walk(folder):
+        goes_on = CHECKPOINT in files or Path(parent).name.startswith(".")
         for name in (*folders, *files):
             path = Path(parent) / name
-            if path.is_symlink():
+            has_names = (goes_on or name == JOURNAL) and name in files and path.lstat().st_nlink > 1
+            if path.is_symlink() or has_names:
                 raise UsageError(f"'{path}' is a link; {rule}: remove it")

@@ -5,7 +5,6 @@ killed leaves it; `harness.record.store.Store.is_in_use` tells the two apart.
 """
 
 import json
-import os
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -15,6 +14,7 @@ from pydantic import Field, TypeAdapter
 
 from harness.errors import SchemaError
 from harness.files.bounded import read_json, reading
+from harness.files.whole_file import whole_files
 
 RUNNING = "running.json"
 
@@ -60,9 +60,9 @@ FORM: TypeAdapter[dict[str, Running]] = TypeAdapter(dict[str, Running])
 
 def write_running(folder: Path, running: Mapping[str, Running]) -> None:
     """Write down the running cells of the experiment in `folder`, by id."""
-    partial = folder / f".{RUNNING}.{os.getpid()}.partial"
-    partial.write_text(json.dumps({cell: asdict(one) for cell, one in running.items()}))
-    partial.replace(folder / RUNNING)
+    content = json.dumps({cell: asdict(one) for cell, one in running.items()})
+    with whole_files(folder, [RUNNING], is_lasting=False) as (partial,):
+        partial.write_text(content)
 
 
 def read_running(folder: Path) -> dict[str, Running]:

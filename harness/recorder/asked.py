@@ -39,6 +39,8 @@ class Asked:
     horizon: int | None = None
     acted: Acted = ""
     after: int = 0
+    steps_asked: int = 0
+    episodes_asked: int = 0
 
     def __post_init__(self) -> None:
         if self.on_error not in {"warn", "raise"}:
@@ -51,6 +53,7 @@ class Asked:
             raise UsageError(f"acted={self.acted!r}: it is one of {', '.join(map(repr, ACTED))}")
         if not isinstance(self.after, int) or self.after < 0:
             raise UsageError(f"after={self.after!r}: it is a number of environment steps; 0: all of the training")
+        self._require_amounts()
         if (self.acted or self.after) and not self.evaluation:
             raise UsageError("acted and after tell of an evaluation: say evaluation=True too")
         for argument, names in (("lower_is_better", self.lower_is_better), ("bounds", self.bounds)):
@@ -66,6 +69,13 @@ class Asked:
                 f"trained_with={self.trained_with!r} is none of the rewards {sorted(self.rewards)}: name one of them, "
                 f'or record what the env pays under this name, rewards={{..., "{self.trained_with}": "{OWN}"}}'
             )
+
+    def _require_amounts(self) -> None:
+        for name, amount in (("steps_asked", self.steps_asked), ("episodes_asked", self.episodes_asked)):
+            if not isinstance(amount, int) or isinstance(amount, bool) or amount < 0:
+                raise UsageError(f"{name}={amount!r}: it is a whole number; 0: not known")
+        if self.steps_asked if self.evaluation else self.episodes_asked:
+            raise UsageError("steps_asked goes with a training, and episodes_asked with evaluation=True")
 
     @property
     def all_rewards(self) -> dict[str, Given]:

@@ -1,6 +1,7 @@
 """One step of a batch of envs, and what each env said in it."""
 
-from collections.abc import Mapping
+import copy
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -13,7 +14,6 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float
 from harness.recorder.column import Untold
-from harness.recorder.recorder import kept
 
 Mask = NDArray[np.bool_]
 FINAL_OBSERVATION, FINAL_INFO = "final_obs", "final_info"
@@ -33,6 +33,8 @@ class BatchStep:
         live: (num_envs,), whether the env took a step; otherwise it was only reset.
         infos: As the env returned them.
         reset_at_once: Whether envs whose episode ended are at their new start already (``SAME_STEP``).
+        seal: Makes of what functions are given copies that they cannot write into; None where no function is asked.
+            `before` and `actions` are such copies.
     """
 
     env: VectorEnv[Any, Any, Any]
@@ -44,30 +46,42 @@ class BatchStep:
     live: Mask
     infos: Mapping[str, Any]
     reset_at_once: bool
+    seal: Callable[[Any], Any] | None = None
 
     @cached_property
     def after(self) -> Any:
         """Observations after the step, before any reset; a copy."""
-        batch = kept(self.returned)
+        batch = copy.deepcopy(self.returned)
         if self.reset_at_once:
             for env in np.flatnonzero(self.ended):
                 _put(batch, int(env), _item(self.infos[FINAL_OBSERVATION], int(env)))
-        return batch
+        return batch if self.seal is None else self.seal(batch)
 
     @cached_property
     def each_before(self) -> list[Any]:
         """`before`, by env."""
-        return _items(self.env.observation_space, self.before)
+        return self._items(self.env.observation_space, self.before)
 
     @cached_property
     def each_after(self) -> list[Any]:
         """`after`, by env."""
-        return _items(self.env.observation_space, self.after)
+        return self._items(self.env.observation_space, self.after)
 
     @cached_property
     def each_action(self) -> list[Any]:
         """`actions`, by env."""
-        return _items(self.env.action_space, self.actions)
+        return self._items(self.env.action_space, self.actions)
+
+    @cached_property
+    def sealed_infos(self) -> Any:
+        """`infos` for functions."""
+        return self.infos if self.seal is None else self.seal(self.infos)
+
+    def sealed_info(self, env: int) -> Any:
+        """`info` for functions."""
+        if env not in self._sealed:
+            self._sealed[env] = self.info(env) if self.seal is None else self.seal(self.info(env))
+        return self._sealed[env]
 
     def info(self, env: int) -> dict[str, Any]:
         """What one env told of its step."""
@@ -97,15 +111,21 @@ class BatchStep:
         """Whether ended envs told of their last step apart; a batch without infos of resets does not need to."""
         return self.reset_at_once and FINAL_INFO in self.infos
 
+    @cached_property
+    def _sealed(self) -> dict[int, Any]:
+        return {}
+
+    def _items(self, space: Space[Any], batch: Any) -> list[Any]:
+        if isinstance(batch, np.ndarray):
+            return list(batch)
+        items = iterate(space, batch)
+        return list(items) if self.seal is None else [self.seal(item) for item in items]
+
     def _infos_behind(self, env: int) -> Mapping[str, Any]:
         if self._tells_apart and self.ended[env]:
             final: Mapping[str, Any] = self.infos[FINAL_INFO]
             return final
         return self.infos
-
-
-def _items(space: Space[Any], batch: Any) -> list[Any]:
-    return list(batch) if isinstance(batch, np.ndarray) else list(iterate(space, batch))
 
 
 def _item(batch: Any, env: int) -> Any:

@@ -13,6 +13,7 @@ import numpy as np
 
 from harness.errors import UsageError
 from harness.record.recording.facts import BEHAVIOUR, MOST_NAMES, MOST_SOURCE, OWN_SOURCE, REWARD, Source
+from harness.recorder.computing import only_computes
 from harness.recorder.env_facts import plain
 from harness.recorder.own_copies import own_copies
 from harness.registry.plugin_module import file_behind
@@ -23,7 +24,7 @@ ARGUMENTS = "(observation, action, next_observation, info)"
 
 
 class Measure(Protocol):
-    """A reward, or a measure of behaviour, of one step.
+    """A reward, or a measure of behaviour, of one step. It depends on nothing else, and can write into nothing of it.
 
     One with a memory is an object that also has ``reset()``, which is called when an episode starts. Each env of a
     batch has a copy of its own, see `own_copies`.
@@ -47,6 +48,8 @@ class Column:
         given: What the user gave.
         batched: Whether it is called once with the whole batch.
         measures: Copies of `given` by env, or the one of the batch; empty if it is no function.
+        is_watched: Whether it might draw random numbers, or not return.
+        holds_env: Whether it has a memory and holds the env that is recorded, or a part of it.
         given_up: Whether it failed; it is NaN from then on.
     """
 
@@ -55,6 +58,8 @@ class Column:
     given: Given
     batched: bool = False
     measures: list[Measure] = field(default_factory=list)
+    is_watched: bool = False
+    holds_env: bool = False
     given_up: bool = False
 
     @property
@@ -110,7 +115,11 @@ def _column(env: Any, prefix: str, noun: str, name: str, given: Given, copies: i
     if isinstance(given, str):
         return column
     _require_callable(column)
-    column.measures = own_copies(given, column.noun, env, copies) if column.remembers else [given] * copies
+    column.is_watched = not only_computes(given)
+    if column.remembers:
+        column.measures, column.holds_env = own_copies(given, column.noun, env, copies)
+    else:
+        column.measures = [given] * copies
     return column
 
 

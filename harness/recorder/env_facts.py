@@ -3,7 +3,7 @@
 import json
 import platform
 import sys
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from typing import Any
 
 import gymnasium
@@ -39,6 +39,11 @@ def _wrappers(env: Any) -> list[str]:
         names.append(type(env).__name__)
         env = env.env
     return names
+
+
+def normalises(facts: Mapping[str, Any]) -> bool:
+    """Whether a wrapper normalises observations by those that it has seen, so that equal starts look different."""
+    return any("Normalize" in name for name in facts["wrappers"])
 
 
 def plain(value: Any) -> Any:

@@ -1,19 +1,26 @@
 """`harness.evaluate_policy`: a finished policy acts, and what several rewards pay for it is recorded."""
 
 import os
-from collections.abc import Callable, Collection, Mapping
+import shutil
+from collections.abc import Callable, Collection, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import gymnasium
+from filelock import FileLock, Timeout
 
-from harness.errors import UsageError
+from harness.errors import StorageError, UsageError
 from harness.eta.interval import Bounds
 from harness.record.cell import EVALUATION_HORIZON
-from harness.record.recording.facts import Acted
+from harness.record.folder import partial_folder, publish
+from harness.record.recording.facts import Acted, TrainingFacts
+from harness.record.recording.recorded_training import facts_name, is_recording, recording_files
 from harness.recorder.asked import OnError
 from harness.recorder.column import Given
 from harness.recorder.env_facts import LEARNERS
 from harness.recorder.record_rewards import RecordRewards
+from harness.recorder.wrapped import tell_normalisation
 
 EPISODES = 100
 FIRST_SEED = 1_000_000_007
@@ -41,7 +48,12 @@ def evaluate_policy(
 ) -> None:
     """Record whole episodes of a finished policy; ``harness report`` then judges by them, not by the training.
 
-    Every policy meets the same episodes: the env is reset with the same seeds.
+    Every policy meets the same episodes: the env is reset with the same seeds. Reports say so where its first
+    observations differ all the same.
+
+    The folder appears under its name when all episodes are recorded. Until then it grows beside that, as
+    ``.name.partial``. What a killed evaluation left there, the next one replaces; reports tell of it, and do not
+    compare it.
 
     Args:
         policy: From an observation to an action; of stable-baselines3
@@ -70,33 +82,93 @@ def evaluate_policy(
     if episodes < 1:
         raise UsageError(f"episodes={episodes}: it takes one at least")
     made = _make(env) if isinstance(env, str) else env
-    recorded = RecordRewards(
-        made,
-        path,
-        trained_with=trained_with,
-        rewards=rewards,
-        behaviour=behaviour,
-        lower_is_better=lower_is_better,
-        bounds=bounds,
-        seed=seed,
-        evaluation=True,
-        on_error=on_error,
-        learners=learners,
-        horizon=horizon,
-        acted=acted,
-        after=after,
-    )
     try:
-        for episode in range(episodes):
-            observation, _ = recorded.reset(seed=first_seed + episode)
-            ended = False
-            while not ended:
-                observation, _, terminated, truncated, _ = recorded.step(policy(observation))
-                ended = terminated or truncated
+        with _grown_beside(Path(path)) as partial:
+            recorded = RecordRewards(
+                made,
+                partial,
+                trained_with=trained_with,
+                rewards=rewards,
+                behaviour=behaviour,
+                lower_is_better=lower_is_better,
+                bounds=bounds,
+                seed=seed,
+                evaluation=True,
+                on_error=on_error,
+                learners=learners,
+                horizon=horizon,
+                acted=acted,
+                after=after,
+                episodes_asked=episodes,
+            )
+            try:
+                for line in tell_normalisation(made, Path(path), policy):
+                    recorded.note(line)
+                _act(policy, recorded, range(first_seed, first_seed + episodes))
+            finally:
+                recorded.finish()
     finally:
-        recorded.finish()
         if made is not env:
             made.close()
+
+
+def _act(policy: Callable[[Any], Any], env: RecordRewards[Any, Any], seeds: range) -> None:
+    """An episode for each seed."""
+    for seed in seeds:
+        observation, _ = env.reset(seed=seed)
+        ended = False
+        while not ended:
+            observation, _, terminated, truncated, _ = env.step(policy(observation))
+            ended = terminated or truncated
+
+
+@contextmanager
+def _grown_beside(path: Path) -> Iterator[Path]:
+    """A folder for a recording, which gets its name when the block ends without an error and all was written.
+
+    Raises:
+        UsageError: There is a recording under that name, or another process is at work on one.
+        StorageError: The folder cannot be written.
+    """
+    if is_recording(path):
+        raise UsageError(f"'{path}' holds a recording already: name another path, or remove it")
+    partial = partial_folder(path.absolute())
+    with _told(path):
+        _clear(path, partial)
+    yield partial
+    with _told(path):
+        if TrainingFacts.read(partial / facts_name(0)).closed:  # else it could not be written, which was told
+            _give_name(partial, path)
+
+
+@contextmanager
+def _told(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise StorageError(f"'{path}' cannot be written: {error.strerror or error}") from error
+
+
+def _clear(path: Path, partial: Path) -> None:
+    """Remove what a killed evaluation has left."""
+    if not partial.exists():
+        return
+    try:
+        with FileLock(partial / "recording-0.lock", timeout=0):
+            pass
+    except Timeout:
+        raise UsageError(f"'{path}' is being recorded by another process: name another path, or wait") from None
+    shutil.rmtree(partial)
+
+
+def _give_name(partial: Path, path: Path) -> None:
+    """Move the recording to its place; into a folder that is there already its facts come last, which make it one."""
+    if not path.exists():
+        publish(partial, path)
+        return
+    for name in sorted(recording_files(partial), key=lambda name: name == facts_name(0)):
+        os.replace(partial / name, path / name)
+    shutil.rmtree(partial)
 
 
 def _make(name: str) -> gymnasium.Env[Any, Any]:

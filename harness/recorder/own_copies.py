@@ -3,9 +3,10 @@
 import copy
 import functools
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from enum import Enum
 from logging import Logger
-from types import MethodType, ModuleType
+from types import FunctionType, MethodType, ModuleType
 from typing import Any
 
 import gymnasium
@@ -26,7 +27,7 @@ WHAT_TO_DO = (
 )
 
 
-def own_copies(given: Any, noun: str, env: Any, count: int) -> list[Any]:
+def own_copies(given: Any, noun: str, env: Any, count: int) -> tuple[list[Any], bool]:
     """Copies of an object with ``reset()``, one for each env.
 
     A copy that holds an env would look at a copy of that env, which nobody steps. With one env the copy therefore keeps
@@ -37,6 +38,9 @@ def own_copies(given: Any, noun: str, env: Any, count: int) -> list[Any]:
         noun: What messages call it.
         env: What is recorded, a single env or a batch.
         count: How many copies.
+
+    Returns:
+        The copies, and whether they hold the env or a part of it.
 
     Raises:
         UsageError: It cannot be copied. Or it holds an env: another one than the one that is recorded, or one of a
@@ -57,22 +61,31 @@ def own_copies(given: Any, noun: str, env: Any, count: int) -> list[Any]:
             f"steps. {WHAT_TO_DO}"
         )
     try:
-        return [copy.deepcopy(given, dict(shared)) for _ in range(count)]
+        return [copy.deepcopy(given, dict(shared)) for _ in range(count)], bool(shared)
     except Exception as error:  # whatever objects of users raise
         raise UsageError(
             f"{noun} has a memory, and each env needs a copy of its own, but it cannot be copied: {error!r}"
         ) from error
 
 
-def _parts_of(whole: Any, but: Any = None) -> Mapping[int, Any]:
-    """The object, and every object with a state that it holds at any depth, by identity; what only `but` holds not."""
+def uses_parts_of(given: Any, env: Any) -> bool:
+    """Whether a function can reach an env: by what it was defined with, or by names of its module that it uses."""
+    return not _parts_of(given, of_functions=True).keys().isdisjoint(_parts_of(env, but=given))
+
+
+def _parts_of(whole: Any, but: Any = None, of_functions: bool = False) -> Mapping[int, Any]:
+    """The object, and every object with a state that it holds at any depth, by identity; what only `but` holds not.
+
+    What functions use counts only with `of_functions`: they are not copied.
+    """
     found: dict[int, Any] = {}
     waiting = [whole]
     while waiting and len(found) < MOST_PARTS:
         part = waiting.pop()
-        if id(part) not in found and part is not but and not isinstance(part, WITHOUT_STATE):
+        is_empty = isinstance(part, tuple | frozenset) and not part  # of these Python has one for all
+        if id(part) not in found and part is not but and not isinstance(part, WITHOUT_STATE) and not is_empty:
             found[id(part)] = part
-            waiting += _held_by(part)
+            waiting += used_by(part) if of_functions and isinstance(part, FunctionType) else _held_by(part)
     return found
 
 
@@ -87,6 +100,20 @@ def _held_by(part: Any) -> Iterator[Any]:
         yield from (part.func, *part.args, *part.keywords.values())
     elif not callable(part) or not hasattr(part, "__code__"):  # a function is not copied, whatever it uses
         yield from getattr(part, "__dict__", {}).values()
+
+
+def used_by(function: Any) -> Iterator[Any]:
+    """What a function was defined with, and what of its module it uses by a name; of a method, whose it is."""
+    if isinstance(function, MethodType):
+        yield function.__self__
+    if not isinstance(function, FunctionType):
+        return
+    yield from function.__defaults__ or ()
+    yield from (function.__kwdefaults__ or {}).values()
+    for cell in function.__closure__ or ():
+        with suppress(ValueError):  # it is empty
+            yield cell.cell_contents
+    yield from (function.__globals__[name] for name in function.__code__.co_names if name in function.__globals__)
 
 
 def _told(part: Any) -> str:

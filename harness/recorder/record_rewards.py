@@ -3,20 +3,24 @@
 import os
 import weakref
 from collections.abc import Collection, Mapping
+from itertools import repeat
 from math import isfinite
 from typing import Any, SupportsFloat, TypeVar
 
 import gymnasium
 from gymnasium.envs.registration import EnvSpec
-from numpy import float64, ndarray
+from numpy import float64
 
+from harness.errors import one_line
 from harness.eta.interval import Bounds
 from harness.record.recording.facts import Acted
 from harness.recorder.asked import Asked, OnError
 from harness.recorder.calls import CHECKED, action_facts
-from harness.recorder.column import Column, Given, Measure, Untold, as_number
+from harness.recorder.column import Given, Measure, Untold, as_number
 from harness.recorder.env_facts import LEARNERS
-from harness.recorder.recorder import Recorder, differs, kept
+from harness.recorder.guard import NoAnswer, Raised, Step
+from harness.recorder.recorder import Recorder, differs
+from harness.recorder.trial import FIRST_STEPS
 
 Observation = TypeVar("Observation")
 Action = TypeVar("Action")
@@ -33,7 +37,7 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
     a measure of behaviour, is one of these:
 
     * a function of (observation, action, next_observation, info) that returns one finite number. `observation` is what
-      the env returned before the step. Both observations are copies.
+      the env returned before the step. All that it is given are copies, which it cannot write into.
     * an object that can be called so and has ``reset()``, for one with a memory: ``reset()`` is called when an episode
       starts. The env gets a deep copy of its own.
     * a key of `info`, as ``"distance"``. In a step that does not end an episode, a measure of behaviour may be missing
@@ -67,6 +71,8 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         horizon: int | None = None,
         acted: Acted = "",
         after: int = 0,
+        steps_asked: int = 0,
+        episodes_asked: int = 0,
     ) -> None:
         """Check what was given, and start the recording.
 
@@ -85,6 +91,7 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
             evaluation: A finished policy acts, and nothing is trained: `trained_with` and `seed` are then those of the
                 training that the policy comes from; see `harness.recorder.evaluate_policy`.
             pay: Pay the learner the reward `trained_with`, and not what the env pays. Where it fails, that is an error.
+                Wrappers that normalise or transform what is paid then stand outside of this one.
             number: Of this env among several that record one training into one path, each with a number of its own.
             resume: Go on with the recording in `path`, if there is one, after what it has. Otherwise a path that
                 holds one is refused. Rewards, measures and env have to be the same as before.
@@ -95,6 +102,9 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
             acted: Of an evaluation: ``"deterministic"``, ``"stochastic"``, or ``"random"`` for actions that no policy
                 chose; empty where that is not known.
             after: Of an evaluation before the training ended: environment steps of training before it.
+            steps_asked: Environment steps that the whole training is to take, over all envs that record into `path`.
+                Reports tell of a training that took fewer, and do not compare it. 0: not known.
+            episodes_asked: The same of an evaluation: its episodes.
 
         Raises:
             UsageError: Something of that cannot be used, or `path` holds another recording.
@@ -105,11 +115,13 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         asked = Asked(
             path, trained_with, rewards, behaviour or {}, lower_is_better, seed, evaluation, pay, number, resume,
             on_error, bounds=bounds or {}, learners=learners, horizon=horizon,
-            acted=acted, after=after,
+            acted=acted, after=after, steps_asked=steps_asked, episodes_asked=episodes_asked,
         )  # fmt: skip
         self._recorder = Recorder(env, asked, num_envs=1, actions=action_facts(env.action_space))
-        self._columns = [(column, _measure_of(column)) for column in self._recorder.columns]
-        self._looks, self._calls, self._horizon = self._recorder.looks, self._recorder.calls, horizon
+        self._columns, self._guard = self._recorder.columns, self._recorder.guard
+        self._calls, self._horizon = self._recorder.calls, horizon
+        self._seal = self._guard.seal if self._recorder.looks else None
+        self._find_asked()
         self._pays = None if self._recorder.pays is None else KEYS + self._recorder.pays
         self._before: Any = None
         self._row: list[Any] = []
@@ -124,8 +136,17 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
     @property
     def recorded(self) -> dict[str, float]:
         """What was recorded of the last step, by column, as ``behaviour_success``; NaN where nothing was."""
-        names = [column.name for column, _ in self._columns]
+        names = [column.name for column in self._columns]
         return dict(zip(names, self._row[KEYS:], strict=False)) if self._row else {}
+
+    @property
+    def functions(self) -> dict[str, Measure]:
+        """The functions that this env is measured with, by name: its own copies of those with a memory, as they are.
+
+        A reward that remembers something beyond its ``reset()``, as how many steps a training has had, goes on from
+        there where it is given to `harness.evaluate_policy`.
+        """
+        return {column.name.partition("_")[2]: column.measures[0] for column in self._columns if column.measures}
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -133,16 +154,18 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         """Start an episode."""
         observation, info = self.env.reset(seed=seed, options=options)
         self._recorder.note_seed(seed)
+        self._recorder.note_start(observation)
         if self._calls is not None:
             self._calls.note_reset(0, seed, options)
-        self._before = kept(observation) if self._looks else None
+        self._end_trial()
+        self._before = self._seal(observation) if self._seal else None
         self._episode, self._step = self._episode + (self._step > 0), 0
-        for column, _ in self._columns:
+        for column in self._columns:
             if column.remembers and not column.given_up:
-                try:
-                    column.measures[0].reset()  # type: ignore[attr-defined] # it remembers
-                except (Exception, SystemExit) as error:  # whatever rewards of users raise
-                    self._recorder.give_up(column, 0, self._episode, 0, error)
+                self._recorder.restart(column, 0, (0, self._episode, 0))
+        self._find_asked()
+        if self._recorder.trial is not None:
+            self._recorder.trial.begin(self._columns)
         return observation, info
 
     def step(self, action: Action) -> tuple[Observation, SupportsFloat, bool, bool, dict[str, Any]]:
@@ -163,9 +186,16 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         finally:
             super().close()
 
+    def note(self, line: str) -> None:
+        """Tell something that whoever reads the recording has to know, and write it down."""
+        self._recorder.note(line)
+
     def finish(self) -> None:
         """Write what is left, and leave the env open; what comes later is not recorded."""
-        self._recorder.close()
+        try:
+            self._end_trial()
+        finally:
+            self._recorder.close()
 
     def _record(
         self,
@@ -177,47 +207,75 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         info: dict[str, Any],
     ) -> list[Any]:
         """Record a step; returns its row: `KEYS` numbers that say which step it is, a number for each column, flags."""
-        after: Any = None
-        if self._looks:
-            seen: Any = observation
-            after = seen.copy() if type(seen) is ndarray else kept(seen)  # mostly a call less
-        row: list[Any] = [self._time, 0, self._episode, self._step]
-        for column, measure in self._columns:
-            value: Any = NAN
-            if not column.given_up:
-                try:
-                    value = paid if measure is None else measure(self._before, action, after, info)
-                    if type(value) is float64:  # what most envs pay
-                        value = value.item()
-                    if type(value) is not float or not isfinite(value):  # else a call less
-                        value = as_number(value)
-                except (Exception, SystemExit) as error:  # whatever rewards of users raise
-                    value = NAN
-                    if not (isinstance(error, Untold) and column.may_be_untold and not (terminated or truncated)):
-                        self._recorder.give_up(column, 0, self._episode, self._step, error)
-            row.append(value)
+        seal, told = self._seal, [NAN] * len(self._columns)
+        given: Step = (None, action, observation, info)
+        if seal is not None:
+            given = self._before, seal(action), seal(observation), seal(info)
+        _, action, after, info = given  # functions cannot spoil them
+        for index, key in self._read:  # before any function runs
+            value: Any = paid if key is None else info[key] if key in info else Raised(Untold(key, [*info]))
+            is_known = type(value) is float and isfinite(value)  # mostly a call less
+            told[index] = value if is_known else self._number(index, value, given, terminated or truncated)
+        if self._asked:
+            self._ask(told, given)
+        row: list[Any] = [self._time, 0, self._episode, self._step, *told]
         trained = self._recorder.trained
-        if trained is not None and differs(row[KEYS + trained], paid):
-            self._recorder.tell_paid_otherwise(row[KEYS + trained], float(paid), 0, self._episode, self._step)
+        if trained is not None and differs(told[trained], paid):
+            self._recorder.tell_paid_otherwise(told[trained], float(paid), (0, self._episode, self._step))
         row += (terminated, truncated)
         if self._calls is not None:
-            self._calls.note_step(0, action, observation, terminated or truncated or self._step % CHECKED == 0)
+            self._calls.note_step(0, action, after, terminated or truncated or self._step % CHECKED == 0)
         self._recorder.add(row)
         self._before, self._time, self._step = after, self._time + 1, self._step + 1
+        if self._recorder.trial is not None and (terminated or truncated or self._step == FIRST_STEPS):
+            self._end_trial()
         return row
 
+    def _ask(self, told: list[Any], given: Step) -> None:
+        """Ask the functions about a step, and put their numbers into their places."""
+        answers = self._guard.ask(self._functions, repeat(given), self._places_paid, self._is_watched)
+        asked, drew, trial = self._asked, self._guard.drew, self._recorder.trial
+        for index, value in zip(asked, answers, strict=True):
+            is_known = type(value) is float and isfinite(value)  # mostly a call less
+            told[index] = value if is_known else self._number(index, value, given)
+        at = 0, self._episode, self._step
+        for place, generator in drew.items():
+            self._recorder.note_draw(self._columns[asked[place]], generator, at)
+        for index in asked if trial is not None else ():
+            if not self._columns[index].given_up:
+                self._recorder.try_again(self._columns[index], given, told[index], at)
+            if self._columns[index].given_up:
+                told[index] = NAN
+                self._find_asked()
 
-def _measure_of(column: Column) -> Measure | None:
-    """How a column is measured; None for what the env pays."""
-    if column.is_own:
-        return None
-    if column.key is None:
-        return column.measures[0]
-    key = column.key
+    def _number(self, index: int, value: Any, given: Step, is_needed: bool = True) -> float:
+        """A number that is finite; NaN for what is not, which is given up unless it need not be told."""
+        try:
+            if type(value) is float64:  # what most envs pay
+                value = value.item()
+            if isinstance(value, Raised):
+                raise value.error
+            return as_number(value)
+        except (Exception, SystemExit, NoAnswer) as error:  # whatever rewards of users raise
+            column = self._columns[index]
+            if not isinstance(error, Untold) or is_needed or not column.may_be_untold:
+                reason = self._guard.reason(column.measures[0], given, error) if column.measures else one_line(error)
+                self._recorder.give_up(column, (0, self._episode, self._step), reason, error)
+                self._find_asked()
+        return NAN
 
-    def told(observation: Any, action: Any, next_observation: Any, info: Any, /) -> Any:
-        if key not in info:
-            raise Untold(key, [*info])
-        return info[key]
+    def _end_trial(self) -> None:
+        """See `Recorder.end_trial`; nothing while no step was taken."""
+        if self._step and self._recorder.trial is not None:
+            self._recorder.end_trial((0, self._episode, self._step - 1))
+            self._find_asked()
 
-    return told
+    def _find_asked(self) -> None:
+        """Note which columns are read, with the key of info, None for what the env pays; and which are asked."""
+        left = [(index, column) for index, column in enumerate(self._columns) if not column.given_up]
+        self._read = [(index, column.key) for index, column in left if not column.measures]
+        self._asked = [index for index, column in left if column.measures]
+        self._is_watched = any(column.is_watched for _, column in left)
+        self._functions: list[Measure] = [column.measures[0] for _, column in left if column.measures]
+        pays = self._recorder.pays
+        self._places_paid = (self._asked.index(pays),) if pays in self._asked else ()

@@ -11,14 +11,16 @@ from gymnasium.vector import AsyncVectorEnv, AutoresetMode, SyncVectorEnv, Vecto
 from numpy.typing import NDArray
 
 from harness.arrays import Float
-from harness.errors import UsageError
+from harness.errors import UsageError, one_line
 from harness.eta.interval import Bounds
 from harness.record.recording.facts import ActionFacts
 from harness.recorder.asked import Asked, OnError
 from harness.recorder.batch import BatchStep, Mask
 from harness.recorder.calls import CHECKED, action_facts
 from harness.recorder.column import Column, Given, Untold, as_number
-from harness.recorder.recorder import Recorder, differs, kept
+from harness.recorder.guard import NoAnswer, Raised, Step
+from harness.recorder.recorder import Recorder, differs
+from harness.recorder.trial import FIRST_STEPS
 
 Array = NDArray[Any]
 RESET_MASK = "reset_mask"
@@ -57,6 +59,8 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         number: int = 0,
         resume: bool = False,
         on_error: OnError = "warn",
+        steps_asked: int = 0,
+        episodes_asked: int = 0,
     ) -> None:
         """Check what was given, and start the recording; see `harness.recorder.record_rewards.RecordRewards`.
 
@@ -75,6 +79,8 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
             number: Of this batch among several that record one training into one path.
             resume: Go on with the recording in `path`, if there is one.
             on_error: ``"warn"``, or ``"raise"`` to stop the training where a reward or a measure fails.
+            steps_asked: Environment steps that the whole training is to take, over all envs; 0: not known.
+            episodes_asked: Of an evaluation, its episodes; 0: not known.
 
         Raises:
             UsageError: Something of that cannot be used, or `path` holds another recording.
@@ -85,10 +91,11 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         self._mode = _autoreset_mode(env)
         asked = Asked(
             path, trained_with, rewards, behaviour or {}, lower_is_better, seed, evaluation, pay, number, resume,
-            on_error, batched, bounds or {},
+            on_error, batched, bounds or {}, steps_asked=steps_asked, episodes_asked=episodes_asked,
         )  # fmt: skip
         self._recorder = Recorder(env, asked, env.num_envs, _action_facts(env))
-        self._looks = self._recorder.looks
+        self._guard = self._recorder.guard
+        self._seal = self._guard.seal if self._recorder.looks else None
         self._before: Any = None
         self._time = self._recorder.next_time
         self._episodes = self._recorder.next_episodes.copy()
@@ -109,9 +116,12 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         mask = np.array((options or {}).get(RESET_MASK, everywhere))  # the env takes it out of the options
         observations, infos = self.env.reset(seed=seed, options=options)  # type: ignore[arg-type] # a list is allowed
         self._recorder.note_seed(seed)
+        self._end_trial()
         self._note_resets(mask, seed, options)
         self._begin(mask)
-        self._before = kept(observations) if self._looks else None
+        if self._recorder.trial is not None:
+            self._recorder.trial.begin(self._recorder.columns)
+        self._before = self._seal(observations) if self._seal else None
         self._is_reset_next &= ~mask
         return observations, infos
 
@@ -126,9 +136,12 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
     def close(self, **kwargs: Any) -> None:
         """Write what is left, and close the envs."""
         try:
-            self._recorder.close()
+            self._end_trial()
         finally:
-            super().close(**kwargs)
+            try:
+                self._recorder.close()
+            finally:
+                super().close(**kwargs)
 
     def _record(
         self, actions: Any, observations: Any, paid: Any, terminated: Any, truncated: Any, infos: dict[str, Any]
@@ -138,8 +151,9 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         ended, live = terminated | truncated, ~self._is_reset_next
         at_once = self._mode == AutoresetMode.SAME_STEP
         step = BatchStep(
-            self.env, self._before, actions, observations, np.asarray(paid, float), ended, live, infos, at_once
-        )
+            self.env, self._before, actions if self._seal is None else self._seal(actions), observations,
+            np.array(paid, float), ended, live, infos, at_once, self._seal,
+        )  # fmt: skip
         numbers = self._write(step, terminated, truncated)
         self._steps[live] += 1
         self._time += 1
@@ -147,8 +161,15 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         self._note_resets(started)
         self._begin(started)
         self._is_reset_next = ended & (self._mode == AutoresetMode.NEXT_STEP)
-        self._before = kept(observations) if self._looks else None
+        self._before = self._seal(observations) if self._seal else None
+        if ended.any() or self._time - self._recorder.next_time == FIRST_STEPS:
+            self._end_trial()
         return numbers
+
+    def _end_trial(self) -> None:
+        """See `Recorder.end_trial`; nothing while no step was taken."""
+        if self._time > self._recorder.next_time and self._recorder.trial is not None:
+            self._recorder.end_trial((0, int(self._episodes[0]), int(self._steps[0])))
 
     def _note_resets(self, mask: Mask, seed: Any = None, options: Mapping[str, Any] | None = None) -> None:
         """Note that these envs were reset; envs that start the next episode by themselves draw it without a seed."""
@@ -170,22 +191,21 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
                 self._restart(column, mask)
 
     def _restart(self, column: Column, mask: Mask) -> None:
-        env = int(np.flatnonzero(mask)[0])
-        try:
-            if column.batched:
-                column.measures[0].reset(mask.copy())  # type: ignore[attr-defined] # it remembers
-            else:
-                for number in np.flatnonzero(mask):
-                    env = int(number)
-                    column.measures[env].reset()  # type: ignore[attr-defined]
-        except (Exception, SystemExit) as error:  # whatever rewards of users raise
-            self._recorder.give_up(column, env, self._episodes[env], 0, error)
+        envs = np.flatnonzero(mask).tolist()
+        if column.batched:
+            self._recorder.restart(column, 0, (envs[0], self._episodes[envs[0]], 0), mask.copy())
+            return
+        for env in envs:
+            if not column.given_up:
+                self._recorder.restart(column, env, (env, self._episodes[env], 0))
 
     def _write(self, step: BatchStep, terminated: Mask, truncated: Mask) -> Float:
         numbers = np.full((self.num_envs, len(self._recorder.columns)), np.nan)
         if not step.live.any():
             return numbers
-        for index, column in enumerate(self._recorder.columns):
+        read = [it for it in enumerate(self._recorder.columns) if not it[1].measures]  # before any function runs
+        asked = [it for it in enumerate(self._recorder.columns) if it[1].measures]
+        for index, column in (*read, *asked):
             if not column.given_up:
                 self._measure(column, step, numbers[:, index])
         if self._recorder.trained is not None:
@@ -207,7 +227,7 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         """Fill in what a column says of the envs, (num_envs,); where it fails it is given up, the rest is NaN."""
         env = int(np.flatnonzero(step.live)[0])
         try:
-            values, told, one = _ways_to_measure(column, step)
+            values, told, one = self._ways_to_measure(column, step)
             at_once = step.live & told & np.isfinite(values)
             numbers[at_once] = values[at_once]
             for number in np.flatnonzero(step.live & ~at_once):
@@ -217,36 +237,65 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
                 except Untold:
                     if step.ended[env] or not column.may_be_untold:
                         raise
-        except (Exception, SystemExit) as error:  # whatever rewards of users raise
+        except (Exception, SystemExit, NoAnswer) as error:  # whatever rewards of users raise
             numbers[env:] = np.nan
-            self._recorder.give_up(column, env, self._episodes[env], self._steps[env], error)
+            given = self._given(column, step, env)
+            reason = self._guard.reason(column.measures[0], given, error) if given else one_line(error)
+            self._recorder.give_up(column, self._place(env), reason, error)
+        if self._recorder.trial is not None and column.measures and not column.given_up and step.live[0]:
+            answer = numbers.copy() if column.batched else float(numbers[0])
+            if not self._recorder.try_again(column, self._given(column, step, 0), answer, self._place(0)):
+                numbers[:] = np.nan
+
+    def _ways_to_measure(self, column: Column, step: BatchStep) -> tuple[Float, Mask, Callable[[int], Any]]:
+        """What a column says of all envs at once, of which of them it does, and how it is asked of a single one."""
+        count = len(step.live)
+        if column.is_own:
+            return step.paid, step.live, step.paid.__getitem__
+        if column.key is not None:
+            key = column.key
+            return *step.told_numbers(key), lambda env: step.told(key, env)
+        if column.batched:
+            (answer,) = self._ask(column, column.measures, [self._given(column, step, 0)], [0])
+            values = np.asarray(_raised(answer), float)
+            if values.shape != (count,):
+                raise ValueError(f"it is an array of shape {values.shape}, not {(count,)}")
+            return values, step.live, values.__getitem__
+        envs = np.flatnonzero(step.live).tolist()
+        steps = [self._given(column, step, env) for env in envs]
+        answers = dict(zip(envs, self._ask(column, [column.measures[env] for env in envs], steps, envs), strict=True))
+        return np.zeros(count), np.zeros(count, bool), lambda env: _raised(answers[env])
+
+    def _ask(self, column: Column, functions: list[Any], steps: list[Step], envs: list[int]) -> list[Any]:
+        pays = self._recorder.pays is not None and column is self._recorder.columns[self._recorder.pays]
+        answers = self._guard.ask(functions, steps, range(len(steps)) if pays else (), column.is_watched)
+        for place, generator in self._guard.drew.items():
+            self._recorder.note_draw(column, generator, self._place(envs[place]))
+        return answers
+
+    def _given(self, column: Column, step: BatchStep, env: int) -> Step:
+        """What a function is given: of the whole batch, or of one env."""
+        if not column.measures:
+            return ()
+        if column.batched:
+            return step.before, step.actions, step.after, step.sealed_infos
+        return step.each_before[env], step.each_action[env], step.each_after[env], step.sealed_info(env)
+
+    def _place(self, env: int) -> tuple[int, int, int]:
+        return env, int(self._episodes[env]), int(self._steps[env])
 
     def _require_paid(self, numbers: Float, step: BatchStep) -> None:
         apart = np.flatnonzero(step.live & differs(numbers, step.paid))
         if len(apart):
             env = int(apart[0])
-            self._recorder.tell_paid_otherwise(numbers[env], step.paid[env], env, self._episodes[env], self._steps[env])
+            self._recorder.tell_paid_otherwise(numbers[env], step.paid[env], self._place(env))
 
 
-def _ways_to_measure(column: Column, step: BatchStep) -> tuple[Float, Mask, Callable[[int], Any]]:
-    """What a column says of all envs at once, of which of them it does, and how it is asked of a single one."""
-    count = len(step.live)
-    if column.is_own:
-        return step.paid, step.live, step.paid.__getitem__
-    if column.batched:
-        values = np.asarray(column.measures[0](step.before, step.actions, step.after, step.infos), float)
-        if values.shape != (count,):
-            raise ValueError(f"it is an array of shape {values.shape}, not {(count,)}")
-        return values, step.live, values.__getitem__
-    key = column.key
-    if key is not None:
-        return *step.told_numbers(key), lambda env: step.told(key, env)
-
-    def call(env: int) -> Any:
-        measure = column.measures[env]
-        return measure(step.each_before[env], step.each_action[env], step.each_after[env], step.info(env))
-
-    return np.zeros(count), np.zeros(count, bool), call
+def _raised(answer: Any) -> Any:
+    """The answer, unless the function raised an error: then that is raised."""
+    if isinstance(answer, Raised):
+        raise answer.error
+    return answer
 
 
 def _action_facts(env: VectorEnv[Any, Any, Any]) -> ActionFacts | None:

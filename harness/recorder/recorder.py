@@ -1,25 +1,30 @@
 """What both wrappers share: the columns, what is done when one fails, and the files."""
 
-import copy
 import os
 import sys
 import warnings
 from dataclasses import replace
 from pathlib import Path
 from time import monotonic
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
+from gymnasium.vector import VectorEnv
 
 from harness.errors import StorageError, UsageError, one_line
 from harness.record.recording.facts import REWARD, ActionFacts, Failure, TrainingFacts
 from harness.record.recording.recording_writer import RecordingWriter, Rows
 from harness.recorder.asked import Asked
-from harness.recorder.calls import Calls
+from harness.recorder.calls import Calls, checksum
 from harness.recorder.column import OWN, Column, columns_of, source_of
-from harness.recorder.env_facts import env_facts, versions_of
+from harness.recorder.env_facts import env_facts, normalises, versions_of
+from harness.recorder.guard import Guard, Raised, Step
+from harness.recorder.trial import Trial
+from harness.recorder.wrapped import tell_wrapped_pay
 from harness.text import visible
 
+Place: TypeAlias = tuple[int, int, int]
+"""Env, episode, step."""
 ROWS_AT_ONCE = 256
 """Single rows become numbers of an array together, which takes half of the time."""
 
@@ -32,6 +37,8 @@ class Recorder:
         pays: Index of the column that the learner is paid; None where it is paid by the env.
         trained: Index of the column that the env should pay; None where the column is what the env pays, or differed.
         looks: Whether a function measures: it is given the observations.
+        guard: Asks the functions.
+        trial: Asks them more than once; None once that is over.
         calls: Notes what each env is told; None where its actions are not recorded.
         next_time: Of the next step.
         next_episodes: Numbers of the next episodes, (num_envs,).
@@ -52,11 +59,16 @@ class Recorder:
             StorageError: The files cannot be written.
         """
         rewards = asked.all_rewards
+        recorder = "RecordVectorRewards" if isinstance(env, VectorEnv) else "RecordRewards"
+        of_wrappers = tell_wrapped_pay(env, recorder, asked.pay)
         self.columns = columns_of(env, rewards, asked.behaviour, num_envs, frozenset(asked.batched))
         index = [column.name for column in self.columns].index(f"{REWARD}{asked.trained_with}")
         self.trained = None if asked.evaluation or asked.pay or self.columns[index].is_own else index
         self.pays = index if asked.pay else None
         self.looks = any(column.measures for column in self.columns)
+        self.guard = Guard()
+        self.trial: Trial | None = Trial(env, self.guard) if self.looks else None
+        self._drew: set[str] = set()
         self._path, self._on_error, self._stopped = Path(asked.path), asked.on_error, False
         self._rows: list[list[float]] = []
         facts = TrainingFacts(
@@ -76,7 +88,10 @@ class Recorder:
             horizon=asked.horizon or 0,
             acted=asked.acted,
             after=asked.after,
+            steps_asked=asked.steps_asked,
+            episodes_asked=asked.episodes_asked,
         )
+        self._sums_starts = asked.evaluation and num_envs == 1 and not normalises(facts.env)
         try:
             self._writer = RecordingWriter(self._path, facts, asked.number, asked.resume)
         except OSError as error:
@@ -84,6 +99,8 @@ class Recorder:
         self._note_given_up(asked.path)
         now = self._writer.facts.actions  # a recording of an older version, which goes on, has none
         self.calls = None if now is None else Calls(now, num_envs, self._note_actions)
+        for line in of_wrappers:
+            self.note(line)
         self.next_time, self.next_episodes = self._writer.next_time, self._writer.next_episodes
 
     def note_seed(self, seed: Any) -> None:
@@ -96,32 +113,84 @@ class Recorder:
     def _note_actions(self, facts: ActionFacts) -> None:
         self._writer.facts = replace(self._writer.facts, actions=facts)
 
+    def note_start(self, observation: Any) -> None:
+        """Sum up the first observation of an episode of an evaluation: policies should meet the same."""
+        if self._sums_starts:
+            starts = checksum(observation, self._writer.facts.starts)
+            self._writer.facts = replace(self._writer.facts, starts=starts)
+
     def note_cut(self) -> None:
         """Count an episode that is cut."""
         self._writer.facts = replace(self._writer.facts, cut=self._writer.facts.cut + 1)
 
-    def give_up(self, column: Column, env: int, episode: int, step: int, error: BaseException) -> None:
+    def give_up(self, column: Column, at: Place, reason: str, error: BaseException | None = None) -> None:
         """Note that a column has failed, and tell it.
 
         Raises:
             UsageError: The user wants errors raised, or the learner is paid by this reward.
         """
         column.given_up = True
-        failure = Failure(column.name, int(env), int(episode), int(step), one_line(error))
+        env, episode, step = map(int, at)
+        failure = Failure(column.name, env, episode, step, reason)
         self._writer.facts = replace(self._writer.facts, failures=(*self._writer.facts.failures, failure))
-        where = f"{column.noun} failed in env {env}, episode {episode}, step {step}: {one_line(error)}"
+        where = f"{column.noun} failed in {_told(at)}: {reason}"
         if self.pays is not None and column is self.columns[self.pays]:
             raise UsageError(f"{where}. It pays the learner, so the training cannot go on") from error
         self._tell(where, "The training goes on; from this step on it is recorded as NaN", error)
 
-    def tell_paid_otherwise(self, value: float, paid: float, env: int, episode: int, step: int) -> None:
+    def note(self, line: str) -> None:
+        """Tell, once, something of what goes on being recorded."""
+        if line not in self._writer.facts.notes:
+            self._writer.facts = replace(self._writer.facts, notes=(*self._writer.facts.notes, line))
+            warnings.warn(line, Noted, stacklevel=_depth_of_caller())
+
+    def note_draw(self, column: Column, generator: str, at: Place) -> None:
+        """Tell the first time that a function draws from a generator that the whole process shares."""
+        if column.name in self._drew:
+            return
+        self._drew.add(column.name)
+        pays = self.pays is not None and column is self.columns[self.pays]
+        kept = "It pays the learner, so this is part of the training" if pays else "The training does not notice"
+        self.note(
+            f"{column.noun}: it draws from {generator}, first in {_told(at)}. {kept}, but nobody can compute its "
+            "numbers again. Make a generator of its own, `self.rng = numpy.random.default_rng(0)` in reset()"
+        )
+
+    def restart(self, column: Column, place: int, at: Place, *given: Any) -> None:
+        """Tell a function with a memory that an episode starts."""
+        (found,) = self.guard.ask([column.measures[place].reset], [given])  # type: ignore[attr-defined] # it remembers
+        if self.guard.drew:
+            self.note_draw(column, self.guard.drew[0], at)
+        if isinstance(found, Raised):
+            self.give_up(column, at, one_line(found.error), found.error)
+
+    def try_again(self, column: Column, step: Step, answer: Any, at: Place) -> bool:
+        """Ask a function about one of the first steps again; returns whether it goes on, and was not given up."""
+        assert self.trial is not None
+        found = self.trial.note(column, step, answer, column.name in self._drew)
+        if found is not None:
+            self.give_up(column, at, found.told)
+        return found is None
+
+    def end_trial(self, at: Place) -> None:
+        """Ask all functions about the first episode again, if that was not done."""
+        if self.trial is None:
+            return
+        trial, self.trial = self.trial, None
+        for found in trial.end(self.columns):
+            if found.is_wrong:
+                self.give_up(found.column, at, found.told)
+            else:
+                self.note(f"{found.column.noun}: {found.told}")
+
+    def tell_paid_otherwise(self, value: float, paid: float, at: Place) -> None:
         """Note the first step in which the env paid something else than the reward named `trained_with`, and tell it.
 
         Raises:
             UsageError: The user wants errors raised.
         """
         name, self.trained = self._writer.facts.trained_with, None
-        where = f"env {env}, episode {episode}, step {step}: the env paid {paid:.9g}, {name!r} {value:.9g}"
+        where = f"{_told(at)}: the env paid {paid:.9g}, {name!r} {value:.9g}"
         self._writer.facts = replace(self._writer.facts, paid_otherwise=where)
         self._tell(
             f"the learner is not paid by trained_with={name!r}: {where}",
@@ -195,6 +264,11 @@ class Recorder:
         warnings.warn(visible(f"{problem}. {rest}"), GivenUp, stacklevel=_depth_of_caller())
 
 
+def _told(at: Place) -> str:
+    env, episode, step = at
+    return f"env {env}, episode {episode}, step {step}"
+
+
 def _depth_of_caller() -> int:
     """How many frames above `Recorder._tell` the code stands that stepped the env: the first outside this room."""
     depth, frame = 1, sys._getframe(1)
@@ -207,11 +281,10 @@ class GivenUp(UserWarning):
     """Something is not recorded from now on, and the training goes on."""
 
 
+class Noted(UserWarning):
+    """Something that is recorded does not say what one would think."""
+
+
 def differs(value: Any, paid: Any) -> Any:
     """Whether a reward is another number than what the env paid, by more than float32 loses; not where it is NaN."""
     return abs(value - paid) > 1e-6 + 1e-5 * abs(paid)
-
-
-def kept(observation: Any) -> Any:
-    """A copy: envs may write the next observation into the same place."""
-    return observation.copy() if isinstance(observation, np.ndarray) else copy.deepcopy(observation)

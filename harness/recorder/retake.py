@@ -30,7 +30,7 @@ from harness.record.recording.scores import Scores, read_scores, scores_name, wr
 from harness.recorder.calls import NO_SEED, UNCHECKED, action_of, checksum
 from harness.recorder.column import OWN, Given
 from harness.recorder.record_rewards import RecordRewards
-from harness.recorder.recorder import GivenUp
+from harness.recorder.recorder import GivenUp, Noted
 from harness.recorder.walk import KeepWalks, Walk
 
 Columns = Mapping[str, NDArray[Any]]
@@ -155,6 +155,7 @@ class Retake:
             later, path = self.later(env), Path(place) / "again"
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", GivenUp)  # `score` returns what failed
+                warnings.simplefilter("ignore", Noted)
                 again = RecordRewards(
                     env,
                     path,

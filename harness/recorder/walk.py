@@ -5,9 +5,8 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 import gymnasium
-import numpy as np
 
-from harness.recorder.recorder import kept
+from harness.recorder.sealed import Sealer
 
 Observation = TypeVar("Observation")
 Action = TypeVar("Action")
@@ -27,7 +26,7 @@ class Walk:
 
 
 class KeepWalks(gymnasium.Wrapper[Observation, Action, Observation, Action]):
-    """Keeps copies of states and actions, of which arrays cannot be written into; changes nothing of the env.
+    """Keeps copies of states and actions, which nobody can write into; changes nothing of the env.
 
     Attributes:
         walks: Of all episodes since the wrapper was made.
@@ -36,28 +35,21 @@ class KeepWalks(gymnasium.Wrapper[Observation, Action, Observation, Action]):
     def __init__(self, env: gymnasium.Env[Observation, Action]) -> None:
         super().__init__(env)
         self.walks: list[Walk] = []
+        self._seal = Sealer().seal
         self._states: list[Any] = []
         self._actions: list[Any] = []
 
     def reset(self, **options: Any) -> tuple[Observation, dict[str, Any]]:
         """Start an episode."""
         observation, info = self.env.reset(**options)
-        self._states, self._actions = [_frozen(observation)], []
+        self._states, self._actions = [self._seal(observation)], []
         return observation, info
 
     def step(self, action: Action) -> Any:
         """Take a step."""
         answer = self.env.step(action)
-        self._states.append(_frozen(answer[0]))
-        self._actions.append(_frozen(action))
+        self._states.append(self._seal(answer[0]))
+        self._actions.append(self._seal(action))
         if len(self._actions) == 1:
             self.walks.append(Walk(self._states, self._actions))
         return answer
-
-
-def _frozen(value: Any) -> Any:
-    """A copy; a reward that writes into it is refused."""
-    copied = kept(value)
-    if isinstance(copied, np.ndarray):
-        copied.setflags(write=False)
-    return copied

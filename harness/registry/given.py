@@ -45,7 +45,8 @@ class PluginFile:
         source: Its text.
         beside: The modules in its folder that it imports, directly or through one another: name and text, by name.
         measures: Whether its functions measure what a robot does, and are no rewards.
-        optional: Whether a pattern such as ``rewards/*.py`` found it: if it cannot be loaded, the others go on.
+        optional: Whether a pattern such as ``rewards/*.py`` found it: if it cannot be used, the others go on.
+        left_out: Names of functions in it that are not used, because they failed when they were tried.
     """
 
     path: str
@@ -53,6 +54,7 @@ class PluginFile:
     beside: tuple[tuple[str, str], ...] = ()
     measures: bool = False
     optional: bool = False
+    left_out: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
@@ -88,7 +90,8 @@ class PluginFile:
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Self:
         """What `dataclasses.asdict` told, also after a way through JSON."""
-        return cls(**{**data, "beside": tuple((name, text) for name, text in data.get("beside", ()))})
+        beside = tuple((name, text) for name, text in data.get("beside", ()))
+        return cls(**{**data, "beside": beside, "left_out": tuple(data.get("left_out", ()))})
 
 
 @dataclass(frozen=True)

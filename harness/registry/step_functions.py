@@ -67,7 +67,11 @@ def functions_of_file(file: PluginFile, module: ModuleType) -> list[StepFunction
     attributes = [name for name in vars(module) if name in functions or getattr(module, name) in classes]
     names = [file.stem.lower()] if len(attributes) == 1 and not file.measures else attributes
     lower = _lower(file, module, attributes)
-    return [StepFunction(name, it, file, it in lower) for name, it in zip(names, attributes, strict=True)]
+    return [
+        StepFunction(name, it, file, it in lower)
+        for name, it in zip(names, attributes, strict=True)
+        if name not in file.left_out
+    ]
 
 
 def _has_steps(found: type) -> bool:

@@ -13,6 +13,7 @@ from harness.eta.headline import DECIDING, SUCCESS, UNMEASURED, Answer, Headline
 from harness.eta.index import Index, Ratio
 from harness.eta.lead import lead_of
 from harness.eta.number import number_sentence, return_sentence
+from harness.eta.rescaling import Rescaling
 from harness.eta.return_split import ReturnSplit
 from harness.eta.scored_sums import Pair
 from harness.eta.splits import Decomposition, Splits, no_splits, splits_to_json
@@ -139,6 +140,8 @@ class Comparison:
         pool: The answer over all places; None where there is one place.
         speed_ruling: What the test says of how fast the robot learns; None where that was not asked.
         same_steps: Whether the policies of both rewards take the same steps in every evaluation, bit for bit.
+        rescaling: What the proposed reward is, if it is the baseline but for scale and offset; else None.
+        same_starts: Whether policies met the same episodes in their evaluations, as far as that is known.
     """
 
     group: Group
@@ -161,6 +164,8 @@ class Comparison:
     pool: Pool | None = None
     speed_ruling: Ruling | None = None
     same_steps: bool = False
+    rescaling: Rescaling | None = None
+    same_starts: bool = True
 
     @property
     def place_key(self) -> tuple[Group, str, str]:

@@ -1,6 +1,7 @@
 """One robot arm: its URDF, and the few numbers beside it in `robot.toml` that a URDF has no place for."""
 
 import hashlib
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -17,7 +18,14 @@ from harness.files.bounded import digest_of, read_text, reading
 from harness.robot.chain_end import find_chain_end
 from harness.robot.jaw import Jaw, find_jaw
 from harness.robot.joint_limits import describe_origin, read_joint_limits
-from harness.robot.kinematics import Chain, build_chain, chain_length, end_effector_position, position_jacobian
+from harness.robot.kinematics import (
+    Chain,
+    build_chain,
+    chain_length,
+    end_effector_position,
+    position_jacobian,
+    read_only,
+)
 from harness.robot.normal_urdf import normal_urdf
 from harness.robot.servo import Servo, read_servo
 from harness.robot.settings import FILE, JOINT_KEYS, RobotSettings, read_settings
@@ -101,6 +109,14 @@ class Robot:
     def dof(self) -> int:
         """Number of driven joints."""
         return self.chain.dof
+
+    @cached_property
+    def per_radian(self) -> Float:
+        """What counts as much as 1 rad of each joint, (dof,): where it turns 1; where it slides its range by 2 pi, [m].
+
+        So the whole range of a slide counts as a full turn, and 6 degrees are a sixtieth of it.
+        """
+        return read_only(np.where(self.chain.slides, (self.upper - self.lower) / (2.0 * math.pi), 1.0))
 
     @cached_property
     def reach(self) -> float:

@@ -117,11 +117,20 @@ def _read_shape(collision: Element, owner: str) -> Shape:
         raise UsageError(f"{owner} has a collision <{shape.tag}>; allowed: {', '.join(SIZES)}. Change it.")
     kind = cast(ShapeKind, shape.tag)
     numbers = read_sizes(shape, owner)
-    points = _read_points(shape, owner) if kind == "mesh" else NO_POINTS
+    points = read_points(shape, owner) if kind == "mesh" else NO_POINTS
     return Shape(kind, numbers, read_only(read_origin(collision, owner)), points)
 
 
-def _read_points(mesh: Element, owner: str) -> Float:
+def read_points(mesh: Element, owner: str) -> Float:
+    """The points of a <mesh> that collides, scaled, (count, 3), [m], read-only; what collides is their convex hull.
+
+    Args:
+        mesh: The element, with the path of its file.
+        owner: What an error begins with, as ``Link 'hand'``.
+
+    Raises:
+        UsageError: The file cannot be read as a mesh, or the scale is none.
+    """
     try:
         points, _ = distinct(read_mesh(Path(mesh.get("filename", ""))).vertices)
     except UsageError as error:

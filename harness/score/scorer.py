@@ -6,7 +6,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float, Mask
+from harness.arrays import Float, Mask, read_only
 from harness.record.trace import Trace
 from harness.reward import Carry, Reward, Sample, put, take
 
@@ -91,10 +91,11 @@ class Scorer:
         return new
 
     def _sample(self, rows: Rows, restart: Mask) -> Sample:
-        begin, distance = rows.begin_distance, rows.distance
+        begin, best = read_only(rows.begin_distance), read_only(rows.previous_best)  # other rewards read them too
+        distance = read_only(rows.distance)
         previous = np.where(restart, begin, np.concatenate([[self._last.distance], distance[:-1]]))
         step = _steps_since_start(rows.start, self._last.step)
-        return Sample(begin, rows.previous_best, previous, distance, distance - rows.previous_best, step)
+        return Sample(begin, best, previous, distance, distance - best, step)
 
     def _score_in_order(self, start: Mask, restart: Mask, sample: Sample) -> Float:
         """Score a reward that remembers earlier rows: all targets of the block side by side, step by step."""

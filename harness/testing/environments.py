@@ -2,25 +2,24 @@
 
 import math
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import closing
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from gymnasium.utils.env_checker import check_env
 
 from harness.environment import AnyEnv, Environment, baseline_of, bounds_of, goal_rewards, lower_is_better
 from harness.errors import UsageError
+from harness.experiment.environments.random_steps import RandomStep, random_steps, value_of
 from harness.experiment.environments.spaces import (
     ACHIEVED,
     DESIRED,
-    flat_observation,
     flat_observations,
     goal_columns,
     kind_of_actions,
 )
 from harness.recorder.column import Column, as_number, columns_of
-from harness.recorder.recorder import kept
 from harness.testing.violations import Check, check, raise_first, require, settings_are_frozen, settings_survive_json
 
 STEPS, LONGEST = 100, 20_000
@@ -81,9 +80,9 @@ def numbers_are_finite(environment: Environment) -> None:
     """
     with closing(environment.make()) as env:
         ended = False
-        for step in _steps(env, 0, LONGEST, _columns(environment, env)):
+        for step in random_steps(env, 0, LONGEST, columns := _columns(environment, env)):
             ended = ended or step.ended
-            for column, value in step.told:
+            for column, value in _told(columns, step):
                 if value is None and column.may_be_untold and not step.ended:
                     continue
                 where = f"step {step.number} of an episode{', its last,' * step.ended}"
@@ -113,7 +112,7 @@ def rewards_change_nothing(environment: Environment) -> None:
     """Rewards and measures only look on: episodes are the same whether they are asked or not."""
     with closing(environment.make()) as env, closing(environment.make()) as other:
         asked = _rollout(environment, env)
-        alone = [step.numbers for step in _steps(other, 0, STEPS, cut_at=STEPS // 2)]
+        alone = [step.numbers for step in random_steps(other, 0, STEPS, cut_at=STEPS // 2)]
     same = all(np.array_equal(row[: len(bare)], bare) for row, bare in zip(asked, alone, strict=True))
     require(same, "an episode goes on differently when its rewards and measures are asked")
 
@@ -133,8 +132,8 @@ def rewards_of_goals_pay_as_they_do(environment: Environment) -> None:
         require(not unknown, f"goal_rewards names {unknown}, which are none of its rewards {sorted(rewards)}")
         paid, goals = list[list[Any]](), list[list[Any]]()
         columns = columns_of(env, {name: rewards[name] for name in by_goals}, {}, 1, frozenset())
-        for step in _steps(env, 0, STEPS, columns):
-            paid.append([value for _, value in step.told])
+        for step in random_steps(env, 0, STEPS, columns):
+            paid.append([value for _, value in _told(columns, step)])
             goals.append([np.array(step.after[key], float) for key in (ACHIEVED, DESIRED)])
         achieved, desired = (np.array(each) for each in zip(*goals, strict=True))
         for (name, pay), right in zip(by_goals.items(), np.array(paid, float).T, strict=True):
@@ -149,80 +148,24 @@ def rewards_of_goals_pay_as_they_do(environment: Environment) -> None:
 def episodes_end(environment: Environment) -> None:
     """An episode of random actions ends, terminated or truncated, within 20,000 steps: evaluations wait for it."""
     with closing(environment.make()) as env:
-        require(any(step.ended for step in _steps(env, 0, LONGEST)), f"no episode ended within {LONGEST:,} steps")
-
-
-class _Step(NamedTuple):
-    """One step of an env.
-
-    Attributes:
-        done: Steps up to and with this one, in all episodes.
-        number: Of this step in its episode, from 1.
-        after: The observation.
-        ended: Whether the episode ended with it.
-        numbers: The observation in one row, and what the env paid.
-        told: What the rewards and measures say of it; None of a key that info does not have.
-    """
-
-    done: int
-    number: int
-    after: Any
-    ended: bool
-    numbers: Row
-    told: list[tuple[Column, Any]]
+        require(any(step.ended for step in random_steps(env, 0, LONGEST)), f"no episode ended within {LONGEST:,} steps")
 
 
 def _columns(environment: Environment, env: AnyEnv) -> list[Column]:
     return columns_of(env, environment.rewards(env), environment.behaviour(env), 1, frozenset())
 
 
-def _steps(env: AnyEnv, seed: int, count: int, columns: Sequence[Column] = (), cut_at: int = 0) -> Iterator[_Step]:
-    """So many steps of random actions, in as many episodes as that takes.
-
-    Rewards and measures are begun with each episode and called as `harness.RecordRewards` does it.
-
-    Args:
-        env: Makes the steps.
-        seed: Of the first episode and of the actions.
-        count: How many steps.
-        columns: The rewards and measures.
-        cut_at: After so many steps another episode begins.
-    """
-    before, number = _begin(env, columns, seed), 0
-    env.action_space.seed(seed)
-    for done in range(1, count + 1):
-        action, number = env.action_space.sample(), number + 1
-        observation, paid, terminated, truncated, info = env.step(action)
-        after, ended = kept(observation), bool(terminated or truncated)
-        told = [(column, _value(column, paid, before, action, after, info)) for column in columns]
-        numbers = [*flat_observation(env.observation_space, after).tolist(), float(paid)]
-        yield _Step(done, number, after, ended, numbers, told)
-        before = after
-        if ended or done == cut_at:
-            before, number = _begin(env, columns), 0
-
-
-def _begin(env: AnyEnv, columns: Sequence[Column], seed: int | None = None) -> Any:
-    """Begin an episode; returns the first observation."""
-    observation, _ = env.reset(seed=seed)
-    for column in columns:
-        if column.remembers:
-            column.measures[0].reset()  # type: ignore[attr-defined] # it remembers
-    return kept(observation)
-
-
-def _value(column: Column, paid: Any, *step: Any) -> Any:
-    """What a reward or a measure says of a step, as it says it."""
-    if column.is_own:
-        return paid
-    return step[-1].get(column.key) if column.key is not None else column.measures[0](*step)
+def _told(columns: Sequence[Column], step: RandomStep) -> list[tuple[Column, Any]]:
+    """What the rewards and measures say of a step."""
+    return [(column, value_of(column, step)) for column in columns]
 
 
 def _rollout(environment: Environment, env: AnyEnv) -> list[Row]:
     """All numbers of some steps; NaN for what is not told, or is no number."""
+    columns = _columns(environment, env)
     return [
-        [*step.numbers, *(_number_or_nan(value) for _, value in step.told)]
-        for step in _steps(env, 0, STEPS, _columns(environment, env), cut_at=STEPS // 2)
+        [*step.numbers, *(_number_or_nan(value) for _, value in _told(columns, step))]
+        for step in random_steps(env, 0, STEPS, columns, cut_at=STEPS // 2)
     ]
 
 

@@ -7,6 +7,10 @@ from xml.etree import ElementTree
 import numpy as np
 
 from harness.arrays import Float
+from harness.env.solid_probes import require_solids
+from harness.errors import MissingSolid, PluginError, UsageError
+from harness.registry.choice import choose
+from harness.registry.registry import load_registry
 from harness.robot import Robot
 from harness.robot.ground_clearance import build_solids
 from harness.robot.inverse_kinematics import reach_position
@@ -146,6 +150,23 @@ def meshes_can_be_read(robot: Robot) -> None:
                     read_mesh(path)  # raises, and says why
 
 
+@check("robot-simulators")
+def simulators_have_all_solids(robot: Robot) -> None:
+    """Every installed simulator loads the arm, and touches the ground with each collision shape that can touch it."""
+    registry = load_registry()
+    for name in registry.names("simulators"):
+        if registry.get("simulators", name).missing:
+            continue
+        try:
+            simulator = choose(registry, "simulators", name).build(registry, "simulators")
+        except PluginError:
+            continue  # that is no fault of the robot
+        try:
+            require_solids(name, simulator, robot, registry)
+        except (UsageError, MissingSolid) as error:
+            require(False, str(error) if name in str(error) else f"{name}: {error}")
+
+
 ROBOT_CHECKS: tuple[Check, ...] = (
     limits_are_finite,
     home_is_in_the_joint_ranges,
@@ -156,6 +177,9 @@ ROBOT_CHECKS: tuple[Check, ...] = (
     masses_are_those_of_bodies,
     meshes_can_be_read,
 )
+"""What needs no simulator."""
+SIMULATED_ROBOT_CHECKS: tuple[Check, ...] = (simulators_have_all_solids,)
+"""What opens every installed simulator."""
 
 
 @check("robot-collision-shapes", "warning")

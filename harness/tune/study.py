@@ -10,6 +10,7 @@ import numpy as np
 
 from harness.errors import UsageError
 from harness.files.bounded import read_bytes, reading
+from harness.record.out_folder import JOURNAL
 from harness.tune.outcome import Outcome
 from harness.tune.space import Dimension, Options
 from harness.tune.trial import Status, TrialRecord
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
     from optuna.storages import JournalStorage
     from optuna.trial import FrozenTrial
 
-JOURNAL = "study.log"
 OUTCOME, REASON, CELLS, REFUSED = "outcome", "reason", "cells", "refused"
 MOST_BYTES = 256 * 2**20
 """The most bytes of a journal. 10,000 trials of ten parameters take a tenth of this."""

@@ -1,5 +1,7 @@
 """One arm in the world of one client. A client is a connection to Bullet that has a world of its own."""
 
+from pathlib import Path
+
 import pybullet
 
 from harness.arrays import Float
@@ -11,6 +13,7 @@ from .world import (
     BASE,
     LOAD_FLAGS,
     add_ground,
+    contact_distances,
     exact_timestep,
     load_body,
     numbers,
@@ -22,26 +25,26 @@ from .world import (
 
 FORCE = 1e6
 """Largest force of a motor, [N m] or [N]: ideal drives are strong enough, no matter which effort a URDF gives."""
-DISTANCE, NORMAL_FORCE = 8, 9
-"""The indices of these two values in a contact point of Bullet's."""
+LINK, DISTANCE, NORMAL_FORCE = 3, 8, 9
+"""The indices of these values in a contact point of Bullet's."""
 
 
 class Arm:
     """One arm on the ground in the world of one client."""
 
     def __init__(
-        self, client: int, robot: Robot, substeps: Substeps, iterations: int, self_collision: bool = False
+        self, client: int, robot: Robot, path: Path, substeps: Substeps, iterations: int, self_collision: bool = False
     ) -> None:
         self.client, self._substeps = client, substeps
         self._timestep, self._duration = exact_timestep(substeps.period, substeps.count), substeps.period
         set_options(client, self._timestep, substeps.count, iterations)
         flags = pybullet.URDF_USE_SELF_COLLISION if self_collision else 0
-        self.body = load_body(client, robot, LOAD_FLAGS | pybullet.URDF_IGNORE_VISUAL_SHAPES | flags)
+        self.body = load_body(client, robot, path, LOAD_FLAGS | pybullet.URDF_IGNORE_VISUAL_SHAPES | flags)
         links, self.joints = numbers(client, self.body, robot)
         if self_collision:
             part_neighbours(client, self.body, self.joints, robot.home)
         self.forces = [FORCE] * robot.dof
-        self.tip = links[robot.end_effector_link]
+        self.tip, self._touches = links[robot.end_effector_link], contact_distances(links, robot)
         self.ground = add_ground(client, self.body, self.joints)
         pybullet.changeDynamics(self.body, BASE, linearDamping=0.0, angularDamping=0.0, physicsClientId=client)
         self._new = pybullet.saveState(physicsClientId=client)
@@ -67,7 +70,7 @@ class Arm:
 
     def read(self, state: State, env: int) -> None:
         """See `harness_plugins.arms.apart.ArmAlone`."""
-        client, has_moved = self.client, self._has_moved
+        client, has_moved, touches = self.client, self._has_moved, self._touches
         joints = pybullet.getJointStates(self.body, self.joints, physicsClientId=client)
         state.qpos[env] = [joint[0] for joint in joints]
         state.qvel[env] = [joint[1] for joint in joints]
@@ -77,7 +80,7 @@ class Arm:
         points = pybullet.getContactPoints(self.body, self.ground, physicsClientId=client)
         state.ground_contact[env] = any(
             # Bullet also reports near misses. A point that bears a load is a contact. After `put`, loads are old.
-            point[DISTANCE] <= 0.0 or (has_moved and point[NORMAL_FORCE] > 0.0)
+            point[DISTANCE] <= touches[point[LINK]] or (has_moved and point[NORMAL_FORCE] > 0.0)
             for point in points
         )
 

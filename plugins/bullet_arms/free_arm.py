@@ -1,5 +1,7 @@
 """The equations of motion of an arm that touches nothing, by Bullet, for given joint positions and speeds."""
 
+from pathlib import Path
+
 import numpy as np
 import pybullet
 
@@ -22,11 +24,11 @@ class FreeArm:
     that also has half of the armature about the other axes, less those of a link that has all of it about them.
     """
 
-    def __init__(self, client: int, robot: Robot, armature: Float) -> None:
+    def __init__(self, client: int, robot: Robot, path: Path, armature: Float) -> None:
         self._client = client
         pybullet.setGravity(0.0, 0.0, GRAVITY, physicsClientId=client)
         flags = LOAD_FLAGS | pybullet.URDF_IGNORE_VISUAL_SHAPES
-        self._body, self._with_half, self._with_all = (load_body(client, robot, flags) for _ in range(3))
+        self._body, self._with_half, self._with_all = (load_body(client, robot, path, flags) for _ in range(3))
         add_armature(client, self._with_half, robot, armature, 0.5)
         add_armature(client, self._with_all, robot, armature, 1.0)
         self._still = [0.0] * robot.dof

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from harness.arrays import Float
 from harness.robot import Robot
 
+from .arm_file import file_of_arm
 from .world import LOAD_FLAGS, load_body, numbers, set_joints
 
 
@@ -15,7 +16,8 @@ class Scene:
 
     def __init__(self, client: int, robot: Robot) -> None:
         self.client = client
-        self.body = load_body(client, robot, LOAD_FLAGS)
+        with file_of_arm(robot, is_drawn=True) as path:
+            self.body = load_body(client, robot, path, LOAD_FLAGS)
         _, self.joints = numbers(client, self.body, robot)
         _add_shape(client, [0.0, 0.0, -0.01], pybullet.GEOM_BOX, halfExtents=[3, 3, 0.01], rgbaColor=[0.8, 0.8, 0.8, 1])
         red = [0.85, 0.2, 0.15, 1]

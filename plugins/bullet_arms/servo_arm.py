@@ -1,5 +1,7 @@
 """One arm whose joints are moved by the drives of its robot.toml."""
 
+from pathlib import Path
+
 import numpy as np
 import pybullet
 
@@ -27,10 +29,10 @@ class ServoArm(Arm):
     """
 
     def __init__(
-        self, client: int, robot: Robot, servo: Servo, free: FreeArm,
+        self, client: int, robot: Robot, path: Path, servo: Servo, free: FreeArm,
         substeps: Substeps, iterations: int, self_collision: bool,
     ) -> None:  # fmt: skip
-        super().__init__(client, robot, substeps, iterations, self_collision)
+        super().__init__(client, robot, path, substeps, iterations, self_collision)
         self._servo, self._free = servo, free
         self._friction = DryFriction(servo.dry_friction * self._timestep)
         set_steps(client, self._timestep, 1)

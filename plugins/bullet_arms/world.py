@@ -3,17 +3,17 @@
 import ctypes
 import os
 import sys
-import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from itertools import combinations
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pybullet
 
 from harness.arrays import Float
-from harness.errors import UsageError
+from harness.errors import MissingSolid, UsageError
 from harness.robot import Robot
 
 GRAVITY = -9.81
@@ -21,24 +21,51 @@ GRAVITY = -9.81
 LOAD_FLAGS = pybullet.URDF_USE_INERTIA_FROM_FILE | pybullet.URDF_USE_IMPLICIT_CYLINDER
 BASE = -1
 """Bullet's number of the root link."""
+MESH_MARGIN = 1e-3
+"""Bullet's margin around a mesh that a URDF names, [m]; it cannot be changed."""
 
 
-def load_body(client: int, robot: Robot, flags: int) -> int:
-    """Load the robot's URDF as a body with a fixed base at the origin; Bullet's number of it.
+def load_body(client: int, robot: Robot, path: Path, flags: int) -> int:
+    """Load a robot as a body with a fixed base at the origin; Bullet's number of it.
 
     Links do not touch one another, unless `flags` has URDF_USE_SELF_COLLISION.
 
+    Args:
+        client: Where to.
+        robot: The arm.
+        path: Its file, see `file_of_arm`.
+        flags: Bullet's, of ``loadURDF``.
+
     Raises:
         UsageError: Bullet cannot load the URDF.
+        MissingSolid: Bullet has left out a collision shape.
     """
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, "robot.urdf")
-        path.write_text(robot.urdf, encoding="utf-8")
-        try:
-            with _c_prints_on_stderr():
-                return int(pybullet.loadURDF(str(path), useFixedBase=True, flags=flags, physicsClientId=client))
-        except pybullet.error as error:
-            raise UsageError(f"PyBullet cannot load the URDF of robot '{robot.name}': {error}") from error
+    try:
+        with _c_prints_on_stderr():
+            body = int(pybullet.loadURDF(str(path), useFixedBase=True, flags=flags, physicsClientId=client))
+    except pybullet.error as error:
+        raise UsageError(f"PyBullet cannot load the URDF of robot '{robot.name}': {error}") from error
+    _check_solids(client, body, robot, path)
+    return body
+
+
+def _check_solids(client: int, body: int, robot: Robot, path: Path) -> None:
+    """Check that each link has all its solids."""
+    links = {name: number for number, name in _link_names(client, body).items()}
+    for link in ElementTree.parse(path).iterfind("link"):
+        name, solids = link.get("name", ""), link.findall("collision")
+        count = len(pybullet.getCollisionShapeData(body, links.get(name, BASE), physicsClientId=client))
+        if count != len(solids):
+            raise MissingSolid(
+                f"PyBullet has loaded {count} of the {len(solids)} collision shapes of link '{name}' of robot "
+                f"'{robot.name}': simplify them, or take another simulator"
+            )
+
+
+def _link_names(client: int, body: int) -> dict[int, str]:
+    """The names of all links but the root, by Bullet's numbers."""
+    count = pybullet.getNumJoints(body, physicsClientId=client)
+    return {link: pybullet.getJointInfo(body, link, physicsClientId=client)[12].decode() for link in range(count)}
 
 
 def exact_timestep(period: float, substeps: int) -> float:
@@ -104,6 +131,17 @@ def _groups(client: int, body: int, joints: list[int]) -> dict[int, int]:
         parent = pybullet.getJointInfo(body, link, physicsClientId=client)[16]
         groups[link] = groups[parent] + (link in joints)
     return groups
+
+
+def contact_distances(links: Mapping[str, int], robot: Robot) -> dict[int, float]:
+    """How near to the ground each link touches it, as Bullet tells the distance, by Bullet's number of the link, [m].
+
+    Bullet lets a mesh, but no other shape, begin `MESH_MARGIN` before its surface.
+    """
+    return {
+        links.get(name, BASE): -MESH_MARGIN * all(shape.kind == "mesh" for shape in shapes)
+        for name, shapes in robot.link_shapes.items()
+    }
 
 
 def set_joints(client: int, body: int, joints: list[int], qpos: Float) -> None:

@@ -2,23 +2,27 @@
 
 import importlib
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
 from harness.cli.flags.shared import PluginFiles
 from harness.cli.output import say
 from harness.errors import UsageError
-from harness.files.whole_file import write_whole
+from harness.files.whole_file import files_in, is_partial, write_whole
 from harness.policy import CARD, Network, load_policy
 from harness.policy.folder import read_folder
 from harness.record.folder import POLICY, partial_folder, publish
-from harness.record.out_folder import make_folder, storage_errors
+from harness.record.out_folder import folder_lock, make_folder, storage_errors
 from harness.record.store import Store
 from harness.text import command_text
+
+if TYPE_CHECKING:
+    from ..exporters.episodes import Source
 
 
 class Form(NamedTuple):
@@ -32,6 +36,10 @@ class Form(NamedTuple):
 
 ONNX = Form("harness_plugins.exporters.onnx_model", "onnx", "export")
 TORCHSCRIPT = Form("harness_plugins.exporters.torch_script", "torch", "sb3")
+
+
+UNFINISHED = ".export.partial"
+"""In a folder that is being written, and in one that a killed export left: the same command begins anew there."""
 
 
 class DatasetForm(NamedTuple):
@@ -142,8 +150,7 @@ def _write_datasets(folder: Path, places: list[tuple[Path, DatasetForm]], plugin
 
     for place, form in places:
         _require_library(form)
-        if place.exists() and (not place.is_dir() or any(place.iterdir())):
-            raise UsageError(f"'{place}' is there already: name another folder")
+        _require_free(place)
     registry = load_registry(given=read_given(plugin))
     damaged = 0
     if folder.is_dir() and not Store.is_experiment(folder) and has_recordings(folder):
@@ -154,26 +161,48 @@ def _write_datasets(folder: Path, places: list[tuple[Path, DatasetForm]], plugin
             raise UsageError(f"'{folder}' has no finished cell to export")
         sources, damaged = list(sources_of_runs(results, registry)), len(results.damaged)
     left_out: dict[str, None] = {}
-    for place, form in places:
-        write = getattr(importlib.import_module(form.module), form.function)
-        make_folder(place)
-        for source in sources:
-            whole = place / f"{source.name}-v0"
-            partial = partial_folder(whole)
-            with storage_errors(place):
-                partial.mkdir(parents=True)
-                try:
-                    count = write(source, partial)
-                    publish(partial, whole)
-                finally:
-                    shutil.rmtree(partial, ignore_errors=True)  # gone if it took its place
-            say(f"{place / source.name}-v0: {count:,} episodes", err=True)
-            left_out |= dict.fromkeys(source.left_out)
+    with ExitStack() as held:
+        for place, _ in places:  # all of them first: a kill leaves none that looks finished
+            held.enter_context(_writing(place))
+        for place, form in places:
+            write = getattr(importlib.import_module(form.module), form.function)
+            for source in sources:
+                count = _write_dataset(source, place / f"{source.name}-v0", write)
+                say(f"{place / source.name}-v0: {count:,} episodes", err=True)
+                left_out |= dict.fromkeys(source.left_out)
     for line in left_out:
         say(line, err=True)
     if damaged:
         say(f"Left out, damaged: {damaged} cells; {command_text('harness', 'verify', folder)} names them", err=True)
     return 1 if damaged or left_out else 0
+
+
+def _require_free(place: Path) -> None:
+    """Raise UsageError if there is something that no killed export left."""
+    if place.exists() and not (place / UNFINISHED).is_file() and (not place.is_dir() or any(place.iterdir())):
+        raise UsageError(f"'{place}' is there already: name another folder")
+
+
+@contextmanager
+def _writing(place: Path) -> Iterator[None]:
+    """Make a folder, keep other exports out of it, and mark it until all that belongs there is written."""
+    make_folder(place)
+    with storage_errors(place), folder_lock(place / UNFINISHED, f"Another export is writing '{place}'"):
+        yield
+        (place / UNFINISHED).unlink()
+
+
+def _write_dataset(source: "Source", whole: Path, write: Callable[["Source", Path], int]) -> int:
+    """Write a data set, in place of what a killed export left; how many episodes it has."""
+    partial = partial_folder(whole)
+    shutil.rmtree(partial, ignore_errors=True)
+    partial.mkdir(parents=True)
+    try:
+        count = write(source, partial)
+        publish(partial, whole)
+    finally:
+        shutil.rmtree(partial, ignore_errors=True)  # gone if it took its place
+    return count
 
 
 def _require_library(form: DatasetForm) -> None:
@@ -188,8 +217,10 @@ def _require_library(form: DatasetForm) -> None:
 
 
 def _written(out: Path, write: Callable[[Path], dict[Path, int]]) -> dict[Path, int]:
-    make_folder(out)
-    with storage_errors(out):
+    with _writing(out):
+        for left in filter(is_partial, files_in(out)):
+            if left.name != UNFINISHED:
+                left.unlink()  # half a file of a killed export
         return write(out)
 
 

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from math import degrees
 
 from harness.audit.number import number
+from harness.env.solid_probes import missing_in_words
 from harness.report.rows.comparison import Grid
 from harness.results.overview import NOTHING
 
@@ -72,8 +73,10 @@ def explanations(parity: Parity, pairs: list[Pair]) -> list[str]:
     by_name = {simulator.name: simulator for simulator in parity.simulators}
     found = []
     for pair in pairs:
+        lacking = [one for one in (by_name[pair.a], by_name[pair.b]) if one.missing]
+        found += [f"{_name(parity, pair)}: {one.name} has {missing_in_words(one.missing)}." for one in lacking]
         for name, difference in pair.differences.items():
-            if difference.max_tip_m >= SMALL:
+            if difference.max_tip_m >= SMALL and not (lacking and name == CONTACT):
                 told = "; ".join(_explain(name, difference, by_name[pair.a], by_name[pair.b]))
                 found.append(f"{_name(parity, pair)}, {name}: {told}.")
     return found

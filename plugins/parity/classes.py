@@ -9,15 +9,8 @@ from harness.arrays import Float
 from harness.motion.limits import JointLimits
 from harness.robot import Robot
 
-from .motions import (
-    CLEARANCE,
-    Pace,
-    draw_clear,
-    draw_start,
-    draw_swinging,
-    lowest_points,
-    smooth_motions,
-)
+from .clearance import GroundClearance
+from .motions import Pace, draw_clear, draw_start, draw_swinging, smooth_motions
 
 SLOW, SMOOTH, FAST, SINGULAR, CONTACT = "slow", "smooth", "fast", "singular", "contact"
 CREEP = Pace(0.2, 0.1)
@@ -104,14 +97,13 @@ def draw_fast(robot: Robot, rng: np.random.Generator, steps: int, period: float)
     """
     limits = JointLimits(robot.lower, robot.upper, robot.max_speed, robot.max_acceleration * period, period)
     to_stop = int(np.ceil(limits.max_speed / limits.max_change).max()) + 1
-    rows, speed = [draw_start(robot, rng)], np.zeros(robot.dof)
+    ground, rows, speed = GroundClearance(robot), [draw_start(robot, rng)], np.zeros(robot.dof)
     while len(rows) <= steps:
         count = max(1, round(rng.uniform(SHORTEST, LONGEST) / period))
         wanted = rng.choice([-1.0, 1.0], (CHOICES, robot.dof)) * robot.max_speed
         wanted[-1] = 0.0
         ways, speeds = _go_on(limits, rows[-1], speed, [*[wanted] * count, *[0.0 * wanted] * to_stop])
-        lowest = lowest_points(robot, ways.reshape(-1, robot.dof)).reshape(ways.shape[:2]).min(axis=0)
-        clear = lowest >= CLEARANCE * robot.reach
+        clear = ground.is_clear(ways.reshape(-1, robot.dof)).reshape(ways.shape[:2]).all(axis=0)
         chosen = int(clear.argmax()) if clear.any() else CHOICES - 1
         rows += list(ways[:count, chosen])
         speed = speeds[count - 1, chosen]
@@ -137,15 +129,16 @@ def draw_singular(robot: Robot, rng: np.random.Generator, steps: int, period: fl
     Returns:
         (steps + 1, dof), [rad]; None where every such motion meets the ground.
     """
+    ground = GroundClearance(robot)
 
     def draw() -> Float:
         poses = rng.uniform(robot.lower, robot.upper, (POSES, robot.dof))
-        high = lowest_points(robot, poses) >= CLEARANCE * robot.reach
+        high = ground.is_clear(poses)
         values = np.linalg.svd(robot.jacobian(poses), compute_uv=False)[:, -1]
         start = poses[np.where(high, values, np.inf).argmin()]
         return draw_swinging(robot, rng, start, steps, period, farthest=NEAR)
 
-    return draw_clear(robot, draw)
+    return draw_clear(ground, draw)
 
 
 def in_order(motions: Mapping[str, Float]) -> dict[str, Float]:

@@ -61,7 +61,7 @@ class Difference:
     Attributes:
         max_tip_m: Largest distance of the tips, [m].
         mean_tip_m: Mean over all motions and control periods, [m].
-        max_joint_rad: Largest difference of a joint, [rad].
+        max_joint_rad: Largest difference of a joint, [rad]; of a slide as in `Drift`.
         worst: Where the tips are farthest apart.
         lag_s: By how much later the second one's joints are where the first one's are, the delay that fits best, [s].
         explained_by_lag: Share of the joints' squared difference that this delay explains, 0 to 1.
@@ -101,8 +101,9 @@ def response_of(track: Track, told: Float, robot: Robot, period: float) -> Respo
     """
     speed, reached = (np.diff(qpos, axis=0) / period / robot.max_speed for qpos in (told, track.qpos))
     short = np.abs(speed) - np.sign(speed) * reached > SHORT
+    unit = robot.per_radian  # else metres of a slide would count as radians
     tip = np.linalg.norm(track.tip - robot.end_effector(told), axis=-1)
-    lag, _ = _lag_of(track.qpos - told, told, period, np.ones(told.shape[:2], bool))
+    lag, _ = _lag_of((track.qpos - told) / unit, told / unit, period, np.ones(told.shape[:2], bool))
     return Response(
         float(tip.max()), float(np.abs(speed).max()), float(np.abs(reached).max()), float(short.mean()), lag
     )
@@ -124,15 +125,16 @@ def difference_between(
     counted = np.arange(len(told))[:, None] > np.zeros(told.shape[1]) if counted is None else counted
     if not counted.any():
         return None
-    drift = drift_between(one, other)
+    unit = robot.per_radian
+    drift = drift_between(one, other, unit)
     row, episode = np.unravel_index(np.where(counted, drift.tip, -1.0).argmax(), drift.tip.shape)
-    joints = np.abs(other.qpos - one.qpos)
+    joints = np.abs(other.qpos - one.qpos) / unit
     joint = int(joints[row, episode].argmax())
     speed, acceleration = shares_told(robot, told, period)
     begin = int(counted[:, episode].argmax()) if not counted[1, episode] else 0
     shares = speed[row, episode, joint], acceleration[row, episode, joint]
     worst = Worst(float(row - begin) * period, int(episode), robot.joint_names[joint], *map(float, shares))
-    lag, explained = _lag_of(other.qpos - one.qpos, told, period, counted)
+    lag, explained = _lag_of((other.qpos - one.qpos) / unit, told / unit, period, counted)
     return Difference(
         float(drift.tip[row, episode]),
         float(drift.tip[counted].mean()),

@@ -3,8 +3,11 @@
 import numpy as np
 
 from harness.arrays import Float
+from harness.env.solid_probes import few_points
 from harness.robot import Robot
+from harness.robot.ground_clearance import build_solids
 from harness.robot.inverse_kinematics import reach_position
+from harness.robot.kinematics import link_frames
 
 from .motions import ACCELERATION, SPEED, draw_start
 
@@ -16,10 +19,14 @@ SIDEWAYS = np.radians(60.0)
 """The goal is at most so far to either side of the x axis."""
 GOALS = 32
 """Drawn for each dive, of which the first within reach is taken."""
+POSES = 1_024
+"""Drawn for each dive of an arm whose tip does not reach a goal."""
 
 
 def dive_motions(robot: Robot, seed: int, episodes: int, period: float) -> Float | None:
     """Joint targets from rest near home straight, in joint space, to a tip `DEPTH` below the ground.
+
+    Where the tip of the arm does not get there, it goes to a pose with a solid `DEPTH` below it.
 
     Speeds rise and fall as half a sine, to no more than `SPEED` and `ACCELERATION` of the maxima. Whoever arrives
     before the slowest one waits there.
@@ -34,6 +41,8 @@ def dive_motions(robot: Robot, seed: int, episodes: int, period: float) -> Float
         (rows, episodes, dof), [rad]; row 0 is where the arm starts. None if the arm reaches no such goal.
     """
     ends = [_draw_ends(robot, np.random.default_rng([seed, 1, episode])) for episode in range(episodes)]
+    if None in ends:
+        ends = [_draw_solid_ends(robot, np.random.default_rng([seed, 1, episode])) for episode in range(episodes)]
     found = [pair for pair in ends if pair is not None]
     if len(found) < episodes:
         return None
@@ -51,6 +60,15 @@ def _draw_ends(robot: Robot, rng: np.random.Generator) -> tuple[Float, Float] | 
     points = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), np.full(GOALS, -DEPTH)])
     goals, reached = reach_position(robot, points, np.tile(start, (GOALS, 1)))
     return (start, goals[reached.argmax()]) if reached.any() else None
+
+
+def _draw_solid_ends(robot: Robot, rng: np.random.Generator) -> tuple[Float, Float] | None:
+    """The same for the solids: of the drawn poses the nearest with one in the ground."""
+    start = draw_start(robot, rng)
+    poses = rng.uniform(robot.lower, robot.upper, (POSES, robot.dof))
+    inside = poses[build_solids(few_points(robot.joint_shapes)).lowest(link_frames(robot.chain, poses)) < -DEPTH]
+    far = np.linalg.norm((inside - start) / robot.per_radian, axis=1)
+    return (start, inside[far.argmin()]) if len(inside) else None
 
 
 def _periods(robot: Robot, way: Float, period: float) -> Float:

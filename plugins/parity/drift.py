@@ -15,7 +15,7 @@ class Drift:
 
     Attributes:
         tip: (rows, episodes), [m].
-        joint: That of the joint farthest off, (rows, episodes), [rad].
+        joint: That of the joint farthest off, (rows, episodes), [rad]; of a slide the share of its range, as of a turn.
     """
 
     tip: Float
@@ -45,7 +45,7 @@ class Drift:
         }
 
 
-def drift_between(first: Track, second: Track) -> Drift:
-    """How far two tracks of one motion are apart."""
+def drift_between(first: Track, second: Track, per_radian: Float | float = 1.0) -> Drift:
+    """How far two tracks of one motion are apart; `per_radian` is that of `harness.robot.Robot`, (dof,)."""
     tip = np.linalg.norm(first.tip - second.tip, axis=-1)
-    return Drift(np.asarray(tip), np.abs(first.qpos - second.qpos).max(axis=-1))
+    return Drift(np.asarray(tip), (np.abs(first.qpos - second.qpos) / per_radian).max(axis=-1))

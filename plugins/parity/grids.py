@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 
 from harness.audit.number import number
+from harness.env.solid_probes import missing_in_words
 from harness.report.rows.comparison import Grid
 from harness.results.overview import NOTHING
 
@@ -48,6 +49,21 @@ def verdict(parity: Parity) -> str:
     if not told:
         return f"The reference {parity.reference} failed; the others are compared with one another"
     return f"Largest distance of the tip from {parity.reference}'s: {', '.join(told)}"
+
+
+def contact_text(parity: Parity) -> str:
+    """In how many dives each touches the ground, and who lacks a solid; empty where all touch it in every dive."""
+    dives = parity.setting.episodes
+    counts: dict[int, list[str]] = {}
+    for simulator in parity.simulators:
+        if simulator.touched is not None:
+            counts.setdefault(simulator.touched, []).append(simulator.name)
+    lacking = [f"{one.name} has {missing_in_words(one.missing)}" for one in parity.simulators if one.missing]
+    if not lacking and set(counts) <= {dives}:
+        return ""
+    told = [f"{count} of {dives} in {', '.join(names)}" for count, names in sorted(counts.items(), reverse=True)]
+    parts = [f"Dives that touch the ground: {'; '.join(told)}"] * bool(told) + ["; ".join(lacking)] * bool(lacking)
+    return f"{'. '.join(parts)}."
 
 
 def engines_text(parity: Parity) -> str:

@@ -8,20 +8,21 @@ import numpy as np
 from harness.arrays import Float
 from harness.errors import UsageError
 from harness.robot import Robot
-from harness.robot.kinematics import link_frames
+
+from .clearance import CLEARANCE, MARGIN, GroundClearance
 
 SPEED, ACCELERATION = 0.8, 0.6
 """Shares of a joint's maxima that may be used, NOTE Table I."""
 START_NOISE = np.radians(6.0)
-"""A joint starts within this of home, [rad]."""
+"""A joint starts within this of home, [rad]; a slide within that share of it, see `Robot.per_radian`."""
 SLOWEST, FASTEST = 8.0, 2.0
 """Longest and shortest period of the sines that a motion is made of, [s]."""
 SINES = 3
 RUN_UP = 1.0
 """From rest to full swing, [s]."""
-CLEARANCE = 0.1
-"""Height that the tip and each joint keep above the ground, as a share of the arm's reach."""
 TRIES = 200
+FARTHEST = (np.pi, np.pi / 4.0, np.pi / 12.0, np.pi / 36.0)
+"""No joint goes farther from its start than this, [rad]; the next where `TRIES` motions all come near the ground."""
 NOTHING = 1e-9
 """A joint that swings less than this, [rad], is not at any limit."""
 
@@ -39,8 +40,8 @@ SMOOTH = Pace(SPEED, ACCELERATION)
 def smooth_motions(robot: Robot, seed: int, episodes: int, steps: int, period: float, pace: Pace = SMOOTH) -> Float:
     """Joint targets that start at rest near home and swing as sums of sines, clear of the ground.
 
-    Each joint swings as far as its range and `pace` allow, whichever is met first. Episode n of a seed is the same
-    whatever the number of episodes.
+    Each joint swings as far as its range and `pace` allow, whichever is met first; less far where such motions come
+    near the ground, see `FARTHEST`. Episode n of a seed is the same whatever the number of episodes.
 
     Args:
         robot: The arm.
@@ -56,14 +57,19 @@ def smooth_motions(robot: Robot, seed: int, episodes: int, steps: int, period: f
     Raises:
         UsageError: Next to every motion of this arm meets the ground.
     """
-    drawn = []
+    ground, drawn = GroundClearance(robot), []
     for n in range(episodes):
         rng = np.random.default_rng([seed, 0, n])
-        motion = draw_clear(robot, lambda: draw_swinging(robot, rng, draw_start(robot, rng), steps, period, pace))  # noqa: B023
+        ways = (
+            draw_clear(ground, lambda: draw_swinging(robot, rng, draw_start(robot, rng), steps, period, pace, far))  # noqa: B023
+            for far in FARTHEST
+        )
+        motion = next((way for way in ways if way is not None), None)
         if motion is None:
             raise UsageError(
-                f"{TRIES} motions of '{robot.name}' all come within {CLEARANCE:.0%} of its reach to the ground: "
-                "choose a home pose in robot.toml that is clear of it"
+                f"{len(FARTHEST) * TRIES} motions of '{robot.name}', down to {np.degrees(FARTHEST[-1]):.0f} degrees, "
+                f"all come within {CLEARANCE:.0%} of its reach to the ground, or a link within {MARGIN:g} m: choose a "
+                "home pose in robot.toml that is clear of it"
             )
         drawn.append(motion)
     return np.stack(drawn, axis=1)
@@ -71,33 +77,14 @@ def smooth_motions(robot: Robot, seed: int, episodes: int, steps: int, period: f
 
 def draw_start(robot: Robot, rng: np.random.Generator) -> Float:
     """Joint positions near home and within the ranges, (dof,), [rad]."""
-    noise = rng.uniform(-START_NOISE, START_NOISE, robot.dof)
+    noise = rng.uniform(-START_NOISE, START_NOISE, robot.dof) * robot.per_radian
     return np.minimum(np.maximum(robot.home + noise, robot.lower), robot.upper)
 
 
-def lowest_points(robot: Robot, qpos: Float) -> Float:
-    """Height of the lowest of the tip and the origins of the joints that move, [m].
-
-    Args:
-        robot: The arm.
-        qpos: Joint positions, (n, dof), [rad].
-
-    Returns:
-        Shape (n,). The links reach lower, by their thickness.
-    """
-    joints = link_frames(robot.chain, qpos)[1:, 2, 3]  # the first joint's origin stands still
-    return np.asarray(np.vstack([joints, robot.end_effector(qpos)[:, 2]]).min(axis=0))
-
-
-def is_clear(robot: Robot, qpos: Float) -> bool:
-    """Whether tip and joints keep away from the ground at all of these joint positions, (n, dof)."""
-    return bool(lowest_points(robot, qpos).min() >= CLEARANCE * robot.reach)
-
-
-def draw_clear(robot: Robot, draw: Callable[[], Float]) -> Float | None:
+def draw_clear(ground: GroundClearance, draw: Callable[[], Float]) -> Float | None:
     """The first of `TRIES` drawn motions, (steps + 1, dof), that is clear of the ground; None if none is."""
     motions = (draw() for _ in range(TRIES))
-    return next((motion for motion in motions if is_clear(robot, motion)), None)
+    return next((motion for motion in motions if ground.is_clear(motion).all()), None)
 
 
 def draw_swinging(
@@ -109,7 +96,10 @@ def draw_swinging(
     pace: Pace = SMOOTH,
     farthest: float = np.pi,
 ) -> Float:
-    """One motion from rest at `start`, (steps + 1, dof), [rad]; no joint goes farther away than `farthest`, [rad]."""
+    """One motion from rest at `start`, (steps + 1, dof), [rad]; no joint goes farther away than `farthest`, [rad].
+
+    A slide goes no farther than that share of its range, see `Robot.per_radian`.
+    """
     swing = _draw_swing(rng, robot.dof, np.arange(steps + 1, dtype=np.float64) * period)
     return start + _largest_scale(robot, start, swing, period, pace, farthest) * swing
 
@@ -135,4 +125,4 @@ def _largest_scale(robot: Robot, start: Float, swing: Float, period: float, pace
         (pace.acceleration * robot.max_acceleration, np.abs(change).max(axis=0)),
     ]
     scales = [limit / np.maximum(reached, NOTHING) for limit, reached in limits]
-    return np.asarray(np.minimum(np.min(scales, axis=0), farthest))
+    return np.asarray(np.minimum(np.min(scales, axis=0), farthest * robot.per_radian))

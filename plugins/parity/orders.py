@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from harness.arrays import Float
+from harness.env.solid_probes import Probe, probes_of
 from harness.robot import Robot
 
 from .classes import CONTACT, SMOOTH, class_motions, in_order
@@ -42,6 +43,8 @@ class Orders(NamedTuple):
     """(rows, episodes, dof); None if the arm does not reach the ground."""
     others: dict[str, Float]
     """Motions of the other classes, by class, (steps + 1, episodes, dof)."""
+    probes: tuple[Probe, ...]
+    """Poses that tell which solids a simulator lacks."""
 
     @property
     def classes(self) -> dict[str, Float]:
@@ -62,4 +65,5 @@ def draw_orders(setting: Setting) -> Orders:
         smooth_motions(robot, seed, episodes, setting.steps, setting.period),
         dive_motions(robot, seed, episodes, setting.period),
         class_motions(robot, seed, episodes, setting.steps, setting.period),
+        probes_of(robot),
     )

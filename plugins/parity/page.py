@@ -8,6 +8,7 @@ from harness.report.page.page import render_page, write_page
 from .class_grids import class_grid, classes_text, response_grid
 from .figure import JOINTS, TIPS, draw_all_pairs, draw_pairs
 from .grids import (
+    contact_text,
     engines_text,
     failures,
     not_installed,
@@ -42,6 +43,7 @@ def write_parity(parity: Parity, path: Path) -> None:
         title=title(parity),
         setting=setting_text(parity),
         verdict=verdict(parity),
+        contact=contact_text(parity),
         engines=engines_text(parity),
         panels=[(heading, draw_chart(draw_pairs(parity, curve), f"{heading}: {TOLD}")) for heading, curve in curves],
         all_panels=[(heading, draw_chart(chart, f"{heading}: {TOLD}")) for heading, chart in everything if chart],

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from harness.env.solid_probes import Probe
 from harness.simulator import family_of
 
 from .classes import CONTACT, Told, told_by
@@ -39,6 +40,8 @@ class Measured:
         tracking: How far the driven arm is from where it was told to be.
         seconds_per_step: Of one arm, median, [s].
         responses: How its joints follow, by class of motions.
+        touched: In how many dives it touches the ground; None where there are none.
+        missing: The solids that it lacks.
     """
 
     name: str
@@ -47,6 +50,8 @@ class Measured:
     tracking: Drift
     seconds_per_step: float
     responses: Mapping[str, Response]
+    touched: int | None = None
+    missing: tuple[Probe, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
@@ -58,6 +63,8 @@ class Measured:
             "tracking_error_m": self.tracking.max_tip_error_m,
             "tracking_error_rad": self.tracking.max_joint_error_rad,
             "seconds_per_step": self.seconds_per_step,
+            "dives_touched": self.touched,
+            "missing_solids": [probe.link for probe in self.missing],
             "classes": {name: response.to_json() for name, response in self.responses.items()},
         }
 
@@ -183,12 +190,14 @@ def _measure(
             name,
             families[name],
             placement_of(performance.placed, robot, orders.poses),
-            drift_between(ideal, performance.driven),
+            drift_between(ideal, performance.driven, robot.per_radian),
             seconds[name],
             {
                 kind: response_of(performance.classes[kind], told, robot, setting.period)
                 for kind, told in orders.classes.items()
             },
+            None if performance.dived is None else int(performance.dived.contact.any(axis=0).sum()),
+            performance.missing,
         )
         for name, performance in performed.items()
     )
@@ -200,7 +209,8 @@ def _compare(a: str, first: Performance, b: str, second: Performance, setting: S
     if dives[0] is not None and dives[1] is not None:
         contact = compare_contacts(dives[0].contact, dives[1].contact, setting.period)
     disagreement = float((first.placed.contact != second.placed.contact).mean())
-    drift, differences = drift_between(first.driven, second.driven), _differences(first, second, setting, orders)
+    drift = drift_between(first.driven, second.driven, setting.robot.per_radian)
+    differences = _differences(first, second, setting, orders)
     return Pair(a, b, drift, contact, disagreement, differences)
 
 

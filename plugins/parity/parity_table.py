@@ -7,6 +7,7 @@ from harness.report.tables.grid import show_grid
 
 from .class_grids import class_grid, classes_text
 from .grids import (
+    contact_text,
     engines_text,
     failures,
     not_installed,
@@ -22,10 +23,12 @@ from .parity import Parity
 
 def parity_table(parity: Parity) -> RenderableType:
     """What ``harness parity`` prints: the pairs first, the reference's before the others'."""
+    contact = contact_text(parity)
     parts: list[RenderableType] = [
         Text(title(parity), style="bold"),
         Text(f"{setting_text(parity)}\n"),
         Text(verdict(parity), style="bold"),
+        *([Text(contact, style="bold")] if contact else []),
         Text(engines_text(parity)),
     ]
     for grid in (*pair_grids(parity), simulator_grid(parity)):

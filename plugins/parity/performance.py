@@ -3,6 +3,7 @@
 from contextlib import closing
 from typing import NamedTuple
 
+from harness.env.solid_probes import Probe, find_missing
 from harness.simulator import Simulator
 
 from .classes import CONTACT, SMOOTH
@@ -19,6 +20,8 @@ class Performance(NamedTuple):
     dived: Track | None
     others: dict[str, Track]
     """The tracks of the other classes of motions."""
+    missing: tuple[Probe, ...]
+    """The solids that it lacks."""
 
     @property
     def classes(self) -> dict[str, Track]:
@@ -38,4 +41,5 @@ def perform(simulator: Simulator, setting: Setting, orders: Orders) -> Performan
         driven = follow(simulation, orders.motion, setting.period)
         dived = None if orders.dives is None else follow(simulation, orders.dives, setting.period)
         others = {name: follow(simulation, motion, setting.period) for name, motion in orders.others.items()}
-    return Performance(placed, driven, dived, others)
+        missing = find_missing(simulation, orders.probes, setting.episodes)
+    return Performance(placed, driven, dived, others, missing)

@@ -19,7 +19,7 @@ class Placement(NamedTuple):
     error_m: float
     """The error of the tip, against the robot's own forward kinematics, [m]."""
     error_rad: float
-    """The error of a joint, against where it was placed, [rad]."""
+    """The error of a joint, against where it was placed, [rad]; of a slide as in `harness.robot.Robot.per_radian`."""
 
 
 def random_poses(robot: Robot, seed: int, episodes: int) -> Float:
@@ -41,4 +41,4 @@ def place_at(simulation: Simulation, poses: Float) -> Track:
 def placement_of(placed: Track, robot: Robot, poses: Float) -> Placement:
     """How far the states are from `poses`, (rounds, episodes, dof), [rad]."""
     tip_error = np.linalg.norm(placed.tip - robot.end_effector(poses), axis=-1)
-    return Placement(float(tip_error.max()), float(np.abs(placed.qpos - poses).max()))
+    return Placement(float(tip_error.max()), float((np.abs(placed.qpos - poses) / robot.per_radian).max()))

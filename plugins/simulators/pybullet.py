@@ -14,7 +14,7 @@ from harness.robot import Robot
 
 from ..arms.apart import ArmsApart
 from ..arms.servo import ServoArms, follow_alone
-from ..bullet_arms import Arm, Clients, FreeArm, ServoArm, turn_alone
+from ..bullet_arms import Arm, Clients, FreeArm, ServoArm, file_of_arm, turn_alone
 from ..peer_envs import panda_reach
 
 Count = Annotated[int, Field(gt=0)]
@@ -47,13 +47,15 @@ class PyBullet:
         """See `harness.simulator.Simulator`."""
         clients, substeps = Clients(robot), Substeps(self.substeps, control_period)
         options = substeps, self.iterations, self.self_collision
-        if self.drive == "servo":
-            servo = servo_of(robot)
-            free = FreeArm(clients.connect(), robot, servo.armature)
-            return ServoArms(
-                robot, num_envs, substeps, lambda: ServoArm(clients.connect(), robot, servo, free, *options), clients
-            )
-        return ArmsApart(robot, num_envs, lambda: Arm(clients.connect(), robot, *options), clients)
+        with file_of_arm(robot) as path:
+            if self.drive == "servo":
+                servo = servo_of(robot)
+                free = FreeArm(clients.connect(), robot, path, servo.armature)
+                return ServoArms(
+                    robot, num_envs, substeps,
+                    lambda: ServoArm(clients.connect(), robot, path, servo, free, *options), clients,
+                )  # fmt: skip
+            return ArmsApart(robot, num_envs, lambda: Arm(clients.connect(), robot, path, *options), clients)
 
     def bare_loop(self, robot: Robot, targets: Float, period: float) -> Callable[[], None]:
         """See `harness.simulator.Simulator`: Bullet's own calls, all substeps of a period in one, for each arm."""

@@ -66,7 +66,9 @@ class PoseGoal(Goal):
     def draw(self, rng: np.random.Generator, position: Float) -> Float:
         """The x and y axis of each target's orientation, (count, 6)."""
         home, shape = self.robot.home, (len(position), self.robot.dof)
-        start = np.clip(home + rng.uniform(-self.turn, self.turn, shape), self.robot.lower, self.robot.upper)
+        start = np.clip(
+            home + rng.uniform(-self.turn, self.turn, shape) * self.robot.per_radian, self.robot.lower, self.robot.upper
+        )
         turned, reached = reach_position(self.robot, position, start)
         usual, _ = reach_position(self.robot, position, np.broadcast_to(home, shape))
         pose = forward(self.robot.chain, np.where(reached[:, None], turned, usual))

@@ -8,6 +8,7 @@ import pytest
 from tests.registry.test_given import REWARD
 
 RAISES = REWARD.replace("return ", "raise ValueError('no idea')\n        return ", 1)
+RAISES_LATER = RAISES.replace("raise ", "if len(begin_distance) != 2:\n            raise ", 1)
 
 
 @pytest.fixture
@@ -58,9 +59,19 @@ def test_a_broken_file_is_a_row_with_the_reason(harness, quick, candidates: Path
     assert "invalid syntax" in " ".join(answer.out.split())
 
 
-def test_a_candidate_that_raises_leaves_the_race(harness, quick, candidates: Path, tmp_path):
-    """Its trainings fail; nobody beat it."""
+def test_a_candidate_that_raises_at_once_is_left_out(harness, quick, candidates: Path, tmp_path):
+    """Before anything is trained, with the reason; the race of the others goes on."""
     (candidates / "raises.py").write_text(RAISES)
+    answer = choose(harness, quick, "--out", "here")
+    assert answer.status == 0
+    assert "Left out, tried in an episode of random actions: reward 'raises' fails" in answer.err
+    assert "ValueError: no idea (raises.py, line" in answer.err
+    assert "raises" not in race_of(tmp_path / "here", harness)["living"]
+
+
+def test_a_candidate_that_raises_leaves_the_race(harness, quick, candidates: Path, tmp_path):
+    """If the trial before did not see it, its trainings fail; nobody beat it."""
+    (candidates / "raises.py").write_text(RAISES_LATER)
     answer = choose(harness, quick, "--out", "here")
     assert answer.status == 1
     assert race_of(tmp_path / "here", harness)["beaten"]["raises"]["by"] == ""

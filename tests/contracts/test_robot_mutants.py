@@ -9,7 +9,7 @@ import pytest
 
 import harness
 from harness.arrays import Float
-from harness.robot import Robot
+from harness.robot import Robot, ground_clearance
 from harness.testing import ROBOT_CHECKS, Check, check_robot, robots, violations
 from harness.testing.simulators.simulations import way_into_the_ground
 
@@ -131,6 +131,20 @@ def test_mesh_without_points_is_found(tmp_path: Path, content: bytes):
 def test_every_check_has_a_mutant():
     """No check is without a robot that fails it."""
     assert {check for _, check in [*MUTANTS.values(), *COARSE_MUTANTS.values()]} == set(ROBOT_CHECKS)
+
+
+def test_an_arm_that_a_simulator_drops_a_solid_of_is_found(monkeypatch: pytest.MonkeyPatch):
+    """With the simulator's name and the link's, as ``harness check --robot`` says it."""
+    build = ground_clearance.build_solids
+    monkeypatch.setattr("harness_plugins.simulators.kinematic.build_solids", lambda shapes: build(shapes[:-1]))
+    (violation,) = violations(robots.SIMULATED_ROBOT_CHECKS, ROBOT)
+    assert violation.check == "robot-simulators"
+    assert "Simulator 'kinematic' has no solid for link 'tool0'" in violation.sentence
+
+
+def test_own_robots_are_loaded_by_every_simulator():
+    """That is installed."""
+    assert list(violations(robots.SIMULATED_ROBOT_CHECKS, ROBOT)) == []
 
 
 @pytest.mark.parametrize("name", ["fd100", "unity-arm"])

@@ -11,6 +11,8 @@ import pytest
 import harness
 from harness.env.ideal import IdealSimulation
 from harness.robot import Robot
+from harness.robot.ground_clearance import build_solids
+from harness.robot.kinematics import link_frames
 from harness.simulator import State
 from harness.testing import SIMULATOR_CHECKS, IdealSimulator, violations
 from harness.testing.simulators import checks as simulators
@@ -400,6 +402,19 @@ class ReversesTheSpeeds(IdealSimulation):
         return state._replace(qvel=state.qvel[::-1])
 
 
+class DropsASolid(IdealSimulation):
+    """The engine could not read the shape of the tool, and went on without it."""
+
+    def __init__(self, robot: Robot, num_envs: int) -> None:
+        super().__init__(robot, num_envs)
+        self.solids = build_solids([*robot.joint_shapes[:-1], robot.joint_shapes[-1][:-1]])
+
+    def state(self) -> State:
+        frames = link_frames(self.robot.chain, self.qpos)
+        contact = self.solids.touch_ground(frames) | (self.robot.end_effector(self.qpos)[:, 2] < -0.05)
+        return super().state()._replace(ground_contact=contact)
+
+
 class TouchesTogether(IdealSimulation):
     """One arm on the ground is all arms on the ground."""
 
@@ -459,6 +474,7 @@ MUTANTS = {
     LastsAWholePeriod: simulators.parts_of_a_period_add_up,
     OwesTheRest: simulators.parts_of_a_period_add_up,
     ReversesTheBatch: simulators.every_env_does_what_it_was_told,
+    DropsASolid: simulators.every_solid_touches_the_ground,
     TouchesTogether: simulators.ground_contact_is_the_envs_own,
     TouchesElsewhere: simulators.ground_contact_is_the_envs_own,
     TellsWhatItWasTold: simulators.states_are_not_the_callers_arrays,

@@ -87,12 +87,12 @@ def test_decision_is_its_environment_steps(make: Call):
 
 def test_one_row_per_environment_step(make: Call, tmp_path: Path):
     """Five rows a decision with its action; their terms add up to what it paid."""
-    (_, taken), trace = record(make, tmp_path / "trace.parquet", [0], InFives(horizon=100), decisions=4)
-    np.testing.assert_array_equal(trace["step"], range(5 * PERIOD + 1))
-    actions = trace["action"][1:].reshape(5, PERIOD, 6)
+    (_, taken), trace = record(make, tmp_path / "trace.parquet", [0], InFives(horizon=100), decisions=3)
+    np.testing.assert_array_equal(trace["step"], range(4 * PERIOD + 1))
+    actions = trace["action"][1:].reshape(4, PERIOD, 6)
     np.testing.assert_array_equal(actions, np.repeat(actions[:, :1], PERIOD, axis=1))
     terms = trace["reward"] + trace["reward_ground"] + trace["reward_target"] + trace["reward_step"]
-    paid = terms[1:].reshape(5, PERIOD).sum(axis=1)
+    paid = terms[1:].reshape(4, PERIOD).sum(axis=1)
     np.testing.assert_allclose(paid[1:], [step[1][0] for step in taken], rtol=1e-12)
 
 

@@ -87,11 +87,51 @@ def test_a_small_term_beside_whole_numbers_is_seen():
     assert found(whole, 3.0 * whole) is not None
 
 
-def test_a_reward_that_never_changes_is_no_rescaling():
+def test_a_reward_that_never_changes_is_no_rescaling_of_one_that_does():
     """Nothing can be told from it, of either."""
     assert found(PAID, np.ones(1_000)) is None
     assert found(np.ones(1_000), PAID) is None
-    assert found(np.ones(1_000), 2.0 * np.ones(1_000)) is None
+
+
+@pytest.mark.parametrize("factor", [0.1, 2.0, -3.0])
+def test_two_rewards_that_never_change_differ_in_a_factor(factor: float):
+    """As an alive bonus, and a tenth of it."""
+    rescaling = found(np.ones(1_000), np.full(1_000, factor))
+    assert rescaling == Rescaling(factor, 0.0, 1_000, 1)
+    assert rescaling is not None
+    told = "b is 0.1 x a, in all 1,000 steps, for which a paid one number alone"
+    assert (rescaling.sentence("b", "a") == told) is (factor == 0.1)
+    assert ("the opposite reward" in rescaling.sentence("b", "a")) is (factor < 0.0)
+
+
+@pytest.mark.parametrize(("one", "other", "is_same"), [(0.0, 0.0, True), (0.0, 1.0, False), (1.0, 0.0, False)])
+def test_nothing_is_no_multiple_of_something(one: float, other: float, is_same: bool):
+    """Two rewards that never pay are one."""
+    assert found(np.full(9, one), np.full(9, other)) == (Rescaling(1.0, 0.0, 9, 1) if is_same else None)
+
+
+def test_a_factor_that_is_another_in_each_recording_is_none():
+    """An alive bonus that was 1 and then 2, beside one that stayed, is another reward; so is the other way round."""
+    changed = np.repeat([1.0, 2.0], 500)
+    assert found(np.ones(1_000), changed, parts=2) is None
+    assert found(changed, np.ones(1_000), parts=2) is None
+    assert found(changed, 0.1 * changed, parts=2) == Rescaling(0.1, 0.0, 1_000, 2)
+
+
+@pytest.mark.parametrize("factor", [-0.21, 0.21])
+@pytest.mark.parametrize("offset", [0.0, 0.21, -0.21])
+@pytest.mark.parametrize("can_end", [False, True])
+def test_what_is_no_mere_ruler_is_told(factor: float, offset: float, can_end: bool):
+    """A factor below 0; an offset where episodes can end."""
+    rescaling = rescaling_of([line_of(PAID, factor * PAID + offset, can_end=it) for it in (False, can_end)])
+    assert rescaling is not None
+    assert rescaling.is_ruler is (factor > 0.0 and (offset == 0.0 or not can_end))
+    told = rescaling.sentence("b", "a")
+    assert ("It is the opposite reward: it pays less where a pays more" in told) is (factor < 0.0)
+    assert ("so that the offset is no mere ruler" in told) is (offset != 0.0 and can_end)
+    assert told.endswith("pays for living longer") is (offset > 0.0 and can_end)
+    assert told.endswith("pays for ending sooner") is (offset < 0.0 and can_end)
+    assert rescaling.to_json().get("can_end", False) is can_end
 
 
 def test_a_recording_without_a_change_does_not_contradict():
@@ -129,8 +169,8 @@ def test_a_step_is_no_line(steps: int):
 def test_a_sentence_says_what_it_is_and_how_that_was_found(factor: float, offset: float, told: str):
     """By how many steps, and how much they can tell."""
     few = Rescaling(factor, offset, 12_000, 2).sentence("b", "a")
-    assert few == f"{told}, in all 12,000 steps, for which a paid 2 different numbers"
-    assert Rescaling(factor, offset, 3, None).sentence("b", "a").endswith("a paid more than 100 different numbers")
+    assert few.startswith(f"{told}, in all 12,000 steps, for which a paid 2 different numbers")
+    assert "a paid more than 100 different numbers" in Rescaling(factor, offset, 3, None).sentence("b", "a")
 
 
 def test_payments_are_counted_over_all_recordings():

@@ -206,3 +206,75 @@ def test_a_batch_records_bounds_too(tmp_path):
     measures = {"behaviour": {"place": lambda before, action, after, info: after[0]}, "bounds": {"place": (-5.0, 5.0)}}
     harness.RecordVectorRewards(envs, tmp_path, trained_with="own", rewards={}, **measures).close()
     assert read_recording(tmp_path).facts.bounds == {"place": (-5.0, 5.0)}
+
+
+def test_the_folder_gets_its_name_when_all_episodes_are_there(counting, tmp_path):
+    """Until then it grows beside it, and says how many were asked for; the next evaluation takes its place."""
+    path, seen = tmp_path / "evaluation", []
+
+    def leave(observation):
+        seen.append(path.exists())
+        if len(seen) > 7:
+            raise OSError("the power went")
+        return still(observation)
+
+    with pytest.raises(OSError, match="the power went"):
+        harness.evaluate_policy(leave, counting(), path, episodes=4, **GIVEN)
+    assert not any(seen)
+    left = read_recording(tmp_path / ".evaluation.partial")
+    assert (left.facts.episodes_asked, left.terminated.sum()) == (4, 2)
+    harness.evaluate_policy(still, counting(), path, episodes=4, **GIVEN)
+    assert [it.name for it in tmp_path.iterdir()] == ["evaluation"]
+    assert read_recording(path).terminated.sum() == 4
+
+
+def test_what_lies_in_the_folder_stays(counting, tmp_path):
+    """A model beside the recording, for one."""
+    (tmp_path / "model.zip").write_text("weights")
+    harness.evaluate_policy(still, counting(), tmp_path, episodes=1, **GIVEN)
+    assert (tmp_path / "model.zip").read_text() == "weights"
+    assert read_recording(tmp_path).facts.closed
+    assert not list(tmp_path.parent.glob(".*.partial"))
+
+
+def test_an_evaluation_at_work_is_left_alone(counting, tmp_path):
+    """Another one of the same name is refused, and the first one ends as if it had not been asked for."""
+
+    def meanwhile(observation):
+        with pytest.raises(UsageError, match="is being recorded by another process"):
+            harness.evaluate_policy(still, counting(), tmp_path / "it", episodes=1, **GIVEN)
+        return still(observation)
+
+    harness.evaluate_policy(meanwhile, counting(), tmp_path / "it", episodes=1, **GIVEN)
+    assert read_recording(tmp_path / "it").facts.closed
+
+
+def starts_of(env, path, **given):
+    """What the recording of an evaluation says of its starts."""
+    harness.evaluate_policy(still, env, path, **{**GIVEN, "episodes": 3, **given})
+    return read_recording(path).facts.starts
+
+
+def test_the_first_observations_are_summed_up(counting, tmp_path):
+    """Two envs that the seed decides sum up to the same; one with a generator of its own to something else."""
+
+    class Seeded(counting):
+        def reset(self, *, seed=None, options=None):
+            super().reset(seed=seed)
+            return self.np_random.random(1, np.float32), {}
+
+    class Own(counting):
+        generator = np.random.default_rng(0)
+
+        def reset(self, *, seed=None, options=None):
+            super().reset(seed=seed)
+            return self.generator.random(1, np.float32), {}
+
+    assert starts_of(Seeded(), tmp_path / "a") == starts_of(Seeded(), tmp_path / "b") != 0
+    assert starts_of(Seeded(), tmp_path / "c", first_seed=7) != starts_of(Seeded(), tmp_path / "d")
+    assert starts_of(Own(), tmp_path / "e") != starts_of(Own(), tmp_path / "f")
+
+
+def test_normalised_observations_say_nothing_of_starts(counting, tmp_path):
+    """Equal starts look different after other steps."""
+    assert starts_of(gymnasium.wrappers.NormalizeObservation(counting()), tmp_path / "it") == 0

@@ -138,7 +138,7 @@ def test_env_is_left_as_it_is(record: Callable[..., Any], counting: Callable[...
 
 
 def test_reward_cannot_change_what_the_learner_sees(record: Callable[..., Any]):
-    """One that writes into an observation writes into a copy."""
+    """One that writes into an observation is given up, and told what to write instead."""
 
     def spoil(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
         next_observation[:] = 99
@@ -146,7 +146,8 @@ def test_reward_cannot_change_what_the_learner_sees(record: Callable[..., Any]):
 
     env = record(rewards={"spoil": spoil})
     env.reset()
-    assert env.step(ACTION)[0].tolist() == [1]
+    with pytest.warns(UserWarning, match="reward 'spoil' failed .* it writes into its next_observation"):
+        assert env.step(ACTION)[0].tolist() == [1]
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning:gymnasium")
@@ -429,3 +430,30 @@ def test_recorded_env_in_a_copy_of_the_observation(record: Callable[..., Any]):
     )
     env.reset(seed=0)
     assert env.step(ACTION)[0]["seen"].shape == (3,)
+
+
+def test_what_was_asked_for_stands_in_the_record(counting, tmp_path):
+    """Of a training its steps; whoever goes on with it may ask for more."""
+    given = {"trained_with": "own", "rewards": {"own": "own"}}
+    harness.RecordRewards(counting(), tmp_path, steps_asked=30, **given).close()
+    assert read_recording(tmp_path).facts.steps_asked == 30
+    harness.RecordRewards(counting(), tmp_path, resume=True, **given).close()
+    assert read_recording(tmp_path).facts.steps_asked == 30
+    harness.RecordRewards(counting(), tmp_path, resume=True, steps_asked=60, **given).close()
+    assert read_recording(tmp_path).facts.steps_asked == 60
+
+
+@pytest.mark.parametrize(
+    ("asked", "told"),
+    [
+        ({"steps_asked": -1}, "steps_asked=-1: it is a whole number"),
+        ({"steps_asked": 1.5}, "steps_asked=1.5: it is a whole number"),
+        ({"episodes_asked": 3}, "episodes_asked with evaluation=True"),
+        ({"steps_asked": 3, "evaluation": True}, "steps_asked goes with a training"),
+    ],
+)
+def test_what_cannot_be_asked_for_is_refused(counting, tmp_path, asked, told):
+    """Before anything is recorded."""
+    with pytest.raises(UsageError, match=told):
+        harness.RecordRewards(counting(), tmp_path / "new", trained_with="own", rewards={"own": "own"}, **asked)
+    assert not (tmp_path / "new").exists()

@@ -48,6 +48,13 @@ def _write(folder: Path, toml: str = TOML, urdf: str = URDF) -> Path:
     return folder
 
 
+def test_the_whole_range_of_a_slide_counts_as_a_full_turn(tmp_path: Path):
+    """Joints that turn count as they are, limited or not."""
+    robot = read_robot(_write(tmp_path))
+    np.testing.assert_allclose(robot.per_radian, [1.0, 1.0, 0.3 / (2.0 * np.pi)])
+    assert robot.per_radian[0] == 1.0  # exactly, so that products with it change nothing
+
+
 def test_robot_is_what_the_folder_says(tmp_path: Path):
     """Names and folder are those of the files; degrees are turned into radians, metres are left."""
     robot = read_robot(_write(tmp_path))

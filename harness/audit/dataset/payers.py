@@ -12,10 +12,11 @@ from harness.arrays import Float
 from harness.errors import UsageError
 from harness.record.dataset.dataset import Dataset, Piece, leaves, take_rows
 from harness.recorder.column import as_number
+from harness.recorder.trial import Guarded
 from harness.registry.choice import choose
 from harness.registry.registry import Registry
 from harness.reward import Reward
-from harness.score.places import ArmPay, ArmPlaces, parse_places
+from harness.score.places import JOINTS_DEG, ArmPay, ArmPlaces, parse_places
 
 
 class Payer(Protocol):
@@ -158,7 +159,11 @@ def places_of(text: str | None, robot: str | None, registry: Registry) -> ArmPla
         return parse_places(text)
     from harness.robot.load import load_robot
 
-    return parse_places(text, load_robot(Path(robot) if Path(robot).exists() else robot, registry).end_effector)
+    arm = load_robot(Path(robot) if Path(robot).exists() else robot, registry)
+    places = parse_places(text, arm.end_effector)
+    if JOINTS_DEG in places.places and arm.chain.slides.any():
+        raise UsageError(f"joints_deg, and robot '{arm.name}' has joints that slide: give joints, in rad and m")
+    return places
 
 
 def payers_of(
@@ -182,7 +187,7 @@ def payers_of(
     found: dict[str, Payer] = {}
     for name in names or (*recorded, *functions):
         if name in functions:
-            found[name] = Stepwise(functions[name].make())
+            found[name] = Stepwise(Guarded(functions[name].make(), f"reward '{name}'"))
         elif name in recorded:
             found[name] = Recorded(name)
         else:
@@ -213,7 +218,7 @@ def given_payers(rewards: Mapping[str, Any], places: ArmPlaces | None) -> dict[s
     found: dict[str, Payer] = {}
     for name, given in rewards.items():
         if not hasattr(given, "initial_carry"):
-            found[name] = Stepwise(given)
+            found[name] = Stepwise(Guarded(given, f"reward '{name}'"))
         elif places is None:
             raise UsageError(f"The reward {name!r} needs places='end_effector=0:3,target=3:6'")
         else:

@@ -17,7 +17,7 @@ from harness.eta.rescaling import Line
 from harness.eta.seed_mean import mean_over_seeds
 from harness.record.recording.recorded_training import RecordedTraining, read_recording
 from harness.results.recordings.episodes import Part
-from harness.results.recordings.read_runs import env_of, read_all
+from harness.results.recordings.read_runs import env_of, read_all, without_short
 from harness.results.recordings.runs import LAST_SHARE, Run
 
 RANDOM = "random actions"
@@ -76,6 +76,9 @@ def audit_recordings(folder: Path, random: Path | None = None) -> RecordedAudit:
     paths = {run.path.resolve() for run in at_random}  # they may lie in the same folder
     found = [run for run in found if run.path.resolve() not in paths]
     env, notes = env_of(folder, [*found, *at_random])
+    _, short = without_short(found)
+    notes += short
+    found = [run for run in found if not (run.facts.evaluation and run.shortfall)]
     trainings, evaluations = ([run for run in found if run.facts.evaluation is it] for it in (False, True))
     compared = trainings or evaluations or at_random
     if not any(run.steps for run in compared):

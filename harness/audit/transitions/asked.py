@@ -8,6 +8,8 @@ import numpy as np
 from harness.arrays import Float
 from harness.errors import one_line
 from harness.recorder.column import as_number
+from harness.recorder.computing import only_computes
+from harness.recorder.guard import Guard
 from harness.recorder.recorder import differs
 from harness.recorder.walk import Walk
 
@@ -49,9 +51,11 @@ def pay_of(name: str, given: Any) -> Pay:
     if callable(getattr(given, "reset", None)):
         raise NoTransitionReward("it has a memory, so that what it pays depends on more than one transition")
 
+    guard, is_watched = Guard(), not only_computes(given)
+
     def pay(state: Any, action: Any, following: Any) -> float:
         try:
-            return as_number(given(state, action, following, _CLOSED))
+            return as_number(guard.answer(given, (state, action, following, _CLOSED), is_watched))
         except NoTransitionReward:
             raise
         except Exception as error:  # whatever rewards of users raise

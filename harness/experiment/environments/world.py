@@ -150,7 +150,10 @@ class EnvironmentWorld:
 
     def _recorded(self, env: AnyEnv, number: int) -> RecordRewards[Any, Any]:
         path = self._folder / TRAINING_RECORDING
-        return RecordRewards(env, path, seed=self._cell.seed, pay=True, number=number, **self._columns(env))
+        steps = self._cell.steps
+        return RecordRewards(
+            env, path, seed=self._cell.seed, pay=True, number=number, steps_asked=steps, **self._columns(env)
+        )
 
     def _evaluate(
         self,
@@ -217,16 +220,20 @@ def _beating(act: Callable[[Any], Any], beat: Beat, steps: int) -> Callable[[Any
 
 
 def _given_up(recorded: Sequence[Path]) -> list[str]:
-    """A line for each reward and each measure that failed while it looked on; everything else was recorded."""
+    """A line for each reward and each measure that failed while it looked on, and for what was told of others."""
     failures: dict[str, str] = {}
+    notes: dict[str, str] = {}
     for path in recorded:
         where = "training" if path.name == TRAINING_RECORDING else "evaluation"
         for number in recorder_numbers(path):
-            for it in TrainingFacts.read(path / facts_name(number)).failures:
+            facts = TrainingFacts.read(path / facts_name(number))
+            for line in facts.notes:
+                notes.setdefault(line.partition(",")[0], line)  # the same is told with another step
+            for it in facts.failures:
                 name = it.column.replace("_", " ", 1)
                 told = f"{name} given up in the {where}, episode {it.episode}, step {it.step}: {it.reason}"
                 failures.setdefault(it.column, told)
-    return list(failures.values())
+    return [*failures.values(), *notes.values()]
 
 
 def evaluation_scalars(evaluation: RecordedTraining, reward: str) -> dict[str, float]:

@@ -20,6 +20,7 @@ Number = Annotated[float, Field(allow_inf_nan=False)]
 MOST_NAMES = 1_000
 """The most rewards, and the most measures of behaviour."""
 MOST_ENVS = 1_000_000
+MOST_NOTES = 10 * MOST_NAMES
 MOST_SOURCE = 100_000
 """Characters of a reward's code that are kept."""
 MOST_ACTION_NUMBERS = 256
@@ -32,7 +33,10 @@ Acted: TypeAlias = Literal["", "deterministic", "stochastic", "random"]
 """How the policy of an evaluation chose its actions: the best one, drawn, or without a policy; empty: nobody told."""
 ACTED: tuple[Acted, ...] = get_args(Acted)
 LATER: Mapping[str, Any] = MappingProxyType(
-    {"pay": False, "bounds": {}, "horizon": 0, "cut": 0, "acted": "", "after": 0}
+    {
+        **{"pay": False, "bounds": {}, "horizon": 0, "cut": 0, "acted": "", "after": 0},
+        **{"notes": (), "steps_asked": 0, "episodes_asked": 0, "starts": 0},
+    }
 )
 """Facts that the first recordings did not have. At these values they are left out of the file."""
 
@@ -120,6 +124,11 @@ class TrainingFacts:
         cut: How many episodes were cut so.
         acted: Of an evaluation: how actions were chosen.
         after: Of an evaluation: environment steps of training before it; 0: the training had ended.
+        notes: What was told of rewards and measures that are recorded: that they draw, or remember. A line each.
+        steps_asked: Of a training: how many environment steps it was to take, over all envs; 0: nobody said.
+        episodes_asked: Of an evaluation: how many episodes it was to take; 0: nobody said.
+        starts: Of an evaluation in a single env: a checksum of the first observations of its episodes, in order. It
+            is 0 before the first episode, and where a wrapper normalises observations by those seen before.
     """
 
     rewards: tuple[str, ...]
@@ -142,6 +151,10 @@ class TrainingFacts:
     cut: int = 0
     acted: Acted = ""
     after: int = 0
+    notes: tuple[str, ...] = ()
+    steps_asked: int = 0
+    episodes_asked: int = 0
+    starts: int = 0
 
     @property
     def numbers(self) -> tuple[str, ...]:
@@ -213,6 +226,10 @@ class TrainingFacts:
             cut=data.get("cut", 0),
             acted=data.get("acted", ""),
             after=data.get("after", 0),
+            notes=tuple(data.get("notes", ())),
+            steps_asked=data.get("steps_asked", 0),
+            episodes_asked=data.get("episodes_asked", 0),
+            starts=data.get("starts", 0),
         )
 
 
@@ -282,6 +299,10 @@ class RecordingForm(TypedDict):
     cut: NotRequired[Whole]
     acted: NotRequired[Acted]
     after: NotRequired[Whole]
+    notes: NotRequired[Annotated[list[Line], Field(max_length=MOST_NOTES)]]
+    steps_asked: NotRequired[Whole]
+    episodes_asked: NotRequired[Whole]
+    starts: NotRequired[Whole]
 
 
 FORM: TypeAdapter[RecordingForm] = TypeAdapter(RecordingForm)

@@ -141,7 +141,8 @@ class RecordingWriter:
     def _go_on(self) -> None:
         before = TrainingFacts.read(self.folder / facts_name(self.number))
         _require_same_training(self.folder, before, self.facts)
-        self.facts = replace(before, closed=False)
+        asked = self.facts.steps_asked or before.steps_asked  # whoever goes on may ask for more
+        self.facts = replace(before, closed=False, steps_asked=asked)
         self._make_room()
         count = part_count(self.folder, self.number)
         self._part = max(0, count - 1)

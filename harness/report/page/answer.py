@@ -9,6 +9,7 @@ from harness.eta.lead import at_most_text, name_of, short_values
 from harness.eta.verdict.ruling import Ruling
 from harness.report.answers import badge_of, word_of
 from harness.report.figures.forest import draw_interval, draw_part
+from harness.report.rows.comparison import beside_answer
 from harness.report.rows.pay import Pay, pay_of
 from harness.results.comparison import Comparison
 from harness.results.pool import Pool
@@ -46,6 +47,8 @@ class Card(NamedTuple):
     """Why there are no parts."""
     parts: tuple[Row, ...] = ()
     """The ruler and the behaviour."""
+    beside: tuple[str, ...] = ()
+    """What else has to be known at once, a sentence or two each."""
 
 
 def card_of(comparison: Comparison, name: str) -> Card:
@@ -57,7 +60,7 @@ def card_of(comparison: Comparison, name: str) -> Card:
     """
     found, ruling = comparison.headline, comparison.ruling or Ruling()
     changes = comparison.decisive_changes
-    card = _card(name, found, comparison.lead, changes, ruling)
+    card = _card(name, found, comparison.lead, changes, ruling)._replace(beside=tuple(beside_answer(comparison)))
     pay, faster = pay_of(comparison), _learns(comparison.speed_ruling)
     if faster:
         card = card._replace(sure=f"{card.sure} {faster}".lstrip())

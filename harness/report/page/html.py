@@ -55,10 +55,8 @@ from harness.results.standing import told_manifests
 from harness.transfer.matrix import Transfers, load_transfers
 
 TEMPLATE = Path(__file__).parent / "report.html.j2"
-LEARNING = (
-    "Lines: mean over seeds, evaluated during training on the same starts and targets. Bands: 95% intervals. Dotted: "
-    "random actions."
-)
+LEARNING = "Lines: mean over seeds, evaluated during training{}. Bands: 95% intervals. Dotted: random actions."
+SAME_STARTS = " on the same starts and targets"
 TRAINED = "Lines: mean over seeds of the episodes that ended in each twentieth of the training. Bands: 95% intervals."
 CROSSOVER = (
     "The cross-over is the first step after the first negative one at which the mean is not negative; it may turn "
@@ -207,7 +205,8 @@ def _warnings(results: Results) -> list[str]:
 def _told(results: Results) -> dict[str, str]:
     """Texts that all comparisons share."""
     is_evaluated = any(it.group.evaluate_every for it in results.combinations)
-    cells, learning = "Cells" if results.is_experiment else "Recordings", LEARNING if is_evaluated else TRAINED
+    evaluated = LEARNING.format(SAME_STARTS * all(it.same_starts for it in results.combinations))
+    cells, learning = "Cells" if results.is_experiment else "Recordings", evaluated if is_evaluated else TRAINED
     is_promised = any(it.ruling is not None and not it.ruling.instead for it in results.combinations)
     return {
         **SHARED,

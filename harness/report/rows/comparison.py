@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from harness.eta.curve import Kind
 from harness.eta.equal import equal_sentences
-from harness.eta.headline import Headline, count_seeds
+from harness.eta.headline import Answer, Headline, count_seeds
 from harness.eta.index import Index, Ratio
 from harness.eta.seed_mean import SeedMean
 from harness.eta.splits import Decomposition, Split, SplitPath, Splits, SumSplit
@@ -24,6 +24,7 @@ from harness.results.standing import told_manifests
 from harness.text import command_text
 
 SCALES = "eta compares two rewards, each on its own scale. It does not say how the {subject} behaves."
+UNLIKE_STARTS = "The policies did not meet the same starts, so that luck with them is part of the difference."
 SPLIT = (
     "eta = ruler x behaviour. For the ruler both rewards score the same runs. For the behaviour one reward scores the "
     "runs of both trainings."
@@ -78,6 +79,25 @@ def scales_text(subject: str) -> str:
 def what_decides(subject: str) -> str:
     """What the tests hold for, of a ``robot`` or an ``agent``."""
     return TESTS.format(subject=subject)
+
+
+def beside_answer(comparison: Comparison) -> list[str]:
+    """What a reader of the answer has to know at once, a sentence or two each."""
+    starts = "" if comparison.same_starts else UNLIKE_STARTS
+    return [line for line in (scale_text(comparison), starts) if line]
+
+
+def scale_text(comparison: Comparison) -> str:
+    """Why behaviour differs where both rewards ask for the same, k times as loudly; empty where that is not so."""
+    found, names = comparison.rescaling, comparison.names
+    if found is None or comparison.is_control or comparison.headline.answer not in (Answer.HELPS, Answer.HURTS):
+        return ""
+    if not found.is_ruler or (found.factor, found.offset) == (1.0, 0.0):
+        return ""
+    return (
+        f"{names.proposed} {found.formula(names.baseline)}: both rewards prefer the same steps. The learner reacts to "
+        "the size of the pay, so its scale decides here, and not what is paid for."
+    )
 
 
 def basis_text(comparison: Comparison) -> str:

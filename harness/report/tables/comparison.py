@@ -10,6 +10,7 @@ from harness.report.rows.comparison import (
     advice,
     answer_text,
     basis_text,
+    beside_answer,
     claims_text,
     count_cells,
     remarks_on_cells,
@@ -62,7 +63,8 @@ def _combination_block(results: Results, combination: Comparison) -> RenderableT
         Text(f"The {combination.group.subject}: {answer_text(headline)}", style="bold"),
         Text(headline.robot),
     ]
-    parts += [Text(line) for line in (basis_text(combination), advice(results, combination)) if line]
+    lines = (*beside_answer(combination), basis_text(combination), advice(results, combination))
+    parts += [Text(line) for line in lines if line]
     parts += [Text(combination.speed_text)] if combination.speed_text else []
     parts += [Text("\nThe number", style="bold"), Text(headline.number)] if headline.number else []
     parts.append(Text(f"\n{claims_text(combination)}"))

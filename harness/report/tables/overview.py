@@ -7,7 +7,15 @@ from rich.console import Group as Together
 from rich.text import Text
 
 from harness.report.answers import STYLES
-from harness.report.rows.comparison import Grid, advice, basis_text, count_cells, remarks_on_cells, split_grid
+from harness.report.rows.comparison import (
+    Grid,
+    advice,
+    basis_text,
+    beside_answer,
+    count_cells,
+    remarks_on_cells,
+    split_grid,
+)
 from harness.report.rows.pools import TITLE, pooled_answers
 from harness.report.rows.returns import matrix_title, return_grid
 from harness.report.tables.grid import divide_columns, show_grid
@@ -52,7 +60,8 @@ def _comparisons(results: Results) -> list[RenderableType]:
     parts = [comparison_lines(combinations)]
     if len(combinations) == 1:
         return [*parts, *_sentences(results, combinations[0])]
-    return [*parts, *(part for line in _bases(combinations) for part in (Text(), Text(line)))]
+    lines = [*dict.fromkeys(line for it in combinations for line in beside_answer(it)), *_bases(combinations)]
+    return [*parts, *(part for line in lines for part in (Text(), Text(line)))]
 
 
 def pooled_lines(combinations: Sequence[Comparison]) -> list[RenderableType]:
@@ -124,6 +133,7 @@ def _sentences(results: Results, combination: Comparison) -> list[RenderableType
     headline = combination.headline
     lines = [
         headline.robot,
+        *beside_answer(combination),
         basis_text(combination),
         combination.speed_text,
         headline.number,

@@ -44,9 +44,13 @@ def likeness_of(recording: RecordedTraining) -> Likeness:
     """Compare the columns of a recording."""
     rewards, sources = recording.rewards, recording.facts.sources
     own = [name for name in rewards if f"{REWARD}{name}" in sources and sources[f"{REWARD}{name}"].text == OWN_SOURCE]
+    can_end = bool(recording.terminated.any())
     return Likeness(
         _digest(recording),
-        {(one, other): line_of(rewards[one], rewards[other]) for one, other in permutations(rewards, 2)},
+        {
+            (one, other): line_of(rewards[one], rewards[other], can_end=can_end)
+            for one, other in permutations(rewards, 2)
+        },
         frozenset(
             (name, other)
             for name in own

@@ -1,6 +1,7 @@
 """Recorded trainings in one environment as a comparison asks about them; see `harness.results.compare.Trainings`."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Literal
 
 from harness.errors import Unscored
@@ -13,7 +14,7 @@ from harness.results.compare import Match, compare
 from harness.results.comparison import Comparison
 from harness.results.measured import EVALUATION, Measured, Moment
 from harness.results.mixture import Mixture
-from harness.results.recordings.runs import MANNERS, Run, Runs
+from harness.results.recordings.runs import MANNERS, Run, Runs, meet_same_starts, rescaling_between
 
 UNKNOWN = "a reward is not known in all trainings"
 
@@ -34,7 +35,10 @@ def compare_runs(
         [others[seed] for seed in seeds],
         again if len(again) == len(seeds) else [],
     )
-    return compare(_Recorded(runs, kind, averaged), match, swaps)
+    found = compare(_Recorded(runs, kind, averaged), match, swaps)
+    both = [*match.of_baseline, *match.of_proposed]
+    rescaling = None if baseline == proposed else rescaling_between(both, proposed, baseline)
+    return replace(found, rescaling=rescaling, same_starts=meet_same_starts(both))
 
 
 class _Recorded:

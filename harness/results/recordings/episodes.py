@@ -115,6 +115,11 @@ def episodes_of(recording: RecordedTraining) -> Episodes:
     return Episodes.of(recording.facts, np.array([ended, *returns, *behaviour], dtype=np.float64))
 
 
+def count_text(number: int, noun: str) -> str:
+    """A number of things, ``3 episodes``."""
+    return f"{number:,} {noun}" + "s" * (number != 1)
+
+
 def cut_text(cut: int, episodes: int, horizon: int) -> str:
     """How many of the episodes of evaluations were cut at the horizon, in words."""
     return f"{cut:,} of {episodes:,} evaluation episodes were cut after {horizon:,} steps"

@@ -1,6 +1,6 @@
 """Reads the recorded trainings below a folder, and finds out what makes them one study."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
@@ -8,18 +8,19 @@ from typing import Any
 
 from harness.errors import SchemaError, UsageError
 from harness.eta.equal import equal_sentences, equal_trainings
-from harness.eta.rescaling import Rescaling, rescaling_of
+from harness.eta.rescaling import Rescaling
 from harness.record.cell import NO_ROBOT, NO_SIMULATOR, UNKNOWN_ALGORITHM
 from harness.record.plan_file import PLAN
-from harness.record.recording.facts import OWN_SOURCE, TrainingFacts
+from harness.record.recording.facts import TrainingFacts
 from harness.record.recording.recorded_training import recordings_in
 from harness.record.store import MOST_NAMED
 from harness.registry.choice import Choice
 from harness.results.comparison import Group
 from harness.results.measured import DETERMINISTIC, STOCHASTIC
-from harness.results.recordings.episodes import cut_text
+from harness.results.recordings.episodes import count_text
+from harness.results.recordings.notes import notes_on
 from harness.results.recordings.recording_results import RecordingResults
-from harness.results.recordings.runs import NO_CONTROL, NO_NAME, RANDOM, Run, Runs
+from harness.results.recordings.runs import NO_CONTROL, NO_NAME, RANDOM, Run, Runs, rescaling_between
 
 
 def has_recordings(folder: Path) -> bool:
@@ -55,8 +56,9 @@ def read_runs(
         told = f" Damaged: {'; '.join(damaged)}" if damaged else ""
         raise UsageError(f"'{folder}' holds no recorded training: harness.RecordRewards makes one.{told}")
     env, env_notes = env_of(folder, everything) if group is None else (group.task.label, [])
-    seeds, seed_notes = _with_seeds([it for it in everything if not it.facts.evaluation])
-    evaluated = [it for it in everything if it.facts.evaluation]
+    whole, short = without_short(everything)
+    seeds, seed_notes = _with_seeds([it for it in whole if not it.facts.evaluation])
+    evaluated = [it for it in whole if it.facts.evaluation]
     evaluations, evaluation_notes = _evaluations(folder, evaluated, seeds, group is None or group.deterministic)
     members = {key: replace(run, **evaluations.get(key, {})) for key, run in _by_key(seeds).items() if run.steps}
     others = {other: seed for seed, other in control.items() if other not in control}
@@ -69,14 +71,15 @@ def read_runs(
         told = f"all trainings in it were trained with {trained[0]}" if trained else "no training in it has a step"
         raise UsageError(
             f"'{folder}' has nothing to compare: {told}. Train with another of its rewards too, and record that beside"
+            + "".join(f". {line}" for line in short[:MOST_NAMED])
         )
     shortest = min(run.steps for run in members.values())
-    notes = [*env_notes, *seed_notes, *evaluation_notes, *empty, *_cut_notes(members.values(), shortest)]
-    notes += [*_end_notes(trained, members), *_code_notes(everything), *_bounds_notes(everything)]
+    notes = [*short, *env_notes, *seed_notes, *evaluation_notes, *empty, *notes_on(everything, trained, members)]
     equal = equal_trainings({key: run.likeness.digest for key, run in members.items()})
     rescaled = _rescaled(rewards, members.values())
     notes += [*equal_sentences(equal), *(it.sentence(name, other) for (name, other), it in rescaled.items())]
     notes += [f"{run.path}: {run.facts.paid_otherwise}" for run in members.values() if run.facts.paid_otherwise]
+    notes += _told_notes(everything)
     return Runs(
         group or _group_of(env, shortest),
         rewards,
@@ -94,21 +97,25 @@ def read_runs(
     )
 
 
+def _told_notes(runs: Iterable[Run]) -> list[str]:
+    """What recorders told of rewards, measures and wrappers; once, though every recording may say it with its step."""
+    told: dict[str, str] = {}
+    for run in runs:
+        for line in run.facts.notes:
+            told.setdefault(line.partition(",")[0], f"{run.path}: {line}")
+    return [*told.values()]
+
+
 def _group_of(env: str, steps: int) -> Group:
     """What is known of recordings that no experiment made: the env, and how long the shortest of them is."""
     return Group(NO_ROBOT, Choice(env, (), env), UNKNOWN_ALGORITHM, steps, 0, simulator=NO_SIMULATOR)
 
 
-def _rescaled(rewards: Sequence[str], runs: Iterable[Run]) -> dict[tuple[str, str], Rescaling]:
+def _rescaled(rewards: Sequence[str], runs: Collection[Run]) -> dict[tuple[str, str], Rescaling]:
     """For each reward the first one before it that it is but for scale and offset."""
     found: dict[tuple[str, str], Rescaling] = {}
     for other, name in combinations(rewards, 2):
-        lines = [
-            run.likeness.lines[other, name]
-            for run in runs
-            if {name, other} <= {*run.facts.rewards} and run.episodes.knows(name) and run.episodes.knows(other)
-        ]
-        rescaling = rescaling_of(lines)
+        rescaling = rescaling_between(runs, name, other)
         if rescaling is not None and name not in {it for it, _ in found}:
             found[name, other] = rescaling
     return found
@@ -132,6 +139,26 @@ def read_all(folder: Path, only: Sequence[Path] | None = None) -> tuple[list[Run
             damaged.append(str(error))
     paid = {(run.reward, run.seed) for run in runs if run.facts.pay}
     return [run if (run.reward, run.seed) in paid else _without_mistaken(run) for run in runs], damaged
+
+
+def without_short(runs: Sequence[Run]) -> tuple[list[Run], list[str]]:
+    """Those of which all is there that was asked for, as far as it is known; and a line for each other one.
+
+    What evaluates a training that is left out is left out with it.
+    """
+    lines = [f"'{run.path}' is left out: it has {run.shortfall}. {_why_short(run)}" for run in runs if run.shortfall]
+    trained = {(run.reward, run.seed) for run in runs if not run.facts.evaluation and not run.shortfall}
+    short = {(run.reward, run.seed) for run in runs if not run.facts.evaluation and run.shortfall} - trained
+    whole = [
+        run
+        for run in runs
+        if not run.shortfall and not (run.facts.evaluation and run.seed >= 0 and (run.reward, run.seed) in short)
+    ]
+    return whole, lines
+
+
+def _why_short(run: Run) -> str:
+    return "It ended early" if run.facts.closed else "It is still going on, or was killed"
 
 
 def _refuse_experiments(folder: Path) -> None:
@@ -206,7 +233,7 @@ def _with_seeds(runs: Sequence[Run]) -> tuple[list[Run], list[str]]:
             number = next(free for free in range(len(runs) + 1) if free not in taken[run.reward])
             taken[run.reward].add(number)
         found.append(replace(run, seed=number))
-    told = f"{_count(numbered, 'training')} recorded without a seed: numbered in the order of their folders"
+    told = f"{count_text(numbered, 'training')} recorded without a seed: numbered in the order of their folders"
     return found, [told] if numbered else []
 
 
@@ -254,7 +281,7 @@ def _evaluations(
     ]
     missing = len(known - found.keys())
     if 0 < missing < len(known):
-        notes.append(f"{missing} of {_count(len(known), 'training')} have no evaluation beside them")
+        notes.append(f"{missing} of {count_text(len(known), 'training')} have no evaluation beside them")
     before = {key: tuple(of[key] for of in early if key in of) for key in known}
     fields = {
         key: {"evaluation": found.get(key), "other": others.get(key) if key in own else None, "before": before[key]}
@@ -265,71 +292,3 @@ def _evaluations(
 
 def _in_order(names: Iterable[Sequence[str]]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(name for some in names for name in some))
-
-
-def _cut_notes(runs: Iterable[Run], shortest: int) -> list[str]:
-    longer = [run.steps for run in runs if run.steps > shortest]
-    last = next(run for run in runs if run.steps == shortest)
-    told = f"All are cut to the {shortest:,} steps of the shortest, '{last.path}'"
-    notes = [f"{told}: {_count(len(longer), 'training')} went on, for {max(longer):,} steps at most"] if longer else []
-    going = [run for run in runs if not run.facts.closed]
-    if going:
-        notes.append(f"Still going on, or ended before the recording was closed: {', '.join(map(_quoted, going))}")
-    return notes
-
-
-def _end_notes(trained: Sequence[str], members: Mapping[tuple[str, int], Run]) -> list[str]:
-    """Trainings in which no episode ended, and evaluations whose episodes were cut, for each reward that trained."""
-    notes = []
-    for reward in trained:
-        runs = [run for (name, _), run in members.items() if name == reward]
-        unended = sum(not len(run.episodes.last) for run in runs)
-        if unended:
-            told = f"No episode ended in {unended} of {_count(len(runs), 'training')} by {reward}"
-            notes.append(f"{told}: give the environment a time limit")
-        evaluations: dict[int, list[Run]] = {}
-        for evaluation in (run.evaluation for run in runs if run.evaluation is not None):
-            evaluations.setdefault(evaluation.facts.horizon, []).append(evaluation)
-        for horizon, some in evaluations.items():
-            cut = sum(it.facts.cut for it in some)
-            if cut:
-                told = cut_text(cut, sum(len(it.episodes.last) for it in some), horizon)
-                notes.append(f"Policies trained by {reward}: {told}")
-    return notes
-
-
-def _code_notes(runs: Iterable[Run]) -> list[str]:
-    """Rewards and measures that have one name and are not the same."""
-    found: dict[str, dict[str, Path]] = {}
-    for run in runs:
-        for column, source in run.facts.sources.items():
-            if source.text and source.text != OWN_SOURCE:
-                found.setdefault(column, {}).setdefault(source.text, run.path)
-    return [
-        f"The code of {column.replace('_', ' ', 1)} is not the same in '{paths[0]}' and '{paths[1]}': its numbers may "
-        "not be comparable"
-        for column, of in found.items()
-        if len(paths := list(of.values())) > 1
-    ]
-
-
-def _bounds_notes(runs: Iterable[Run]) -> list[str]:
-    """Measures that left the bounds that their recordings name."""
-    left = {
-        name: (run.path, bounds)
-        for run in runs
-        for name, bounds in run.facts.bounds.items()
-        if not run.episodes.is_within(name, bounds)
-    }
-    return [
-        f"{name} leaves its bounds, {low:g} to {high:g}, in '{path}': its intervals are not cut to them"
-        for name, (path, (low, high)) in left.items()
-    ]
-
-
-def _quoted(run: Run) -> str:
-    return f"'{run.path}'"
-
-
-def _count(number: int, noun: str) -> str:
-    return f"{number:,} {noun}" + "s" * (number != 1)

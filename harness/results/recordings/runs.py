@@ -10,7 +10,7 @@ from typing import NamedTuple, Self
 from harness.arrays import Float
 from harness.eta.behaviour_change import Measure
 from harness.eta.interval import SHARE, UNBOUNDED, Bounds
-from harness.eta.rescaling import Rescaling
+from harness.eta.rescaling import Rescaling, rescaling_of
 from harness.record.recording.facts import TrainingFacts
 from harness.results.comparison import Group
 from harness.results.measured import DETERMINISTIC, EVALUATION, STOCHASTIC, WHOLE, Moment
@@ -63,6 +63,14 @@ class Run:
         return self.recorded.path
 
     @property
+    def shortfall(self) -> str:
+        """What there is of what was asked for, ``3 of 20 episodes``; empty of a whole one, and if nobody said."""
+        facts, episodes = self.facts, len(self.episodes.last)
+        if episodes < facts.episodes_asked:
+            return f"{episodes:,} of {facts.episodes_asked:,} episodes"
+        return f"{self.steps:,} of {facts.steps_asked:,} steps" if self.steps < facts.steps_asked else ""
+
+    @property
     def reward(self) -> str:
         """The reward that it was trained with."""
         return self.facts.trained_with
@@ -92,6 +100,26 @@ class Run:
     def paid_by(self, reward: str) -> Float:
         """What a reward pays for each step, read from the files, (steps,)."""
         return self.recorded.paid_by(reward)
+
+
+def rescaling_between(runs: Iterable[Run], reward: str, other: str) -> Rescaling | None:
+    """What a reward is of another one, by all trainings that know both; None if it is another one."""
+    return rescaling_of(
+        [
+            run.likeness.lines[other, reward]
+            for run in runs
+            if {reward, other} <= {*run.facts.rewards} and run.episodes.knows(reward) and run.episodes.knows(other)
+        ]
+    )
+
+
+def meet_same_starts(runs: Iterable[Run]) -> bool:
+    """Whether policies met the same episodes in their evaluations, as far as the first observations tell."""
+    starts: dict[int, set[int]] = {}
+    for it in _with_evaluations(runs):
+        if it.facts.starts:
+            starts.setdefault(len(it.episodes.last), set()).add(it.facts.starts)
+    return all(len(found) == 1 for found in starts.values())
 
 
 NO_CONTROL: Mapping[int, int] = MappingProxyType({})

@@ -17,6 +17,7 @@ from harness.testing.simulators.calls import (
     states_are_not_the_callers_arrays,
 )
 from harness.testing.simulators.contact import (
+    every_solid_touches_the_ground,
     ground_contact_is_seen,
     ground_contact_is_the_envs_own,
     no_ground_contact_in_the_air,
@@ -90,6 +91,7 @@ SIMULATOR_CHECKS: tuple[Check, ...] = (
     parts_of_a_period_add_up,
     small_moves_move_every_joint,
     ground_contact_is_seen,
+    every_solid_touches_the_ground,
     no_ground_contact_in_the_air,
     ground_contact_is_the_envs_own,
     read_returns_the_state_of_the_last_call,

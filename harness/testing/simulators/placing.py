@@ -42,5 +42,5 @@ def reset_leaves_the_other_envs_alone(simulator: Simulator, robot: Robot) -> Non
 
 def _require_there_at_rest(state: State, qpos: Float) -> None:
     error = np.abs(state.qpos - qpos).max()
-    require(error < MAX_PLACEMENT_ERROR, f"the joints are {error:.2g} rad from where they were put")
-    require((state.qvel == 0.0).all(), f"the joints are not at rest: {state.qvel} rad/s")
+    require(error < MAX_PLACEMENT_ERROR, f"the joints are {error:.2g} rad or m from where they were put")
+    require((state.qvel == 0.0).all(), f"the joints are not at rest: {state.qvel} rad/s or m/s")

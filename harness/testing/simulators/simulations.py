@@ -82,7 +82,7 @@ def turns(robot: Robot, num_envs: int) -> Float:
 
 def poses_near_home(robot: Robot, num_envs: int) -> Float:
     """Joint positions, (num_envs, dof), all of them different."""
-    noise = np.random.default_rng(0).uniform(-0.2, 0.2, (num_envs, robot.dof))
+    noise = np.random.default_rng(0).uniform(-0.2, 0.2, (num_envs, robot.dof)) * robot.per_radian
     return np.minimum(np.maximum(robot.home + noise, robot.lower), robot.upper)
 
 

@@ -57,8 +57,8 @@ def qvel_is_the_speed_of_a_steady_motion(simulator: Simulator, robot: Robot) -> 
 @of_ideal_drives
 def small_moves_move_every_joint(simulator: Simulator, robot: Robot) -> None:
     """A move too small for the tracking check is done all the same: no joint stands still or turns the wrong way."""
-    move = SMALL_MOVE * turns(robot, NUM_ENVS)
+    move = SMALL_MOVE * robot.per_radian * turns(robot, NUM_ENVS)
     with opened(simulator, robot) as simulation:
         start = start_at_home(simulation, robot).qpos
         moved = simulation.drive(start + move, PERIOD).qpos - start
-        require((moved * move > 0.0).all(), f"driven by {move} rad, the joints moved by {moved}")
+        require((moved * move > 0.0).all(), f"driven by {move} rad or m, the joints moved by {moved}")

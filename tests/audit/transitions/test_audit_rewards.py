@@ -135,6 +135,12 @@ def test_same_seed_gives_the_same():
     assert one != other
 
 
+def test_hidden_memory_is_refused():
+    """What it pays says nothing: its name, and what to write instead."""
+    with pytest.raises(harness.errors.UsageError, match=r"reward 'odd' failed .* Write a class with reset\(\)"):
+        audit({"first": first, "odd": Counting()}, episodes=1, steps=6)
+
+
 @pytest.mark.parametrize(
     ("given", "told"),
     [
@@ -143,9 +149,8 @@ def test_same_seed_gives_the_same():
         (lambda s, a, n, info: float(info["left"]), "it reads info"),
         (lambda s, a, n, info: float(info.get("left", 0)), "it reads info"),
         (lambda s, a, n, info: float({**info}["left"]), "it reads info"),
-        (Counting(), "asked again about a step, it pays something else"),
         (Remembering(), "it has a memory"),
-        (lambda s, a, n, info: float(s) / bool(type(info) is dict), "it fails: ZeroDivisionError"),
+        (lambda s, a, n, info: float(s) / len(dict.keys(info)), "it fails: ZeroDivisionError"),
     ],
 )
 def test_reward_that_is_no_function_of_a_transition_is_compared_in_steps_alone(given, told):

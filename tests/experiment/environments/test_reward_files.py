@@ -29,7 +29,17 @@ def calm(observation, action, next_observation, info):
     return float(next_observation[0] - _scale.SPEED * abs(next_observation[2]))
 """
 UPRIGHT = "def upright(observation, action, next_observation, info):\n    return float(next_observation[0] > 0.95)\n"
-CRASHES = "def crashes(observation, action, next_observation, info):\n    return 1 / 0\n"
+CRASHES = """
+class crashes:
+    episodes, was_asked = 0, False
+
+    def reset(self):
+        self.episodes, self.was_asked = self.episodes + self.was_asked, False
+
+    def __call__(self, observation, action, next_observation, info):
+        self.was_asked = True
+        return 1 / (1 - self.episodes)
+"""
 BEHAVIOUR = """
 lower_is_better = ["effort"]
 
@@ -129,13 +139,13 @@ def test_file_of_the_name_of_the_environments_own_reward_is_refused(tmp_path: Pa
 
 
 def test_crash_costs_only_the_cells_that_it_pays(trained: Path):
-    """All others are done, recorded by every other reward, and say what was given up."""
+    """If the trial did not see it. All others are done, recorded by every reward, and say what was given up."""
     results = load_results(trained)
     assert {(it.cell.reward.label, it.status) for it in results.manifests} == {
         ("own", "done"), ("calm", "done"), ("upright", "done"), ("crashes", "failed"),
     }  # fmt: skip
     for manifest in results.done:
-        assert manifest.note == "reward crashes given up in the training, episode 0, step 0: ZeroDivisionError: " + (
+        assert manifest.note == "reward crashes given up in the training, episode 1, step 0: ZeroDivisionError: " + (
             "division by zero"
         )
         training = read_recording(results.store.cell_folder(manifest.cell) / TRAINING_RECORDING)
@@ -234,7 +244,7 @@ def test_other_code_of_a_reward_that_trained_is_refused(trained: Path, tmp_path:
 
 def test_mended_file_pays_what_it_could_not(trained: Path, files: Path, tmp_path: Path, say: Say):
     """It had trained nothing, since its cells failed."""
-    _lay(tmp_path, crashes=CRASHES.replace("1 / 0", "0.5"))
+    _lay(tmp_path, crashes=CRASHES.replace("1 / (1 - self.episodes)", "0.5"))
     assert say("score", trained, "--plugin", tmp_path / "crashes.py")[0] == 0
     cell = next(it.cell for it in load_results(trained).done)
     assert set(read_recording(Store.open(trained).cell_folder(cell) / TRAINING_RECORDING).rewards["crashes"]) == {0.5}

@@ -1,5 +1,6 @@
 """``harness export --minari`` and ``--lerobot``: what was recorded is read back, and paid again, as it was."""
 
+import importlib
 import json
 from pathlib import Path
 
@@ -21,6 +22,7 @@ from harness.registry.registry import load_registry
 from harness.results import load_results
 from harness.score.places import parse_places
 
+export_command = importlib.import_module("harness_plugins.commands.export")  # not the function of that name
 REWARDS = ("arp", "dense")
 FORMATS = {"minari": 1e-12, "lerobot": 1e-6}
 """How far a number may be off: those of LeRobot are float32."""
@@ -230,3 +232,27 @@ def test_other_forms_are_refused_beside_them(
         main(["export", str(trained), "--minari", str(tmp_path / "m"), *more])
     assert stopped.value.code == 2
     assert "--minari and --lerobot go without other forms" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("form", FORMATS)
+def test_a_killed_export_is_done_by_the_same_command(trained: Path, tmp_path: Path, monkeypatch, form: str):
+    """What it left half written, and what it had finished, is replaced; nothing is left beside."""
+    publish, done = export_command.publish, []
+
+    def killed(partial: Path, whole: Path) -> None:
+        done.append(whole)
+        if len(done) == 2:
+            raise KeyboardInterrupt
+        publish(partial, whole)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(export_command, "publish", killed)
+        patch.setattr(export_command.shutil, "rmtree", lambda *given, **more: None)  # a kill removes nothing
+        with pytest.raises((KeyboardInterrupt, SystemExit)):
+            main(["export", str(trained), f"--{form}", str(tmp_path / form)])
+    assert any(path.name.startswith(".") for path in (tmp_path / form).rglob("*"))
+    with pytest.raises(SystemExit) as stopped:
+        main(["export", str(trained), f"--{form}", str(tmp_path / form)])
+    assert not stopped.value.code
+    assert not [path for path in (tmp_path / form).rglob("*") if path.name.startswith(".")]
+    assert _dataset(tmp_path, form, "training").facts.path.is_dir()

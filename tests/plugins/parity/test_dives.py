@@ -5,6 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from harness.robot.ground_clearance import build_solids
+from harness.robot.kinematics import link_frames
 from harness_plugins.parity.dives import DEPTH, dive_motions
 from harness_plugins.parity.motions import ACCELERATION, SPEED
 
@@ -42,3 +44,18 @@ def test_an_arm_that_cannot_reach_the_ground_has_no_dives(robot):
     """Said by None, not by motions that end in the air."""
     stiff = replace(robot, lower=robot.home - 0.05, upper=robot.home + 0.05)
     assert dive_motions(stiff, 0, 2, 0.1) is None
+
+
+def test_an_arm_whose_tip_gets_nowhere_dives_with_a_solid(robot):
+    """Its tip cannot get below the ground, and a long tool can."""
+    pose = np.eye(4)
+    pose[0, 3] = 0.7
+    rod = replace(robot.joint_shapes[-1][0], kind="box", size=(1.4, 0.02, 0.02), T_link_shape=pose)
+    lower, upper = np.maximum(robot.lower, robot.home - 0.5), np.minimum(robot.upper, robot.home + 0.5)
+    short = replace(robot, lower=lower, upper=upper)
+    assert dive_motions(short, 0, 2, 0.1) is None
+    armed = replace(short, joint_shapes=(*robot.joint_shapes[:-1], (*robot.joint_shapes[-1], rod)))
+    dives = dive_motions(armed, 0, 2, 0.1)
+    heights = [build_solids(armed.joint_shapes).lowest(link_frames(armed.chain, row)) for row in (dives[0], dives[-1])]
+    assert (heights[1] < -DEPTH).all()
+    assert (heights[0] > heights[1]).all()

@@ -7,8 +7,10 @@ from dataclasses import replace
 import pytest
 from rich.console import Console
 
+from harness_plugins.parity.class_grids import explanations
 from harness_plugins.parity.contenders import Missing
 from harness_plugins.parity.grids import (
+    contact_text,
     engines_text,
     failures,
     not_installed,
@@ -107,3 +109,20 @@ def test_the_terminal_shows_it_all(found):
     for row in [row for grid in (*pair_grids(found), simulator_grid(found)) for row in grid.rows]:
         assert re.search(r"\s+".join(map(re.escape, row)), text)
     assert "…" not in text
+
+
+def test_a_simulator_that_lacks_solids_is_named_with_them(found):
+    """With the dives that each feels, and no explanation of where its joints are in them."""
+    told = contact_text(found)
+    assert told.startswith(
+        "Dives that touch the ground: 3 of 3 in right, off; 0 of 3 in numb. numb has no solid for links "
+    )
+    assert "'tool0' (cylinder)" in told
+    lines = explanations(found, list(found.pairs))
+    assert any(line.startswith("numb: numb has no solid for links ") for line in lines)
+    assert not any(line.startswith("numb, contact") for line in lines)
+
+
+def test_where_all_feel_every_dive_nothing_is_said(compare, toolbox):
+    """Contact that is alike needs no line."""
+    assert contact_text(compare(one=toolbox.ideal, two=toolbox.ideal)) == ""

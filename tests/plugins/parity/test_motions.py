@@ -6,7 +6,11 @@ import numpy as np
 import pytest
 
 from harness.errors import UsageError
-from harness_plugins.parity.motions import ACCELERATION, CLEARANCE, SPEED, lowest_points, smooth_motions
+from harness.robot.ground_clearance import build_solids
+from harness.robot.kinematics import link_frames
+from harness_plugins.parity.classes import class_motions
+from harness_plugins.parity.clearance import CLEARANCE, GroundClearance, lowest_points, point_heights
+from harness_plugins.parity.motions import ACCELERATION, SPEED, smooth_motions
 
 PERIOD = 0.1
 
@@ -64,3 +68,33 @@ def test_an_arm_that_starts_on_the_ground_is_refused(robot):
     low = np.array([0.0, robot.upper[1], 0.0, 0.0, 0.0, 0.0])
     with pytest.raises(UsageError, match="choose a home pose"):
         smooth_motions(replace(robot, home=low), 0, 1, 20, PERIOD)
+
+
+def test_solids_stay_above_the_ground(each_robot):
+    """Each joint's solids keep 2 cm, or half of what they have at home, in every class but the dives."""
+    ground = GroundClearance(each_robot)
+    for motion in (
+        smooth_motions(each_robot, 3, 4, 100, PERIOD),
+        *class_motions(each_robot, 3, 4, 100, PERIOD).values(),
+    ):
+        assert ground.is_clear(motion.reshape(-1, each_robot.dof)).all()
+
+
+def test_a_long_tool_keeps_above_the_ground_that_tip_and_joints_are_far_from(robot):
+    """A rod of 0.6 m beyond the tip: motions swing less far, and it stays above; the tip alone would not tell."""
+    pose = np.eye(4)
+    pose[0, 3] = 0.3
+    rod = replace(robot.joint_shapes[-1][0], kind="box", size=(0.6, 0.02, 0.02), T_link_shape=pose)
+    armed = replace(robot, joint_shapes=(*robot.joint_shapes[:-1], (*robot.joint_shapes[-1], rod)))
+    motion = smooth_motions(armed, 0, 3, 100, PERIOD).reshape(-1, robot.dof)
+    assert build_solids(armed.joint_shapes).lowest(link_frames(armed.chain, motion)).min() > 0.019
+    before = smooth_motions(robot, 0, 3, 100, PERIOD).reshape(-1, robot.dof)
+    assert build_solids(armed.joint_shapes).lowest(link_frames(armed.chain, before)).min() < 0.0
+
+
+def test_a_joint_that_stands_still_near_the_ground_holds_nothing_up(robot):
+    """As the second joint of a turret below a tenth of the reach, which cannot meet the ground: motions are drawn."""
+    tall = replace(robot)
+    tall.__dict__["reach"] = 1.05 * point_heights(robot, robot.home[None])[0, 0] / CLEARANCE
+    motion = smooth_motions(tall, 0, 2, 20, PERIOD).reshape(-1, robot.dof)
+    assert point_heights(robot, motion)[1:].min() >= CLEARANCE * tall.reach

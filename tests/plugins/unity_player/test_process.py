@@ -10,6 +10,7 @@ import psutil
 import pytest
 
 from harness.errors import UsageError
+from harness_plugins.unity_player.guard import MOST
 from harness_plugins.unity_player.process import PlayerProcess, find_program
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="the programs of these tests are shell scripts")
@@ -81,6 +82,37 @@ def test_a_player_ends_with_a_killed_asker(tmp_path: Path):
     asker.kill()
     asker.wait()
     assert wait_for(lambda: not is_alive(int(pids.read_text())))
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="no other system ends a process with its parent")
+def test_a_player_ends_with_a_killed_guard(tmp_path: Path):
+    """Nothing stands between the two then."""
+    pids = tmp_path / "pids"
+    process = PlayerProcess(script(tmp_path / "p", f"echo $$ > {pids}; exec sleep 600"), [])
+    assert wait_for(lambda: pids.exists() and pids.read_text().strip())
+    process._guard.kill()
+    assert wait_for(lambda: not is_alive(int(pids.read_text())))
+    assert process.ending()
+    process.end()
+
+
+def test_of_much_output_the_newest_is_kept(tmp_path: Path):
+    """A player may print for days; the last line is told."""
+    process = PlayerProcess(
+        script(tmp_path / "p", f"head -c {20 * MOST} /dev/zero | tr '\\0' 'x'; echo; echo last"), []
+    )
+    assert wait_for(process.ending, 30.0)
+    assert os.fstat(process._output.fileno()).st_size <= MOST
+    assert process.ending() == "exit status 0; its last line: last"
+    process.end()
+
+
+def test_a_player_whose_child_holds_its_output_ends(tmp_path: Path):
+    """Whatever it left is not waited for."""
+    process = PlayerProcess(script(tmp_path / "p", "setsid sleep 20 & echo last"), [])
+    assert wait_for(process.ending)
+    assert process.ending() == "exit status 0; its last line: last"
+    process.end()
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="names end otherwise elsewhere")

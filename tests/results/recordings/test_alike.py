@@ -7,8 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from harness.eta.headline import Answer
+from harness.eta.rescaling import rescaling_of
 from harness.record.recording.recorded_training import RecordedTraining, read_recording
-from harness.results.recordings.alike import likeness_of
+from harness.report.page.answer import card_of
+from harness.report.rows.comparison import UNLIKE_STARTS, beside_answer, scale_text
+from harness.results.recordings.alike import Likeness, likeness_of
 from tests.results.recordings.conftest import load_study, record
 
 ARMS = np.linspace(0.0, 1.0, 20)
@@ -100,3 +104,53 @@ def test_a_reward_that_is_not_known_everywhere_is_compared_where_it_is(tmp_path)
     record(tmp_path / "more", "plain", 1, ARMS, pays={"plain": lambda arms: arms + 1.0})
     record(tmp_path / "odd", "thrice", 1, ARMS, failures={"reward_plain": 12})
     assert load_study(tmp_path).runs.rescaled["thrice", "plain"].steps == 2 * 5 * len(ARMS)
+
+
+@pytest.mark.parametrize("ends", [False, True])
+def test_an_offset_is_no_ruler_where_an_episode_terminated(training: RecordedTraining, ends: bool):
+    """In one that was cut only, it pays every episode the same."""
+    lines = likeness_of(replace(training, terminated=training.truncated & ends)).lines
+    rescaling = rescaling_of([lines["plain", "thrice"]])
+    assert rescaling is not None
+    assert (rescaling.is_ruler, rescaling.can_end) == (not ends, ends)
+
+
+def test_likeness_comes_back_from_json(training: RecordedTraining):
+    """As it was kept."""
+    likeness = likeness_of(replace(training, terminated=training.truncated))
+    assert Likeness.from_json(likeness.to_json()) == likeness
+
+
+@pytest.mark.parametrize(
+    ("pays", "is_told"),
+    [
+        (lambda arms: 3.0 * (arms + 1.0), True),
+        (lambda arms: 3.0 * (arms + 1.0) + 1.0, True),
+        (lambda arms: -1.0 * (arms + 1.0), False),
+        (lambda arms: arms**2, False),
+    ],
+)
+def test_where_only_the_scale_differs_the_answer_says_so(tmp_path, pays, is_told: bool):
+    """Beside the answer of a comparison whose behaviour differs: on the card, and in the terminal."""
+    rewards = {"plain": lambda arms: arms + 1.0, "other": pays}
+    for seed in range(6):
+        record(tmp_path / f"plain-{seed}", "plain", seed, 0.3 * ARMS + 0.01 * seed, pays=rewards)
+        record(tmp_path / f"other-{seed}", "other", seed, ARMS + 0.01 * seed, pays=rewards)
+    (comparison,) = load_study(tmp_path).comparisons
+    assert comparison.headline.answer is Answer.HELPS
+    told = scale_text(comparison)
+    assert ("so its scale decides here" in told) is is_told
+    assert card_of(comparison, "other").beside == ((told,) if told else ())
+    assert scale_text(replace(comparison, ruling=None)) == ""
+
+
+def test_other_starts_are_told_beside_the_answer(tmp_path):
+    """Those of an evaluation on the way too."""
+    for reward, starts in (("plain", 7), ("thrice", 8)):
+        record(tmp_path / reward, reward, 0, ARMS)
+        record(tmp_path / reward / "half", reward, 0, ARMS, evaluation=True, after=50, starts=starts)
+    (comparison,) = load_study(tmp_path).comparisons
+    assert not comparison.same_starts
+    assert beside_answer(comparison) == [UNLIKE_STARTS]
+    assert card_of(comparison, "thrice").beside == (UNLIKE_STARTS,)
+    assert beside_answer(replace(comparison, same_starts=True)) == []

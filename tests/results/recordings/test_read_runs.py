@@ -1,10 +1,13 @@
 """Recordings below a folder: which training each evaluation belongs to, and what does not belong there."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from harness.errors import UsageError
+from harness.record.recording.facts import TrainingFacts
+from harness.record.recording.recorded_training import facts_name
 from harness.results.recordings.read_runs import read_all, read_runs
 from tests.results.recordings.conftest import PAYS, record
 
@@ -49,3 +52,66 @@ def test_an_experiment_itself_is_read(tmp_path: Path):
     (tmp_path / "plan.json").touch()
     runs, damaged = read_all(tmp_path)
     assert (len(runs), damaged) == (1, [])
+
+
+def told(folder: Path) -> str:
+    """The notes on the recordings."""
+    return "\n".join(read_runs(folder).notes)
+
+
+def test_an_evaluation_that_was_cut_off_does_not_count(tmp_path: Path):
+    """It is told by name, and how much of it there is; a whole one counts."""
+    evaluated(tmp_path, "deterministic", 0)
+    assert "left out" not in told(tmp_path)
+    cut = record(tmp_path / "plain" / ".evaluation.partial", "plain", 0, [0.5] * 3, evaluation=True, episodes_asked=20)
+    assert f"'{cut}' is left out: it has 3 of 20 episodes. It ended early" in told(tmp_path)
+    assert read_runs(tmp_path).members["plain", 0].evaluation is not None
+    record(tmp_path / "thrice" / "killed", "thrice", 0, [0.5], evaluation=True, episodes_asked=2, after=5)
+    assert not read_runs(tmp_path).members["thrice", 0].before
+    whole = record(tmp_path / "thrice" / "whole", "thrice", 0, [0.5] * 2, evaluation=True, episodes_asked=2, after=5)
+    assert [run.path for run in read_runs(tmp_path).members["thrice", 0].before] == [whole]
+
+
+def test_a_training_that_was_cut_off_is_not_compared(tmp_path: Path):
+    """Nor is its evaluation; a repetition with the same seed takes its place."""
+    evaluated(tmp_path, "deterministic", 0)
+    record(tmp_path / "thrice" / "2", "thrice", 2, [0.1], steps_asked=15)
+    record(tmp_path / "thrice" / "2" / "evaluation", "thrice", 2, [0.5], evaluation=True)
+    assert f"'{tmp_path / 'thrice' / '2'}' is left out: it has 5 of 15 steps" in told(tmp_path)
+    assert ("thrice", 2) not in read_runs(tmp_path).members
+    record(tmp_path / "thrice" / "again", "thrice", 2, [0.1] * 3, steps_asked=15)
+    assert read_runs(tmp_path).members["thrice", 2].evaluation is not None
+
+
+def test_where_nothing_whole_is_left_the_reasons_are_told(tmp_path: Path):
+    """In the line that says that there is nothing to compare."""
+    record(tmp_path / "plain", "plain", 0, [0.1], closed=False, steps_asked=15)
+    record(tmp_path / "thrice", "thrice", 0, [0.1] * 3, steps_asked=15)
+    with pytest.raises(UsageError, match=r"nothing to compare.* it has 5 of 15 steps\. It ended early"):
+        read_runs(tmp_path)
+
+
+def test_an_old_evaluation_that_was_never_closed_is_told(tmp_path: Path):
+    """How many episodes it was to have is not known, so that it counts."""
+    evaluated(tmp_path, "deterministic", 0)
+    facts = tmp_path / "plain" / "evaluation" / facts_name(0)
+    replace(TrainingFacts.read(facts), closed=False).write(facts)
+    assert "evaluation' is no whole evaluation, perhaps" in told(tmp_path)
+    assert "after 3 episodes" in told(tmp_path)
+
+
+def test_trainings_of_unequal_length_are_told_with_what_evaluates_them(tmp_path: Path):
+    """They are cut to the shortest, and their evaluations cannot be."""
+    evaluated(tmp_path, "deterministic", 0)
+    record(tmp_path / "longer", "plain", 1, [0.1] * 4, steps_asked=20)
+    assert "All are cut to the 15 steps of the shortest" in told(tmp_path)
+    assert "which were not of one length" in told(tmp_path)
+
+
+@pytest.mark.parametrize(("other", "episodes", "is_told"), [(7, 3, False), (8, 3, True), (8, 2, False)])
+def test_policies_that_met_other_starts_are_told(tmp_path: Path, other: int, episodes: int, is_told: bool):
+    """Where as many episodes began otherwise."""
+    for reward, starts, count in (("plain", 7, 3), ("thrice", other, episodes)):
+        record(tmp_path / reward, reward, 0, [0.1, 0.2, 0.3])
+        record(tmp_path / reward / "evaluation", reward, 0, [0.5] * count, evaluation=True, starts=starts)
+    assert ("did not meet the same starts" in told(tmp_path)) is is_told

@@ -1,0 +1,82 @@
+"""One episode of random actions of an arm, where joints are where they are told to be: its rewards are asked."""
+
+from collections.abc import Callable, Collection, Sequence
+
+import numpy as np
+
+from harness.env.ideal import IdealSimulator
+from harness.env.vector_env import ReachVectorEnv
+from harness.errors import HarnessError, one_line
+from harness.experiment.trials.tried import Fault, Tried, error_text
+from harness.record.cell import Cell
+from harness.record.recording.facts import REWARD
+from harness.registry.choice import Choice
+from harness.registry.registry import Registry
+from harness.reward import Array, Carry, Reward, Sample
+from harness.robot.load import load_robot
+
+ARMS, MOST_STEPS = 2, 500
+
+
+def try_arm(
+    cell: Cell, rewards: Sequence[Choice], registry: Registry, without: Collection[str], tell: Callable[[str], None]
+) -> Tried:
+    """Try rewards in the task of a cell.
+
+    Args:
+        cell: Whose task and robot.
+        rewards: To try.
+        registry: The plugins.
+        without: Of these rewards, named as columns are.
+        tell: Told which is asked next.
+    """
+    robot, task = load_robot(cell.robot, registry), cell.task.build(registry, "tasks")
+    faults = []
+    for choice in rewards:
+        if (column := f"{REWARD}{choice.label}") in without:
+            continue
+        tell(column)
+        watched = _Watched(choice.build(registry, "rewards"))
+        try:
+            env = ReachVectorEnv(IdealSimulator(), robot, task, watched, ARMS)
+            env.action_space.seed(0)
+            env.reset(seed=0)
+            for _ in range(min(task.horizon, MOST_STEPS)):
+                env.step(env.action_space.sample())
+        except (Exception, SystemExit) as error:
+            if watched.reason:
+                faults.append(Fault("reward", choice.label, watched.reason))
+            elif not isinstance(error, HarnessError):
+                return Tried(tuple(faults), (f"{cell.task.label}: the task fails: {one_line(error)}",))
+    return Tried(tuple(faults))
+
+
+class _Watched:
+    """A reward of which it is known whether it failed itself.
+
+    Attributes:
+        reason: What it did; empty if nothing was wrong.
+    """
+
+    def __init__(self, reward: Reward) -> None:
+        self._reward, self.reason, self._step = reward, "", 0
+
+    def initial_carry(self, begin_distance: Array) -> Carry:
+        """See `harness.reward.Reward`."""
+        try:
+            return self._reward.initial_carry(begin_distance)
+        except (Exception, SystemExit) as error:
+            self.reason = f"fails in initial_carry: {error_text(error)}."
+            raise
+
+    def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
+        """See `harness.reward.Reward`."""
+        try:
+            after, paid = self._reward(carry, sample)
+            if np.shape(paid) != (ARMS,) or not np.isfinite(paid).all():
+                raise ValueError(f"it pays {ARMS} arms {paid!r}")
+        except (Exception, SystemExit) as error:
+            self.reason = f"fails in step {self._step}: {error_text(error)}."
+            raise
+        self._step += 1
+        return after, paid

@@ -1,0 +1,149 @@
+"""One episode of random actions in an environment: every reward, every measure and every key of info is asked."""
+
+import time
+from collections.abc import Callable, Collection
+from contextlib import closing
+from itertools import islice
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from harness.environment import AnyEnv, Environment
+from harness.experiment.environments.columns import columns_of
+from harness.experiment.environments.random_steps import RandomStep, random_steps, value_of
+from harness.experiment.trials.tried import Fault, Tried, error_text, fault_of
+from harness.recorder.column import Column, as_number
+from harness.recorder.column import columns_of as made_columns
+from harness.registry.choice import Choice
+from harness.registry.names import unknown_name
+from harness.registry.registry import Registry
+
+MOST_STEPS, MOST_SECONDS = 2_000, 10.0
+"""The most steps that are tried, and the most time that they take."""
+COMPARED = 100
+"""Steps that are taken again, to see whether the seed decides them."""
+UNSEEDED = (
+    "an env that is reset with the same seed, and given the same actions, answers otherwise. Policies will not meet "
+    "the same starts, and no training can be repeated. An env has to draw everything random from its np_random, which "
+    "reset(seed) seeds"
+)
+TOUCHED = "its episodes go on otherwise when rewards and measures are asked: they should only look on"
+
+Tell: TypeAlias = Callable[[str], None]
+"""A function that is told the column that is asked next, ``reward_calm``; an empty text: the env itself is at work."""
+Rows: TypeAlias = list[list[float]]
+
+
+def try_environment(task: Choice, registry: Registry, without: Collection[str], tell: Tell) -> Tried:
+    """Try everything that is recorded of an environment.
+
+    Args:
+        task: The environment.
+        registry: The plugins.
+        without: Names of columns that are not asked.
+        tell: Told what is asked next.
+    """
+    environment: Environment = task.build(registry, "environments")
+    trial = _Trial(without, tell)
+    try:
+        notes = trial.run(environment, registry)
+    except Exception as error:  # whatever people's envs raise; those of rewards are caught
+        notes = [f"the environment fails: {error_text(error)}"]
+    return Tried(tuple(trial.faults), tuple(f"{task.label}: {note}" for note in notes))
+
+
+class _Trial:
+    """Asks columns, each until it fails."""
+
+    def __init__(self, without: Collection[str], tell: Tell) -> None:
+        self._without, self._tell = without, tell
+        self.faults: list[Fault] = []
+        self._columns: list[Column] = []
+        self._seen: dict[str, None] = {}
+        self._missing: set[str] = set()
+        self._steps, self._has_ended = 0, False
+
+    def run(self, environment: Environment, registry: Registry) -> list[str]:
+        """Try all of it; returns what there is to know beside the faults."""
+        self._tell("")
+        with closing(environment.make()) as env:
+            found = columns_of(environment, env, registry)
+            made = made_columns(env, found.rewards, found.behaviour, 1, frozenset())
+            self._columns = [column for column in made if column.name not in self._without]
+            self._missing = {column.name for column in self._columns if column.key is not None}
+            rows = self._episode(env)
+        return [*self._untold(), *_seed_notes(environment, rows, self._tell)]
+
+    def _episode(self, env: AnyEnv) -> Rows:
+        """One episode, or what there is time for; returns the first rows of numbers."""
+        until, rows = time.monotonic() + MOST_SECONDS, Rows()
+        for column in self._columns:
+            if column.remembers:
+                self._restart(column)
+        asked = [column for column in self._columns if not column.given_up]
+        self._tell("")
+        for step in random_steps(env, 0, MOST_STEPS):
+            rows += [step.numbers] if len(rows) < COMPARED else []
+            self._seen |= dict.fromkeys(map(str, step.info))
+            self._steps, self._has_ended = step.number, step.ended
+            for column in asked:
+                if not column.given_up:
+                    self._ask(column, step)
+            if step.ended or time.monotonic() >= until:
+                break
+            self._tell("")
+        return rows
+
+    def _untold(self) -> list[str]:
+        """Keys of measures that no step told, where no episode has ended: the last step of one may tell them."""
+        if self._has_ended:
+            return []
+        return [
+            f"no episode ended within {self._steps:,} steps, and none of them told '{column.key}'. "
+            f"{unknown_name('key of info', str(column.key), self._seen)}"
+            for column in self._columns
+            if column.name in self._missing and not column.given_up
+        ]
+
+    def _restart(self, column: Column) -> None:
+        self._tell(column.name)
+        try:
+            column.measures[0].reset()  # type: ignore[attr-defined] # it remembers
+        except (Exception, SystemExit) as error:  # whatever rewards of users raise
+            self._give_up(column, f"fails in reset(): {error_text(error)}.")
+
+    def _ask(self, column: Column, step: RandomStep) -> None:
+        self._tell(column.name)
+        if column.key is not None and column.key not in step.info:
+            if not column.may_be_untold or step.ended:
+                last = ", the last of an episode" * step.ended
+                told = unknown_name("key of info", column.key, self._seen)
+                self._give_up(column, f"cannot be read in step {step.number - 1}{last}: {told}")
+            return
+        self._missing.discard(column.name)
+        try:
+            as_number(value_of(column, step))
+        except (Exception, SystemExit) as error:
+            self._give_up(column, f"fails in step {step.number - 1}: {error_text(error)}.")
+
+    def _give_up(self, column: Column, reason: str) -> None:
+        column.given_up = True
+        self.faults.append(fault_of(column.name, reason))
+
+
+def _seed_notes(environment: Environment, rows: Rows, tell: Tell) -> list[str]:
+    """Whether the same seed and the same actions give the same steps in other envs, which nobody looks at."""
+    tell("")
+    if _are_equal(_bare(environment, len(rows)), rows):
+        return []
+    again = [_bare(environment, len(rows)) for _ in range(2)]
+    return [TOUCHED if _are_equal(*again) else UNSEEDED]
+
+
+def _bare(environment: Environment, count: int) -> Rows:
+    with closing(environment.make()) as env:
+        return [step.numbers for step in islice(random_steps(env, 0, max(count, 1)), count)]
+
+
+def _are_equal(one: Any, other: Any) -> bool:
+    return bool(np.array_equal(one, other, equal_nan=True))

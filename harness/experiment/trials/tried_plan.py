@@ -1,0 +1,131 @@
+"""A plan after its rewards, measures and environments were tried: what cannot work is refused, or left out and told."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from harness.errors import UsageError
+from harness.experiment.plan import Plan
+from harness.experiment.task_plan import table_of
+from harness.experiment.trials.trial import TryTask, try_tasks
+from harness.experiment.trials.tried import Fault
+from harness.record.cell import Cell
+from harness.registry.choice import Choice
+from harness.registry.given import PluginFile
+from harness.registry.registry import Registry, load_registry
+
+TRIED = "tried in an episode of random actions"
+
+
+def try_plan(plan: Plan, registry: Registry) -> tuple[Plan, Registry]:
+    """Try each task of a plan for an episode: see `harness.experiment.trials`.
+
+    In a race, and where a pattern such as ``rewards/*.py`` found the file, a reward that fails is left out; its cells
+    are skipped with the reason. Anything else that fails is refused. So is a measure, because it decides.
+
+    Args:
+        plan: The plan.
+        registry: The plugins.
+
+    Returns:
+        The plan without what is left out, and the registry without it.
+
+    Raises:
+        UsageError: Something fails, or nothing is left to compare.
+    """
+    works = [TryTask(cell, rewards, registry.given) for cell, rewards in _to_try(plan.cells, registry)]
+    tried = try_tasks(works) if works else []
+    faults: dict[tuple[Choice, str, str], Fault] = {
+        (work.cell.task, fault.noun, fault.name): fault
+        for work, it in zip(works, tried, strict=True)
+        for fault in it.faults
+    }
+    notes = dict.fromkeys(note for it in tried for note in it.notes)
+    for (task, _, _), fault in faults.items():
+        _require_spared(task, fault, plan, registry)
+    skipped = [
+        (cell, faults[key].sentence)
+        for cell in plan.cells
+        if (key := (cell.task, "reward", cell.reward.label)) in faults
+    ]
+    gone = {cell for cell, _ in skipped}
+    cells = tuple(cell for cell in plan.cells if cell not in gone)
+    if gone and len({cell.reward for cell in cells}) < 2 and not plan.control:
+        told = " ".join(dict.fromkeys(reason for _, reason in skipped))
+        raise UsageError(f"Nothing is left to compare, {TRIED}: {told} Nothing was trained: mend them")
+    left_out = dict.fromkeys(f"Left out, {TRIED}: {fault.sentence}" for fault in faults.values())
+    untrained = {cell.reward for cell in gone} - {cell.reward for cell in cells}
+    registry = _without(registry, {fault.name for fault in faults.values()})
+    plan = replace(
+        plan,
+        cells=cells,
+        skipped=(*plan.skipped, *skipped),
+        resolved=_without_rewards(plan.resolved, untrained, registry),
+        warnings=(*plan.warnings, *left_out, *notes),
+    )
+    return plan, registry
+
+
+def _to_try(cells: Sequence[Cell], registry: Registry) -> list[tuple[Cell, tuple[Choice, ...]]]:
+    """A cell of each task, with the rewards to try there; an arm's rewards of our own need no trial."""
+    found: dict[tuple[Choice, str], dict[Choice, Cell]] = {}
+    for cell in cells:
+        found.setdefault((cell.task, cell.robot), {}).setdefault(cell.reward, cell)
+    return [
+        (next(iter(of.values())), tuple(of))
+        for of in found.values()
+        if registry.given or any(not _is_ours(cell, registry) for cell in of.values())
+    ]
+
+
+def _is_ours(cell: Cell, registry: Registry) -> bool:
+    return "environments" not in cell.plugins and registry.get("rewards", cell.reward.name).is_built_in
+
+
+def _require_spared(task: Choice, fault: Fault, plan: Plan, registry: Registry) -> None:
+    """Raise UsageError unless everything goes on without what failed."""
+    file = _file_of(fault, registry)
+    may_lack = plan.terms.race or (file is not None and file.optional)
+    is_spared = may_lack and fault.noun == "reward" and fault.name != plan.baseline
+    if not is_spared:
+        where = f" ('{file.path}')" if file else ""
+        raise UsageError(
+            f"{task.label}, {TRIED}: {fault.noun} '{fault.name}'{where} {fault.reason} "
+            "Nothing was trained: mend it, or leave it out"
+        )
+
+
+def _file_of(fault: Fault, registry: Registry) -> PluginFile | None:
+    """The file that was given by hand in which it stands."""
+    function = registry.functions_of(fault.noun).get(fault.name)
+    if function is not None:
+        return function.file
+    files: Mapping[str, PluginFile] = {it.name: it for it in registry.given if isinstance(it, PluginFile)}
+    name = fault.name.partition(":")[0]
+    specs = registry.specs.get(("rewards", name), []) if fault.noun == "reward" else []
+    return next((files[spec.plugin] for spec in specs if spec.plugin in files), None)
+
+
+def _without_rewards(resolved: Mapping[str, Any], gone: set[Choice], registry: Registry) -> dict[str, Any]:
+    """The keys of the experiment file without rewards that no cell trains, and without files that are left out."""
+    told = [*(table_of(reward) for reward in gone), *(reward.label for reward in gone)]
+    given = {it.name for it in registry.given}
+    plugins = [need for need in resolved.get("plugins", []) if Path(need.get("path") or need["target"]).name in given]
+    kept = {"reward": [reward for reward in resolved["reward"] if reward not in told], "plugins": plugins}
+    return {key: kept.get(key, value) for key, value in resolved.items()}
+
+
+def _without(registry: Registry, names: set[str]) -> Registry:
+    """The registry without functions that failed: no recording asks them."""
+    failed = [it for it in registry.functions if it.name in names and it.noun == "reward"]
+    if not failed:
+        return registry
+    files = {it.file: tuple(one.name for one in failed if one.file == it.file) for it in failed}
+    gone = {file for file in files if all(it in failed for it in registry.functions if it.file == file)}
+    given = [
+        replace(it, left_out=files[it]) if isinstance(it, PluginFile) and it in files else it
+        for it in registry.given
+        if it not in gone
+    ]
+    return load_registry(given=given)

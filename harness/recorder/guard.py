@@ -1,0 +1,221 @@
+"""The one place that calls a stranger's function of a step.
+
+What it is given it cannot spoil, what it draws from a generator that everybody shares the training does not notice, and
+where it does not return, it is ended.
+"""
+
+import math
+import pickle
+import signal
+import sys
+import threading
+from collections.abc import Callable, Collection, Iterable, Sequence
+from dataclasses import dataclass
+from time import monotonic
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from harness.errors import one_line
+from harness.recorder.chance import Chance
+from harness.recorder.sealed import Sealer, writable
+
+LONGEST_CALL = 10.0
+"""The longest that a function may take for one step, [s]."""
+NAMES = ("observation", "action", "next_observation", "info")
+Function: TypeAlias = Callable[..., Any]
+Step: TypeAlias = tuple[Any, ...]
+"""What a function is given, sealed: in the order of `NAMES`, or what a ``reset`` takes."""
+
+
+class NoAnswer(BaseException):
+    """A function has not returned; no ``except Exception`` of its own keeps it going."""
+
+
+@dataclass(frozen=True)
+class Raised:
+    """In place of an answer.
+
+    Attributes:
+        error: What the function raised.
+    """
+
+    error: BaseException
+
+
+class Guard:
+    """Asks functions about steps.
+
+    Attributes:
+        drew: Of the functions that were asked last, by their place: which generator they drew from.
+    """
+
+    def __init__(self) -> None:
+        self._sealer, self._chance, self._alarm = Sealer(), Chance(), _Alarm()
+        self.seal = self._sealer.seal
+        """Makes what functions are given: a copy that nobody can write into."""
+        self.drew: dict[int, str] = {}
+
+    def ask(
+        self,
+        functions: Sequence[Function],
+        steps: Iterable[Step],
+        pays: Collection[int] = (),
+        is_watched: bool = True,
+    ) -> list[Any]:
+        """What each function says of its step, or `Raised`.
+
+        Args:
+            functions: They are asked in this order, and do not notice one another.
+            steps: One for each, sealed by `seal`.
+            pays: Places of those that pay the learner: what they draw is part of the training, and nobody ends them.
+            is_watched: Whether one of them might draw, or not return: unless all of them only compute, see
+                `harness.recorder.computing.only_computes`.
+        """
+        if not is_watched and not self._sealer.is_open:
+            self.drew = {}
+            return [_answer(function, step) for function, step in zip(functions, steps, strict=False)]
+        answers, alarm, drew = list[Any](), self._alarm, dict[int, str]()
+        # A tensor that shares its memory with an array writes into it, read-only or not.
+        own = self._sealer.own if self._sealer.is_open or "torch" in sys.modules else None
+        self.drew = drew
+        mark = self._chance.mark()
+        alarm.begin()
+        try:
+            for place, (function, step) in enumerate(zip(functions, steps, strict=False)):
+                given = step if own is None else own(step)
+                alarm.since = None if place in pays else monotonic()
+                try:
+                    answer = function(*given)
+                    alarm.since = None
+                except (Exception, SystemExit, NoAnswer) as error:  # whatever functions of users raise
+                    alarm.since = None
+                    answer = Raised(error)
+                answers.append(answer)
+                if moved := self._chance.moved(mark):
+                    drew[place] = moved
+                    if place in pays:
+                        mark = self._chance.mark()
+                    else:
+                        self._chance.put_back(mark)
+        finally:
+            alarm.end()
+        return answers
+
+    def answer(self, function: Function, step: Step, is_watched: bool = True) -> Any:
+        """What one function says of a step.
+
+        Raises:
+            Exception: Whatever it raises; TimeoutError if it does not return.
+        """
+        (found,) = self.ask([function], [step], is_watched=is_watched)
+        if isinstance(found, Raised):
+            raise found.error if isinstance(found.error, Exception) else _plain_error(found.error)
+        return found
+
+    def reason(self, function: Function, step: Step, error: BaseException) -> str:
+        """Why it failed, in one line. If it writes into what it is given, that is the reason.
+
+        Args:
+            function: It is asked once more, with copies that it may write into.
+            step: As it was given.
+            error: What it raised.
+        """
+        if isinstance(error, NoAnswer):
+            return one_line(_plain_error(error))
+        if not isinstance(error, TypeError | ValueError | AttributeError):
+            return one_line(error)
+        given = tuple(map(writable, step))
+        self.ask([lambda *_: function(*given)], [step])
+        for name, before, after in zip(NAMES, step, given, strict=True):
+            if not same(before, after):
+                instead = "change a copy, `dict(info)`" if name == "info" else f"write `{name} / 2` for `{name} /= 2`"
+                return f"it writes into its {name}, which others read too: {instead} ({one_line(error)})"
+        return one_line(error)
+
+
+def _answer(function: Function, step: Step) -> Any:
+    try:
+        return function(*step)
+    except (Exception, SystemExit) as error:  # whatever functions of users raise
+        return Raised(error)
+
+
+def _plain_error(error: BaseException) -> BaseException:
+    if isinstance(error, NoAnswer):
+        return TimeoutError(f"it has not returned for {LONGEST_CALL:g} s")
+    return RuntimeError(one_line(error))
+
+
+def same(one: Any, other: Any) -> bool:
+    """Whether two values are equal at any depth; NaN is equal to NaN. What cannot be compared counts as equal."""
+    try:
+        if isinstance(one, dict):
+            return one.keys() == other.keys() and all(same(one[k], other[k]) for k in one)
+        if isinstance(one, list | tuple):
+            return len(one) == len(other) and all(map(same, one, other))
+        if isinstance(one, np.ndarray):
+            return np.array_equal(one, other, equal_nan=one.dtype.kind in "fc")
+        is_plain = getattr(type(one), "__eq__", None) is object.__eq__  # it is equal to nothing else
+        if is_plain and hasattr(one, "__dict__"):
+            return type(one) is type(other) and same(vars(one), vars(other))
+        equal = pickle.dumps(one) == pickle.dumps(other) if is_plain else bool(one == other)
+        return equal or (isinstance(one, float) and math.isnan(one) and math.isnan(other))
+    except Exception:  # whatever objects of users raise
+        return True
+
+
+class _Alarm:
+    """Raises `NoAnswer` in a call that takes too long.
+
+    By the signal of the system's alarm, where there is one, in the main thread, and if nobody else uses it.
+
+    Attributes:
+        since: When the call began, [s]; None while nothing is called that may be ended.
+    """
+
+    def __init__(self) -> None:
+        self.since: float | None = None
+        self._thread = -1
+        self._is_set = False
+        if not hasattr(signal, "setitimer") or threading.current_thread() is not threading.main_thread():
+            return
+        if signal.getsignal(signal.SIGALRM) in (signal.SIG_DFL, None):
+            signal.signal(signal.SIGALRM, _ring)
+        if signal.getsignal(signal.SIGALRM) is _ring:
+            self._thread = threading.get_ident()
+
+    def begin(self) -> None:
+        """From now on calls may be made."""
+        if self._thread != threading.get_ident():
+            return
+        _calling.append(self)
+        left, _ = signal.setitimer(signal.ITIMER_REAL, LONGEST_CALL)
+        self._is_set = not left
+        if left:  # somebody else has set it
+            signal.setitimer(signal.ITIMER_REAL, left)
+
+    def end(self) -> None:
+        """Nothing is called any more."""
+        if self._thread != threading.get_ident():
+            return
+        if self._is_set:
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
+        _calling.pop()
+
+
+_calling: list[_Alarm] = []
+"""Those between `begin` and `end`, the innermost last: a signal belongs to the whole process."""
+
+
+def _ring(number: int, frame: Any) -> None:
+    """End the call that is being made if it takes too long; otherwise look again when it would."""
+    if not _calling:  # the alarm was somebody else's, and does what it does without us
+        signal.signal(number, signal.SIG_DFL)
+        signal.raise_signal(number)
+        return
+    since = _calling[-1].since
+    left = LONGEST_CALL if since is None else since + LONGEST_CALL - monotonic()
+    signal.setitimer(signal.ITIMER_REAL, LONGEST_CALL if left <= 0.001 else left)
+    if left <= 0.001:
+        raise NoAnswer

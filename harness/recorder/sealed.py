@@ -1,0 +1,104 @@
+"""What a function is given of a step: copies that it cannot write into."""
+
+import copy
+from collections import OrderedDict
+from enum import Enum
+from types import MappingProxyType
+from typing import Any, Never
+
+import gymnasium
+import numpy as np
+from gymnasium.vector import VectorEnv
+
+CONSTANT = frozenset({float, int, bool, str, bytes, complex, type(None), np.float64, np.float32, np.int64, np.bool_})
+"""The usual types of which a value never changes."""
+MAPPINGS = (dict, OrderedDict, MappingProxyType)
+AS_THEY_ARE = (np.generic, str, bytes, int, float, Enum, type, gymnasium.Env, VectorEnv)
+"""Kinds of objects that are handed on: nobody can write into most of them, and a copy of an env is another env."""
+
+
+class ReadOnlyDict(dict[Any, Any]):
+    """A dict for readers; a copy of it is an ordinary one."""
+
+    def _refuse(self, *_: Any, **__: Any) -> Never:
+        raise TypeError("it is read-only: a function that looks on writes nothing into it")
+
+    __setitem__ = __delitem__ = __ior__ = pop = popitem = clear = update = setdefault = _refuse
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> dict[Any, Any]:
+        return {key: copy.deepcopy(value, memo) for key, value in self.items()}
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return dict, (dict(self),)
+
+
+class ReadOnlyList(list[Any]):
+    """A list for readers; a copy of it is an ordinary one."""
+
+    def _refuse(self, *_: Any, **__: Any) -> Never:
+        raise TypeError("it is read-only: a function that looks on writes nothing into it")
+
+    __setitem__ = __delitem__ = __iadd__ = __imul__ = append = extend = insert = pop = _refuse
+    remove = clear = sort = reverse = _refuse
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> list[Any]:
+        return [copy.deepcopy(value, memo) for value in self]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return list, ([*self],)
+
+
+class Sealer:
+    """Makes copies that nobody can write into, of arrays, and of dicts, lists and tuples at any depth.
+
+    Attributes:
+        is_open: Whether it has met something else, as a tensor. Of that it makes copies that can be written into, so
+            each function needs copies of its own: `own`.
+    """
+
+    def __init__(self) -> None:
+        self.is_open = False
+
+    def seal(self, value: Any) -> Any:
+        """A copy."""
+        kind = type(value)
+        if kind is np.ndarray and not value.dtype.hasobject:
+            copied = value.copy()
+            copied.setflags(False)  # by place: half of the time
+            return copied
+        if kind in CONSTANT:
+            return value
+        if kind in MAPPINGS or kind is ReadOnlyDict:
+            return ReadOnlyDict(
+                {key: inner if type(inner) in CONSTANT else self.seal(inner) for key, inner in value.items()}
+            )
+        return self._seal_other(value)
+
+    def own(self, step: tuple[Any, ...]) -> tuple[Any, ...]:
+        """Copies of a sealed step, for one function."""
+        return tuple(map(self.seal, step))
+
+    def _seal_other(self, value: Any) -> Any:
+        if isinstance(value, tuple):
+            parts = map(self.seal, value)
+            return value._make(parts) if hasattr(value, "_make") else tuple(parts)
+        if type(value) is np.ndarray:  # of objects
+            copied = np.empty_like(value)
+            for place in np.ndindex(value.shape):
+                copied[place] = self.seal(value[place])
+            copied.setflags(write=False)
+            return copied
+        if type(value) in (list, ReadOnlyList):
+            return ReadOnlyList(map(self.seal, value))
+        if isinstance(value, AS_THEY_ARE) and not isinstance(value, np.void):
+            return value
+        self.is_open = True
+        return writable(value)
+
+
+def writable(value: Any) -> Any:
+    """A copy that can be written into, also of something sealed; what cannot be copied itself."""
+    try:
+        return copy.deepcopy(value)
+    except Exception:  # whatever objects of users raise
+        return value

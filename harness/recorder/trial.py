@@ -1,0 +1,218 @@
+"""The first steps of a recording, about which every function is asked more than once.
+
+One that remembers something outside of what it is given is found so: it answers otherwise when it is asked about the
+same step again, at once, or after the steps that followed.
+"""
+
+import copy
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from harness.errors import UsageError, sentence
+from harness.recorder.column import Column, as_number
+from harness.recorder.computing import only_computes
+from harness.recorder.guard import Guard, Raised, Step, same
+from harness.recorder.own_copies import uses_parts_of
+
+FIRST_STEPS = 100
+WHAT_TO_WRITE = "Write a class with reset() that keeps in self what it remembers and sets it anew in reset()"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What was found of a function.
+
+    Attributes:
+        column: Of it.
+        told: A line.
+        is_wrong: Whether its numbers are wrong, so that it is given up; else it is only told.
+    """
+
+    column: Column
+    told: str
+    is_wrong: bool = True
+
+
+@dataclass
+class Trial:
+    """Asks again.
+
+    Attributes:
+        env: What is recorded.
+        guard: Asks.
+        is_over: Whether every function was asked about the first episode again, or about its first `FIRST_STEPS`.
+    """
+
+    env: Any
+    guard: Guard
+    is_over: bool = False
+    _noted: dict[str, list[tuple[Step, Any]]] = field(default_factory=dict)
+    _begun: dict[str, Any] = field(default_factory=dict)
+
+    def begin(self, columns: Sequence[Column]) -> None:
+        """Note what those with a memory are like when the first episode starts, after their ``reset()``."""
+        for column in columns:
+            if column.remembers and not column.holds_env and column.name not in self._begun:
+                self._begun[column.name] = _copy(column)
+
+    def forget(self) -> None:
+        """The episode was left: the next one is the first."""
+        self._noted = {}
+        self._begun = {}
+
+    def note(self, column: Column, step: Step, answer: Any, drew: bool) -> Finding | None:
+        """Take a step and the function's answer to it; one without ``reset()`` is asked at once again.
+
+        Args:
+            column: Of the function.
+            step: What it was given.
+            answer: A number, or an array of one for each env.
+            drew: Whether it drew from a generator of all: then it answers otherwise, which is told elsewhere.
+        """
+        noted = self._noted.setdefault(column.name, [])
+        if drew:
+            answer = math.nan  # not asked again
+        elif not column.remembers:
+            (again,) = self.guard.ask([column.measures[0]], [step])
+            if not _alike(answer, again):
+                return Finding(column, f"{_other(answer, again)} about the same step at once. {_what_is_wrong()}")
+        noted.append((step, answer))
+        return None
+
+    def end(self, columns: Sequence[Column]) -> Iterator[Finding]:
+        """Ask all that were not given up about the noted steps again, from the first one on."""
+        self.is_over = True
+        for column in columns:
+            if column.given_up or not self._noted.get(column.name):
+                continue
+            found = self._of_memory(column) if column.remembers else self._of_function(column)
+            if found is not None:
+                yield found
+        self.forget()
+
+    def _of_function(self, column: Column) -> Finding | None:
+        apart = self._first_apart(column, column.measures[0])
+        if not apart or uses_parts_of(column.given, self.env):  # the env stands elsewhere now
+            return None
+        return Finding(column, f"{apart}. {_what_is_wrong()}")
+
+    def _of_memory(self, column: Column) -> Finding | None:
+        begun = self._begun.get(column.name)
+        one, other = (None, None) if begun is None else (_copy(column), _copy(column))
+        if one is None or other is None or not self._restart(one, other, column=column):
+            return None  # it holds the env, or cannot be copied
+        is_anew = same(vars(begun), vars(one)) if hasattr(one, "__dict__") else True
+        apart = self._first_apart(column, one)
+        if apart or not is_anew:
+            told = (
+                "it remembers something beyond reset(), which every env has for itself and an evaluation starts anew. "
+                "To hand it on, give evaluate_policy `env.functions[NAME]` of the trained env as this reward"
+            )
+            return Finding(column, told, is_wrong=False)
+        self._restart(one, column=column)
+        apart = self._first_apart(column, one, other)
+        if apart:
+            return Finding(column, f"{apart}: its copies share a memory, as an attribute of the class. Keep it in self")
+        return None
+
+    def _restart(self, *copies: Any, column: Column) -> bool:
+        """Whether they could be reset."""
+        given = (np.ones(self.env.num_envs, bool),) if column.batched else ()
+        return not any(
+            isinstance(it, Raised) for it in self.guard.ask([it.reset for it in copies], [given] * len(copies))
+        )
+
+    def _first_apart(self, column: Column, function: Any, between: Any = None) -> str:
+        """The first step to which a function answers otherwise, in words.
+
+        Args:
+            column: Of the function.
+            function: It, or a copy of it that was reset.
+            between: Another copy, which is asked about other steps in between.
+        """
+        noted = self._noted[column.name]
+        for number, (step, answer) in enumerate(noted):
+            if between is not None:
+                self.guard.ask([between], [noted[-1 - number][0]])
+            (again,) = self.guard.ask([function], [step])
+            if not _alike(answer, again):
+                return f"{_other(answer, again)} about step {number} after others"
+        return ""
+
+
+def _copy(column: Column) -> Any:
+    try:
+        return copy.deepcopy(column.measures[0])
+    except Exception:  # whatever objects of users raise
+        return None
+
+
+def _what_is_wrong() -> str:
+    return f"It remembers something from call to call, as a global variable does, or draws by chance. {WHAT_TO_WRITE}"
+
+
+def _other(answer: Any, again: Any) -> str:
+    told = f"raised {type(again.error).__name__}" if isinstance(again, Raised) else f"said {_short(again)}"
+    return f"it said {_short(answer)}, and {told} when it was asked"
+
+
+def _short(answer: Any) -> str:
+    try:
+        return f"{float(answer):.9g}"
+    except (TypeError, ValueError):
+        return "something else"
+
+
+def _alike(answer: Any, again: Any) -> bool:
+    """Whether an answer is the same number as before, to within what the same computation may differ."""
+    if isinstance(answer, float):
+        if math.isnan(answer):  # it was not to be compared
+            return True
+        try:
+            return math.isclose(as_number(again), answer, rel_tol=1e-6, abs_tol=1e-9)
+        except (TypeError, ValueError):
+            return False
+    try:
+        return bool(np.allclose(answer, np.asarray(again, float), rtol=1e-6, atol=1e-9, equal_nan=True))
+    except (TypeError, ValueError):
+        return False
+
+
+class Guarded:
+    """A function of a step that is asked again in its first steps, for what pays steps that were taken long ago.
+
+    It is called as the function is, and has ``reset()`` if that has one.
+    """
+
+    def __init__(self, function: Any, noun: str) -> None:
+        """Ask nothing yet.
+
+        Args:
+            function: It.
+            noun: What messages call it, ``reward 'v1'``.
+        """
+        self._column = Column(noun, noun, function, measures=[function])
+        self._guard, self._is_watched = Guard(), not only_computes(function)
+        self._trial, self._steps = Trial(None, self._guard), 0
+        if self._column.remembers:
+            self.reset = lambda: self._guard.answer(function.reset, ())
+
+    def __call__(self, *step: Any) -> Any:
+        """What the function says.
+
+        Raises:
+            UsageError: It remembers something that nobody restarts.
+        """
+        answer = self._guard.answer(self._column.measures[0], step, self._is_watched)
+        if self._steps < FIRST_STEPS and not self._column.remembers:
+            self._steps += 1
+            found = self._trial.note(self._column, step, as_number(answer), bool(self._guard.drew))
+            if self._steps == FIRST_STEPS:
+                found = found or next(self._trial.end([self._column]), None)
+            if found is not None:
+                raise UsageError(f"{sentence(self._column.noun)}: {found.told}")
+        return answer

@@ -1,0 +1,76 @@
+"""The file that Bullet reads an arm from: its URDF, with the harness's solids in the place of meshes.
+
+Bullet's own reader drops a text STL and many an OBJ without an error, takes every object of an OBJ for a solid of its
+own, obeys attributes of a <collision> that no other reader knows, and refuses a URDF with a drawing in a format that it
+does not know.
+"""
+
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
+
+import numpy as np
+
+from harness.arrays import Float
+from harness.robot import Robot
+from harness.robot.meshes import HEADER, TRIANGLE, read_mesh
+from harness.robot.shapes import read_points
+
+DRAWN = {".stl", ".obj", ".dae"}
+"""Suffixes of the drawings that Bullet can read."""
+
+
+@contextmanager
+def file_of_arm(robot: Robot, *, is_drawn: bool = False) -> Iterator[Path]:
+    """Within this block, the path of a URDF for Bullet.
+
+    Args:
+        robot: The arm.
+        is_drawn: Whether its drawings stay in it, apart from those in formats that Bullet does not know.
+    """
+    urdf = ElementTree.fromstring(robot.urdf)
+    with tempfile.TemporaryDirectory() as folder:
+        for link in urdf.iter("link"):
+            for visual in link.findall("visual"):
+                if not (is_drawn and _can_draw(visual, Path(folder))):
+                    link.remove(visual)
+            for collision in link.findall("collision"):
+                _set_solid(collision, f"Link '{link.get('name')}'", Path(folder))
+        path = Path(folder, "robot.urdf")
+        path.write_text(ElementTree.tostring(urdf, encoding="unicode"), encoding="utf-8")
+        yield path
+
+
+def _can_draw(visual: Element, folder: Path) -> bool:
+    """Whether Bullet can read a drawing; an STL is written anew, since it may be text."""
+    mesh = visual.find("geometry/mesh")
+    if mesh is None:
+        return True
+    path = Path(mesh.get("filename", ""))
+    if path.suffix.lower() == ".stl":
+        surface = read_mesh(path)
+        mesh.set("filename", _write_stl(surface.vertices[surface.faces], folder))
+    return path.suffix.lower() in DRAWN
+
+
+def _set_solid(collision: Element, owner: str, folder: Path) -> None:
+    """Let a <collision> say what its solid is, and where, and no more."""
+    for attribute in set(collision.attrib) - {"name"}:
+        del collision.attrib[attribute]
+    mesh = collision.find("geometry/mesh")
+    if mesh is not None and Path(mesh.get("filename", "")).is_file():  # else Bullet says that there is none
+        points = read_points(mesh, owner)
+        # Bullet takes the convex hull of the corners, whichever triangles they are in. The last ones may come again.
+        mesh.attrib = {"filename": _write_stl(np.resize(points, (-(-len(points) // 3), 3, 3)), folder)}
+
+
+def _write_stl(corners: Float, folder: Path) -> str:
+    """Write triangles, (count, 3, 3), [m], as a new binary STL; its path."""
+    triangles = np.zeros(len(corners), TRIANGLE)
+    triangles["corners"] = corners
+    path, count = folder / f"{len(list(folder.iterdir()))}.stl", len(corners).to_bytes(4, "little")
+    path.write_bytes(bytes(HEADER - len(count)) + count + triangles.tobytes())
+    return str(path)

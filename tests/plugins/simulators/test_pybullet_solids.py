@@ -1,0 +1,181 @@
+"""PyBullet has the harness's solids: whatever a mesh's format, each touches the ground where its points do."""
+
+import struct
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, closing
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pybullet
+import pytest
+
+import harness
+from harness.errors import MissingSolid
+from harness.robot import Robot
+from harness.robot.ground_clearance import build_solids
+from harness.robot.kinematics import link_frames
+from harness.robot.robot import read_robot
+from harness_plugins.simulators.pybullet import PyBullet
+
+Call = Callable[..., Any]
+
+CORNERS = np.array([[x, y, z] for x in (-0.03, 0.03) for y in (-0.03, 0.03) for z in (0.0, 0.3)])
+"""Of a rod, [m]."""
+SIDES = np.array([[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6],
+                  [0, 6, 4], [1, 5, 7], [1, 7, 3]])  # fmt: skip
+"""Its triangles."""
+
+
+@pytest.fixture
+def open_arms() -> Iterator[Call]:
+    """Opens a simulation, which is closed at the end."""
+    with ExitStack() as opened:
+        yield lambda robot: opened.enter_context(closing(PyBullet().open(robot, 1, 0.1)))
+
+
+def text_stl(points: np.ndarray) -> bytes:
+    """As most programs export one."""
+    corners = "".join(
+        "facet normal 0 0 0\n outer loop\n"
+        + "".join("  vertex {:.6g} {:.6g} {:.6g}\n".format(*points[corner]) for corner in side)
+        + " endloop\nendfacet\n"
+        for side in SIDES
+    )
+    return f"solid rod\n{corners}endsolid rod\n".encode()
+
+
+def binary_stl(points: np.ndarray) -> bytes:
+    """The same, binary."""
+    rows = (struct.pack("<12fH", 0, 0, 0, *points[side].ravel(), 0) for side in SIDES)
+    return bytes(80) + struct.pack("<I", len(SIDES)) + b"".join(rows)
+
+
+def obj(points: np.ndarray, group: str = "") -> bytes:
+    """With a group before every second side, if it has a name."""
+    lines = ["v {:.6g} {:.6g} {:.6g}".format(*point) for point in points]
+    for number, side in enumerate(SIDES + 1):
+        lines += [f"{group} part{number}"] * bool(group and number % 2 == 0) + ["f {} {} {}".format(*side)]
+    return ("\n".join(lines) + "\n").encode()
+
+
+MESHES = {
+    "text.stl": text_stl(CORNERS),
+    "binary.stl": binary_stl(CORNERS),
+    "plain.obj": obj(CORNERS),
+    "objects.obj": obj(CORNERS, "o"),
+    "points.obj": "".join("v {} {} {}\n".format(*point) for point in CORNERS).encode(),
+    "UPPER.STL": text_stl(CORNERS),
+}
+ATTRIBUTES = ("", 'concave="yes"', 'group="0" mask="0"')
+"""Of a <collision>, which only Bullet knows."""
+
+
+def arm(folder: Path, mesh: str, attributes: str = "", scale: str = "1 1 1", visual: str = "") -> Robot:
+    """Three joints, and a mesh as the only shape of the tool."""
+    inertial = (
+        '<inertial><mass value="1"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>'
+    )
+    links = "".join(f'<link name="{name}">{inertial}</link>' for name in ("base", "l1", "l2", "l3"))
+    joints = "".join(
+        f'<joint name="j{k}" type="revolute"><parent link="{parent}"/><child link="l{k}"/><origin xyz="0 0 0.2"/>'
+        f'<axis xyz="{axis}"/><limit lower="-2" upper="2" velocity="2" effort="50"/></joint>'
+        for k, (parent, axis) in enumerate((("base", "0 0 1"), ("l1", "0 1 0"), ("l2", "0 1 0")), 1)
+    )
+    shape = f'<geometry><mesh filename="{mesh}" scale="{scale}"/></geometry>'
+    tool = (
+        f'<link name="tool">{visual}<collision {attributes}><origin xyz="0.02 0 0" rpy="0.1 0.2 0"/>{shape}</collision>'
+        '</link><joint name="jt" type="fixed"><parent link="l3"/><child link="tool"/><origin xyz="0.05 0 0.1"/></joint>'
+    )
+    path = folder / "arm.urdf"
+    path.write_text(f'<robot name="arm">{links}{joints}{tool}</robot>')
+    return read_robot(path)
+
+
+def heights(robot: Robot, poses: np.ndarray) -> np.ndarray:
+    """Of the lowest point of the solids, by the harness alone, [m]."""
+    return build_solids(robot.joint_shapes).lowest(link_frames(robot.chain, poses))
+
+
+def touching(open_arms: Call, robot: Robot, poses: np.ndarray) -> np.ndarray:
+    """Whether the arm touches the ground at each pose."""
+    simulation = open_arms(robot)
+    return np.array([simulation.place(pose[None]).ground_contact[0] for pose in poses])
+
+
+def poses_near_the_ground(robot: Robot) -> np.ndarray:
+    """Poses whose lowest point is 0.2 to 30 mm above or below the ground."""
+    poses = np.random.default_rng(0).uniform(robot.lower, robot.upper, (20_000, robot.dof))
+    height = np.abs(heights(robot, poses))
+    near = poses[(height > 2e-4) & (height < 0.03)]
+    assert len(near) > 50
+    return near[:200]
+
+
+@pytest.mark.parametrize("scale", ["1 1 1", "-0.7 1.5 0.8"])
+@pytest.mark.parametrize("name", MESHES)
+def test_a_mesh_of_any_format_touches_where_its_points_do(tmp_path: Path, open_arms: Call, name: str, scale: str):
+    """Text and binary STL, an OBJ of one object or several or of points alone: contact to 0.2 mm."""
+    (tmp_path / name).write_bytes(MESHES[name])
+    robot = arm(tmp_path, name, scale=scale)
+    poses = poses_near_the_ground(robot)
+    np.testing.assert_array_equal(touching(open_arms, robot, poses), heights(robot, poses) < 0.0)
+
+
+@pytest.mark.parametrize("attributes", ATTRIBUTES)
+def test_attributes_that_only_bullet_knows_change_nothing(tmp_path: Path, open_arms: Call, attributes: str):
+    """A solid that Bullet alone would take for another, or for one that touches nothing, is the same solid."""
+    (tmp_path / "text.stl").write_bytes(MESHES["text.stl"])
+    robot = arm(tmp_path, "text.stl", attributes)
+    poses = poses_near_the_ground(robot)
+    np.testing.assert_array_equal(touching(open_arms, robot, poses), heights(robot, poses) < 0.0)
+
+
+@pytest.mark.parametrize("name", ["v.glb", "v.ply", "v.gltf"])
+def test_a_drawing_that_bullet_cannot_read_is_left_out(tmp_path: Path, open_arms: Call, name: str):
+    """The arm moves and is drawn without it."""
+    (tmp_path / "text.stl").write_bytes(MESHES["text.stl"])
+    (tmp_path / name).write_bytes(b"glTF")
+    robot = arm(tmp_path, "text.stl", visual=f'<visual><geometry><mesh filename="{name}"/></geometry></visual>')
+    simulation = open_arms(robot)
+    assert simulation.render(0, np.zeros(3), 32, 24).shape == (24, 32, 3)
+
+
+def test_a_drawing_in_a_text_stl_is_drawn(tmp_path: Path, open_arms: Call):
+    """A frame with the drawing differs from one of the solid alone, which is drawn where a link has no drawing."""
+    (tmp_path / "text.stl").write_bytes(MESHES["text.stl"])
+    (tmp_path / "big.stl").write_bytes(text_stl(3.0 * CORNERS))
+    big = '<visual><geometry><mesh filename="big.stl"/></geometry></visual>'
+    frames = []
+    for visual in ("", big):
+        simulation = open_arms(arm(tmp_path, "text.stl", visual=visual))
+        frames.append(simulation.render(0, np.zeros(3), 64, 48))
+    assert (frames[0] != frames[1]).mean() > 0.01
+
+
+def test_a_solid_that_bullet_drops_is_an_error_that_names_the_link(
+    tmp_path: Path, open_arms: Call, monkeypatch: pytest.MonkeyPatch
+):
+    """As a text STL, which Bullet takes for nothing."""
+
+    def write_text(corners: np.ndarray, folder: Path) -> str:
+        (folder / "text.stl").write_bytes(MESHES["text.stl"])
+        return str(folder / "text.stl")
+
+    (tmp_path / "text.stl").write_bytes(MESHES["text.stl"])
+    monkeypatch.setattr("harness_plugins.bullet_arms.arm_file._write_stl", write_text)
+    with pytest.raises(MissingSolid, match="0 of the 1 collision shapes of link 'tool' of robot 'arm'"):
+        open_arms(arm(tmp_path, "text.stl"))
+
+
+def test_the_arm_of_primitive_shapes_is_read_as_it_was(open_arms: Call):
+    """No margin is changed, and no shape is written anew."""
+    simulation = open_arms(harness.load_robot("fd100"))
+    (own,) = simulation.arms
+    kinds = {
+        shape[2]
+        for link in range(-1, pybullet.getNumJoints(own.body, physicsClientId=own.client))
+        for shape in pybullet.getCollisionShapeData(own.body, link, physicsClientId=own.client)
+    }
+    assert kinds
+    assert pybullet.GEOM_MESH not in kinds

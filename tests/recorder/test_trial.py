@@ -1,0 +1,248 @@
+"""Functions with a memory that nobody restarts are found in the first steps, and others are not."""
+
+import random
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+
+import harness
+from harness.errors import UsageError
+from harness.record.recording.recorded_training import RecordedTraining, read_recording
+from harness.recorder.recorder import GivenUp, Noted
+
+MEMORY: dict[str, Any] = {}
+GENERATOR = np.random.default_rng(0)
+ACTION = np.array([0.5], np.float32)
+
+
+@pytest.fixture(autouse=True)
+def forgotten() -> None:
+    """The memory is empty."""
+    MEMORY.update(count=0, best=-9.0, last=0.0, seen=[])
+
+
+def counts(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+    """How often anybody called it."""
+    MEMORY["count"] += 1
+    return float(MEMORY["count"])
+
+
+def best(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+    """The greatest so far: asked twice at once, it says the same."""
+    MEMORY["best"] = max(MEMORY["best"], float(next_observation[0]))
+    return MEMORY["best"]
+
+
+def jumps(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+    """The change since the call before."""
+    change, MEMORY["last"] = float(next_observation[0]) - MEMORY["last"], float(next_observation[0])
+    return change
+
+
+def noisy(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+    """A draw from a generator of its own that nobody restarts."""
+    return float(GENERATOR.random())
+
+
+class NoReset:
+    """An object that counts, and cannot be restarted."""
+
+    count = 0
+
+    def __call__(self, observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+        """How often it was called."""
+        self.count += 1
+        return float(self.count)
+
+
+class Shared:
+    """Keeps its sum in the class, so that all copies have one."""
+
+    total = 0.0
+
+    def reset(self) -> None:
+        """Begin anew."""
+        type(self).total = 0.0
+
+    def __call__(self, observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+        """The sum of what was seen."""
+        type(self).total += float(next_observation[0])
+        return self.total
+
+
+class Sums:
+    """As it should be."""
+
+    def reset(self) -> None:
+        """Begin anew."""
+        self.total, self.rng = 0.0, np.random.default_rng(3)
+
+    def __call__(self, observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+        """The sum of what was seen, and noise of its own."""
+        self.total += float(next_observation[0])
+        return self.total + self.rng.normal()
+
+
+class Curriculum(Sums):
+    """Counts the steps of the training too."""
+
+    def __init__(self) -> None:
+        self.steps = 0
+
+    def __call__(self, observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+        """Another reward after 50,000 steps."""
+        self.steps += 1
+        return float(next_observation[0]) if self.steps < 50_000 else 0.0
+
+
+def _record(rewards: dict[str, Any], path: Path, env: Any, steps: int = 7, **given: Any) -> RecordedTraining:
+    recorded = harness.RecordRewards(env, path, **{"trained_with": "own", "rewards": rewards, **given})
+    recorded.reset(seed=0)
+    for _ in range(steps):
+        if any(recorded.step(ACTION)[2:4]):
+            recorded.reset()
+    recorded.close()
+    return read_recording(path)
+
+
+WRONG = {"counts": counts, "best": best, "jumps": jumps, "noisy": noisy, "no reset": NoReset(), "shared": Shared()}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_hidden_memory_is_named(counting: Callable[..., Any], tmp_path: Path, name: str):
+    """In the first episode; it is given up, and what to write instead is said."""
+    with pytest.warns(GivenUp, match=rf"reward '{name}' failed in env 0, episode 0, .*(a class with reset|Keep it in)"):
+        found = _record({name: WRONG[name]}, tmp_path / "run", counting(4))
+    assert np.isnan(found.rewards[name][4:]).all()
+    assert found.rewards["own"].tolist() == [1, 2, 3, 4, 1, 2, 3]
+
+
+@pytest.mark.parametrize("name", ["counts", "best"])
+def test_hidden_memory_does_not_pay(counting: Callable[..., Any], tmp_path: Path, name: str):
+    """A learner that is paid by it would learn something else."""
+    with pytest.raises(UsageError, match=r"a class with reset\(\).*It pays the learner"):
+        _record({name: WRONG[name]}, tmp_path / "run", counting(4), trained_with=name, pay=True)
+
+
+def test_trial_ends_with_the_recording(counting: Callable[..., Any], tmp_path: Path):
+    """In the middle of the first episode."""
+    with pytest.warns(GivenUp, match="reward 'best' failed"):
+        _record({"best": best}, tmp_path / "run", counting(99), 3)
+
+
+def test_memory_in_a_batch_is_found_in_its_first_step(tmp_path: Path):
+    """One function for all envs remembers what others did."""
+    envs = gymnasium.make_vec("CartPole-v1", num_envs=3, vectorization_mode="sync")
+    recorded = harness.RecordVectorRewards(
+        envs, tmp_path / "run", trained_with="own", rewards={"jumps": jumps, "all": _all_sum}, batched=["all"]
+    )
+    recorded.reset(seed=0)
+    with pytest.warns(GivenUp) as told:
+        recorded.step(np.zeros(3, np.int64))
+    recorded.close()
+    assert sorted(str(it.message).split("'")[1] for it in told) == ["all", "jumps"]
+    assert np.isnan(read_recording(tmp_path / "run").rewards["jumps"]).all()
+
+
+def _all_sum(observations: Any, actions: Any, next_observations: Any, infos: Any) -> Any:
+    MEMORY["count"] += 1
+    return np.full(len(actions), MEMORY["count"])
+
+
+def test_memory_with_reset_is_no_hidden_memory(counting: Callable[..., Any], tmp_path: Path):
+    """Nor is a function, nor one that says NaN, nor one that looks at the env."""
+    env = counting(4)
+    right = {
+        "sums": Sums(),
+        "count": lambda s, a, n, i: env.count,
+        "gain": lambda s, a, n, i: n[0] - s[0],
+        "tiny": lambda s, a, n, i: 1e-12 * np.float32(n[0]),
+    }
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = _record(right, tmp_path / "run", env)
+    assert (found.facts.failures, found.facts.notes) == ((), ())
+    assert found.rewards["count"].tolist() == [1, 2, 3, 4, 1, 2, 3]
+
+
+def test_memory_beyond_reset_is_told(counting: Callable[..., Any], tmp_path: Path):
+    """It is recorded as it pays; an evaluation starts it anew, and can be given the object that was trained with."""
+    env = harness.RecordRewards(counting(4), tmp_path / "run", trained_with="own", rewards={"stages": Curriculum()})
+    env.reset(seed=0)
+    with pytest.warns(Noted, match=r"reward 'stages': it remembers something beyond reset\(\)"):
+        _ = [env.step(ACTION) for _ in range(4)]
+    env.close()
+    (note,) = read_recording(tmp_path / "run").facts.notes
+    assert note.startswith("reward 'stages'")
+    assert env.functions["stages"].steps == 4
+
+
+@pytest.mark.filterwarnings("ignore::harness.recorder.recorder.Noted")
+def test_evaluation_goes_on_with_the_memory_of_the_training(counting: Callable[..., Any], tmp_path: Path):
+    """Given the trained env's object, and a copy of it counts on; without it, from 0."""
+    stages = Curriculum()
+    env = harness.RecordRewards(counting(4), tmp_path / "run", trained_with="own", rewards={"stages": stages})
+    env.functions["stages"].steps = 50_000
+    for name, given in (("new", stages), ("trained", env.functions["stages"])):
+        harness.evaluate_policy(
+            lambda seen: ACTION, counting(4), tmp_path / name, trained_with="own", seed=0, rewards={"stages": given},
+            episodes=1,
+        )  # fmt: skip
+    paid = {name: read_recording(tmp_path / name).rewards["stages"].tolist() for name in ("new", "trained")}
+    assert paid == {"new": [1, 2, 3, 4], "trained": [0, 0, 0, 0]}
+
+
+def _late(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+    return float(next_observation[0] if next_observation[0] < 1_000 else next_observation[0] + np.random.rand())
+
+
+def test_draw_in_a_late_step_does_not_reach_the_training(counting: Callable[..., Any], tmp_path: Path):
+    """It is named, with the step; the learner draws what it would have drawn."""
+    np.random.seed(4), random.seed(4)
+    right = np.random.rand(), random.random()
+    np.random.seed(4), random.seed(4)
+    with pytest.warns(Noted, match=r"reward 'late': it draws from numpy.random, first in env 0, episode 0, step 999"):
+        found = _record({"late": _late}, tmp_path / "run", counting(2_000), 1_001)
+    assert (np.random.rand(), random.random()) == right
+    assert np.isfinite(found.rewards["late"]).all()
+    assert found.facts.notes[0].startswith("reward 'late': it draws")
+
+
+def test_draw_of_a_reward_that_pays_is_part_of_the_training(counting: Callable[..., Any], tmp_path: Path):
+    """It is named, and drawn once for each step."""
+    paid = {"drawn": lambda s, a, n, i: random.random()}
+    random.seed(4)
+    right = [random.random() for _ in range(5)]
+    random.seed(4)
+    with pytest.warns(Noted, match="It pays the learner, so this is part of the training"):
+        found = _record(paid, tmp_path / "run", counting(9), 4, trained_with="drawn", pay=True)
+    assert [*found.rewards["drawn"], random.random()] == right
+
+
+def test_order_of_functions_does_not_matter(counting: Callable[..., Any], tmp_path: Path):
+    """Those that spoil what they are given, and those that do not: the same numbers in each order."""
+
+    def halves(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+        action /= 2
+        return 0.0
+
+    rewards = {
+        "halves": halves,
+        "pops": lambda s, a, n, i: float(i.pop("left")),
+        "reads": lambda s, a, n, i: float(a[0] + i["left"] + n[0]),
+    }
+    found = []
+    for number, names in enumerate((sorted(rewards), sorted(rewards)[::-1])):
+        with pytest.warns(GivenUp) as told:
+            one = _record({name: rewards[name] for name in names}, tmp_path / str(number), counting(4))
+        assert sorted(str(it.message).split("'")[1] for it in told) == ["halves", "pops"]
+        assert any("it writes into its info, which others read too: change a copy" in str(it.message) for it in told)
+        found.append(one.rewards["reads"].tolist())
+    assert found == [[4.5] * 7] * 2
+    assert ACTION.tolist() == [0.5]
+    assert ACTION.flags.writeable

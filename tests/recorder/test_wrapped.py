@@ -1,0 +1,120 @@
+"""Wrappers that change what is paid, or observed, stand on one side of the recorder; the other is refused or told."""
+
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.wrappers import NormalizeObservation, NormalizeReward, TransformReward
+
+import harness
+from harness.errors import UsageError
+from harness.record.recording.recorded_training import read_recording
+from harness.recorder.recorder import Noted
+
+ACTION = np.array([0.5], np.float32)
+REWARDS = {"own": "own", "raw": lambda s, a, n, i: float(n[0])}
+
+
+class Bonus(gymnasium.RewardWrapper[Any, Any]):
+    """Somebody's own reward."""
+
+    def reward(self, reward: Any) -> float:
+        """One more."""
+        return float(reward) + 1.0
+
+
+def _record(env: Any, path: Path, **given: Any) -> Any:
+    return harness.RecordRewards(env, path, **{"trained_with": "own", "rewards": REWARDS, **given})
+
+
+@pytest.mark.parametrize("wrap", [NormalizeReward, lambda env: TransformReward(env, lambda pay: 0.01 * pay)])
+def test_scaled_pay_inside_is_refused_where_the_recorder_pays(counting: Callable[..., Any], tmp_path: Path, wrap: Any):
+    """One reward would be scaled and the other not; the right order is said, and nothing is written."""
+    with pytest.raises(UsageError, match=r"Put it outside: \w+Reward\(RecordRewards\(env, \.\.\., pay=True\)\)"):
+        _record(gymnasium.wrappers.TimeLimit(wrap(counting()), 3), tmp_path / "run", pay=True)
+    assert not (tmp_path / "run").exists()
+
+
+def test_scaled_pay_outside_scales_every_reward(counting: Callable[..., Any], tmp_path: Path):
+    """The recording has both as they are."""
+    for trained in REWARDS:
+        env = NormalizeReward(_record(counting(), tmp_path / trained, trained_with=trained, pay=True))
+        env.reset(seed=0)
+        assert abs(float(env.step(ACTION)[1])) > 5  # the first of a normalised stream
+        env.close()
+        assert read_recording(tmp_path / trained).rewards["own"].tolist() == [1.0]
+
+
+def test_normalised_pay_of_the_env_is_told(counting: Callable[..., Any], tmp_path: Path):
+    """The learner gets it all the same, so nothing is refused."""
+    with pytest.warns(Noted, match="NormalizeReward stands inside the recorder: 'own' is in units that change"):
+        _record(NormalizeReward(counting()), tmp_path / "run").close()
+    assert len(read_recording(tmp_path / "run").facts.notes) == 1
+
+
+def test_reward_wrapper_of_somebody_is_told(counting: Callable[..., Any], tmp_path: Path):
+    """It may be the env's reward itself; where the env pays nothing is to be told."""
+    with pytest.warns(Noted, match="Bonus stands inside the recorder: 'own' is what it makes of the pay"):
+        _record(Bonus(counting()), tmp_path / "pays", pay=True).close()
+    _record(Bonus(counting()), tmp_path / "looks").close()
+
+
+def test_batch_is_looked_into(tmp_path: Path):
+    """At its own wrappers, and at those of its first env."""
+    single = gymnasium.make_vec("CartPole-v1", 2, vectorization_mode="sync", wrappers=[NormalizeReward])
+    whole = gymnasium.wrappers.vector.NormalizeReward(gymnasium.make_vec("CartPole-v1", 2, vectorization_mode="sync"))
+    for envs in (single, whole):
+        with pytest.raises(UsageError, match=r"NormalizeReward\(RecordVectorRewards\(env, \.\.\., pay=True\)\)"):
+            harness.RecordVectorRewards(envs, tmp_path / "run", trained_with="own", rewards=REWARDS, pay=True)
+        envs.close()
+
+
+def _evaluate(env: Any, path: Path, policy: Any = lambda seen: ACTION) -> tuple[str, ...]:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", Noted)
+        harness.evaluate_policy(policy, env, path, trained_with="own", seed=0, rewards=REWARDS, episodes=1)
+    return read_recording(path).facts.notes
+
+
+def test_normalisation_that_the_evaluation_lacks_is_told(counting: Callable[..., Any], tmp_path: Path):
+    """Where the evaluation lies in the training's folder; with the training's means nothing is told."""
+    trained = NormalizeObservation(counting())
+    env = _record(trained, tmp_path / "run")
+    env.reset(seed=0), env.step(ACTION), env.close()
+    (none,) = _evaluate(counting(), tmp_path / "run" / "none")
+    assert "those of the evaluation are not" in none
+    (fresh,) = _evaluate(NormalizeObservation(counting()), tmp_path / "run" / "fresh")
+    assert "goes on with means of its own" in fresh
+    right = NormalizeObservation(counting())
+    right.obs_rms, right.update_running_mean = trained.obs_rms, False
+    assert _evaluate(right, tmp_path / "run" / "right") == ()
+
+
+def test_policy_of_a_model_that_learned_normalised_observations_is_told(counting: Callable[..., Any], tmp_path: Path):
+    """By what stable-baselines3's models say of themselves; one that normalises what it is given is right."""
+
+    class Normalize:
+        norm_obs = True
+
+        def normalize_obs(self, seen: Any) -> Any:
+            return seen
+
+    class Model:
+        normalize = Normalize()
+
+        def get_vec_normalize_env(self) -> Any:
+            return self.normalize
+
+        def predict(self, seen: Any) -> Any:
+            return ACTION, None
+
+    model = Model()
+    (told,) = _evaluate(counting(), tmp_path / "raw", lambda seen: model.predict(seen)[0])
+    assert "the model was trained with VecNormalize" in told
+    vec = model.get_vec_normalize_env()
+    right = _evaluate(counting(), tmp_path / "right", lambda seen: model.predict(vec.normalize_obs(seen))[0])
+    assert right == ()
