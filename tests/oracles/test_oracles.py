@@ -11,12 +11,13 @@ from random import Random, SystemRandom
 
 import pytest
 
-from tests.oracles import arms, csv_files, experiments, lerobot_sets, minari_sets, recordings, settings
+from tests.oracles import arms, csv_files, experiments, lerobot_sets, minari_sets, named_labels, recordings, settings
 from tests.oracles.trial import Oracle, fault_of
 
 ORACLES: dict[str, Oracle] = {
     **lerobot_sets.ORACLES,
     **minari_sets.ORACLES,
+    **named_labels.ORACLES,
     **csv_files.ORACLES,
     **recordings.ORACLES,
     **experiments.ORACLES,
@@ -24,7 +25,7 @@ ORACLES: dict[str, Oracle] = {
     **settings.ORACLES,
 }
 EACH = pytest.mark.parametrize("name", ORACLES)
-INPUTS, ALL, QUICK = "ORACLE_INPUTS", 500, 2
+INPUTS, ALL, QUICK = "ORACLE_INPUTS", 500, 1
 """The environment variable with the number of inputs of the long run; that number without it; and of the quick one, of
 each oracle."""
 
