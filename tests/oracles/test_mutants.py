@@ -122,11 +122,13 @@ MUTANTS: tuple[tuple[Break, str], ...] = (
     (_best_distance_stays_the_first, "csv, paid again"),
     (_angles_turn_the_other_way, "arm, written otherwise"),
     (_steps_may_be_missing, "recording, damaged"),
-    (_digests_are_not_looked_at, "experiment, damaged"),
     (_relu_for_tanh, "policy"),
     (_cards_are_not_compared, "policy"),
     (_last_cell_is_lost, "experiment file"),
 )
+
+
+SLOW = pytest.param(_digests_are_not_looked_at, "experiment, damaged", marks=pytest.mark.slow)
 
 
 def _found(name: str, folder: Path) -> Iterator[bool]:
@@ -136,7 +138,7 @@ def _found(name: str, folder: Path) -> Iterator[bool]:
         yield bool(faults_of(name, [seed], own))
 
 
-@pytest.mark.parametrize(("mutant", "name"), MUTANTS, ids=lambda given: getattr(given, "__name__", given))
+@pytest.mark.parametrize(("mutant", "name"), [*MUTANTS, SLOW], ids=lambda given: getattr(given, "__name__", given))
 def test_a_broken_reader_is_found(mutant: Break, name: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
     """Within a few inputs."""
     mutant(monkeypatch)

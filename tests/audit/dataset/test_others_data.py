@@ -1,5 +1,6 @@
 """Data sets as others write them: each answer is that of pairs counted one by one, or the data set is refused."""
 
+import copy
 import json
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from harness.audit.dataset.audit_dataset import audit_dataset
+from harness.audit.dataset.payers import Unseen
 from harness.errors import SchemaError, UsageError
 from harness.eta.auc import AGAINST, CANNOT_TELL, RANKS
 from tests.record.dataset.frames import info_of, write_frames
@@ -109,10 +111,12 @@ def test_a_function_gets_its_word_where_the_last_step_cannot_turn_it(tmp_path: P
 
 def test_an_episode_of_which_no_step_can_be_paid_is_no_pay_of_0(tmp_path: Path):
     """An episode of one frame, and a function that needs the next one: the others are compared without it."""
-    runs = [made(number, [0.0] * steps, **{"next.success": last(number < 3, steps)}) for number, steps in enumerate([3] * 6)]
-    runs.append(made(6, [0.0], **{"next.success": last(False, 1)}))
-    found = ask(write_frames(tmp_path / "it", runs), rewards={"needs": lambda now, did, then, info: -float(then[0] ** 2)})
-    (answer,) = found.rewards
+    lengths = [3, 3, 3, 3, 3, 3, 1]
+    runs = [
+        made(number, [0.0] * steps, **{"next.success": last(number < 3, steps)}) for number, steps in enumerate(lengths)
+    ]
+    folder = write_frames(tmp_path / "it", runs)
+    (answer,) = ask(folder, rewards={"needs": lambda now, did, then, info: -float(then[0] ** 2)}).rewards
     assert (answer.by_success.above, answer.by_success.below) == (3, 3)
 
 
@@ -122,6 +126,13 @@ def test_a_function_that_does_not_look_at_the_next_observation_is_paid_every_ste
     told = {"told": lambda o, a, n, info: 100.0 * info["next.success"] - 1.0}
     (found,) = ask(folder, rewards=told).rewards
     assert (found.by_success.value, found.by_success.answer, found.unpaid) == (1.0, RANKS, ())
+
+
+def test_a_copy_of_what_was_not_seen_is_no_look_at_it():
+    """Functions that only look on are handed copies."""
+    unseen = Unseen()
+    assert copy.deepcopy(unseen) is unseen
+    assert not unseen.looked_at
 
 
 def paid_by(number: int, label, **more):
