@@ -20,7 +20,7 @@ UNSEEN = 1e-9
 """Numbers that differ by a smaller share are the same: sums are taken in another order."""
 
 SECONDS = 5.0
-"""An answer to inputs as small as these is there in milliseconds."""
+"""Of processor time. An answer to inputs as small as these is there in a fraction of it."""
 
 Answer: TypeAlias = Mapping[str, Any]
 
@@ -66,7 +66,7 @@ def fault_of(trial: Trial) -> str | None:
         with _limited():
             answer, said = trial.ask()
     except TookTooLong:
-        fault = f"no answer within {SECONDS:g} s"
+        fault = f"no answer within {SECONDS:g} s of processor time"
     except Refused as refusal:
         fault = f"refused, and {trial.right[0]} is right: {refusal}" if trial.right and not trial.may_refuse else ""
     except Exception as error:  # the program may raise anything
@@ -93,13 +93,13 @@ def _limited() -> Iterator[None]:
     def stop(number: int, frame: FrameType | None) -> None:
         raise TookTooLong
 
-    before = signal.signal(signal.SIGALRM, stop)
-    signal.setitimer(signal.ITIMER_REAL, SECONDS, 0.1)  # again: Python ignores what is raised while it cleans up
+    before = signal.signal(signal.SIGPROF, stop)
+    signal.setitimer(signal.ITIMER_PROF, SECONDS, 0.1)  # again: Python ignores what is raised while it cleans up
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, before)
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, before)
 
 
 def is_same(one: Any, other: Any) -> bool:
