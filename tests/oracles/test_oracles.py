@@ -11,11 +11,22 @@ from random import Random, SystemRandom
 
 import pytest
 
-from tests.oracles import arms, csv_files, experiments, lerobot_sets, minari_sets, named_labels, recordings, settings
+from tests.oracles import (
+    arms,
+    csv_files,
+    experiments,
+    lerobot_damage,
+    lerobot_sets,
+    minari_sets,
+    named_labels,
+    recordings,
+    settings,
+)
 from tests.oracles.trial import Oracle, fault_of
 
 ORACLES: dict[str, Oracle] = {
     **lerobot_sets.ORACLES,
+    **lerobot_damage.ORACLES,
     **minari_sets.ORACLES,
     **named_labels.ORACLES,
     **csv_files.ORACLES,
