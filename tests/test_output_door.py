@@ -22,12 +22,12 @@ ALLOWED: Mapping[tuple[str, str], str] = {
     ("harness/experiment/workers/worker.py", "sys.stdout"): "hands it over: what a worker prints goes to its log",
     ("harness/experiment/workers/worker.py", "sys.stderr"): "flushes it, which is the worker's log",
     ("harness/experiment/workers/worker.py", "faulthandler"): "writes a stack of Python into the worker's log",
+    ("harness/experiment/trials/trial.py", "faulthandler"): "writes a stack of Python into the worker's log",
     ("harness/tune/validation.py", "traceback.print_exc"): "in a worker, whose standard error is its log",
     ("harness/testing/unity_player/__main__.py", "sys.stdout"): "a program of its own, whose output is a log",
     ("harness/testing/unity_player/__main__.py", "sys.stderr"): "a program of its own, whose output is a log",
     ("plugins/bullet_arms/world.py", "sys.stdout"): "flushes it before Bullet's own prints are led elsewhere",
     ("plugins/unity_player/connection.py", "logging"): "a sentence of ours with a number in it",
-    ("plugins/unity_player/guard.py", "subprocess"): "the guard's own output goes into a file",
     ("plugins/slurm_array/cluster.py", "subprocess"): "scancel speaks of numbers of jobs alone",
 }
 """Each other way to write: file and way, and why no text of a stranger comes to a terminal there."""

@@ -17,7 +17,7 @@ from harness.experiment.looks import own_seed, terms_of
 from harness.experiment.task_plan import Given, TaskPlan, choose_each, plan_tasks, table_of, unnamed
 from harness.record.cell import EVALUATION_HORIZON as HORIZON
 from harness.record.cell import Cell
-from harness.record.file_forms import MOST_CELLS
+from harness.record.file_forms import MOST_CELLS, MOST_SEEDS
 from harness.record.plan_file import control_seeds
 from harness.record.terms import NEW, Terms
 from harness.registry.choice import Choice, split_list
@@ -27,8 +27,6 @@ from harness.registry.toml_file import read_toml
 
 MOST_NAMES = 1_000
 """The most names in a list of simulators, algorithms or rewards."""
-MOST_SEEDS = 10_000
-"""The most seeds. With more, intervals hardly get narrower, and the trainings in sequence would take a year."""
 LARGEST_SEED = 2**31 - 1
 """The largest seed. Every generator takes it, also when the null control adds as much again."""
 MOST_LOOKS = 100

@@ -4,6 +4,7 @@ A folder may come from anybody. A file of another form is damaged; no value of a
 """
 
 from datetime import datetime
+from itertools import pairwise
 from typing import Annotated, Any, Literal, NotRequired
 
 import tomli_w
@@ -15,6 +16,8 @@ from harness.registry.toml_file import MOST_DEPTH, depth_of
 
 MOST_CELLS = 100_000
 """The most cells of a plan. All are in memory, and each leaves a folder."""
+MOST_SEEDS = 10_000
+"""The most seeds. With more, intervals hardly get narrower, and the trainings in sequence would take a year."""
 MOST_LOOKS = 1_000
 """The most looks of a plan."""
 MOST_FILES = 100_000
@@ -25,6 +28,12 @@ def _inside(path: str) -> str:
     if not is_inside(path):
         raise ValueError("is no path of a file in the folder")
     return path
+
+
+def _increasing(looks: list[int]) -> list[int]:
+    if any(b <= a for a, b in pairwise(looks)):
+        raise ValueError("does not increase")
+    return looks
 
 
 def _writable(experiment: dict[str, Any]) -> dict[str, Any]:
@@ -159,7 +168,9 @@ class TransferForm(EndingForm):
 class TermsForm(TypedDict, total=False):
     """See `harness.record.terms.Terms`."""
 
-    looks: Annotated[list[Count], Field(max_length=MOST_LOOKS)]
+    looks: Annotated[
+        list[Annotated[int, Field(gt=0, le=MOST_SEEDS)]], Field(max_length=MOST_LOOKS), AfterValidator(_increasing)
+    ]
     asked: Count
     margin: Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
     race: bool

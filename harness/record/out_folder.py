@@ -64,17 +64,28 @@ def storage_errors(folder: Path) -> Iterator[None]:
     """What the system refuses while a folder is written becomes one line.
 
     Raises:
-        StorageError: The disk is full or fails, or too many files are open.
+        StorageError: The disk is full or fails, too many files are open, or the folder is gone.
     """
     try:
         yield
     except BrokenPipeError:
         raise  # who read what is printed is gone: nothing is wrong with the folder
-    except OSError as error:
+    except FileNotFoundError as error:
+        if folder.exists():
+            raise StorageError(_refused(folder, error)) from error
         raise StorageError(
-            f"'{folder}' cannot be written: {error.strerror or error}. "
-            "What is done is kept. Solve that, then run the same command to go on"
+            f"'{folder}' is gone: somebody removed or renamed it meanwhile. Put it back, or run the same command to "
+            "begin anew"
         ) from error
+    except OSError as error:
+        raise StorageError(_refused(folder, error)) from error
+
+
+def _refused(folder: Path, error: OSError) -> str:
+    return (
+        f"'{folder}' cannot be written: {error.strerror or error}. "
+        "What is done is kept. Solve that, then run the same command to go on"
+    )
 
 
 def require_text(folder: Path, noun: str = "--out") -> None:

@@ -142,7 +142,7 @@ class Recorder:
         """Tell, once, something of what goes on being recorded."""
         if line not in self._writer.facts.notes:
             self._writer.facts = replace(self._writer.facts, notes=(*self._writer.facts.notes, line))
-            warnings.warn(line, Noted, stacklevel=_depth_of_caller())
+            warnings.warn(visible(line), Noted, stacklevel=_depth_of_caller())
 
     def note_draw(self, column: Column, generator: str, at: Place) -> None:
         """Tell the first time that a function draws from a generator that the whole process shares."""

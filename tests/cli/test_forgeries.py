@@ -8,18 +8,14 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.parquet as pq
 import pytest
 
 from harness.experiment.experiment import run
-from harness.files.bounded import digest_of
 from harness.files.keyed_file import with_key
 from harness.files.machine_key import machine_key
-from harness.files.sealed import seal
 from harness.record.folder import DERIVED, EVALUATION, MANIFEST, TRACE
-from harness.record.plan_file import PLAN
+from tests.cli.forging import Forge, change, column, first_cell, in_manifest, in_plan, table
 
-Forge = Callable[[Path], None]
 ROWS = 3_000_000
 """Of a trace of a cell that took 20 steps."""
 
@@ -39,56 +35,11 @@ def folder(genuine: Path, tmp_path: Path) -> Path:
     return tmp_path / "it"
 
 
-def first_cell(folder: Path) -> Path:
-    """Of all cells."""
-    return sorted((folder / "cells").iterdir())[0]
-
-
-def change(path: Path, by: Callable[[dict[str, Any]], object]) -> None:
-    """A sealed file, and its digest after it."""
-    content = json.loads(path.read_text())
-    del content["digest"]
-    by(content)
-    path.write_bytes(seal(content))
-
-
-def in_manifest(**told: Any) -> Forge:
-    """These keys of a cell's manifest."""
-    return lambda folder: change(first_cell(folder) / MANIFEST, lambda content: content.update(told))
-
-
 def params(of: str, value: Any) -> Forge:
     """The parameters of a plugin of a cell."""
     return lambda folder: change(
         first_cell(folder) / MANIFEST, lambda content: content["cell"][of].update(params=value)
     )
-
-
-def in_plan(by: Callable[[dict[str, Any]], object]) -> Forge:
-    """Something in the plan."""
-    return lambda folder: change(folder / PLAN, by)
-
-
-def table(name: str, by: Callable[[pa.Table], pa.Table]) -> Forge:
-    """A trace, whose digest the manifest then names."""
-
-    def forge(folder: Path) -> None:
-        cell = first_cell(folder)
-        pq.write_table(by(pq.read_table(cell / name)), cell / name)
-        change(cell / MANIFEST, lambda content: content["files"].update({name: digest_of(cell / name)}))
-
-    return forge
-
-
-def column(name: str, value: float) -> Callable[[pa.Table], pa.Table]:
-    """All values of a column."""
-
-    def by(found: pa.Table) -> pa.Table:
-        place = found.schema.get_field_index(name)
-        field = found.schema.field(place)
-        return found.set_column(place, field, pa.array(np.full(len(found), value), field.type))
-
-    return by
 
 
 def repeated(found: pa.Table) -> pa.Table:

@@ -84,3 +84,24 @@ def test_a_folder_in_another_alphabet_is_named(tmp_path):
         thread.join()
     assert answer.status == 500
     assert "опыт" in told
+
+
+@pytest.mark.parametrize(("error", "lines"), [(ConnectionResetError(), 0), (BrokenPipeError(), 0), (KeyError("x"), 1)])
+def test_a_client_that_leaves_is_no_error(experiment, capsys, error, lines):
+    """A browser does that whenever a page is closed: nothing is printed; of what nobody foresaw a line."""
+    with open_server(Pages(experiment), 0) as server:
+        try:
+            raise error
+        except Exception:
+            server.handle_error(None, None)
+    out, err = capsys.readouterr()
+    assert (out, err.count("\n")) == ("", lines)
+
+
+def test_a_folder_that_is_gone_is_called_gone(get, experiment):
+    """On the page, while the server goes on."""
+    shutil.rmtree(experiment)
+    status, text = get("/")
+    assert status == 500
+    assert "No folder" in text
+    assert get("/state") == (200, "0")

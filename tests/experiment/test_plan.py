@@ -373,6 +373,18 @@ def test_a_matrix_of_too_many_cells_is_refused_before_it_is_made(toys: Registry)
         _plan(toys, seeds=10_000, reward=rewards)
 
 
+def test_names_that_are_too_many_together_are_refused_before_one_is_looked_up(
+    toys: Registry, monkeypatch: pytest.MonkeyPatch
+):
+    """A thousand rewards in a thousand tasks would take minutes to find that out."""
+    monkeypatch.setattr("harness.experiment.plan.plan_tasks", lambda *given: pytest.fail("they were looked up"))
+    names = [f"x{number}" for number in range(400)]
+    with pytest.raises(
+        UsageError, match=r"400 tasks x 1 simulators x 1 algorithms x 400 rewards x 1 seeds are 160,000"
+    ):
+        _plan(toys, seeds=1, reward=names, task=names)
+
+
 @pytest.mark.parametrize("robot", ["x" * 5_000 + ".urdf", "a\0b/c.urdf"])
 def test_a_robot_that_no_path_can_be_is_refused(toys: Registry, robot: str):
     """Too long for the file system, or with a byte that ends names."""

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from packaging.requirements import Requirement
 
-from harness.errors import UsageError
-from harness.record.out_folder import folder_lock, make_folder, refuse_links
+from harness.errors import StorageError, UsageError
+from harness.record.out_folder import folder_lock, make_folder, refuse_links, storage_errors
 
 HOLD = """
 import sys
@@ -98,6 +98,28 @@ def test_link_in_a_folder_is_refused(tmp_path: Path, inner: str):
         refuse_links(tmp_path / "out")
 
 
+@pytest.mark.parametrize("inner", ["study.log", ".0.partial/log.txt", "0/trace.parquet"])
+def test_a_second_name_of_a_file_that_grows_is_refused(tmp_path: Path, inner: str):
+    """What is appended would land in the other one; files that are replaced may have as many as they like."""
+    (tmp_path / "it" / "0").mkdir(parents=True)
+    (tmp_path / "it" / "0" / "checkpoint.safetensors").write_text("")
+    (tmp_path / "of a person").write_text("kept")
+    (tmp_path / "it" / "report.html").hardlink_to(tmp_path / "of a person")
+    refuse_links(tmp_path / "it")
+    (tmp_path / "it" / inner).parent.mkdir(exist_ok=True)
+    (tmp_path / "it" / inner).hardlink_to(tmp_path / "of a person")
+    with pytest.raises(UsageError, match=f"{inner}' is a link"):
+        refuse_links(tmp_path / "it")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems take text alone")
+def test_a_folder_whose_name_is_no_text_is_refused(tmp_path: Path):
+    """Libraries that write into it would end with a traceback, after the training."""
+    with pytest.raises(UsageError, match=r"--out .* is not written in UTF-8"):
+        make_folder(tmp_path / "bad\udcff")
+    assert not list(tmp_path.iterdir())
+
+
 def test_folder_may_be_a_link_itself(tmp_path: Path):
     """The user says where his results go."""
     (tmp_path / "disk").mkdir()
@@ -112,3 +134,11 @@ def test_versions_that_emptied_what_a_link_leads_to_are_not_allowed():
     project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())["project"]
     (asked,) = (Requirement(text) for text in project["dependencies"] if text.startswith("filelock"))
     assert [version for version in ("3.16", "3.20.2", "3.20.3") if asked.specifier.contains(version)] == ["3.20.3"]
+
+
+def test_a_folder_that_is_gone_is_called_gone(tmp_path: Path):
+    """Nothing of it is kept, and no disk is full; a file that is missing in a folder that is there is told as such."""
+    with pytest.raises(StorageError, match="it' is gone"), storage_errors(tmp_path / "it"):
+        (tmp_path / "it" / "file").write_text("")
+    with pytest.raises(StorageError, match="cannot be written: No such file"), storage_errors(tmp_path):
+        (tmp_path / "it" / "file").write_text("")

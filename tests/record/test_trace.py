@@ -1,5 +1,6 @@
 """The trace: what is written is read again, in blocks of any size; what is no trace is refused."""
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -7,7 +8,9 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
+import harness.record.trace
 from harness.errors import SchemaError, SimulationDiverged
+from harness.files.parquet import require_room
 from harness.record.trace import (
     COLUMN,
     FLAGS,
@@ -321,3 +324,12 @@ def test_extra_columns_stand_behind_the_others(path: Path):
     write(path, make_rows(3))
     assert not read_trace(path)["obstacle"].any()
     assert not read_trace(path, ["reward", "obstacle"])["obstacle"].any()
+
+
+def test_rows_times_columns_are_bounded_before_they_are_read(path: Path, monkeypatch: pytest.MonkeyPatch):
+    """A file of a mebibyte may tell of 24 gigabytes."""
+    write(path, make_rows(3))
+    monkeypatch.setattr(harness.record.trace, "require_room", partial(require_room, most=10))
+    with pytest.raises(SchemaError, match=r"it has 3 rows of \d+ numbers, 10 are allowed"):
+        read_trace(path)
+    read_trace(path, ["reward", "distance"])

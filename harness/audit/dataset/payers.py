@@ -39,8 +39,7 @@ class Unseen:
         self._look()
 
     def __deepcopy__(self, memo: Any) -> "Unseen":
-        """Itself: whoever hands functions copies has not looked at it."""
-        return self
+        return self  # to copy is not to look: functions are given copies
 
     def _look(self, *_: Any) -> Any:
         self.looked_at = True

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from harness.errors import SchemaError
 from harness.files.bounded import digest_of
+from harness.files.names import is_plain
 from harness.files.whole_file import whole_file
 from harness.progress import Ring
 
@@ -75,11 +76,17 @@ def _rows(column: NDArray[Any], first: int, end: int) -> NDArray[Any]:
 
 
 def read_ring(folder: Path, stored: StoredRing) -> Ring:
-    """The ring, as far as it was written."""
+    """The ring, as far as it was written.
+
+    Raises:
+        SchemaError: A file has other rows than the checkpoint tells.
+    """
     columns: dict[str, Any] = {}
     for part in stored.parts:
         kept = np.arange(max(part.first, stored.oldest), part.end)
         for name, rows in safetensors.numpy.load_file(folder / part.file).items():
+            if len(rows) != part.end - part.first:
+                raise SchemaError(f"{part.file} has {len(rows):,} rows, not {part.end - part.first:,}")
             if name not in columns:
                 columns[name] = np.empty((min(stored.written, stored.capacity), *rows.shape[1:]), rows.dtype)
             columns[name][kept % stored.capacity] = rows[kept - part.first]
@@ -99,7 +106,7 @@ def require_rings(folder: Path, rings: Iterable[StoredRing]) -> None:
             raise SchemaError("rows of a ring are missing")
     for part in (part for ring in rings for part in ring.parts):
         path = folder / part.file
-        if path.parent != folder or not path.is_file() or digest_of(path) != part.digest:
+        if not is_plain(part.file) or not path.is_file() or digest_of(path) != part.digest:
             raise SchemaError(f"{part.file} is missing or damaged")
 
 

@@ -102,7 +102,8 @@ def read_recording(folder: Path, only: Collection[str] | None = None) -> Recorde
             )
         facts = [TrainingFacts.read(folder / facts_name(number)) for number in numbers]
         _require_alike(folder, numbers, facts)
-        _require_few(folder, sum(part_count(folder, number) for number in numbers), len(part_schema(facts[0])))
+        parts = sum(part_count(folder, number) for number in numbers)
+        _require_few(folder, parts, len(_columns_read(facts[0], False, only)))
         tables = [read_steps(folder, number, one, only=only) for number, one in zip(numbers, facts, strict=True)]
         scores = [
             read_scores(folder / scores_name(number), len(table["time"]))
@@ -170,9 +171,7 @@ def read_steps(
     Raises:
         SchemaError: A part is damaged or missing.
     """
-    schema = part_schema(facts)
-    names = schema.names if with_calls else schema.names[: schema.get_field_index(FLAGS[-1]) + 1]
-    names = [name for name in names if only is None or name in only or name not in facts.numbers]
+    schema, names = part_schema(facts), _columns_read(facts, with_calls, only)
     count = part_count(folder, number)
     _require_few(folder, count, len(names))
     parts = [read_part(folder / part_name(number, part), schema, names) for part in range(count)]
@@ -183,6 +182,12 @@ def read_steps(
     columns = {name: np.asarray(whole.column(name).to_numpy()) for name in names}
     _require_sound(folder, facts, columns)
     return columns
+
+
+def _columns_read(facts: TrainingFacts, with_calls: bool, only: Collection[str] | None) -> list[str]:
+    schema = part_schema(facts)
+    names = schema.names if with_calls else schema.names[: schema.get_field_index(FLAGS[-1]) + 1]
+    return [name for name in names if only is None or name in only or name not in facts.numbers]
 
 
 def _require_few(folder: Path, parts: int, columns: int) -> None:

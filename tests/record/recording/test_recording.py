@@ -294,3 +294,13 @@ def test_a_reward_without_a_value_is_refused_unless_a_failure_is_told(tmp_path: 
     write_recording(tmp_path / "run", training)
     with pytest.raises(SchemaError, match="reward_v2 has no value in some steps"):
         read_recording(tmp_path / "run")
+
+
+def test_steps_times_columns_are_bounded_before_they_are_read(folder: Path, monkeypatch: pytest.MonkeyPatch):
+    """Ten million steps of 16,000 columns are a terabyte, though each part is small."""
+    monkeypatch.setattr("harness.record.recording.recorded_training.MOST_NUMBERS", 10)
+    monkeypatch.setattr(
+        "harness.record.recording.recorded_training.read_part", lambda *given: pytest.fail("it was read")
+    )
+    with pytest.raises(SchemaError, match=r"more than \d+ steps of \d+ columns, 10 numbers are allowed"):
+        read_recording(folder)

@@ -1,0 +1,385 @@
+"""Folders of somebody who recomputed every digest, so that the lie is read."""
+
+import json
+import os
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from harness.files.bounded import digest_of
+from harness.files.sealed import seal
+from harness.files.sums import FIRST_LINE, SUMS, note_made
+from harness.record.cell import Cell
+from harness.record.folder import CARD, CHECKPOINT, DERIVED, LOG, MANIFEST, POLICY, SCORES, TRACE, TRANSFER
+from harness.record.plan_file import EXPERIMENT, PLAN
+from harness.record.running import RUNNING
+from harness.record.store import CELLS, LOCK, REPORT, RESULTS
+from harness.record.verify import DAMAGED
+
+Forge = Callable[[Path], object]
+ESCAPE = "\x1b]0;owned\x07\x1b[2J\u202e"
+"""What a terminal would obey."""
+CANARY = "canary"
+"""A tree beside the folder that nobody may touch."""
+EVIL = "evil.py"
+"""A module in it that leaves a file when it is imported."""
+DEEP = 900
+"""As deep as JSON is read, and deeper than anything is written."""
+
+
+def write_canary(place: Path) -> None:
+    """A tree with files that a forged folder would like to have moved, changed or run."""
+    (place / "cells" / "0123456789abcdef").mkdir(parents=True)
+    (place / "victim").write_text("a person's\n")
+    (place / "victim.half").write_text("a person's, without an end")
+    (place / "cells" / "0123456789abcdef" / MANIFEST).write_text("{}")
+    ran = f"from pathlib import Path\nPath({str(place)!r}, 'ran').write_text('ran')\n"
+    (place / EVIL).write_text(ran)
+    (place / "program").write_text(f"#!/bin/sh\ntouch '{place}/ran'\n")
+    (place / "program").chmod(0o755)
+
+
+def first_cell(folder: Path) -> Path:
+    """Of all cells."""
+    return sorted((folder / CELLS).iterdir())[0]
+
+
+def change(path: Path, by: Callable[[dict[str, Any]], object]) -> None:
+    """A sealed file, and its digest after it."""
+    content = json.loads(path.read_text())
+    del content["digest"]
+    by(content)
+    path.write_bytes(seal(content))
+
+
+def in_plan(by: Callable[[dict[str, Any]], object]) -> Forge:
+    """Something in the plan."""
+    return lambda folder: change(folder / PLAN, by)
+
+
+def in_manifest(**told: Any) -> Forge:
+    """These keys of a cell's manifest."""
+    return lambda folder: change(first_cell(folder) / MANIFEST, lambda content: content.update(told))
+
+
+def table(name: str, by: Callable[[pa.Table], pa.Table]) -> Forge:
+    """A trace, whose digest the manifest then names."""
+
+    def forge(folder: Path) -> None:
+        cell = first_cell(folder)
+        pq.write_table(by(pq.read_table(cell / name)), cell / name)
+        _name_digest(cell, name)
+
+    return forge
+
+
+def column(name: str, value: float) -> Callable[[pa.Table], pa.Table]:
+    """All values of a column."""
+
+    def by(found: pa.Table) -> pa.Table:
+        place = found.schema.get_field_index(name)
+        field = found.schema.field(place)
+        return found.set_column(place, field, pa.array(np.full(len(found), value), field.type))
+
+    return by
+
+
+def _name_digest(cell: Path, name: str) -> None:
+    change(cell / MANIFEST, lambda content: content["files"].update({name: digest_of(cell / name)}))
+
+
+def _listed(place: str, *names: str) -> Forge:
+    """A list of digests that names other files than the harness makes."""
+
+    def forge(folder: Path) -> None:
+        target = folder / place.format(cell=first_cell(folder).name)
+        lines = [f"{FIRST_LINE}\n", *(f"{'0' * 64}  {name}\n" for name in sorted(names))]
+        (target / SUMS).write_text("".join(lines), errors="surrogateescape")
+
+    return forge
+
+
+def _files(*names: str) -> Forge:
+    return lambda folder: change(
+        first_cell(folder) / MANIFEST, lambda content: content["files"].update(dict.fromkeys(names, "0" * 64))
+    )
+
+
+def _every_cell(**told: Any) -> Forge:
+    """These keys of every cell of the plan, and of the cells themselves, which move to the names of what they are."""
+    return in_plan(lambda content: [cell.update(told) for cell in content["cells"]])
+
+
+def _relabelled(name: str = "", **labels: str) -> Forge:
+    """Other labels, and names, in every cell, which then has another id, and so has its folder."""
+
+    def by(cell: dict[str, Any]) -> None:
+        for kind, label in labels.items():
+            cell[kind] |= {"label": label, "name": name or cell[kind]["name"]}
+
+    def forge(folder: Path) -> None:
+        shutil.rmtree(folder / DERIVED)
+        for place in sorted((folder / CELLS).iterdir()):
+            change(place / MANIFEST, lambda content: by(content["cell"]))
+            cell = Cell.from_json(json.loads((place / MANIFEST).read_text())["cell"])
+            change(place / MANIFEST, lambda content, cell=cell: content.update(id=cell.id))
+            place.rename(place.with_name(cell.id))
+        change(folder / PLAN, lambda content: [by(cell) for cell in content["cells"]])
+        if "reward" in labels:
+            change(folder / PLAN, lambda content: content.update(baseline=labels["reward"]))
+
+    return forge
+
+
+def _experiment(**told: Any) -> Forge:
+    return in_plan(lambda content: content["experiment"].update(told))
+
+
+def _running(**told: Any) -> Forge:
+    return lambda folder: (folder / RUNNING).write_text(json.dumps(told))
+
+
+def _table(**columns: Any) -> Forge:
+    """The table of results, with a valid digest."""
+
+    def forge(folder: Path) -> None:
+        pq.write_table(pa.table(columns), folder / RESULTS)
+        note_made(folder / RESULTS)
+
+    return forge
+
+
+def _scores(columns: Callable[[int], dict[str, Any]]) -> Forge:
+    """The scores of a cell, with a valid digest."""
+
+    def forge(folder: Path) -> None:
+        cell = first_cell(folder)
+        rows = pq.read_metadata(cell / TRACE).num_rows
+        pq.write_table(pa.table(columns(rows)), cell / SCORES)
+        note_made(cell / SCORES)
+
+    return forge
+
+
+def _linked(place: str, to: str = "", hard: bool = False) -> Forge:
+    """A link in the place of something; `to` is in the canary."""
+
+    def forge(folder: Path) -> None:
+        path = folder / place.format(cell=first_cell(folder).name)
+        if path.is_dir() and not path.is_symlink():
+            shutil.rmtree(path)
+        path.unlink(missing_ok=True)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        target = folder.parent / CANARY / to
+        os.link(target, path) if hard else path.symlink_to(target)
+
+    return forge
+
+
+def _put(place: str, content: str | None = "x") -> Forge:
+    """A file, or a folder where there is no content, beside what is there or in its place."""
+
+    def forge(folder: Path) -> None:
+        path = folder / place.format(cell=first_cell(folder).name)
+        if content is not None:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(content)
+            return
+        path.unlink(missing_ok=True)
+        path.mkdir(parents=True)
+        (path / "inside").write_text("kept")
+
+    return forge
+
+
+def _pipe(place: str) -> Forge:
+    def forge(folder: Path) -> None:
+        path = folder / place.format(cell=first_cell(folder).name)
+        path.unlink(missing_ok=True)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        os.mkfifo(path)
+
+    return forge
+
+
+def _card(**told: Any) -> Forge:
+    """The card of a policy, whose digest the manifest then names."""
+
+    def forge(folder: Path) -> None:
+        path = first_cell(folder) / POLICY / CARD
+        path.write_text(json.dumps({**json.loads(path.read_text()), **told}))
+        _name_digest(first_cell(folder), f"{POLICY}/{CARD}")
+
+    return forge
+
+
+def _left(name: str, to: str) -> Forge:
+    """A cell that was begun and goes on, with a file that is another one by its second name."""
+
+    def forge(folder: Path) -> None:
+        cell = first_cell(folder)
+        partial = cell.with_name(f".{cell.name}.partial")
+        shutil.copytree(cell, partial)
+        shutil.rmtree(cell)
+        (partial / CHECKPOINT).write_bytes(b"\0" * 100)
+        (partial / name).unlink(missing_ok=True)
+        os.link(folder.parent / CANARY / to, partial / name)
+
+    return forge
+
+
+def _gaps(rows: int, width: int) -> pa.Array:
+    """Rows without a list, which take no room in a file."""
+    return pa.array([None] * rows, pa.list_(pa.float64(), width))
+
+
+def _with_gaps(found: pa.Table) -> pa.Table:
+    gaps = _gaps(len(found), 10_000)
+    return found.set_column(found.schema.get_field_index("qpos"), pa.field("qpos", gaps.type), gaps)
+
+
+def _nested(depth: int) -> Any:
+    value: Any = 1
+    for _ in range(depth):
+        value = [value]
+    return value
+
+
+def _twice(content: dict[str, Any]) -> None:
+    content["cells"] *= 3
+
+
+def _swapped(folder: Path) -> None:
+    one, other = sorted((folder / CELLS).iterdir())[:2]
+    one.rename(folder / "between")
+    other.rename(one)
+    (folder / "between").rename(other)
+
+
+def _transfer(cell: str, name: str) -> Forge:
+    def forge(folder: Path) -> None:
+        place = folder / TRANSFER / cell.format(cell=first_cell(folder).name) / name
+        place.mkdir(parents=True)
+        told = {"format": 2, "status": "done", "reason": "", "started": "", "seconds": 0.0, "environment": {}}
+        simulator = {"name": f"../{ESCAPE}", "label": ESCAPE, "params": {}}
+        (place / MANIFEST).write_bytes(
+            seal({**told, "files": {}, "cell": "../../x", "simulator": simulator, "policy": ""})
+        )
+
+    return forge
+
+
+OUTSIDE = ("..", ".", "../..", f"../{CANARY}", f"../{CANARY}/victim", "/etc/passwd", "C:\\x", "a\\..\\..\\x")
+ODD = ("\0", "x" * 300, ESCAPE, "CELLS", "Plan.json", "cafe\u0301", "\udcff")
+NAMED = {"name": f"../../{CANARY}", "label": ESCAPE, "params": {}}
+
+FORGED: dict[str, Forge] = {
+    **{f"list: {name!r:.20}": _listed(".", name) for name in (*OUTSIDE, *ODD)},
+    **{f"list of a cell: {name!r:.20}": _listed("cells/{cell}", name) for name in (*OUTSIDE[:5], *ODD[2:5])},
+    **{f"list: {name}": _listed(".", name) for name in (CELLS, DERIVED, PLAN, EXPERIMENT, LOCK, DAMAGED)},
+    **{
+        f"list of a cell: {name}": _listed("cells/{cell}", name)
+        for name in (MANIFEST, TRACE, POLICY, f"{POLICY}/{CARD}")
+    },
+    "list of all cells": _listed(CELLS, ".."),
+    **{f"manifest: {name!r:.20}": _files(name) for name in (*OUTSIDE, *ODD, "", "a//b")},
+    "manifest: twins": _files("Trace.parquet", "TRACE.parquet"),
+    "manifest: no trace": lambda folder: change(
+        first_cell(folder) / MANIFEST, lambda content: content["files"].pop(TRACE)
+    ),
+    **{f"manifest: {key}": in_manifest(**{key: ESCAPE}) for key in ("reason", "note")},
+    "manifest: failed": in_manifest(status="failed", reason=f"why {ESCAPE}"),
+    "manifest: environment": in_manifest(environment={"command": ESCAPE, "commit": ESCAPE, "engine": ESCAPE}),
+    "manifest: sources": in_manifest(environment={"sources": {f"../{CANARY}/{EVIL}": ESCAPE}}),
+    "manifest: goal": in_manifest(error=ESCAPE, unit=ESCAPE),
+    "plan: cells twice": in_plan(_twice),
+    "plan: no cells": in_plan(lambda content: content.update(cells=[])),
+    "plan: baseline": in_plan(lambda content: content.update(baseline=ESCAPE)),
+    "plan: control": in_plan(lambda content: content.update(control=[[0, 2**62], [0, 0]])),
+    "plan: looks": in_plan(lambda content: content.update(terms={"looks": [1, 10**9], "race": True})),
+    **{f"plan: robot {robot:.20}": _every_cell(robot=robot) for robot in (f"../{CANARY}", "/etc", "../" * 300, ESCAPE)},
+    **{f"plan: {kind}": _every_cell(**{kind: NAMED}) for kind in ("simulator", "task", "algorithm", "reward")},
+    **{f"label: {kind}": _relabelled(**{kind: ESCAPE}) for kind in ("simulator", "task", "algorithm", "reward")},
+    **{
+        f"no such {kind}": _relabelled(f"../{ESCAPE}", **{kind: ESCAPE})
+        for kind in ("simulator", "task", "algorithm", "reward")
+    },
+    "plan: an id with a module": _every_cell(
+        task={"name": "gymnasium", "label": "x", "params": {"id": f"{EVIL[:-3]}:It-v0"}}
+    ),
+    "plan: a program": _every_cell(task={"name": "unity", "label": "x", "params": {"file": f"../{CANARY}/program"}}),
+    "experiment: plugins": _experiment(plugins=[{"path": f"../{CANARY}/{EVIL}", "name": "evil"}]),
+    "experiment: plugins as text": _experiment(plugins=[f"../{CANARY}/{EVIL}"]),
+    "experiment: deep": _experiment(sim=_nested(DEEP)),
+    "experiment: null": _experiment(sim=None),
+    "experiment: half a letter": _experiment(sim="\ud800"),
+    "experiment: escapes": _experiment(sim=[ESCAPE], algo=ESCAPE, reward=[{"name": ESCAPE}], measure=[ESCAPE]),
+    "experiment file: escapes": _put(EXPERIMENT, 'sim = ["\\u001b[2J"]\nreward = 3\n'),
+    "experiment file: deep": _put(EXPERIMENT, f"a = {'[' * DEEP}{']' * DEEP}\n"),
+    "experiment file: a pipe": _pipe(EXPERIMENT),
+    **{
+        f"running: {name!r:.20}": _running(**{name: {"started": 0.0}})
+        for name in (f"../../{CANARY}", "/etc", ESCAPE, "\0")
+    },
+    "running: numbers": _running(x={"started": 1e308, "steps": 2**70, "success": 2}),
+    "running: very many": _running(**{f"{number:016x}": {"started": 1.0} for number in range(20_000)}),
+    "running: a folder": _put(RUNNING, None),
+    "running: a pipe": _pipe(RUNNING),
+    "table: places": _table(id=["..", f"../../{CANARY}", "/etc", ESCAPE], status=["done"] * 4),
+    "table: a long text in many rows": _table(
+        id=pa.DictionaryArray.from_arrays(pa.array([0] * 50_000, pa.int32()), pa.array(["x" * 1_000_000])),
+        status=["done"] * 50_000,
+    ),
+    "table: others": _table(a=[1]),
+    "table: a pipe": _pipe(RESULTS),
+    "scores: texts": _scores(lambda rows: {ESCAPE: ["x"] * rows}),
+    "scores: gaps": _scores(lambda rows: {"dense": _gaps(rows, 10_000)}),
+    "scores: other rows": _scores(lambda rows: {"dense": [0.0]}),
+    "trace: gaps in lists": table(TRACE, _with_gaps),
+    "trace: one column more": table(TRACE, lambda found: found.append_column(ESCAPE, pa.array(["x"] * len(found)))),
+    "trace: of another number of joints": table(TRACE, lambda found: found.drop_columns(["qpos"])),
+    **{f"link: {place}": _linked(place) for place in (CELLS, "cells/{cell}", DERIVED, TRANSFER, DAMAGED, "more")},
+    **{
+        f"link: {place}": _linked(place, "victim")
+        for place in (PLAN, EXPERIMENT, LOCK, SUMS, REPORT, RESULTS, RUNNING, f"cells/{{cell}}/{TRACE}", DAMAGED)
+    },
+    **{
+        f"hard link: {place}": _linked(place, "victim", hard=True)
+        for place in (
+            *(EXPERIMENT, LOCK, SUMS, REPORT, RESULTS, RUNNING, "study.log"),
+            *(f"cells/{{cell}}/{name}" for name in (MANIFEST, TRACE, LOG, SCORES, SUMS)),
+            *(f"{DERIVED}/{{cell}}/values", f"{TRANSFER}/{{cell}}/x-0123456789ab/{MANIFEST}"),
+        )
+    },
+    **{
+        f"link: half a {name}": _linked(f".{name}.{os.getpid()}.partial", "victim")
+        for name in (PLAN, SUMS, REPORT, RESULTS, RUNNING)
+    },
+    f"a begun cell: {LOG}": _left(LOG, "victim.half"),
+    f"a begun cell: {TRACE}": _left(TRACE, "victim"),
+    "card: algorithm": _card(algorithm=f"../{ESCAPE}"),
+    "card: kind": _card(kind=f"../{CANARY}/{EVIL}"),
+    "card: cell": _card(cell={"id": "../../x", "robot": f"../{CANARY}"}),
+    "card: other sizes": _card(observation={"size": 10**9}),
+    "cells swapped": _swapped,
+    "a cell of no name": _put("cells/notes/a.txt"),
+    "a cell that is a file": _put("cells/0123456789abcdee"),
+    "a cell with an escape": _put(f"cells/{ESCAPE}/{MANIFEST}"),
+    "a file more": _put("cells/{cell}/" + ESCAPE),
+    "a pipe more": _pipe("cells/{cell}/pipe"),
+    "a hidden folder": _put("cells/.x.partial/a.txt"),
+    "damage that is a file": _put(DAMAGED),
+    **{f"a folder: {name}": _put(name, None) for name in (REPORT, RESULTS, SUMS, EXPERIMENT)},
+    "derived: garbage": _put(f"{DERIVED}/{{cell}}/values", ESCAPE),
+    "derived: a pipe": _pipe(f"{DERIVED}/{{cell}}/values"),
+    "derived: a file": lambda folder: (shutil.rmtree(folder / DERIVED), (folder / DERIVED).write_text("x")),
+    "transfer: another place": _transfer("{cell}", "ideal-0123456789ab"),
+    "transfer: of no cell": _transfer("notes", "ideal-0123456789ab"),
+    "transfer: of no simulator": _transfer("{cell}", ESCAPE),
+}
+"""Ways to forge a folder, by name."""
