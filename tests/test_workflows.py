@@ -141,6 +141,13 @@ def test_readers_are_fuzzed_each_week():
     assert job["steps"][-1]["env"]["FUZZ_MINUTES"] == "10"
 
 
+def test_answers_are_held_against_independent_ones_each_week():
+    """For other inputs than the week before."""
+    (job,) = _read(ROOT / ".github/workflows/fuzz.yml")["jobs"].values()
+    assert "pytest tests/oracles -m slow" in _runs(job)[-2]
+    assert job["steps"][-2]["env"]["ORACLE_INPUTS"] == "2000"
+
+
 def test_the_archive_is_built_from_on_every_change():
     """`make wheel` unpacks it and builds a wheel there: tests/installed/test_source_archive.py."""
     (locked,) = (job for name, job in _read(ROOT / ".github/workflows/test.yml")["jobs"].items() if name == "locked")

@@ -1,6 +1,9 @@
 """Every kind of policy that a card may name, and a saved policy of any of them."""
 
+import json
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from harness.errors import HarnessError, SchemaError
 from harness.policy.categorical import Categorical
@@ -48,10 +51,23 @@ def load_policy(folder: Path) -> Policy:
     """
     try:
         card, weights = read_folder(folder)
-        return kind_named(card["kind"]).from_card(card, weights)
+        policy = kind_named(card["kind"]).from_card(card, weights)
+        _require_told(card, policy)
     except HarnessError:
         raise
     except KeyError as error:
         raise SchemaError(f"{folder} holds no readable policy: {error} is missing") from error
     except Exception as error:  # bytes of anybody: any exception of numpy, safetensors and Python's numbers
         raise SchemaError(f"{folder} holds no readable policy: {one_line_of(str(error))}") from error
+    return policy
+
+
+def _require_told(card: Mapping[str, Any], policy: Policy) -> None:
+    """See that the card tells of these arrays and not of others: it is what people read.
+
+    Raises:
+        ValueError: It does not.
+    """
+    for name, value in json.loads(json.dumps(policy.card())).items():
+        if name in card and card[name] != value:
+            raise ValueError(f"the card tells {name} {card[name]!r}, and its arrays have {value!r}")

@@ -157,6 +157,13 @@ def test_newer_card_is_refused(saved: Path):
         load_policy(saved)
 
 
+def test_card_of_other_arrays_is_refused(saved: Path):
+    """The card is what people read: it tells of the arrays that act."""
+    _change(saved, observation={"size": 99})
+    with pytest.raises(SchemaError, match=r"the card tells observation \{'size': 99\}, and its arrays have"):
+        load_policy(saved)
+
+
 class _Bomb:
     """Unpickling this runs code."""
 

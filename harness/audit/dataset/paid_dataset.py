@@ -82,10 +82,11 @@ class PaidDataset:
 
     @cached_property
     def lost(self) -> Mapping[str, Mask]:
-        """By reward, the episodes in which it pays a step no finite number, (episodes,)."""
+        """By reward, the episodes in which it pays a step no finite number, or no step at all, (episodes,)."""
         unseen = np.isnan(self.moved)
         return {
-            name: self.summed((np.isnan(values) & ~unseen).astype(np.float64)) > 0.0
+            name: (self.summed((np.isnan(values) & ~unseen).astype(np.float64)) > 0.0)
+            | (self.summed((~np.isnan(values)).astype(np.float64)) == 0.0)
             for name, values in self.paid.items()
         }
 

@@ -163,6 +163,8 @@ def read_labels(path: Path, rule: SuccessRule) -> dict[int, int]:
         labels: dict[int, int] = {}
         for row in rows:
             where = f"--labels {path}, line {rows.line_num}"
+            if None in row or None in row.values():
+                raise UsageError(f"{where} has other cells than the {len(names)} of the first line")
             number = str(row["episode"] or "").strip()
             if not re.fullmatch(r"\d{1,9}", number):
                 raise UsageError(f"{where}: {shortened(number, 40)!r} is no number of an episode, counted from 0")

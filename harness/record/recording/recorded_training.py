@@ -238,9 +238,29 @@ def _require_sound(folder: Path, facts: TrainingFacts, columns: Mapping[str, NDA
         raise SchemaError(f"{folder} has steps of an env beyond its {facts.num_envs}")
     if min(columns["episode"].min(), columns["step"].min()) < 0:
         raise SchemaError(f"{folder} has a step or an episode below 0")
+    _require_unbroken(folder, columns)
+    failed = {failure.column for failure in facts.failures}
     for name in columns.keys() & {*facts.numbers}:
         if np.isinf(columns[name]).any():
             raise SchemaError(f"{folder}: {name} is infinite")
+        if name.startswith(REWARD) and name not in failed and np.isnan(columns[name]).any():
+            raise SchemaError(f"{folder}: {name} has no value in some steps, and no failure of it is told")
+
+
+def _require_unbroken(folder: Path, columns: Mapping[str, NDArray[Any]]) -> None:
+    """See that no step of an env is missing, doubled or out of place: episodes would be paid otherwise."""
+    order = np.argsort(columns["env"], kind="stable")
+    env, time, episode, step = (columns[name][order] for name in ("env", "time", "episode", "step"))
+    is_first = np.diff(env, prepend=-1) != 0
+    goes_on = (np.diff(episode) == 0) & (np.diff(step) == 1)
+    begins = (np.diff(episode) > 0) & (step[1:] == 0)
+    follows = (goes_on | begins) & (np.diff(time) > 0)
+    wrong = np.flatnonzero(np.where(is_first, step != 0, np.append(False, ~follows)))
+    if len(wrong):
+        at = wrong[0]
+        raise SchemaError(
+            f"{folder}: step {step[at]} of episode {episode[at]} of env {env[at]} does not follow the one before it"
+        )
 
 
 def _require_alike(folder: Path, numbers: Sequence[int], facts: Sequence[TrainingFacts]) -> None:

@@ -110,6 +110,17 @@ def test_a_function_gets_its_word_where_the_last_step_cannot_turn_it(tmp_path: P
     assert (found.by_success.value, found.by_success.answer) == (1.0, RANKS)
 
 
+def test_an_episode_of_which_no_step_can_be_paid_is_no_pay_of_0(tmp_path: Path):
+    """An episode of one frame, and a function that needs the next one: the others are compared without it."""
+    lengths = [3, 3, 3, 3, 3, 3, 1]
+    runs = [
+        made(number, [0.0] * steps, **{"next.success": last(number < 3, steps)}) for number, steps in enumerate(lengths)
+    ]
+    folder = write_frames(tmp_path / "it", runs)
+    (answer,) = ask(folder, rewards={"needs": lambda now, did, then, info: -float(then[0] ** 2)}).rewards
+    assert (answer.by_success.above, answer.by_success.below) == (3, 3)
+
+
 def test_a_function_that_does_not_look_at_the_next_observation_is_paid_every_step(tmp_path: Path):
     """By what the info says of the last frame."""
     folder = write_frames(tmp_path / "d", [terminal(number, number % 2 == 0) for number in range(40)])

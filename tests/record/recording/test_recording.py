@@ -273,6 +273,29 @@ def test_only_steps_wait_for_the_disk(tmp_path: Path, monkeypatch: pytest.Monkey
     assert len(waited) == 3  # facts, steps, and the folder that holds both
 
 
+@pytest.mark.parametrize(
+    ("column", "row", "value"),
+    [("step", 5, 7), ("step", 0, 1), ("episode", 5, 9), ("time", 4, 1)],
+)
+def test_steps_that_do_not_follow_one_another_are_refused(tmp_path: Path, column: str, row: int, value: int):
+    """A row that is missing, doubled or of another episode would pay episodes otherwise."""
+    training = _training(20)
+    getattr(training, column)[row] = value
+    write_recording(tmp_path / "run", training)
+    with pytest.raises(SchemaError, match=r"does not follow|order of time"):
+        read_recording(tmp_path / "run")
+
+
+def test_a_reward_without_a_value_is_refused_unless_a_failure_is_told(tmp_path: Path):
+    """Otherwise every mean of it would be none."""
+    training = _training(20)
+    for name in ("v1", "v2"):
+        training.rewards[name][30] = np.nan
+    write_recording(tmp_path / "run", training)
+    with pytest.raises(SchemaError, match="reward_v2 has no value in some steps"):
+        read_recording(tmp_path / "run")
+
+
 def test_steps_times_columns_are_bounded_before_they_are_read(folder: Path, monkeypatch: pytest.MonkeyPatch):
     """Ten million steps of 16,000 columns are a terabyte, though each part is small."""
     monkeypatch.setattr("harness.record.recording.recorded_training.MOST_NUMBERS", 10)

@@ -1,0 +1,341 @@
+"""Data sets as Minari lays them out in HDF5, and what may become of them.
+
+By `minari.dataset._storages.hdf5_storage` of version 0.5: a group ``episode_<n>`` with the attributes ``id``, ``seed``
+and ``total_steps``, arrays that can grow, one observation and one info more than steps; ``metadata.json`` beside it.
+"""
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from random import Random
+from typing import Any
+
+import h5py
+import numpy as np
+
+from tests.oracles.lerobot_sets import COPIES, LEFT_OUT, reduced
+from tests.oracles.recorded_runs import MATTERS, NO_MATTER, Run, answer_of, draw_runs
+from tests.oracles.trial import Answer, Trial, call_json
+
+MAIN, METADATA = Path("data/main_data.hdf5"), Path("data/metadata.json")
+
+
+@dataclass
+class Layout:
+    """How it is written: all that must not matter."""
+
+    chunks: str = "guessed"
+    compression: str | None = None
+    pay_type: str = "float64"
+    state_type: str = "float32"
+    label_type: str = "bool"
+    info_before: bool = True
+    label_shape: tuple[int, ...] = ()
+    nested: str = ""
+    backwards: bool = False
+    extra: bool = False
+    in_file: bool = False
+    indent: int | None = None
+
+
+def draw_layout(rng: Random) -> Layout:
+    """Any."""
+    return Layout(
+        chunks=rng.choice(("guessed", "guessed", "none", "row")),
+        compression=rng.choice((None, "gzip", "lzf")),
+        pay_type=rng.choice(("float64", "float32")),
+        state_type=rng.choice(("float32", "float64")),
+        label_type=rng.choice(("bool", "int64", "uint8", "float32", "float64")),
+        info_before=rng.random() < 0.7,
+        label_shape=rng.choice(((), (), (1,))),
+        nested=rng.choice(("", "dict", "tuple")),
+        backwards=rng.random() < 0.3,
+        extra=rng.random() < 0.3,
+        in_file=rng.random() < 0.2,
+        indent=rng.choice((None, 2)),
+    )
+
+
+def write(runs: Sequence[Run], layout: Layout, folder: Path) -> None:
+    """Both files."""
+    (folder / "data").mkdir(parents=True)
+    steps = sum(map(len, runs))
+    told = {
+        "total_episodes": len(runs), "total_steps": steps, "data_format": "hdf5", "minari_version": "0.5.3",
+        "dataset_id": "arm/reach-v0", "env_spec": '{"id": "Arm-v0"}', "algorithm_name": "somebody's",
+    }  # fmt: skip
+    with h5py.File(folder / MAIN, "w", track_order=True) as file:
+        numbers = range(len(runs))
+        for number in reversed(numbers) if layout.backwards else numbers:
+            _write_episode(file.create_group(f"episode_{number}"), number, runs[number], layout)
+        if layout.in_file:
+            file.attrs.update(told)
+    if not layout.in_file:
+        (folder / METADATA).write_text(json.dumps(told, indent=layout.indent))
+
+
+def _write_episode(group: Any, number: int, run: Run, layout: Layout) -> None:
+    attributes = {"id": number, "seed": 7 + number, "total_steps": len(run)}
+    if layout.backwards:
+        attributes = dict(reversed(attributes.items()))
+    group.attrs.update(attributes)
+    states = run.states.astype(layout.state_type)
+    if layout.nested == "dict":
+        _put(group, "observations/arm", states[:, :2], layout)
+        _put(group, "observations/goal", states[:, 2:], layout)
+    elif layout.nested == "tuple":
+        _put(group, "observations/_index_0", states[:, :2], layout)
+        _put(group, "observations/_index_1", states[:, 2], layout)
+    else:
+        _put(group, "observations", states, layout)
+    _put(group, "actions", run.actions, layout)
+    _put(group, "rewards", run.rewards.astype(layout.pay_type), layout)
+    ends = np.arange(len(run)) == len(run) - 1
+    _put(group, "terminations", ends, layout)
+    _put(group, "truncations", np.zeros(len(run), bool), layout)
+    told = np.concatenate([[0.0], run.success]) if layout.info_before else run.success
+    if np.isin(run.success, (0, 1)).all():
+        told = told.astype(layout.label_type)
+    elif layout.info_before:
+        told[0] = run.success[0]
+    _put(group, "infos/success", told.reshape(-1, *layout.label_shape), layout)
+    if layout.extra:
+        _put(group, "infos/nested/distance", np.ones(len(told)), layout)
+        group["infos/words"] = ["a"] * len(told)
+
+
+def _put(group: Any, key: str, values: Any, layout: Layout) -> None:
+    if layout.chunks == "none":
+        group.create_dataset(key, data=values)
+        return
+    chunks = True if layout.chunks == "guessed" else (1, *values.shape[1:])
+    group.create_dataset(
+        key, data=values, chunks=chunks, maxshape=(None, *values.shape[1:]), compression=layout.compression
+    )
+
+
+def ask(folder: Path, *flags: str) -> tuple[Answer, str]:
+    """What `harness audit` says of it."""
+    told, said = call_json("audit", f"minari:{folder}", *flags)
+    return reduced(told), said
+
+
+def _one_task(rng: Random) -> list[Run]:
+    return draw_runs(rng)
+
+
+def no_matter(rng: Random, folder: Path) -> Trial:
+    """Written in another way, in another order."""
+    runs = _one_task(rng)
+    change = rng.choice(NO_MATTER)
+    layout = draw_layout(rng)
+    write(change(runs, rng), layout, folder)
+    return Trial(f"{change.__name__}, {layout}", lambda: ask(folder), [answer_of(runs)])
+
+
+def copies(rng: Random, folder: Path) -> Trial:
+    """Some episodes stand there several times."""
+    runs = _one_task(rng)
+    more = [*runs, *(rng.choice(runs) for _ in range(rng.randrange(1, 40)))]
+    write(runs, Layout(), folder / "once")
+    write(rng.sample(more, len(more)), draw_layout(rng), folder / "often")
+    right = {"auc": answer_of(runs)["auc"], "answer": ask(folder / "once")[0]["answer"]}
+    return Trial("copies", lambda: ask(folder / "often"), [right], tells=COPIES)
+
+
+def matters(rng: Random, folder: Path) -> Trial:
+    """Other episodes: the answer is another, and follows."""
+    change = rng.choice(MATTERS)
+    changed = change(_one_task(rng), rng)
+    write(changed, draw_layout(rng), folder)
+    tells = LEFT_OUT if change.__name__ == "unlabel" else ""
+    return Trial(change.__name__, lambda: ask(folder), [answer_of(changed)], tells=tells)
+
+
+Change = Callable[[Any, Sequence[Run], Random], tuple[Sequence[Sequence[Run]], bool, str]]
+"""Changes the open file; tells the episodes of each answer that is right, whether a refusal is, and what is told."""
+
+
+def changed(rng: Random, folder: Path) -> Trial:
+    """Something in the file is wrong."""
+    runs = _one_task(rng)
+    change = rng.choice(CHANGES)
+    layout = replace(draw_layout(rng), chunks="guessed", compression=None, in_file=False)
+    write(runs, layout, folder)
+    with h5py.File(folder / MAIN, "r+") as file:
+        rest, may_refuse, tells = change(file, runs, rng)
+    right = [answer_of(one) for one in rest]
+    if change in {linked_copy, link_instead}:  # copies may be counted where no pairs are
+        right = [{"auc": one["auc"]} for one in right]
+    return Trial(change.__name__, lambda: ask(folder), right, may_refuse, tells)
+
+
+def _any(file: Any, rng: Random) -> Any:
+    return file[f"episode_{rng.randrange(len(file))}"]
+
+
+def short_rewards(file: Any, runs: Sequence[Run], rng: Random) -> Any:
+    """A reward is missing at the end."""
+    rewards = _any(file, rng)["rewards"]
+    rewards.resize(len(rewards) - 1, axis=0)
+    return [], True, ""
+
+
+def short_actions(file: Any, runs: Sequence[Run], rng: Random) -> Any:
+    """An action is missing at the end."""
+    actions = _any(file, rng)["actions"]
+    actions.resize(len(actions) - 1, axis=0)
+    return [], True, ""
+
+
+def lie_on_steps(file: Any, runs: Sequence[Run], rng: Random) -> Any:
+    """The attribute tells of other steps than there are."""
+    _any(file, rng).attrs["total_steps"] += rng.choice((1, 7))
+    return [], True, ""
+
+
+def cut_whole(file: Any, runs: Sequence[Run], rng: Random) -> Any:
+    """All arrays of an episode lack the last step; attribute and metadata still tell of it."""
+    group = _any(file, rng)
+
+    def cut(name: str, found: Any) -> None:
+        if isinstance(found, h5py.Dataset) and len(found) and found.maxshape[0] is None:
+            found.resize(len(found) - 1, axis=0)
+
+    group.visititems(cut)
+    return [], True, ""
+
+
+def drop_episode(file: Any, runs: Sequence[Run], rng: Random) -> Any:
+    """An episode is gone; metadata still tell of it."""
+    del file[f"episode_{rng.randrange(len(runs))}"]
+    return [], True, ""
+
+
+def probabilities(file: Any, runs: Sequence[Run], rng: Random) -> Any:
+    """A label is neither 0 nor 1."""
+    group = _any(file, rng)["infos"]
+    values = np.asarray(group["success"][...], np.float64)
+    values[-1] = rng.choice((0.5, 0.97, 2.0))
+    del group["success"]
+    group["success"] = values
+    return [], True, ""
+
+
+def no_key(file: Any, runs: Sequence[Run], rng: Random) -> Any:
+    """One episode lacks the key of success, the first one too."""
+    number = rng.choice((0, rng.randrange(len(runs))))
+    del file[f"episode_{number}/infos/success"]
+    return [_but(runs, number, unlabelled=True)], False, LEFT_OUT
+
+
+def nan_pay(file: Any, runs: Sequence[Run], rng: Random) -> Any:
+    """A reward is not finite."""
+    number = rng.randrange(len(runs))
+    rewards = file[f"episode_{number}/rewards"]
+    rewards[rng.randrange(len(rewards))] = rng.choice((np.nan, -np.inf))
+    return [_but(runs, number)], False, LEFT_OUT
+
+
+def linked_copy(file: Any, runs: Sequence[Run], rng: Random) -> Any:
+    """An episode is a hard link to another one: it is no evidence of its own."""
+    file[f"episode_{len(runs)}"] = _any(file, rng)
+    return [runs], True, ""
+
+
+def link_instead(file: Any, runs: Sequence[Run], rng: Random) -> Any:
+    """In the place of an episode stands a link to another one."""
+    one, other = rng.sample(range(len(runs)), 2)
+    del file[f"episode_{one}"]
+    if rng.random() < 0.5:
+        file[f"episode_{one}"] = file[f"episode_{other}"]
+        return [_but(runs, one)], True, ""
+    file[f"episode_{one}"] = h5py.SoftLink(f"/episode_{other}")
+    return [], True, ""
+
+
+def loop(file: Any, runs: Sequence[Run], rng: Random) -> Any:
+    """A group of infos holds itself, or the same group along very many ways."""
+    infos = file["episode_0/infos"]
+    if rng.random() < 0.5:
+        infos["again"] = infos
+        return [runs], True, ""
+    inner = infos.create_group("deep")
+    for level in range(6):
+        below = inner.create_group(f"way_{level}")
+        for number in range(12):
+            inner[f"other_{number}"] = below
+        inner = below
+    return [runs], True, ""
+
+
+def dangling(file: Any, runs: Sequence[Run], rng: Random) -> Any:
+    """Rewards are a link to nothing, or into another file."""
+    group = _any(file, rng)
+    del group["rewards"]
+    group["rewards"] = rng.choice((h5py.SoftLink("/nowhere"), h5py.ExternalLink("other.hdf5", "/rewards")))
+    return [], True, ""
+
+
+def wide_rewards(file: Any, runs: Sequence[Run], rng: Random) -> Any:
+    """A step has two rewards."""
+    group = _any(file, rng)
+    values = np.stack([group["rewards"][...]] * 2, axis=1)
+    del group["rewards"]
+    group["rewards"] = values
+    return [], True, ""
+
+
+def left_over(file: Any, runs: Sequence[Run], rng: Random) -> Any:
+    """More episodes lie there than metadata tell of: nothing says which belong."""
+    group = file.create_group(f"episode_{len(runs)}")
+    _write_episode(group, len(runs), replace(runs[0], rewards=runs[0].rewards + np.float32(8.0)), Layout())
+    return [runs], True, LEFT_OUT
+
+
+def swapped_arrays(file: Any, runs: Sequence[Run], rng: Random) -> Any:
+    """The rewards of two episodes of one length have changed places: it cannot be seen, and is what is told."""
+    one, other = rng.sample(range(len(runs)), 2)
+    if len(runs[one]) != len(runs[other]):
+        return [runs], False, ""
+    for number, rewards in ((one, runs[other].rewards), (other, runs[one].rewards)):
+        file[f"episode_{number}/rewards"][...] = rewards
+    found = list(runs)
+    found[one], found[other] = (
+        replace(runs[one], rewards=runs[other].rewards),
+        replace(runs[other], rewards=runs[one].rewards),
+    )
+    return [found], False, ""
+
+
+def _but(runs: Sequence[Run], number: int, unlabelled: bool = False) -> list[Run]:
+    if not unlabelled:
+        return [run for place, run in enumerate(runs) if place != number]
+    unknown = replace(runs[number], success=np.full(len(runs[number]), np.nan))
+    return [unknown if place == number else run for place, run in enumerate(runs)]
+
+
+CHANGES: Sequence[Change] = (
+    short_rewards, short_actions, lie_on_steps, cut_whole, drop_episode, probabilities, no_key, nan_pay, linked_copy,
+    link_instead, loop, dangling, wide_rewards, left_over, swapped_arrays,
+)  # fmt: skip
+
+
+def lie_on_totals(rng: Random, folder: Path) -> Trial:
+    """Metadata tell of more episodes, or steps, than there are."""
+    runs = _one_task(rng)
+    write(runs, replace(draw_layout(rng), in_file=False), folder)
+    told: Mapping[str, Any] = json.loads((folder / METADATA).read_text())
+    key = rng.choice(("total_episodes", "total_steps"))
+    (folder / METADATA).write_text(json.dumps({**told, key: told[key] + rng.choice((1, 10))}))
+    return Trial(f"{key} is more than there is", lambda: ask(folder))
+
+
+ORACLES = {
+    "minari, written otherwise": no_matter,
+    "minari, copies": copies,
+    "minari, other episodes": matters,
+    "minari, changed": changed,
+    "minari, totals": lie_on_totals,
+}

@@ -1,0 +1,145 @@
+"""Readers that are broken on purpose, each as a reader has been broken before: an oracle finds every one."""
+
+import itertools
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness.eta.curve import GroupCurve
+from harness.policy import kinds
+from harness.policy.network import ACTIVATIONS
+from harness.record import cell_folder
+from harness.record.dataset import lerobot, minari
+from harness.record.dataset.census import Census
+from harness.record.dataset.identity import Fingerprint
+from harness.record.dataset.labels import SuccessRule
+from harness.record.recording import recorded_training
+from harness.robot import kinematics
+from harness.score import rescore
+from tests.oracles import settings
+from tests.oracles.test_oracles import faults_of
+
+Break = Callable[[pytest.MonkeyPatch], None]
+TRIED = 24
+"""So many inputs are tried before a mutant counts as missed."""
+
+
+def _last_frame_is_not_paid(patch: pytest.MonkeyPatch) -> None:
+    rewards = lerobot._Frames._rewards
+
+    def without(self: Any, table: Any, count: int) -> Any:
+        paid = rewards(self, table, count)
+        for values in paid.values():
+            values[-1:] = 0.0 if count == len(table["frame_index"]) else values[-1:]
+        return paid
+
+    patch.setattr(lerobot._Frames, "_rewards", without)
+
+
+def _label_is_whatever_is_not_zero(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(SuccessRule, "of_steps", lambda self, values, noun: np.asarray(values, bool).ravel().astype(np.int8))
+
+
+def _tasks_are_pooled(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(lerobot._Frames, "_task", lambda self, table, number: "")
+
+
+def _copies_are_counted(patch: pytest.MonkeyPatch) -> None:
+    number = itertools.count()
+    patch.setattr(Fingerprint, "digest", lambda self: str(next(number)).encode())
+
+
+def _metadata_are_not_believed(patch: pytest.MonkeyPatch) -> None:
+    for module in (lerobot, minari):
+        patch.setattr(module, "take_census", lambda path, declared, found, partial: Census(frozenset(found)))
+
+
+def _frames_come_in_any_order(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(lerobot._Frames, "_require_order", lambda self, frame, number, where: None)
+
+
+def _last_step_is_not_summed(patch: pytest.MonkeyPatch) -> None:
+    add = GroupCurve._add_mean
+    patch.setattr(GroupCurve, "_add_mean", lambda self, mean: add(self, mean[:-1]))
+
+
+def _best_distance_stays_the_first(patch: pytest.MonkeyPatch) -> None:
+    rows_of = rescore._rows_of
+
+    def first(chunk: Any, mask: Any) -> Any:
+        rows = rows_of(chunk, mask)
+        return rows._replace(previous_best=rows.begin_distance)
+
+    patch.setattr(rescore, "_rows_of", first)
+
+
+def _angles_turn_the_other_way(patch: pytest.MonkeyPatch) -> None:
+    turned = kinematics._rotation_from_rpy
+    patch.setattr(kinematics, "_rotation_from_rpy", lambda rpy: turned(rpy).T)
+
+
+def _steps_may_be_missing(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(recorded_training, "_require_unbroken", lambda folder, columns: None)
+
+
+def _digests_are_not_looked_at(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(cell_folder, "require_files", lambda folder, record: None)
+
+
+def _relu_for_tanh(patch: pytest.MonkeyPatch) -> None:
+    patch.setitem(ACTIVATIONS, "tanh", ACTIVATIONS["relu"])
+
+
+def _cards_are_not_compared(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(kinds, "_require_told", lambda card, policy: None)
+
+
+def _last_cell_is_lost(patch: pytest.MonkeyPatch) -> None:
+    expand = settings.expand
+
+    def shorter(*given: Any) -> Any:
+        plan = expand(*given)
+        object.__setattr__(plan, "cells", plan.cells[:-1])
+        return plan
+
+    patch.setattr(settings, "expand", shorter)
+
+
+MUTANTS: tuple[tuple[Break, str], ...] = (
+    (_last_frame_is_not_paid, "lerobot, written otherwise"),
+    (_label_is_whatever_is_not_zero, "lerobot, other episodes"),
+    (_label_is_whatever_is_not_zero, "minari, other episodes"),
+    (_tasks_are_pooled, "lerobot, written otherwise"),
+    (_copies_are_counted, "lerobot, copies"),
+    (_copies_are_counted, "minari, copies"),
+    (_metadata_are_not_believed, "lerobot, damaged"),
+    (_metadata_are_not_believed, "minari, totals"),
+    (_frames_come_in_any_order, "lerobot, damaged"),
+    (_last_step_is_not_summed, "csv, other numbers"),
+    (_best_distance_stays_the_first, "csv, paid again"),
+    (_angles_turn_the_other_way, "arm, written otherwise"),
+    (_steps_may_be_missing, "recording, damaged"),
+    (_relu_for_tanh, "policy"),
+    (_cards_are_not_compared, "policy"),
+    (_last_cell_is_lost, "experiment file"),
+)
+
+
+SLOW = pytest.param(_digests_are_not_looked_at, "experiment, damaged", marks=pytest.mark.slow)
+
+
+def _found(name: str, folder: Path) -> Iterator[bool]:
+    for seed in range(TRIED):
+        own = folder / f"at-{seed}"
+        own.mkdir()
+        yield bool(faults_of(name, [seed], own))
+
+
+@pytest.mark.parametrize(("mutant", "name"), [*MUTANTS, SLOW], ids=lambda given: getattr(given, "__name__", given))
+def test_a_broken_reader_is_found(mutant: Break, name: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+    """Within a few inputs."""
+    mutant(monkeypatch)
+    assert any(_found(name, tmp_path))
