@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float
 from harness.errors import UsageError
-from harness.files.bounded import read_bytes
+from harness.files.bounded import kind_at, read_bytes
 from harness.text import one_line_of
 
 HEADER = 84
@@ -101,6 +101,8 @@ def read_mesh(path: Path) -> Mesh:
     try:
         return _read(path, path.stat().st_mtime_ns)
     except Exception as error:  # bytes of anybody: too large for a number's type, for the memory, ...
+        if (kind := kind_at(path)) is not None:
+            raise UsageError(f"'{path}' is no mesh, it is {kind.sentence}") from error
         problem = error.strerror if isinstance(error, OSError) and error.strerror else one_line_of(str(error))
         raise UsageError(f"'{path}' cannot be read as a mesh ({problem}). Export it again.") from error
 
@@ -169,6 +171,7 @@ def _count_of(data: bytes) -> int:
 
 
 def _read_obj(data: bytes) -> Mesh:
+    data = re.sub(rb"\\\r?\n", b" ", data) if b"\\" in data else data  # a line that goes on in the next one
     vertices = _points(data, b"v")
     numbers = np.fromiter(_corners_of_obj(data), np.int64).reshape(-1, 3)
     # They begin with 1; what is below 0 is counted from the end, as most files with it list all points first.
@@ -199,7 +202,9 @@ def _points(data: bytes, word: bytes) -> Float:
 def _numbers(data: bytes, word: bytes) -> Iterator[float]:
     if (count := data.count(b"\n" + word + b" ")) > 3 * MOST_TRIANGLES:  # most of such files are found at once
         raise _too_many(count // 3)
-    lines = re.finditer(rb"^[ \t]*" + word + rb"[ \t]+([^\n]{1,%d})" % LONGEST_LINE, data, re.MULTILINE)
+    # Some programs write the words of a text STL in capital letters.
+    pattern = rb"^[ \t]*(?i:" + word + rb")[ \t]+([^\n]{1,%d})" % LONGEST_LINE
+    lines = re.finditer(pattern, data, re.MULTILINE)
     for count, line in enumerate(lines):
         if count == 3 * MOST_TRIANGLES:
             raise _too_many(count // 3)

@@ -26,6 +26,8 @@ SHOWN = 20
 """Names in a message."""
 LARGEST = 1e18
 """The largest number: more than any arm's, and products of several stay finite."""
+LONGEST_SLIDE = 100.0
+"""The longest way of a slide, [m]: more than any gantry's."""
 NUMBER = re.compile(r"\s*[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?\s*", re.ASCII)
 """A number as ROS reads one; `float` also takes 1_000."""
 
@@ -236,6 +238,11 @@ def _limits(joint: Element, kind: JointKind) -> tuple[float, float]:
         raise _joint_error(joint, f"is {kind} and has no limits. Give it <limit lower=... upper=.../>.")
     if lower >= upper:
         raise _joint_error(joint, f"has the limits {lower:g} to {upper:g}. Give a lower one below the upper one.")
+    if kind == "prismatic" and upper - lower > LONGEST_SLIDE:  # a placeholder, from which home and noise would come
+        raise _joint_error(
+            joint,
+            f"slides from {lower:g} to {upper:g} m, {LONGEST_SLIDE:g} m are allowed. Give the slide's own limits.",
+        )
     return lower, upper
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from itertools import combinations
 from pathlib import Path
+from tempfile import TemporaryFile
 from xml.etree import ElementTree
 
 import numpy as np
@@ -15,6 +16,7 @@ import pybullet
 from harness.arrays import Float
 from harness.errors import MissingSolid, UsageError
 from harness.robot import Robot
+from harness.text import print_visible
 
 GRAVITY = -9.81
 """Along z, [m/s^2]."""
@@ -23,6 +25,8 @@ BASE = -1
 """Bullet's number of the root link."""
 MESH_MARGIN = 1e-3
 """Bullet's margin around a mesh that a URDF names, [m]; it cannot be changed."""
+LONGEST_PRINT = 20_000
+"""Bytes that are told of what Bullet prints about a file."""
 
 
 def load_body(client: int, robot: Robot, path: Path, flags: int) -> int:
@@ -41,7 +45,7 @@ def load_body(client: int, robot: Robot, path: Path, flags: int) -> int:
         MissingSolid: Bullet has left out a collision shape.
     """
     try:
-        with _c_prints_on_stderr():
+        with _c_prints_visible():
             body = int(pybullet.loadURDF(str(path), useFixedBase=True, flags=flags, physicsClientId=client))
     except pybullet.error as error:
         raise UsageError(f"PyBullet cannot load the URDF of robot '{robot.name}': {error}") from error
@@ -151,8 +155,8 @@ def set_joints(client: int, body: int, joints: list[int], qpos: Float) -> None:
 
 
 @contextmanager
-def _c_prints_on_stderr() -> Iterator[None]:
-    """Send to stderr what Bullet prints about a file, because stdout is for results."""
+def _c_prints_visible() -> Iterator[None]:
+    """Tell on stderr what Bullet prints about a file: stdout is for results, and a name in it may hold anything."""
     if os.name != "posix":
         yield
         return
@@ -160,10 +164,15 @@ def _c_prints_on_stderr() -> Iterator[None]:
     flush = ctypes.CDLL(None).fflush
     flush(None)
     kept = os.dup(1)
-    os.dup2(2, 1)
-    try:
-        yield
-    finally:
-        flush(None)
-        os.dup2(kept, 1)
-        os.close(kept)
+    with TemporaryFile() as prints:
+        os.dup2(prints.fileno(), 1)
+        try:
+            yield
+        finally:
+            flush(None)
+            os.dup2(kept, 1)
+            os.close(kept)
+            prints.seek(0)
+            text = prints.read(LONGEST_PRINT).decode(errors="replace").strip()
+            if text:
+                print_visible(text, err=True)

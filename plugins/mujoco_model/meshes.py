@@ -67,11 +67,11 @@ def add_meshes(spec: mujoco.MjSpec, urdf: Element, link_shapes: Mapping[str, Seq
     for link, shapes in link_shapes.items():
         body = bodies.get(link, spec.worldbody)  # the root link has become the world
         for shape in (shape for shape in shapes if shape.kind == "mesh"):
-            mesh = _new_mesh(spec, uservert=shape.points.ravel())
+            mesh = _new_mesh(spec, f"collision of link {link}", uservert=shape.points.ravel())
             geom = _add_geom(body, mesh, shape.T_link_shape)
             geom.group = 3 if surfaces[link] else 0  # drawn only if the link has no surface
         for surface in surfaces[link]:
-            _add_surface(spec, body, surface)
+            _add_surface(spec, body, link, surface)
 
 
 def _read_surfaces(urdf: Element) -> dict[str, list[Surface]]:
@@ -100,16 +100,18 @@ def _colors(robot: Element) -> Iterator[tuple[str, list[float]]]:
             yield material.get("name", ""), [float(word) for word in words.split()]
 
 
-def _add_surface(spec: mujoco.MjSpec, body: Any, surface: Surface) -> None:
-    mesh = _new_mesh(spec, uservert=surface.vertices.ravel(), userface=surface.faces.ravel())
+def _add_surface(spec: mujoco.MjSpec, body: Any, link: str, surface: Surface) -> None:
+    name = f"visual of link {link}"
+    mesh = _new_mesh(spec, name, uservert=surface.vertices.ravel(), userface=surface.faces.ravel())
     spec.mesh(mesh).inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL  # the surface may be open
     geom = _add_geom(body, mesh, surface.pose)
     geom.contype = geom.conaffinity = 0
     geom.group, geom.rgba = 1, surface.color
 
 
-def _new_mesh(spec: mujoco.MjSpec, **settings: Any) -> str:
-    name = f"harness_mesh_{len(spec.meshes)}"
+def _new_mesh(spec: mujoco.MjSpec, what: str, **settings: Any) -> str:
+    """Add a mesh, and its name, which MuJoCo's errors tell; a number in it makes it the only one."""
+    name = f"{what} (mesh {len(spec.meshes) + 1})"
     spec.add_mesh(name=name, **settings)
     return name
 

@@ -44,6 +44,7 @@ def text_stl(corners: np.ndarray) -> bytes:
         ("a.stl", binary_stl(CORNERS) + b"a few bytes more"),
         ("a.stl", text_stl(CORNERS)),
         ("a.stl", text_stl(CORNERS).replace(b"\n", b"\r\n")),
+        ("a.stl", text_stl(CORNERS).upper()),
     ],
 )
 def test_stl_is_its_triangles(tmp_path: Path, name: str, data: bytes):
@@ -63,7 +64,14 @@ def test_triangle_without_area_is_left_out(tmp_path: Path):
 
 @pytest.mark.parametrize(
     "faces",
-    ["f 1 2 3 4", "f 1/1 2/2 3/3 4/4", "f 1//7 2//7 3//7 4//7", "f -4 -3 -2 -1", "f 1/1/1 2/2/2 3/3/3\nf 1 3 4"],
+    [
+        "f 1 2 3 4",
+        "f 1/1 2/2 3/3 4/4",
+        "f 1//7 2//7 3//7 4//7",
+        "f -4 -3 -2 -1",
+        "f 1/1/1 2/2/2 3/3/3\nf 1 3 4",
+        "f 1 2 \\\n3 4",
+    ],
 )
 def test_obj_is_its_points_and_polygons(tmp_path: Path, faces: str):
     """Objects are taken as one, textures and normals are left, a polygon becomes a fan of triangles."""
@@ -80,6 +88,12 @@ def test_obj_is_its_points_and_polygons(tmp_path: Path, faces: str):
         ("a.dae", b"<COLLADA/>", "is no STL or OBJ file. Convert it"),
         ("a.obj", b"", "it holds no points, or some"),
         ("a.stl", b"", "it holds no points, or some"),
+        (
+            "a.stl",
+            b"version https://git-lfs.github.com/spec/v1\noid sha256:0\n",
+            "is a Git LFS pointer: the file itself",
+        ),
+        ("a.obj", b"<!DOCTYPE html><html>", "is no mesh, it is a web page: download the file itself"),
         ("a.stl", binary_stl(CORNERS)[:-1], "it holds no points, or some"),
         ("a.stl", binary_stl(CORNERS * np.nan), "it holds no points, or some"),
         ("a.stl", text_stl(CORNERS).replace(b"vertex", b"corner", 1), "its last triangle is not complete"),

@@ -115,6 +115,11 @@ def test_defaults_are_those_of_the_urdf_reference():
         (BEND, "", "Joint 'bend' is revolute and has no limits."),
         ('upper="2"', "", "Joint 'bend' is revolute and has no limits."),
         ('<limit lower="0" upper="0.25"/>', "", "Joint 'slide' is prismatic and has no limits."),
+        (
+            'lower="0" upper="0.25"',
+            'lower="-900" upper="900"',
+            "Joint 'slide' slides from -900 to 900 m, 100 m are allowed",
+        ),
         ('lower="-1.5"', 'lower="2.5"', "Joint 'bend' has the limits 2.5 to 2."),
         ('lower="-1.5"', 'lower="2"', "Joint 'bend' has the limits 2 to 2."),
         ('upper="2"', 'upper="inf"', "Joint 'bend' has 'inf' where a finite number belongs."),

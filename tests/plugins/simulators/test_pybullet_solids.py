@@ -179,3 +179,15 @@ def test_the_arm_of_primitive_shapes_is_read_as_it_was(open_arms: Call):
     }
     assert kinds
     assert pybullet.GEOM_MESH not in kinds
+
+
+def test_what_bullet_prints_about_a_file_is_visible(tmp_path: Path, open_arms: Call, capfd: pytest.CaptureFixture[str]):
+    """Bullet warns of a joint without an axis by its name, which may hold what moves a terminal's cursor."""
+    (tmp_path / "text.stl").write_bytes(MESHES["text.stl"])
+    text = arm(tmp_path, "text.stl").urdf.replace('<axis xyz="0 0 1"', "<axis-of-old", 1)
+    (tmp_path / "arm.urdf").write_text(text.replace('"j1"', '"j1\u202e\x9b2J"'), encoding="utf-8")
+    open_arms(read_robot(tmp_path / "arm.urdf"))
+    printed = capfd.readouterr()
+    assert printed.out == ""
+    assert "j1\\u202e\\x9b2J" in printed.err
+    assert not {"\u202e", "\x9b"} & set(printed.err)
