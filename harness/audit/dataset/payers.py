@@ -10,7 +10,7 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.errors import UsageError
-from harness.record.dataset.dataset import Dataset, Piece, leaves, take_rows
+from harness.record.dataset.dataset import Dataset, Piece, each_row, leaves, take_rows
 from harness.recorder.column import as_number
 from harness.recorder.trial import Guarded
 from harness.registry.choice import choose
@@ -81,11 +81,11 @@ class Stepwise:
             part.setflags(write=False)
         count, paid = piece.seen, np.empty(len(piece))
         infos = piece.infos.items()
-        before = take_rows(piece.observations, 0)
-        for row in range(count):
-            after = take_rows(piece.observations, row + 1)
+        seen, done = each_row(piece.observations), each_row(piece.actions)
+        before = next(seen)
+        for row, after in enumerate(seen):
             info = {key: values[row] for key, values in infos}
-            paid[row] = number_or_nan(self.function(before, take_rows(piece.actions, row), after, info))
+            paid[row] = number_or_nan(self.function(before, next(done), after, info))
             before = after
         if count == len(piece):
             return paid

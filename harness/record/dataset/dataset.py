@@ -172,6 +172,13 @@ def take_rows(rows: Nested, which: slice | int) -> Nested:
     return rows[which]
 
 
+def each_row(rows: Nested) -> Iterator[Nested]:
+    """One row after the other."""
+    if isinstance(rows, np.ndarray):
+        return iter(rows)
+    return (take_rows(rows, row) for row in range(row_count(rows)))
+
+
 def flaw_of(rows: Nested, noun: str) -> str:
     """Why numbers cannot be counted with: one is not finite, or too large; empty if they can.
 

@@ -38,6 +38,7 @@ from harness.record.dataset.hdf5_parts import (
     Walk,
     address,
     group_of,
+    is_array,
     member_of,
     numbers_of_row,
     open_hdf5,
@@ -310,7 +311,7 @@ class _Episode:
         if rule.key not in self._group:
             return UNKNOWN
         found = member_of(self._path, self._group, rule.key)
-        if not hasattr(found, "dtype") or found.size not in (1, self.steps, self.steps + 1):
+        if not is_array(found) or found.size not in (1, self.steps, self.steps + 1):
             raise UsageError(f"{self._noun(rule.key)} is no label of an episode or of its steps")
         if found.size == 1:
             return rule.of_episode(found[()], self._noun(rule.key))
