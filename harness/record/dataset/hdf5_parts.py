@@ -57,8 +57,6 @@ def member_of(path: Path, parent: Any, key: str) -> Any:
     from h5py import h5d, h5g, h5l, h5o
 
     name = f"{parent.name}/{key}"
-
-    name = f"{parent.name}/{key}"
     try:
         link = parent.id.links.get_info(key.encode()).type
     except (KeyError, ValueError):  # text that is no name
