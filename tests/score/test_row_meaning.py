@@ -150,7 +150,7 @@ def test_a_header_in_the_middle_is_told(tmp_path: Path):
 def test_several_runs_in_one_file_are_refused(tmp_path: Path, column: str):
     """Their rewards would be added up as those of one run."""
     rows = [f"{run},{step},0.5" for run in (0, 1) for step in range(4)]
-    with pytest.raises(UsageError, match="line 6: column '.*' goes from 0 to 1: the file holds several runs"):
+    with pytest.raises(UsageError, match=r"line 6: column '.*' goes from 0 to 1: the file holds several runs"):
         rewards_of(write(tmp_path / "a.csv", f"{column},step,reward", rows))
 
 

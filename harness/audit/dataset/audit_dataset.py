@@ -147,7 +147,7 @@ def judge(
     """
     grouped = _grouped(paid, by_file)
     groups = grouped.clusters
-    known = ~np.isnan(paid.moved)
+    known = np.isfinite(paid.moved)
     still, lengths = paid.summed(paid.still.astype(np.float64)), paid.summed(known.astype(np.float64))
     return DatasetAudit(
         paid.facts,
@@ -213,7 +213,7 @@ def _answer(paid: PaidDataset, below: PaidDataset | None, name: str, grouped: _G
     lost = paid.lost[name]
     known, returns, steps = (paid.told != UNKNOWN) & ~lost, paid.returns[name], np.nan_to_num(paid.paid[name])
     success = paid.told == SUCCESS
-    earned = np.where(np.isnan(paid.moved), 0.0, np.maximum(steps, 0.0))
+    earned = np.where(~np.isfinite(paid.moved), 0.0, np.maximum(steps, 0.0))
     groups, tasks = grouped.clusters, grouped.tasks
     auc = auc_of(returns[known], success[known], groups[known], tasks[known])
     wrong = _most_wrong(paid, name, known, tasks)

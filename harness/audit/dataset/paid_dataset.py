@@ -33,7 +33,8 @@ class PaidDataset:
         paid: By reward, what it pays each step, (steps,); NaN where it cannot be known, since nothing is known of what
             was seen after the step, or where it paid no finite number.
         failed: By reward that could not pay: why.
-        moved: How far each step moved, (steps,), relative to the others; NaN where it is not known.
+        moved: How far each step moved, (steps,), relative to the others; NaN where nothing is known of what was seen
+            after it, infinite where observations hold no numbers.
         begins: Number of the first step of each episode, and behind the last the number of all steps, (episodes + 1,).
         numbers: Of the episodes in the data set, (episodes,).
         told: `SUCCESS`, `FAILURE` or `UNKNOWN`, (episodes,).
@@ -97,7 +98,7 @@ class PaidDataset:
     @cached_property
     def still(self) -> Mask:
         """In which steps nothing happens, (steps,)."""
-        seen = self.moved[~np.isnan(self.moved)]
+        seen = self.moved[np.isfinite(self.moved)]
         root = float(np.sqrt(np.mean(np.square(seen)))) if len(seen) else 0.0
         still: Mask = self.moved <= STILL * root
         return still
@@ -230,7 +231,7 @@ class _Kept:
         if labels is not None:
             success = labels.of(self._episodes)
             shown_last = success == SUCCESS  # nobody says by which step
-        chosen, notes = _choose(self._episodes, success)
+        chosen, notes = _choose(self._episodes, success, facts.pictures_left_out)
         if not chosen.any():
             flaw = next(it for it in self._episodes if it.flaw)
             raise SchemaError(
@@ -284,8 +285,13 @@ def _told_of(told: NDArray[np.int8], begins: NDArray[np.int64]) -> tuple[NDArray
     return found.astype(np.int8), (successes == 1) & (told[ends] == SUCCESS)
 
 
-def _choose(episodes: list[_Episode], success: NDArray[np.int8]) -> tuple[Mask, tuple[str, ...]]:
-    """Which episodes are used, and what is told of the others. Of equal ones the first is, with what any says."""
+def _choose(
+    episodes: list[_Episode], success: NDArray[np.int8], pictures_left_out: bool
+) -> tuple[Mask, tuple[str, ...]]:
+    """Which episodes are used, and what is told of the others. Of equal ones the first is, with what any says.
+
+    Two that differ in their pictures alone, which are left out, are equal by chance where all numbers are whole.
+    """
     flawed = [it for it in episodes if it.flaw]
     notes = []
     if flawed:
@@ -295,7 +301,7 @@ def _choose(episodes: list[_Episode], success: NDArray[np.int8]) -> tuple[Mask, 
     copies: list[tuple[int, int]] = []
     torn: set[int] = set()
     for place, episode in enumerate(episodes):
-        if episode.flaw:
+        if episode.flaw or (pictures_left_out and not episode.content.has_fractions):
             continue
         original = first.setdefault(episode.task.encode() + b"\0" + episode.content.digest(), place)
         if original != place:
@@ -345,6 +351,9 @@ class _Movement:
         vectors = flat_rows(place) if self._places is None else self._places.end_effector(place)
         change = np.abs(np.diff(vectors, axis=0))
         width = change.shape[1]
+        if not width:
+            moved[: len(change)] = np.inf
+            return
         if width in self._scale:
             moved[: len(change)] = self._far(change)
             return
