@@ -1,6 +1,6 @@
 """A data set paid by several rewards: what is kept of each step and of each episode. Observations are not."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
+from harness.audit.dataset.movement import Movement
 from harness.audit.dataset.payers import Payer
 from harness.errors import HarnessError, SchemaError, one_line
-from harness.record.dataset.dataset import RECORDED, Dataset, DatasetFacts, Nested, Piece, leaves
+from harness.record.dataset.dataset import RECORDED, Dataset, DatasetFacts, Piece
 from harness.record.dataset.identity import Fingerprint
 from harness.record.dataset.labels import FAILURE, SUCCESS, UNKNOWN
 from harness.reward import LARGEST_PAID
@@ -18,8 +19,6 @@ from harness.score.places import ArmPlaces
 
 MOST_STEPS = 20_000_000
 """The most steps of a data set: one number of each is kept, and one for each reward, 0.32 GB with one reward."""
-LEARNT = 4_096
-"""After so many steps it is known how much a number of an observation changes in a step."""
 STILL = 0.05
 """A step that moves less than this part of the root mean square of all steps is one in which nothing happens."""
 
@@ -92,8 +91,14 @@ class PaidDataset:
 
     @cached_property
     def returns(self) -> Mapping[str, Float]:
-        """By reward, the sum over each episode, (episodes,), of all that it pays."""
-        return {name: self.summed(np.nan_to_num(values)) for name, values in self.paid.items()}
+        """By reward, the sum over each episode, (episodes,), of all that it pays.
+
+        Sums of float32 that differ by no more than their rounding are made equal: ten times 0.1 is 1.
+        """
+        paid = {name: np.nan_to_num(values) for name, values in self.paid.items()}
+        sums = {name: self.summed(values) for name, values in paid.items()}
+        rounding = {name: self.summed(_rounding(values)).max(initial=0.0) for name, values in paid.items()}
+        return {name: _joined(values, rounding[name]) for name, values in sums.items()}
 
     @cached_property
     def still(self) -> Mask:
@@ -111,6 +116,24 @@ class PaidDataset:
     def episode_steps(self, place: int) -> slice:
         """The steps of the episode in this place."""
         return slice(int(self.begins[place]), int(self.begins[place + 1]))
+
+
+def _rounding(steps: Float) -> Float:
+    """How far two numbers may be apart that were one before they became float32; 0 where they are no float32."""
+    with np.errstate(over="ignore"):
+        is_single = bool((steps == steps.astype(np.float32)).all()) and bool((steps != np.floor(steps)).any())
+    return np.abs(steps) * (float(np.finfo(np.float32).eps) if is_single else 0.0)
+
+
+def _joined(sums: Float, reach: float) -> Float:
+    """The same, where neighbours that are no farther apart than `reach` have the value of the lowest."""
+    if reach <= 0.0:
+        return sums
+    order = np.argsort(sums, kind="stable")
+    begins = np.diff(sums[order], prepend=-np.inf) > reach
+    joined = np.empty_like(sums)
+    joined[order] = sums[order][begins][np.cumsum(begins) - 1]
+    return joined
 
 
 @dataclass(frozen=True)
@@ -153,7 +176,7 @@ def pay_dataset(
         UsageError: The places are none of this data set.
     """
     kept = _Kept(payers)
-    movement = _Movement(places)
+    movement = Movement(places)
     for piece in dataset.pieces():
         kept.take(piece)
         movement.take(piece)
@@ -327,62 +350,3 @@ def _choose(
 
 def _count(number: int) -> str:
     return f"{number:,} {'episode' if number == 1 else 'episodes'}"
-
-
-class _Movement:
-    """How far each step moves: the mean over the numbers of an observation, each by how much it changes in a step.
-
-    Observations of another size, in the env of another task, have a scale of their own.
-    """
-
-    def __init__(self, places: ArmPlaces | None) -> None:
-        self._places = places
-        self._waiting: dict[int, list[tuple[int, Float]]] = {}
-        self._count: dict[int, int] = {}
-        self._scale: dict[int, Float] = {}
-        self._moved: list[Float] = []
-
-    def take(self, piece: Piece) -> None:
-        moved = np.full(len(piece), np.nan)
-        self._moved.append(moved)
-        if piece.flaw or not piece.seen:
-            return
-        place = piece.observations
-        vectors = flat_rows(place) if self._places is None else self._places.end_effector(place)
-        change = np.abs(np.diff(vectors, axis=0))
-        width = change.shape[1]
-        if not width:
-            moved[: len(change)] = np.inf
-            return
-        if width in self._scale:
-            moved[: len(change)] = self._far(change)
-            return
-        self._waiting.setdefault(width, []).append((len(self._moved) - 1, change))
-        self._count[width] = self._count.get(width, 0) + len(change)
-        if self._count[width] >= LEARNT:
-            self._learn(width)
-
-    def end(self) -> Float:
-        for width in tuple(self._waiting):
-            self._learn(width)
-        return np.concatenate(self._moved)
-
-    def _learn(self, width: int) -> None:
-        waiting = self._waiting.pop(width)
-        self._scale[width] = np.sqrt(np.mean(np.square(np.concatenate([change for _, change in waiting])), axis=0))
-        for place, change in waiting:
-            self._moved[place][: len(change)] = self._far(change)
-
-    def _far(self, change: Float) -> Float:
-        scale = self._scale[change.shape[1]]
-        moves = scale > 0.0
-        if not moves.any():
-            return np.zeros(len(change))
-        far: Float = np.mean(change[:, moves] / scale[moves], axis=1)
-        return far
-
-
-def flat_rows(rows: Nested) -> Float:
-    """All numbers of each row, (rows, numbers)."""
-    parts: Iterable[NDArray[np.generic]] = leaves(rows)
-    return np.concatenate([np.asarray(part, np.float64).reshape(len(part), -1) for part in parts], axis=1)

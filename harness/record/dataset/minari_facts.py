@@ -95,9 +95,9 @@ def _picture_places(space: Any, place: str, depth: int) -> Iterator[str]:
     if not isinstance(space, dict) or depth > DEEPEST:
         return
     shape, parts = space.get("shape"), space.get("subspaces")
-    is_picture = space.get("dtype") == "uint8" and isinstance(shape, list) and len(shape) == 3
-    is_small = is_picture and math.prod(it for it in shape if isinstance(it, int)) <= MOST_NUMBERS
-    if space.get("type") == "Text" or (is_picture and (depth or not is_small)):
+    sizes = [it for it in shape if isinstance(it, int)] if isinstance(shape, list) else []
+    is_picture = space.get("dtype") == "uint8" and len(sizes) == 3
+    if space.get("type") == "Text" or (is_picture and (depth or math.prod(sizes) > MOST_NUMBERS)):
         yield place
     elif isinstance(parts, dict):
         for key, part in parts.items():
