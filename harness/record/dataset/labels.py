@@ -152,7 +152,9 @@ def read_labels(path: Path, rule: SuccessRule) -> dict[int, int]:
     """
     rule = rule if rule.key else SuccessRule("success")
     try:
-        rows = csv.DictReader(io.StringIO(read_text(path, LABELS_BYTES).removeprefix("\ufeff"), newline=""))
+        rows = csv.DictReader(
+            io.StringIO(read_text(path, LABELS_BYTES).removeprefix("\ufeff"), newline=""), skipinitialspace=True
+        )
         rows.fieldnames = _label_columns(path, [name.strip() for name in rows.fieldnames or ()], rule)
         labels: dict[int, int] = {}
         for row in rows:
