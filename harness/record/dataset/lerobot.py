@@ -306,7 +306,9 @@ class _Frames:
         begins = number not in self._seen and frame[0] == 0
         goes_on = number == self._number and frame[0] == self._at
         if not (begins or goes_on) or (np.diff(frame.astype(np.int64)) != 1).any():
-            raise SchemaError(f"{where}: its frames do not follow one another, from 0 on")
+            raise SchemaError(
+                f"{where}: its frames do not follow one another, from 0 on. Sort the rows by {EPISODE} and {FRAME}"
+            )
         self._seen.add(number)
         self._number, self._at = number, int(frame[-1])
 
