@@ -9,6 +9,7 @@ import pyarrow as pa
 
 from harness.arrays import Float
 from harness.errors import UsageError
+from harness.text import shortened
 
 NEEDED = "an index needs the reward of each environment step"
 RECORD = "harness.RecordRewards records it"
@@ -36,13 +37,16 @@ INDEX = ("", "index", "unnamed: 0")
 """Counters of rows, as pandas writes them: they say nothing of steps."""
 ENV = "env"
 """Which of several envs a row is of."""
+SEED = ("seed", "random_seed", "rng_seed")
+RUN = ("run", "run_id", "run_name", "run_number", "trial", "trial_id", "experiment", "exp_name", *SEED)
+"""Which of several runs a row is of. A seed may also be that of an episode."""
 
 
 class Watched(NamedTuple):
     """A column that says what rows are."""
 
     role: str
-    """``episode``, ``length``, ``counter`` or ``env``."""
+    """``episode``, ``length``, ``counter``, ``env`` or ``run``."""
     name: str
     position: int
 
@@ -82,7 +86,7 @@ def watched_columns(names: Sequence[str]) -> list[Watched]:
     Args:
         names: See `why_no_steps`.
     """
-    roles = {"episode": EPISODE, "length": LENGTH, "counter": COUNTER, "env": (ENV,)}
+    roles = {"episode": EPISODE, "length": LENGTH, "counter": COUNTER, "env": (ENV,), "run": RUN}
     found = []
     for role, of in roles.items():
         name = next((name for name in of if name in names), None)
@@ -97,6 +101,7 @@ class RowWatch:
     def __init__(self, columns: Sequence[Watched], first_line: int) -> None:
         self._columns, self._line, self._rows = {it.role: it for it in columns}, first_line, 0
         self._before: dict[str, float] = {}
+        self._run = ""
         self._count_of_env: dict[float, float] = {}
         self._repeats = self._counts = False
         self._longest, self._counts_up = 0.0, True
@@ -110,7 +115,10 @@ class RowWatch:
         Raises:
             UsageError: They are no single steps; names the line, and what to do.
         """
-        values = {role: number for role, of in texts.items() if (number := self._numbers(role, of)) is not None}
+        numbered = ((role, self._numbers(role, of)) for role, of in texts.items() if role != "run")
+        values = {role: number for role, number in numbered if number is not None}
+        if "run" in texts:
+            self._look_at_runs(texts["run"], values.get("episode"))
         if "episode" in values:
             self._repeats |= bool((np.diff(values["episode"], prepend=self._last("episode")) == 0.0).any())
         if "length" in values:
@@ -180,6 +188,24 @@ class RowWatch:
         else:
             why = "rows stand in another order, or the file holds two runs"
         raise UsageError(f"{way}: {why}, and {NEEDED}. If each row is a step, delete that column")
+
+    def _look_at_runs(self, runs: pa.Array, episodes: Float | None) -> None:
+        """Check that all rows are of one run; the seed of an episode changes where the next one begins."""
+        names = [str(name).strip() for name in runs.to_pylist()]
+        before = [self._run or "".join(names[:1]), *names[:-1]]
+        self._run = names[-1] if names else self._run
+        changes = [row for row, (name, other) in enumerate(zip(names, before, strict=False)) if name != other]
+        column = self._columns["run"].name
+        if column in SEED and episodes is not None:
+            rises = np.diff(episodes, prepend=self._last("episode")) == 1.0
+            changes = [row for row in changes if not rises[row]]
+        if changes:
+            row = changes[0]
+            raise UsageError(
+                f"line {self._line + row}: column '{column}' goes from {shortened(before[row], 40)} to "
+                f"{shortened(names[row], 40)}: the file holds several runs. Give each run a file of its own. If all "
+                "rows are one run, delete that column"
+            )
 
     def _before_of(self, counts: Float, env: Float | None) -> Float:
         """What the counter was in the row before, of the same env where there are several."""

@@ -144,3 +144,35 @@ def test_a_header_in_the_middle_is_told(tmp_path: Path):
     """Two files that were joined into one."""
     with pytest.raises(UsageError, match="line 4, column 'reward': the header stands here once more"):
         rewards_of(write(tmp_path / "it.csv", "a,reward", ["1,2", "1,3", "a,reward", "1,4"]))
+
+
+@pytest.mark.parametrize("column", ["seed", "run_id", "Trial", "exp_name"])
+def test_several_runs_in_one_file_are_refused(tmp_path: Path, column: str):
+    """Their rewards would be added up as those of one run."""
+    rows = [f"{run},{step},0.5" for run in (0, 1) for step in range(4)]
+    with pytest.raises(UsageError, match=r"line 6: column '.*' goes from 0 to 1: the file holds several runs"):
+        rewards_of(write(tmp_path / "a.csv", f"{column},step,reward", rows))
+
+
+def test_several_runs_of_no_count_are_refused(tmp_path: Path):
+    """A name says as much as a number."""
+    rows = [f"{run},0.5" for run in ("ppo_a", "ppo_b") for _ in range(4)]
+    with pytest.raises(UsageError, match="goes from ppo_a to ppo_b"):
+        rewards_of(write(tmp_path / "a.csv", "run,reward", rows))
+
+
+@pytest.mark.parametrize(
+    ("header", "rows"),
+    [("seed,step,reward", [f"7,{step},0.5" for step in range(8)]),
+     ("episode,seed,step,reward", [f"{step // 4},{90 + step // 4},{step % 4},0.5" for step in range(8)])],
+)  # fmt: skip
+def test_the_seed_of_a_run_or_of_an_episode_is_read(tmp_path: Path, header: str, rows: list[str]):
+    """One seed for all, or one that changes where the next episode begins."""
+    assert rewards_of(write(tmp_path / "a.csv", header, rows)) == [0.5] * 8
+
+
+def test_episodes_that_begin_anew_with_another_seed_are_several_runs(tmp_path: Path):
+    """The next run counts its episodes from 0 again."""
+    rows = [f"{run},{step // 2},{step % 2},0.5" for run in (0, 1) for step in range(4)]
+    with pytest.raises(UsageError, match="several runs"):
+        rewards_of(write(tmp_path / "a.csv", "seed,episode,step,reward", rows))

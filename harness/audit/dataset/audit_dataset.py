@@ -120,6 +120,8 @@ def _outside(success: str, labels: str | Path | None, success_above: float | Non
         raise UsageError("--labels and --success-above both say what succeeded: leave out one")
     if success_above is not None and success:
         raise UsageError("--success and --success-above both say what succeeded: leave out one")
+    if success_above is not None and not np.isfinite(success_above):
+        raise UsageError(f"--success-above {success_above}: give a finite return")
     if labels is not None:
         return Labels(by_episode=read_labels(Path(labels), parse_success(success)))
     return None if success_above is None else Labels(above=success_above)
@@ -130,7 +132,10 @@ def _said_by(labels: str | Path | None, success_above: float | None) -> str:
 
 
 def _unmatched(outside: Labels, paid: PaidDataset) -> list[str]:
-    beside = sorted({*(outside.by_episode or {})} - paid.all_numbers)
+    labelled, there = {*(outside.by_episode or {})}, paid.all_numbers
+    if len(there) > 1 and labelled == {number + 1 for number in there} and min(there) == 0:
+        raise UsageError(f"--labels counts the episodes from 1, and {paid.facts.name} from 0: subtract 1 from each")
+    beside = sorted(labelled - there)
     return [f"Labels of episodes that are not there: {len(beside):,} (the first is {beside[0]})"] if beside else []
 
 
@@ -147,7 +152,7 @@ def judge(
     """
     grouped = _grouped(paid, by_file)
     groups = grouped.clusters
-    known = ~np.isnan(paid.moved)
+    known = np.isfinite(paid.moved)
     still, lengths = paid.summed(paid.still.astype(np.float64)), paid.summed(known.astype(np.float64))
     return DatasetAudit(
         paid.facts,
@@ -213,7 +218,7 @@ def _answer(paid: PaidDataset, below: PaidDataset | None, name: str, grouped: _G
     lost = paid.lost[name]
     known, returns, steps = (paid.told != UNKNOWN) & ~lost, paid.returns[name], np.nan_to_num(paid.paid[name])
     success = paid.told == SUCCESS
-    earned = np.where(np.isnan(paid.moved), 0.0, np.maximum(steps, 0.0))
+    earned = np.where(~np.isfinite(paid.moved), 0.0, np.maximum(steps, 0.0))
     groups, tasks = grouped.clusters, grouped.tasks
     auc = auc_of(returns[known], success[known], groups[known], tasks[known])
     wrong = _most_wrong(paid, name, known, tasks)

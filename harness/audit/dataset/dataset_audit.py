@@ -211,6 +211,8 @@ def auc_text(auc: Auc) -> str:
 
 def still_text(reward: RewardAnswer, audit: DatasetAudit) -> str:
     """What it pays while nothing happens."""
+    if audit.still.mean is None:
+        return f"{MISSING} (observations hold no numbers)"
     if reward.still.mean is None:
         return f"{MISSING} (it pays nothing above 0)"
     return f"{share_text(reward.still)} of its pay above 0; these are {share_text(audit.still)} of all steps"

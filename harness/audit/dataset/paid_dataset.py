@@ -1,6 +1,6 @@
 """A data set paid by several rewards: what is kept of each step and of each episode. Observations are not."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
+from harness.audit.dataset.movement import Movement
 from harness.audit.dataset.payers import Payer
 from harness.errors import HarnessError, SchemaError, one_line
-from harness.record.dataset.dataset import RECORDED, Dataset, DatasetFacts, Nested, Piece, leaves
+from harness.record.dataset.dataset import RECORDED, Dataset, DatasetFacts, Piece
 from harness.record.dataset.identity import Fingerprint
 from harness.record.dataset.labels import FAILURE, SUCCESS, UNKNOWN
 from harness.reward import LARGEST_PAID
@@ -18,8 +19,6 @@ from harness.score.places import ArmPlaces
 
 MOST_STEPS = 20_000_000
 """The most steps of a data set: one number of each is kept, and one for each reward, 0.32 GB with one reward."""
-LEARNT = 4_096
-"""After so many steps it is known how much a number of an observation changes in a step."""
 STILL = 0.05
 """A step that moves less than this part of the root mean square of all steps is one in which nothing happens."""
 
@@ -33,7 +32,8 @@ class PaidDataset:
         paid: By reward, what it pays each step, (steps,); NaN where it cannot be known, since nothing is known of what
             was seen after the step, or where it paid no finite number.
         failed: By reward that could not pay: why.
-        moved: How far each step moved, (steps,), relative to the others; NaN where it is not known.
+        moved: How far each step moved, (steps,), relative to the others; NaN where nothing is known of what was seen
+            after it, infinite where observations hold no numbers.
         begins: Number of the first step of each episode, and behind the last the number of all steps, (episodes + 1,).
         numbers: Of the episodes in the data set, (episodes,).
         told: `SUCCESS`, `FAILURE` or `UNKNOWN`, (episodes,).
@@ -92,13 +92,19 @@ class PaidDataset:
 
     @cached_property
     def returns(self) -> Mapping[str, Float]:
-        """By reward, the sum over each episode, (episodes,), of all that it pays."""
-        return {name: self.summed(np.nan_to_num(values)) for name, values in self.paid.items()}
+        """By reward, the sum over each episode, (episodes,), of all that it pays.
+
+        Sums of float32 that differ by no more than their rounding are made equal: ten times 0.1 is 1.
+        """
+        paid = {name: np.nan_to_num(values) for name, values in self.paid.items()}
+        sums = {name: self.summed(values) for name, values in paid.items()}
+        rounding = {name: self.summed(_rounding(values)).max(initial=0.0) for name, values in paid.items()}
+        return {name: _joined(values, rounding[name]) for name, values in sums.items()}
 
     @cached_property
     def still(self) -> Mask:
         """In which steps nothing happens, (steps,)."""
-        seen = self.moved[~np.isnan(self.moved)]
+        seen = self.moved[np.isfinite(self.moved)]
         root = float(np.sqrt(np.mean(np.square(seen)))) if len(seen) else 0.0
         still: Mask = self.moved <= STILL * root
         return still
@@ -111,6 +117,24 @@ class PaidDataset:
     def episode_steps(self, place: int) -> slice:
         """The steps of the episode in this place."""
         return slice(int(self.begins[place]), int(self.begins[place + 1]))
+
+
+def _rounding(steps: Float) -> Float:
+    """How far two numbers may be apart that were one before they became float32; 0 where they are no float32."""
+    with np.errstate(over="ignore"):
+        is_single = bool((steps == steps.astype(np.float32)).all()) and bool((steps != np.floor(steps)).any())
+    return np.abs(steps) * (float(np.finfo(np.float32).eps) if is_single else 0.0)
+
+
+def _joined(sums: Float, reach: float) -> Float:
+    """The same, where neighbours that are no farther apart than `reach` have the value of the lowest."""
+    if reach <= 0.0:
+        return sums
+    order = np.argsort(sums, kind="stable")
+    begins = np.diff(sums[order], prepend=-np.inf) > reach
+    joined = np.empty_like(sums)
+    joined[order] = sums[order][begins][np.cumsum(begins) - 1]
+    return joined
 
 
 @dataclass(frozen=True)
@@ -153,7 +177,7 @@ def pay_dataset(
         UsageError: The places are none of this data set.
     """
     kept = _Kept(payers)
-    movement = _Movement(places)
+    movement = Movement(places)
     for piece in dataset.pieces():
         kept.take(piece)
         movement.take(piece)
@@ -231,7 +255,7 @@ class _Kept:
         if labels is not None:
             success = labels.of(self._episodes)
             shown_last = success == SUCCESS  # nobody says by which step
-        chosen, notes = _choose(self._episodes, success)
+        chosen, notes = _choose(self._episodes, success, facts.pictures_left_out)
         if not chosen.any():
             flaw = next(it for it in self._episodes if it.flaw)
             raise SchemaError(
@@ -285,8 +309,13 @@ def _told_of(told: NDArray[np.int8], begins: NDArray[np.int64]) -> tuple[NDArray
     return found.astype(np.int8), (successes == 1) & (told[ends] == SUCCESS)
 
 
-def _choose(episodes: list[_Episode], success: NDArray[np.int8]) -> tuple[Mask, tuple[str, ...]]:
-    """Which episodes are used, and what is told of the others. Of equal ones the first is, with what any says."""
+def _choose(
+    episodes: list[_Episode], success: NDArray[np.int8], pictures_left_out: bool
+) -> tuple[Mask, tuple[str, ...]]:
+    """Which episodes are used, and what is told of the others. Of equal ones the first is, with what any says.
+
+    Two that differ in their pictures alone, which are left out, are equal by chance where all numbers are whole.
+    """
     flawed = [it for it in episodes if it.flaw]
     notes = []
     if flawed:
@@ -296,7 +325,7 @@ def _choose(episodes: list[_Episode], success: NDArray[np.int8]) -> tuple[Mask, 
     copies: list[tuple[int, int]] = []
     torn: set[int] = set()
     for place, episode in enumerate(episodes):
-        if episode.flaw:
+        if episode.flaw or (pictures_left_out and not episode.content.has_fractions):
             continue
         original = first.setdefault(episode.task.encode() + b"\0" + episode.content.digest(), place)
         if original != place:
@@ -322,59 +351,3 @@ def _choose(episodes: list[_Episode], success: NDArray[np.int8]) -> tuple[Mask, 
 
 def _count(number: int) -> str:
     return f"{number:,} {'episode' if number == 1 else 'episodes'}"
-
-
-class _Movement:
-    """How far each step moves: the mean over the numbers of an observation, each by how much it changes in a step.
-
-    Observations of another size, in the env of another task, have a scale of their own.
-    """
-
-    def __init__(self, places: ArmPlaces | None) -> None:
-        self._places = places
-        self._waiting: dict[int, list[tuple[int, Float]]] = {}
-        self._count: dict[int, int] = {}
-        self._scale: dict[int, Float] = {}
-        self._moved: list[Float] = []
-
-    def take(self, piece: Piece) -> None:
-        moved = np.full(len(piece), np.nan)
-        self._moved.append(moved)
-        if piece.flaw or not piece.seen:
-            return
-        place = piece.observations
-        vectors = flat_rows(place) if self._places is None else self._places.end_effector(place)
-        change = np.abs(np.diff(vectors, axis=0))
-        width = change.shape[1]
-        if width in self._scale:
-            moved[: len(change)] = self._far(change)
-            return
-        self._waiting.setdefault(width, []).append((len(self._moved) - 1, change))
-        self._count[width] = self._count.get(width, 0) + len(change)
-        if self._count[width] >= LEARNT:
-            self._learn(width)
-
-    def end(self) -> Float:
-        for width in tuple(self._waiting):
-            self._learn(width)
-        return np.concatenate(self._moved)
-
-    def _learn(self, width: int) -> None:
-        waiting = self._waiting.pop(width)
-        self._scale[width] = np.sqrt(np.mean(np.square(np.concatenate([change for _, change in waiting])), axis=0))
-        for place, change in waiting:
-            self._moved[place][: len(change)] = self._far(change)
-
-    def _far(self, change: Float) -> Float:
-        scale = self._scale[change.shape[1]]
-        moves = scale > 0.0
-        if not moves.any():
-            return np.zeros(len(change))
-        far: Float = np.mean(change[:, moves] / scale[moves], axis=1)
-        return far
-
-
-def flat_rows(rows: Nested) -> Float:
-    """All numbers of each row, (rows, numbers)."""
-    parts: Iterable[NDArray[np.generic]] = leaves(rows)
-    return np.concatenate([np.asarray(part, np.float64).reshape(len(part), -1) for part in parts], axis=1)

@@ -10,7 +10,7 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.errors import UsageError
-from harness.record.dataset.dataset import Dataset, Piece, leaves, take_rows
+from harness.record.dataset.dataset import Dataset, Piece, each_row, leaves, take_rows
 from harness.recorder.column import as_number
 from harness.recorder.trial import Guarded
 from harness.registry.choice import choose
@@ -32,8 +32,8 @@ class Payer(Protocol):
 class Unseen:
     """Stands where an observation is not known, and notices a function that looks at it."""
 
-    def __init__(self) -> None:
-        self.looked_at = False
+    def __init__(self, told: str = "nothing is known of what came after this step") -> None:
+        self.looked_at, self._why = False, told
 
     def __getattr__(self, name: str) -> Any:
         self._look()
@@ -43,7 +43,7 @@ class Unseen:
 
     def _look(self, *_: Any) -> Any:
         self.looked_at = True
-        raise LookupError("nothing is known of what came after this step")
+        raise LookupError(self._why)
 
     __array__ = __bool__ = __call__ = __contains__ = __float__ = __getitem__ = __index__ = __int__ = _look
     __iter__ = __len__ = __str__ = __repr__ = __neg__ = __abs__ = __eq__ = __ne__ = __lt__ = __le__ = __gt__ = _look
@@ -84,17 +84,34 @@ class Stepwise:
             part.setflags(write=False)
         count, paid = piece.seen, np.empty(len(piece))
         infos = piece.infos.items()
-        before = take_rows(piece.observations, 0)
-        for row in range(count):
-            after = take_rows(piece.observations, row + 1)
+        if not any(part.size for part in leaves(piece.observations)):
+            return self._without_seeing(piece)
+        seen, done = each_row(piece.observations), each_row(piece.actions)
+        before = next(seen)
+        for row, after in enumerate(seen):
             info = {key: values[row] for key, values in infos}
-            paid[row] = number_or_nan(self.function(before, take_rows(piece.actions, row), after, info))
+            paid[row] = number_or_nan(self.function(before, next(done), after, info))
             before = after
         if count == len(piece):
             return paid
         last = self._without_next(before, take_rows(piece.actions, count), {key: it[count] for key, it in infos})
         paid[count:] = np.nan if last is None else last
         return paid[:count] if last is None else paid
+
+    def _without_seeing(self, piece: Piece) -> Float:
+        """What it pays by actions and infos alone.
+
+        Raises:
+            LookupError: It looks at an observation.
+        """
+        paid = np.empty(len(piece))
+        for row, action in enumerate(each_row(piece.actions)):
+            unseen = Unseen("it looks at an observation, and the observations of this data set hold no numbers")
+            info = {key: values[row] for key, values in piece.infos.items()}
+            paid[row] = number_or_nan(self.function(unseen, action, unseen, info))
+            if unseen.looked_at:  # and went on
+                unseen[0]
+        return paid
 
     def _without_next(self, observation: Any, action: Any, info: Mapping[str, Any]) -> float | None:
         """What it pays a step after which nothing was seen; None of a function that looks at what came then."""

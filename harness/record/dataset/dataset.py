@@ -34,6 +34,8 @@ OPERATOR_KEYS = ("operator", "operator_id")
 """What may be called who, or what, made an episode."""
 OWN_REWARDS = "harness_rewards"
 """The key of the metadata under which `harness export` lists the rewards that it wrote, by column."""
+NOTHING_SEEN = "recorded pay is read, and functions that look at no observation"
+"""What is left of a data set whose observations hold no numbers."""
 LARGEST = 1e150
 """The largest number, whose square is still finite."""
 
@@ -53,6 +55,7 @@ class DatasetFacts:
         operator: What says who made an episode; empty if nothing does.
         task: What says which task an episode does; empty if nothing does.
         declared_tasks: How many tasks the metadata says that there are; None if it does not.
+        pictures_left_out: Whether something that was seen is left out, such as pictures.
         notes: What to keep in mind, a line each.
     """
 
@@ -66,6 +69,7 @@ class DatasetFacts:
     operator: str = ""
     task: str = ""
     declared_tasks: int | None = None
+    pictures_left_out: bool = False
     notes: tuple[str, ...] = ()
 
 
@@ -170,6 +174,13 @@ def take_rows(rows: Nested, which: slice | int) -> Nested:
     if isinstance(rows, tuple):
         return tuple(take_rows(part, which) for part in rows)
     return rows[which]
+
+
+def each_row(rows: Nested) -> Iterator[Nested]:
+    """One row after the other."""
+    if isinstance(rows, np.ndarray):
+        return iter(rows)
+    return (take_rows(rows, row) for row in range(row_count(rows)))
 
 
 def flaw_of(rows: Nested, noun: str) -> str:

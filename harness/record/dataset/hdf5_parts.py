@@ -42,7 +42,7 @@ def group_of(path: Path, parent: Any, key: str) -> Any:
         SchemaError: It is none.
     """
     found = member_of(path, parent, key)
-    if hasattr(found, "dtype"):
+    if is_array(found):
         raise SchemaError(f"{path}: {found.name} is no group")
     return found
 
@@ -54,23 +54,29 @@ def member_of(path: Path, parent: Any, key: str) -> Any:
         SchemaError: It is missing, leads to another file, or is too large to be unpacked.
     """
     import h5py
+    from h5py import h5d, h5g, h5l, h5o
 
-    link = parent.get(key, getlink=True)
-    if link is None:
-        raise SchemaError(f"{path}: {parent.name} has no {key}")
-    if not isinstance(link, h5py.HardLink):
-        raise SchemaError(f"{path}: {parent.name}/{key} is a link to somewhere else, which is not followed")
-    found = parent[key]
-    if isinstance(found, h5py.Datatype):
-        raise SchemaError(f"{path}: {found.name} is a type, no data")
-    if isinstance(found, h5py.Dataset):
-        if found.external or found.is_virtual:
-            raise SchemaError(f"{path}: {found.name} takes its numbers from other files, which is not followed")
-        if found.chunks and math.prod(found.chunks) * found.dtype.itemsize > CHUNK_BYTES:
-            raise SchemaError(f"{path}: {found.name} has chunks of more than {CHUNK_BYTES:,} bytes")
-    elif len(found) > MOST_KEYS:
-        raise SchemaError(f"{path}: {found.name} has {len(found):,} parts, {MOST_KEYS:,} are allowed")
-    return found
+    name = f"{parent.name}/{key}"
+    try:
+        link = parent.id.links.get_info(key.encode()).type
+    except (KeyError, ValueError):  # text that is no name
+        raise SchemaError(f"{path}: {parent.name} has no {key}") from None
+    if link != h5l.TYPE_HARD:
+        raise SchemaError(f"{path}: {name} is a link to somewhere else, which is not followed")
+    found = h5o.open(parent.id, key.encode())  # h5py's own brackets look up the file for each part
+    if isinstance(found, h5g.GroupID):
+        if found.get_num_objs() > MOST_KEYS:
+            raise SchemaError(f"{path}: {name} has {found.get_num_objs():,} parts, {MOST_KEYS:,} are allowed")
+        return h5py.Group(found)
+    if not isinstance(found, h5d.DatasetID):
+        raise SchemaError(f"{path}: {name} is a type, no data")
+    plan = found.get_create_plist()
+    layout = plan.get_layout()
+    if layout == h5d.VIRTUAL or plan.get_external_count():
+        raise SchemaError(f"{path}: {name} takes its numbers from other files, which is not followed")
+    if layout == h5d.CHUNKED and math.prod(plan.get_chunk()) * found.get_type().get_size() > CHUNK_BYTES:
+        raise SchemaError(f"{path}: {name} has chunks of more than {CHUNK_BYTES:,} bytes")
+    return h5py.Dataset(found, readonly=True)
 
 
 class Walk:
@@ -84,7 +90,7 @@ class Walk:
     def numbers(self, group: Any, prefix: str = "", depth: int = 0) -> Iterator[tuple[str, Any]]:
         """All arrays of numbers at any depth, by key, ``a/b``; an array of one number has no rows."""
         for key, found in self._members(group, depth, frozenset()):
-            if not hasattr(found, "dtype"):
+            if not is_array(found):
                 yield from self.numbers(found, f"{prefix}{key}/", depth + 1)
             elif found.dtype.kind in "biuf" and numbers_of_row(found) <= MOST_NUMBERS:
                 yield f"{prefix}{key}", found
@@ -101,7 +107,7 @@ class Walk:
         Raises:
             SchemaError: It holds no rows of numbers.
         """
-        if hasattr(found, "dtype"):
+        if is_array(found):
             if found.ndim < 1 or found.dtype.kind not in "biuf" or numbers_of_row(found) > MOST_NUMBERS:
                 raise SchemaError(f"{self._path}: {found.name} holds no rows of at most {MOST_NUMBERS:,} numbers")
             return found
@@ -128,6 +134,11 @@ class Walk:
             if self._count > MOST_KEYS:
                 raise SchemaError(f"{self._path}: {group.name}: an episode has more than {MOST_KEYS:,} parts")
             yield key, member_of(self._path, group, key)
+
+
+def is_array(found: Any) -> bool:
+    """Whether a part holds rows; h5py would make up the type of its numbers for ``hasattr(found, "dtype")``."""
+    return hasattr(type(found), "dtype")
 
 
 def numbers_of_row(found: Any) -> int:

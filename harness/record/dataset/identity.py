@@ -12,6 +12,8 @@ class Fingerprint:
     """A digest of what was seen, done and paid in an episode, as float32; pieces of any size give the same."""
 
     def __init__(self) -> None:
+        self.has_fractions = False
+        """Whether an observation or an action is no whole number: by chance they are not equal in two episodes."""
         self._parts = [hashlib.blake2b(digest_size=16) for _ in range(3)]
 
     def take(self, piece: Piece) -> None:
@@ -19,6 +21,8 @@ class Fingerprint:
         steps = len(piece)
         seen = piece.observations if piece.is_last else take_rows(piece.observations, slice(0, steps))
         paid = tuple(piece.rewards[name] for name in sorted(piece.rewards))
+        kinds = (part.dtype.kind for rows in (seen, piece.actions) for part in leaves(rows) if part.size)
+        self.has_fractions = self.has_fractions or "f" in kinds
         for part, rows in zip(self._parts, (seen, piece.actions, paid), strict=True):
             part.update(_packed(rows).tobytes())
 

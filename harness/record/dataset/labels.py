@@ -152,20 +152,16 @@ def read_labels(path: Path, rule: SuccessRule) -> dict[int, int]:
     """
     rule = rule if rule.key else SuccessRule("success")
     try:
-        rows = csv.DictReader(io.StringIO(read_text(path, LABELS_BYTES).removeprefix("\ufeff"), newline=""))
-        names = [name.strip() for name in rows.fieldnames or () if name is not None]
-        if not {"episode", rule.key} <= {*names}:
-            raise UsageError(
-                f"--labels {path} has the columns {shortened(', '.join(names), 100) or 'none'}; it needs episode and "
-                f"{rule.key}, a line for each episode"
-            )
-        rows.fieldnames = names
+        rows = csv.DictReader(
+            io.StringIO(read_text(path, LABELS_BYTES).removeprefix("\ufeff"), newline=""), skipinitialspace=True
+        )
+        rows.fieldnames = _label_columns(path, [name.strip() for name in rows.fieldnames or ()], rule)
         labels: dict[int, int] = {}
         for row in rows:
             where = f"--labels {path}, line {rows.line_num}"
             if None in row or None in row.values():
-                raise UsageError(f"{where} has other cells than the {len(names)} of the first line")
-            number = str(row["episode"] or "").strip()
+                raise UsageError(f"{where} has other cells than the header: write decimal points, and a cell for each")
+            number = row["episode"].strip().removesuffix(".0")
             if not re.fullmatch(r"\d{1,9}", number):
                 raise UsageError(f"{where}: {shortened(number, 40)!r} is no number of an episode, counted from 0")
             label = rule.of_episode(row[rule.key], where)
@@ -174,3 +170,17 @@ def read_labels(path: Path, rule: SuccessRule) -> dict[int, int]:
     except (OSError, ValueError, csv.Error) as error:
         raise UsageError(f"--labels {path} cannot be read as CSV: {shortened(str(error), 200)}") from None
     return labels
+
+
+def _label_columns(path: Path, names: list[str], rule: SuccessRule) -> list[str]:
+    """The header, with the two columns that are read under their own names."""
+    known = {"episode": "episode", "episode_index": "episode", rule.key.lower(): rule.key}
+    spelled = [name if name == rule.key else known.get(name.lower(), name) for name in names]
+    if spelled.count("episode") != 1 or spelled.count(rule.key) != 1:
+        shown = shortened(", ".join(names), 100) or "none"
+        separator = next((f", and no commas but {sign!r}" for sign in ";\t" if any(sign in it for it in names)), "")
+        raise UsageError(
+            f"--labels {path} has the columns {shown}{separator}; it needs episode and {rule.key} once each, separated "
+            "by commas, and a line for each episode"
+        )
+    return spelled

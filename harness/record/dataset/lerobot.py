@@ -22,6 +22,7 @@ from harness.errors import SchemaError, UsageError
 from harness.files.bounded import reading, require_regular
 from harness.record.dataset.census import Census, take_census
 from harness.record.dataset.dataset import (
+    NOTHING_SEEN,
     OPERATOR_KEYS,
     OWN_REWARDS,
     PIECE_BYTES,
@@ -30,6 +31,7 @@ from harness.record.dataset.dataset import (
     SUCCESS_KEYS,
     Dataset,
     DatasetFacts,
+    Nested,
     Piece,
     flaw_of,
     own_rewards,
@@ -48,6 +50,7 @@ from harness.record.dataset.lerobot_facts import (
     NEEDED,
     NEXT_STATE,
     REWARD,
+    SEEN,
     STATE,
     TASK,
     TASKS,
@@ -57,6 +60,8 @@ from harness.record.dataset.lerobot_facts import (
     read_info,
     read_listing,
     read_tasks,
+    reward_in,
+    seen_in,
     shapes_of,
     version_of,
 )
@@ -81,7 +86,12 @@ class _Layout(NamedTuple):
     @property
     def keys(self) -> tuple[str, ...]:
         """Columns that are told beside what was seen and done."""
-        return tuple(name for name in self.shapes if name not in (STATE, ACTION, NEXT_STATE))
+        return tuple(name for name in self.shapes if name not in (*self.seen, ACTION, NEXT_STATE))
+
+    @property
+    def seen(self) -> tuple[str, ...]:
+        """Columns of an observation."""
+        return seen_in(self.shapes)
 
     def of_episode(self, number: int, key: str) -> Any:
         """What the list of episodes says under a key."""
@@ -112,7 +122,7 @@ def open_lerobot(name: str, success: SuccessRule | None, cluster: str = "", part
         version = version_of(path, info)
         features = info["features"]
         shapes = shapes_of(path, features)
-        own = own_rewards(path, info.get(OWN_REWARDS), shapes, (REWARD, *NEEDED, NEXT_STATE))
+        own = own_rewards(path, info.get(OWN_REWARDS), shapes, (reward_in(shapes), *NEEDED, STATE, NEXT_STATE))
         listing, tasks = read_listing(folder), read_tasks(folder)
         files, notes = _files(folder, info, listing)
     census = _census(folder, files, shapes, listing, info, partial_is_enough)
@@ -127,14 +137,23 @@ def open_lerobot(name: str, success: SuccessRule | None, cluster: str = "", part
         f"LeRobot v{'.'.join(map(str, version))}",
         env=shortened(str(info.get("robot_type") or ""), 200),
         names={"observation": names_of(features, STATE), "action": names_of(features, ACTION)},
-        rewards=(*((RECORDED,) if REWARD in shapes else ()), *own.values()),
+        rewards=(*((RECORDED,) if reward_in(shapes) else ()), *own.values()),
         success="" if rule is None else rule.text,
         operator=cluster or next((key for key in OPERATOR_KEYS if key in told), ""),
         task=TASK if TASK in shapes else TASKS if TASKS in listing.keys else "",
         declared_tasks=count_of(info.get("total_tasks")),
-        notes=(*notes, *census.notes),
+        pictures_left_out=any(name.startswith(SEEN) and name not in shapes for name in features),
+        notes=(*notes, *_notes_on_seen(shapes), *census.notes),
     )
     return Dataset(facts, partial(_pieces, facts, layout._replace(rule=rule)))
+
+
+def _notes_on_seen(shapes: Mapping[str, Any]) -> list[str]:
+    if STATE in shapes:
+        return []
+    parts = ", ".join(name.removeprefix(SEEN) for name in seen_in(shapes))
+    found = f"an observation is a dictionary of {parts}" if parts else NOTHING_SEEN
+    return [f"There are no numbers of {STATE}: {found}"]
 
 
 def _success_rule(success: SuccessRule | None, told: tuple[str, ...], folder: Path) -> SuccessRule | None:
@@ -215,7 +234,7 @@ class _Frames:
         self._facts, self._layout = facts, layout
         self._waiting: dict[str, NDArray[Any]] = {}
         self._file = ""
-        self._has_next = NEXT_STATE in layout.shapes
+        self._has_next = {STATE, NEXT_STATE} <= {*layout.shapes}
         width = 8 * sum(math.prod(shape) for shape in layout.shapes.values())
         self._rows = max(2, min(ROWS, PIECE_BYTES // width))
         self._seen: set[int] = set()
@@ -256,9 +275,7 @@ class _Frames:
         count = len(table[FRAME]) if ends else len(table[FRAME]) - 1
         if count == 0 or number not in self._layout.episodes:
             return
-        state = table[STATE] if ends else table[STATE][: count + 1]
-        if self._has_next:
-            state = np.concatenate([table[STATE][:count], table[NEXT_STATE][count - 1 : count]])
+        state = self._seen_in(table, count, ends)
         action, rewards = table[ACTION][:count], self._rewards(table, count)
         yield Piece(
             number,
@@ -272,19 +289,31 @@ class _Frames:
             self._task(table, number),
             self._file,
             ends,
-            flaw_of(state, STATE) or flaw_of(action, ACTION) or flaw_of(rewards, REWARD),
+            flaw_of(state, " or ".join(self._layout.seen)) or flaw_of(action, ACTION) or flaw_of(rewards, REWARD),
         )
+
+    def _seen_in(self, table: Mapping[str, NDArray[Any]], count: int, ends: bool) -> Nested:
+        """The observations of some steps, and what was seen after them where that is known."""
+        rows = count if ends else count + 1
+        parts = {name.removeprefix(SEEN): table[name][:rows] for name in self._layout.seen}
+        if self._has_next:
+            return np.concatenate([table[STATE][:count], table[NEXT_STATE][count - 1 : count]])
+        if STATE in table:
+            return table[STATE][:rows]
+        return parts or np.empty((rows, 0), np.float32)
 
     def _require_order(self, frame: NDArray[Any], number: int, where: str) -> None:
         begins = number not in self._seen and frame[0] == 0
         goes_on = number == self._number and frame[0] == self._at
         if not (begins or goes_on) or (np.diff(frame.astype(np.int64)) != 1).any():
-            raise SchemaError(f"{where}: its frames do not follow one another, from 0 on")
+            raise SchemaError(
+                f"{where}: its frames do not follow one another, from 0 on. Sort the rows by {EPISODE} and {FRAME}"
+            )
         self._seen.add(number)
         self._number, self._at = number, int(frame[-1])
 
     def _rewards(self, table: Mapping[str, NDArray[Any]], count: int) -> dict[str, NDArray[np.float64]]:
-        columns = {RECORDED: REWARD, **{name: key for key, name in self._layout.own.items()}}
+        columns = {RECORDED: reward_in(self._layout.shapes), **{name: key for key, name in self._layout.own.items()}}
         return {name: np.asarray(table[columns[name]][:count], np.float64).ravel() for name in self._facts.rewards}
 
     def _told(

@@ -20,8 +20,12 @@ KNOWN = ((2, 0), (2, 1), (3, 0))
 """Versions of the layout."""
 STATE, ACTION, EPISODE, FRAME = "observation.state", "action", "episode_index", "frame_index"
 NEXT_STATE, REWARD, TASK, TASKS = f"next.{STATE}", "next.reward", "task_index", "tasks"
-NEEDED = (STATE, ACTION, EPISODE, FRAME)
-SINGLE = (REWARD, EPISODE, FRAME, TASK)
+NEEDED = (ACTION, EPISODE, FRAME)
+SEEN = "observation."
+"""How columns begin that were seen before the step."""
+PLAIN_REWARD = "reward"
+"""What some call ``next.reward``."""
+SINGLE = (EPISODE, FRAME, TASK)
 """Columns that hold one number of each frame."""
 CHUNK, FILE = "data/chunk_index", "data/file_index"
 DATA_PATH = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
@@ -99,10 +103,20 @@ def shapes_of(path: Path, features: Mapping[str, Any]) -> dict[str, tuple[int, .
     for name in NEEDED:
         if name not in shapes:
             raise SchemaError(f"{path}: the column {name} holds no numbers, or more than {MOST_NUMBERS:,}")
-    for name in SINGLE:
-        if math.prod(shapes.get(name, ())) != 1:
+    for name in (reward_in(shapes), *SINGLE):
+        if name in shapes and math.prod(shapes[name]) != 1:
             raise SchemaError(f"{path}: the column {name} holds {math.prod(shapes[name]):,} numbers a frame, not one")
     return shapes
+
+
+def seen_in(shapes: Mapping[str, Any]) -> tuple[str, ...]:
+    """The columns of an observation: ``observation.state``; without it, all that were seen and are numbers."""
+    return (STATE,) if STATE in shapes else tuple(sorted(name for name in shapes if name.startswith(SEEN)))
+
+
+def reward_in(shapes: Mapping[str, Any]) -> str:
+    """The column of the data set's own reward; empty if it has none."""
+    return next((name for name in (REWARD, PLAIN_REWARD) if name in shapes), "")
 
 
 def _shape(feature: Mapping[str, Any]) -> tuple[int, ...] | None:
@@ -116,6 +130,8 @@ def _shape(feature: Mapping[str, Any]) -> tuple[int, ...] | None:
 
 def names_of(features: Mapping[str, Any], column: str) -> tuple[str, ...]:
     """What the numbers of a column are called: a list, or a table with one list."""
+    if column not in features:
+        return ()
     names = features[column].get("names")
     if isinstance(names, dict) and len(names) == 1:
         (names,) = names.values()

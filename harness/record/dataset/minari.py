@@ -38,6 +38,7 @@ from harness.record.dataset.hdf5_parts import (
     Walk,
     address,
     group_of,
+    is_array,
     member_of,
     numbers_of_row,
     open_hdf5,
@@ -140,6 +141,7 @@ def open_minari(name: str, success: SuccessRule | None, cluster: str = "", parti
         success="" if rule is None else rule.text,
         operator=cluster or next((key for key in OPERATOR_KEYS if key in told), ""),
         task=next((key for key in TASK_KEYS if key in told), ""),
+        pictures_left_out=bool(pictures),
         notes=tuple(_notes(pictures, seen, metadata, census.notes)),
     )
     return Dataset(
@@ -163,7 +165,7 @@ def _notes(
     pictures: frozenset[str], seen: _Overview, metadata: Mapping[str, Any], census: tuple[str, ...]
 ) -> Iterator[str]:
     if pictures:
-        yield f"The pictures {', '.join(sorted(pictures))} are left out"
+        yield f"Pictures and texts are left out: {', '.join(sorted(pictures))}"
     if seen.again:
         yield f"Names for an episode that has another name already, left out: {len(seen.again):,}"
     if seen.strangers:
@@ -228,10 +230,13 @@ class _Episode:
     def __init__(self, path: Path, facts: DatasetFacts, layout: _Layout, group: Any, number: int) -> None:
         self._path, self._facts, self._layout, self._group, self._number = path, facts, layout, group, number
         walk = Walk(path)
-        self._observations = walk.nested(member_of(path, group, "observations"), layout.pictures, "observations")
         self._actions = walk.nested(member_of(path, group, "actions"), frozenset(), "actions")
         self._rewards = member_of(path, group, "rewards")
         self.steps = len(self._rewards)
+        found = member_of(path, group, "observations")
+        seen = {} if "observations" in layout.pictures else walk.nested(found, layout.pictures, "observations")
+        is_seen = any(True for _ in leaves(seen))
+        self._observations = seen if is_seen else np.empty((self.steps + 1, 0), np.float32)
         self._require_rows()
         infos = dict(walk.numbers(group_of(path, group, "infos"))) if "infos" in group else {}
         self._single = {key: found for key, found in infos.items() if found.size == 1 != self.steps}
@@ -310,7 +315,7 @@ class _Episode:
         if rule.key not in self._group:
             return UNKNOWN
         found = member_of(self._path, self._group, rule.key)
-        if not hasattr(found, "dtype") or found.size not in (1, self.steps, self.steps + 1):
+        if not is_array(found) or found.size not in (1, self.steps, self.steps + 1):
             raise UsageError(f"{self._noun(rule.key)} is no label of an episode or of its steps")
         if found.size == 1:
             return rule.of_episode(found[()], self._noun(rule.key))

@@ -1,6 +1,7 @@
 """What a Minari data set tells of itself, and where its folder is."""
 
 import json
+import math
 import os
 import re
 from collections.abc import Iterator, Mapping
@@ -8,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from harness.errors import NewerFormat, SchemaError, UsageError
-from harness.files.bounded import read_json
+from harness.files.bounded import read_json, reading
+from harness.record.dataset.dataset import MOST_NUMBERS
 from harness.record.dataset.hdf5_parts import DEEPEST
 from harness.text import shortened
 
@@ -29,6 +31,9 @@ def dataset_folder(name: str) -> Path:
     for folder in (Path(os.path.expanduser(name)), home / name):
         if (folder / MAIN).is_file():
             return folder
+        if (folder / METADATA).is_file():
+            with reading(folder / METADATA, "Minari data set"):
+                require_known(folder / METADATA, read_json(folder / METADATA))
     raise UsageError(
         f"No Minari data set at '{name}', nor in '{home}': name its folder, which holds {MAIN}, or fetch it with "
         f"minari download {shortened(name, 80)}"
@@ -53,9 +58,13 @@ def require_known(path: Path, metadata: Mapping[str, Any]) -> None:
         NewerFormat: It is newer than those that are known.
         SchemaError: It is stored in another way than HDF5.
     """
-    kind = metadata.get("data_format", "hdf5")
+    kind = metadata.get("data_format", "hdf5") if isinstance(metadata, dict) else None
     if kind != "hdf5":
-        raise SchemaError(f"{path} tells of the format {shortened(str(kind), 40)!r}; Minari data sets in hdf5 are read")
+        told = shortened(str(kind), 40)
+        raise SchemaError(
+            f"{path} tells of the format {told!r}, and Minari data sets in hdf5 are read: write it again by "
+            "minari.create_dataset_from_buffers(..., data_format='hdf5')"
+        )
     found = _VERSION.match(str(metadata.get("minari_version", "")))
     if found and (int(found[1]), int(found[2])) > NEWEST:
         newest = ".".join(map(str, NEWEST))
@@ -68,7 +77,10 @@ def text_of(spec: Any) -> str:
 
 
 def pictures_of(metadata: Mapping[str, Any]) -> frozenset[str]:
-    """Parts of the observation that are pictures, by their place, ``observations/camera``."""
+    """Parts of the observation that are left out, pictures and texts, by their place, ``observations/camera``.
+
+    An observation that is one small picture is read.
+    """
     text = metadata.get("observation_space")
     if not isinstance(text, str):
         return frozenset()
@@ -83,7 +95,9 @@ def _picture_places(space: Any, place: str, depth: int) -> Iterator[str]:
     if not isinstance(space, dict) or depth > DEEPEST:
         return
     shape, parts = space.get("shape"), space.get("subspaces")
-    if space.get("dtype") == "uint8" and isinstance(shape, list) and len(shape) == 3:
+    sizes = [it for it in shape if isinstance(it, int)] if isinstance(shape, list) else []
+    is_picture = space.get("dtype") == "uint8" and len(sizes) == 3
+    if space.get("type") == "Text" or (is_picture and (depth or math.prod(sizes) > MOST_NUMBERS)):
         yield place
     elif isinstance(parts, dict):
         for key, part in parts.items():

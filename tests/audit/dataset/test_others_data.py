@@ -483,3 +483,35 @@ def test_the_type_of_the_pay_does_not_matter(tmp_path: Path, kind: str, shape: t
         one["rewards"] = one["rewards"].astype(kind).reshape(shape)
     (found,) = audit_dataset(f"minari:{of_minari(tmp_path / 'd', episodes)}").rewards
     assert (found.by_success.value, found.by_success.answer) == (1.0, RANKS)
+
+
+@pytest.mark.parametrize("kind", [np.float32, np.float64])
+def test_what_only_rounding_tells_apart_is_a_tie(tmp_path: Path, kind):
+    """Ten times 0.1 and once 1 are paid the same, whatever type the column has."""
+    spread, once = np.full(10, 0.1, kind), np.eye(10, dtype=kind)[9]
+    episodes = [made(it, once if it % 2 else spread, **{"next.success": it % 2 == 1}) for it in range(40)]
+    (found,) = ask(write_frames(tmp_path / "d", episodes)).rewards
+    assert (found.by_success.value, found.wrong) == (0.5, 0)
+
+
+def test_small_differences_of_single_numbers_count(tmp_path: Path):
+    """What is ten times as far apart as float32 rounds is told apart."""
+    paid = [1.0 + 1.2e-6 * (it % 2) for it in range(40)]
+    episodes = [made(it, np.float32([value, 0.5]), **{"next.success": it % 2 == 1}) for it, value in enumerate(paid)]
+    (found,) = ask(write_frames(tmp_path / "d", episodes)).rewards
+    assert found.by_success.value == 1.0
+
+
+def test_labels_that_count_from_one_are_refused(tmp_path: Path):
+    """They would be those of the next episode."""
+    folder = write_frames(tmp_path / "d", [made(it, np.ones(STEPS)) for it in range(6)])
+    (tmp_path / "l.csv").write_text("episode,success\n" + "".join(f"{it + 1},{it % 2}\n" for it in range(6)))
+    with pytest.raises(UsageError, match="counts the episodes from 1"):
+        ask(folder, labels=tmp_path / "l.csv")
+
+
+@pytest.mark.parametrize("above", [np.nan, np.inf])
+def test_a_return_that_is_no_number_is_refused(tmp_path: Path, above: float):
+    """All episodes would be failures."""
+    with pytest.raises(UsageError, match="give a finite return"):
+        ask(write_frames(tmp_path / "d", [made(0, np.ones(STEPS))]), success_above=above)

@@ -18,7 +18,7 @@ def _far(observation, action, next_observation, info):
 
 
 def test_a_data_set_beside_a_bare_loop(tmp_path, require_speed, amount):
-    """Reading in pieces, with every bound, what each episode is known by and how far each step moves, takes 2.6 times.
+    """Reading in pieces, with every bound, what each episode is known by and how far each step moves, takes 2.2 times.
 
     All episodes are looked at before one is read, since what is declared is held against what is there.
     """
@@ -42,4 +42,4 @@ def test_a_data_set_beside_a_bare_loop(tmp_path, require_speed, amount):
         assert found.paid["far"].tolist() == paid
 
     bare()
-    require_speed(bare, through_the_harness, at_least=0.3, rounds=5)
+    require_speed(bare, through_the_harness, at_least=0.4, rounds=5)

@@ -105,3 +105,28 @@ def test_a_file_of_labels_that_is_not_there_is_one_line(tmp_path: Path) -> None:
     """A file of labels that is not there is one line."""
     with pytest.raises(UsageError, match="cannot be read"):
         read_labels(tmp_path / "l.csv", SuccessRule())
+
+
+@pytest.mark.parametrize("header", ["Episode,Success", "episode_index,success", ' episode , "success" '])
+@pytest.mark.parametrize("number", ["1", "1.0", '"1"'])
+def test_a_file_of_labels_may_be_spelled_otherwise(tmp_path: Path, header: str, number: str) -> None:
+    """Capitals, LeRobot's own name, quotes, and what pandas makes of a whole number."""
+    (tmp_path / "l.csv").write_bytes(f"{header}\r\n0,False\r\n{number}, True \r\n".encode())
+    assert read_labels(tmp_path / "l.csv", SuccessRule()) == {0: FAILURE, 1: SUCCESS}
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("episode,success\n0,0,9\n", "line 2 has other cells than the header"),
+        ("episode,success\n0\n", "line 2 has other cells than the header"),
+        ("episode,success,success\n0,1,0\n", "once each"),
+        ("episode;success\n0;1\n", "no commas but ';'"),
+        ("episode,success\n0,yes\n", "line 2 says 'yes': 0, 1, false and true are labels"),
+    ],
+)
+def test_a_file_of_labels_with_other_cells_is_refused(tmp_path: Path, text: str, told: str) -> None:
+    """A decimal comma, a cell that is missing, or a second column would be a wrong label."""
+    (tmp_path / "l.csv").write_text(text)
+    with pytest.raises(UsageError, match=told):
+        read_labels(tmp_path / "l.csv", SuccessRule())

@@ -71,7 +71,7 @@ def test_a_newer_version_is_one_line(tmp_path: Path) -> None:
         open_dataset(f"lerobot:{write_lerobot(tmp_path / 'd', [episode(3)], codebase_version='v4.0')}")
 
 
-@pytest.mark.parametrize("column", ["observation.state", "action", "episode_index", "frame_index"])
+@pytest.mark.parametrize("column", ["action", "episode_index", "frame_index"])
 def test_a_missing_column_is_one_line(tmp_path: Path, column: str) -> None:
     """A missing column is one line."""
     folder = write_lerobot(tmp_path / "d", [episode(3)], drop=[column])

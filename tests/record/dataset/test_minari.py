@@ -71,7 +71,7 @@ def test_pictures_are_left_out_and_told(tmp_path: Path) -> None:
     found = open_dataset(f"minari:{write_minari(tmp_path / 'd', [one], observation_space=space)}")
     (piece,) = found.pieces()
     assert set(piece.observations) == {"goal"}
-    assert found.facts.notes == ("The pictures observations/camera are left out",)
+    assert found.facts.notes == ("Pictures and texts are left out: observations/camera",)
 
 
 def test_the_spec_is_text(tmp_path: Path) -> None:
