@@ -124,6 +124,7 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         self._find_asked()
         self._pays = None if self._recorder.pays is None else KEYS + self._recorder.pays
         self._before: Any = None
+        self._tried = 0  # steps about which functions are asked again
         self._row: list[Any] = []
         self._time, self._episode, self._step = self._recorder.next_time, int(self._recorder.next_episodes[0]), 0
         weakref.finalize(self, self._recorder.close)
@@ -157,7 +158,7 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         self._recorder.note_start(observation)
         if self._calls is not None:
             self._calls.note_reset(0, seed, options)
-        self._end_trial()
+        self._end_episode()
         self._before = self._seal(observation) if self._seal else None
         self._episode, self._step = self._episode + (self._step > 0), 0
         for column in self._columns:
@@ -193,7 +194,8 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
     def finish(self) -> None:
         """Write what is left, and leave the env open; what comes later is not recorded."""
         try:
-            self._end_trial()
+            if self._tried:
+                self._recorder.end_all((0, self._episode, max(self._step - 1, 0)))
         finally:
             self._recorder.close()
 
@@ -227,8 +229,13 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
             self._calls.note_step(0, action, after, terminated or truncated or self._step % CHECKED == 0)
         self._recorder.add(row)
         self._before, self._time, self._step = after, self._time + 1, self._step + 1
-        if self._recorder.trial is not None and (terminated or truncated or self._step == FIRST_STEPS):
-            self._end_trial()
+        if self._recorder.trial is not None:
+            self._tried += 1
+            if self._tried == FIRST_STEPS:
+                self._recorder.end_trial((0, self._episode, self._step - 1))
+                self._find_asked()
+            elif terminated or truncated:
+                self._end_episode()
         return row
 
     def _ask(self, told: list[Any], given: Step) -> None:
@@ -264,10 +271,10 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
                 self._find_asked()
         return NAN
 
-    def _end_trial(self) -> None:
-        """See `Recorder.end_trial`; nothing while no step was taken."""
+    def _end_episode(self) -> None:
+        """See `Recorder.end_episode`; nothing while no step was taken."""
         if self._step and self._recorder.trial is not None:
-            self._recorder.end_trial((0, self._episode, self._step - 1))
+            self._recorder.end_episode((0, self._episode, self._step - 1))
             self._find_asked()
 
     def _find_asked(self) -> None:

@@ -116,7 +116,7 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         mask = np.array((options or {}).get(RESET_MASK, everywhere))  # the env takes it out of the options
         observations, infos = self.env.reset(seed=seed, options=options)  # type: ignore[arg-type] # a list is allowed
         self._recorder.note_seed(seed)
-        self._end_trial()
+        self._end_episode()
         self._note_resets(mask, seed, options)
         self._begin(mask)
         if self._recorder.trial is not None:
@@ -136,7 +136,8 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
     def close(self, **kwargs: Any) -> None:
         """Write what is left, and close the envs."""
         try:
-            self._end_trial()
+            if self._time > self._recorder.next_time:
+                self._recorder.end_all(self._place(0))
         finally:
             try:
                 self._recorder.close()
@@ -162,14 +163,16 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         self._begin(started)
         self._is_reset_next = ended & (self._mode == AutoresetMode.NEXT_STEP)
         self._before = self._seal(observations) if self._seal else None
-        if ended.any() or self._time - self._recorder.next_time == FIRST_STEPS:
-            self._end_trial()
+        if self._time - self._recorder.next_time == FIRST_STEPS:
+            self._recorder.end_trial(self._place(0))
+        elif ended.any():
+            self._end_episode()
         return numbers
 
-    def _end_trial(self) -> None:
-        """See `Recorder.end_trial`; nothing while no step was taken."""
-        if self._time > self._recorder.next_time and self._recorder.trial is not None:
-            self._recorder.end_trial((0, int(self._episodes[0]), int(self._steps[0])))
+    def _end_episode(self) -> None:
+        """See `Recorder.end_episode`; nothing while no step was taken."""
+        if self._time > self._recorder.next_time:
+            self._recorder.end_episode(self._place(0))
 
     def _note_resets(self, mask: Mask, seed: Any = None, options: Mapping[str, Any] | None = None) -> None:
         """Note that these envs were reset; envs that start the next episode by themselves draw it without a seed."""
@@ -242,7 +245,12 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
             given = self._given(column, step, env)
             reason = self._guard.reason(column.measures[0], given, error) if given else one_line(error)
             self._recorder.give_up(column, self._place(env), reason, error)
-        if self._recorder.trial is not None and column.measures and not column.given_up and step.live[0]:
+        if (
+            self._recorder.trial is not None
+            and column.measures
+            and not column.given_up
+            and (column.batched or step.live[0])
+        ):
             answer = numbers.copy() if column.batched else float(numbers[0])
             if not self._recorder.try_again(column, self._given(column, step, 0), answer, self._place(0)):
                 numbers[:] = np.nan

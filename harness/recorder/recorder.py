@@ -3,6 +3,7 @@
 import os
 import sys
 import warnings
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 from time import monotonic
@@ -19,7 +20,7 @@ from harness.recorder.calls import Calls, checksum
 from harness.recorder.column import OWN, Column, columns_of, source_of
 from harness.recorder.env_facts import env_facts, normalises, versions_of
 from harness.recorder.guard import Guard, Raised, Step
-from harness.recorder.trial import Trial
+from harness.recorder.trial import Finding, Trial
 from harness.recorder.wrapped import tell_wrapped_pay
 from harness.text import visible
 
@@ -68,6 +69,7 @@ class Recorder:
         self.looks = any(column.measures for column in self.columns)
         self.guard = Guard()
         self.trial: Trial | None = Trial(env, self.guard) if self.looks else None
+        self._last_look: Trial | None = None
         self._drew: set[str] = set()
         self._path, self._on_error, self._stopped = Path(asked.path), asked.on_error, False
         self._rows: list[list[float]] = []
@@ -159,6 +161,8 @@ class Recorder:
     def restart(self, column: Column, place: int, at: Place, *given: Any) -> None:
         """Tell a function with a memory that an episode starts."""
         (found,) = self.guard.ask([column.measures[place].reset], [given])  # type: ignore[attr-defined] # it remembers
+        if self.trial is not None and place == 0:
+            self.trial.restarted(column, given)
         if self.guard.drew:
             self.note_draw(column, self.guard.drew[0], at)
         if isinstance(found, Raised):
@@ -172,12 +176,27 @@ class Recorder:
             self.give_up(column, at, found.told)
         return found is None
 
-    def end_trial(self, at: Place) -> None:
+    def end_episode(self, at: Place) -> None:
         """Ask all functions about the first episode again, if that was not done."""
-        if self.trial is None:
-            return
-        trial, self.trial = self.trial, None
-        for found in trial.end(self.columns):
+        if self.trial is not None and not self.trial.has_looked:
+            self._take(self.trial.look(self.columns), at)
+
+    def end_trial(self, at: Place) -> None:
+        """Ask all functions about the first steps again, if that was not done."""
+        if self.trial is not None:
+            self._last_look, self.trial = self.trial, None
+            self._take(self._last_look.look(self.columns), at)
+
+    def end_all(self, at: Place) -> None:
+        """Ask once more when the recording ends: a memory may show late."""
+        if self.trial is not None:
+            self.end_trial(at)
+        elif self._last_look is not None:
+            last, self._last_look = self._last_look, None
+            self._take(last.look_at_last(self.columns), at)
+
+    def _take(self, findings: Iterable[Finding], at: Place) -> None:
+        for found in findings:
             if found.is_wrong:
                 self.give_up(found.column, at, found.told)
             else:

@@ -6,8 +6,9 @@ same step again, at once, or after the steps that followed.
 
 import copy
 import math
+import pickle
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,9 @@ from harness.recorder.guard import Guard, Raised, Step, same
 from harness.recorder.own_copies import uses_parts_of
 
 FIRST_STEPS = 100
+RESTART = "reset"
+"""In place of an answer: the function was told that an episode starts."""
+SHARED = "Its copies share a memory, as an attribute of the class. Keep it in self"
 WHAT_TO_WRITE = "Write a class with reset() that keeps in self what it remembers and sets it anew in reset()"
 
 
@@ -44,12 +48,12 @@ class Trial:
     Attributes:
         env: What is recorded.
         guard: Asks.
-        is_over: Whether every function was asked about the first episode again, or about its first `FIRST_STEPS`.
+        has_looked: Whether every function was asked again about an episode.
     """
 
     env: Any
     guard: Guard
-    is_over: bool = False
+    has_looked: bool = False
     _noted: dict[str, list[tuple[Step, Any]]] = field(default_factory=dict)
     _begun: dict[str, Any] = field(default_factory=dict)
 
@@ -59,10 +63,15 @@ class Trial:
             if column.remembers and not column.holds_env and column.name not in self._begun:
                 self._begun[column.name] = _copy(column)
 
-    def forget(self) -> None:
-        """The episode was left: the next one is the first."""
-        self._noted = {}
-        self._begun = {}
+    def restarted(self, column: Column, given: Step) -> None:
+        """Note that a function with a memory was told that another episode starts.
+
+        Args:
+            column: Of the function.
+            given: What its ``reset`` was given.
+        """
+        if noted := self._noted.get(column.name):
+            noted.append((given, RESTART))
 
     def note(self, column: Column, step: Step, answer: Any, drew: bool) -> Finding | None:
         """Take a step and the function's answer to it; one without ``reset()`` is asked at once again.
@@ -83,16 +92,20 @@ class Trial:
         noted.append((step, answer))
         return None
 
-    def end(self, columns: Sequence[Column]) -> Iterator[Finding]:
+    def look(self, columns: Sequence[Column]) -> Iterator[Finding]:
         """Ask all that were not given up about the noted steps again, from the first one on."""
-        self.is_over = True
+        self.has_looked = True
         for column in columns:
             if column.given_up or not self._noted.get(column.name):
                 continue
             found = self._of_memory(column) if column.remembers else self._of_function(column)
             if found is not None:
                 yield found
-        self.forget()
+
+    def look_at_last(self, columns: Sequence[Column]) -> Iterator[Finding]:
+        """Ask those without ``reset()`` again when all is over: what they remember may show late."""
+        for found in self.look([column for column in columns if not column.remembers]):
+            yield replace(found, is_wrong=False)
 
     def _of_function(self, column: Column) -> Finding | None:
         apart = self._first_apart(column, column.measures[0])
@@ -107,16 +120,20 @@ class Trial:
             return None  # it holds the env, or cannot be copied
         is_anew = same(vars(begun), vars(one)) if hasattr(one, "__dict__") else True
         apart = self._first_apart(column, one)
+        if apart and _is_surely_anew(begun, one) and not uses_parts_of(type(column.given).__call__, self.env):
+            return Finding(column, f"{apart}, though reset() has made it as it was. {SHARED}")
         if apart or not is_anew:
+            late = "" if apart else " (its numbers have not shown it so far)"
             told = (
-                "it remembers something beyond reset(), which every env has for itself and an evaluation starts anew. "
+                f"it remembers something beyond reset(){late}, which every env has for itself and an evaluation "
+                "starts anew. "
                 "To hand it on, give evaluate_policy `env.functions[NAME]` of the trained env as this reward"
             )
             return Finding(column, told, is_wrong=False)
         self._restart(one, column=column)
         apart = self._first_apart(column, one, other)
         if apart:
-            return Finding(column, f"{apart}: its copies share a memory, as an attribute of the class. Keep it in self")
+            return Finding(column, f"{apart}. {SHARED}")
         return None
 
     def _restart(self, *copies: Any, column: Column) -> bool:
@@ -135,13 +152,28 @@ class Trial:
             between: Another copy, which is asked about other steps in between.
         """
         noted = self._noted[column.name]
-        for number, (step, answer) in enumerate(noted):
+        steps = [step for step, answer in noted if answer is not RESTART]
+        others = reversed(steps)
+        number = -1
+        for step, answer in noted:
+            if answer is RESTART:
+                self.guard.ask([function.reset], [step])
+                continue
+            number += 1
             if between is not None:
-                self.guard.ask([between], [noted[-1 - number][0]])
+                self.guard.ask([between], [next(others)])
             (again,) = self.guard.ask([function], [step])
             if not _alike(answer, again):
                 return f"{_other(answer, again)} about step {number} after others"
         return ""
+
+
+def _is_surely_anew(begun: Any, restarted: Any) -> bool:
+    """Whether what two copies hold is the same to the last bit, so that another answer comes from elsewhere."""
+    try:
+        return pickle.dumps(vars(begun)) == pickle.dumps(vars(restarted))
+    except Exception:  # whatever objects of users raise
+        return False
 
 
 def _copy(column: Column) -> Any:
@@ -177,8 +209,9 @@ def _alike(answer: Any, again: Any) -> bool:
         except (TypeError, ValueError):
             return False
     try:
-        return bool(np.allclose(answer, np.asarray(again, float), rtol=1e-6, atol=1e-9, equal_nan=True))
-    except (TypeError, ValueError):
+        is_known = ~np.isnan(answer)  # an env that was only reset has no step
+        return bool(np.allclose(answer[is_known], np.asarray(again, float)[is_known], rtol=1e-6, atol=1e-9))
+    except (TypeError, ValueError, IndexError):
         return False
 
 
@@ -212,7 +245,7 @@ class Guarded:
             self._steps += 1
             found = self._trial.note(self._column, step, as_number(answer), bool(self._guard.drew))
             if self._steps == FIRST_STEPS:
-                found = found or next(self._trial.end([self._column]), None)
+                found = found or next(self._trial.look([self._column]), None)
             if found is not None:
                 raise UsageError(f"{sentence(self._column.noun)}: {found.told}")
         return answer

@@ -1,10 +1,12 @@
 """Functions in plugin files that say a number for a step of an environment: rewards, and measures of behaviour.
 
-A plugin file without hooks and without a plugin class may have plain functions of `ARGUMENTS`. A reward with a memory
-is a class with ``reset()`` whose objects can be called so; each env gets an object of its own. If a file has one
-reward, the reward has the name of the file. If it has several, each has its own name.
+A plugin file without hooks and without a plugin class may have plain functions of `ARGUMENTS`, `functools.partial`
+ones, and objects that can be called so. A reward with a memory is a class with ``reset()`` whose objects can be called
+so; each env gets an object of its own. Other classes, such as settings, are the file's own. If a file has one reward,
+the reward has the name of the file. If it has several, each has its own name.
 """
 
+import functools
 import inspect
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -13,10 +15,14 @@ from typing import Any
 
 from harness.errors import UsageError
 from harness.registry.given import PluginFile
-from harness.registry.members import missing_members
+from harness.registry.members import MEMBERS, missing_members
 from harness.registry.plugin_module import import_file, public_classes
 
 ARGUMENTS = "(observation, action, next_observation, info)"
+PLUGIN_METHODS = frozenset(
+    name for of in MEMBERS.values() for name, count in of.items() if count is not None and name != "__call__"
+)
+"""Names of methods that plugins of some kind must have."""
 LOWER = "lower_is_better"
 """The name in a file of measures under which it lists those of which less is better."""
 
@@ -49,14 +55,20 @@ class StepFunction:
 
 
 def functions_of_file(file: PluginFile, module: ModuleType) -> list[StepFunction]:
-    """What a file without hooks has; empty if its one public class is a plugin of some kind, or it has nothing.
+    """What a file without hooks has; empty if a public class of it is a plugin of some kind, or it has nothing.
 
     Raises:
         UsageError: A public function takes other arguments, or `LOWER` names something else than measures of the file.
     """
     classes = public_classes(file, module)
-    if any(not _has_steps(it) for it in classes):
+    if any(_is_plugin(it) for it in classes):
         return []
+    objects = {
+        name: it
+        for name, it in vars(module).items()
+        if not name.startswith("_") and not isinstance(it, type) and _is_called(file, it)
+    }
+    classes = [it for it in classes if _has_steps(it) and not any(type(one) is it for one in objects.values())]
     functions = [
         name
         for name, it in vars(module).items()
@@ -64,7 +76,9 @@ def functions_of_file(file: PluginFile, module: ModuleType) -> list[StepFunction
     ]
     for name in functions:
         _require_arguments(file, name, getattr(module, name))
-    attributes = [name for name in vars(module) if name in functions or getattr(module, name) in classes]
+    attributes = [
+        name for name, it in vars(module).items() if name in functions or name in objects or _is_one_of(it, classes)
+    ]
     names = [file.stem.lower()] if len(attributes) == 1 and not file.measures else attributes
     lower = _lower(file, module, attributes)
     return [
@@ -74,10 +88,25 @@ def functions_of_file(file: PluginFile, module: ModuleType) -> list[StepFunction
     ]
 
 
+def _is_plugin(found: type) -> bool:
+    """Whether a class is meant for a plugin: it has a method that some kind of plugin must have."""
+    return not _has_steps(found) and any(inspect.isfunction(getattr(found, name, None)) for name in PLUGIN_METHODS)
+
+
 def _has_steps(found: type) -> bool:
-    """Whether objects of a class are called for each step, and are told when an episode starts."""
-    is_called = "__call__" in vars(found) and _takes(found.__call__, 5)
-    return is_called and callable(getattr(found, "reset", None)) and bool(missing_members("rewards", found))
+    """Whether objects of a class are called for each step."""
+    is_called = any("__call__" in vars(base) for base in found.__mro__) and _takes(found.__call__, 5)
+    return is_called and bool(missing_members("rewards", found))
+
+
+def _is_called(file: PluginFile, found: Any) -> bool:
+    """Whether something is a `functools.partial`, or an object of a class of the file, that is called for a step."""
+    is_of_file = type(found).__module__ == file.module and callable(found)
+    return (is_of_file or isinstance(found, functools.partial)) and _takes(found, 4)
+
+
+def _is_one_of(found: Any, classes: Iterable[type]) -> bool:
+    return any(found is it for it in classes)
 
 
 def _takes(function: Any, count: int) -> bool:

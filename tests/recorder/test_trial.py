@@ -75,6 +75,20 @@ class Shared:
         return self.total
 
 
+class Beside:
+    """Keeps its sum in the class, where no ``reset()`` sees it."""
+
+    sums = [0.0]  # noqa: RUF012 # that is the fault
+
+    def reset(self) -> None:
+        """Begin nothing anew."""
+
+    def __call__(self, observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+        """The sum of what was seen."""
+        self.sums[0] += float(next_observation[0])
+        return self.sums[0]
+
+
 class Sums:
     """As it should be."""
 
@@ -111,6 +125,7 @@ def _record(rewards: dict[str, Any], path: Path, env: Any, steps: int = 7, **giv
 
 
 WRONG = {"counts": counts, "best": best, "jumps": jumps, "noisy": noisy, "no reset": NoReset(), "shared": Shared()}
+WRONG["beside"] = Beside()
 
 
 @pytest.mark.parametrize("name", WRONG)
@@ -133,6 +148,71 @@ def test_trial_ends_with_the_recording(counting: Callable[..., Any], tmp_path: P
     """In the middle of the first episode."""
     with pytest.warns(GivenUp, match="reward 'best' failed"):
         _record({"best": best}, tmp_path / "run", counting(99), 3)
+
+
+class Change:
+    """The change since the call before, without ``reset()``: the first answer is 0, asked once or twice."""
+
+    last = None
+
+    def __call__(self, observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+        """The change."""
+        last, self.last = self.last, float(next_observation[0])
+        return 0.0 if last is None else self.last - last
+
+
+def test_first_episode_of_one_step_is_not_all_that_is_tried(counting: Callable[..., Any], tmp_path: Path):
+    """The first hundred steps are, in as many episodes as that takes."""
+    env = gymnasium.wrappers.TransformObservation(counting(1), lambda seen: seen + next(steps), None)
+    steps = iter(range(100))
+    with pytest.warns(GivenUp, match="reward 'change' failed in env 0, episode 1, step 0"):
+        _record({"change": Change()}, tmp_path / "run", env)
+
+
+def test_memory_with_reset_is_right_over_short_episodes(counting: Callable[..., Any], tmp_path: Path):
+    """It is told of each episode when it is asked again."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = _record({"sums": Sums()}, tmp_path / "run", counting(2), 150)
+    assert np.isfinite(found.rewards["sums"]).all()
+
+
+def test_memory_that_shows_late_is_told_at_the_end(counting: Callable[..., Any], tmp_path: Path):
+    """A curriculum in a global: its first steps are paid otherwise then. The training is over, and nothing is lost."""
+
+    def stages(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+        MEMORY["count"] += 1
+        return 1.0 if MEMORY["count"] < 450 else 0.5
+
+    with pytest.warns(Noted, match="reward 'stages': it said 1, and said 0.5 when it was asked about step 0"):
+        found = _record({"stages": stages}, tmp_path / "run", counting(4), 300, trained_with="stages", pay=True)
+    assert np.isfinite(found.rewards["stages"]).all()
+
+
+@pytest.mark.parametrize("mode", list(gymnasium.vector.AutoresetMode)[:2])
+def test_batched_memory_is_right_over_many_episodes(counting: Callable[..., Any], tmp_path: Path, mode: Any):
+    """An env that was only reset has no number that could be compared."""
+
+    class Both:
+        def reset(self, mask: Any) -> None:
+            self.total = np.where(mask, 0.0, getattr(self, "total", np.zeros(2)))
+
+        def __call__(self, observation: Any, action: Any, next_observation: Any, info: Any) -> Any:
+            self.total = self.total + next_observation[:, 0]
+            return self.total
+
+    envs = gymnasium.vector.SyncVectorEnv([lambda: counting(3), lambda: counting(5)], autoreset_mode=mode)
+    rewards = {"both": Both(), "plain": lambda s, a, n, i: n[:, 0]}
+    recorded = harness.RecordVectorRewards(
+        envs, tmp_path / "run", trained_with="own", rewards={"own": "own", **rewards}, batched=rewards
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        recorded.reset(seed=0)
+        for _ in range(120):
+            recorded.step(np.stack([ACTION, ACTION]))
+        recorded.close()
+    assert not read_recording(tmp_path / "run").facts.failures
 
 
 def test_memory_in_a_batch_is_found_in_its_first_step(tmp_path: Path):

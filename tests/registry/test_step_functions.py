@@ -97,7 +97,8 @@ BAD = {
     "a capital": (ONE.replace("def pays", "def Pays") + MEMORY, "the name 'Pays' must be lower-case letters"),
     "lower of nothing": ("lower_is_better = ['x']\n" + ONE, "lower_is_better names 'x', which is none of pays"),
     "lower of a reward": ("lower_is_better = ['pays']\n" + ONE, "lower_is_better goes with measures"),
-    "a class that is nothing": (ONE + "class Other: ...", "Other has no "),
+    "a class that is half a plugin": (ONE + "class Other:\n    def train(self): ...", "Other has no "),
+    "a class that is nothing": ("class Other: ...", "Other has no "),
 }
 
 
@@ -108,6 +109,26 @@ def test_bad_file_is_told_in_one_line(lay: Lay, source: str, told: str):
         _registry(lay("bad.py", source))
     assert told in str(error.value)
     assert "bad.py" in str(error.value)
+
+
+def test_other_classes_of_a_file_are_its_own(lay: Lay):
+    """Settings, as a dataclass."""
+    source = "from dataclasses import dataclass\n@dataclass\nclass Settings:\n    weight: float = 2.0\n" + ONE
+    assert [it.name for it in _registry(lay("calm.py", source)).functions] == ["calm"]
+
+
+CALLED = "class Weighed:\n    def __call__(self, observation, action, next_observation, info):\n        return 2.0\n"
+PARTIAL = (
+    "from functools import partial\ndef _pay(s, a, n, i, weight):\n    return weight\nit = partial(_pay, weight=2.0)"
+)
+
+
+@pytest.mark.parametrize("source", [CALLED, CALLED + "reward = Weighed()", PARTIAL])
+def test_what_can_be_called_for_a_step_is_a_reward(lay: Lay, source: str):
+    """A class without a memory, an object of a class, a partial."""
+    (found,) = _registry(lay("calm.py", source)).functions
+    assert found.name == "calm"
+    assert found.make()(None, None, None, {}) == 2.0
 
 
 def test_two_functions_of_one_name_are_refused(lay: Lay, tmp_path: Path):

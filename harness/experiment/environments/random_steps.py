@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 from harness.environment import AnyEnv
 from harness.experiment.environments.spaces import flat_observation
 from harness.recorder.column import Column
-from harness.recorder.guard import Guard
+from harness.recorder.guard import Guard, Step
 
 
 class RandomStep(NamedTuple):
@@ -35,6 +35,11 @@ class RandomStep(NamedTuple):
     ended: bool
     numbers: list[float]
     guard: Guard
+
+    @property
+    def given(self) -> Step:
+        """What functions are given of it."""
+        return self.before, self.action, self.after, self.info
 
 
 def random_steps(
@@ -72,7 +77,7 @@ def value_of(column: Column, step: RandomStep) -> Any:
         return step.paid
     if column.key is not None:
         return step.info.get(column.key)
-    return step.guard.answer(column.measures[0], (step.before, step.action, step.after, step.info))
+    return step.guard.answer(column.measures[0], step.given)
 
 
 def _begin(env: AnyEnv, columns: Sequence[Column], guard: Guard, seed: int | None = None) -> Any:

@@ -1,6 +1,7 @@
 """One episode of random actions in an environment: every reward, every measure and every key of info is asked."""
 
 import time
+from collections import defaultdict
 from collections.abc import Callable, Collection
 from contextlib import closing
 from itertools import islice
@@ -9,17 +10,22 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from harness.environment import AnyEnv, Environment
+from harness.errors import one_line
 from harness.experiment.environments.columns import columns_of
 from harness.experiment.environments.random_steps import RandomStep, random_steps, value_of
 from harness.experiment.trials.tried import Fault, Tried, error_text, fault_of
 from harness.recorder.column import Column, as_number
 from harness.recorder.column import columns_of as made_columns
+from harness.recorder.guard import Guard
+from harness.recorder.trial import FIRST_STEPS, Finding, Trial
 from harness.registry.choice import Choice
 from harness.registry.names import unknown_name
 from harness.registry.registry import Registry
 
 MOST_STEPS, MOST_SECONDS = 2_000, 10.0
 """The most steps that are tried, and the most time that they take."""
+MOST_AGAIN = 1.0
+"""Of one that has taken longer, [s], no further step is asked again: the trial is no place to wait."""
 COMPARED = 100
 """Steps that are taken again, to see whether the seed decides them."""
 UNSEEDED = (
@@ -61,6 +67,7 @@ class _Trial:
         self._columns: list[Column] = []
         self._seen: dict[str, None] = {}
         self._missing: set[str] = set()
+        self._spent: dict[str, float] = defaultdict(float)
         self._steps, self._has_ended = 0, False
 
     def run(self, environment: Environment, registry: Registry) -> list[str]:
@@ -81,6 +88,8 @@ class _Trial:
             if column.remembers:
                 self._restart(column)
         asked = [column for column in self._columns if not column.given_up]
+        again = Trial(env, Guard())
+        again.begin(asked)
         self._tell("")
         for step in random_steps(env, 0, MOST_STEPS):
             rows += [step.numbers] if len(rows) < COMPARED else []
@@ -88,10 +97,16 @@ class _Trial:
             self._steps, self._has_ended = step.number, step.ended
             for column in asked:
                 if not column.given_up:
-                    self._ask(column, step)
+                    self._ask(column, step, again)
             if step.ended or time.monotonic() >= until:
                 break
             self._tell("")
+        for column in asked:
+            if self._spent[column.name] <= MOST_AGAIN:
+                self._tell(column.name)
+                for finding in again.look([column]):
+                    self._take(finding)
+        self._tell("")
         return rows
 
     def _untold(self) -> list[str]:
@@ -112,7 +127,7 @@ class _Trial:
         except (Exception, SystemExit) as error:  # whatever rewards of users raise
             self._give_up(column, f"fails in reset(): {error_text(error)}.")
 
-    def _ask(self, column: Column, step: RandomStep) -> None:
+    def _ask(self, column: Column, step: RandomStep, again: Trial) -> None:
         self._tell(column.name)
         if column.key is not None and column.key not in step.info:
             if not column.may_be_untold or step.ended:
@@ -121,10 +136,24 @@ class _Trial:
                 self._give_up(column, f"cannot be read in step {step.number - 1}{last}: {told}")
             return
         self._missing.discard(column.name)
+        began = time.monotonic()
         try:
-            as_number(value_of(column, step))
+            answer = as_number(value_of(column, step))
         except (Exception, SystemExit) as error:
-            self._give_up(column, f"fails in step {step.number - 1}: {error_text(error)}.")
+            reason = error_text(error)
+            if column.measures and (own := step.guard.reason(column.measures[0], step.given, error)) != one_line(error):
+                reason = own
+            self._give_up(column, f"fails in step {step.number - 1}: {reason}.")
+            return
+        if column.measures and step.number <= FIRST_STEPS and self._spent[column.name] <= MOST_AGAIN:
+            self._tell(column.name)
+            self._take(again.note(column, step.given, answer, bool(step.guard.drew)))
+            self._spent[column.name] += time.monotonic() - began
+
+    def _take(self, finding: Finding | None) -> None:
+        """Give up what remembers something that nobody restarts; what remembers a whole training may."""
+        if finding is not None and finding.is_wrong:
+            self._give_up(finding.column, f"cannot be used: {finding.told}.")
 
     def _give_up(self, column: Column, reason: str) -> None:
         column.given_up = True

@@ -145,9 +145,12 @@ def test_crash_costs_only_the_cells_that_it_pays(trained: Path):
         ("own", "done"), ("calm", "done"), ("upright", "done"), ("crashes", "failed"),
     }  # fmt: skip
     for manifest in results.done:
-        assert manifest.note == "reward crashes given up in the training, episode 1, step 0: ZeroDivisionError: " + (
-            "division by zero"
+        given_up, remembers = manifest.note.split("; ")
+        assert (
+            given_up
+            == "reward crashes given up in the training, episode 1, step 0: ZeroDivisionError: division by zero"
         )
+        assert remembers.startswith("reward 'crashes': it remembers something beyond reset()")
         training = read_recording(results.store.cell_folder(manifest.cell) / TRAINING_RECORDING)
         assert list(training.rewards) == ["own", "calm", "crashes", "upright"]
         assert not np.isnan(training.rewards["calm"]).any()

@@ -48,7 +48,7 @@ def test_reward_that_raises_is_named_with_its_line(tried):
         ("return float('nan')", "fails in step 0: ValueError: it is nan"),
         ("return next_observation.repeat(2)", "fails in step 0: ValueError: it is an array of shape (2,)"),
         ("return 'much'", "fails in step 0: TypeError"),
-        ("raise SystemExit", "fails in step 0: SystemExit"),
+        ("raise SystemExit", "fails in step 0: RuntimeError: SystemExit"),
         ("return 1.0 / (1.0 - info.get('last', 0.0))", "fails in step 7: ZeroDivisionError"),
     ],
 )
@@ -105,3 +105,23 @@ def test_env_that_fails_is_told(tried):
     assert not found.faults
     (note,) = found.notes
     assert "the environment fails: ValueError: could not convert string to float: 'here' (walking.py, line" in note
+
+
+def test_hidden_memory_is_a_fault(tried):
+    """It would be given up in every cell, and the cell that it pays would fail."""
+    (fault,) = tried(counts="counts.n = getattr(counts, 'n', 0) + 1\n    return counts.n").faults
+    assert fault.reason.startswith("cannot be used: it said 1, and said 2 when it was asked about the same step at on")
+
+
+def test_what_writes_is_told_what_to_write(tried):
+    """As a training would tell it."""
+    (fault,) = tried(halves="action /= 2\n    return 0.0").faults
+    assert fault.reason.startswith("fails in step 0: it writes into its action, which others read too: write `action")
+
+
+def test_slow_reward_is_not_asked_all_over(tried, monkeypatch: pytest.MonkeyPatch):
+    """The trial would take longer than a call may, and the reward would be thought to hang."""
+    monkeypatch.setattr("harness.experiment.trials.environment_trial.MOST_AGAIN", 0.0)
+    asked = []
+    assert tried(slow="return float(next_observation[0])", asked=asked) == Tried()
+    assert asked.count("reward_slow") == 8 + 1
