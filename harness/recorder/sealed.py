@@ -65,7 +65,7 @@ class Sealer:
         if kind is np.ndarray and not value.dtype.hasobject:
             copied = value.copy()
             copied.setflags(False)  # by place: half of the time
-            return copied
+            return copied.view()  # numpy makes no view of a read-only array writable again
         if kind in CONSTANT:
             return value
         if kind in MAPPINGS or kind is ReadOnlyDict:
@@ -87,7 +87,7 @@ class Sealer:
             for place in np.ndindex(value.shape):
                 copied[place] = self.seal(value[place])
             copied.setflags(write=False)
-            return copied
+            return copied.view()
         if type(value) in (list, ReadOnlyList):
             return ReadOnlyList(map(self.seal, value))
         if isinstance(value, AS_THEY_ARE) and not isinstance(value, np.void):

@@ -30,6 +30,8 @@ WRITES: dict[str, Callable[[Any], Any]] = {
     "inner list": lambda info: info["a"]["c"].append(3),
     "array": lambda info: info["x"].__setitem__(0, 9),
     "array in place": lambda info: np.multiply(info["x"], 2, out=info["x"]),
+    "array made writable": lambda info: info["x"].setflags(write=True),
+    "array of objects made writable": lambda info: info["o"].setflags(write=True),
     "array in a tuple": lambda info: info["named"][1]["k"].fill(0),
     "array of objects": lambda info: info["o"][0].update(p=2),
 }
