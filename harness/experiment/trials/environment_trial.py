@@ -25,7 +25,7 @@ from harness.registry.registry import Registry
 MOST_STEPS, MOST_SECONDS = 2_000, 10.0
 """The most steps that are tried, and the most time that they take."""
 MOST_AGAIN = 1.0
-"""Of one that has taken longer, [s], no further step is asked again: the trial is no place to wait."""
+"""The time that one function may take, [s], and still be asked again: the trial is no place to wait."""
 COMPARED = 100
 """Steps that are taken again, to see whether the seed decides them."""
 UNSEEDED = (
