@@ -279,6 +279,7 @@ class _Fails:
 """
 
 
+@pytest.mark.filterwarnings("ignore:reward 'right'. it remembers something beyond reset")
 def test_a_reward_that_fails_is_the_reason_of_its_failed_cell(broken: tuple[Given, ...], tmp_path: Path):
     """The learner cannot be paid."""
     cell = _plan(load_registry(given=broken), task="broken").cells[1]
@@ -288,12 +289,15 @@ def test_a_reward_that_fails_is_the_reason_of_its_failed_cell(broken: tuple[Give
 
 
 @pytest.mark.filterwarnings("ignore:reward 'right' failed")
+@pytest.mark.filterwarnings("ignore:reward 'right'. it remembers something beyond reset")
 def test_a_reward_that_only_looks_on_fails_alone(broken: tuple[Given, ...], tmp_path: Path):
     """The cell is done, the manifest says what was given up, and everything else is recorded."""
     cell = _plan(load_registry(given=broken), task="broken").cells[0]
     manifest = _done(cell, tmp_path / "cell", broken)
     assert (cell.reward.label, manifest.status) == ("near", "done")
-    assert manifest.note == "reward right given up in the training, episode 1, step 2: SystemExit: the arm fell off"
+    failed, _, remembers = manifest.note.partition("; ")
+    assert failed == "reward right given up in the training, episode 1, step 2: SystemExit: the arm fell off"
+    assert remembers.startswith("reward 'right': it remembers something beyond reset()")  # it counts episodes
     training = read_recording(tmp_path / "cell" / TRAINING_RECORDING)
     unknown = np.isnan(training.rewards["right"])
     assert (unknown.sum(), np.flatnonzero(~unknown).max()) == (STEPS - 10, 9)
