@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from enum import Enum
 from logging import Logger
-from types import FunctionType, MethodType, ModuleType
+from types import CellType, FunctionType, MethodType, ModuleType
 from typing import Any
 
 import gymnasium
@@ -66,6 +66,32 @@ def own_copies(given: Any, noun: str, env: Any, count: int) -> tuple[list[Any], 
         raise UsageError(
             f"{noun} has a memory, and each env needs a copy of its own, but it cannot be copied: {error!r}"
         ) from error
+
+
+def as_defined(function: Any) -> Any:
+    """A function of the same code whose memory stands where this one's stands now; None where it cannot be made.
+
+    Defaults, closures, attributes, and what of its module it uses by a name are copied, as far as they are containers
+    or objects with attributes. Functions, classes and modules that it uses are shared.
+    """
+    if not isinstance(function, FunctionType):
+        return None
+    names = {name for name in function.__code__.co_names if name in function.__globals__}
+    try:
+        known = {name: _copied(function.__globals__[name]) for name in names}
+        cells = tuple(CellType(_copied(cell.cell_contents)) for cell in function.__closure__ or ())
+        defaults = tuple(map(_copied, function.__defaults__ or ()))
+        copied = FunctionType(function.__code__, {**function.__globals__, **known}, function.__name__, defaults, cells)
+        copied.__kwdefaults__ = {name: _copied(value) for name, value in (function.__kwdefaults__ or {}).items()}
+        vars(copied).update({name: _copied(value) for name, value in vars(function).items()})
+    except Exception:  # an empty cell, or whatever objects of users raise
+        return None
+    copied.__globals__.update({name: copied for name in names if function.__globals__[name] is function})
+    return copied
+
+
+def _copied(value: Any) -> Any:
+    return value if callable(value) or isinstance(value, WITHOUT_STATE) else copy.deepcopy(value)
 
 
 def uses_parts_of(given: Any, env: Any) -> bool:

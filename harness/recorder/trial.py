@@ -17,7 +17,7 @@ from harness.errors import UsageError, sentence
 from harness.recorder.column import Column, as_number
 from harness.recorder.computing import only_computes
 from harness.recorder.guard import Guard, Raised, Step, same
-from harness.recorder.own_copies import uses_parts_of
+from harness.recorder.own_copies import as_defined, uses_parts_of
 
 FIRST_STEPS = 100
 RESTART = "reset"
@@ -58,10 +58,10 @@ class Trial:
     _begun: dict[str, Any] = field(default_factory=dict)
 
     def begin(self, columns: Sequence[Column]) -> None:
-        """Note what those with a memory are like when the first episode starts, after their ``reset()``."""
+        """Note what all are like when the first episode starts, those with a memory after their ``reset()``."""
         for column in columns:
-            if column.remembers and not column.holds_env and column.name not in self._begun:
-                self._begun[column.name] = _copy(column)
+            if column.measures and not column.holds_env and column.name not in self._begun:
+                self._begun[column.name] = _copy(column) if column.remembers else as_defined(column.measures[0])
 
     def restarted(self, column: Column, given: Step) -> None:
         """Note that a function with a memory was told that another episode starts.
@@ -108,10 +108,20 @@ class Trial:
             yield replace(found, is_wrong=False)
 
     def _of_function(self, column: Column) -> Finding | None:
-        apart = self._first_apart(column, column.measures[0])
+        apart = self._first_apart(column, column.measures[0]) or self._apart_backwards(column)
         if not apart or uses_parts_of(column.given, self.env):  # the env stands elsewhere now
             return None
         return Finding(column, f"{apart}. {_what_is_wrong()}")
+
+    def _apart_backwards(self, column: Column) -> str:
+        """The same of a function as it was at the beginning, from the last step on: it may remember the first one."""
+        begun: Any = self._begun.get(column.name)
+        noted = self._noted[column.name]
+        for number, (step, answer) in reversed([*enumerate(noted)] if begun is not None else []):
+            (again,) = self.guard.ask([begun], [step])
+            if not isinstance(again, Raised) and not _alike(answer, again):
+                return f"{_other(answer, again)} about step {number} before others"
+        return ""
 
     def _of_memory(self, column: Column) -> Finding | None:
         begun = self._begun.get(column.name)
@@ -231,6 +241,7 @@ class Guarded:
         self._column = Column(noun, noun, function, measures=[function])
         self._guard, self._is_watched = Guard(), not only_computes(function)
         self._trial, self._steps = Trial(None, self._guard), 0
+        self._trial.begin([self._column] if not self._column.remembers else [])
         if self._column.remembers:
             self.reset = lambda: self._guard.answer(function.reset, ())
 

@@ -44,6 +44,34 @@ def jumps(observation: Any, action: Any, next_observation: Any, info: Any) -> fl
     return change
 
 
+def since_first(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+    """The change since the first call of all: asked again from the first step on, it says the same."""
+    if not MEMORY["seen"]:
+        MEMORY["seen"].append(float(next_observation[0]))
+    return float(next_observation[0]) - MEMORY["seen"][0]
+
+
+def since_default(observation: Any, action: Any, next_observation: Any, info: Any, seen: Any = []) -> float:  # noqa: B006
+    """The same, in a default."""
+    seen += [] if seen else [float(next_observation[0])]
+    return float(next_observation[0]) - seen[0]
+
+
+def since_attribute(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+    """The same, in an attribute of its own."""
+    if not hasattr(since_attribute, "seen"):
+        since_attribute.seen = float(next_observation[0])  # type: ignore[attr-defined] # that is the fault
+    return float(next_observation[0]) - since_attribute.seen  # type: ignore[attr-defined]
+
+
+TABLE: dict[float, float] = {}
+
+
+def remembers_answers(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+    """Keeps what it has computed, and says what it would say anyway."""
+    return TABLE.setdefault(float(next_observation[0]), 2.0 * float(next_observation[0]))
+
+
 def noisy(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
     """A draw from a generator of its own that nobody restarts."""
     return float(GENERATOR.random())
@@ -125,7 +153,7 @@ def _record(rewards: dict[str, Any], path: Path, env: Any, steps: int = 7, **giv
 
 
 WRONG = {"counts": counts, "best": best, "jumps": jumps, "noisy": noisy, "no reset": NoReset(), "shared": Shared()}
-WRONG["beside"] = Beside()
+WRONG |= {"beside": Beside(), "first": since_first, "default": since_default, "attribute": since_attribute}
 
 
 @pytest.mark.parametrize("name", WRONG)
@@ -135,6 +163,13 @@ def test_hidden_memory_is_named(counting: Callable[..., Any], tmp_path: Path, na
         found = _record({name: WRONG[name]}, tmp_path / "run", counting(4))
     assert np.isnan(found.rewards[name][4:]).all()
     assert found.rewards["own"].tolist() == [1, 2, 3, 4, 1, 2, 3]
+
+
+@pytest.mark.filterwarnings("error")
+def test_kept_answers_are_no_hidden_memory(counting: Callable[..., Any], tmp_path: Path):
+    """They are the same in every order."""
+    found = _record({"kept": remembers_answers}, tmp_path / "run", counting(4))
+    assert found.rewards["kept"].tolist() == [2, 4, 6, 8, 2, 4, 6]
 
 
 @pytest.mark.parametrize("name", ["counts", "best"])
