@@ -228,7 +228,8 @@ def _given_up(recorded: Sequence[Path]) -> list[str]:
         for number in recorder_numbers(path):
             facts = TrainingFacts.read(path / facts_name(number))
             for line in facts.notes:
-                notes.setdefault(line.partition(",")[0], line)  # the same is told with another step
+                # The same is told with another step; what to write instead stands in the recording, and in reports.
+                notes.setdefault(line.partition(",")[0], line.partition(". ")[0])
             for it in facts.failures:
                 name = it.column.replace("_", " ", 1)
                 told = f"{name} given up in the {where}, episode {it.episode}, step {it.step}: {it.reason}"
