@@ -17,6 +17,7 @@ from harness.record.recording.recorded_training import read_recording
 PAGE = (Path(__file__).parents[1] / "docs" / "your-environment.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"^```python\n(.*?)^```", PAGE, re.DOTALL | re.MULTILINE)
 STEPS = 64
+VERDICT = "from harness import RecordRewards, evaluate_policy"
 
 
 def _run(folder: Path, monkeypatch: pytest.MonkeyPatch, needle: str, **told: str) -> dict[str, Any]:
@@ -42,7 +43,7 @@ def _recorded(folder: Path, path: str) -> Any:
 
 def test_every_example_is_run():
     """None is forgotten here."""
-    assert len(EXAMPLES) == 7
+    assert len(EXAMPLES) == 8
 
 
 def test_first_example_is_short():
@@ -70,18 +71,18 @@ def test_first_training_is_recorded_and_read(
 
 def test_verdict_takes_15_lines():
     """With the installation and the report."""
-    (example,) = [text for text in EXAMPLES if "evaluate_policy" in text]
+    (example,) = [text for text in EXAMPLES if VERDICT in text]
     assert len([line for line in example.splitlines() if line.strip()]) + 2 <= 15
 
 
 def test_report_on_both_rewards(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
     """Trainings too short for an episode, two seeds: the evaluations tell, and what they cannot is said."""
     pytest.importorskip("stable_baselines3")
-    _run(tmp_path, monkeypatch, "evaluate_policy")
+    _run(tmp_path, monkeypatch, VERDICT)
     done = capsys.readouterr().out.splitlines()
     assert len(done) == 4
     assert all(line.startswith("runs/") and line.endswith(" is done") for line in done)
-    _run(tmp_path, monkeypatch, "evaluate_policy")
+    _run(tmp_path, monkeypatch, VERDICT)
     assert capsys.readouterr().out == ""  # what is finished is not done again
     for trained_with in ("own", "calm"):
         for seed in range(2):
@@ -93,6 +94,15 @@ def test_report_on_both_rewards(tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
     told = " ".join(capsys.readouterr().out.split())
     assert "rests on evaluations of the final policies, 1 episode or more of each seed" in told
     assert "over the training: n/a: own in 'runs/own-0': no episode ended" in told
+
+
+@pytest.mark.filterwarnings("error")
+def test_normalisation_stands_on_its_side(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Nothing has to be told of it, and the pay is recorded as it is."""
+    _run(tmp_path, monkeypatch, "NormalizeReward(harness")
+    training, evaluation = (_recorded(tmp_path, path) for path in ("runs/normal", "runs/normal/evaluation"))
+    assert (training.facts.pay, training.facts.notes, evaluation.facts.notes) == (True, (), ())
+    assert (len(training), evaluation.facts.episodes_asked) == (1, 2)
 
 
 def test_memory_is_recorded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
+from xml.parsers import expat
 
 import mujoco
 import numpy as np
@@ -88,8 +88,8 @@ def test_urdf_is_parsed_once(
     """From a file to an arm that moves, joints to be fixed and links without mass included."""
     finger = '<link name="finger"/><joint name="grip" type="prismatic"><parent link="tool0"/><child link="finger"/>'
     finger += '<limit lower="0" upper="0.1"/></joint>'
-    parsers, make = [], ElementTree.XMLParser
-    monkeypatch.setattr(ElementTree, "XMLParser", lambda **given: parsers.append(1) or make(**given))
+    parsers, make = [], expat.ParserCreate
+    monkeypatch.setattr(expat, "ParserCreate", lambda *given: parsers.append(1) or make(*given))
     robot = read_changed(ROBOT.urdf.replace("</robot>", f"{finger}</robot>"))
     assert 'name="grip" type="fixed"' in robot.urdf
     open_arms(2, robot).drive(random_poses(2), PERIOD)
