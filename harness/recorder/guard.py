@@ -74,7 +74,7 @@ class Guard:
         """
         if not is_watched and not self._sealer.is_open:
             self.drew = {}
-            return [_answer(function, step) for function, step in zip(functions, steps, strict=False)]
+            return _answers(functions, steps)
         answers, alarm, drew = list[Any](), self._alarm, dict[int, str]()
         # A tensor that shares its memory with an array writes into it, read-only or not.
         own = self._sealer.own if self._sealer.is_open or "torch" in sys.modules else None
@@ -134,11 +134,14 @@ class Guard:
         return one_line(error)
 
 
-def _answer(function: Function, step: Step) -> Any:
-    try:
-        return function(*step)
-    except (Exception, SystemExit) as error:  # whatever functions of users raise
-        return Raised(error)
+def _answers(functions: Sequence[Function], steps: Iterable[Step]) -> list[Any]:
+    answers = list[Any]()
+    for function, step in zip(functions, steps, strict=False):
+        try:
+            answers.append(function(*step))
+        except (Exception, SystemExit) as error:  # whatever functions of users raise
+            answers.append(Raised(error))
+    return answers
 
 
 def _plain_error(error: BaseException) -> BaseException:

@@ -9,6 +9,7 @@ from typing import Any, Never
 import gymnasium
 import numpy as np
 from gymnasium.vector import VectorEnv
+from numpy import ndarray
 
 CONSTANT = frozenset({float, int, bool, str, bytes, complex, type(None), np.float64, np.float32, np.int64, np.bool_})
 """The usual types of which a value never changes."""
@@ -62,16 +63,16 @@ class Sealer:
     def seal(self, value: Any) -> Any:
         """A copy."""
         kind = type(value)
-        if kind is np.ndarray and not value.dtype.hasobject:
+        if kind is ndarray and not value.dtype.hasobject:
             copied = value.copy()
             copied.setflags(False)  # by place: half of the time
             return copied.view()  # numpy makes no view of a read-only array writable again
         if kind in CONSTANT:
             return value
+        if kind is dict and CONSTANT.issuperset(map(type, value.values())):  # mostly a loop less
+            return ReadOnlyDict(value)
         if kind in MAPPINGS or kind is ReadOnlyDict:
-            return ReadOnlyDict(
-                {key: inner if type(inner) in CONSTANT else self.seal(inner) for key, inner in value.items()}
-            )
+            return ReadOnlyDict({key: self.seal(inner) for key, inner in value.items()})
         return self._seal_other(value)
 
     def own(self, step: tuple[Any, ...]) -> tuple[Any, ...]:
