@@ -125,20 +125,10 @@ def open_workshop(asked: Asked, seconds: float | None) -> Iterator[Workshop]:
         temporary.mkdir()
         environment = {**offspring.environment, **dict.fromkeys(("TMPDIR", "TEMP", "TMP"), str(temporary))}
         try:
-            with Pool(environment) as pool, _ended_at_once(offspring):
+            with Pool(environment) as pool, offspring.ended_at_once():
                 yield Workshop(asked, seconds, Path(folder), pool, offspring)
         finally:
             offspring.kill()
-
-
-@contextmanager
-def _ended_at_once(offspring: Offspring) -> Iterator[None]:
-    """If an exception passes, as after Ctrl-C, the processes are ended: nothing that they do is worth waiting for."""
-    try:
-        yield
-    except BaseException:
-        offspring.kill()
-        raise
 
 
 def _loss_in_words(news: News, limit: float, place: str) -> str:

@@ -3,8 +3,7 @@
 import faulthandler
 import json
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar, Self
@@ -103,19 +102,9 @@ def try_tasks(works: Sequence[TryTask]) -> list[Tried]:
     with (
         tempfile.TemporaryDirectory(prefix="harness-trial-", ignore_cleanup_errors=True) as folder,
         Pool(offspring.environment) as pool,
-        _ended_at_once(offspring),
+        offspring.ended_at_once(),
     ):
         return [_try(work, Path(folder) / str(number), pool, offspring) for number, work in enumerate(works)]
-
-
-@contextmanager
-def _ended_at_once(offspring: Offspring) -> Iterator[None]:
-    """If an exception passes, as after Ctrl-C, the processes are ended."""
-    try:
-        yield
-    except BaseException:
-        offspring.kill()
-        raise
 
 
 def _try(work: TryTask, folder: Path, pool: Pool, offspring: Offspring) -> Tried:

@@ -4,7 +4,7 @@ import os
 import time
 import uuid
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -43,6 +43,15 @@ class Offspring:
                 with suppress(psutil.Error):  # it has ended, or is another user's
                     process.kill()
             time.sleep(LOOK_EVERY)
+
+    @contextmanager
+    def ended_at_once(self) -> Iterator[None]:
+        """If an exception passes, as after Ctrl-C, they are ended: nothing that they do is worth waiting for."""
+        try:
+            yield
+        except BaseException:
+            self.kill()
+            raise
 
     def _living(self) -> Iterator[psutil.Process]:
         for process in psutil.process_iter():

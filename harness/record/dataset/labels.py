@@ -7,7 +7,7 @@ needs a threshold, ``KEY>0.5``.
 import csv
 import io
 import re
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -138,6 +138,28 @@ def missing_key(flag: str, key: str, path: Path, known: Iterable[str]) -> UsageE
     keys = list(dict.fromkeys(known))
     shown = shortened(", ".join(keys), 400) or "none"
     return UsageError(f"{flag} {key}: {path} has no such key; it has {shown}.{did_you_mean(key, keys)}")
+
+
+def success_rule(
+    success: SuccessRule | None, told: Collection[str], path: Path, usual: Iterable[str]
+) -> SuccessRule | None:
+    """Where success stands; None where nothing says it, or where it is not looked for.
+
+    Args:
+        success: What the user says of it; without a key the first of the usual ones that is there.
+        told: The keys that are there.
+        path: Of the data set, for messages.
+        usual: Keys that mostly say it.
+
+    Raises:
+        UsageError: The key that the user names is not there.
+    """
+    if success is None:
+        return None
+    if success.key and success.key not in told:
+        raise missing_key("--success", success.key, path, told)
+    key = next((key for key in usual if key in told), None)
+    return success if success.key else SuccessRule(key) if key else None
 
 
 def read_labels(path: Path, rule: SuccessRule) -> dict[int, int]:

@@ -37,7 +37,7 @@ from harness.record.dataset.dataset import (
     own_rewards,
     require_readable,
 )
-from harness.record.dataset.labels import UNKNOWN, SuccessRule, missing_key
+from harness.record.dataset.labels import UNKNOWN, SuccessRule, missing_key, success_rule
 from harness.record.dataset.lerobot_facts import (
     ACTION,
     CHUNK,
@@ -128,7 +128,8 @@ def open_lerobot(name: str, success: SuccessRule | None, cluster: str = "", part
     census = _census(folder, files, shapes, listing, info, partial_is_enough)
     layout = _Layout(files, shapes, own, listing, tasks, census.episodes, None)
     told = (*layout.keys, *listing.keys)
-    rule = _success_rule(success, told, folder)
+    usual = [f"{begin}{key}" for key in SUCCESS_KEYS for begin in ("next.", "")]
+    rule = success_rule(success, told, folder, usual)
     if cluster and cluster not in told:
         raise missing_key("--cluster", cluster, folder, told)
     facts = DatasetFacts(
@@ -154,19 +155,6 @@ def _notes_on_seen(shapes: Mapping[str, Any]) -> list[str]:
     parts = ", ".join(name.removeprefix(SEEN) for name in seen_in(shapes))
     found = f"an observation is a dictionary of {parts}" if parts else NOTHING_SEEN
     return [f"There are no numbers of {STATE}: {found}"]
-
-
-def _success_rule(success: SuccessRule | None, told: tuple[str, ...], folder: Path) -> SuccessRule | None:
-    """Where success stands; None where nothing says it, or where it is not looked for."""
-    if success is None:
-        return None
-    if success.key:
-        if success.key not in told:
-            raise missing_key("--success", success.key, folder, told)
-        return success
-    known = (f"{begin}{key}" for key in SUCCESS_KEYS for begin in ("next.", ""))
-    key = next((key for key in known if key in told), None)
-    return SuccessRule(key) if key else None
 
 
 def _files(folder: Path, info: Mapping[str, Any], listing: Listing) -> tuple[tuple[Path, ...], list[str]]:

@@ -43,7 +43,7 @@ from harness.record.dataset.hdf5_parts import (
     numbers_of_row,
     open_hdf5,
 )
-from harness.record.dataset.labels import UNKNOWN, SuccessRule, missing_key
+from harness.record.dataset.labels import UNKNOWN, SuccessRule, missing_key, success_rule
 from harness.record.dataset.minari_facts import (
     MAIN,
     MOST_BYTES,
@@ -131,7 +131,7 @@ def open_minari(name: str, success: SuccessRule | None, cluster: str = "", parti
     if cluster and cluster not in told:
         raise missing_key("--cluster", cluster, path, told)
     pictures = pictures_of(metadata)
-    rule = _success_rule(success, told, path)
+    rule = success_rule(success, told, path, SUCCESS_KEYS)
     facts = DatasetFacts(
         f"minari:{name}",
         folder,
@@ -147,18 +147,6 @@ def open_minari(name: str, success: SuccessRule | None, cluster: str = "", parti
     return Dataset(
         facts, partial(_pieces, facts, _Layout(tuple(sorted(census.episodes - seen.again)), own, pictures, rule))
     )
-
-
-def _success_rule(success: SuccessRule | None, told: tuple[str, ...], path: Path) -> SuccessRule | None:
-    """Where success stands; None where nothing says it, or where it is not looked for."""
-    if success is None:
-        return None
-    if success.key:
-        if success.key not in told:
-            raise missing_key("--success", success.key, path, told)
-        return success
-    key = next((key for key in SUCCESS_KEYS if key in told), None)
-    return SuccessRule(key) if key else None
 
 
 def _notes(
