@@ -7,6 +7,7 @@ same step again, at once, or after the steps that followed.
 import copy
 import math
 import pickle
+from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -16,7 +17,7 @@ import numpy as np
 from harness.errors import UsageError, sentence
 from harness.recorder.column import Column, as_number
 from harness.recorder.computing import only_computes
-from harness.recorder.guard import Guard, Raised, Step, same
+from harness.recorder.guard import Guard, Raised, Step
 from harness.recorder.own_copies import as_defined, uses_parts_of
 
 FIRST_STEPS = 100
@@ -128,11 +129,11 @@ class Trial:
         one, other = (None, None) if begun is None else (_copy(column), _copy(column))
         if one is None or other is None or not self._restart(one, other, column=column):
             return None  # it holds the env, or cannot be copied
-        is_anew = same(vars(begun), vars(one)) if hasattr(one, "__dict__") else True
+        has_grown = _has_grown(begun, one)
         apart = self._first_apart(column, one)
         if apart and _is_surely_anew(begun, one) and not uses_parts_of(type(column.given).__call__, self.env):
             return Finding(column, f"{apart}, though reset() has made it as it was. {SHARED}")
-        if apart or not is_anew:
+        if apart or has_grown:
             late = "" if apart else " (its numbers have not shown it so far)"
             told = (
                 f"it remembers something beyond reset(){late}, which every env has for itself and an evaluation "
@@ -176,6 +177,21 @@ class Trial:
             if not _alike(answer, again):
                 return f"{_other(answer, again)} about step {number} after others"
         return ""
+
+
+def _has_grown(begun: Any, restarted: Any) -> bool:
+    """Whether a count or a list has grown, as that of a curriculum, whose numbers may show it only later.
+
+    Anything else may be left from the last episode, and be set anew by the first step of the next one.
+    """
+    before, after = (getattr(it, "__dict__", {}) for it in (begun, restarted))
+    return any(_size(after[name]) > _size(before[name]) for name in before.keys() & after.keys())
+
+
+def _size(value: Any) -> int:
+    if isinstance(value, int | np.integer) and not isinstance(value, bool):
+        return int(value)
+    return len(value) if isinstance(value, list | dict | set | deque) else 0
 
 
 def _is_surely_anew(begun: Any, restarted: Any) -> bool:

@@ -130,6 +130,20 @@ class Sums:
         return self.total + self.rng.normal()
 
 
+class Begins:
+    """Sets anew in its first step what the last episode has left, as an arm's reward for Unity does."""
+
+    def reset(self) -> None:
+        """An episode starts."""
+        self.is_begun = False
+
+    def __call__(self, observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+        """How much more than in the first step."""
+        if not self.is_begun:
+            self.first, self.is_begun = {"seen": np.asarray(next_observation)}, True
+        return float(next_observation[0] - self.first["seen"][0])
+
+
 class Curriculum(Sums):
     """Counts the steps of the training too."""
 
@@ -283,6 +297,13 @@ def test_memory_with_reset_is_no_hidden_memory(counting: Callable[..., Any], tmp
         found = _record(right, tmp_path / "run", env)
     assert (found.facts.failures, found.facts.notes) == ((), ())
     assert found.rewards["count"].tolist() == [1, 2, 3, 4, 1, 2, 3]
+
+
+@pytest.mark.filterwarnings("error")
+def test_what_the_first_step_sets_anew_is_no_memory(counting: Callable[..., Any], tmp_path: Path):
+    """Though `reset` leaves it."""
+    found = _record({"begins": Begins()}, tmp_path / "run", counting(4), steps=120)
+    assert found.rewards["begins"].tolist() == [0, 1, 2, 3] * 30
 
 
 def test_memory_beyond_reset_is_told(counting: Callable[..., Any], tmp_path: Path):
