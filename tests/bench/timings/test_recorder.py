@@ -49,7 +49,7 @@ def test_recording_two_rewards_beside_gymnasium_s_own_statistics(
     """The env's payment is recorded as a third. Gymnasium's wrapper only adds up what each episode paid.
 
     Rewards get copies of action, observation and info, so that none spoils what others see. Measured side by side: 0.06
-    with copies, 0.07 with read-only views, 0.16 where they got the learner's own arrays.
+    with copies, 0.07 with read-only views, 0.16 where they got the learner's own arrays. So the bound is not met now.
     """
     statistics, recorded = gymnasium.wrappers.RecordEpisodeStatistics(Free()), _record(Free(), tmp_path)
     action, count, calls = np.zeros(2, np.float32), amount(20_000, 100), []
@@ -62,7 +62,7 @@ def test_recording_two_rewards_beside_gymnasium_s_own_statistics(
         for _ in range(count):
             step(action)
 
-    require_speed(lambda: act(statistics), lambda: act(recorded), at_least=0.05)
+    require_speed(lambda: act(statistics), lambda: act(recorded), at_least=0.1)
     recorded.close()
     assert len(read_recording(tmp_path)) == count * calls.count(recorded)
 
