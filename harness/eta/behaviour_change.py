@@ -1,8 +1,8 @@
 """The difference of a measure of behaviour under two rewards, and how far it can be trusted."""
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,13 +14,19 @@ from harness.eta.interval import (
     UNBOUNDED,
     Bounds,
     Interval,
-    mean_interval,
+    difference_interval,
     of_difference,
     share_variance,
     variance_of,
     why_no_interval,
 )
 from harness.eta.swaps import ALPHA, Swaps, p_of
+from harness.eta.unseen import difference_bounds, mean_bounds
+
+FAILED = 0.5
+"""A training failed if its policy succeeds in less than this share of its episodes."""
+ONE_SIDED = 0.90
+"""The confidence of an interval that each end passes in 5 % of the cases."""
 
 
 class Measure(NamedTuple):
@@ -42,38 +48,49 @@ class Measure(NamedTuple):
     """What a value can be, if the measure is no share."""
 
     @property
+    def ends(self) -> Bounds:
+        """What a value can be."""
+        return self.bounds if self.episodes is None else SHARE
+
+    @property
     def of_difference(self) -> Bounds:
         """What the difference of two values can be."""
-        return of_difference(self.bounds if self.episodes is None else SHARE)
+        return of_difference(self.ends)
 
     def to_json(self) -> dict[str, Any]:
         """Plain data; JSON has no infinite bounds, so it has none."""
         return {name: value for name, value in self._asdict().items() if name != "bounds"}
 
 
+Values = Mapping[int, float]
+"""A value of each training, by seed."""
+Sides = tuple[Values, Values]
+"""Of the baseline's trainings, and of the proposed reward's. They are not paired, and need not be as many."""
+
+
 @dataclass(frozen=True)
 class Change:
-    """Means over seeds of one measure, which does not depend on any reward.
+    """Means over trainings of one measure, which does not depend on any reward.
 
     Attributes:
         measure: What is measured.
-        baseline: Mean over the compared seeds under the baseline; None if the metric is not defined.
+        baseline: Mean over the baseline's trainings; None if the metric is not defined.
         proposed: The same under the proposed reward.
         random: The same for random actions.
-        seeds: How many seeds have a value under both rewards, and are compared.
-        left_out: How many seeds have no value under one of the rewards.
-        low: Lower end of the 95 % interval of proposed - baseline, over seeds in pairs, cut to what that can be; None
-            where there is none.
+        trainings: The value of each training that has one, by seed.
+        without: How many trainings of each reward have no value.
+        low: Lower end of the 95 % interval of proposed - baseline, cut to what that can be; None where there is none.
         high: Upper end.
-        p: The p-value for no difference, by an exact test over swapped seeds; None if it cannot be computed.
-        corrected: The p-value corrected for all claims that are made together; of a measure that decides that of the
-            verdict.
-        values: The values of each compared seed, under the baseline and under the proposed reward.
-        variance: The variance of a seed's difference; None below two seeds.
+        likely: Ends of proposed - baseline, each passed in 5 % of the cases at most, also where trainings fail that
+            were not seen; see `harness.eta.unseen`. None where there are none.
+        most: What the mean under each reward lies below in 95 %, reckoned likewise; None where it is not known.
+        p: The p-value for no difference: of a measure that decides that of the verdict, else by an exact test over
+            swapped seeds; None if it cannot be computed.
+        corrected: The p-value corrected for all claims that are made together.
+        spread: The standard deviation of one training; None below two trainings of each reward.
         outcomes: The mean difference with the trainings' names swapped in all ways, see `harness.eta.swaps`; None
-            for a single seed, which can claim nothing.
+            below two seeds that both rewards have, which can claim nothing.
         reason: Why the metric failed for a seed; empty if it did not fail, also if it is not defined.
-        of_seeds: The compared seeds, in the order of `values`.
         level: A corrected p-value up to this says that there is a difference.
     """
 
@@ -81,17 +98,17 @@ class Change:
     baseline: float | None
     proposed: float | None
     random: float | None
-    seeds: int
-    left_out: int = 0
+    trainings: Sides = field(default=({}, {}), repr=False)
+    without: tuple[int, int] = (0, 0)
     low: float | None = None
     high: float | None = None
+    likely: Interval | None = field(default=None, repr=False)
+    most: tuple[float, float] | None = field(default=None, repr=False)
     p: float | None = None
     corrected: float | None = None
-    values: tuple[tuple[float, float], ...] = field(default=(), repr=False)
-    variance: float | None = field(default=None, repr=False)
+    spread: float | None = field(default=None, repr=False)
     outcomes: Float | None = field(default=None, repr=False, compare=False)
     reason: str = ""
-    of_seeds: tuple[int, ...] = field(default=(), repr=False)
     level: float = field(default=ALPHA, repr=False)
 
     @property
@@ -100,16 +117,24 @@ class Change:
         return self.measure.name
 
     @property
-    def differences(self) -> Float:
-        """Proposed - baseline of each compared seed, (seeds,)."""
-        pairs = np.array(self.values, np.float64).reshape(-1, 2)
-        differences: Float = pairs[:, 1] - pairs[:, 0]
-        return differences
+    def counts(self) -> tuple[int, int]:
+        """How many trainings of each reward have a value."""
+        return len(self.trainings[0]), len(self.trainings[1])
+
+    @property
+    def seeds(self) -> int:
+        """How many trainings the reward has that has fewer."""
+        return min(self.counts)
+
+    @property
+    def values(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """The values of the baseline's trainings, and of the proposed reward's."""
+        return tuple(self.trainings[0].values()), tuple(self.trainings[1].values())
 
     @property
     def difference(self) -> float | None:
-        """Proposed - baseline, mean over the compared seeds."""
-        return float(np.mean(self.differences)) if self.values else None
+        """Proposed - baseline, of the means."""
+        return None if self.baseline is None or self.proposed is None else self.proposed - self.baseline
 
     @property
     def direction(self) -> str:
@@ -119,32 +144,23 @@ class Change:
         return "better" if (self.difference > 0.0) == (self.measure.better == "higher") else "worse"
 
     @property
-    def likely(self) -> Interval | None:
-        """The 90 % interval of the difference; None where there is none."""
-        if self.variance is None or why_no_interval(self.seeds):
-            return None
-        return mean_interval(self.differences, self.variance, confidence=0.90)
-
-    @property
-    def lowest(self) -> float | None:
-        """The lowest value of a seed, under either reward."""
-        return min((value for pair in self.values for value in pair), default=None)
-
-    @property
-    def spread(self) -> float | None:
-        """The standard deviation of one training; None below two seeds."""
-        return None if self.variance is None else math.sqrt(self.variance / 2.0)
+    def failed(self) -> tuple[int, int] | None:
+        """How many trainings of each reward failed: less than half of their episodes succeed; None of no share."""
+        if self.measure.episodes is None or self.measure.better != "higher":
+            return None  # of a share such as collisions less than half is no failure
+        one, other = (sum(value < FAILED for value in of) for of in self.values)
+        return one, other
 
     @property
     def middles(self) -> tuple[float | None, float | None]:
-        """Interquartile means over the compared seeds, for the baseline and for the proposed reward."""
-        return interquartile_mean([one for one, _ in self.values]), interquartile_mean([it for _, it in self.values])
+        """Interquartile means over the trainings of the baseline, and of the proposed reward."""
+        one, other = self.values
+        return interquartile_mean(one), interquartile_mean(other)
 
     @property
     def improvement(self) -> float | None:
         """Chance that a run of the proposed reward is better than one of the baseline."""
-        one, other = [one for one, _ in self.values], [it for _, it in self.values]
-        return probability_of_improvement(one, other, self.measure.better)
+        return probability_of_improvement(*self.values, self.measure.better)
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
@@ -154,7 +170,7 @@ class Change:
             "proposed": self.proposed,
             "random": self.random,
             "seeds": self.seeds,
-            "left_out": self.left_out,
+            "left_out": sum(self.without),
             "difference": self.difference,
             "low": self.low,
             "high": self.high,
@@ -163,66 +179,72 @@ class Change:
             "result": self.direction,
             "interquartile_means": list(self.middles),
             "probability_of_improvement": self.improvement,
-            "values": [list(pair) for pair in self.values],
+            "failed": self.failed and list(self.failed),
+            "trainings": dict(zip(("baseline", "proposed"), map(_by_seed, self.trainings), strict=True)),
             "reason": self.reason,
         }
 
 
-Values = Mapping[int, float | None]
-"""The value of each seed; None if the metric is not defined."""
+def _by_seed(values: Values) -> dict[str, float]:
+    return {str(seed): value for seed, value in values.items()}
 
 
 def change_of(
-    measure: Measure, baseline: Values, proposed: Values, swaps: Swaps, random: Sequence[float | None] = ()
+    measure: Measure,
+    baseline: Mapping[int, float | None],
+    proposed: Mapping[int, float | None],
+    swaps: Swaps,
+    random: Sequence[float | None] = (),
 ) -> Change:
     """The change of one measure.
 
     Args:
         measure: What is measured.
-        baseline: Its values under the baseline, by seed.
-        proposed: The same seeds under the proposed reward.
+        baseline: Its value for each training under the baseline, by seed; None if the metric is not defined.
+        proposed: The same under the proposed reward.
         swaps: The ways in which the names of a seed's trainings are swapped.
         random: Its values for random actions.
     """
-    pairs = {
-        seed: (one, other)
-        for seed, one in baseline.items()
-        if one is not None and (other := proposed[seed]) is not None
-    }
-    seeds, left_out = len(pairs), len(baseline) - len(pairs)
-    if not pairs:
-        return Change(measure, _mean(baseline.values()), _mean(proposed.values()), _mean(random), 0, left_out)
-    both = np.array(list(pairs.values()))
-    differences = both[:, 1] - both[:, 0]
-    means = both.mean(axis=0)
-    variance = _variance(differences, means.tolist(), measure.episodes)
-    low, high = None, None
-    if not why_no_interval(seeds):
-        low, high = mean_interval(differences, variance or 0.0, bounds=measure.of_difference)
-    outcomes = swaps.of(list(pairs)) @ differences / seeds if seeds > 1 else None
-    return Change(
-        measure,
-        float(means[0]),
-        float(means[1]),
-        _mean(random),
-        seeds,
-        left_out,
-        low,
-        high,
-        None if outcomes is None else p_of(outcomes),
-        values=tuple(pairs.values()),
-        variance=variance,
-        outcomes=outcomes,
-        of_seeds=tuple(pairs),
+    one, other = ({seed: value for seed, value in side.items() if value is not None} for side in (baseline, proposed))
+    without = (len(baseline) - len(one), len(proposed) - len(other))
+    found = Change(measure, _mean(one.values()), _mean(other.values()), _mean(random), (one, other), without)
+    if not found.seeds:
+        return found
+    both = [seed for seed in one if seed in other]
+    if len(both) > 1:
+        outcomes = swaps.of(both) @ np.array([other[seed] - one[seed] for seed in both]) / len(both)
+        found = replace(found, outcomes=outcomes, p=p_of(outcomes))
+    return with_intervals(found)
+
+
+def with_intervals(change: Change) -> Change:
+    """The change with what follows from its trainings' values: its spread, and its intervals."""
+    if change.seeds < 2:
+        return change
+    one, other = (np.array(values, np.float64) for values in change.values)
+    variances = (_variance(one, change.measure), _variance(other, change.measure))
+    found = replace(change, spread=math.sqrt(sum(variances) / 2.0))
+    if why_no_interval(change.seeds):
+        return found
+    low, high = difference_interval(one, other, variances, bounds=change.measure.of_difference)
+    ends = change.measure.ends
+    (_, most_of_one), (_, most_of_other) = (mean_bounds([of], ends, ONE_SIDED) for of in (one, other))
+    return replace(
+        found,
+        low=low,
+        high=high,
+        likely=difference_bounds([one], [other], ends, ONE_SIDED),
+        most=(most_of_one, most_of_other),
     )
 
 
-def _variance(differences: Float, means: Sequence[float], episodes: int | None) -> float | None:
-    if len(differences) < 2:
-        return None
-    return variance_of(differences) if episodes is None else share_variance(differences, means, episodes)
+def _variance(values: Float, measure: Measure) -> float:
+    """Of one training."""
+    if measure.episodes is None:
+        return variance_of(values)
+    return share_variance(values, [float(values.mean())], measure.episodes)
 
 
-def _mean(values: Any) -> float | None:
+def _mean(values: Iterable[float | None]) -> float | None:
     known = [value for value in values if value is not None]
     return float(np.mean(known)) if known else None

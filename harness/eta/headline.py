@@ -31,8 +31,6 @@ LEARNED = 0.10
 """Where both rewards teach success in less than this share of the episodes, neither teaches the task."""
 PLANNABLE = 10
 """A number of seeds that is known only to a larger factor is no plan."""
-FAILED = 0.5
-"""A seed failed if its policy succeeds in less than this share of its episodes."""
 
 
 class Answer(StrEnum):
@@ -40,9 +38,16 @@ class Answer(StrEnum):
 
     HELPS = "helps"
     HURTS = "hurts"
+    LEARNS_FASTER = "learns faster"
+    LEARNS_SLOWER = "learns slower"
+    """Success while training decides alone; at the end no difference was found."""
+    MIXED = "mixed"
+    """Better in one place or by one measure, and worse in another, both by more than chance."""
     NO_DIFFERENCE = "no difference"
     NEITHER_LEARNS = "neither learns"
     CANNOT_TELL = "cannot tell"
+    INTERIM = "interim"
+    """Trainings of the plan are still to come, and no plan of looks says what may be concluded before."""
     RACED = "the race decides"
     """In a race for the best of several rewards no comparison with the baseline is a test."""
 
@@ -74,8 +79,16 @@ class Compared(Protocol):
         """The mean under the proposed reward."""
 
     @property
+    def counts(self) -> tuple[int, int]:
+        """How many trainings of the baseline and of the proposed reward are compared, over all places."""
+
+    @property
     def seeds(self) -> int:
-        """How many seeds are compared, in each place."""
+        """How many trainings each reward has in each place, at least."""
+
+    @property
+    def failed(self) -> tuple[int, int] | None:
+        """How many of `counts` failed, of a share of which more is better; None of other measures."""
 
     @property
     def low(self) -> float | None:
@@ -87,11 +100,11 @@ class Compared(Protocol):
 
     @property
     def likely(self) -> Interval | None:
-        """The 90 % interval of the difference, of which the tests for a small difference are made."""
+        """Ends of the difference that each hold in 95 %, also where trainings fail that were not seen."""
 
     @property
-    def lowest(self) -> float | None:
-        """The lowest value of a seed, under either reward."""
+    def most(self) -> tuple[float, float] | None:
+        """What the mean under each reward lies below in 95 %, reckoned likewise."""
 
     @property
     def spread(self) -> float | None:
