@@ -23,6 +23,8 @@ from harness.eta.interval import (
 from harness.eta.swaps import ALPHA, Swaps, p_of
 from harness.eta.unseen import difference_bounds, mean_bounds
 
+TRAINING, WHOLE = "while training", "over the training"
+"""The manners of the episodes of a training itself: of an arm, and of a recorded training."""
 FAILED = 0.5
 """A training failed if its policy succeeds in less than this share of its episodes."""
 ONE_SIDED = 0.90
@@ -46,6 +48,16 @@ class Measure(NamedTuple):
     """The name for readers; if empty, they see the name with blanks."""
     bounds: Bounds = UNBOUNDED
     """What a value can be, if the measure is no share."""
+
+    @property
+    def is_share(self) -> bool:
+        """Whether it is a share of episodes, or a mean over them of something between 0 and 1."""
+        return self.episodes is not None or self.bounds == SHARE
+
+    @property
+    def is_while_training(self) -> bool:
+        """Whether it tells how a training went, and so how fast the policy learned, and not how it ended."""
+        return self.manner in (TRAINING, WHOLE)
 
     @property
     def ends(self) -> Bounds:
@@ -130,6 +142,12 @@ class Change:
     def values(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """The values of the baseline's trainings, and of the proposed reward's."""
         return tuple(self.trainings[0].values()), tuple(self.trainings[1].values())
+
+    @property
+    def size(self) -> float:
+        """The mean absolute value over all trainings; whose they are plays no role."""
+        one, other = self.values
+        return float(np.mean(np.abs([*one, *other])))
 
     @property
     def difference(self) -> float | None:
@@ -226,7 +244,7 @@ def with_intervals(change: Change) -> Change:
     found = replace(change, spread=math.sqrt(sum(variances) / 2.0))
     if why_no_interval(change.seeds):
         return found
-    low, high = difference_interval(one, other, variances, bounds=change.measure.of_difference)
+    low, high = difference_interval(one, other, variances, bounds=change.measure.ends)
     ends = change.measure.ends
     (_, most_of_one), (_, most_of_other) = (mean_bounds([of], ends, ONE_SIDED) for of in (one, other))
     return replace(

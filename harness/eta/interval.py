@@ -170,15 +170,3 @@ def jackknife(number: Callable[[Sums], Float], whole: Sums, left_out: Sequence[S
     """
     with np.errstate(all="ignore"):  # a number that is not defined says so
         return Jackknife(float(number(whole)[0]), tuple(number(sums) for sums in left_out))
-
-
-def difference_interval(
-    baseline: Float, proposed: Float, variances: Sequence[float], confidence: float = CONFIDENCE, bounds: Bounds = UNBOUNDED
-) -> Interval:
-    """Provisional."""
-    parts = [it / len(of) for it, of in zip(variances, (baseline, proposed), strict=True)]
-    total = sum(parts)
-    squares = sum(it**2 / (len(of) - 1) for it, of in zip(parts, (baseline, proposed), strict=True))
-    reach = quantile(confidence, total**2 / squares if squares else 1.0) * math.sqrt(total)
-    middle = float(np.mean(proposed) - np.mean(baseline))
-    return max(middle - reach, min(bounds[0], middle)), min(middle + reach, max(bounds[1], middle))

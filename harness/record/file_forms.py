@@ -174,7 +174,6 @@ class TermsForm(TypedDict, total=False):
     asked: Count
     margin: Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
     race: bool
-    asks_speed: bool
     averaged: Count
     grown: Annotated[list[Whole], Field(max_length=MOST_LOOKS)]
 

@@ -14,8 +14,6 @@ class Terms:
         asked: In an experiment with looks: how many rewards are compared with the baseline.
         margin: In an experiment with looks: a difference below this ends the training.
         race: Whether the looks are those of `harness choose`, which asks for the best of several rewards.
-        asks_speed: Whether a second question is asked, whether the robot learns faster. Experiments of version 0.1 did
-            not ask it.
         averaged: The final policy counts with the mean over so many evaluations, the last ones, where there are any on
             the way.
         grown: By how many seeds were done when more of them were asked for, though no plan foresaw it.
@@ -25,7 +23,6 @@ class Terms:
     asked: int = 1
     margin: float = 0.0
     race: bool = False
-    asks_speed: bool = False
     averaged: int = 1
     grown: tuple[int, ...] = ()
 
@@ -45,5 +42,5 @@ class Terms:
 
 FIRST = Terms()
 """The terms of experiments that version 0.1 began, and of recordings that no experiment made."""
-NEW = Terms(asks_speed=True, averaged=5)
+NEW = Terms(averaged=5)
 """The terms of experiments that are begun now and train all seeds at once."""

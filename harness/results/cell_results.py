@@ -10,6 +10,7 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.errors import Unmeasured
+from harness.eta.behaviour_change import TRAINING
 from harness.metric import Metric
 from harness.record.cell_folder import is_named
 from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, TRACE, evaluation_files, other_manner
@@ -17,7 +18,7 @@ from harness.record.manifest import Manifest
 from harness.record.returns import EVENTS, mean_over_episodes, mean_return
 from harness.record.trace import Trace, read_trace, require_plausible
 from harness.results.kept import Kept
-from harness.results.measured import DETERMINISTIC, STOCHASTIC, TRAINING, Measured, Moment, Values, value_of
+from harness.results.measured import DETERMINISTIC, STOCHASTIC, Measured, Moment, Values, value_of
 from harness.results.metrics import Unmeasurable
 from harness.score.scored_runs import Payer
 from harness.score.scorer import SCORED

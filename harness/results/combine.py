@@ -5,7 +5,7 @@ from itertools import combinations
 from typing import Literal
 
 from harness.errors import Unscored
-from harness.eta.behaviour_change import Measure
+from harness.eta.behaviour_change import TRAINING, Measure
 from harness.eta.curve import GroupCurve
 from harness.eta.headline import DECIDING, SUCCESS
 from harness.eta.scored_sums import Pair
@@ -15,7 +15,7 @@ from harness.record.folder import EVALUATION
 from harness.registry.choice import Choice
 from harness.results.compare import Match, compare
 from harness.results.comparison import Comparison, Group
-from harness.results.measured import DETERMINISTIC, STOCHASTIC, TRAINING, Measured, Moment
+from harness.results.measured import DETERMINISTIC, STOCHASTIC, Measured, Moment
 from harness.results.metrics import measure_of
 from harness.results.mixture import Mixture, mixtures_of
 from harness.results.records import Records
@@ -30,9 +30,10 @@ def combine(records: Records) -> tuple[Comparison, ...]:
     """
     asked = sorted(_asked(records), key=lambda it: it[1] == it[2].label)  # the null control comes last
     matches = [(group, _match(records, group, baseline, proposed)) for group, baseline, proposed in asked]
-    swaps = swaps_of(sorted({seed for _, match in matches for seed in match.seeds}))
+    swaps = swaps_of(sorted({seed for _, match in matches for of in match.seeds_of for seed in of}))
     found = [compare(_Cells(records, group), match, swaps) for group, match in matches]
-    return with_verdicts(found, records.plan.terms, Seen.of(records.manifests, records.plan.terms.looks).look_of)
+    seen = Seen.of(records.manifests, records.plan.terms.looks)
+    return with_verdicts(found, records.plan.terms, seen.look_of, seen.to_come)
 
 
 def _asked(records: Records) -> list[tuple[Group, str, Choice]]:
@@ -65,16 +66,8 @@ def _match(records: Records, group: Group, label: str, proposed: Choice) -> Matc
     of_control = records.plan.control if label == records.baseline else {}
     control = {seed: baseline[other] for seed, other in of_control.items() if other in baseline}
     other = control if proposed.label == label else {it.seed: it for it in members if it.reward == proposed}
-    seeds = tuple(sorted(baseline.keys() & other.keys()))
-    again = [control[seed] for seed in seeds if seed in control]
-    return Match(
-        label,
-        proposed.label,
-        seeds,
-        [baseline[seed] for seed in seeds],
-        [other[seed] for seed in seeds],
-        again if len(again) == len(seeds) else [],
-    )
+    of_plan = {seed: cell for seed, cell in baseline.items() if not records.is_control(cell)}
+    return Match.of_seeds((label, proposed.label), of_plan, other, control)
 
 
 class _Cells:
@@ -148,7 +141,7 @@ class _Cells:
 
     def same_steps(self, match: Match[Cell]) -> bool:
         """See `Trainings`; evaluations are read only if every measure of every seed is the same."""
-        pairs = list(zip(*match.sides, strict=True))
+        pairs = list(zip(match.of_baseline, match.of_proposed, strict=True))
         if any(self.measured(one).manners != self.measured(other).manners for one, other in pairs):
             return False
         return all(self._motion(one) == self._motion(other) for one, other in pairs)
@@ -161,5 +154,6 @@ class _Cells:
 
     def mixtures(self, match: Match[Cell]) -> tuple[Mixture, ...]:
         """See `Trainings`."""
-        cells = dict.fromkeys([*match.of_baseline, *match.of_proposed, *match.control])
+        one, other = match.sides
+        cells = dict.fromkeys([*one, *other, *match.control])
         return mixtures_of(map(self._records.manifest, cells))

@@ -1,9 +1,9 @@
 """Two rewards that trained in one group of cells, compared: the same for traces of an arm and for recordings."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Generic, Literal, Protocol, TypeVar
+from typing import Generic, Literal, Protocol, Self, TypeVar
 
 from harness.errors import Unscored
 from harness.eta.behaviour_change import Change, Measure, change_of
@@ -30,10 +30,11 @@ class Match(Generic[Training]):
     Attributes:
         baseline: The label of the reward that the other one is compared with.
         proposed: The label of the other one.
-        seeds: The seeds of the baseline's trainings, and of the others too unless this is the null control.
-        of_baseline: The trainings by the baseline.
-        of_proposed: The trainings by the other reward.
+        seeds: The seeds that both have; of the null control those of the baseline. What is paid is compared on them.
+        of_baseline: The trainings by the baseline, of these seeds.
+        of_proposed: The trainings by the other reward, of these seeds.
         control: The baseline's trainings again with other seeds, if there are some for all seeds.
+        others: The trainings of each reward whose seed the other one lacks, by seed. Behaviour is compared on them too.
     """
 
     baseline: str
@@ -42,14 +43,56 @@ class Match(Generic[Training]):
     of_baseline: Sequence[Training]
     of_proposed: Sequence[Training]
     control: Sequence[Training] = ()
+    others: tuple[Mapping[int, Training], Mapping[int, Training]] = field(default=({}, {}))
+
+    @classmethod
+    def of_seeds(
+        cls,
+        names: tuple[str, str],
+        baseline: Mapping[int, Training],
+        proposed: Mapping[int, Training],
+        control: Mapping[int, Training],
+    ) -> Self:
+        """Sort trainings by what both rewards have.
+
+        Args:
+            names: The labels of both rewards. Equal ones are the null control.
+            baseline: The baseline's trainings, by seed.
+            proposed: The other reward's.
+            control: The baseline's trainings with other seeds, by the seed that they stand beside.
+        """
+        seeds = tuple(sorted(baseline.keys() & proposed.keys()))
+        again = [control[seed] for seed in seeds if seed in control]
+        alone = {seed: baseline[seed] for seed in sorted(baseline.keys() - proposed.keys())}
+        others = {seed: proposed[seed] for seed in sorted(proposed.keys() - baseline.keys())}
+        return cls(
+            *names,
+            seeds,
+            [baseline[seed] for seed in seeds],
+            [proposed[seed] for seed in seeds],
+            again if len(again) == len(seeds) else [],
+            ({}, {}) if names[0] == names[1] else (alone, others),
+        )
 
     @property
     def sides(self) -> tuple[Sequence[Training], Sequence[Training]]:
-        """Both lists of trainings."""
-        return self.of_baseline, self.of_proposed
+        """All trainings of both rewards, those of the seeds that both have first."""
+        alone, others = self.others
+        return [*self.of_baseline, *alone.values()], [*self.of_proposed, *others.values()]
+
+    @property
+    def seeds_of(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
+        """The seeds of `sides`."""
+        alone, others = self.others
+        return (*self.seeds, *alone), (*self.seeds, *others)
+
+    @property
+    def is_paired(self) -> bool:
+        """Whether both rewards trained with the same seeds."""
+        return not any(self.others)
 
     def of(self, who: str) -> Sequence[Training]:
-        """The trainings of one side, ``baseline`` or ``proposed``."""
+        """The trainings of one side with the seeds that both have, ``baseline`` or ``proposed``."""
         return self.of_baseline if who == "baseline" else self.of_proposed
 
 
@@ -126,7 +169,7 @@ class Trainings(Protocol[Training]):
 
 
 def compare(trainings: Trainings[Training], match: Match[Training], swaps: Swaps) -> Comparison:
-    """One reward against another, by the seeds that were trained with both; p-values are not corrected yet.
+    """One reward against another, by all of their trainings; p-values are not corrected yet.
 
     Args:
         trainings: The trainings of the group.
@@ -146,19 +189,22 @@ def compare(trainings: Trainings[Training], match: Match[Training], swaps: Swaps
         deciding=trainings.deciding,
         decided_in=trainings.decided_in(comparer.episodes),
         number_of=trainings.number_of,
+        trained=match.seeds_of,
+    )
+    if not all(match.seeds_of):
+        return empty
+    behaviour = replace(
+        empty, changes=comparer.changes(), along=comparer.along(), mixtures=trainings.mixtures(match)
     )
     if not match.seeds:
-        return empty
+        return behaviour
     decomposition, pairs = comparer.indices()
     returns, missing = comparer.returns()
     return replace(
-        empty,
+        behaviour,
         decomposition=decomposition,
-        changes=comparer.changes(),
         curves=_CurvesOnDemand(pairs, lambda pair: trainings.curve(match, pair)),
-        along=comparer.along(),
-        mixtures=trainings.mixtures(match),
-        same_steps=trainings.same_steps(match),
+        same_steps=match.is_paired and trainings.same_steps(match),
         returns=returns,
         missing=missing,
     )
@@ -280,7 +326,7 @@ class _Comparer(Generic[Training]):
         return one, other
 
     def _change(self, measure: Measure, *sides: Sequence[float | None]) -> Change:
-        one, other = (dict(zip(self._match.seeds, values, strict=True)) for values in sides)
+        one, other = (dict(zip(*pair, strict=True)) for pair in zip(self._match.seeds_of, sides, strict=True))
         has_floor = self._trainings.has_floor(measure.manner)
         random = [it.random.get(measure.name) for it in (*self._one, *self._other)] if has_floor else []
         reason = self._trainings.reason(self._match, measure.name, measure.manner)

@@ -7,9 +7,9 @@ from html import escape
 from typing import Any, Literal, NamedTuple
 
 from harness.arrays import Float
-from harness.eta.behaviour_change import Change
+from harness.eta.behaviour_change import TRAINING, WHOLE, Change
 from harness.eta.curve import GroupCurve
-from harness.eta.headline import DECIDING, SUCCESS, UNMEASURED, Answer, Headline, Names, judge, p_text
+from harness.eta.headline import DECIDING, SUCCESS, UNMEASURED, Answer, Headline, Names, judge
 from harness.eta.index import Index, Ratio
 from harness.eta.lead import lead_of
 from harness.eta.number import number_sentence, return_sentence
@@ -22,7 +22,7 @@ from harness.eta.verdict.deals import smallest_p
 from harness.eta.verdict.ruling import Ruling
 from harness.record.cell import EVALUATION_HORIZON, NO_ROBOT, NO_SIMULATOR, UNKNOWN_ALGORITHM, Cell
 from harness.registry.choice import Choice
-from harness.results.measured import DETERMINISTIC, LAST, STOCHASTIC, TRAINING, WHOLE
+from harness.results.measured import DETERMINISTIC, LAST, STOCHASTIC
 from harness.results.mixture import Mixture
 from harness.results.pool import Pool
 from harness.text import visible
@@ -122,7 +122,8 @@ class Comparison:
         baseline: Label of the baseline reward.
         proposed: Label of the proposed reward; the baseline's for the null control, whose proposed runs are the
             baseline trained again with other seeds.
-        seeds: The seeds that are done under both rewards, and compared.
+        seeds: The seeds that are done under both rewards. What is paid is compared on them.
+        trained: All seeds of each reward's trainings. Behaviour is compared on all of them.
         decomposition: Both etas with their parts; None without a seed, and where an own reward is not known.
         changes: Measures of behaviour: of the trained policies in each manner, of the trainings, of learning.
         curves: S_r(tau_q) by (r, q), as far as the rewards could be scored. A curve is read again at each request.
@@ -138,7 +139,6 @@ class Comparison:
         number_of: What the sentence about the number tells: the mean return, or both indices as in the note.
         ruling: What the test says of the measures that decide, in this place; None before it was asked.
         pool: The answer over all places; None where there is one place.
-        speed_ruling: What the test says of how fast the robot learns; None where that was not asked.
         same_steps: Whether the policies of both rewards take the same steps in every evaluation, bit for bit.
         rescaling: What the proposed reward is, if it is the baseline but for scale and offset; else None.
         same_starts: Whether policies met the same episodes in their evaluations, as far as that is known.
@@ -162,10 +162,10 @@ class Comparison:
     number_of: Literal["returns", "indices"] = "returns"
     ruling: Ruling | None = None
     pool: Pool | None = None
-    speed_ruling: Ruling | None = None
     same_steps: bool = False
     rescaling: Rescaling | None = None
     same_starts: bool = True
+    trained: tuple[tuple[int, ...], tuple[int, ...]] = ((), ())
 
     @property
     def place_key(self) -> tuple[Group, str, str]:
@@ -181,6 +181,11 @@ class Comparison:
     def names(self) -> Names:
         """The names of both trainings. They differ even if both trainings have one reward."""
         return Names(self.baseline, f"{self.proposed} (other seeds)" if self.is_control else self.proposed)
+
+    @property
+    def counts(self) -> tuple[int, int]:
+        """How many trainings of each reward are compared."""
+        return len(self.trained[0]), len(self.trained[1])
 
     @property
     def splits(self) -> Splits:
@@ -269,19 +274,17 @@ class Comparison:
         )
         return replace(self, changes=changes, ruling=ruling, pool=pool)
 
-    def with_speed(self, ruling: Ruling) -> "Comparison":
-        """The comparison with what the test says of how fast the robot learns."""
-        p = next(iter(ruling.of_measures), None)
-        changes = tuple(
-            replace(it, p=ruling.p, corrected=p, level=ruling.level) if it is self.speed else it for it in self.changes
-        )
-        return replace(self, changes=changes, speed_ruling=ruling)
-
     @cached_property
     def decisive_changes(self) -> tuple[Change, ...]:
-        """The measures that decide, in the manner that decides, as far as they are known."""
-        there = self.changes_of(self.answered_in)
-        return tuple(change for name in self.deciding for change in there if change.name == name and change.seeds)
+        """The measures that decide: those of the manner that decides, then success while training.
+
+        A measure without a value in some training does not decide. It would compare the trainings that have one: who
+        succeeds more often where success is hard would be told to be slow.
+        """
+        there = [change for name in self.deciding for change in self.changes_of(self.answered_in) if change.name == name]
+        if self.speed is not None and not any(change is self.speed for change in there):
+            there.append(self.speed)
+        return tuple(change for change in there if change.seeds and not any(change.without))
 
     @property
     def answered_in(self) -> str:
@@ -298,8 +301,6 @@ class Comparison:
 
     def _is_ruled(self, change: Change) -> bool:
         """Whether the verdict tells of a change, so that it is no hint."""
-        if self.speed_ruling is not None and change is self.speed:
-            return True
         return self.ruling is not None and any(change is it for it in self.decisive_changes)
 
     @property
@@ -320,12 +321,9 @@ class Comparison:
     @cached_property
     def headline(self) -> Headline:
         """The answers of the comparison: about the robot, and about the number."""
-        if not self.seeds:
+        if not all(self.trained):
             return Headline(Answer.CANNOT_TELL, f"Nothing to compare: {self._empty}.", "")
-        told = UNMEASURED
-        if self.decisive is not None:
-            name = self.decisive.name.replace("_", " ")
-            told = f"{name} is not known: {self.decisive.reason or 'no episode ended'}."
+        told = UNMEASURED if self.decisive is None else _unmeasured(self.names, self.decisive)
         found = judge(self.names, self.decisive_changes, self.number, self.ruling, told, same_steps=self.same_steps)
         if self.pool is None or found.decided_by or not self.pool.ruling.is_decided:
             return found
@@ -337,18 +335,6 @@ class Comparison:
         """The answer about the robot in a sentence or two without a bracket."""
         found, ruling = self.headline, self.ruling or Ruling()
         return lead_of(found, self.decisive_changes, ruling, self.group.subject, same_steps=self.same_steps)
-
-    @property
-    def speed_text(self) -> str:
-        """Whether the robot learns faster, in a sentence; empty where that was not asked, or cannot be told."""
-        if self.speed_ruling is None or self.speed is None or not self.speed_ruling.is_decided:
-            return ""
-        word = "faster" if self.speed_ruling.sign > 0 else "slower"
-        return (
-            f"{self.names.proposed} learns {word}: success over the whole training "
-            f"{self.speed.proposed:.1%} with {self.names.proposed}, {self.speed.baseline:.1%} with "
-            f"{self.names.baseline}; corrected p {p_text(self.speed_ruling.corrected)}."
-        )
 
     def hint_at(self, moment: StepChange) -> str:
         """What an evaluation on the way hints at: ``better``, ``worse`` or ``cannot tell``. It decides nothing."""
@@ -375,10 +361,10 @@ class Comparison:
             "proposed": self.proposed,
             "is_control": self.is_control,
             "seeds": list(self.seeds),
+            "trained": dict(zip(("baseline", "proposed"), map(list, self.trained), strict=True)),
             "mixtures": [mixture.to_json() for mixture in self.mixtures],
             "headline": headline,
             "test": self.ruling and self.ruling.to_json(),
-            "learns": self.speed_text,
             "deciding": list(self.deciding),
             "decided_in": self.answered_in,
             "same_steps": self.same_steps,
@@ -389,7 +375,7 @@ class Comparison:
             "baseline_index": self.baseline_index and self.baseline_index.to_json(),
             "proposed_index": self.proposed_index and self.proposed_index.to_json(),
             "claims": self.claims,
-            "smallest_p": smallest_p(len(self.seeds)) if self.seeds else None,
+            "smallest_p": smallest_p(min(self.counts)) if all(self.trained) else None,
             "episodes": dict(self.episodes),
             "behaviour": [change.to_json() for change in self.changes],
             "along_the_budget": [{**moment.to_json(), "answer": self.hint_at(moment)} for moment in self.along],
@@ -397,7 +383,7 @@ class Comparison:
 
     def __repr__(self) -> str:
         told = f"{self.group.title}: {self.names.proposed} against {self.names.baseline}"
-        return f"<Comparison in {told}, {len(self.seeds)} seeds: {self.headline.answer.value}>"
+        return f"<Comparison in {told}, {min(self.counts)} seeds: {self.headline.answer.value}>"
 
     def _repr_html_(self) -> str:
         """What a notebook shows: both answers, in words."""
@@ -410,7 +396,27 @@ class Comparison:
             return f"{self.baseline} is not trained again with other seeds yet"
         if self.seeds:
             return "an own reward is not known in every step"
+        if not all(self.trained):
+            missing = next(name for name, of in zip(self.names, self.trained, strict=True) if not of)
+            return f"no training with {missing} is done"
         return f"no seed is done under both {self.baseline} and {self.proposed}"
+
+
+def _unmeasured(names: Names, change: Change) -> str:
+    """Why the measure that should decide does not."""
+    name, counts = change.name.replace("_", " "), change.counts
+    if not any(counts):
+        return f"{name} is not known: {change.reason or 'no episode ended'}."
+    lacking = " and ".join(
+        f"in {without} of {without + count} trainings with {label}"
+        for label, without, count in zip(names, change.without, counts, strict=True)
+        if without
+    )
+    why = f" ({change.reason})" if change.reason else ""
+    return (
+        f"{name} has no value {lacking}{why}, so it cannot decide: the trainings that have one are a selection. Let it "
+        "give failures a value too, as time_to_target counts them with the whole horizon."
+    )
 
 
 def correct(family: Sequence[Comparison]) -> tuple[Comparison, ...]:

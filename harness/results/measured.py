@@ -18,9 +18,7 @@ Asked = TypeVar("Asked")
 
 EVALUATION = "in evaluations"
 """The manner of the evaluations of recorded trainings."""
-DETERMINISTIC, STOCHASTIC, TRAINING, LEARNING = "deterministic", "stochastic", "while training", "while learning"
-WHOLE = "over the training"
-"""The manner of all episodes of a recorded training."""
+DETERMINISTIC, STOCHASTIC, LEARNING = "deterministic", "stochastic", "while learning"
 LAST = "in the last evaluations"
 """The manner of the mean over the last evaluations, see `last_values`."""
 LAST_PART = 0.75

@@ -4,13 +4,12 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Literal, NamedTuple, TypeAlias
 
-from harness.eta.behaviour_change import Change
+from harness.eta.behaviour_change import TRAINING, WHOLE, Change
 from harness.eta.headline import SHORT, count_seeds
 from harness.eta.index import Ratio
 from harness.eta.return_split import ReturnSplit
 from harness.eta.scored_sums import BB, KK
 from harness.results.comparison import Comparison
-from harness.results.measured import TRAINING, WHOLE
 from harness.text import visible
 
 NOTHING = "n/a"

@@ -22,6 +22,7 @@ class Pool:
         ruling: What the test says of the mean over all of them.
         measures: The measures that decide, means over places; empty where their units differ from place to place.
         better_in: In how many places at least the robot does better, or worse, as the answer says.
+        opposed_in: In how many places at least it goes the other way.
         subject: Who behaves: ``robot`` or ``agent``.
     """
 
@@ -31,6 +32,7 @@ class Pool:
     ruling: Ruling
     measures: Sequence[Together]
     better_in: int = 0
+    opposed_in: int = 0
     subject: str = "robot"
 
     @cached_property
@@ -83,10 +85,13 @@ class Pool:
             "behaviour": self.headline.robot,
             "decided_by": self.headline.decided_by,
             "better_in": self.better_in,
+            "opposed_in": self.opposed_in,
             "test": self.ruling.to_json(),
             "measures": [
                 {
                     "name": it.name,
+                    "manner": it.measure.manner,
+                    "is_relative": it.is_relative,
                     "baseline": it.baseline,
                     "proposed": it.proposed,
                     "low": it.low,

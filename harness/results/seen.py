@@ -33,6 +33,11 @@ class Seen:
         return cls(looks, found)
 
     @property
+    def to_come(self) -> int:
+        """How many trainings have not ended yet."""
+        return sum(status not in ENDED for cells in self.status.values() for status in cells.values())
+
+    @property
     def groups(self) -> tuple[Group, ...]:
         """The places."""
         return tuple(dict.fromkeys(group for group, _ in self.status))

@@ -35,6 +35,7 @@ class Ruling:
             that; None where it did not.
         instead: Where another test decides, which: a sentence; else empty.
         has_plan: Whether a plan of looks says when to ask again. Then nobody has to be told how many seeds are too few.
+        missing: How many planned trainings are still to come. Before they ended no test is made.
     """
 
     p: float | None = None
@@ -46,6 +47,7 @@ class Ruling:
     small: float | None = None
     instead: str = ""
     has_plan: bool = False
+    missing: int = 0
 
     @property
     def is_decided(self) -> bool:
@@ -189,6 +191,11 @@ def rule_places(question: Question, whole: Ruling) -> list[Ruling]:
         )
         for it in found
     ]
+
+
+def opposed_in(whole: Ruling, places: Sequence[Ruling]) -> int:
+    """In how many places at least it goes the other way than over all of them; 0 where there is no answer."""
+    return sum(it.is_decided and it.sign == -whole.sign for it in places) if whole.is_decided else 0
 
 
 MOST_SUBSETS_OF = 10

@@ -1,11 +1,26 @@
 """A measure under two rewards, means over several places."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from harness.eta.behaviour_change import Measure
-from harness.eta.interval import UNSEEN, Interval, binomial_variance, quantile, why_no_interval
+import numpy as np
+
+from harness.arrays import Float
+from harness.eta.behaviour_change import FAILED, ONE_SIDED, Change, Measure
+from harness.eta.interval import (
+    CONFIDENCE,
+    UNBOUNDED,
+    UNSEEN,
+    Bounds,
+    Interval,
+    binomial_variance,
+    of_difference,
+    quantile,
+    why_no_interval,
+)
+from harness.eta.unseen import difference_bounds, mean_bounds
 from harness.eta.verdict.question import LEAST_SEEDS, Question
 
 
@@ -13,13 +28,26 @@ from harness.eta.verdict.question import LEAST_SEEDS, Question
 class Together:
     """Means over places of one measure.
 
+    A measure that is no share counts relative to its mean size in each place, under both rewards together. Seconds of
+    a slow place would outweigh those of a quick one, and the test does not weigh them either.
+
     Attributes:
         measure: What is measured, the same in all places.
-        question: The values as they were measured, of this measure alone.
+        question: The values of this measure alone, in its unit or relative.
     """
 
     measure: Measure
     question: Question
+
+    @classmethod
+    def of(cls, changes: Sequence[Change]) -> "Together":
+        """Put the trainings of several places together.
+
+        Args:
+            changes: Of one measure, one for each place.
+        """
+        scales = [[1.0 / size_of(change)] for change in changes]
+        return cls(changes[0].measure, question_of([[change] for change in changes], scales))
 
     @property
     def name(self) -> str:
@@ -27,8 +55,13 @@ class Together:
         return self.measure.name
 
     @property
+    def is_relative(self) -> bool:
+        """Whether values are shares of the mean size in their place, and not in the measure's unit."""
+        return not self.measure.is_share
+
+    @property
     def baseline(self) -> float:
-        """The mean over seeds and places under the baseline."""
+        """The mean over trainings and places under the baseline."""
         return self.question.means[0]
 
     @property
@@ -37,56 +70,132 @@ class Together:
         return self.question.means[1]
 
     @property
+    def difference(self) -> float:
+        """Proposed - baseline."""
+        return self.proposed - self.baseline
+
+    @property
     def seeds(self) -> int:
-        """The fewest seeds in a place."""
+        """The fewest trainings of a reward in a place."""
         return self.question.seeds
 
     @property
-    def lowest(self) -> float:
-        """The lowest value of a seed in a place, under either reward."""
-        return float(self.question.values[:, self.question.known].min())
+    def counts(self) -> tuple[int, int]:
+        """How many trainings of each reward there are in all places."""
+        one, other = (len(side) for side in self._all)
+        return one, other
+
+    @property
+    def failed(self) -> tuple[int, int] | None:
+        """How many of them failed; None of other measures, see `Change.failed`."""
+        if self.measure.episodes is None or self.measure.better != "higher":
+            return None
+        one, other = (int((side < FAILED).sum()) for side in self._all)
+        return one, other
 
     @property
     def low(self) -> float | None:
         """The lower end of the 95 % interval of proposed - baseline; None below three seeds."""
-        found = self._interval(0.95)
+        found = self._interval(CONFIDENCE)
         return found and found[0]
 
     @property
     def high(self) -> float | None:
         """The upper end."""
-        found = self._interval(0.95)
+        found = self._interval(CONFIDENCE)
         return found and found[1]
 
     @property
     def likely(self) -> Interval | None:
-        """The 90 % interval."""
-        return self._interval(0.90)
+        """See `Change.likely`. A seed may end alike in several places: the interval over seeds counts too."""
+        if why_no_interval(self.seeds):
+            return None
+        low, high = difference_bounds(*self._of_places, self._ends, ONE_SIDED)
+        estimate = self.question.estimate()
+        reach = quantile(ONE_SIDED, estimate.freedom) * estimate.error
+        return min(low, self.difference - reach), max(high, self.difference + reach)
+
+    @property
+    def most(self) -> tuple[float, float] | None:
+        """See `Change.most`."""
+        if why_no_interval(self.seeds):
+            return None
+        (_, one), (_, other) = (mean_bounds(side, self._ends, ONE_SIDED) for side in self._of_places)
+        return one, other
 
     @property
     def spread(self) -> float | None:
         """The standard deviation of one seed's mean over all places; None below two seeds."""
-        return math.sqrt(self._variance / 2.0) if self.seeds >= LEAST_SEEDS else None
+        return math.sqrt(self._variance * self.seeds / 2.0) if self.seeds >= LEAST_SEEDS else None
+
+    @property
+    def _ends(self) -> Bounds:
+        """What a value can be."""
+        return UNBOUNDED if self.is_relative else self.measure.ends
+
+    @cached_property
+    def _of_places(self) -> tuple[list[Float], list[Float]]:
+        """The values of each reward's trainings, by place."""
+        values = self.question.values[..., 0]
+        one, other = ([side[np.isfinite(side[:, at]), at] for at in range(side.shape[1])] for side in values)
+        return one, other
+
+    @property
+    def _all(self) -> tuple[Float, Float]:
+        """The values of each reward's trainings."""
+        one, other = (np.concatenate(side) for side in self._of_places)
+        return one, other
 
     @cached_property
     def _variance(self) -> float:
-        """The variance of a seed's difference, means over places.
+        """The variance of the difference of both means.
 
-        Of a share it allows for the seed that was not seen, see `harness.eta.interval.share_variance`: one in one of
-        the places, so the more there are, the less it counts.
+        Of a share it allows for trainings that were not seen, see `harness.eta.interval.share_variance`: one of each
+        reward in one of the places, so the more places there are, the less it counts.
         """
-        seeds, places = self.seeds, self.question.places
-        seen = self.question.estimate().error ** 2 * seeds
+        seen = self.question.estimate().error ** 2
         if self.measure.episodes is None:
             return seen
-        floor = sum(binomial_variance(mean, self.measure.episodes) for mean in self.question.means) / places
-        seen = max(seen, floor)
-        return max(seen, ((seeds - 1) * seen + UNSEEN**2 / places) / seeds)
+        places, floor, unseen = self.question.places, 0.0, 0.0
+        for side in self._of_places:
+            floor += sum(binomial_variance(float(of.mean()), self.measure.episodes) / len(of) for of in side)
+            unseen += (UNSEEN / min(map(len, side))) ** 2 / places
+        seen = max(seen, floor / places**2)
+        return max(seen, seen * (1.0 - 1.0 / self.seeds) + unseen)
 
     def _interval(self, confidence: float) -> Interval | None:
         if why_no_interval(self.seeds):
             return None
-        reach = quantile(confidence, self.seeds - 1) * math.sqrt(self._variance / self.seeds)
-        difference = self.proposed - self.baseline
-        low, high = self.measure.of_difference
-        return max(difference - reach, min(low, difference)), min(difference + reach, max(high, difference))
+        reach = quantile(confidence, self.question.estimate().freedom) * math.sqrt(self._variance)
+        low, high = of_difference(self._ends)
+        return max(self.difference - reach, min(low, self.difference)), min(
+            self.difference + reach, max(high, self.difference)
+        )
+
+
+def size_of(change: Change) -> float:
+    """What values are divided by, so that places can be put together: 1 of a share, else the mean size."""
+    return 1.0 if change.measure.is_share else change.size or 1.0
+
+
+def seeds_of(changes: Sequence[Sequence[Change]]) -> list[int]:
+    """All seeds of the trainings of changes, by place and measure, in order."""
+    return sorted({seed for of_place in changes for change in of_place for side in change.trainings for seed in side})
+
+
+def question_of(changes: Sequence[Sequence[Change]], scales: Sequence[Sequence[float]]) -> Question:
+    """A question about the values of changes.
+
+    Args:
+        changes: By place and measure.
+        scales: What the values of each are multiplied by.
+    """
+    seeds = seeds_of(changes)
+    row = {seed: at for at, seed in enumerate(seeds)}
+    values = np.full((2, len(seeds), len(changes), len(changes[0])), np.nan)
+    for place, of_place in enumerate(changes):
+        for measure, change in enumerate(of_place):
+            for side, of_side in enumerate(change.trainings):
+                at = [row[seed] for seed in of_side]
+                values[side, at, place, measure] = np.array(change.values[side]) * scales[place][measure]
+    return Question.of(values)

@@ -22,21 +22,13 @@ UNKNOWN = "a reward is not known in all trainings"
 def compare_runs(
     runs: Runs, baseline: str, proposed: str, swaps: Swaps, kind: Kind = "accumulated", averaged: int = 1
 ) -> Comparison:
-    """One reward against another, by the seeds that were trained with both; p-values are not corrected yet."""
-    others = {seed: run for (name, seed), run in runs.members.items() if name == proposed}
-    others = dict(runs.control) if baseline == proposed else others
-    seeds = tuple(seed for name, seed in sorted(runs.members) if name == baseline and seed in others)
-    again = [runs.control[seed] for seed in seeds if seed in runs.control] if baseline == runs.trained[0] else []
-    match = Match(
-        baseline,
-        proposed,
-        seeds,
-        [runs.members[baseline, seed] for seed in seeds],
-        [others[seed] for seed in seeds],
-        again if len(again) == len(seeds) else [],
-    )
+    """One reward against another, by all of their trainings; p-values are not corrected yet."""
+    of = {label: {seed: run for (name, seed), run in runs.members.items() if name == label} for label in (baseline, proposed)}
+    others = dict(runs.control) if baseline == proposed else of[proposed]
+    again = runs.control if baseline == runs.trained[0] else {}
+    match = Match.of_seeds((baseline, proposed), of[baseline], others, again)
     found = compare(_Recorded(runs, kind, averaged), match, swaps)
-    both = [*match.of_baseline, *match.of_proposed]
+    both = [run for side in match.sides for run in side]
     rescaling = None if baseline == proposed else rescaling_between(both, proposed, baseline)
     return replace(found, rescaling=rescaling, same_starts=meet_same_starts(both))
 

@@ -96,9 +96,10 @@ def studies_of(results: Records, shown: Sequence[str] | None = None) -> tuple[Pl
     if compared and shown is not None:
         require_measures(shown, {name for runs in compared.values() for name in runs.measures})
         compared = {group: runs.showing(shown) for group, runs in compared.items()}
-    looks_of = Seen.of(results.manifests, results.plan.terms.looks).look_of
+    terms, runs = results.plan.terms, list(compared.values())
+    seen = Seen.of(results.manifests, terms.looks)
     found = compare_all(
-        results.folder, list(compared.values()), results.kind, results.plan.terms, looks_of, pairs=results.pairs
+        results.folder, runs, results.kind, terms, seen.look_of, seen.to_come, pairs=results.pairs
     )
     studies = dict(zip(compared, found, strict=True))
     return tuple(

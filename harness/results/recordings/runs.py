@@ -8,12 +8,12 @@ from types import MappingProxyType
 from typing import NamedTuple, Self
 
 from harness.arrays import Float
-from harness.eta.behaviour_change import Measure
+from harness.eta.behaviour_change import WHOLE, Measure
 from harness.eta.interval import SHARE, UNBOUNDED, Bounds
 from harness.eta.rescaling import Rescaling, rescaling_of
 from harness.record.recording.facts import TrainingFacts
 from harness.results.comparison import Group
-from harness.results.measured import DETERMINISTIC, EVALUATION, STOCHASTIC, WHOLE, Moment
+from harness.results.measured import DETERMINISTIC, EVALUATION, STOCHASTIC, Moment
 from harness.results.recordings.alike import Likeness
 from harness.results.recordings.episodes import Episodes, Part
 from harness.results.recordings.recording_results import RecordingResults

@@ -90,6 +90,7 @@ def compare_all(
     kind: Kind,
     terms: Terms = FIRST,
     look_of: LookOf | None = None,
+    to_come: int = 0,
     *,
     pairs: bool = False,
 ) -> tuple[Study, ...]:
@@ -101,6 +102,7 @@ def compare_all(
         kind: Which curves I_N and I_P are read from; see `harness.eta.curve.GroupCurve`.
         terms: What was agreed on before the first training.
         look_of: In an experiment with looks: tells them.
+        to_come: How many planned trainings have not ended yet.
         pairs: Whether every two rewards are compared, and not each with the baseline alone.
     """
     swaps = swaps_of(sorted({seed for runs in groups for _, seed in runs.members}))
@@ -108,7 +110,7 @@ def compare_all(
         [compare_runs(runs, *pair, swaps, kind, terms.averaged) for pair in runs.compared(pairs=pairs)]
         for runs in groups
     ]
-    family = iter(with_verdicts([it for comparisons in found for it in comparisons], terms, look_of))
+    family = iter(with_verdicts([it for comparisons in found for it in comparisons], terms, look_of, to_come))
     return tuple(
         Study(folder, runs, tuple(islice(family, len(comparisons))), _tables(runs), kind)
         for runs, comparisons in zip(groups, found, strict=True)
@@ -146,6 +148,7 @@ def _pair_to_json(runs: Runs, comparison: Comparison) -> dict[str, Any]:
         "baseline": comparison.baseline,
         "proposed": comparison.proposed,
         "seeds": list(comparison.seeds),
+        "trained": dict(zip(("baseline", "proposed"), map(list, comparison.trained), strict=True)),
         "headline": headline,
         "decided_in": comparison.answered_in,
         "deciding_measure": next(iter(comparison.deciding), None),
@@ -155,6 +158,6 @@ def _pair_to_json(runs: Runs, comparison: Comparison) -> dict[str, Any]:
         "behaviour": [change.to_json() for change in comparison.changes],
         "episodes": dict(comparison.episodes),
         "claims": comparison.claims,
-        "smallest_p": smallest_p(len(comparison.seeds)) if comparison.seeds else None,
+        "smallest_p": smallest_p(min(comparison.counts)) if all(comparison.trained) else None,
         "learning": learning and learning.to_json()["metrics"],
     }
