@@ -129,6 +129,11 @@ class Change:
         return self.measure.name
 
     @property
+    def is_relative(self) -> bool:
+        """Whether values are shares of a size: never in one place."""
+        return False
+
+    @property
     def counts(self) -> tuple[int, int]:
         """How many trainings of each reward have a value."""
         return len(self.trainings[0]), len(self.trainings[1])

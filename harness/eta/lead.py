@@ -1,4 +1,4 @@
-"""The answer in one sentence or two, without a bracket: what a reader with ten seconds takes away.
+"""The answer in a sentence or two, without a bracket: what a reader takes away who has seen the differences.
 
 It says no more than the headline, from which it is made: a word of better or worse stands here only where the test of
 the headline says so.
@@ -6,20 +6,25 @@ the headline says so.
 
 from collections.abc import Sequence
 
+from harness.eta.amounts import listed, short_values
 from harness.eta.headline import (
     LEARNED,
-    PLANNABLE,
-    SHORT,
     TIME,
     Answer,
     Compared,
     Headline,
+    difference_of,
+    is_hardly_learned,
     is_share,
     margin_text,
+    name_of,
 )
+from harness.eta.judge import LOOK_ON, TRAIN_LONGER, allowance_text, decider_of, interim_text, is_little
 from harness.eta.verdict.ruling import Ruling
 
 INSTEAD = " instead of "
+RATHER = {1: ("better", "faster"), -1: ("worse", "more slowly")}
+"""What is said of a measure, and of learning, by its sign."""
 
 
 def lead_of(
@@ -31,11 +36,11 @@ def lead_of(
     *,
     same_steps: bool = False,
 ) -> str:
-    """The answer for a reader with little time; that of the headline where it says why nothing was measured.
+    """The answer about the robot in a sentence or two.
 
     Args:
         found: The answer.
-        deciding: Measures of behaviour that decide, as `harness.eta.headline.judge` was given them.
+        deciding: Measures of behaviour that decide, as `harness.eta.judge.judge` was given them.
         ruling: What the test says of them.
         subject: Who behaves: ``robot`` or ``agent``.
         where: Where this is so, in words, such as ``over 4 places``; empty for a single place.
@@ -44,70 +49,65 @@ def lead_of(
     if not deciding:
         return found.robot
     if found.answer is Answer.RACED:
-        seen = "; ".join(f"{name_of(it)} {_instead(it)}" for it in deciding)
-        return f"{seen[0].upper()}{seen[1:]}. The race decides."
-    if found.answer in (Answer.HELPS, Answer.HURTS):
-        return _decided(deciding, ruling, subject, where)
+        return "The race decides."
+    if found.answer is Answer.INTERIM:
+        return f"{interim_text(deciding, ruling)} {LOOK_ON}"
+    if found.answer is Answer.MIXED:
+        return _mixed(deciding, ruling, where)
+    if ruling.is_decided:
+        return _decided(found.answer, deciding, ruling, subject, where)
     if found.answer is Answer.NEITHER_LEARNS:
         return (
-            f"Success stays below {LEARNED:.0%} with either reward{_there(where)}. Train longer, or with another "
-            "algorithm."
+            f"Success is certainly below {LEARNED:.0%} with either reward{_there(where)}{allowance_text(deciding)}. "
+            f"{TRAIN_LONGER}"
         )
     if found.answer is Answer.NO_DIFFERENCE:
         return _no_difference(deciding, ruling, subject, where, same_steps)
-    return _cannot_tell(found, deciding, where)
+    return TRAIN_LONGER if is_hardly_learned(deciding[0]) else _not_enough(deciding, where)
 
 
-def short_values(change: Compared) -> tuple[str, str]:
-    """Both values with two digits, or with three where two do not tell them apart; the unit stands in the second."""
-    short, exact = (tuple(_text(change, it, count) for it in (change.baseline, change.proposed)) for count in (2, 3))
-    told = exact if short[0] == short[1] and exact[0] != exact[1] else short
-    unit = "%" if is_share(change) else change.measure.unit
-    return told[0], f"{told[1]} {unit}".rstrip()
-
-
-def name_of(change: Compared) -> str:
-    """The name of a measure in a sentence, such as ``success``."""
-    if change.name == TIME:
-        return "time to target"
-    return SHORT.get(change.name, change.measure.title or change.name.replace("_", " "))
-
-
-def _text(change: Compared, value: float | None, count: int) -> str:
-    if value is None:
-        return "n/a"
-    if is_share(change):
-        return f"{100 * value:.{0 if count == 2 else 1}f}"
-    rounded = float(f"{value:.{count - 1}e}")
-    return f"{value:,.0f}" if abs(rounded) >= 10.0**count else f"{rounded:#.{count}g}".rstrip(".")
-
-
-def _decided(deciding: Sequence[Compared], ruling: Ruling, subject: str, where: str) -> str:
-    change = deciding[ruling.decider]
-    lines = [f"{_does(change, subject)}{_there(where)}."]
-    for at, other in enumerate(deciding):
-        if other is change:
-            continue
-        if not ruling.passes(at):
-            lines.append(f"No difference in {name_of(other)} was found.")
-        elif ruling.signs[at] == ruling.sign:
-            lines.append(f"{_does(other, subject, 'also ')}.")
-        else:
-            word = "worse" if ruling.sign > 0 else "better"
-            lines.append(f"But {name_of(other)} is {word}: {_instead(other)}.")
+def _decided(answer: Answer, deciding: Sequence[Compared], ruling: Ruling, subject: str, where: str) -> str:
+    """What the robot does instead; then what else passed; then what did not, at the end of the trainings."""
+    first = decider_of(deciding, ruling, answer)
+    lines = [f"{_does(deciding[first], subject, ruling.sign)}{_there(where)}."]
+    others = [(at, it) for at, it in enumerate(deciding) if at != first]
+    lines += [f"{_does(it, subject, ruling.sign, 'also ')}." for at, it in others if ruling.passes(at)]
+    if is_little(deciding, ruling, answer):
+        lines.append(f"That is little: less than {margin_text(deciding[first])}.")
+    ends = [name_of(it) for at, it in others if not ruling.passes(at) and not it.measure.is_while_training]
+    if answer in (Answer.LEARNS_FASTER, Answer.LEARNS_SLOWER):
+        lines.append("At the end no difference was found.")
+    elif ends:
+        lines.append(f"No difference in {listed(ends)} was found.")
     return " ".join(lines)
 
 
-def _does(change: Compared, subject: str, also: str = "") -> str:
+def _mixed(deciding: Sequence[Compared], ruling: Ruling, where: str) -> str:
+    passing = [(it, ruling.signs[at]) for at, it in enumerate(deciding) if ruling.passes(at)]
+    told = [f"{name_of(it)} is {RATHER[sign][0]}: {_instead(it)}" for it, sign in passing]
+    told[0] = f"{told[0][0].upper()}{told[0][1:]}"
+    return f"{', but '.join(told) if ruling.is_contrary else listed(told)}{_there(where)}."
+
+
+def _does(change: Compared, subject: str, sign: int, also: str = "") -> str:
     """What the robot does under the proposed reward instead of what it does under the baseline."""
+    if change.measure.is_while_training and is_share(change) and "success" in change.name:
+        learns = f"The {subject} {also}learns {RATHER[sign][1]}"
+        return f"{learns}: {_instead(change)} of its episodes succeed {change.measure.manner}"
+    if change.is_relative:
+        return f"The {name_of(change)} is {also}{_instead(change)}"
     if change.name == TIME:
         return f"The {subject} {also}reaches its target in {_instead(change)}"
     if is_share(change) and "success" in change.name:
         return f"The {subject} {also}succeeds in {_instead(change)} of its episodes"
-    return f"{name_of(change).capitalize()} is {also}{_instead(change)}"
+    name = name_of(change)
+    return f"{name[0].upper()}{name[1:]} is {also}{_instead(change)}"
 
 
 def _instead(change: Compared) -> str:
+    if change.is_relative:
+        difference = difference_of(change)
+        return f"{abs(difference):.0%} {'higher' if difference > 0.0 else 'lower'}"
     baseline, proposed = short_values(change)
     unit = proposed.partition(" ")[2]
     return f"{proposed}{INSTEAD}{baseline} {unit}".rstrip()
@@ -117,43 +117,22 @@ def _no_difference(deciding: Sequence[Compared], ruling: Ruling, subject: str, w
     if same_steps and ruling.small is None:
         return f"The {subject} takes the same steps with either reward, bit for bit{_there(where)}."
     if ruling.small is not None:
-        change = deciding[0]
-        margin = f"{100 * ruling.small:g} points" if is_share(change) else f"{ruling.small:.0%}"
-        return f"{name_of(change).capitalize()} differs by less than {margin}{_there(where)}."
-    margins = " and by less than ".join(map(margin_text, deciding))
-    return f"The rewards differ by less than {margins}{_there(where)}."
+        first = deciding[0]
+        margin = f"{100 * ruling.small:g} points" if is_share(first) else f"{ruling.small:.0%}"
+        name = name_of(first)
+        return (
+            f"{name[0].upper()}{name[1:]} differs by less than {margin}{_there(where)}{allowance_text(deciding[:1])}."
+        )
+    margins = listed([margin_text(it) for it in deciding])
+    return f"The rewards differ by less than {margins}{_there(where)}{allowance_text(deciding)}."
 
 
-def _cannot_tell(found: Headline, deciding: Sequence[Compared], where: str) -> str:
-    """How many trainings would tell."""
-    seeds = deciding[0].seeds
-    told = (
-        f"{seeds} training{'s' * (seeds != 1)} of each reward {'is' if seeds == 1 else 'are'} not enough{_there(where)}"
-    )
-    needed = found.seeds_to_decide
-    if needed is None or needed[1] > PLANNABLE * needed[0]:
-        return f"{told}."
-    return f"{told}: it takes {needed[0]:,} to {needed[1]:,} to tell."
-
-
-def at_most_text(deciding: Sequence[Compared]) -> str:
-    """How large the differences can be, either way, by their 90 % intervals; empty where there is none."""
-    most = [f"{name_of(it)} by at most {text}" for it in deciding if (text := _at_most(it))]
-    if not most:
-        return ""
-    first, *others = most
-    name, _, amount = first.partition(" by ")
-    return f"So far, {' and '.join([f'{name} differs by {amount}', *others])}, either way."
-
-
-def _at_most(change: Compared) -> str:
-    """How large the difference of a measure can be; empty where that is not known."""
-    if change.likely is None:
-        return ""
-    most = max(map(abs, change.likely))
-    if is_share(change):
-        return f"{100 * min(most, 1.0):.0f} points"
-    return f"{most:#.2g}".rstrip(".") + (f" {change.measure.unit}" if change.measure.unit else "")
+def _not_enough(deciding: Sequence[Compared], where: str) -> str:
+    fewest, most = sorted(deciding[0].counts)
+    if fewest != most:
+        return f"These trainings are not enough to tell{_there(where)}."
+    told = f"{most:,} training{'s' * (most != 1)} of each reward {'is' if most == 1 else 'are'} not enough to tell"
+    return f"{told}{_there(where)}."
 
 
 def _there(where: str) -> str:

@@ -17,9 +17,13 @@ class Look(NamedTuple):
 LOOKS = {
     Answer.HELPS: Look("▲", "bold green"),
     Answer.HURTS: Look("▼", "bold red"),
+    Answer.LEARNS_FASTER: Look("»", "green"),
+    Answer.LEARNS_SLOWER: Look("«", "red"),
+    Answer.MIXED: Look("±", "bold magenta"),
     Answer.NO_DIFFERENCE: Look("="),
     Answer.NEITHER_LEARNS: Look("0"),
     Answer.CANNOT_TELL: Look("?"),
+    Answer.INTERIM: Look("…"),
     Answer.RACED: Look(">"),
 }
 STYLES = {answer.value.upper(): look.style for answer, look in LOOKS.items() if look.style}

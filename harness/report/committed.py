@@ -269,12 +269,12 @@ def _deciding(comparison: ComparisonForm) -> list[str]:
 
 def _row(name: str, comparison: ComparisonForm, with_intervals: bool) -> tuple[str, ...]:
     ratios = _ratios(comparison)
-    decider, deciding = comparison["headline"].get("decided_by"), _deciding(comparison)
+    decider, first = comparison["headline"].get("decided_by"), _deciding(comparison)[0]
     return (
         name,
         comparison["headline"]["answer"].upper(),
-        decided_by_text(decider, deciding, _values(comparison, decider)),
-        _values(comparison, deciding[0]),
+        decided_by_text(decider, first, _values(comparison, decider)),
+        _values(comparison, first),
         str(len(comparison["seeds"])),
         *(_ratio(it, with_intervals) for it in ratios.values()),
     )
@@ -305,9 +305,12 @@ def _remarks(names: Sequence[str], comparisons: Sequence[ComparisonForm]) -> lis
     return [f"* {', '.join(where)}: {note}" for note, where in found.items()]
 
 
-def _values(comparison: ComparisonForm, name: str | None) -> str:
-    """Both values of a measure in the episodes that decide; success as a percentage."""
-    decided = comparison.get("decided_in") or deciding_manner(comparison["deterministic"], comparison["episodes"])
+def _values(comparison: ComparisonForm, key: str | None) -> str:
+    """Both values of a measure, see `harness.eta.headline.key_of`; success as a percentage."""
+    name, _, manner = (key or "").partition(" ")
+    decided = (
+        manner or comparison.get("decided_in") or deciding_manner(comparison["deterministic"], comparison["episodes"])
+    )
     for change in comparison["behaviour"]:
         baseline, proposed = change["baseline"], change["proposed"]
         if (change["name"], change["manner"]) == (name, decided) and baseline is not None and proposed is not None:

@@ -15,7 +15,7 @@ from harness.files.whole_file import write_whole
 from harness.record.terms import FIRST, Terms
 from harness.report.answers import word_of
 from harness.report.rows.behaviour import behaviour_row
-from harness.report.rows.comparison import answer_text, rewards_text, what_decides
+from harness.report.rows.comparison import TESTS, answer_text, rewards_text
 from harness.report.summary.markdown import escape, pooled_part
 from harness.report.summary.stored import behaviour_of, stored_comparisons
 from harness.results.comparison import Comparison
@@ -102,8 +102,9 @@ def _page(page: str, told: Sequence[Mapping[str, Any]], judged: Sequence[Compari
         parts[number] = parts[number][:earlier] + sentence
         parts[number + 1] = _with_p(parts[number + 1], comparison)
         parts[0] = _in_overview(parts[0], number, it, comparison)
-    parts[0] = _at_head(EARLIER_TESTS.sub(what_decides(judged[0].group.subject), parts[0]), judged)
-    return parts[0] + "".join(EARLIER_TESTS.sub(what_decides(judged[0].group.subject), part) for part in parts[1:])
+    tests = TESTS.format(subject=judged[0].group.subject)
+    parts[0] = _at_head(EARLIER_TESTS.sub(tests, parts[0]), judged)
+    return parts[0] + "".join(EARLIER_TESTS.sub(tests, part) for part in parts[1:])
 
 
 def _sentence(told: Mapping[str, Any]) -> str:

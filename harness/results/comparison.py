@@ -9,8 +9,9 @@ from typing import Any, Literal, NamedTuple
 from harness.arrays import Float
 from harness.eta.behaviour_change import TRAINING, WHOLE, Change
 from harness.eta.curve import GroupCurve
-from harness.eta.headline import DECIDING, SUCCESS, UNMEASURED, Answer, Headline, Names, judge
+from harness.eta.headline import DECIDING, SUCCESS, UNMEASURED, Answer, Headline, Names
 from harness.eta.index import Index, Ratio
+from harness.eta.judge import judge
 from harness.eta.lead import lead_of
 from harness.eta.number import number_sentence, return_sentence
 from harness.eta.rescaling import Rescaling
@@ -327,7 +328,7 @@ class Comparison:
         found = judge(self.names, self.decisive_changes, self.number, self.ruling, told, same_steps=self.same_steps)
         if self.pool is None or found.decided_by or not self.pool.ruling.is_decided:
             return found
-        over_all = f"{self.pool.where.capitalize()} together {self.proposed} {self.pool.headline.answer.value}."
+        over_all = f"{self.pool.where.capitalize()} together: {self.pool.headline.answer.value.upper()}."
         return replace(found, robot=f"{over_all} Of this place alone: {found.robot}")
 
     @cached_property

@@ -5,7 +5,7 @@ from html import escape
 from typing import Literal, NamedTuple, TypeAlias
 
 from harness.eta.behaviour_change import TRAINING, WHOLE, Change
-from harness.eta.headline import SHORT, count_seeds
+from harness.eta.headline import SHORT, count_seeds, key_of
 from harness.eta.index import Ratio
 from harness.eta.return_split import ReturnSplit
 from harness.eta.scored_sums import BB, KK
@@ -156,21 +156,22 @@ def values_text(baseline: float, proposed: float, unit: str, is_share: bool) -> 
 def decider_text(combination: Comparison) -> str:
     """The measure that decided, with its values if the overview has no column for it."""
     name = combination.headline.decided_by
-    changes = () if name is None else combination.changes_of(combination.manner)
-    change = next((it for it in changes if it.name == name), None)
-    return decided_by_text(name, combination.deciding, measure_text(change))
+    change = next((it for it in combination.decisive_changes if key_of(it) == name), None)
+    first = None if combination.decisive is None else key_of(combination.decisive)
+    return decided_by_text(name, first, measure_text(change))
 
 
-def decided_by_text(name: str | None, deciding: Sequence[str], values: str) -> str:
-    """The measure `name` that decided, with `values` if it is not the first of `deciding`, which has a column."""
+def decided_by_text(name: str | None, first: str | None, values: str) -> str:
+    """The measure `name` that decided, with `values` if it is not the `first` one, which has a column."""
     if name is None:
         return NO_DECIDER
-    return short_name(name) if name in deciding[:1] else f"{short_name(name)}, {values}"
+    return short_name(name) if name == first else f"{short_name(name)}, {values}"
 
 
-def short_name(name: str) -> str:
-    """The name of a measure for a heading or a cell."""
-    return SHORT.get(name, name.replace("_", " "))
+def short_name(key: str) -> str:
+    """The name of a measure for a heading or a cell, from its `harness.eta.headline.key_of`."""
+    name, blank, manner = key.partition(" ")
+    return f"{SHORT.get(name, name.replace('_', ' '))}{blank}{manner}"
 
 
 def short_number(value: float | None) -> str:

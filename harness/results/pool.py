@@ -1,11 +1,12 @@
 """One answer about a reward over all places in which it trained."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-from harness.eta.headline import Answer, Headline, Names, judge
+from harness.eta.headline import Answer, Headline, Names
+from harness.eta.judge import judge
 from harness.eta.lead import lead_of
 from harness.eta.verdict.ruling import Ruling
 from harness.eta.verdict.together import Together
@@ -40,11 +41,8 @@ class Pool:
         """The answer."""
         if not self.measures:
             return self._without_values()
-        found = judge(self.names, self.measures, "", self.ruling, where=self.where)
-        if not self.ruling.is_decided:
-            return found
-        told = f"{found.robot} {self._where_at_least()}"
-        return Headline(found.answer, told, "", found.decided_by)
+        found = judge(self.names, self.measures, "", self.ruling, where=self.where, is_opposed=self.opposed_in > 0)
+        return replace(found, robot=" ".join(filter(None, (found.robot, self.where_at_least))))
 
     @cached_property
     def lead(self) -> str:
@@ -52,27 +50,40 @@ class Pool:
         if not self.measures:
             return self.headline.robot
         told = lead_of(self.headline, self.measures, self.ruling, self.subject, self.where)
-        return f"{told} {self._where_at_least()}" if self.ruling.is_decided else told
+        return " ".join(filter(None, (told, self.where_at_least)))
 
     @property
     def where(self) -> str:
         """Over how many places."""
         return f"over {len(self.places)} places"
 
-    def _where_at_least(self) -> str:
-        verb = "better" if self.ruling.sign > 0 else "worse"
-        if not self.better_in:
-            return f"In which of the places it does {verb} is not decided."
+    @property
+    def where_at_least(self) -> str:
+        """In how many places it goes which way, at least; empty where nothing is decided."""
+        if not self.ruling.is_decided:
+            return ""
+        word, other = ("better", "worse") if self.ruling.sign > 0 else ("worse", "better")
+        opposed = f"{other} in at least {self.opposed_in}" if self.opposed_in else f"certainly {other} in none"
         count = len(self.places)
+        if not self.better_in:
+            return f"In which of the {count} places it is {word} is not decided; it is {opposed}."
         if self.better_in == count:
-            return f"It does {verb} in {'both' if count == 2 else f'all {count}'} places."
-        return f"It does {verb} in at least {self.better_in} of the {count} places."
+            whole = f"It is {word} in {'both' if count == 2 else f'all {count}'} places"
+            return f"{whole}, but {opposed} by another measure." if self.opposed_in else f"{whole}."
+        return f"It is {word} in at least {self.better_in} of {count} places, {opposed}."
 
     def _without_values(self) -> Headline:
-        if not self.ruling.is_decided:
+        """The answer where no mean over places has a unit."""
+        ruling = self.ruling
+        if ruling.missing:
+            told = f"Interim: {ruling.missing:,} trainings of the plan are still to come {self.where}."
+            return Headline(Answer.INTERIM, told, "")
+        if not ruling.is_decided:
             return Headline(Answer.CANNOT_TELL, f"Cannot tell {self.where}: their measures have different units.", "")
-        answer = Answer.HELPS if self.ruling.sign > 0 else Answer.HURTS
-        return Headline(answer, f"{self.names.proposed} {answer.value} {self.where}. {self._where_at_least()}", "")
+        if self.opposed_in:
+            return Headline(Answer.MIXED, self.where_at_least, "")
+        answer = Answer.HELPS if ruling.sign > 0 else Answer.HURTS
+        return Headline(answer, f"{self.names.proposed} {answer.value} {self.where}. {self.where_at_least}", "")
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""

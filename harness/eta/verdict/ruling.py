@@ -35,6 +35,7 @@ class Ruling:
             that; None where it did not.
         instead: Where another test decides, which: a sentence; else empty.
         has_plan: Whether a plan of looks says when to ask again. Then nobody has to be told how many seeds are too few.
+        is_floored: Whether p was raised because none of one reward's trainings failed: some may, that were not seen.
         missing: How many planned trainings are still to come. Before they ended no test is made.
     """
 
@@ -47,6 +48,7 @@ class Ruling:
     small: float | None = None
     instead: str = ""
     has_plan: bool = False
+    is_floored: bool = False
     missing: int = 0
 
     @property

@@ -1,5 +1,7 @@
 """The performance profile: which share of the seeds reaches at least so much, under both rewards."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from harness.eta.aggregate import performance_profile
@@ -12,18 +14,18 @@ POINTS = 101
 
 def draw_profile(change: Change) -> Chart | None:
     """Both profiles of a share such as the success rate, as steps; None without a seed."""
-    if not change.values:
+    if not change.seeds:
         return None
     lines = (("baseline", 0, ""), ("proposed", 1, "7 4"))
     name = change.name.replace("_", " ")
     return Chart(
         share_axis(f"{name} of a seed, at least"),
         share_axis("share of the seeds"),
-        tuple(_steps([pair[side] for pair in change.values], who, dash) for who, side, dash in lines),
+        tuple(_steps(change.values[side], who, dash) for who, side, dash in lines),
     )
 
 
-def _steps(values: list[float], who: str, dash: str) -> Line:
+def _steps(values: Sequence[float], who: str, dash: str) -> Line:
     """A line that is level from one place to the next, and falls there."""
     at = np.linspace(0.0, 1.0, POINTS)
     shares = performance_profile(values, at - 1e-9).round(4)
@@ -33,6 +35,7 @@ def _steps(values: list[float], who: str, dash: str) -> Line:
 
 def describe_profile(change: Change) -> str:
     """The same in words, for those who cannot see it."""
-    worst = [min(pair[side] for pair in change.values) for side in (0, 1)]
+    worst = [min(values) for values in change.values]
     told = f"{worst[0]:.0%} under the baseline, {worst[1]:.0%} under the proposed reward"
-    return f"{count_seeds(change.seeds)}. The worst seed: {told}."
+    counts = " against ".join(map(count_seeds, dict.fromkeys(change.counts)))
+    return f"{counts}. The worst seed: {told}."

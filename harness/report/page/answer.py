@@ -4,8 +4,9 @@ import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from harness.eta.headline import Answer, Compared, Headline
-from harness.eta.lead import at_most_text, name_of, short_values
+from harness.eta.amounts import difference_text, listed, short_seen_text, short_values, trainings_text, unseen_text
+from harness.eta.headline import Answer, Compared, Headline, Names, difference_of, key_of, name_of
+from harness.eta.judge import clear_text, crossing_text, needed_of, needed_text, range_text, reasons
 from harness.eta.verdict.ruling import Ruling
 from harness.report.answers import badge_of, word_of
 from harness.report.figures.forest import draw_interval, draw_part
@@ -35,10 +36,13 @@ class Card(NamedTuple):
     answer: str
     badge: str
     lead: str
+    """The answer in a sentence or two."""
     rows: tuple[Row, ...]
     """One for each measure that decides."""
     sure: str
-    """What decided, how sure it is, and whether the robot learns faster; empty where nothing decided."""
+    """What decided, and how sure it is; where nothing did, why, and what would tell."""
+    seen: str = ""
+    """What stands before the answer: the differences, and how many trainings failed."""
     pay: str = ""
     """How much more an episode is paid, without the end of the sentence."""
     is_ruler: bool = False
@@ -58,25 +62,14 @@ def card_of(comparison: Comparison, name: str) -> Card:
         comparison: The comparison.
         name: What it is called on the page.
     """
-    found, ruling = comparison.headline, comparison.ruling or Ruling()
-    changes = comparison.decisive_changes
-    card = _card(name, found, comparison.lead, changes, ruling)._replace(beside=tuple(beside_answer(comparison)))
-    pay, faster = pay_of(comparison), _learns(comparison.speed_ruling)
-    if faster:
-        card = card._replace(sure=f"{card.sure} {faster}".lstrip())
-    return card if pay is None else _with_pay(card, pay, found.answer)
-
-
-def _learns(ruling: Ruling | None) -> str:
-    """How fast the robot learns, where that is known."""
-    if ruling is None or not ruling.is_decided:
-        return ""
-    return f"It learns {'faster' if ruling.sign > 0 else 'more slowly'}."
+    card = _card(comparison.names, comparison.headline, comparison.lead, comparison.decisive_changes, comparison.ruling)
+    card, pay = card._replace(name=name, beside=tuple(beside_answer(comparison))), pay_of(comparison)
+    return card if pay is None else _with_pay(card, pay, comparison.headline.answer)
 
 
 def pool_card(pool: Pool) -> Card:
     """The card of a reward over all places."""
-    return _card(pool.names.proposed, pool.headline, pool.lead, pool.measures, pool.ruling)
+    return _card(pool.names, pool.headline, pool.lead, pool.measures, pool.ruling)
 
 
 def pool_cards(comparisons: Sequence[Comparison]) -> list[Card]:
@@ -85,41 +78,38 @@ def pool_cards(comparisons: Sequence[Comparison]) -> list[Card]:
     return [pool_card(pool) for pool in pools]
 
 
-def _card(name: str, found: Headline, lead: str, changes: Sequence[Compared], ruling: Ruling) -> Card:
+def _card(names: Names, found: Headline, lead: str, changes: Sequence[Compared], ruled: Ruling | None) -> Card:
+    ruling = ruled or Ruling()
     rows = tuple(sorted((_row(it, at, ruling, found) for at, it in enumerate(changes)), key=lambda row: not row.note))
-    return Card(name, word_of(found.answer), badge_of(found.answer), lead, rows, _sure(found, changes, ruling))
+    seen = short_seen_text(names, changes) if changes else ""
+    sure = _sure(names, found.answer, changes, ruling) if changes else ""
+    return Card(names.proposed, word_of(found.answer), badge_of(found.answer), lead, rows, sure, seen)
 
 
 def _row(change: Compared, at: int, ruling: Ruling, found: Headline) -> Row:
     baseline, proposed = short_values(change)
-    note = "decides" if found.decided_by == change.name else ""
-    figure = ""
-    if change.baseline is not None and change.proposed is not None:
-        direction = "" if not ruling.passes(at) else "better" if ruling.signs[at] > 0 else "worse"
-        difference = change.proposed - change.baseline
-        figure = draw_interval(difference, change.low, change.high, change.measure.better, direction)
-    return Row(name_of(change), note, figure, f"{baseline} -> {proposed}")
+    note = "decides" if found.decided_by == key_of(change) else ""
+    direction = "" if not ruling.passes(at) else "better" if ruling.signs[at] > 0 else "worse"
+    figure = draw_interval(difference_of(change), change.low, change.high, change.measure.better, direction)
+    value = difference_text(change, 2).partition(" ")[0] if change.is_relative else f"{baseline} -> {proposed}"
+    return Row(name_of(change), note, figure, value)
 
 
-def _sure(found: Headline, changes: Sequence[Compared], ruling: Ruling) -> str:
-    if found.answer is Answer.CANNOT_TELL:
-        return " ".join(text for text in (at_most_text(changes), _clear_of_zero(changes, ruling)) if text)
-    decider = next((it for it in changes if it.name == found.decided_by), None)
-    if decider is None:
-        return ""
-    told = f"Decided by {name_of(decider)}, from {changes[0].seeds} trainings of each reward."
-    return f"{told} {_luck(ruling.corrected or 0.0)}"
-
-
-def _clear_of_zero(changes: Sequence[Compared], ruling: Ruling) -> str:
-    """Why a bar that does not reach the line is no answer by itself; empty where every bar reaches it."""
-    clear = [it for it in changes if it.low is not None and it.high is not None and (it.low > 0.0 or it.high < 0.0)]
-    if not clear or ruling.corrected is None:
-        return ""
-    names, p = " and ".join(map(name_of, clear)), 100.0 * ruling.corrected
-    several = len(changes) > 1 or ruling.asked > 1
-    test = "with all bars of this page" if several else "by the exact test"
-    return f"The bar of {names} misses the line, but {test} luck shows one like it in {p:.0f} of 100 experiments."
+def _sure(names: Names, answer: Answer, changes: Sequence[Compared], ruling: Ruling) -> str:
+    """What decided and how sure that is; where nothing did, why, and what would tell."""
+    if answer is Answer.CANNOT_TELL:
+        lines = [*reasons(names, changes, ruling), needed_text(changes, needed_of(changes, ruling), "of each reward")]
+    elif answer is Answer.NO_DIFFERENCE:
+        lines = [unseen_text(names, changes)]
+    elif ruling.is_decided:
+        passing = [at for at in range(len(changes)) if ruling.passes(at)]
+        decided = f"Decided by {listed([name_of(changes[at]) for at in passing])}"
+        from_ = trainings_text(names, changes[0].counts)
+        luck = _luck(max(ruling.of_measures[at] for at in passing))
+        lines = [f"{decided}, from {from_}.", luck, crossing_text(changes, ruling, answer), clear_text(changes, ruling)]
+    else:
+        lines = []
+    return " ".join(filter(None, lines))
 
 
 def _luck(p: float) -> str:
@@ -174,6 +164,9 @@ def _told(comparisons: Sequence[Comparison]) -> str:
     needed = [it.seeds_to_decide for it in found if it.seeds_to_decide is not None]
     if not needed:
         return "Nothing decides these comparisons."
-    low, high = min(it[0] for it in needed), max(it[1] for it in needed)
+    between = range_text((min(it[0] for it in needed), max(it[1] for it in needed)))
     some = "" if len(needed) == len(found) else f" For {len(found) - len(needed)} of them no number can be told."
-    return f"Their trainings are not enough: it takes {low:,} to {high:,} of each reward to tell them apart.{some}"
+    return (
+        f"Their trainings are not enough. {between} of each reward would tell, under the condition that each names "
+        f"below.{some}"
+    )

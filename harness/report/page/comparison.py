@@ -63,7 +63,7 @@ class Panel(NamedTuple):
 EMPTY: Mapping[str, Any] = MappingProxyType(
     {
         **dict.fromkeys(("returns", "frames", "behaviour", "payoffs", "show")),
-        **dict.fromkeys(("tests", "summary", "speed", "symbol"), ""),
+        **dict.fromkeys(("tests", "summary", "symbol"), ""),
         "has_number": False,
         "place": 1,
         **dict.fromkeys(("mixtures", "full", "strips", "outcomes", "episodes", "endings", "showing", "learning"), ()),
@@ -91,7 +91,6 @@ def comparison_section(
         "card": card_of(combination, title),
         "show": links.place - 1 if links else None,
         "full": [text for text in full if text],
-        "speed": combination.speed_text,
         "returns": returned._replace(title="") if returned.rows or returned.notes else None,
         "mixtures": [mixture.text for mixture in combination.mixtures],
         "tests": claims_text(combination),

@@ -65,7 +65,7 @@ def _section(comparison: ComparedRuns) -> dict[str, Any]:
     drawn = [(name, draw_split(name, split), describe_split(name, split)) for name, split in splits.items()]
     figure = draw_chart(draw_groups(comparison), FIGURE.format(kind=comparison.kind))
     cannot = Answer.CANNOT_TELL
-    card = Card(runs_text(comparison), word_of(cannot), badge_of(cannot), NO_VERDICT, (), "", comparison.number)
+    card = Card(runs_text(comparison), word_of(cannot), badge_of(cannot), NO_VERDICT, (), "", pay=comparison.number)
     return {
         **EMPTY,
         "title": runs_text(comparison),

@@ -25,6 +25,7 @@ from harness.report.rows.comparison import (
     SPLIT,
     TOTAL,
     count_cells,
+    interim_text,
     question,
     remarks_on_cells,
     until_decided,
@@ -83,7 +84,7 @@ SHARED: Mapping[str, str] = MappingProxyType(
     }
 )
 """Texts of the template."""
-PROMISE = "of 20 pages like this one, at most 1 has a false HELPS or HURTS"
+PROMISE = "of 20 pages like this one, at most 1 says falsely that something is better or worse"
 BARS = (
     "Dot and thin bar: the difference and its 95 % interval; right of the line is better. Thick bars are pay: right of "
     "the line is more pay, which is neither better nor worse."
@@ -199,7 +200,7 @@ def _warnings(results: Results) -> list[str]:
     """What a reader must know before the answers."""
     ended = [f"{count_cells(results)}. The last part of the page has the reasons."]
     told = ended if results.failed or results.damaged else []
-    return [*told, *(text for text in (grown_text(results),) if text)]
+    return [*told, *(text for text in (interim_text(results), grown_text(results)) if text)]
 
 
 def _told(results: Results) -> dict[str, str]:
@@ -207,13 +208,14 @@ def _told(results: Results) -> dict[str, str]:
     is_evaluated = any(it.group.evaluate_every for it in results.combinations)
     evaluated = LEARNING.format(SAME_STARTS * all(it.same_starts for it in results.combinations))
     cells, learning = "Cells" if results.is_experiment else "Recordings", evaluated if is_evaluated else TRAINED
-    is_promised = any(it.ruling is not None and not it.ruling.instead for it in results.combinations)
+    rulings = [it.ruling for it in results.combinations if it.ruling is not None]
+    is_promised = any(not it.instead for it in rulings) and not any(it.missing for it in rulings)
     return {
         **SHARED,
         "subject": results.subject,
         "cells": cells,
         "learning": learning,
-        "tests": what_decides(results.subject),
+        "tests": what_decides(results),
         "promise": PROMISE if is_promised and not grown_text(results) else "",
         "bars": BARS if any(it.seeds for it in results.combinations) else "",
     }

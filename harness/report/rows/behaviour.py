@@ -104,15 +104,16 @@ def seeds_grid(combination: Comparison) -> Grid:
 
 def _grid(combination: Comparison, manner: str) -> Grid:
     ordered = defined_changes(combination, manner)
-    notes = [_note(change) for change in ordered if change.left_out]
+    notes = [_note(change) for change in ordered if any(change.without)]
     rows = [tuple(behaviour_row(change)) for change in (*ordered, *failed_changes(combination, manner))]
     return Grid(HEADINGS, rows, notes, _title(combination, manner))
 
 
 def _note(change: Change) -> str:
     why = f" ({shortened(change.reason, SHOWN)})" if change.reason else ""
-    name, compared = change.name.replace("_", " "), count_seeds(change.seeds)
-    return f"{name}: {compared} compared, {change.left_out} without a value{why}"
+    name, (ours, theirs) = change.name.replace("_", " "), change.counts
+    compared = count_seeds(ours) if ours == theirs else f"{count_seeds(ours)} against {theirs}"
+    return f"{name}: {compared} compared, {sum(change.without)} without a value{why}"
 
 
 def _title(combination: Comparison, manner: str) -> str:

@@ -5,9 +5,10 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
+from harness.eta.amounts import trainings_text
 from harness.eta.curve import Kind
 from harness.eta.equal import equal_sentences
-from harness.eta.headline import Answer, Headline, count_seeds
+from harness.eta.headline import Answer, Headline
 from harness.eta.index import Index, Ratio
 from harness.eta.seed_mean import SeedMean
 from harness.eta.splits import Decomposition, Split, SplitPath, Splits, SumSplit
@@ -40,6 +41,10 @@ TESTS = (
     "p says how often chance alone gives a difference as large. The measures that decide are corrected for all "
     "questions that the experiment asks about the {subject}. Everything else is a hint, corrected for all hints. A "
     "result stands only where p is at most 0.05. Each interval is over seeds and holds 95% by itself."
+)
+INTERIM_TESTS = (
+    "The plan is not trained to its end, so nothing is tested about the {subject}: to look at results again and again "
+    "gives luck more chances. Every p on the way is a hint. Each interval is over seeds and holds 95% by itself."
 )
 BETTER = {"eta_N": "below 1", "eta_P": "above 1"}
 
@@ -76,9 +81,19 @@ def scales_text(subject: str) -> str:
     return SCALES.format(subject=subject)
 
 
-def what_decides(subject: str) -> str:
-    """What the tests hold for, of a ``robot`` or an ``agent``."""
-    return TESTS.format(subject=subject)
+def what_decides(results: Results) -> str:
+    """What the tests hold for; of a plan that is not trained to its end that there are none."""
+    answers = {it.headline.answer for it in results.combinations}
+    return (INTERIM_TESTS if answers == {Answer.INTERIM} else TESTS).format(subject=results.subject)
+
+
+def interim_text(results: Results) -> str:
+    """That the plan is not trained to its end, which stands before everything else; empty where it is."""
+    missing = max((it.ruling.missing for it in results.combinations if it.ruling is not None), default=0)
+    if not missing:
+        return ""
+    noun = f"training{'s' * (missing != 1)} of the plan {'are' if missing != 1 else 'is'}"
+    return f"Interim: {missing:,} {noun} still to come. Nothing here says yet what is better or worse."
 
 
 def beside_answer(comparison: Comparison) -> list[str]:
@@ -90,7 +105,7 @@ def beside_answer(comparison: Comparison) -> list[str]:
 def scale_text(comparison: Comparison) -> str:
     """Why behaviour differs where both rewards ask for the same, k times as loudly; empty where that is not so."""
     found, names = comparison.rescaling, comparison.names
-    if found is None or comparison.is_control or comparison.headline.answer not in (Answer.HELPS, Answer.HURTS):
+    if found is None or comparison.is_control or not comparison.headline.decided_by:
         return ""
     if not found.is_ruler or (found.factor, found.offset) == (1.0, 0.0):
         return ""
@@ -141,12 +156,13 @@ def _run_text(results: Results, out: str) -> str:
 
 def claims_text(combination: Comparison) -> str:
     """How many questions and hints there are, and what a test with so many seeds can show; empty without a seed."""
-    seeds, ruling = len(combination.seeds), combination.ruling
-    if not seeds:
+    counts, ruling = combination.counts, combination.ruling
+    if not all(counts) or combination.headline.answer is Answer.INTERIM:
         return ""
     asked = 1 if ruling is None else ruling.asked
-    least = f"no p below {smallest_p(seeds):.2g} from {count_seeds(seeds)} of each reward"
-    questions = f"{asked} question{'s' * (asked != 1)} about the {combination.group.subject}, asked together; {least}."
+    is_even = counts[0] == counts[1]
+    least = f"; no p below {smallest_p(counts[0]):.2g} from {trainings_text(combination.names, counts)}" * is_even
+    questions = f"{asked} question{'s' * (asked != 1)} about the {combination.group.subject}, asked together{least}."
     hints = f"{combination.claims} hint{'s' * (combination.claims != 1)}, corrected by themselves, decide nothing."
     return f"{questions} {hints}"
 

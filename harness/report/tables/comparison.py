@@ -22,7 +22,7 @@ from harness.report.rows.comparison import (
 from harness.report.rows.numbers import number_grids
 from harness.report.rows.returns import EXPLANATION, READING, matrix_title, return_grid
 from harness.report.tables.grid import show_grid, show_titled
-from harness.report.tables.overview import pooled_lines
+from harness.report.tables.overview import interim_lines, pooled_lines
 from harness.results import Results
 from harness.results.comparison import Comparison
 from harness.results.return_matrix import ReturnMatrix
@@ -31,8 +31,8 @@ from harness.results.return_matrix import ReturnMatrix
 def comparison_table(results: Results) -> RenderableType:
     """What ``harness report --details`` prints: a block per combination, then the cells."""
     combinations = results.combinations
-    pooled = pooled_lines(combinations)
-    blocks: list[RenderableType] = [*pooled, *([Text()] if pooled else [])]
+    first = [*interim_lines(results), *pooled_lines(combinations)]
+    blocks: list[RenderableType] = [*first, *([Text()] if first else [])]
     blocks += [_combination_block(results, combination) for combination in combinations]
     if any(combination.seeds for combination in combinations):
         is_split = any(combination.is_split for combination in combinations)
@@ -42,7 +42,7 @@ def comparison_table(results: Results) -> RenderableType:
             *([SPLIT] if is_split else []),
             *read,
             NO_REWARD,
-            what_decides(results.subject),
+            what_decides(results),
         ]
         blocks.append(Text(" ".join(told) + "\n"))
     if results.returns:
@@ -60,12 +60,11 @@ def _combination_block(results: Results, combination: Comparison) -> RenderableT
         Text(f"{seeds_text(combination.seeds)} compared, {combination.group.steps:,} training steps per run"),
         *(Text(mixture.text, style="bold") for mixture in combination.mixtures),
         Text(),
-        Text(f"The {combination.group.subject}: {answer_text(headline)}", style="bold"),
         Text(headline.robot),
+        Text(f"The {combination.group.subject}: {answer_text(headline)}", style="bold"),
     ]
     lines = (*beside_answer(combination), basis_text(combination), advice(results, combination))
     parts += [Text(line) for line in lines if line]
-    parts += [Text(combination.speed_text)] if combination.speed_text else []
     parts += [Text("\nThe number", style="bold"), Text(headline.number)] if headline.number else []
     parts.append(Text(f"\n{claims_text(combination)}"))
     for grid in (*behaviour_grids(combination), along_grid(combination), *number_grids(combination, results.kind)):

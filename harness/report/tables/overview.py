@@ -13,6 +13,7 @@ from harness.report.rows.comparison import (
     basis_text,
     beside_answer,
     count_cells,
+    interim_text,
     remarks_on_cells,
     split_grid,
 )
@@ -57,11 +58,17 @@ def _comparisons(results: Results) -> list[RenderableType]:
     combinations = results.combinations
     if not combinations:
         return []
-    parts = [comparison_lines(combinations)]
+    parts = [*interim_lines(results), comparison_lines(combinations)]
     if len(combinations) == 1:
         return [*parts, *_sentences(results, combinations[0])]
     lines = [*dict.fromkeys(line for it in combinations for line in beside_answer(it)), *_bases(combinations)]
     return [*parts, *(part for line in lines for part in (Text(), Text(line)))]
+
+
+def interim_lines(results: Results) -> list[RenderableType]:
+    """That the plan is not trained to its end, where it is not."""
+    told = interim_text(results)
+    return [Text(told, style="bold")] if told else []
 
 
 def pooled_lines(combinations: Sequence[Comparison]) -> list[RenderableType]:
@@ -135,7 +142,6 @@ def _sentences(results: Results, combination: Comparison) -> list[RenderableType
         headline.robot,
         *beside_answer(combination),
         basis_text(combination),
-        combination.speed_text,
         headline.number,
         advice(results, combination),
     ]
