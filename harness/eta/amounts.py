@@ -11,6 +11,8 @@ from harness.eta.headline import SHORT, Compared, Names, difference_of, is_hardl
 
 MOST_DECIMALS = 6
 """A number that needs more has an exponent."""
+ROUNDING = 1e-9
+"""Means that differ by less, relatively, are the same."""
 LUCK = 0.05
 """A share of failing trainings that would show no failure more rarely than this is ruled out."""
 
@@ -23,7 +25,7 @@ def seen_text(names: Names, deciding: Sequence[Compared], where: str) -> str:
         deciding: The measures that decide.
         where: Over which places these are means, in words; empty for a single place.
     """
-    counted = _counted(names, deciding)
+    counted = counted_text(names, deciding)
     lines = [_whole(names, it, where, is_first=it is deciding[0]) for it in deciding]
     if is_hardly_learned(deciding[0]):
         return " ".join([f"{counted}.", *(f"{line}." for line in lines)])
@@ -32,8 +34,8 @@ def seen_text(names: Names, deciding: Sequence[Compared], where: str) -> str:
 
 def short_seen_text(names: Names, deciding: Sequence[Compared]) -> str:
     """The differences alone, with their intervals, and how many trainings failed or learned."""
-    differences = _capitalised(", ".join(f"{name_of(it)} {difference_text(it, 2)}" for it in deciding))
-    return f"{differences}. {_counted(names, deciding)}."
+    differences = _capitalised(", ".join(f"{name_of(it)} {difference_text(it, 2)}{_side(it)}" for it in deciding))
+    return f"{differences}. {counted_text(names, deciding)}."
 
 
 def difference_text(change: Compared, digits: int, where: str = "") -> str:
@@ -47,9 +49,16 @@ def difference_text(change: Compared, digits: int, where: str = "") -> str:
     write, unit = _signed(change, digits)
     there = f" on average {where}" if where else ""
     told = f"{write(difference_of(change))}{unit}{there}"
-    if change.low is None or change.high is None:
-        return told
+    if change.low is None or change.high is None or change.low == change.high:
+        return told  # an interval without a width would be taken for certainty
     return f"{told} ({write(change.low)} to {write(change.high)})"
+
+
+def same_text(names: Names, deciding: Sequence[Compared]) -> str:
+    """What both rewards taught, where it is the same bit for bit: intervals would say nothing."""
+    ends = [it for it in deciding if not it.measure.is_while_training] or deciding
+    told = ", ".join(f"{name_of(it)} {_values(it, 3)[0]}{_unit(it)}" for it in ends)
+    return f"{_capitalised(told)} with both; {counted_text(names, deciding)}."
 
 
 def short_values(change: Compared) -> tuple[str, str]:
@@ -90,13 +99,7 @@ def unseen_text(names: Names, deciding: Sequence[Compared]) -> str:
     )
 
 
-def listed(texts: Sequence[str]) -> str:
-    """Texts with commas, and with *and* before the last."""
-    *most, last = texts
-    return f"{', '.join(most)} and {last}" if most else last
-
-
-def _counted(names: Names, deciding: Sequence[Compared]) -> str:
+def counted_text(names: Names, deciding: Sequence[Compared]) -> str:
     """How many trainings failed; how many learned, where hardly any did; else how many there are."""
     failed, (ours, theirs) = failed_of(deciding), deciding[0].counts
     if failed is None:
@@ -111,10 +114,15 @@ def _counted(names: Names, deciding: Sequence[Compared]) -> str:
     )
 
 
+def listed(texts: Sequence[str], word: str = "and") -> str:
+    """Texts with commas, and with a word before the last."""
+    *most, last = texts
+    return f"{', '.join(most)} {word} {last}" if most else last
+
+
 def _whole(names: Names, change: Compared, where: str, *, is_first: bool) -> str:
     """The difference, its interval, and both values; only the first measure has to say whose value is whose."""
-    side = ", lower is better" if change.measure.better == "lower" and change.name not in SHORT else ""
-    told = f"{_capitalised(name_of(change))} {difference_text(change, 3, where)}{side}"
+    told = f"{_capitalised(name_of(change))} {difference_text(change, 3, where)}{_side(change)}"
     if change.is_relative:
         return told
     baseline, proposed = (f"{value}{_unit(change)}" for value in _values(change, 3))
@@ -123,43 +131,48 @@ def _whole(names: Names, change: Compared, where: str, *, is_first: bool) -> str
     return f"{told}: {proposed} instead of {baseline}"
 
 
+def _side(change: Compared) -> str:
+    """Which side is better, where nobody could know."""
+    return ", lower is better" if change.measure.better == "lower" and change.name not in SHORT else ""
+
+
 def _unit(change: Compared) -> str:
     return "%" if is_share(change) else f" {change.measure.unit}".rstrip()
 
 
 def _values(change: Compared, digits: int) -> tuple[str, str]:
-    """Both values without their unit, so exact that they tell apart what differs."""
-    values = (change.baseline or 0.0, change.proposed or 0.0)
-    if is_share(change):
-        decimals = _decimals_of_share(difference_of(change), digits)
-        baseline, proposed = (f"{100 * value:.{decimals}f}" for value in values)
-    else:
-        decimals = _decimals(change, digits)
-        baseline, proposed = (_number(value, decimals) for value in values)
+    """Both values without their unit."""
+    scale = 100.0 if is_share(change) else 1.0
+    decimals = _decimals(change, digits)
+    baseline, proposed = (_number(scale * (value or 0.0), decimals) for value in (change.baseline, change.proposed))
     return baseline, proposed
 
 
 def _signed(change: Compared, digits: int) -> tuple[Callable[[float], str], str]:
     """Writes a difference, and the unit behind it."""
-    if is_share(change) or change.is_relative:
-        decimals = _decimals_of_share(difference_of(change), digits)
-        sign = "%" if change.is_relative else ""
-        return (lambda value: f"{_with_sign(f'{100 * value:.{decimals}f}')}{sign}"), "" if sign else " points"
     decimals = _decimals(change, digits)
-    return (lambda value: _with_sign(_number(value, decimals))), f" {change.measure.unit}".rstrip()
-
-
-def _decimals_of_share(difference: float, digits: int) -> int:
-    """Of a percentage: more where the difference would look like none."""
-    decimals = digits - 2
-    return decimals if not difference or abs(100 * difference) >= 0.5 * 10.0**-decimals else decimals + 1
+    if change.is_relative:
+        return (lambda value: f"{_with_sign(_number(100.0 * value, decimals))}%"), ""
+    scale, unit = (100.0, "points") if is_share(change) else (1.0, change.measure.unit)
+    return (lambda value: _with_sign(_number(scale * value, decimals))), f" {unit}".rstrip()
 
 
 def _decimals(change: Compared, digits: int) -> int:
-    """So many that the larger value has its digits, and the difference all but one of them, as far as that is sane."""
-    size = max(abs(change.baseline or 0.0), abs(change.proposed or 0.0))
-    decimals = _decimals_for(size, digits)
-    return max(decimals, min(_decimals_for(abs(difference_of(change)), digits - 1), decimals + 2))
+    """So many that the difference has two digits, and that it is the difference of the values as they are written."""
+    percent = is_share(change) or change.is_relative
+    scale = 100.0 if percent else 1.0
+    sizes = [scale * abs(value or 0.0) for value in (change.baseline, change.proposed)]
+    apart = scale * abs(difference_of(change))
+    few = digits - 2 if percent else _decimals_for(max(sizes), digits)
+    fine = _decimals_for(apart, 2) if apart > ROUNDING * max(sizes) else few
+    decimals = max(few, min(fine, few + 2 if not percent else 1))
+    return decimals if change.is_relative or _adds_up(change, scale, decimals) else decimals + 1
+
+
+def _adds_up(change: Compared, scale: float, decimals: int) -> bool:
+    """Whether the difference is what a reader computes from both values."""
+    one, other = (round(scale * (value or 0.0), decimals) for value in (change.baseline, change.proposed))
+    return abs(other - one - round(scale * difference_of(change), decimals)) < 0.5 * 10.0**-decimals
 
 
 def _decimals_for(size: float, digits: int) -> int:

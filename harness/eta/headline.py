@@ -180,6 +180,11 @@ def name_of(change: Compared) -> str:
     return f"{told}{_while(change)}"
 
 
+def behind_of(change: Compared) -> str:
+    """The same behind a preposition, such as ``the time to the target``."""
+    return f"the {name_of(change)}" if change.name == TIME else name_of(change)
+
+
 def key_of(change: Compared) -> str:
     """The name of a measure for a program, such as ``success_rate`` or ``success_rate while training``."""
     return f"{change.name}{_while(change)}"

@@ -7,7 +7,7 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from harness.eta.amounts import listed, seen_text, trainings_text, unseen_text
+from harness.eta.amounts import listed, same_text, seen_text, trainings_text, unseen_text
 from harness.eta.headline import (
     LEARNED,
     PLANNABLE,
@@ -16,6 +16,7 @@ from harness.eta.headline import (
     Compared,
     Headline,
     Names,
+    behind_of,
     difference_of,
     is_hardly_learned,
     is_share,
@@ -30,6 +31,11 @@ from harness.eta.verdict.ruling import Ruling
 
 TRAIN_LONGER = "Train longer, or with another algorithm."
 UNTIL_DECIDED = "harness run --until decided plans for looks on the way."
+
+
+UNSEEN_SUCCESS = "also where trainings succeed that were not seen"
+DECIDED = (Answer.HELPS, Answer.HURTS, Answer.LEARNS_FASTER, Answer.LEARNS_SLOWER, Answer.MIXED)
+"""Answers that a test of a difference gave."""
 
 
 class Needed(NamedTuple):
@@ -68,20 +74,17 @@ def judge(
         return Headline(Answer.CANNOT_TELL, unmeasured, number)
     answer = answer_of(deciding, ruling, same_steps=same_steps, is_opposed=is_opposed)
     seen, there = seen_text(names, deciding, where), f" {where}" if where else ""
-    if answer is Answer.RACED:
-        return Headline(answer, f"{seen} {ruling.instead}", number)
-    if answer is Answer.INTERIM:
-        return Headline(answer, f"{interim_text(deciding, ruling)} {seen} {LOOK_ON}", number)
-    if ruling.is_decided:
-        decider = decider_of(deciding, ruling, answer)
-        told = _decided(names, deciding, ruling, answer, there)
-        lines = [seen, told, crossing_text(deciding, ruling, answer), clear_text(deciding, ruling)]
-        return Headline(answer, " ".join(filter(None, lines)), number, key_of(deciding[decider]))
+    if answer in DECIDED:
+        lines = [seen, *_decided(names, deciding, ruling, answer, there)]
+        by = key_of(deciding[decider_of(deciding, ruling, answer)])
+        return Headline(answer, " ".join(filter(None, lines)), number, by)
     if answer is Answer.CANNOT_TELL:
         needed = needed_of(deciding, ruling)
         lines = [seen, *_cannot_tell(names, deciding, ruling, needed, there)]
         return Headline(answer, " ".join(filter(None, lines)), number, seeds_to_decide=needed and needed.seeds)
-    return Headline(answer, f"{seen} {_equal(names, deciding, ruling, answer, same_steps, there)}", number)
+    if is_same(deciding, ruling, same_steps=same_steps):
+        seen = same_text(names, deciding)
+    return Headline(answer, _untold(names, deciding, ruling, answer, seen, there), number)
 
 
 def answer_of(
@@ -99,6 +102,11 @@ def answer_of(
     if ruling.small is not None or same_steps or all(is_within(change, margin_of(change)) for change in deciding):
         return Answer.NO_DIFFERENCE
     return Answer.CANNOT_TELL
+
+
+def is_same(deciding: Sequence[Compared], ruling: Ruling, *, same_steps: bool) -> bool:
+    """Whether there is no difference because the steps are the same, and not because a test says so."""
+    return same_steps and answer_of(deciding, ruling) is Answer.CANNOT_TELL
 
 
 def _answer_of_decided(deciding: Sequence[Compared], ruling: Ruling, is_opposed: bool) -> Answer:
@@ -129,8 +137,8 @@ def is_little(deciding: Sequence[Compared], ruling: Ruling, answer: Answer) -> b
 
 def interim_text(deciding: Sequence[Compared], ruling: Ruling) -> str:
     """How many trainings there are, and how many are still to come."""
-    done = sum(deciding[0].counts)
-    return f"Interim: {done:,} trainings are compared, {ruling.missing:,} of the plan are still to come."
+    verb = "is" if ruling.missing == 1 else "are"
+    return f"{sum(deciding[0].counts):,} trainings are compared, {ruling.missing:,} of the plan {verb} still to come."
 
 
 LOOK_ON = f"No test is made before they have ended; {UNTIL_DECIDED}"
@@ -147,34 +155,37 @@ def crossing_text(deciding: Sequence[Compared], ruling: Ruling, answer: Answer) 
     if change.low is None or change.high is None or not change.low <= 0.0 <= change.high:
         return ""
     if is_share(change):
-        return "The interval holds 0 as it allows for failures that were not seen; p is of an exact test of what was."
-    return "The interval holds 0 as it assumes a bell curve; p is of an exact test, which does not."
+        return "The interval holds 0, as it allows for failures that were not seen; the exact test does not."
+    return "The interval holds 0, as it assumes a bell curve; the exact test does not."
 
 
 def clear_text(deciding: Sequence[Compared], ruling: Ruling) -> str:
     """Why an interval that leaves out 0 is no answer; empty where there is none of a measure that did not pass."""
-    clear = [
-        (it, ruling.of_measures[at])
-        for at, it in enumerate(deciding)
-        if at < len(ruling.of_measures) and not ruling.passes(at) and _leaves_out_zero(it)
-    ]
+    ruled = zip(deciding, ruling.of_measures, strict=False)
+    clear = [(it, p) for at, (it, p) in enumerate(ruled) if not ruling.passes(at) and _leaves_out_zero(it)]
     if not clear:
         return ""
-    names, p = listed([name_of(it) for it, _ in clear]), " and ".join(p_text(p) for _, p in clear)
-    told = f"The interval of {names} leaves out 0 when it is looked at alone, but"
+    names, p = [behind_of(it) for it, _ in clear], p_text(min(p for _, p in clear))
+    one = f"The interval of {names[0]} leaves out 0 when it is looked at alone, but"
+    several = f"The intervals of {listed(names)} leave out 0 when each is looked at alone, but"
+    told = one if len(names) == 1 else several
     if ruling.asked > 1:
         return f"{told} {ruling.asked} questions were asked together, and allowing for all of them p is {p}."
-    several = len(deciding) > 1
-    return f"{told} {'allowing for all measures that decide' if several else 'by an exact test'} p is {p}."
+    return f"{told} {'allowing for all measures that decide' if len(deciding) > 1 else 'by an exact test'} p is {p}."
 
 
 def needed_of(deciding: Sequence[Compared], ruling: Ruling) -> Needed | None:
-    """How many trainings of each reward would tell: the difference that was seen, else differences of the margins."""
+    """How many trainings of each reward would tell: the difference that was seen, else differences of the margins.
+
+    None where intervals lie within the margins: there trainings lack that were not seen, and not a smaller spread.
+    """
     seen = _seeds_needed(deciding, ruling, "seen")
     if seen is not None:
-        return Needed(seen, "the difference is what was seen so far")
+        return Needed(seen, "what was seen so far")
+    if all(_is_inside(it, margin_of(it)) for it in deciding):
+        return None
     small = _seeds_needed(deciding, ruling, "margin")
-    return None if small is None else Needed(small, f"it is {' or '.join(map(margin_text, deciding))}")
+    return None if small is None else Needed(small, listed([margin_text(it) for it in deciding], "or"))
 
 
 def needed_text(deciding: Sequence[Compared], needed: Needed | None, noun: str = "trainings of each reward") -> str:
@@ -183,11 +194,14 @@ def needed_text(deciding: Sequence[Compared], needed: Needed | None, noun: str =
         return ""
     if needed.seeds[1] > PLANNABLE * needed.seeds[0]:
         return "So few trainings do not tell how many would be enough."
-    return f"If {needed.condition}, {range_text(needed.seeds)} {noun} would tell."
+    return f"If the difference is {needed.condition}, {range_text(needed.seeds)} {noun} would tell."
 
 
-def reasons(names: Names, deciding: Sequence[Compared], ruling: Ruling) -> list[str]:
+def reasons(names: Names, deciding: Sequence[Compared], ruling: Ruling, where: str = "") -> list[str]:
     """Why nothing can be told, a sentence each, where that needs saying."""
+    fewest = fewest_seeds(ruling.level / (ruling.asked if where else 1))
+    if max(deciding[0].counts) < fewest and not where and not ruling.has_plan:
+        return [f"Fewer than {fewest} of each reward cannot show anything."]
     looks_alike = all(abs(difference_of(it)) < margin_of(it) for it in deciding if is_share(it))
     floored = "p was raised, as no training of one reward failed: some may, that were not seen."
     lines = [
@@ -196,6 +210,11 @@ def reasons(names: Names, deciding: Sequence[Compared], ruling: Ruling) -> list[
         unseen_text(names, deciding) if looks_alike else "",
     ]
     return [line for line in lines if line]
+
+
+def reserve_text(names: Names, deciding: Sequence[Compared], ruling: Ruling) -> str:
+    """What an answer of no difference cannot rule out; empty where no test gave it."""
+    return unseen_text(names, deciding) if answer_of(deciding, ruling) is Answer.NO_DIFFERENCE else ""
 
 
 def range_text(seeds: Range) -> str:
@@ -209,25 +228,35 @@ def allowance_text(deciding: Sequence[Compared]) -> str:
     return ", also where trainings fail that were not seen" if any(map(is_share, deciding)) else ""
 
 
-def _decided(names: Names, deciding: Sequence[Compared], ruling: Ruling, answer: Answer, there: str) -> str:
-    if answer is Answer.MIXED:
-        return _mixed(names, deciding, ruling, there)
-    at = decider_of(deciding, ruling, answer)
-    by = f", decided by {name_of(deciding[at])}" if len(deciding) > 1 else ""
-    p = f"corrected p {p_text(ruling.of_measures[at])}"
-    little = is_little(deciding, ruling, answer)
-    less = f": less than {margin_text(deciding[at])}" if little else ""
-    if answer in (Answer.LEARNS_FASTER, Answer.LEARNS_SLOWER):
-        word = f"{answer.value}{' by little' if little else ''}"
-        return f"{names.proposed} {word}{there}{by}, {p}{less}; at the end no difference was found."
-    speed = [(other, it) for other, it in enumerate(deciding) if it.measure.is_while_training and other != at]
-    learns = "".join(
-        f"; it also learns {'faster' if ruling.sign > 0 else 'more slowly'}, corrected p "
-        f"{p_text(ruling.of_measures[other])}"
-        for other, _ in speed
-        if ruling.passes(other)
+def _decided(
+    names: Names, deciding: Sequence[Compared], ruling: Ruling, answer: Answer, there: str
+) -> tuple[str, str, str]:
+    """The word, what it rests on, and why an interval seems to say something else."""
+    told = (
+        _mixed(names, deciding, ruling, there)
+        if answer is Answer.MIXED
+        else _clear(names, deciding, ruling, answer, there)
     )
-    return f"{names.proposed} {answer.value}{' by little' if little else ''}{there}{by}, {p}{less}{learns}."
+    return told, crossing_text(deciding, ruling, answer), clear_text(deciding, ruling)
+
+
+def _clear(names: Names, deciding: Sequence[Compared], ruling: Ruling, answer: Answer, there: str) -> str:
+    """The word where all measures that pass go one way."""
+    at = decider_of(deciding, ruling, answer)
+    by = f", decided by {behind_of(deciding[at])}" if len(deciding) > 1 else ""
+    little, less = "", ""
+    if is_little(deciding, ruling, answer):
+        little, less = " by little", f": what was seen is less than {margin_text(deciding[at])}"
+    told = f"{names.proposed} {answer.value}{little}{there}{by}, corrected p {p_text(ruling.of_measures[at])}{less}"
+    if answer in (Answer.LEARNS_FASTER, Answer.LEARNS_SLOWER):
+        return f"{told}; at the end no difference was found."
+    speed = [p for other, p in enumerate(ruling.of_measures) if other != at and _tells_speed(deciding, ruling, other)]
+    word = "faster" if ruling.sign > 0 else "more slowly"
+    return f"{told}{f'; it also learns {word}, corrected p {p_text(speed[0])}' if speed else ''}."
+
+
+def _tells_speed(deciding: Sequence[Compared], ruling: Ruling, at: int) -> bool:
+    return deciding[at].measure.is_while_training and ruling.passes(at)
 
 
 def _mixed(names: Names, deciding: Sequence[Compared], ruling: Ruling, there: str) -> str:
@@ -235,7 +264,7 @@ def _mixed(names: Names, deciding: Sequence[Compared], ruling: Ruling, there: st
     sides = []
     for sign, word in ((1, "better"), (-1, "worse")):
         of_side = [at for at in range(len(deciding)) if ruling.passes(at) and ruling.signs[at] == sign]
-        told = [f"{name_of(deciding[at])} (corrected p {p_text(ruling.of_measures[at])})" for at in of_side]
+        told = [f"{behind_of(deciding[at])} (corrected p {p_text(ruling.of_measures[at])})" for at in of_side]
         sides += [f"{word} in {listed(told)}"] if told else []
     average = f" on average{there}" if there else ""
     return f"{names.proposed} is {' and '.join(sides)}{average}."
@@ -245,23 +274,22 @@ def _neither_learns(change: Compared) -> bool:
     return is_hardly_learned(change) and change.most is not None and max(change.most) < LEARNED
 
 
-def _equal(
-    names: Names, deciding: Sequence[Compared], ruling: Ruling, answer: Answer, same_steps: bool, there: str
-) -> str:
-    """That there is nothing to tell apart, and what says so."""
+def _untold(names: Names, deciding: Sequence[Compared], ruling: Ruling, answer: Answer, seen: str, there: str) -> str:
+    """The answers that no difference was tested for, or none was found."""
+    if answer is Answer.RACED:
+        return f"{seen} {ruling.instead}"
+    if answer is Answer.INTERIM:
+        return f"Interim: {interim_text(deciding, ruling)} {seen} {LOOK_ON}"
     if answer is Answer.NEITHER_LEARNS:
         return (
-            f"Neither reward teaches the task{there}: success is certainly below {LEARNED:.0%} under both"
-            f"{allowance_text(deciding)}. So there is no behaviour to compare. {TRAIN_LONGER}"
+            f"{seen} Neither reward teaches the task{there}: success is below {LEARNED:.0%} under both (95%), "
+            f"{UNSEEN_SUCCESS}. So there is no behaviour to compare. {TRAIN_LONGER}"
         )
-    if ruling.small is None and same_steps:
-        return (
-            f"{names.proposed} changes nothing: every step of every evaluation is the same as with {names.baseline}, "
-            f"bit for bit.{_advice(deciding)}"
-        )
-    reserve = unseen_text(names, deciding)
-    told = [_small(names, deciding, ruling.small, there) if ruling.small else _no_difference(names, deciding, there)]
-    return " ".join([*told, *([reserve] if reserve else [])])
+    if answer_of(deciding, ruling) is Answer.CANNOT_TELL:  # the steps alone say that there is no difference
+        told = f"{names.proposed} changes nothing: every step of every evaluation is the same as with {names.baseline}"
+        return f"{seen} {told}, bit for bit.{f' {TRAIN_LONGER}' * is_hardly_learned(deciding[0])}"
+    told = _small(names, deciding, ruling.small, there) if ruling.small else _no_difference(names, deciding, there)
+    return f"{seen} {told} {reserve_text(names, deciding, ruling)}".rstrip()
 
 
 def _small(names: Names, deciding: Sequence[Compared], margin: float, there: str) -> str:
@@ -281,24 +309,21 @@ def _no_difference(names: Names, deciding: Sequence[Compared], there: str) -> st
     )
 
 
-def _advice(deciding: Sequence[Compared]) -> str:
-    return f" {TRAIN_LONGER}" if is_hardly_learned(deciding[0]) else ""
-
-
 def _cannot_tell(
     names: Names, deciding: Sequence[Compared], ruling: Ruling, needed: Needed | None, there: str
 ) -> list[str]:
     """That it is not known, why, and what would help."""
     p = "" if ruling.corrected is None else f": corrected p {p_text(ruling.corrected)}"
-    fewest = fewest_seeds(ruling.level / (ruling.asked if there else 1))
-    too_few = max(deciding[0].counts) < fewest and not there and not ruling.has_plan
+    trainings = trainings_text(names, deciding[0].counts)
     return [
-        f"Whether {names.proposed} helps or hurts{there} cannot be told from {trainings_text(names, deciding[0].counts)}"
-        f"{p}.",
-        f"Fewer than {fewest} of each cannot show anything." if too_few else "",
-        *reasons(names, deciding, ruling),
+        f"Whether {names.proposed} helps or hurts{there} cannot be told from {trainings}{p}.",
+        *reasons(names, deciding, ruling, there),
         TRAIN_LONGER if is_hardly_learned(deciding[0]) else needed_text(deciding, needed),
     ]
+
+
+def _is_inside(change: Compared, margin: float) -> bool:
+    return change.low is not None and change.high is not None and -margin < change.low and change.high < margin
 
 
 def _leaves_out_zero(change: Compared) -> bool:

@@ -13,18 +13,26 @@ from harness.eta.headline import (
     Answer,
     Compared,
     Headline,
+    behind_of,
     difference_of,
     is_hardly_learned,
     is_share,
     margin_text,
     name_of,
 )
-from harness.eta.judge import LOOK_ON, TRAIN_LONGER, allowance_text, decider_of, interim_text, is_little
+from harness.eta.judge import (
+    LOOK_ON,
+    TRAIN_LONGER,
+    UNSEEN_SUCCESS,
+    allowance_text,
+    decider_of,
+    interim_text,
+    is_little,
+    is_same,
+)
 from harness.eta.verdict.ruling import Ruling
 
 INSTEAD = " instead of "
-RATHER = {1: ("better", "faster"), -1: ("worse", "more slowly")}
-"""What is said of a measure, and of learning, by its sign."""
 
 
 def lead_of(
@@ -48,21 +56,24 @@ def lead_of(
     """
     if not deciding:
         return found.robot
-    if found.answer is Answer.RACED:
-        return "The race decides."
-    if found.answer is Answer.INTERIM:
-        return f"{interim_text(deciding, ruling)} {LOOK_ON}"
     if found.answer is Answer.MIXED:
         return _mixed(deciding, ruling, where)
     if ruling.is_decided:
         return _decided(found.answer, deciding, ruling, subject, where)
-    if found.answer is Answer.NEITHER_LEARNS:
-        return (
-            f"Success is certainly below {LEARNED:.0%} with either reward{_there(where)}{allowance_text(deciding)}. "
-            f"{TRAIN_LONGER}"
-        )
     if found.answer is Answer.NO_DIFFERENCE:
         return _no_difference(deciding, ruling, subject, where, same_steps)
+    return _untold(found.answer, deciding, ruling, where)
+
+
+def _untold(answer: Answer, deciding: Sequence[Compared], ruling: Ruling, where: str) -> str:
+    """Why the rewards are not compared, or not told apart."""
+    if answer is Answer.RACED:
+        return "The race decides; this comparison by itself is no test."
+    if answer is Answer.INTERIM:
+        return f"{interim_text(deciding, ruling)} {LOOK_ON}"
+    if answer is Answer.NEITHER_LEARNS:
+        below = f"Success is below {LEARNED:.0%} with either reward{_there(where)}"
+        return f"{below}, {UNSEEN_SUCCESS}. {TRAIN_LONGER}"
     return TRAIN_LONGER if is_hardly_learned(deciding[0]) else _not_enough(deciding, where)
 
 
@@ -74,7 +85,7 @@ def _decided(answer: Answer, deciding: Sequence[Compared], ruling: Ruling, subje
     lines += [f"{_does(it, subject, ruling.sign, 'also ')}." for at, it in others if ruling.passes(at)]
     if is_little(deciding, ruling, answer):
         lines.append(f"That is little: less than {margin_text(deciding[first])}.")
-    ends = [name_of(it) for at, it in others if not ruling.passes(at) and not it.measure.is_while_training]
+    ends = [behind_of(it) for at, it in others if not ruling.passes(at) and not it.measure.is_while_training]
     if answer in (Answer.LEARNS_FASTER, Answer.LEARNS_SLOWER):
         lines.append("At the end no difference was found.")
     elif ends:
@@ -83,16 +94,19 @@ def _decided(answer: Answer, deciding: Sequence[Compared], ruling: Ruling, subje
 
 
 def _mixed(deciding: Sequence[Compared], ruling: Ruling, where: str) -> str:
-    passing = [(it, ruling.signs[at]) for at, it in enumerate(deciding) if ruling.passes(at)]
-    told = [f"{name_of(it)} is {RATHER[sign][0]}: {_instead(it)}" for it, sign in passing]
-    told[0] = f"{told[0][0].upper()}{told[0][1:]}"
-    return f"{', but '.join(told) if ruling.is_contrary else listed(told)}{_there(where)}."
+    """What is better and what is worse, that of the measure that says most first."""
+    lines = []
+    for sign in (ruling.sign, -ruling.sign):
+        of_side = [it for at, it in enumerate(deciding) if ruling.passes(at) and ruling.signs[at] == sign]
+        told = [f"{name_of(it)}, {_instead(it)}" for it in of_side]
+        lines += [f"{'Better' if sign > 0 else 'Worse'}{_there(where)}: {'; '.join(told)}."] if told else []
+    return " ".join(lines)
 
 
 def _does(change: Compared, subject: str, sign: int, also: str = "") -> str:
     """What the robot does under the proposed reward instead of what it does under the baseline."""
     if change.measure.is_while_training and is_share(change) and "success" in change.name:
-        learns = f"The {subject} {also}learns {RATHER[sign][1]}"
+        learns = f"The {subject} {also}learns {'faster' if sign > 0 else 'more slowly'}"
         return f"{learns}: {_instead(change)} of its episodes succeed {change.measure.manner}"
     if change.is_relative:
         return f"The {name_of(change)} is {also}{_instead(change)}"
@@ -114,7 +128,7 @@ def _instead(change: Compared) -> str:
 
 
 def _no_difference(deciding: Sequence[Compared], ruling: Ruling, subject: str, where: str, same_steps: bool) -> str:
-    if same_steps and ruling.small is None:
+    if is_same(deciding, ruling, same_steps=same_steps):
         return f"The {subject} takes the same steps with either reward, bit for bit{_there(where)}."
     if ruling.small is not None:
         first = deciding[0]

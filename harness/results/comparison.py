@@ -282,7 +282,9 @@ class Comparison:
         A measure without a value in some training does not decide. It would compare the trainings that have one: who
         succeeds more often where success is hard would be told to be slow.
         """
-        there = [change for name in self.deciding for change in self.changes_of(self.answered_in) if change.name == name]
+        there = [
+            change for name in self.deciding for change in self.changes_of(self.answered_in) if change.name == name
+        ]
         if self.speed is not None and not any(change is self.speed for change in there):
             there.append(self.speed)
         return tuple(change for change in there if change.seeds and not any(change.without))

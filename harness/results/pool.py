@@ -63,14 +63,14 @@ class Pool:
         if not self.ruling.is_decided:
             return ""
         word, other = ("better", "worse") if self.ruling.sign > 0 else ("worse", "better")
-        opposed = f"{other} in at least {self.opposed_in}" if self.opposed_in else f"certainly {other} in none"
+        opposed = f"it is {other} in {f'at least {self.opposed_in}' if self.opposed_in else 'none by more than chance'}"
         count = len(self.places)
         if not self.better_in:
-            return f"In which of the {count} places it is {word} is not decided; it is {opposed}."
+            return f"In which of the {count} places it is {word} is not decided; {opposed}."
         if self.better_in == count:
             whole = f"It is {word} in {'both' if count == 2 else f'all {count}'} places"
-            return f"{whole}, but {opposed} by another measure." if self.opposed_in else f"{whole}."
-        return f"It is {word} in at least {self.better_in} of {count} places, {opposed}."
+            return f"{whole}; by another measure {opposed}." if self.opposed_in else f"{whole}."
+        return f"It is {word} in at least {self.better_in} of {count} places; {opposed}."
 
     def _without_values(self) -> Headline:
         """The answer where no mean over places has a unit."""

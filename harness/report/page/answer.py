@@ -4,9 +4,18 @@ import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from harness.eta.amounts import difference_text, listed, short_seen_text, short_values, trainings_text, unseen_text
-from harness.eta.headline import Answer, Compared, Headline, Names, difference_of, key_of, name_of
-from harness.eta.judge import clear_text, crossing_text, needed_of, needed_text, range_text, reasons
+from harness.eta.amounts import difference_text, listed, same_text, short_seen_text, short_values, trainings_text
+from harness.eta.headline import Answer, Compared, Headline, Names, behind_of, difference_of, key_of, name_of
+from harness.eta.judge import (
+    clear_text,
+    crossing_text,
+    is_same,
+    needed_of,
+    needed_text,
+    range_text,
+    reasons,
+    reserve_text,
+)
 from harness.eta.verdict.ruling import Ruling
 from harness.report.answers import badge_of, word_of
 from harness.report.figures.forest import draw_interval, draw_part
@@ -62,14 +71,18 @@ def card_of(comparison: Comparison, name: str) -> Card:
         comparison: The comparison.
         name: What it is called on the page.
     """
-    card = _card(comparison.names, comparison.headline, comparison.lead, comparison.decisive_changes, comparison.ruling)
-    card, pay = card._replace(name=name, beside=tuple(beside_answer(comparison))), pay_of(comparison)
-    return card if pay is None else _with_pay(card, pay, comparison.headline.answer)
+    names, found, changes = comparison.names, comparison.headline, comparison.decisive_changes
+    ruling, pay = comparison.ruling or Ruling(), pay_of(comparison)
+    card = _card(names, found, comparison.lead, changes, ruling)
+    card = card._replace(name=name, beside=tuple(beside_answer(comparison)))
+    if changes and is_same(changes, ruling, same_steps=comparison.same_steps):
+        card = card._replace(seen=same_text(names, changes))
+    return card if pay is None else _with_pay(card, pay, found.answer)
 
 
 def pool_card(pool: Pool) -> Card:
     """The card of a reward over all places."""
-    return _card(pool.names, pool.headline, pool.lead, pool.measures, pool.ruling)
+    return _card(pool.names, pool.headline, pool.lead, pool.measures, pool.ruling, pool.where)
 
 
 def pool_cards(comparisons: Sequence[Comparison]) -> list[Card]:
@@ -78,37 +91,47 @@ def pool_cards(comparisons: Sequence[Comparison]) -> list[Card]:
     return [pool_card(pool) for pool in pools]
 
 
-def _card(names: Names, found: Headline, lead: str, changes: Sequence[Compared], ruled: Ruling | None) -> Card:
-    ruling = ruled or Ruling()
-    rows = tuple(sorted((_row(it, at, ruling, found) for at, it in enumerate(changes)), key=lambda row: not row.note))
-    seen = short_seen_text(names, changes) if changes else ""
-    sure = _sure(names, found.answer, changes, ruling) if changes else ""
+def _card(
+    names: Names, found: Headline, lead: str, changes: Sequence[Compared], ruling: Ruling, where: str = ""
+) -> Card:
+    deciders = [
+        ruling.passes(at) if found.answer is Answer.MIXED else found.decided_by == key_of(change)
+        for at, change in enumerate(changes)
+    ]
+    drawn = [
+        _row(change, at, ruling, decides) for at, (change, decides) in enumerate(zip(changes, deciders, strict=True))
+    ]
+    rows = tuple(sorted(drawn, key=lambda row: not row.note))
+    seen, sure = short_seen_text(names, changes) if changes else "", ""
+    if any(deciders):
+        sure = _decided(names, found.answer, changes, ruling, deciders)
+    elif changes and found.answer is Answer.CANNOT_TELL:
+        needed = needed_text(changes, needed_of(changes, ruling), "of each reward")
+        sure = " ".join(filter(None, [*reasons(names, changes, ruling, where), needed]))
+    elif changes:
+        sure = reserve_text(names, changes, ruling)
     return Card(names.proposed, word_of(found.answer), badge_of(found.answer), lead, rows, sure, seen)
 
 
-def _row(change: Compared, at: int, ruling: Ruling, found: Headline) -> Row:
+def _row(change: Compared, at: int, ruling: Ruling, decides: bool) -> Row:
     baseline, proposed = short_values(change)
-    note = "decides" if found.decided_by == key_of(change) else ""
     direction = "" if not ruling.passes(at) else "better" if ruling.signs[at] > 0 else "worse"
     figure = draw_interval(difference_of(change), change.low, change.high, change.measure.better, direction)
     value = difference_text(change, 2).partition(" ")[0] if change.is_relative else f"{baseline} -> {proposed}"
-    return Row(name_of(change), note, figure, value)
+    return Row(name_of(change), "decides" if decides else "", figure, value)
 
 
-def _sure(names: Names, answer: Answer, changes: Sequence[Compared], ruling: Ruling) -> str:
-    """What decided and how sure that is; where nothing did, why, and what would tell."""
-    if answer is Answer.CANNOT_TELL:
-        lines = [*reasons(names, changes, ruling), needed_text(changes, needed_of(changes, ruling), "of each reward")]
-    elif answer is Answer.NO_DIFFERENCE:
-        lines = [unseen_text(names, changes)]
-    elif ruling.is_decided:
-        passing = [at for at in range(len(changes)) if ruling.passes(at)]
-        decided = f"Decided by {listed([name_of(changes[at]) for at in passing])}"
-        from_ = trainings_text(names, changes[0].counts)
-        luck = _luck(max(ruling.of_measures[at] for at in passing))
-        lines = [f"{decided}, from {from_}.", luck, crossing_text(changes, ruling, answer), clear_text(changes, ruling)]
-    else:
-        lines = []
+def _decided(
+    names: Names, answer: Answer, changes: Sequence[Compared], ruling: Ruling, deciders: Sequence[bool]
+) -> str:
+    """What decided, how sure that is, and why an interval seems to say something else."""
+    by = [at for at, decides in enumerate(deciders) if decides]
+    lines = [
+        f"Decided by {listed([behind_of(changes[at]) for at in by])}, from {trainings_text(names, changes[0].counts)}.",
+        _luck(max(ruling.of_measures[at] for at in by)),
+        crossing_text(changes, ruling, answer),
+        clear_text(changes, ruling),
+    ]
     return " ".join(filter(None, lines))
 
 

@@ -23,7 +23,10 @@ def compare_runs(
     runs: Runs, baseline: str, proposed: str, swaps: Swaps, kind: Kind = "accumulated", averaged: int = 1
 ) -> Comparison:
     """One reward against another, by all of their trainings; p-values are not corrected yet."""
-    of = {label: {seed: run for (name, seed), run in runs.members.items() if name == label} for label in (baseline, proposed)}
+    of = {
+        label: {seed: run for (name, seed), run in runs.members.items() if name == label}
+        for label in (baseline, proposed)
+    }
     others = dict(runs.control) if baseline == proposed else of[proposed]
     again = runs.control if baseline == runs.trained[0] else {}
     match = Match.of_seeds((baseline, proposed), of[baseline], others, again)

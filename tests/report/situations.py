@@ -1,0 +1,281 @@
+"""Constructed situations, and every sentence that a reader meets in them, through the whole of the verdict.
+
+``python -m tests.report.situations > tests/report/situations.txt`` writes the sentences down. A person reads what
+changed there: none may be false, and none may have to be reconciled with the number beside it.
+"""
+
+import textwrap
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from harness.eta.behaviour_change import TRAINING, Change, Measure, change_of
+from harness.eta.swaps import swaps_of
+from harness.eta.verdict.ruling import Ruling
+from harness.record.cell import NO_ROBOT
+from harness.record.terms import FIRST, Terms
+from harness.registry.choice import Choice
+from harness.report.page.answer import Card, card_of, pool_card
+from harness.results.comparison import Comparison, Group
+from harness.results.overview import decider_text
+from harness.results.verdicts import LookOf, with_verdicts
+
+SUCCESS = Measure("success_rate", "", "higher", "deterministic", 100)
+TIME = Measure("time_to_target", "s", "lower", "deterministic")
+SPEED = Measure("success_rate", "", "higher", TRAINING, 100)
+COST = Measure("energy_balance", "J", "lower", "deterministic")
+HORIZON = 5.0
+"""The time that a failed episode counts, in seconds."""
+WIDTH = 110
+
+Trainings = Sequence[float]
+Sides = tuple[Trainings, Trainings]
+"""A value of each training of the baseline, and of the proposed reward."""
+
+
+@dataclass(frozen=True)
+class Situation:
+    """What was measured, and under which terms.
+
+    Attributes:
+        title: What it is.
+        places: By place, the measures and their values.
+        terms: What was agreed on before the first training.
+        look_of: In an experiment with looks: tells them.
+        to_come: How many planned trainings are still to come.
+        fields: Of every comparison.
+        ruled: What is changed in the ruling, which data of this size cannot show.
+    """
+
+    title: str
+    places: Mapping[str, Mapping[Measure, Sides]]
+    terms: Terms = FIRST
+    look_of: LookOf | None = None
+    to_come: int = 0
+    fields: Mapping[str, object] = field(default_factory=dict)
+    ruled: Callable[[Ruling], Ruling] = lambda ruling: ruling
+
+
+def around(mean: float, width: float, count: int, order: int = 0) -> Trainings:
+    """Values about a mean, as many above it as below, in one of many orders."""
+    values = np.random.default_rng([order, count]).permutation(np.linspace(-1.0, 1.0, count))
+    return (mean + width * values).round(4).tolist()
+
+
+def timed(success: Trainings, quick: float) -> Trainings:
+    """The time to the target where a success takes so long, and a failure counts the horizon."""
+    return [round(share * quick + (1.0 - share) * HORIZON, 4) for share in success]
+
+
+def arm(
+    baseline: Trainings, proposed: Trainings, quick: Sides | tuple[float, float], speed: Sides
+) -> Mapping[Measure, Sides]:
+    """What is measured of an arm: success, the time to the target, success while training."""
+    times = tuple(
+        timed(side, of) if isinstance(of, float) else of for side, of in zip((baseline, proposed), quick, strict=True)
+    )
+    return {SUCCESS: (baseline, proposed), TIME: times, SPEED: speed}
+
+
+def alike(count: int, other: int | None = None) -> Sides:
+    """Success while training that shows nothing."""
+    return around(0.52, 0.08, count, 1), around(0.514, 0.07, other or count, 2)
+
+
+def in_looks(complete: int, ends: Sequence[int]) -> LookOf:
+    """So many looks are complete, each with so many seeds."""
+
+    def looks(comparison: Comparison) -> tuple[Mapping[int, int], int]:
+        return {seed: sum(seed >= end for end in ends) for seed in comparison.seeds}, complete
+
+    return looks
+
+
+PERFECT = (1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
+LEARNED_ONE = (0.93, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+GOOD = (0.96, 0.99, 0.97, 1.0, 0.98, 0.95, 1.0, 0.99, 0.97, 0.98)
+THREE_FAILED = (0.98, 0.21, 0.97, 0.99, 0.05, 0.96, 0.98, 1.0, 0.33, 0.97)
+MIDDLE = (0.71, 0.62, 0.80, 0.55, 0.74, 0.68, 0.59, 0.77, 0.65, 0.70)
+
+SITUATIONS = (
+    Situation(
+        "a clear help", {"mujoco": arm(MIDDLE, GOOD, (1.2, 1.0), (around(0.45, 0.06, 10), around(0.55, 0.06, 10)))}
+    ),
+    Situation(
+        "a help by little: the time falls from 2.01 to 1.90 s",
+        {"mujoco": arm(GOOD, GOOD, (around(2.01, 0.03, 10), around(1.90, 0.03, 10)), alike(10))},
+    ),
+    Situation(
+        "a hurt: more than half of the trainings fail",
+        {"mujoco": arm(GOOD, around(0.36, 0.3, 10), (1.0, 1.0), alike(10))},
+    ),
+    Situation(
+        "decided, with an interval that holds 0: every training a little worse",
+        {"mujoco": {SUCCESS: (around(0.995, 0.004, 6), around(0.965, 0.004, 6))}},
+    ),
+    Situation(
+        "learns faster only",
+        {"mujoco": arm(GOOD, GOOD[::-1], (1.0, 1.0), (around(0.42, 0.06, 10), around(0.61, 0.06, 10)))},
+    ),
+    Situation(
+        "learns faster, but ends worse",
+        {"mujoco": arm(GOOD, MIDDLE, (1.0, 1.0), (around(0.42, 0.06, 10), around(0.61, 0.06, 10)))},
+    ),
+    Situation(
+        "two places, 30 points up and 30 points down",
+        {
+            "mujoco": arm(around(0.6, 0.06, 10), around(0.9, 0.06, 10), (1.0, 0.8), alike(10)),
+            "pybullet": arm(around(0.9, 0.06, 10), around(0.6, 0.06, 10), (2.0, 1.0), alike(10)),
+        },
+    ),
+    Situation(
+        "eight places, better in three of them",
+        {
+            f"place {at}": arm(
+                around(0.7, 0.08, 8), around(0.95 if at < 3 else 0.7, 0.05, 8)[::-1], (1.0, 1.0), alike(8)
+            )
+            for at in range(8)
+        },
+    ),
+    Situation(
+        "no difference, with a spread",
+        {
+            "mujoco": arm(
+                around(0.93, 0.05, 80),
+                around(0.934, 0.05, 80, 3),
+                (1.0, 1.0),
+                (around(0.5, 0.05, 80), around(0.503, 0.05, 80, 5)),
+            )
+        },
+    ),
+    Situation("perfect trainings of both, 6 seeds", {"mujoco": arm(PERFECT, PERFECT, (1.0, 1.0), alike(6))}),
+    Situation(
+        "perfect trainings of both, 60 seeds",
+        {"mujoco": arm(PERFECT * 10, PERFECT * 10, (1.0, 1.0), (around(0.5, 0.05, 60),) * 2)},
+    ),
+    Situation(
+        "neither learns, 60 seeds",
+        {
+            "mujoco": arm(
+                (0.0, 0.02, 0.0) * 20,
+                (0.01, 0.0, 0.02) * 20,
+                (1.0, 1.0),
+                ((0.0, 0.01, 0.0) * 20, (0.01, 0.0, 0.0) * 20),
+            )
+        },
+    ),
+    Situation("0 of 10 trainings learned", {"mujoco": arm((0.0,) * 10, (0.0,) * 10, (1.0, 1.0), ((0.0,) * 10,) * 2)}),
+    Situation("1 of 10 trainings learned", {"mujoco": arm((0.0,) * 10, LEARNED_ONE, (1.0, 1.0), ((0.0,) * 10,) * 2)}),
+    Situation("10 trainings against 5", {"mujoco": arm(MIDDLE, GOOD[:5], (1.2, 1.0), alike(10, 5))}),
+    Situation("an unfinished plan", {"mujoco": arm(MIDDLE[:7], GOOD[:7], (1.2, 1.0), alike(7))}, to_come=12),
+    Situation("3 of 10 trainings failed against 0 of 10", {"mujoco": arm(THREE_FAILED, GOOD, (1.0, 1.0), alike(10))}),
+    Situation(
+        "a p that was raised: no training of one reward failed",
+        {"mujoco": {SUCCESS: ((1.0, 1.0, 1.0, 1.0, 0.0, 0.0), PERFECT)}},
+        ruled=lambda ruling: replace(ruling, is_floored=True),
+    ),
+    Situation("2 seeds", {"mujoco": arm((0.4, 0.5), (0.9, 0.95), (1.0, 1.0), alike(2))}),
+    Situation("3 seeds", {"mujoco": arm((0.4, 0.5, 0.45), (0.9, 0.95, 1.0), (1.0, 1.0), alike(3))}),
+    Situation(
+        "nothing differs, and nobody knows",
+        {"mujoco": arm(MIDDLE, (0.66, 0.75, 0.58, 0.72, 0.61, 0.81, 0.69, 0.57, 0.79, 0.73), (1.0, 1.0), alike(10))},
+    ),
+    Situation(
+        "a measure of an environment that is no share: lower is better, and below 0",
+        {"": {COST: (around(-3.2, 0.4, 8), around(-4.1, 0.5, 8))}},
+        fields={"deciding": ("energy_balance",)},
+    ),
+    Situation(
+        "the same steps, bit for bit",
+        {"mujoco": arm(GOOD[:3], GOOD[:3], (1.0, 1.0), (around(0.5, 0.05, 3),) * 2)},
+        fields={"same_steps": True},
+    ),
+    Situation(
+        "until decided: the difference is small",
+        {"mujoco": arm(around(0.9, 0.05, 32), around(0.907, 0.05, 32, 4), (1.0, 1.0), alike(32))},
+        terms=Terms((6, 8, 12, 16, 24, 32), margin=0.1),
+        look_of=in_looks(6, (6, 8, 12, 16, 24, 32)),
+    ),
+    Situation(
+        "a race for the best reward",
+        {"mujoco": arm(MIDDLE, GOOD, (1.2, 1.0), alike(10))},
+        terms=Terms((4, 6, 8), race=True),
+        look_of=in_looks(2, (4, 6, 8)),
+    ),
+)
+
+
+def judged(situation: Situation) -> tuple[Comparison, ...]:
+    """The comparisons of a situation, with their answers."""
+    found = [_comparison(place, measures, situation) for place, measures in situation.places.items()]
+    ruled = with_verdicts(found, situation.terms, situation.look_of, situation.to_come)
+    return tuple(it.with_ruling(situation.ruled(it.ruling or Ruling()), it.pool) for it in ruled)
+
+
+def _comparison(place: str, measures: Mapping[Measure, Sides], situation: Situation) -> Comparison:
+    changes = tuple(_change(measure, sides) for measure, sides in measures.items())
+    trained = tuple(tuple(range(count)) for count in changes[0].counts)
+    simulator = Choice(place, (), place) if place else None
+    robot = "fd100" if place else NO_ROBOT
+    group = Group(robot, Choice("reach", (), "reach"), Choice("sac", (), "sac"), 100_000, 100, simulator=simulator)
+    shared = min(trained, key=len)
+    return replace(
+        Comparison(group, "baseline", "dense", shared, None, changes, {}, episodes={"deterministic": 100}),
+        trained=trained,
+        **situation.fields,
+    )
+
+
+def _change(measure: Measure, sides: Sides) -> Change:
+    one, other = (dict(enumerate(side)) for side in sides)
+    return change_of(measure, one, other, swaps_of(range(min(len(one), len(other)))))
+
+
+def told(situation: Situation) -> str:
+    """All sentences of a situation."""
+    comparisons = judged(situation)
+    pool, blocks = comparisons[0].pool, list[str]()
+    if pool is not None:
+        blocks.append(_block("over all places", pool.headline.answer.value, "", pool.headline.robot, pool_card(pool)))
+    shown = comparisons if len(comparisons) < 3 else (comparisons[0], comparisons[-1])
+    for it in shown:
+        title = it.group.place if pool is not None else ""
+        blocks.append(
+            _block(title, it.headline.answer.value, decider_text(it), it.headline.robot, card_of(it, "dense"))
+        )
+    return "\n".join([f"## {situation.title}", *blocks])
+
+
+def _block(title: str, answer: str, decider: str, sentence: str, card: Card) -> str:
+    rows = "; ".join(f"{row.name}{row.note and f' [{row.note}]'} {row.value}" for row in card.rows)
+    lines = [
+        *([f"[{title}]"] if title else []),
+        *_wrapped(
+            "terminal", f"{answer.upper()} | {decider} | {sentence}" if decider else f"{answer.upper()}: {sentence}"
+        ),
+        *_wrapped("page", card.seen),
+        *_wrapped("    ", f"({card.answer}) {card.lead}"),
+        *_wrapped("rows", rows),
+        *_wrapped("sure", card.sure),
+        *(line for beside in card.beside for line in _wrapped("beside", beside)),
+    ]
+    return "\n".join([*lines, ""])
+
+
+def _wrapped(name: str, text: str) -> list[str]:
+    return textwrap.wrap(text, WIDTH, initial_indent=f"{name:>8}: ", subsequent_indent=" " * 10) if text else []
+
+
+def whole_text() -> str:
+    """All situations, one below the other."""
+    return "\n".join(_lines())
+
+
+def _lines() -> Iterator[str]:
+    yield "Constructed situations and every sentence of them; python -m tests.report.situations writes this file.\n"
+    yield from map(told, SITUATIONS)
+
+
+if __name__ == "__main__":
+    print(whole_text())  # noqa: T201
