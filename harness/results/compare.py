@@ -193,9 +193,7 @@ def compare(trainings: Trainings[Training], match: Match[Training], swaps: Swaps
     )
     if not all(match.seeds_of):
         return empty
-    behaviour = replace(
-        empty, changes=comparer.changes(), along=comparer.along(), mixtures=trainings.mixtures(match)
-    )
+    behaviour = replace(empty, changes=comparer.changes(), along=comparer.along(), mixtures=trainings.mixtures(match))
     if not match.seeds:
         return behaviour
     decomposition, pairs = comparer.indices()
