@@ -16,7 +16,7 @@ from harness.eta.behaviour_change import Change
 from harness.eta.interval import SHARE
 from harness.eta.verdict.looks import Looks, rule_in_looks
 from harness.eta.verdict.question import Question
-from harness.eta.verdict.ruling import LEVEL, Ruling, better_in, rule, rule_alone, rule_places
+from harness.eta.verdict.ruling import LEVEL, Ruling, better_in, rule, rule_places
 from harness.eta.verdict.together import Together
 from harness.record.terms import FIRST, Terms
 from harness.results.comparison import Comparison, Group, correct
@@ -102,11 +102,7 @@ def _ruled(family: Sequence[Comparison], terms: Terms, look_of: LookOf | None) -
 
 def _at_once(asked: Sequence[Asked], level: float) -> dict[Key, Ruling]:
     """What the test says of each question over all of its places."""
-    questions = [it.question for it in asked]
-    if all(len(it.members) == 1 for it in asked):
-        rulings = rule(questions, level)
-    else:
-        rulings = [rule_alone(question, len(asked), level) for question in questions]
+    rulings = rule([it.question for it in asked], level)
     return {it.key: ruling for it, ruling in zip(asked, rulings, strict=True)}
 
 

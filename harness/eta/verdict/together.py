@@ -44,7 +44,7 @@ class Together:
     @property
     def lowest(self) -> float:
         """The lowest value of a seed in a place, under either reward."""
-        return float(self.question.values[:, self.question.known].min())
+        return float(self.question.values[self.question.known].min())
 
     @property
     def low(self) -> float | None:
