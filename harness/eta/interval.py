@@ -74,6 +74,47 @@ def mean_interval(
     return max(middle - reach, least), min(middle + reach, greatest)
 
 
+def welch_freedom(variances: Sequence[float], counts: Sequence[int]) -> float:
+    """Degrees of freedom of a difference of the means of groups that are not paired (Satterthwaite 1946, Welch 1947).
+
+    Args:
+        variances: Of a single value, by group.
+        counts: How many values each group has, at least two.
+    """
+    parts = [variance / count for variance, count in zip(variances, counts, strict=True)]
+    squares = sum(part**2 / (count - 1) for part, count in zip(parts, counts, strict=True))
+    return sum(parts) ** 2 / squares if squares > 0.0 else float(sum(counts) - len(counts))
+
+
+def difference_interval(
+    baseline: Sequence[float] | Float,
+    proposed: Sequence[float] | Float,
+    variances: tuple[float, float],
+    confidence: float = CONFIDENCE,
+    bounds: Bounds = UNBOUNDED,
+) -> Interval:
+    """Welch's interval for the difference of the means, proposed - baseline, of two groups that are not paired.
+
+    It is cut to what the difference can be, as that of `mean_interval`.
+
+    Args:
+        baseline: One value per training, at least two, independent of one another.
+        proposed: The same; there may be more or fewer of them.
+        variances: Of a single value under the baseline and under the proposed reward, each from its own group: see
+            `variance_of` and, for a share, `share_variance`.
+        confidence: How often the interval holds the difference.
+        bounds: What a single value can be. Where one lies outside, they are wrong, and nothing is cut.
+    """
+    counts = len(baseline), len(proposed)
+    error = math.sqrt(sum(variance / count for variance, count in zip(variances, counts, strict=True)))
+    reach = quantile(confidence, welch_freedom(variances, counts)) * error
+    middle = float(np.mean(proposed)) - float(np.mean(baseline))
+    if not (are_within(baseline, bounds) and are_within(proposed, bounds)):
+        return middle - reach, middle + reach
+    low, high = of_difference(bounds)
+    return max(middle - reach, min(low, middle)), min(middle + reach, max(high, middle))
+
+
 def are_within(values: Sequence[float] | Float, bounds: Bounds) -> bool:
     """Whether no value lies outside of the bounds, by more than rounding."""
     return bounds[0] - ROUNDING <= float(np.min(values)) and float(np.max(values)) <= bounds[1] + ROUNDING
