@@ -15,6 +15,7 @@ from harness.eta.interval import (
     Bounds,
     Interval,
     difference_interval,
+    mean_interval,
     of_difference,
     share_variance,
     variance_of,
@@ -144,6 +145,11 @@ class Change:
         return min(self.counts)
 
     @property
+    def is_complete(self) -> bool:
+        """Whether every training has a value, and each reward a training."""
+        return bool(self.seeds) and not any(self.without)
+
+    @property
     def values(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """The values of the baseline's trainings, and of the proposed reward's."""
         return tuple(self.trainings[0].values()), tuple(self.trainings[1].values())
@@ -218,6 +224,8 @@ def change_of(
     proposed: Mapping[int, float | None],
     swaps: Swaps,
     random: Sequence[float | None] = (),
+    *,
+    is_paired: bool = False,
 ) -> Change:
     """The change of one measure.
 
@@ -227,6 +235,8 @@ def change_of(
         proposed: The same under the proposed reward.
         swaps: The ways in which the names of a seed's trainings are swapped.
         random: Its values for random actions.
+        is_paired: Whether two trainings of a seed end alike, as those of one reward before and after a change do.
+            Trainings by two rewards do not.
     """
     one, other = ({seed: value for seed, value in side.items() if value is not None} for side in (baseline, proposed))
     without = (len(baseline) - len(one), len(proposed) - len(other))
@@ -237,7 +247,21 @@ def change_of(
     if len(both) > 1:
         outcomes = swaps.of(both) @ np.array([other[seed] - one[seed] for seed in both]) / len(both)
         found = replace(found, outcomes=outcomes, p=p_of(outcomes))
-    return with_intervals(found)
+    return _with_paired_intervals(found) if is_paired else with_intervals(found)
+
+
+def _with_paired_intervals(change: Change) -> Change:
+    """The change with the intervals of the mean over seeds that both have."""
+    one, other = change.trainings
+    both = [(one[seed], other[seed]) for seed in one if seed in other]
+    if why_no_interval(len(both)):
+        return change
+    differences = np.diff(np.array(both), axis=1)[:, 0]
+    measure, variance = change.measure, variance_of(differences)
+    if measure.episodes is not None:
+        variance = share_variance(differences, np.mean(both, axis=0).tolist(), measure.episodes)
+    low, high = mean_interval(differences, variance, bounds=measure.of_difference)
+    return replace(change, low=low, high=high, likely=mean_bounds([differences], measure.of_difference, ONE_SIDED))
 
 
 def with_intervals(change: Change) -> Change:

@@ -176,6 +176,7 @@ class TermsForm(TypedDict, total=False):
     race: bool
     averaged: Count
     grown: Annotated[list[Whole], Field(max_length=MOST_LOOKS)]
+    joined: Annotated[list[Name], Field(max_length=MOST_CELLS)]
 
 
 @with_config(EXACT)

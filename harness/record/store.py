@@ -239,16 +239,22 @@ class Store:
         return sorted((self.folder / CELLS).glob(f"[!.]*/{MANIFEST}"))
 
     def _terms(self, asked: Terms, known: Sequence[Cell], cells: Sequence[Cell]) -> Terms:
-        """Those of the first experiment in the folder. They say where seeds were added after results could be seen."""
+        """Those of the first experiment in the folder.
+
+        They say where seeds and rewards were added after results could be seen.
+        """
         if not known:
             return asked
         terms = self.read_plan().terms
         done = {cell.seed for cell in self._ended_cells()}
+        if not done or terms.looks:
+            return terms
         kinds = {replace(cell, seed=0) for cell in known}
         added = {cell.seed for cell in cells if replace(cell, seed=0) in kinds} - {cell.seed for cell in known}
-        if not done or not added or terms.looks:
-            return terms
-        return replace(terms, grown=(*terms.grown, len(done)))
+        rewards = {cell.reward.label for cell in known}
+        joined = dict.fromkeys(cell.reward.label for cell in cells if cell.reward.label not in rewards)
+        grown = (*terms.grown, len(done)) if added else terms.grown
+        return replace(terms, grown=grown, joined=(*terms.joined, *joined))
 
     def _known_cells(self) -> Sequence[Cell]:
         """What was asked for before; where the plan is damaged, what has ended: the rest is asked for again."""

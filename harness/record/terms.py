@@ -17,6 +17,7 @@ class Terms:
         averaged: The final policy counts with the mean over so many evaluations, the last ones, where there are any on
             the way.
         grown: By how many seeds were done when more of them were asked for, though no plan foresaw it.
+        joined: The labels of rewards that were asked for when results of others could be seen.
     """
 
     looks: tuple[int, ...] = ()
@@ -25,10 +26,11 @@ class Terms:
     race: bool = False
     averaged: int = 1
     grown: tuple[int, ...] = ()
+    joined: tuple[str, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
-        return {**asdict(self), "looks": list(self.looks), "grown": list(self.grown)}
+        return {name: list(told) if isinstance(told, tuple) else told for name, told in asdict(self).items()}
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Self:

@@ -282,12 +282,11 @@ class Comparison:
         A measure without a value in some training does not decide. It would compare the trainings that have one: who
         succeeds more often where success is hard would be told to be slow.
         """
-        there = [
-            change for name in self.deciding for change in self.changes_of(self.answered_in) if change.name == name
-        ]
-        if self.speed is not None and not any(change is self.speed for change in there):
-            there.append(self.speed)
-        return tuple(change for change in there if change.seeds and not any(change.without))
+        acted = self.changes_of(self.answered_in)
+        ended = [change for name in self.deciding for change in acted if change.name == name and change.is_complete]
+        if not ended or self.speed is None or not self.speed.is_complete or any(it is self.speed for it in ended):
+            return tuple(ended)
+        return (*ended, self.speed)
 
     @property
     def answered_in(self) -> str:

@@ -61,7 +61,7 @@ class BeforeAfter:
         """The verdict on what decides. It is "the same" only if every value of every measure is the same."""
         if self.decisive is None:
             return Verdict.CANNOT_TELL
-        if all(one == other for change in self.changes for one, other in change.values):
+        if all(one == other for one, other in (change.trainings for change in self.changes)):
             return Verdict.SAME
         if self.decisive.direction:
             return Verdict(self.decisive.direction)
@@ -155,7 +155,7 @@ def _changes(before: Policies, after: Policies, swaps: Swaps) -> tuple[Change, .
     for name in (name for name in before.names if name in after.names):
         one, other = ({seed: it[seed].values.get(name) for seed in seeds} for it in did)
         reasons = [it[seed].reasons[name] for it in did for seed in seeds if name in it[seed].reasons]
-        change = change_of(before.measure(name, episodes), one, other, swaps)
+        change = change_of(before.measure(name, episodes), one, other, swaps, is_paired=True)
         found.append(replace(change, reason=next(iter(reasons), "")))
     return tuple(found)
 

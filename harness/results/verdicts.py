@@ -50,9 +50,9 @@ class Asked:
         return question_of(self.changes, [[_scale_of(change) for change in changes] for changes in self.changes])
 
     def together(self) -> tuple[Together, ...]:
-        """The measures, means over places; none where units differ."""
+        """The measures, means over places; none where places have other ones."""
         of_measures = list(zip(*self.changes, strict=True))
-        if any(len({it.measure.unit for it in of_places}) > 1 for of_places in of_measures):
+        if any(len({it.name for it in of_places}) > 1 for of_places in of_measures):
             return ()
         return tuple(Together.of(of_places) for of_places in of_measures)
 

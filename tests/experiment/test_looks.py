@@ -161,8 +161,9 @@ def test_seeds_that_no_plan_foresaw_are_written_down(begun: Callable[..., str], 
     assert Store.open(tmp_path / "here").read_plan().terms.grown == (1,)
 
 
-def test_other_rewards_are_no_further_look(begun: Callable[..., str], tmp_path: Path):
-    """They have no results that somebody could have looked at."""
+def test_rewards_that_come_later_are_written_down(begun: Callable[..., str], tmp_path: Path):
+    """They are no further look: they have no results that somebody could have looked at."""
     assert begun(seeds=1) == ""
     assert begun(seeds=1, reward=["dense", "arp"]) == ""
-    assert Store.open(tmp_path / "here").read_plan().terms.grown == ()
+    terms = Store.open(tmp_path / "here").read_plan().terms
+    assert (terms.grown, terms.joined) == ((), ("arp",))

@@ -7,14 +7,17 @@ import pytest
 from harness.record.terms import FIRST, NEW, Terms
 
 
-@pytest.mark.parametrize("terms", [FIRST, NEW, Terms((4, 8), 3, 0.05, race=True, averaged=5), Terms(grown=(6, 12))])
+@pytest.mark.parametrize(
+    "terms",
+    [FIRST, NEW, Terms((4, 8), 3, 0.05, race=True, averaged=5), Terms(grown=(6, 12), joined=("arp", "dense"))],
+)
 def test_terms_survive_their_file(terms: Terms):
     """As JSON and back."""
     assert Terms.from_json(json.loads(json.dumps(terms.to_json()))) == terms
 
 
 def test_a_plan_without_terms_has_those_of_version_0_1():
-    """No second question, one checkpoint, all seeds at once."""
+    """One checkpoint, all seeds at once."""
     assert Terms.from_json({}) == FIRST
 
 

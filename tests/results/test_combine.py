@@ -112,7 +112,7 @@ def test_rows_of_both_groups_have_the_same_seed(experiment: Store, registry: Reg
         np.testing.assert_array_equal(combination.curves[pair].runs, expected)
 
 
-def test_combination_without_a_common_seed_says_so(
+def test_combination_without_a_training_of_one_reward_says_so(
     make_cell: MakeCell, make_plan: MakePlan, registry: Registry, tmp_path: Path
 ):
     """It is listed, without numbers, and the note has the reason."""
@@ -121,7 +121,7 @@ def test_combination_without_a_common_seed_says_so(
     finish(store, cells[0], [1.0, 0.5])
     results = Results(store.folder, registry)
     (combination,) = results.to_json()["combinations"]
-    reason = "no seed is done under both baseline and arp"
+    reason = "no training with arp is done"
     nothing = {"value": None, "low": None, "high": None, "note": reason}
     assert combination["eta_N"]["eta"] == combination["eta_P"]["behaviour"] == nothing
     assert (combination["baseline_index"], combination["proposed_index"], combination["seeds"]) == (None, None, [])
@@ -376,6 +376,7 @@ def test_all_claims_of_all_combinations_are_one_family(
     lonely = Choice("arp", (("k1", 1.0), ("k2", 4.0)), "arp:k2=4")
     cells = [make_cell(seed=seed, reward=reward) for seed in range(7) for reward in (BASELINE, ARP, STRONG)]
     store = Store.create(tmp_path, make_plan(*cells, make_cell(reward=lonely)))
+    fail(store, make_cell(reward=lonely), "it broke")
     for cell in cells:
         good = {"baseline": False, "arp": cell.seed != 3, "arp:k2=2": True}[cell.reward.label]
         finish(store, cell, (BASELINE_RUNS if cell.reward == BASELINE else ARP_RUNS)[cell.seed % 3], [good, True])

@@ -43,10 +43,23 @@ CHANGES = (
 )
 
 
+SEEDS = tuple(range(6))
+
+
 @pytest.fixture(name="combination")
 def _combination() -> Comparison:
     return Comparison(
-        GROUP, "baseline", "arp", tuple(range(6)), decompose(CURVES), CHANGES, CURVES, (), {"deterministic": 20}, 5
+        GROUP,
+        "baseline",
+        "arp",
+        SEEDS,
+        decompose(CURVES),
+        CHANGES,
+        CURVES,
+        (),
+        {"deterministic": 20},
+        5,
+        trained=(SEEDS, SEEDS),
     )
 
 
@@ -181,7 +194,7 @@ def test_outcomes_are_those_of_every_claim(combination: Comparison, empty: Compa
 
 def test_without_a_seed_the_reason_stands_everywhere(empty: Comparison):
     """In both ratios, in the answer, and nowhere a number."""
-    reason = "no seed is done under both baseline and arp"
+    reason = "no training with baseline is done"
     assert empty.eta_n == empty.eta_p == Ratio(None, notes=(reason,))
     assert (empty.baseline_index, empty.proposed_index) == (None, None)
     assert (empty.headline.answer, empty.headline.number) == (Answer.CANNOT_TELL, "")

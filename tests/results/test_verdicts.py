@@ -6,10 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.record.terms import FIRST, NEW, Terms
+from harness.eta.behaviour_change import TRAINING, change_of
+from harness.eta.swaps import swaps_of
+from harness.record.terms import Terms
 from harness.results.comparison import Comparison
-from harness.results.verdicts import SPEED_LEVEL, with_verdicts
-from tests.results.told import comparison, rates
+from harness.results.verdicts import with_verdicts
+from tests.results.told import SUCCESS, comparison, rates
 
 PLACES = ("mujoco", "pybullet", "drake", "physx")
 
@@ -84,15 +86,18 @@ def test_two_measures_are_one_question():
     assert found.headline.decided_by == "time_to_target"
 
 
-def test_places_with_other_units_get_an_answer_without_values():
-    """Relative to their size they can be put together, as numbers they cannot."""
+def test_places_with_other_units_are_put_together_relative_to_their_size():
+    """As numbers they could not be."""
     times = {"time_to_target": 1.0 + rates(0.9, 0.1)}
     one = comparison("dense", times, "mujoco")
     other = comparison("dense", {"time_to_target": 1000.0 * times["time_to_target"]}, "pybullet")
     change = other.changes[0]
     other = replace(other, changes=(replace(change, measure=change.measure._replace(unit="ms")),))
     found = with_verdicts([one, other])
-    assert found[0].pool.measures == ()
+    (measure,) = found[0].pool.measures
+    assert measure.is_relative
+    change = one.changes[0]
+    assert measure.difference == pytest.approx((change.proposed - change.baseline) / change.size)
     assert found[0].pool.headline.answer == "helps"
 
 
@@ -112,30 +117,60 @@ def speeds(mean: float) -> Mapping[str, object]:
     return {"values": {"success_rate": rates(0.5, 0.5)}, "speed": rates(0.3, mean, seed=5)}
 
 
-def test_new_experiments_ask_a_second_question():
-    """At 0.01; the verdict then has 0.04."""
-    (found,) = with_verdicts([comparison("dense", **speeds(0.8))], NEW)
-    assert found.ruling.level == pytest.approx(0.04)
-    assert found.speed_ruling.level == SPEED_LEVEL
-    assert "dense learns faster" in found.speed_text
-
-
-def test_experiments_of_version_0_1_do_not():
-    """Their verdict has all of the 5 %."""
-    (found,) = with_verdicts([comparison("dense", **speeds(0.8))], FIRST)
-    assert (found.ruling.level, found.speed_ruling, found.speed_text) == (0.05, None, "")
-
-
-def test_where_no_speed_was_measured_the_verdict_has_it_all():
-    """There is nothing to ask."""
-    (found,) = with_verdicts([of_success("dense", 0.9)], NEW)
+def test_success_while_training_decides_with_the_others():
+    """One question of three measures, at 5 %."""
+    (found,) = with_verdicts([comparison("dense", **speeds(0.8))])
     assert found.ruling.level == 0.05
+    assert len(found.ruling.of_measures) == 2
+    assert found.headline.answer == "learns faster"
 
 
 def test_who_learns_slower_is_told_so():
     """As carefully as who learns faster."""
-    (found,) = with_verdicts([comparison("dense", **speeds(0.0))], NEW)
-    assert "dense learns slower" in found.speed_text
+    (found,) = with_verdicts([comparison("dense", **speeds(0.0))])
+    assert found.headline.answer == "learns slower"
+
+
+def test_success_over_the_training_that_decides_anyway_counts_once():
+    """Recordings without evaluations have nothing else."""
+    found = comparison("dense", {"success_rate": rates(0.5, 0.9)}, speed=rates(0.3, 0.8))
+    found = replace(found, changes=found.changes[1:], decided_in=TRAINING)
+    assert found.decisive_changes == found.changes
+
+
+def test_a_measure_without_a_value_in_some_training_does_not_decide():
+    """Those that have one are a selection."""
+    found = comparison("dense", {"success_rate": rates(0.5, 0.5), "time_to_target": 3.0 + rates(0.9, 0.1)})
+    short = replace(found.changes[1], without=(0, 1))
+    (found,) = with_verdicts([replace(found, changes=(found.changes[0], short))])
+    assert len(found.ruling.of_measures) == 1
+    (alone,) = with_verdicts([replace(found, changes=(short,), deciding=("time_to_target",))])
+    assert alone.headline.answer == "cannot tell"
+    assert "has no value in 1 of 7 trainings with dense" in alone.headline.robot
+
+
+def test_a_measure_that_one_place_lacks_decides_in_none():
+    """Over places the same measures are asked about."""
+    both = {"success_rate": rates(0.5, 0.9), "time_to_target": 3.0 + rates(0.9, 0.1)}
+    found = with_verdicts([comparison("dense", both), comparison("dense", {"success_rate": both["success_rate"]}, "b")])
+    assert [it.name for it in found[0].pool.measures] == ["success_rate"]
+
+
+def test_trainings_without_a_partner_count():
+    """Ten of the baseline against five."""
+    ten, five = rates(0.5, 0.5, 10), rates(0.5, 0.7, 5)
+    change = change_of(SUCCESS, dict(enumerate(ten[0])), dict(enumerate(five[1])), swaps_of(range(10)))
+    found = comparison("dense", {"success_rate": five})
+    (found,) = with_verdicts([replace(found, changes=(change,))])
+    assert found.decisive.counts == (10, 5)
+    assert found.ruling.p == pytest.approx(1 / 3003)
+
+
+def test_before_all_trainings_of_a_plan_ended_nothing_is_tested():
+    """Whoever looks on and on would find something."""
+    found = with_verdicts([of_success("dense", 0.9, place) for place in PLACES[:2]], to_come=2)
+    assert [(it.ruling.p, it.ruling.missing, it.headline.answer) for it in found] == [(None, 2, "interim")] * 2
+    assert found[0].pool.headline.answer == "interim"
 
 
 def test_in_a_race_no_comparison_is_a_test():
@@ -155,7 +190,7 @@ def test_looks_tell_which_seeds_count():
 
     (first,) = with_verdicts([asked], terms, lambda it: look_of(it, 1))
     (second,) = with_verdicts([asked], terms, lambda it: look_of(it, 2))
-    few = np.array([it[:4] for it in np.transpose(asked.changes[0].values)])
+    few = np.array([it[:4] for it in asked.changes[0].values])
     (alone,) = with_verdicts([comparison("dense", {"success_rate": few})], terms, lambda it: look_of(it, 1))
     assert first.ruling == alone.ruling
     assert first.ruling != second.ruling

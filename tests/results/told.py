@@ -5,11 +5,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from harness.arrays import Float
-from harness.eta.behaviour_change import Change, Measure, change_of
+from harness.eta.behaviour_change import TRAINING, Change, Measure, change_of
 from harness.eta.swaps import swaps_of
 from harness.registry.choice import Choice
 from harness.results.comparison import Comparison, Group
-from harness.results.measured import TRAINING
 
 SUCCESS = Measure("success_rate", "", "higher", "deterministic", 100)
 TIME = Measure("time_to_target", "s", "lower", "deterministic")
@@ -49,7 +48,16 @@ def comparison(
         simulator=Choice(place, (), place),
     )  # fmt: skip
     return Comparison(
-        group, baseline, proposed, seeds, None, tuple(changes), {}, episodes={"deterministic": 100}, **fields
+        group,
+        baseline,
+        proposed,
+        seeds,
+        None,
+        tuple(changes),
+        {},
+        episodes={"deterministic": 100},
+        trained=(seeds, seeds),
+        **fields,
     )
 
 

@@ -1,8 +1,8 @@
 """Labels dealt anew: which trainings could as well have carried the proposed reward's name.
 
 Trainings are not paired: those of one seed under two rewards end no more alike than any two. So if the rewards do not
-differ, any half of the trainings could be the proposed reward's. A test deals the labels in all ways that there are,
-or in many drawn ones, and asks how often chance alone gives as much as was seen (Fisher 1935).
+differ, any of the trainings could be the proposed reward's, as many as it has. A test deals the labels in all ways that
+there are, or in many drawn ones, and asks how often chance alone gives as much as was seen (Fisher 1935).
 """
 
 import itertools
@@ -19,8 +19,9 @@ MOST_DEALS = 20_000
 """Where there are more ways than these, so many are drawn."""
 SEED = 105
 
-Strata: TypeAlias = tuple[tuple[int, int], ...]
-"""Trainings among which labels are dealt: a number that names the stratum, and how many of each reward are in it."""
+Strata: TypeAlias = tuple[tuple[int, int, int], ...]
+"""Trainings among which labels are dealt: a number that names the stratum, and how many of the baseline and of the
+proposed reward are in it. Where one of them has none there is one way."""
 
 
 def deals_of(strata: Strata, is_drawn: bool = False) -> Float:
@@ -38,15 +39,29 @@ def deals_of(strata: Strata, is_drawn: bool = False) -> Float:
     return _deals(strata, is_drawn or count_deals(strata) > MOST_DEALS)
 
 
+def as_trained(strata: Strata) -> Float:
+    """The labels that the trainings have: in each stratum 0 of its baselines, then 1 of its proposed ones."""
+    labels: Float = np.concatenate([np.zeros(0), *(_as_trained(*counts) for _, *counts in strata)])
+    return labels
+
+
 def count_deals(strata: Strata) -> int:
     """How many ways there are."""
-    return math.prod(math.comb(2 * seeds, seeds) for _, seeds in strata)
+    return math.prod(math.comb(baselines + proposed, proposed) for _, baselines, proposed in strata)
 
 
-def smallest_p(seeds: int, places: int = 1) -> float:
-    """The smallest two-sided p of so many seeds of each reward, in each of so many places that share none."""
-    ways = min(math.comb(2 * seeds, seeds), 2 * MOST_DEALS)  # of 1,000 seeds they are more than a float can say
-    return max(2.0 * float(ways) ** -places, 1.0 / MOST_DEALS)
+def smallest_p(seeds: int, places: int = 1, *, proposed: int | None = None) -> float:
+    """The smallest two-sided p that trainings can give.
+
+    Args:
+        seeds: Trainings of each reward in a place.
+        places: How many places that share no training.
+        proposed: Trainings of the proposed reward in a place, where it has not as many as the baseline.
+    """
+    other = seeds if proposed is None else proposed
+    alike = 2 if other == seeds else 1  # with as many of each, all labels swapped give the same statistic
+    ways = min(math.comb(seeds + other, other), alike * MOST_DEALS)  # of many they are more than a float can say
+    return max(alike * float(ways) ** -places, 1.0 / MOST_DEALS)
 
 
 @lru_cache(maxsize=8)
@@ -57,27 +72,33 @@ def _deals(strata: Strata, is_drawn: bool) -> Float:
     return dealt
 
 
+def _as_trained(baselines: int, proposed: int) -> Float:
+    return np.repeat([0.0, 1.0], [baselines, proposed])
+
+
 def _drawn(strata: Strata) -> Sequence[Float]:
-    return [_drawn_in(name, seeds) for name, seeds in strata]
+    return [_drawn_in(*stratum) for stratum in strata]
 
 
-def _drawn_in(name: int, seeds: int) -> Float:
-    dealt: Float = np.tile(np.repeat([0.0, 1.0], seeds), (MOST_DEALS, 1))
-    np.random.default_rng([SEED, name, seeds]).permuted(dealt[1:], axis=1, out=dealt[1:])
+def _drawn_in(name: int, baselines: int, proposed: int) -> Float:
+    dealt: Float = np.tile(_as_trained(baselines, proposed), (MOST_DEALS, 1))
+    counts = [baselines] if baselines == proposed else [baselines, proposed]
+    np.random.default_rng([SEED, name, *counts]).permuted(dealt[1:], axis=1, out=dealt[1:])
     return dealt
 
 
 def _all(strata: Strata) -> Float:
     """All ways: every choice in one stratum beside every choice in each other one."""
-    choices = [_all_in(seeds) for _, seeds in strata]
+    choices = [_all_in(baselines, proposed) for _, baselines, proposed in strata]
     rows = itertools.product(*(range(len(choice)) for choice in choices))
     index = np.array(list(rows), dtype=np.intp).reshape(-1, len(choices))
     return np.concatenate([choice[index[:, at]] for at, choice in enumerate(choices)], axis=1)
 
 
-def _all_in(seeds: int) -> Float:
-    """All choices of half of the trainings; as they were trained comes first."""
-    chosen = list(itertools.combinations(range(2 * seeds - 1, -1, -1), seeds))
-    ways: Float = np.zeros((len(chosen), 2 * seeds))
-    ways[np.arange(len(chosen))[:, None], chosen] = 1.0
+def _all_in(baselines: int, proposed: int) -> Float:
+    """All choices of so many proposed ones; as they were trained comes first."""
+    trainings = baselines + proposed
+    chosen = np.array(list(itertools.combinations(range(trainings - 1, -1, -1), proposed)), np.intp)
+    ways: Float = np.zeros((len(chosen), trainings))
+    np.put_along_axis(ways, chosen.reshape(len(chosen), proposed), 1.0, axis=1)
     return ways

@@ -13,7 +13,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from harness.eta.interval import quantile
+from harness.eta.interval import UNBOUNDED, Bounds
+from harness.eta.unseen import difference_bounds
 from harness.eta.verdict.question import Question
 from harness.eta.verdict.ruling import LEVEL, ROUNDING, Ruling
 
@@ -81,13 +82,14 @@ def looks_for(places: int) -> tuple[int, ...]:
     return SEVERAL_PLACES if places >= MANY_PLACES else ONE_PLACE
 
 
-def rule_in_looks(question: Question, looks: Looks, complete: int) -> LookRuling:
+def rule_in_looks(question: Question, looks: Looks, complete: int, ends: Sequence[Bounds] | None = None) -> LookRuling:
     """What the test says at the looks that are complete; the first that decides stands.
 
     Args:
         question: `looks` of its seeds say at which look each was trained.
         looks: When it is asked.
         complete: How many looks are complete.
+        ends: What a value of the first measure can be, by place; by default anything.
     """
     question = replace(question, is_drawn=True)
     found = LookRuling(level=looks.spent(0), asked=looks.asked)
@@ -108,7 +110,7 @@ def rule_in_looks(question: Question, looks: Looks, complete: int) -> LookRuling
             tuple(min(1.0, it) for it in of_measures),
             tuple(int(np.sign(t)) for t in statistics[0]),
             looks.asked,
-            looks.margin if looks.is_futile_at(look) and is_small(there, looks.margin) else None,
+            looks.margin if looks.is_futile_at(look) and is_small(there, looks.margin, ends) else None,
             look=look,
             is_last=look + 1 == len(looks.seeds),
         )
@@ -136,15 +138,22 @@ def _boundary(crossed: np.ndarray, sizes: np.ndarray, level: float) -> float:
     return float(np.nextafter(beyond * (1.0 + ROUNDING), math.inf))
 
 
-def is_small(question: Question, margin: float) -> bool:
-    """Whether the difference of the first measure is smaller than a margin, but for 1 % of luck to each side."""
-    return reach(question, 0, FUTILE_CONFIDENCE) < margin
+def is_small(question: Question, margin: float, ends: Sequence[Bounds] | None = None) -> bool:
+    """Whether the difference of the first measure is smaller than a margin.
 
+    With what luck may add, but for 1 % to each side, and with trainings that were not seen, but for 5 %; see
+    `harness.eta.unseen`.
 
-def reach(question: Question, measure: int, confidence: float) -> float:
-    """How large the difference of a measure can be at most, one-sided at this confidence."""
-    estimate = question.estimate(measure)
-    return abs(estimate.difference) + quantile(2.0 * confidence - 1.0, estimate.freedom) * estimate.error
+    Args:
+        question: Its places have trainings of their own.
+        margin: Above 0.
+        ends: What a value of the first measure can be, by place; by default anything.
+    """
+    baseline, proposed = ([values[np.isfinite(values)] for values in side[..., 0].T] for side in question.values)
+    low, high = difference_bounds(
+        baseline, proposed, ends or [UNBOUNDED] * question.places, seen_confidence=2.0 * FUTILE_CONFIDENCE - 1.0
+    )
+    return -margin < low and high < margin
 
 
 def check_looks(seeds: Sequence[int]) -> str:

@@ -11,29 +11,37 @@ from typing import NamedTuple
 import numpy as np
 
 from harness.arrays import Float, Ints, Mask
-from harness.eta.verdict.deals import MOST_DEALS, Strata, deals_of
+from harness.eta.verdict.deals import MOST_DEALS, Strata, as_trained, deals_of
 
 LEAST_SPREAD = 0.001
 """A standard error counts as at least this share of the pooled standard deviation."""
 LEAST_SEEDS = 2
-"""With fewer seeds in a place there is no spread, and so no test."""
+"""With fewer trainings of a side in a place there is no spread, and so no test."""
 CHUNK = MOST_DEALS // 8
 """Ways whose covariances of places are in memory at once."""
+
+
+BOTH = (0, 1)
+"""The two sides of a question: the baseline, and the proposed reward."""
 
 
 class Layout(NamedTuple):
     """The trainings of a question in the order in which labels are dealt to them.
 
-    Whole seeds change their label, among the seeds that were trained in the same places at the same looks.
+    A training keeps all that was measured of it when it changes its label. Labels are dealt among the trainings that
+    were done in the same places at the same looks, with the same measures known. So of each pattern each side has as
+    many in every way, and what a training counts under one label never changes.
     """
 
     strata: Strata
     values: Float
-    """(trainings, places, measures), without the mean of their place; 0 where there is none."""
-    weights: Float
-    """The share of a training in the mean of its place, (trainings, places, measures); 0 where it has no value."""
-    factors: Float
-    """n / (n - 1) of the n seeds that a training is one of, (trainings, measures), as in an unbiased variance."""
+    """(trainings, places, measures), without the mean of their place over both sides; 0 where there is none."""
+    weights: tuple[Float, Float]
+    """The share of a training in the mean of its place under either label, (trainings, places, measures) both; 0 where
+    it has no value, or where no training under that label has one."""
+    factors: tuple[Float, Float]
+    """n / (n - 1) under either label, (trainings, measures) both, as in an unbiased variance: n trainings with that
+    label have a value where this one has one, and of several places the fewest count."""
     least: Float
     """The smallest standard error that counts, of the mean of each place, (places, measures)."""
 
@@ -52,21 +60,27 @@ class Estimate(NamedTuple):
 class Question:
     """What was measured of the trainings of two rewards.
 
+    The trainings of the two sides are not paired: row i of one has nothing to do with row i of the other, and one may
+    have more trainings than the other one.
+
     Attributes:
-        values: (2, seeds, places, measures): of the baseline and of the proposed reward, higher is better. NaN where a
-            seed was not trained, or not measured, under one of them in a place.
-        looks: The look at which a seed was trained in each place, (seeds, places); 0 if all were trained at once.
+        values: (2, rows, places, measures): of the baseline and of the proposed reward, higher is better. NaN where a
+            row has no training on that side in a place, or where it was not measured.
+        looks: The look at which a row was trained in each place, (rows, places); 0 if all were trained at once.
         is_drawn: Whether labels are dealt in drawn ways even where all could be tried, as tests in several looks are.
+        ends: The least and the greatest value that a measure can have in a place, as `values` count it, (places,
+            measures, 2); NaN or infinite where there is none. None where none is known.
     """
 
     values: Float
     looks: Ints
     is_drawn: bool = False
+    ends: Float | None = None
 
     @classmethod
-    def of(cls, values: Float) -> "Question":
-        """A question about trainings that were done at once, see `values`."""
-        return cls(values, np.zeros(values.shape[1:3], np.int64))
+    def of(cls, values: Float, ends: Float | None = None) -> "Question":
+        """A question about trainings that were done at once, see `values` and `ends`."""
+        return cls(values, np.zeros(values.shape[1:3], np.int64), ends=ends)
 
     @property
     def places(self) -> int:
@@ -75,14 +89,22 @@ class Question:
 
     @cached_property
     def known(self) -> Mask:
-        """(seeds, places, measures): where there is a value under both rewards."""
-        known: Mask = np.isfinite(self.values[0]) & np.isfinite(self.values[1])
+        """(2, rows, places, measures): where there is a value."""
+        known: Mask = np.isfinite(self.values)
         return known
 
     @property
+    def counts(self) -> tuple[int, int]:
+        """The fewest trainings that a measure has in a place, of the baseline and of the proposed reward."""
+        if not self.values.size:
+            return 0, 0
+        baseline, proposed = self.known.sum(axis=1).min(axis=(1, 2))
+        return int(baseline), int(proposed)
+
+    @property
     def seeds(self) -> int:
-        """The fewest seeds that a measure has in a place."""
-        return int(self.known.sum(axis=0).min()) if self.values.size else 0
+        """The fewest trainings that either side has for a measure in a place."""
+        return min(self.counts)
 
     @property
     def is_testable(self) -> bool:
@@ -91,42 +113,48 @@ class Question:
 
     @cached_property
     def means(self) -> tuple[float, float]:
-        """Under the baseline and under the proposed reward, of the first measure: over seeds, then over places."""
-        values = np.where(self.known, self.values, np.nan)[..., 0]
-        one, other = np.nanmean(values, axis=1).mean(axis=1)
+        """Under the baseline and under the proposed reward, of the first measure: over trainings, then over places."""
+        one, other = self._means_of_places[..., 0].mean(axis=1)
         return float(one), float(other)
 
     @cached_property
     def differences(self) -> Float:
-        """Proposed - baseline, means over seeds, (places, measures)."""
-        values = np.where(self.known, self.values, np.nan)
-        differences: Float = np.nanmean(values[1] - values[0], axis=0)
+        """Proposed - baseline, means over trainings, (places, measures)."""
+        baseline, proposed = self._means_of_places
+        differences: Float = proposed - baseline
         return differences
+
+    @cached_property
+    def _means_of_places(self) -> Float:
+        """Means over trainings, (2, places, measures)."""
+        means: Float = np.nanmean(np.where(self.known, self.values, np.nan), axis=1)
+        return means
 
     def in_place(self, place: int) -> "Question":
         """The same question about one place."""
-        there = self.known[:, place].any(axis=1)
-        return Question(self.values[:, there, place : place + 1], self.looks[there, place : place + 1], self.is_drawn)
+        there, at = self.known[:, :, place].any(axis=(0, 2)), slice(place, place + 1)
+        ends = None if self.ends is None else self.ends[at]
+        return Question(self.values[:, there, at], self.looks[there, at], self.is_drawn, ends)
 
     def until(self, look: int) -> "Question":
         """The same question as it stood at a look."""
         values = np.where((self.looks <= look)[None, :, :, None], self.values, np.nan)
         there = np.isfinite(values).any(axis=(0, 2, 3))
-        return Question(values[:, there], self.looks[there], self.is_drawn)
+        return Question(values[:, there], self.looks[there], self.is_drawn, self.ends)
 
     @cached_property
     def layout(self) -> Layout:
         """See `Layout`."""
-        strata, order = _strata_of(self.known, self.looks)
-        count = self.known.sum(axis=0)
-        known = np.concatenate([np.tile(self.known[seeds], (2, 1, 1)) for seeds in order])
-        values = np.concatenate([self.values[:, seeds].reshape(-1, *self.values.shape[2:]) for seeds in order])
+        strata, sides, rows = _strata_of(self.known, self.looks)
+        counts = self.known.sum(axis=1)
+        known, values = self.known[sides, rows], self.values[sides, rows]
         values = np.where(known, values, np.nan)
         values = np.nan_to_num(values - np.nanmean(values, axis=0))
-        weights = known / count
-        fewest = np.where(known, count, count.max()).min(axis=1)
-        spread = np.sqrt((values**2).sum(axis=0) / np.maximum(2 * count - 1, 1))
-        return Layout(strata, values, weights, fewest / np.maximum(fewest - 1.0, 1.0), LEAST_SPREAD * spread)
+        weights = [np.where(known, 1.0 / np.maximum(count, 1), 0.0) for count in counts]
+        fewest = [np.where(known, count, count.max()).min(axis=1) for count in counts]
+        factors = [count / np.maximum(count - 1.0, 1.0) for count in fewest]
+        spread = np.sqrt((values**2).sum(axis=0) / np.maximum(counts.sum(axis=0) - 1, 1))
+        return Layout(strata, values, (weights[0], weights[1]), (factors[0], factors[1]), LEAST_SPREAD * spread)
 
     @cached_property
     def deals(self) -> Float:
@@ -144,39 +172,38 @@ class Question:
 
     def estimate(self, measure: int = 0) -> Estimate:
         """The difference of one measure, mean over all places, and how far it can be trusted."""
-        trained = self.layout.strata
-        as_trained = np.concatenate([np.repeat([0.0, 1.0], seeds) for _, seeds in trained])[None, :]
-        difference, error = self._mean(measure, as_trained)
+        difference, error = self._mean(measure, as_trained(self.layout.strata)[None, :])
         return Estimate(float(difference[0]), float(error[0]), self._freedom(measure))
 
     def _freedom(self, measure: int) -> float:
-        """Degrees of freedom after Welch and Satterthwaite: seeds that were trained in the same places are a group."""
-        groups: dict[bytes, list[int]] = {}
-        for seed, known in enumerate(self.known[:, :, measure]):
-            groups.setdefault(known.tobytes(), []).append(seed)
-        weights = self.known[:, :, measure] / self.known[:, :, measure].sum(axis=0)
+        """Degrees of freedom after Welch and Satterthwaite: a side's trainings in the same places are a group."""
         total, squares = 0.0, 0.0
-        for seeds in groups.values():
-            if len(seeds) < LEAST_SEEDS:
-                continue
-            values = np.nan_to_num(self.values[..., measure][:, seeds]) * weights[seeds]
-            parts = len(seeds) * values.sum(axis=2).var(axis=1, ddof=1)
-            total, squares = total + parts.sum(), squares + (parts**2).sum() / (len(seeds) - 1)
+        for side in BOTH:
+            known = self.known[side, :, :, measure]
+            values = np.where(known, self.values[side, ..., measure], 0.0) / np.maximum(known.sum(axis=0), 1)
+            for pattern in np.unique(known[known.any(axis=1)], axis=0):
+                group = values[(known == pattern).all(axis=1)].sum(axis=1)
+                if len(group) < LEAST_SEEDS:
+                    continue
+                part = len(group) * group.var(ddof=1)
+                total, squares = total + part, squares + part**2 / (len(group) - 1)
         return float(total**2 / squares) if squares > 0.0 else float(self.seeds - 1)
 
     def _mean(self, measure: int, deals: Float) -> tuple[Float, Float]:
         """The difference of one measure, mean over all places, and its standard error, (ways,) both."""
         layout, places = self.layout, self.places
-        weights, factors = layout.weights[:, :, measure], layout.factors[:, measure]
-        weighted = weights * layout.values[:, :, measure]
-        shares = weighted.sum(axis=1) / places
-        sums = (factors * shares)[:, None] * np.column_stack([shares, weights])
-        both = _twice(weights * factors[:, None], weights) / places**2
-        variance, sides = np.zeros(len(deals)), _of_both(deals, weighted)
-        for means, dealt in zip(sides, _of_both(deals, sums), strict=True):
+        variance, of_sides = np.zeros(len(deals)), []
+        for side in BOTH:
+            weights, factors = layout.weights[side][:, :, measure], layout.factors[side][:, measure]
+            weighted = weights * layout.values[:, :, measure]
+            shares = weighted.sum(axis=1) / places
+            sums = (factors * shares)[:, None] * np.column_stack([shares, weights])
+            both = _products_of(side, layout.strata, weights * factors[:, None], weights) / places**2
+            means, dealt = _of_side(side, deals, weighted), _of_side(side, deals, sums)
             variance = variance + dealt[:, 0] - 2.0 * (means * dealt[:, 1:]).sum(axis=1) / places
             variance = variance + np.einsum("wp,pq,wq->w", means, both, means, optimize=True)
-        ours, theirs = sides
+            of_sides.append(means)
+        ours, theirs = of_sides
         least = float(np.sqrt((layout.least[:, measure] ** 2).sum())) / places
         return (theirs - ours).mean(axis=1), _error(variance, least)
 
@@ -193,20 +220,19 @@ class Question:
 
     def _subset_t(self, measure: int, deals: Float, subsets: Float) -> Float:
         layout, places = self.layout, self.places
-        weights, factors = layout.weights[:, :, measure], layout.factors[:, measure, None]
-        weighted = weights * layout.values[:, :, measure]
-        both = _twice(weights * factors, weights)
-        covariance, sides = np.zeros((len(deals), places, places)), _of_both(deals, weighted)
-        for means, squares, mixed in zip(
-            sides,
-            _of_both(deals, _products(weighted * factors, weighted)),
-            _of_both(deals, _products(weighted * factors, weights)),
-            strict=True,
-        ):
+        covariance, of_sides = np.zeros((len(deals), places, places)), []
+        for side in BOTH:
+            weights, factors = layout.weights[side][:, :, measure], layout.factors[side][:, measure, None]
+            weighted = weights * layout.values[:, :, measure]
+            both = _products_of(side, layout.strata, weights * factors, weights)
+            means = _of_side(side, deals, weighted)
+            squares = _of_side(side, deals, _products(weighted * factors, weighted))
+            mixed = _of_side(side, deals, _products(weighted * factors, weights))
             crossed = mixed.reshape(-1, places, places) * means[:, None, :]
             covariance += squares.reshape(-1, places, places) - crossed - crossed.transpose(0, 2, 1)
             covariance += both * means[:, :, None] * means[:, None, :]
-        ours, theirs = sides
+            of_sides.append(means)
+        ours, theirs = of_sides
         sizes = subsets.sum(axis=1)
         pairs = _products(subsets, subsets)
         variance = covariance.reshape(len(deals), -1) @ pairs.T / sizes**2
@@ -214,28 +240,29 @@ class Question:
         return _ratio((theirs - ours) @ subsets.T / sizes, _error(variance, least))
 
 
-def _strata_of(known: Mask, looks: Ints) -> tuple[Strata, list[list[int]]]:
-    """The strata, and the seeds in each; those of later looks stand behind those of earlier ones.
+def _strata_of(known: Mask, looks: Ints) -> tuple[Strata, Ints, Ints]:
+    """The strata, and of each training, in the order of the labels, its side and its row.
 
-    A seed without a value is in none.
+    Those of later looks stand behind those of earlier ones. A row without a value on a side is no training of it.
     """
-    found: dict[tuple[tuple[int, ...], ...], list[int]] = {}
-    for seed, (there, at) in enumerate(zip(known, looks, strict=True)):
-        if not there.any():
-            continue
+    found: dict[tuple[tuple[int, ...], ...], tuple[list[int], list[int]]] = {}
+    for side, row in np.argwhere(known.any(axis=(2, 3))):
+        there, at = known[side, row], looks[row]
         seen = tuple(int(look) if any_known else -1 for look, any_known in zip(at, there.any(axis=1), strict=True))
-        found.setdefault(((max(seen),), seen, tuple(map(int, there.ravel()))), []).append(seed)
+        key = ((max(seen),), seen, tuple(map(int, there.ravel())))
+        found.setdefault(key, ([], []))[side].append(int(row))
     order = sorted(found)
     first = [key[0][0] for key in order]
     names = [look * 1000 + first[:at].count(look) for at, look in enumerate(first)]
-    seeds = [found[key] for key in order]
-    return tuple(zip(names, map(len, seeds), strict=True)), seeds
+    strata = tuple((name, len(found[key][0]), len(found[key][1])) for name, key in zip(names, order, strict=True))
+    rows = [row for key in order for of_side in found[key] for row in of_side]
+    return strata, as_trained(strata).astype(np.int64), np.array(rows, np.int64)
 
 
-def _of_both(deals: Float, columns: Float) -> tuple[Float, Float]:
-    """Sums of columns over the baseline's trainings, and over the proposed reward's, in each way."""
+def _of_side(side: int, deals: Float, columns: Float) -> Float:
+    """Sums of columns over the trainings that carry a side's label, in each way."""
     proposed: Float = deals @ columns
-    return columns.sum(axis=0) - proposed, proposed
+    return proposed if side else columns.sum(axis=0) - proposed
 
 
 def _products(one: Float, other: Float) -> Float:
@@ -244,10 +271,14 @@ def _products(one: Float, other: Float) -> Float:
     return products
 
 
-def _twice(one: Float, other: Float) -> Float:
-    """Sums of products over one side's trainings, which are the same in every way: strata have as many of each."""
-    halves: Float = one.T @ other / 2.0
-    return halves
+def _products_of(side: int, strata: Strata, one: Float, other: Float) -> Float:
+    """Sums of products over the trainings of a side, (columns, columns).
+
+    They are the same in every way, for of each pattern a side has as many in every way.
+    """
+    labelled = as_trained(strata) == side
+    products: Float = one[labelled].T @ other[labelled]
+    return products
 
 
 def _error(variance: Float, least: Float | float) -> Float:

@@ -1,6 +1,5 @@
 """A race of several rewards for the best one: who is beaten by a living one leaves, and is trained no further."""
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -8,7 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from harness.arrays import Float
-from harness.eta.interval import quantile
+from harness.eta.interval import UNBOUNDED, Bounds, Interval
+from harness.eta.unseen import difference_bounds
 from harness.eta.verdict.ruling import LEVEL
 
 RACE = (4, 6, 8, 12, 16, 24, 32)
@@ -66,72 +66,89 @@ def spent(seeds: int, most: int) -> float:
     return LEVEL * (seeds / most) ** 2
 
 
-def race(values: Mapping[str, Float], looks: Sequence[int], complete: Mapping[str, int]) -> Race:
+def race(
+    values: Mapping[str, Float],
+    looks: Sequence[int],
+    complete: Mapping[str, int],
+    ends: Sequence[Bounds] | None = None,
+) -> Race:
     """How a race stands.
 
     A candidate leaves once a living one beats it by Welch's one-sided t test. A look adds a part of the 5 %, which is
     shared by all living ones but one: so many could beat the best. Who leaves makes the share of the others larger.
+    Trainings that were not seen count against all that is said, see `harness.eta.unseen`.
 
     Args:
         values: What decides of each candidate, higher is better, (places, seeds), NaN where a seed left no value; the
             seeds of the first look first. The first axis has equal length in all.
         looks: Seeds in each place at each look, increasing.
         complete: How many looks are complete for each candidate.
+        ends: What a value can be, by place; by default anything.
     """
     living, beaten, done = list(values), dict[str, Beaten](), 0
-    for look, seeds in enumerate(looks):
-        if any(complete[name] <= look for name in living):
+    for number, seeds in enumerate(looks):
+        if any(complete[name] <= number for name in living):
             break
-        done = look + 1
-        before = spent(looks[look - 1], looks[-1]) if look else 0.0
-        level = spent(seeds, looks[-1]) - before
+        done = number + 1
+        before = spent(looks[number - 1], looks[-1]) if number else 0.0
         there = {name: values[name][:, :seeds] for name in living}
         without = [name for name in living if np.isfinite(there[name]).sum(axis=1).min() < 2]
-        beaten |= {name: Beaten(look, "") for name in without}
-        living = sorted((name for name in living if name not in without), key=lambda name: -_mean(there[name]))
-        found = _beaten(there, living, level)
-        beaten |= {name: Beaten(look, by) for name, by in found.items()}
+        trainings = {name: tuple(place[np.isfinite(place)] for place in there[name]) for name in living}
+        look = _Look(trainings, ends or [UNBOUNDED] * len(there[living[0]]), spent(seeds, looks[-1]) - before)
+        beaten |= {name: Beaten(number, "") for name in without}
+        living = sorted((name for name in living if name not in without), key=look.mean, reverse=True)
+        found = look.beaten(living)
+        beaten |= {name: Beaten(number, by) for name, by in found.items()}
         living = [name for name in living if name not in found]
-        share = level / max(1, len(living) - 1)
-        is_close = len(living) > 1 and all(_reach(there[living[0]], there[name], share) < CLOSE for name in living[1:])
+        is_close = len(living) > 1 and look.is_close(living)
         if len(living) < 2 or is_close:
             return Race(done, tuple(living), beaten, is_close, True)
     return Race(done, tuple(living), beaten, False, done == len(looks))
 
 
-def _beaten(there: Mapping[str, Float], living: Sequence[str], level: float) -> dict[str, str]:
-    """Who leaves at a look, and beaten by whom; the best mean comes first."""
-    found: dict[str, str] = {}
-    while len(left := [name for name in living if name not in found]) > 1:
-        share = level / (len(left) - 1)
-        by = {name: next((it for it in left if _beats(there[it], there[name], share)), "") for name in left[1:]}
-        leaving = {name: it for name, it in by.items() if it}
-        if not leaving:
-            break
-        found |= leaving
-    return found
+@dataclass(frozen=True, eq=False)
+class _Look:
+    """What a look at a race says.
 
+    Attributes:
+        trainings: The values of each candidate, by place.
+        ends: What a value can be, by place.
+        level: The part of the 5 % that this look adds.
+    """
 
-def _mean(values: Float) -> float:
-    return float(np.nanmean(values, axis=1).mean())
+    trainings: Mapping[str, Sequence[Float]]
+    ends: Sequence[Bounds]
+    level: float
 
+    def mean(self, name: str) -> float:
+        """Of a candidate, over places."""
+        return float(np.mean([place.mean() for place in self.trainings[name]]))
 
-def _apart(one: Float, other: Float) -> tuple[float, float, float]:
-    """The difference of two means over places, its standard error and degrees of freedom (Welch)."""
-    parts = np.array([np.nanvar(side, axis=1, ddof=1) / np.isfinite(side).sum(axis=1) for side in (one, other)])
-    parts /= one.shape[0] ** 2
-    counts = np.array([np.isfinite(side).sum(axis=1) for side in (one, other)])
-    total = float(parts.sum())
-    squares = float((parts**2 / (counts - 1)).sum())
-    return _mean(one) - _mean(other), math.sqrt(total), total**2 / squares if squares > 0.0 else 1.0
+    def beaten(self, living: Sequence[str]) -> dict[str, str]:
+        """Who leaves, and beaten by whom; the best mean of those who live comes first."""
+        found: dict[str, str] = {}
+        while len(left := [name for name in living if name not in found]) > 1:
+            others = len(left) - 1
+            by = {name: next((it for it in left if self._beats(it, name, others)), "") for name in left[1:]}
+            leaving = {name: it for name, it in by.items() if it}
+            if not leaving:
+                break
+            found |= leaving
+        return found
 
+    def _beats(self, one: str, other: str, others: int) -> bool:
+        """Whether a candidate is better than another one, of so many that could be."""
+        return self.mean(one) > self.mean(other) and self._ahead(one, other, others, LEVEL / others)[0] > 0.0
 
-def _beats(one: Float, other: Float, level: float) -> bool:
-    difference, error, freedom = _apart(one, other)
-    return difference > quantile(1.0 - 2.0 * level, freedom) * error and difference > 0.0
+    def is_close(self, living: Sequence[str]) -> bool:
+        """Whether all are within `CLOSE` of the best, which comes first."""
+        return all(self._ahead(living[0], name, len(living) - 1, LEVEL)[1] < CLOSE for name in living[1:])
 
+    def _ahead(self, one: str, other: str, others: int, unseen: float) -> Interval:
+        """By how much a candidate is better than another one, at least and at most.
 
-def _reach(best: Float, other: Float, level: float) -> float:
-    """How much worse than the best another one can be at most."""
-    difference, error, freedom = _apart(best, other)
-    return difference + quantile(1.0 - 2.0 * level, freedom) * error
+        A training that was not seen has a level of its own. It is no part of what the looks share: as long as nothing
+        fails, each look has more trainings than the one before, and knows what that one knew.
+        """
+        of = self.trainings[other], self.trainings[one]
+        return difference_bounds(*of, self.ends, 1.0 - 2.0 * unseen, 1.0 - 2.0 * self.level / others)

@@ -1,8 +1,9 @@
 """What the test says of questions that are asked together.
 
 The statistic of a question is M, the largest absolute Welch t of the measures that decide. Its p is the share of all
-ways to deal the labels in which M is at least as large as it was. Several rewards in one place are corrected together
-(Westfall and Young 1993); several places get one answer first, and single places only where that stands.
+ways to deal the labels in which M is at least as large as it was, or more where no spread can be seen (`least_p`).
+Several rewards are corrected together (Westfall and Young 1993). Several places get one answer first, and single
+places only where that stands.
 """
 
 from collections.abc import Sequence
@@ -12,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from harness.arrays import Float
+from harness.eta.verdict.least_p import least_p
 from harness.eta.verdict.question import Question
 
 LEVEL = 0.05
@@ -35,8 +37,9 @@ class Ruling:
             that; None where it did not.
         instead: Where another test decides, which: a sentence; else empty.
         has_plan: Whether a plan of looks says when to ask again. Then nobody has to be told how many seeds are too few.
-        is_floored: Whether p was raised because none of one reward's trainings failed: some may, that were not seen.
         missing: How many planned trainings are still to come. Before they ended no test is made.
+        is_floored: Whether `p` is larger than the share of dealt labels, because all trainings of one reward succeed
+            or fail, see `harness.eta.verdict.least_p`.
     """
 
     p: float | None = None
@@ -48,8 +51,8 @@ class Ruling:
     small: float | None = None
     instead: str = ""
     has_plan: bool = False
-    is_floored: bool = False
     missing: int = 0
+    is_floored: bool = False
 
     @property
     def is_decided(self) -> bool:
@@ -99,30 +102,36 @@ class Family:
         self._sizes = [np.abs(it).max(axis=1) for it in found]
         self._seen = [it[0] for it in found]
         self._sorted = [np.sort(it) for it in self._sizes]
+        self._least = [least_p(question) for question in questions]
         self._is_joint = len({question.layout.strata for question in questions}) == 1
 
     def rulings(self, level: float = LEVEL) -> list[Ruling]:
         """What the test says, corrected by Westfall and Young's step-down procedure.
 
-        The questions share their ways to deal labels where they have as many seeds; else by Holm's procedure.
+        The questions share their ways to deal labels where they have as many trainings; else by Holm's procedure.
         """
-        alone = [self._p(at, sizes[0]) for at, sizes in enumerate(self._sizes)]
+        of_measures = [self._of_measures(at) for at in range(len(self._seen))]
+        alone = [min(p) for p in of_measures]
         order = sorted(range(len(alone)), key=alone.__getitem__)
-        corrected, so_far, found = dict[int, float](), 0.0, dict[int, Ruling]()
+        corrected, found = 0.0, dict[int, Ruling]()
         for rank, at in enumerate(order):
             rest = order[rank:]
-            so_far = max(so_far, self._corrected(rest, alone[at]))
-            corrected[at] = so_far
-            of_measures = [self._p(at, abs(t)) for t in self._seen[at]]
+            corrected = max(corrected, self._corrected(rest, alone[at]))
             found[at] = Ruling(
                 alone[at],
-                so_far,
+                corrected,
                 level,
-                tuple(max(so_far, self._corrected(rest, p)) for p in of_measures),
+                tuple(max(corrected, self._corrected(rest, p)) for p in of_measures[at]),
                 tuple(int(np.sign(t)) for t in self._seen[at]),
                 len(alone),
+                is_floored=alone[at] > self._p(at, self._sizes[at][0]),
             )
         return [found[at] for at in range(len(alone))]
+
+    def _of_measures(self, at: int) -> list[float]:
+        """The p-value of each measure of a question by itself."""
+        dealt = [self._p(at, abs(t)) for t in self._seen[at]]
+        return [max(p, float(least)) for p, least in zip(dealt, self._least[at], strict=True)]
 
     def _p(self, at: int, size: float) -> float:
         """The share of ways in which the statistic of a question is at least so large."""
@@ -160,19 +169,6 @@ def rule(questions: Sequence[Question], level: float = LEVEL) -> list[Ruling]:
     return [rulings.get(at, Ruling(level=level, asked=asked)) for at in range(len(questions))]
 
 
-def rule_alone(question: Question, asked: int, level: float = LEVEL) -> Ruling:
-    """What the test says of one question about several places, corrected for so many questions (Bonferroni)."""
-    (found,) = rule([question], level)
-    if found.p is None:
-        return replace(found, asked=asked)
-    return replace(
-        found,
-        corrected=min(1.0, asked * found.p),
-        of_measures=tuple(min(1.0, asked * p) for p in found.of_measures),
-        asked=asked,
-    )
-
-
 def rule_places(question: Question, whole: Ruling) -> list[Ruling]:
     """What the test says of single places. None of them is decided where the answer over all of them is not."""
     places = [question.in_place(place) for place in range(question.places)]
@@ -196,8 +192,13 @@ def rule_places(question: Question, whole: Ruling) -> list[Ruling]:
 
 
 def opposed_in(whole: Ruling, places: Sequence[Ruling]) -> int:
-    """In how many places at least it goes the other way than over all of them; 0 where there is no answer."""
-    return sum(it.is_decided and it.sign == -whole.sign for it in places) if whole.is_decided else 0
+    """In how many places the robot certainly does the opposite of what the answer over all of them says.
+
+    Args:
+        whole: The answer over all places.
+        places: What `rule_places` says of each.
+    """
+    return sum(it.is_decided and it.sign == -whole.sign for it in places)
 
 
 MOST_SUBSETS_OF = 10

@@ -4,12 +4,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
-from harness.eta.behaviour_change import Change, Measure
+from harness.eta.behaviour_change import Change, Measure, Sides, with_intervals
 from harness.eta.headline import DECIDING, SUCCESS
 from harness.eta.index import Index, Ratio
-from harness.eta.interval import share_variance, variance_of
 from harness.eta.return_split import ReturnSplit
 from harness.eta.seed_mean import SeedMean
 from harness.eta.splits import Decomposition, Split, SplitPath, SumSplit
@@ -21,6 +18,7 @@ from harness.results.learning import PAID, Learning, LearningCurve, Point
 WEAK = ": the ratio says little"
 """What follows the remark that an index is near zero."""
 PARTS = ("eta", "per_seed", "ruler", "behaviour", "interaction")
+WHO = ("baseline", "proposed")
 UNKNOWN = {"mean": None, "low": None, "high": None, "seeds": 0, "note": ""}
 
 
@@ -50,7 +48,14 @@ def behaviour_of(told: Mapping[str, Any]) -> Comparison:
         deciding=tuple(told.get("deciding") or _deciding(told)),
         decided_in=told.get("decided_in") or "",
         same_steps=told.get("same_steps", False),
+        trained=_trained(told, seeds),
     )
+
+
+def _trained(told: Mapping[str, Any], seeds: tuple[int, ...]) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """All seeds of both rewards; up to version 0.2 those that both have."""
+    one, other = (tuple(told.get("trained", {}).get(who, seeds)) for who in WHO)
+    return one, other
 
 
 def comparison_of(told: Mapping[str, Any], manner: str) -> Comparison:
@@ -153,20 +158,26 @@ def _group(told: Mapping[str, Any]) -> Group:
 
 
 def _change(told: Mapping[str, Any], seeds: tuple[int, ...]) -> Change:
-    """One measure; what the test of version 0.1 said of it is left out."""
+    """One measure; what the test of version 0.1 said of it is left out, and its intervals are made anew."""
     name, episodes = told["name"], told.get("episodes")
     if episodes is None and name == SUCCESS:
         episodes = 100
     measure = Measure(name, told["unit"], told["better"], told["manner"], episodes, told.get("title", ""))
-    values = tuple((float(one), float(other)) for one, other in told["values"])
-    differences = [other - one for one, other in values]
-    variance = None
-    if len(values) > 1:
-        means = np.mean(values, axis=0).tolist()
-        variance = variance_of(differences) if episodes is None else share_variance(differences, means, episodes)
-    of_seeds = seeds if len(seeds) == len(values) else tuple(range(len(values)))
-    return Change(
-        measure, told["baseline"], told["proposed"], told["random"], told["seeds"], told["left_out"], told["low"],
-        told["high"], told["p"], told["p_corrected"], values, variance, reason=told.get("reason", ""),
-        of_seeds=of_seeds,
+    trainings = _trainings(told, seeds)
+    found = Change(
+        measure, told["baseline"], told["proposed"], told["random"], trainings, p=told["p"],
+        corrected=told["p_corrected"], reason=told.get("reason", ""),
     )  # fmt: skip
+    without = told["left_out"] if trainings[0].keys() == trainings[1].keys() else 0
+    return with_intervals(replace(found, without=(0, without)))
+
+
+def _trainings(told: Mapping[str, Any], seeds: tuple[int, ...]) -> Sides:
+    """The values by seed; up to version 0.2 in pairs, a seed each."""
+    if "trainings" in told:
+        one, other = ({int(seed): value for seed, value in told["trainings"][who].items()} for who in WHO)
+        return one, other
+    pairs = told["values"]
+    of_seeds = seeds if len(seeds) == len(pairs) else range(len(pairs))
+    one, other = ({seed: float(pair[side]) for seed, pair in zip(of_seeds, pairs, strict=True)} for side in (0, 1))
+    return one, other

@@ -23,13 +23,11 @@ def compare_runs(
     runs: Runs, baseline: str, proposed: str, swaps: Swaps, kind: Kind = "accumulated", averaged: int = 1
 ) -> Comparison:
     """One reward against another, by all of their trainings; p-values are not corrected yet."""
-    of = {
-        label: {seed: run for (name, seed), run in runs.members.items() if name == label}
-        for label in (baseline, proposed)
-    }
-    others = dict(runs.control) if baseline == proposed else of[proposed]
+    one, other = (
+        {seed: run for (name, seed), run in runs.members.items() if name == label} for label in (baseline, proposed)
+    )
     again = runs.control if baseline == runs.trained[0] else {}
-    match = Match.of_seeds((baseline, proposed), of[baseline], others, again)
+    match = Match.of_seeds((baseline, proposed), one, runs.control if baseline == proposed else other, again)
     found = compare(_Recorded(runs, kind, averaged), match, swaps)
     both = [run for side in match.sides for run in side]
     rescaling = None if baseline == proposed else rescaling_between(both, proposed, baseline)

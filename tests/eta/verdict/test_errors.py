@@ -14,7 +14,7 @@ import pytest
 from harness.eta.verdict.looks import ONE_PLACE, SEVERAL_PLACES, LookRuling, Looks, rule_in_looks
 from harness.eta.verdict.question import Question
 from harness.eta.verdict.race import RACE, Race, race
-from harness.eta.verdict.ruling import LEVEL, rule, rule_alone, rule_places
+from harness.eta.verdict.ruling import LEVEL, rule, rule_places
 from tests.eta.scenarios import Trainings
 
 NULL = Trainings()
@@ -30,13 +30,12 @@ def error(share: float, experiments: int) -> float:
 def decided(values: list[np.ndarray]) -> bool:
     """Whether an experiment that trains all seeds at once claims anything about the robot."""
     questions = [Question.of(it) for it in values]
-    if questions[0].places == 1:
-        return any(it.is_decided for it in rule(questions))
-    for question in questions:
-        whole = rule_alone(question, len(questions))
-        if whole.is_decided or any(it.is_decided for it in rule_places(question, whole)):
-            return True
-    return False
+    wholes = rule(questions)
+    if any(it.is_decided for it in wholes):
+        return True
+    return questions[0].places > 1 and any(
+        it.is_decided for question, whole in zip(questions, wholes, strict=True) for it in rule_places(question, whole)
+    )
 
 
 def share_decided(trainings: Trainings, seeds: int, places: int, rewards: int, experiments: int) -> float:

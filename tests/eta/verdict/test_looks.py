@@ -12,9 +12,7 @@ from harness.eta.verdict.looks import (
     SEVERAL_PLACES,
     Looks,
     check_looks,
-    is_small,
     looks_for,
-    reach,
     rule_in_looks,
 )
 from harness.eta.verdict.question import Question
@@ -103,15 +101,6 @@ def test_small_differences_end_it_at_the_last_five_looks_from_four_seeds(seeds: 
     """Before that a few seeds are alike by luck."""
     looks = Looks(seeds)
     assert [looks.is_futile_at(look) for look in range(len(seeds))] == futile
-
-
-def test_reach_is_the_difference_and_what_luck_may_add():
-    """One-sided at its confidence."""
-    question = question_of(0.5).until(0)
-    estimate = question.estimate()
-    assert reach(question, 0, 0.99) > abs(estimate.difference)
-    assert reach(question, 0, 0.99) > reach(question, 0, 0.9)
-    assert is_small(question, reach(question, 0, 0.99) + 1e-9)
 
 
 @pytest.mark.parametrize("places", range(1, 10))

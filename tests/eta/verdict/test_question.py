@@ -19,6 +19,13 @@ def values_of(seeds: int, places: int = 1, measures: int = 1, effect: float = 0.
     return values
 
 
+def with_counts(values: Float, baselines: int, proposed: int) -> Float:
+    """The values with only so many trainings of each side."""
+    kept = values.copy()
+    kept[0, baselines:], kept[1, proposed:] = np.nan, np.nan
+    return kept
+
+
 @given(st.integers(3, 12), st.integers(0, 1000))
 def test_the_statistic_of_one_place_is_welchs_t(seeds: int, seed: int):
     """As scipy computes it."""
@@ -58,7 +65,7 @@ def test_seeds_of_single_places_are_no_seeds_of_the_others():
     difference = (sides[1] - sides[0]).mean()
     error = np.sqrt(sides.var(axis=1, ddof=1).sum() / seeds) / 2
     assert question.statistics()[0, 0] == pytest.approx(difference / error)
-    assert question.layout.strata == ((0, 4), (1, 4))
+    assert question.layout.strata == ((0, 4, 4), (1, 4, 4))
 
 
 def test_a_shift_changes_nothing():
@@ -82,12 +89,64 @@ def test_where_nothing_varies_the_statistic_is_zero():
     assert (Question.of(np.ones((2, 5, 1, 1))).statistics() == 0.0).all()
 
 
-def test_a_value_that_is_missing_under_one_reward_is_left_out_under_both():
-    """So labels are dealt among as many of each."""
-    values = values_of(5)
+def test_a_training_that_is_missing_takes_none_of_the_other_reward_with_it():
+    """All that were done count, as in scipy's Welch t."""
+    values = values_of(5, effect=0.5)
     values[1, 2] = np.nan
-    kept = np.delete(values, 2, axis=1)
-    assert Question.of(values).statistics() == pytest.approx(Question.of(kept).statistics())
+    question = Question.of(values)
+    kept = values[1, np.isfinite(values[1, :, 0, 0]), 0, 0]
+    theirs = scipy.stats.ttest_ind(kept, values[0, :, 0, 0], equal_var=False)
+    assert question.counts == (5, 4)
+    assert question.seeds == 4
+    assert question.statistics()[0, 0] == pytest.approx(theirs.statistic)
+    assert question.estimate().freedom == pytest.approx(theirs.df)
+    assert question.differences[0, 0] == pytest.approx(kept.mean() - values[0].mean())
+    assert question.means == pytest.approx((values[0].mean(), kept.mean()))
+
+
+@given(st.integers(2, 7), st.integers(2, 7), st.integers(1, 3), st.integers(0, 1000))
+def test_rows_are_not_paired(baselines: int, proposed: int, places: int, seed: int):
+    """Where the trainings of a side stand changes nothing."""
+    values = with_counts(values_of(7, places, 2, effect=0.7, seed=seed), baselines, proposed)
+    rng, mixed = np.random.default_rng(seed), values.copy()
+    for side in (0, 1):
+        mixed[side] = values[side, rng.permutation(7)]
+    one, other = Question.of(values), Question.of(mixed)
+    assert one.statistics()[0] == pytest.approx(other.statistics()[0])
+    assert one.estimate() == pytest.approx(other.estimate())
+
+
+def test_every_way_to_deal_unequal_numbers_is_the_statistic_of_the_dealt_values():
+    """Seeds that were trained in both places are the unit; either side has its own number."""
+    question = Question.of(with_counts(values_of(5, places=2), 5, 3))
+    pooled = np.concatenate([question.values[0], question.values[1, :3]])[..., 0].mean(axis=1)
+    for deal, found in zip(question.deals, question.statistics()[:, 0], strict=True):
+        theirs = scipy.stats.ttest_ind(pooled[deal == 1.0], pooled[deal == 0.0], equal_var=False)
+        assert found == pytest.approx(theirs.statistic)
+
+
+def test_trainings_that_only_one_side_has_keep_their_label_and_count():
+    """Two of five baselines were not trained in the second place, where the proposed reward has all."""
+    values = values_of(5, places=2)
+    values[0, 3:, 1] = np.nan
+    question = Question.of(values)
+    assert question.layout.strata == ((0, 2, 0), (1, 3, 5))
+    assert question.counts == (3, 5)
+    expected = np.nanmean(values[1], axis=0) - np.nanmean(values[0], axis=0)
+    assert question.differences == pytest.approx(expected)
+    assert question.estimate().difference == pytest.approx(expected.mean())
+    assert (question.deals[:, :2] == 0.0).all()
+    assert np.isfinite(question.statistics()).all()
+
+
+def test_subsets_of_places_of_unequal_sides_have_the_statistic_of_their_mean():
+    """As those of equal ones."""
+    values = with_counts(values_of(5, places=3), 3, 5)
+    question = Question.of(values)
+    subsets = np.array([it for it in itertools.product((0.0, 1.0), repeat=3) if any(it)])
+    found = np.concatenate(list(question.subset_statistics(subsets)))
+    for at, subset in enumerate(subsets):
+        assert found[:, at] == pytest.approx(Question.of(values[:, :, subset == 1.0]).statistics())
 
 
 @pytest.mark.parametrize(("seeds", "is_testable"), [(1, False), (2, True)])
@@ -113,3 +172,11 @@ def test_until_a_look_later_seeds_are_unknown():
     question = Question(values, looks)
     assert question.until(1).values.shape[1] == 5
     assert question.until(0).statistics() == pytest.approx(Question.of(values[:, :3]).statistics())
+
+
+def test_a_place_and_a_look_keep_their_ends():
+    """Of the places that they are about."""
+    ends = np.array([[[0.0, 1.0]], [[-9.0, 0.0]]])
+    question = Question(values_of(4, places=2), np.zeros((4, 2), np.int64), ends=ends)
+    assert question.in_place(1).ends.tolist() == [[[-9.0, 0.0]]]
+    assert question.until(0).ends is ends

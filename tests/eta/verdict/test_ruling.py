@@ -1,14 +1,14 @@
 """What the test says of questions that are asked together."""
 
+import math
+
 import numpy as np
 import pytest
 import scipy.stats
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from harness.arrays import Float
 from harness.eta.verdict.question import Question
-from harness.eta.verdict.ruling import Ruling, better_in, rule, rule_alone, rule_places
+from harness.eta.verdict.ruling import Ruling, better_in, opposed_in, rule, rule_places
 
 
 def values_of(seeds: int, places: int = 1, measures: int = 1, effect: float = 0.0, seed: int = 0) -> Float:
@@ -23,23 +23,76 @@ def question_of(seeds: int, places: int = 1, measures: int = 1, effect: float = 
     return Question.of(values_of(seeds, places, measures, effect, seed))
 
 
-@given(st.integers(3, 5), st.floats(-2.0, 2.0), st.integers(0, 100))
-@settings(max_examples=30)
-def test_p_of_one_question_is_that_of_all_permutations(seeds: int, effect: float, seed: int):
-    """As scipy finds it, with the same statistic."""
-    question = question_of(seeds, effect=effect, seed=seed)
+def ruling_of(question: Question) -> Ruling:
+    """What the test says of one question."""
+    (found,) = rule([question])
+    return found
 
-    def size(one: Float, other: Float, axis: int) -> Float:
-        return np.abs(scipy.stats.ttest_ind(one, other, axis=axis, equal_var=False).statistic)
 
+@pytest.mark.parametrize(
+    ("baselines", "proposed", "effect"),
+    [(3, 3, 0.5), (4, 4, -1.5), (5, 5, 1.0), (10, 5, 1.0), (5, 10, 0.6), (7, 2, 2.0)],
+)
+def test_p_of_one_question_is_that_of_all_permutations(baselines: int, proposed: int, effect: float):
+    """As scipy finds it, with the same statistic, also where one reward has more trainings."""
+    values = values_of(max(baselines, proposed), effect=effect, seed=baselines)
+    values[0, baselines:], values[1, proposed:] = np.nan, np.nan
     theirs = scipy.stats.permutation_test(
-        (question.values[1, :, 0, 0], question.values[0, :, 0, 0]),
-        size,
+        (values[1, :proposed, 0, 0], values[0, :baselines, 0, 0]),
+        lambda one, other, axis: np.abs(scipy.stats.ttest_ind(one, other, axis=axis, equal_var=False).statistic),
         alternative="greater",
         vectorized=True,
         n_resamples=np.inf,
     )
-    assert rule([question])[0].p == pytest.approx(theirs.pvalue)
+    assert ruling_of(Question.of(values)).p == pytest.approx(theirs.pvalue)
+
+
+@pytest.mark.parametrize(
+    ("seeds", "places", "measures", "effect", "seed", "p"),
+    [
+        (4, 1, 1, 0.5, 0, (0.11428571428571428,)),
+        (5, 1, 2, 0.8, 1, (0.9444444444444444, 0.2222222222222222)),
+        (6, 3, 2, 0.6, 2, (0.36147186147186144, 0.025974025974025976)),
+        (8, 1, 3, 1.0, 3, (0.9676767676767677, 0.008702408702408702, 0.0003108003108003108)),
+        (10, 4, 2, 0.3, 4, (0.0118, 0.35765)),
+        (20, 1, 2, 0.4, 5, (0.00135, 0.36555)),
+        (7, 2, 1, -0.7, 6, (0.0944055944055944,)),
+    ],
+)
+def test_p_of_as_many_trainings_of_each_stays(
+    seeds: int, places: int, measures: int, effect: float, seed: int, p: tuple[float, ...]
+):
+    """To the last bit, as it was when only trainings with a namesake under the other reward counted."""
+    found = ruling_of(question_of(seeds, places, measures, effect, seed))
+    assert (found.p, found.of_measures) == (min(p), p)
+
+
+@pytest.mark.parametrize(
+    ("seeds", "is_drawn", "p"),
+    [
+        (4, False, (0.08796296296296297, 0.30864197530864196)),
+        (4, True, (0.084, 0.31015)),
+        (9, False, (0.02015, 0.3631)),
+    ],
+)
+def test_p_of_looks_in_places_with_seeds_of_their_own_stays(seeds: int, is_drawn: bool, p: tuple[float, ...]):
+    """To the last bit: two places, the second half of the seeds of each at a second look."""
+    values, drawn = np.full((2, 2 * seeds, 2, 2), np.nan), values_of(seeds, 2, 2, 0.7, seeds)
+    values[:, :seeds, 0], values[:, seeds:, 1] = drawn[:, :, 0], drawn[:, :, 1]
+    looks = np.zeros((2 * seeds, 2), np.int64)
+    looks[seeds // 2 : seeds], looks[seeds + seeds // 2 :] = 1, 1
+    found = ruling_of(Question(values, looks, is_drawn))
+    assert (found.p, found.of_measures) == (min(p), p)
+
+
+def test_the_trainings_that_one_reward_has_more_of_are_used():
+    """Ten against five tell more than five against five: they find an effect more often."""
+    found = np.zeros(2)
+    for seed in range(60):
+        values = values_of(10, effect=1.5, seed=seed)
+        values[1, 5:] = np.nan
+        found += [ruling_of(Question.of(values)).is_decided, ruling_of(Question.of(values[:, :5])).is_decided]
+    assert found[0] >= found[1] + 6
 
 
 def test_the_larger_of_two_measures_counts():
@@ -127,12 +180,15 @@ def test_measures_that_both_pass_with_opposite_signs_are_contrary():
     assert found.is_contrary
 
 
-def test_alone_is_corrected_by_bonferroni():
-    """Over several places: 0.05 / K each."""
-    question = question_of(5, places=3, effect=1.0)
-    alone, of_three = rule_alone(question, 1), rule_alone(question, 3)
-    assert of_three.corrected == pytest.approx(min(1.0, 3 * alone.corrected))
-    assert of_three.asked == 3
+def test_questions_over_places_are_corrected_as_those_in_one_place():
+    """By the step-down procedure: the largest p of three that all pass is not multiplied by three."""
+    effects = (1.5, 2.0, 2.5)
+    questions = [question_of(8, places=3, effect=effect, seed=seed) for seed, effect in enumerate(effects)]
+    found = rule(questions)
+    assert all(it.is_decided for it in found)
+    last = max(found, key=lambda it: it.p)
+    assert last.corrected < 3 * last.p
+    assert {it.asked for it in found} == {3}
 
 
 def test_a_place_is_decided_only_where_all_places_together_are():
@@ -141,7 +197,7 @@ def test_a_place_is_decided_only_where_all_places_together_are():
     values[1, :, 0] += 9.0
     values[1, :, 1] -= 9.0
     question = Question.of(values)
-    whole = rule_alone(question, 1)
+    whole = ruling_of(question)
     assert not whole.is_decided
     assert not any(it.is_decided for it in rule_places(question, whole))
 
@@ -151,8 +207,30 @@ def test_single_places_are_told_where_the_answer_stands():
     values = values_of(8, places=2)
     values[1, :, 0] += 6.0
     question = Question.of(values)
-    found = rule_places(question, rule_alone(question, 1))
+    found = rule_places(question, ruling_of(question))
     assert [it.is_decided for it in found] == [True, False]
+
+
+def test_a_place_that_goes_the_other_way_is_opposed():
+    """Better in three places, worse in the fourth, and the mean says better."""
+    values = values_of(8, places=4, seed=1)
+    values[1, :, :3] += 6.0
+    values[1, :, 3] -= 6.0
+    question = Question.of(values)
+    whole = ruling_of(question)
+    assert whole.sign == 1
+    assert opposed_in(whole, rule_places(question, whole)) == 1
+
+
+def test_without_an_answer_no_place_is_opposed():
+    """And a place that goes with the answer is none."""
+    values = values_of(8, places=2)
+    values[1, :, 0] += 6.0
+    question = Question.of(values)
+    whole = ruling_of(question)
+    assert opposed_in(whole, rule_places(question, whole)) == 0
+    undecided = Ruling(p=0.5, corrected=0.5)
+    assert opposed_in(undecided, rule_places(question, undecided)) == 0
 
 
 @pytest.mark.parametrize(("affected", "least"), [(4, 3), (1, 1)])
@@ -161,7 +239,7 @@ def test_better_in_so_many_places_at_least(affected: int, least: int):
     values = values_of(10, places=4, seed=3)
     values[1, :, :affected] += 5.0
     question = Question.of(values)
-    found = better_in(question, rule_alone(question, 1))
+    found = better_in(question, ruling_of(question))
     assert least <= found <= affected
 
 
@@ -170,10 +248,75 @@ def test_of_many_places_single_ones_count():
     values = values_of(10, places=12)
     values[1, :, :5] += 6.0
     question = Question.of(values)
-    assert better_in(question, rule_alone(question, 1)) == 5
+    assert better_in(question, ruling_of(question)) == 5
 
 
 def test_better_in_none_without_an_answer():
     """What is not decided over all places is decided in none."""
     question = question_of(6, places=3)
     assert better_in(question, Ruling(p=0.5, corrected=0.5)) == 0
+
+
+# The least p
+
+
+def all_or_nothing(succeeded: int, failed: int, steady: float = 0.8, seconds: float = 4.0) -> Question:
+    """A baseline near a mean, a proposed reward that succeeds or fails; success, and minus the time, at most 10 s."""
+    count, rng = succeeded + failed, np.random.default_rng(0)
+    success = np.repeat([1.0, 0.0], [succeeded, failed])
+    baseline = steady + 0.01 * rng.normal(size=(count, 2))
+    baseline[:, 1] -= steady + seconds
+    proposed = np.stack([success, np.where(success, -2.0, -10.0) + 0.01 * rng.normal(size=count)], axis=1)
+    ends = np.array([[[0.0, 1.0], [-10.0, 0.0]]])
+    return Question.of(np.stack([baseline, proposed])[:, :, None], ends)
+
+
+@pytest.mark.parametrize(("succeeded", "failed"), [(6, 0), (10, 0), (11, 1)])
+def test_where_all_trainings_succeed_p_is_no_smaller_than_that_luck_is_rare(succeeded: int, failed: int):
+    """Twice the chance of so few failures where they would make the means equal."""
+    question = all_or_nothing(succeeded, failed)
+    found, free = ruling_of(question), ruling_of(Question.of(question.values))
+    share = 1.0 - question.means[0]
+    luck = sum(
+        math.comb(succeeded + failed, it) * share**it * (1 - share) ** (succeeded + failed - it)
+        for it in range(failed + 1)
+    )
+    assert found.of_measures[0] == pytest.approx(2.0 * luck)
+    assert found.is_floored
+    assert not found.is_decided
+    assert free.is_decided
+    assert not free.is_floored
+
+
+def test_every_measure_has_a_least_p_of_its_own():
+    """In time a failure costs 8 s, and one in a hundred would make up for 0.08 s; but none of ten makes up for 7."""
+    near, far = all_or_nothing(10, 0, steady=0.9, seconds=2.1), all_or_nothing(10, 0, steady=0.9, seconds=9.0)
+    assert ruling_of(near).of_measures[1] > 0.5
+    assert ruling_of(far).decider == 1
+    assert ruling_of(far).is_decided
+
+
+def test_what_no_failure_could_make_up_for_has_no_least_p():
+    """The proposed reward always succeeds and is slower: failures would make it slower yet."""
+    found = ruling_of(all_or_nothing(10, 0, steady=0.9, seconds=1.5))
+    assert found.of_measures[1] < 0.001
+
+
+def test_many_trainings_without_a_failure_are_believed():
+    """Thirty at 0.8: one in 808."""
+    assert ruling_of(all_or_nothing(30, 0)).is_decided
+
+
+@pytest.mark.parametrize("values", [(0.97, 0.7), (0.8, 0.7)])
+def test_a_reward_that_reaches_the_same_end_asks_for_nothing(values: tuple[float, float]):
+    """Then the two are spread alike; nor where one of the trainings lies between the ends."""
+    question = all_or_nothing(10, 0)
+    question.values[0, 0, 0, 0], question.values[1, 0, 0, 0] = values[0], 1.0 if values[0] > 0.95 else values[1]
+    assert not ruling_of(question).is_floored
+
+
+def test_without_known_ends_p_is_that_of_the_dealt_labels():
+    """Of a first measure whose ends are infinite too."""
+    question = all_or_nothing(10, 0)
+    unknown = Question.of(question.values, np.full((1, 2, 2), [-np.inf, np.inf]))
+    assert ruling_of(unknown) == ruling_of(Question.of(question.values))

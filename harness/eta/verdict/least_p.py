@@ -1,0 +1,81 @@
+"""The least p of trainings that all succeed or fail, beside trainings that do neither: luck that no spread shows.
+
+Where one reward succeeds in four of five trainings and fails in the fifth, ten trainings all succeed in one of ten
+experiments. Beside a steady reward of the same mean they stand apart, each label in its place, and the test of dealt
+labels gives its smallest p: it takes for granted that the names could be swapped. How often so few failures, or so
+many, come about is a binomial chance, whatever the other reward's spread is (Clopper and Pearson 1934).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.stats import binom
+
+from harness.arrays import Float, Mask
+from harness.eta.verdict.question import BOTH, Question
+
+NEAR = 0.05
+"""A training within this share of the way from one end of the first measure to the other lies at that end."""
+
+
+class _Side(NamedTuple):
+    """The trainings of one reward, where each of them lies at an end of the first measure."""
+
+    side: int
+    is_high: Mask
+    """(rows, places): at the better end."""
+    is_low: Mask
+    """At the other one."""
+
+
+def least_p(question: Question) -> Float:
+    """What the p-value of each measure is at least, (measures,); 0 where nothing asks for more.
+
+    All trainings of one reward have to lie at the ends of the first measure, and no training of the other one at an
+    end at which they lie. Then let q be the share of trainings at the worse end with which the means of both rewards
+    would be equal. The p-value is at least twice the chance that so few, or so many, lie there as were seen. Where no
+    training lies at an end, `Question.ends` says what a training there would have had.
+    """
+    least: Float = np.zeros(question.values.shape[3])
+    if question.ends is None or not question.is_testable:
+        return least
+    for side in _at_ends(question):
+        least = np.maximum(least, [_least_of(question, side, measure) for measure in range(len(least))])
+    return least
+
+
+def _at_ends(question: Question) -> list[_Side]:
+    """The sides whose trainings all lie at ends where none of the other side's does."""
+    assert question.ends is not None
+    low, high = np.moveaxis(question.ends[:, 0], -1, 0)
+    if not np.isfinite(high - low).all():
+        return []
+    known, values, near = question.known[..., 0], question.values[..., 0], NEAR * (high - low)
+    is_high, is_low = known & (values >= high - near), known & (values <= low + near)
+    if (is_high.any(axis=(1, 2)).all()) or (is_low.any(axis=(1, 2)).all()):
+        return []
+    return [
+        _Side(side, is_high[side], is_low[side]) for side in BOTH if (is_high[side] | is_low[side] | ~known[side]).all()
+    ]
+
+
+def _least_of(question: Question, side: _Side, measure: int) -> float:
+    """The least p of one measure; 0 where no share of failures would make the means equal, or an end is not known."""
+    assert question.ends is not None
+    ends, values = question.ends[:, measure], question.values[..., measure]
+    high = _mean_at(values[side.side], side.is_high, ends[:, 1])
+    low = _mean_at(values[side.side], side.is_low, ends[:, 0])
+    other = np.nanmean(values[1 - side.side], axis=0).mean()
+    if not (low < high and low <= other <= high):  # nor where one is not a number
+        return 0.0
+    failed, trainings = int(side.is_low.sum()), int(side.is_low.sum() + side.is_high.sum())
+    share = (high - other) / (high - low)
+    tail = min(binom.cdf(failed, trainings, share), binom.sf(failed - 1, trainings, share))
+    return float(min(1.0, 2.0 * tail))
+
+
+def _mean_at(values: Float, there: Mask, ends: Float) -> float:
+    """The mean over places of the trainings at an end; of a place that has none, what a training there would have."""
+    counts = (there & np.isfinite(values)).sum(axis=0)
+    sums = np.where(there, np.nan_to_num(values), 0.0).sum(axis=0)
+    return float(np.where(counts > 0, sums / np.maximum(counts, 1), ends).mean())
