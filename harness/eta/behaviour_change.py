@@ -261,7 +261,7 @@ def _with_paired_intervals(change: Change) -> Change:
     if measure.episodes is not None:
         variance = share_variance(differences, np.mean(both, axis=0).tolist(), measure.episodes)
     low, high = mean_interval(differences, variance, bounds=measure.of_difference)
-    return replace(change, low=low, high=high, likely=mean_bounds([differences], measure.of_difference, ONE_SIDED))
+    return replace(change, low=low, high=high, likely=mean_bounds([differences], [measure.of_difference], ONE_SIDED))
 
 
 def with_intervals(change: Change) -> Change:
@@ -275,12 +275,12 @@ def with_intervals(change: Change) -> Change:
         return found
     low, high = difference_interval(one, other, variances, bounds=change.measure.ends)
     ends = change.measure.ends
-    (_, most_of_one), (_, most_of_other) = (mean_bounds([of], ends, ONE_SIDED) for of in (one, other))
+    (_, most_of_one), (_, most_of_other) = (mean_bounds([of], [ends], ONE_SIDED) for of in (one, other))
     return replace(
         found,
         low=low,
         high=high,
-        likely=difference_bounds([one], [other], ends, ONE_SIDED),
+        likely=difference_bounds([one], [other], [ends], ONE_SIDED),
         most=(most_of_one, most_of_other),
     )
 

@@ -203,7 +203,9 @@ def reasons(names: Names, deciding: Sequence[Compared], ruling: Ruling, where: s
     if max(deciding[0].counts) < fewest and not where and not ruling.has_plan:
         return [f"Fewer than {fewest} of each reward cannot show anything."]
     looks_alike = all(abs(difference_of(it)) < margin_of(it) for it in deciding if is_share(it))
-    floored = "p was raised, as no training of one reward failed: some may, that were not seen."
+    floored = (
+        "p was raised: all trainings of one reward succeed nearly always or never, and so few do not tell how often."
+    )
     lines = [
         floored if ruling.is_floored else "",
         clear_text(deciding, ruling),

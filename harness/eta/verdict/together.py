@@ -110,7 +110,7 @@ class Together:
         """See `Change.likely`. A seed may end alike in several places: the interval over seeds counts too."""
         if why_no_interval(self.seeds):
             return None
-        low, high = difference_bounds(*self._of_places, self._ends, ONE_SIDED)
+        low, high = difference_bounds(*self._of_places, [self._ends] * self.question.places, ONE_SIDED)
         estimate = self.question.estimate()
         reach = quantile(ONE_SIDED, estimate.freedom) * estimate.error
         return min(low, self.difference - reach), max(high, self.difference + reach)
@@ -120,7 +120,9 @@ class Together:
         """See `Change.most`."""
         if why_no_interval(self.seeds):
             return None
-        (_, one), (_, other) = (mean_bounds(side, self._ends, ONE_SIDED) for side in self._of_places)
+        (_, one), (_, other) = (
+            mean_bounds(side, [self._ends] * self.question.places, ONE_SIDED) for side in self._of_places
+        )
         return one, other
 
     @property

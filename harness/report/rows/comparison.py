@@ -160,9 +160,9 @@ def claims_text(combination: Comparison) -> str:
     if not all(counts) or combination.headline.answer is Answer.INTERIM:
         return ""
     asked = 1 if ruling is None else ruling.asked
-    is_even = counts[0] == counts[1]
-    least = f"; no p below {smallest_p(counts[0]):.2g} from {trainings_text(combination.names, counts)}" * is_even
-    questions = f"{asked} question{'s' * (asked != 1)} about the {combination.group.subject}, asked together{least}."
+    smallest = smallest_p(counts[0], proposed=counts[1])
+    least = f"no p below {smallest:.2g} from {trainings_text(combination.names, counts)}"
+    questions = f"{asked} question{'s' * (asked != 1)} about the {combination.group.subject}, asked together; {least}."
     hints = f"{combination.claims} hint{'s' * (combination.claims != 1)}, corrected by themselves, decide nothing."
     return f"{questions} {hints}"
 
