@@ -1,4 +1,4 @@
-"""What a comparison comes to, in words: every wording there is, read as a person reads it."""
+"""The answers and their whole sentences: every wording there is, read as a person reads it."""
 
 import json
 import re
@@ -9,10 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.eta.behaviour_change import Change, Measure, change_of
+from harness.eta.behaviour_change import TRAINING, Change, Measure, change_of
 from harness.eta.curve import GroupCurve, curve_of
 from harness.eta.decompose import decompose
-from harness.eta.headline import UNMEASURED, Answer, Headline, Names, judge, margin_of
+from harness.eta.headline import UNMEASURED, Answer, Headline, Names
+from harness.eta.judge import DECIDED, judge, range_text
 from harness.eta.power import seeds_to_tell
 from harness.eta.scored_sums import BB, BK, KB, KK
 from harness.eta.splits import Decomposition
@@ -27,8 +28,9 @@ SEEDS = 10
 SAME: Sums = (-100.0, 100.0)
 SUCCESS = Measure("success_rate", "", "higher", "deterministic", 100)
 TIME = Measure("time_to_target", "steps", "lower", "deterministic")
+SPEED = Measure("success_rate", "", "higher", TRAINING, 100)
 HITS = Measure("ground_hits", "", "lower", "deterministic")
-CLAIM = re.compile(r"\b(better|worse|helps|hurts)\b")
+CLAIM = re.compile(r"\b(better|worse|helps|hurts|faster|slower|slowly)\b")
 
 
 def group(sums: Sums, seeds: int) -> GroupCurve:
@@ -46,7 +48,8 @@ def compared(bb: Sums = SAME, bk: Sums = SAME, kb: Sums = SAME, kk: Sums = SAME,
 def change(baseline: list[float], proposed: list[float], measure: Measure = SUCCESS, p: float | None = 1.0) -> Change:
     """Of seeds 0, 1, 2 ..., with this corrected p-value."""
     one, other = dict(enumerate(baseline)), dict(enumerate(proposed))
-    return replace(change_of(measure, one, other, swaps_of(range(len(baseline)))), corrected=p)
+    swaps = swaps_of(range(min(len(baseline), len(proposed))))
+    return replace(change_of(measure, one, other, swaps), corrected=p)
 
 
 def about(mean: float, seeds: int = SEEDS, width: float = 0.02) -> list[float]:
@@ -59,16 +62,23 @@ def told(*changes: Change, asked: int = 1) -> Headline:
     return headline_of(NAMES, compared(), changes, asked)
 
 
-# The robot
+def ruled(*changes: Change, where: str = "", is_opposed: bool = False, **fields: object) -> Headline:
+    """Of changes of any measures, with the p-values that they have; more of the ruling as it is given."""
+    ruling = replace(ruling_of(changes), **fields)
+    return judge(NAMES, changes, "", ruling, where=where, is_opposed=is_opposed)
 
 
-def test_reward_that_helps():
-    """Whose value is whose, the difference's interval, and how sure it is."""
-    found = told(change(about(0.5), about(0.9), p=0.0123))
+# A difference
+
+
+def test_the_difference_and_who_failed_stand_before_the_word():
+    """Whose value is whose, the interval, how many trainings failed; then how sure it is."""
+    found = told(change([0.5] * 7 + [0.4] * 3, about(0.9), p=0.0123))
     assert (found.answer, found.decided_by) == (Answer.HELPS, "success_rate")
-    assert found.robot == (
-        "mine helps: success rate 90.0% with mine, 50.0% with base (difference +33.1 to +46.9 points); 10 seeds, "
-        "corrected p 0.012."
+    assert re.fullmatch(
+        r"Success \+43\.0 points \(\+\d\d\.\d to \+\d\d\.\d\): 90\.0% with mine, 47\.0% with base; 0 of 10 trainings "
+        r"failed with mine, 3 of 10 with base\. mine helps, corrected p 0\.012\.",
+        found.robot,
     )
 
 
@@ -76,78 +86,116 @@ def test_reward_that_hurts():
     """A p-value below a thousandth is not told to its last digit."""
     found = told(change(about(0.9), about(0.5), p=0.0002))
     assert (found.answer, found.decided_by) == (Answer.HURTS, "success_rate")
-    assert found.robot.startswith(
-        "mine hurts: success rate 50.0% with mine, 90.0% with base (difference -46.9 to -33.1"
-    )
-    assert found.robot.endswith("; 10 seeds, corrected p < 0.001.")
+    assert found.robot.startswith("Success -40.0 points (-")
+    assert found.robot.endswith(" mine hurts, corrected p < 0.001.")
 
 
 @pytest.mark.parametrize(("proposed", "answer", "verb"), [(9.0, "hurts", "hurts"), (5.0, "helps", "helps")])
 def test_time_decides_where_success_does_not(proposed: float, answer: str, verb: str):
-    """Less time is better; its unit is told."""
+    """Less time is better; its unit is told, and the measure."""
     time = change(about(7.0, width=0.1), about(proposed, width=0.2), TIME, p=0.01)
     found = told(change(about(0.99), about(0.99)), time)
     assert (found.answer.value, found.decided_by) == (answer, "time_to_target")
-    assert found.robot.startswith(f"mine {verb}: time to target {proposed:g} steps with mine, 7 steps with base (diff")
-    assert " steps); 10 seeds, " in found.robot
+    assert f": {proposed:.2f} steps instead of 7.00 steps." in found.robot
+    assert found.robot.endswith(f" mine {verb}, decided by the time to the target, corrected p 0.010.")
 
 
-def test_the_measure_that_says_most_decides_and_the_other_is_told():
-    """Who fails less and takes longer: by the smaller p, and the sentence says the opposite too."""
+def test_who_fails_less_and_takes_longer_is_mixed():
+    """Both pass, each with its p; the measure with the smaller one decided."""
     slower = change(about(7.0), about(9.0), TIME, p=0.001)
     found = told(slower, change(about(0.5), about(0.9), p=0.04))
-    assert (found.answer, found.decided_by) == (Answer.HURTS, "time_to_target")
-    assert " But the opposite holds of another measure: success rate 90.0% with mine" in found.robot
+    assert (found.answer, found.decided_by) == (Answer.MIXED, "time_to_target")
+    assert found.robot.endswith(
+        "mine is better in success (corrected p 0.040) and worse in the time to the target (corrected p 0.001)."
+    )
 
 
 def test_a_measure_that_does_not_pass_is_no_opposite():
     """It may go either way by chance."""
-    found = told(change(about(7.0), about(9.0), TIME, p=0.001), change(about(0.5), about(0.9), p=0.3))
-    assert "opposite" not in found.robot
+    found = told(change(about(7.0), about(9.0), TIME, p=0.001), change(about(0.5), about(0.52), p=0.3))
+    assert found.answer == Answer.HURTS
+    assert "better" not in found.robot
 
 
-def test_where_neither_learns_there_is_nothing_to_compare():
-    """Both succeed in less than a tenth of the episodes."""
-    found = told(change(about(0.02), about(0.08), p=0.2))
-    assert found.answer == Answer.NEITHER_LEARNS
-    assert found.robot.startswith("Neither base nor mine teaches the task: success rate 8.0% with mine, 2.0% with base")
+@pytest.mark.parametrize(("proposed", "answer"), [(0.6, Answer.LEARNS_FASTER), (0.2, Answer.LEARNS_SLOWER)])
+def test_success_while_training_alone_says_how_fast_it_learns(proposed: float, answer: Answer):
+    """The measure that decided has its name, and the end is told to be open."""
+    found = ruled(change(about(0.99), about(0.99)), change(about(0.4), about(proposed), SPEED, p=0.01))
+    assert (found.answer, found.decided_by) == (answer, "success_rate while training")
+    assert found.robot.endswith(
+        f"mine {answer.value}, decided by success while training, corrected p 0.010; at the end no difference was "
+        "found."
+    )
 
 
-def test_where_one_learns_it_is_no_such_case():
-    """One above a tenth is enough."""
-    assert told(change(about(0.02), about(0.12, width=0.3), p=0.2)).answer == Answer.CANNOT_TELL
+def test_who_ends_better_and_learns_faster_helps():
+    """The end decides, with its own p, though success while training has the smaller one."""
+    found = ruled(change(about(0.5), about(0.9), p=0.03), change(about(0.4), about(0.6), SPEED, p=0.001))
+    assert (found.answer, found.decided_by) == (Answer.HELPS, "success_rate")
+    assert found.robot.endswith(
+        "mine helps, decided by success, corrected p 0.030; it also learns faster, corrected p 0.001."
+    )
 
 
-def test_a_difference_too_small_to_go_on_for_ends_the_training():
-    """Where a plan of several looks said so."""
-    ruling = Ruling(0.5, 0.5, of_measures=(0.5,), signs=(1,), small=0.1)
-    found = judge(NAMES, [change(about(0.6), about(0.61))], "number", ruling)
-    assert found.answer == Answer.NO_DIFFERENCE
-    assert found.robot.startswith("mine differs by less than 10 points: success rate 61.0% with mine")
+def test_faster_and_worse_is_mixed():
+    """Never one of both words."""
+    found = ruled(change(about(0.9), about(0.5), p=0.01), change(about(0.4), about(0.6), SPEED, p=0.02))
+    assert found.answer == Answer.MIXED
 
 
-def test_in_looks_few_seeds_are_no_warning():
-    """The plan says when to ask again; where places have seeds of their own, two of each can decide."""
-    few = [change([0.5, 0.6], [0.6, 0.7])]
-    ruling = Ruling(0.5, 0.5, of_measures=(0.5,), signs=(1,))
-    planned = LookRuling(0.5, 0.5, of_measures=(0.5,), signs=(1,))
-    assert "Fewer than 4 seeds cannot show anything here" in judge(NAMES, few, "", ruling).robot
-    assert "Fewer than" not in judge(NAMES, few, "", planned).robot
+def test_where_only_the_training_was_measured_it_helps_or_hurts():
+    """There is no end that it could be told apart from."""
+    assert ruled(change(about(0.4), about(0.6), SPEED, p=0.01)).answer == Answer.HELPS
 
 
-def test_another_test_that_decides_is_named():
-    """In a race a comparison by itself is no test, whatever its p."""
-    ruling = Ruling(0.001, 0.001, of_measures=(0.001,), signs=(1,), instead="The race decides.")
-    found = judge(NAMES, [change(about(0.5), about(0.9))], "number", ruling)
-    assert found.answer == Answer.RACED
-    assert found.robot.startswith("The race decides. mine: success rate 90.0% with mine")
+def test_a_difference_below_its_margin_helps_by_little():
+    """The measure that decided; another one that passes beyond its margin is not little."""
+    quicker = change(about(2.01), about(1.90), TIME, p=0.001)
+    found = told(change(about(0.99), about(0.99)), quicker)
+    assert found.answer == Answer.HELPS
+    assert (
+        "mine helps by little, decided by the time to the target, corrected p 0.001: what was seen is less than "
+        in (found.robot)
+    )
+    assert "by little" not in told(change(about(0.5), about(0.9), p=0.01), quicker).robot
+
+
+def test_an_interval_that_holds_zero_beside_a_word_is_explained():
+    """That of a share allows for more than the test does; that of another measure assumes more."""
+    found = told(change(about(0.995, 6, 0.004), about(0.965, 6, 0.004), p=0.002))
+    assert found.answer == Answer.HURTS
+    assert found.robot.endswith(
+        "The interval holds 0, as it allows for failures that were not seen; the exact test does not."
+    )
+    time = change([7.0, 8.0, 9.0, 7.5], [6.0, 7.0, 8.9, 6.5], TIME, p=0.01)
+    assert told(time).robot.endswith("The interval holds 0, as it assumes a bell curve; the exact test does not.")
+    assert "holds 0" not in told(change(about(0.5), about(0.9), p=0.01)).robot
 
 
 def test_places_are_told():
-    """In the answer of several places."""
-    decided = change(about(0.5), about(0.9), p=0.01)
-    found = judge(NAMES, [decided], "", ruling_of([decided]), where="over 8 places")
-    assert found.robot.startswith("mine helps over 8 places: success rate")
+    """In the differences, and in the answer."""
+    found = ruled(change(about(0.5), about(0.9), p=0.01), where="over 8 places")
+    assert found.robot.startswith("Success +40.0 points on average over 8 places (+")
+    assert found.robot.endswith(" mine helps over 8 places, corrected p 0.010.")
+
+
+def test_both_directions_in_several_places_are_mixed():
+    """Whatever the mean over them says."""
+    found = ruled(change(about(0.5), about(0.9), p=0.01), where="over 8 places", is_opposed=True)
+    assert found.answer == Answer.MIXED
+    assert found.robot.endswith(" mine is better in success (corrected p 0.010) on average over 8 places.")
+
+
+def test_trainings_need_not_be_as_many():
+    """Both numbers stand there."""
+    found = told(change(about(0.6), about(0.9, 5), p=0.01))
+    assert "0 of 5 trainings failed with mine, 0 of 10 with base" in found.robot
+    assert "; 10 trainings with base, 5 with mine. " in told(change(about(7.0), about(5.0, 5), TIME, p=0.01)).robot
+
+
+def test_clear_difference_below_the_margin_is_a_difference():
+    """A test that shows one goes before a margin."""
+    assert told(change([1.0] * 20, [0.99] * 20, p=0.001)).answer == Answer.HURTS
 
 
 def test_other_measures_do_not_decide():
@@ -156,111 +204,198 @@ def test_other_measures_do_not_decide():
     assert found.answer == Answer.CANNOT_TELL
 
 
+def test_time_alone_can_decide():
+    """Where no success rate is there."""
+    assert told(change(about(7.0), about(5.0), TIME, p=0.01)).answer == Answer.HELPS
+    assert told(change(about(7.0, 20), about(7.0, 20), TIME)).answer == Answer.NO_DIFFERENCE
+
+
+# No difference
+
+
+def test_where_certainly_neither_learns_there_is_nothing_to_compare():
+    """By the upper bounds of both, which allow for a training that was not seen."""
+    few, many = ([0.0, 0.01] * (count // 2) for count in (10, 60))
+    assert told(change(few, few)).answer == Answer.CANNOT_TELL
+    found = told(change(many, many))
+    assert found.answer == Answer.NEITHER_LEARNS
+    assert found.robot.startswith("0 of 60 trainings learned with either reward. Success +0.0 points (-")
+    assert "success is below 10% under both (95%), also where trainings succeed that were not seen." in found.robot
+
+
+def test_one_training_that_learned_is_counted():
+    """One of ten is no tenth of them all for certain."""
+    found = told(change([0.0] * 10, [0.9] + [0.0] * 9))
+    assert found.answer == Answer.CANNOT_TELL
+    assert found.robot.startswith("1 of 10 trainings learned with mine, 0 of 10 with base. Success +9.0 points (-")
+    assert found.robot.endswith(": corrected p 1.000. Train longer, or with another algorithm.")
+
+
+def test_where_one_learns_they_are_counted_by_failures():
+    """One above a tenth is enough."""
+    assert "failed" in told(change(about(0.02), about(0.12, width=0.3), p=0.2)).robot
+
+
 def test_no_difference():
-    """Both measures lie within their margins, by the tests that say so."""
-    success, time = change([1.0] * 20, [1.0] * 20), change(about(7.0, 20), about(7.1, 20), TIME)
+    """All measures lie within their margins, by tests that allow for trainings that were not seen."""
+    success, time = change([1.0] * 60, [1.0] * 60), change(about(7.0, 60), about(7.1, 60), TIME)
     found = told(success, time)
     assert (found.answer, found.decided_by, found.seeds_to_decide) == (Answer.NO_DIFFERENCE, None, None)
-    assert found.robot == (
-        "mine makes no difference that counts: success rate 100.0% with mine, 100.0% with base (difference -2.8 to "
-        "+2.8 points), less than 5 points of success apart; time to target 7.1 steps with mine, 7 steps with base "
-        "(difference +0.1 to +0.1 steps), less than 10% of the time apart (equivalence by two one-sided tests, 5% "
-        "each). No seed failed. But 20 seeds cannot rule out that up to 15% of all trainings fail under either reward."
+    assert found.robot.endswith(
+        "mine makes no difference that counts: less than 5 points of success and 10% of the time, also where trainings "
+        "fail that were not seen (two one-sided tests for each, at 5%). No training failed, but 60 of each reward "
+        "cannot rule out that up to 5% fail under either."
     )
+
+
+def test_a_few_perfect_trainings_are_not_certain():
+    """No spread is no proof: 1 - 0.05 ** (1 / 6) of all trainings may fail."""
+    found = told(change([1.0] * 6, [1.0] * 6))
+    assert found.answer == Answer.CANNOT_TELL
+    assert "No training failed, but 6 of each reward cannot rule out that up to 39% fail under either." in found.robot
+    odd = told(change([1.0] * 6, [1.0] * 4))
+    assert "but 6 with base and 4 with mine cannot rule out that up to 39% and 53% fail." in odd.robot
 
 
 def test_no_difference_in_one_measure_is_none_in_all():
     """Success alike and the time unknown: cannot tell."""
-    time = change(about(7.0, 20, 3.0), about(7.0, 20)[::-1], TIME)
-    assert told(change([1.0] * 20, [1.0] * 20), time).answer == Answer.CANNOT_TELL
+    time = change(about(7.0, 60, 6.0), about(7.0, 60, 6.0)[::-1], TIME)
+    assert told(change([1.0] * 60, [1.0] * 60), time).answer == Answer.CANNOT_TELL
 
 
-def test_clear_difference_below_the_margin_is_a_difference():
-    """A test that shows one goes before a margin."""
-    assert told(change([1.0] * 20, [0.99] * 20, p=0.001)).answer == Answer.HURTS
-
-
-@pytest.mark.parametrize(("measure", "baseline", "margin"), [(SUCCESS, 0.5, 0.05), (TIME, 8.0, 0.8), (TIME, 0.0, 0.0)])
-def test_margins(measure: Measure, baseline: float, margin: float):
-    """5 points of success, a tenth of the baseline's time."""
-    assert margin_of(change([baseline] * 3, [1.0] * 3, measure)) == pytest.approx(margin)
-
-
-def test_cannot_tell_says_how_many_seeds_would():
-    """For the difference that was seen."""
-    success = change(about(0.5, width=0.1), about(0.52, width=0.2), p=0.4)
-    found = told(success, asked=28)
-    seen = seeds_to_tell(0.02, (success.variance / 2) ** 0.5, SEEDS, 28, 0.05)
-    assert (found.answer, found.seeds_to_decide) == (Answer.CANNOT_TELL, seen)
-    assert found.robot == (
-        "Cannot tell from 10 seeds whether mine helps or hurts: success rate 52.0% with mine, 50.0% with base "
-        "(difference -5.4 to +9.4 points). The difference is at most 8.0 points of success (90% interval). "
-        f"{seen[0]} to {seen[1]} seeds would tell the difference that was seen."
+def test_a_difference_too_small_to_go_on_for_ends_the_training():
+    """Where a plan of several looks said so; of the first measure alone."""
+    ruling = Ruling(0.5, 0.5, of_measures=(0.5, 0.5), signs=(1, 1), small=0.1)
+    both = [change(about(0.6), about(0.61)), change(about(7.0), about(7.0), TIME)]
+    found = judge(NAMES, both, "number", ruling)
+    assert found.answer == Answer.NO_DIFFERENCE
+    assert "The success of mine differs by less than 10 points, also where trainings fail" in found.robot
+    assert "The training ended here, as planned: more would not be worth its cost. This is said of success alone." in (
+        found.robot
     )
 
 
-def test_a_number_of_seeds_that_nobody_knows_is_no_plan():
+def test_the_same_steps_need_no_test():
+    """Three seeds are no statistics, but what is equal bit for bit is no difference, and has no interval."""
+    equal = [change([1.0] * 3, [1.0] * 3)]
+    found = judge(NAMES, equal, "number", same_steps=True)
+    assert (found.answer, found.decided_by) == (Answer.NO_DIFFERENCE, None)
+    assert found.robot == (
+        "Success 100.0% with both; 0 of 3 trainings failed with either reward. mine changes nothing: every step of "
+        "every evaluation is the same as with base, bit for bit."
+    )
+    assert judge(NAMES, equal, "number").answer == Answer.CANNOT_TELL
+    lost = judge(NAMES, [change([0.0] * 3, [0.0] * 3)], "number", same_steps=True)
+    assert "0 of 3 trainings learned with either reward" in lost.robot
+    assert lost.robot.endswith("Train longer, or with another algorithm.")
+
+
+# No answer
+
+
+def test_a_plan_is_told_as_a_condition():
+    """For the difference that was seen, which may be none."""
+    success = change(about(0.5, width=0.1), about(0.52, width=0.2), p=0.4)
+    found = told(success, asked=28)
+    seen = seeds_to_tell(0.02, success.spread, SEEDS, 28, 0.05)
+    assert (found.answer, found.seeds_to_decide) == (Answer.CANNOT_TELL, seen)
+    assert found.robot.endswith(
+        "Whether mine helps or hurts cannot be told from 10 trainings of each reward: corrected p 0.400. If the "
+        f"difference is what was seen so far, {seen[0]:,} to {seen[1]:,} trainings of each reward would tell."
+    )
+
+
+def test_without_a_difference_the_plan_is_for_the_margins():
+    """Of all measures that decide."""
+    found = told(change(about(0.5, width=0.2), about(0.5, width=0.2)), change(about(7.0, width=2.0), about(7.0), TIME))
+    assert " If the difference is 5 points of success or 10% of the time, " in found.robot
+    inside = told(change([1.0] * 40, [1.0] * 40))
+    assert (inside.answer, inside.seeds_to_decide) == (Answer.CANNOT_TELL, None)
+
+
+def test_one_number_is_no_range():
+    """No more than from 4 to 4."""
+    assert [range_text(it) for it in ((4, 4), (90, 1213))] == ["4", "90 to 1,213"]
+
+
+def test_a_number_of_trainings_that_nobody_knows_is_no_plan():
     """Above a factor of ten between its ends; `seeds_to_decide` keeps the range."""
     few = told(change([0.5, 0.7, 0.52], [0.58, 0.66, 0.71], p=0.7), asked=28)
     low, high = few.seeds_to_decide
     assert high > 10 * low
-    assert few.robot.endswith("3 seeds are too few to plan how many would tell the difference that was seen.")
+    assert few.robot.endswith("So few trainings do not tell how many would be enough.")
 
 
-def test_the_same_steps_need_no_test():
-    """Three seeds are no statistics, but what is equal bit for bit is no difference; nobody who fails is told so."""
-    equal = [change([1.0] * 3, [1.0] * 3)]
-    found = judge(NAMES, equal, "number", same_steps=True)
-    assert (found.answer, found.decided_by) == (Answer.NO_DIFFERENCE, None)
-    assert found.robot.startswith("mine changes nothing: with 3 seeds, every step of every evaluation is the same as")
-    assert judge(NAMES, equal, "number").answer == Answer.CANNOT_TELL
-    lost = [change([0.0] * 3, [0.0] * 3)]
-    assert judge(NAMES, lost, "number", same_steps=True).answer == Answer.NEITHER_LEARNS
+def test_in_looks_few_trainings_are_no_warning():
+    """The plan says when to ask again; where places have seeds of their own, two of each can decide."""
+    few = [change([0.5, 0.6], [0.6, 0.7])]
+    ruling = Ruling(0.5, 0.5, of_measures=(0.5,), signs=(1,))
+    planned = LookRuling(0.5, 0.5, of_measures=(0.5,), signs=(1,))
+    assert "Fewer than 4 of each reward cannot show anything." in judge(NAMES, few, "", ruling).robot
+    assert "Fewer than" not in judge(NAMES, few, "", planned).robot
 
 
 def test_an_interval_without_zero_that_is_no_answer_is_explained():
-    """In two plain sentences, with how many questions were asked."""
+    """With how many questions were asked, or how many measures decide; two intervals are told together."""
     found = told(change(about(0.5), about(0.9), p=0.2), asked=8)
-    assert "The interval of success leaves out 0 when it is looked at alone. But 8 questions were asked" in found.robot
+    assert "The interval of success leaves out 0 when it is looked at alone, but 8 questions were asked" in found.robot
     assert "8 questions were asked together, and allowing for all of them p is 0.200." in found.robot
     alone = told(change(about(0.5), about(0.9), p=0.2))
-    assert "when it is looked at alone. But the test allows for all deciding measures, and its p is 0.200." in (
-        alone.robot
+    assert "leaves out 0 when it is looked at alone, but by an exact test p is 0.200." in alone.robot
+    both = told(change(about(0.5), about(0.9), p=0.2), change(about(7.0), about(5.0), TIME, p=0.1))
+    assert "The intervals of success and the time to the target leave out 0 when each is looked at alone, but " in (
+        both.robot
     )
+    assert "allowing for all measures that decide p is 0.100." in both.robot
 
 
-def test_seeds_that_would_tell_are_for_both_measures():
-    """The one that takes more decides; the high end is more than there are."""
-    success = change(about(0.5), about(0.5))
-    time = change(about(7.0, width=2.0), about(7.0, width=2.0)[::-1], TIME)
-    found = told(success, time)
-    expected = seeds_to_tell(0.7, (time.variance / 2) ** 0.5, SEEDS, 1, 0.05)
-    assert (
-        f" to {expected[1]} seeds would tell a difference of 5 points of success or of 10% of the time." in found.robot
-    )
-    few = told(change([1.0] * 8, [0.98] * 8))
-    assert few.seeds_to_decide is None or few.seeds_to_decide[1] > 8
+def test_a_p_that_was_raised_says_why():
+    """Beside no answer."""
+    raised = ruled(change([1.0] * 6, about(0.85, 6), p=0.3), is_floored=True)
+    assert "p was raised: all trainings of one reward succeed nearly always or never, " in raised.robot
 
 
-@pytest.mark.parametrize(("seeds", "said"), [(1, "1 seed"), (2, "2 seeds"), (3, "3 seeds")])
+def test_a_plan_that_is_not_trained_to_its_end_has_no_word():
+    """Neither of better or worse, nor a p; how many are to come stands first, and how to look on the way."""
+    found = ruled(change(about(0.5), about(0.9), p=None), missing=12)
+    assert (found.answer, found.decided_by, found.seeds_to_decide) == (Answer.INTERIM, None, None)
+    assert found.robot.startswith("Interim: 20 trainings are compared, 12 of the plan are still to come. Success +40.0")
+    assert found.robot.endswith("harness run --until decided plans for looks on the way.")
+    assert not CLAIM.search(found.robot)
+    assert not re.search(r"\bp\b", found.robot)
+    assert "1 of the plan is still to come" in ruled(change(about(0.5), about(0.9)), missing=1).robot
+
+
+def test_another_test_that_decides_is_named():
+    """In a race a comparison by itself is no test, whatever its p."""
+    ruling = Ruling(0.001, 0.001, of_measures=(0.001,), signs=(1,), instead="The race decides.")
+    found = judge(NAMES, [change(about(0.5), about(0.9))], "number", ruling)
+    assert found.answer == Answer.RACED
+    assert found.robot.startswith("Success +40.0 points (+")
+    assert found.robot.endswith(" The race decides.")
+
+
+@pytest.mark.parametrize(
+    ("seeds", "said"),
+    [(1, "1 training of each reward"), (2, "2 trainings of each reward"), (3, "3 trainings of each reward")],
+)
 def test_few_seeds_cannot_tell(seeds: int, said: str):
     """However far apart: the smallest p-value of so many is above 0.05."""
     found = told(change([0.1] * seeds, [0.9] * seeds))
     assert found.answer == Answer.CANNOT_TELL
-    assert found.robot.startswith(
-        f"Cannot tell from {said} whether mine helps or hurts: success rate 90.0% with mine, 10.0% with base"
-    )
+    assert f"Whether mine helps or hurts cannot be told from {said}: " in found.robot
+    assert "Fewer than 4 of each reward cannot show anything." in found.robot
 
 
-def test_one_seed_names_the_fewest_that_can_show_something():
-    """No interval, and no number of seeds from the spread of one."""
+def test_one_training_has_no_interval_and_no_plan():
+    """Nor a p-value."""
     found = told(change([0.1], [0.9], p=None))
     assert found.seeds_to_decide is None
-    assert found.robot.endswith("10.0% with base. Fewer than 4 seeds cannot show anything here.")
+    assert found.robot.startswith("Success +80.0 points: 90.0% with mine, 10.0% with base; 0 of 1 trainings failed")
 
 
 def test_spread_that_takes_thousands_of_seeds_is_told():
-    """Seeds that go either way all the way: a number that nobody runs is an answer, too."""
+    """Trainings that go either way all the way: a number that nobody runs is an answer, too."""
     found = told(change([0.0, 1.0] * 5, [1.0, 0.0] * 5))
     assert found.seeds_to_decide is not None
     assert min(found.seeds_to_decide) > 1_000
@@ -275,26 +410,25 @@ def test_behaviour_that_was_not_measured(changes: list[Change]):
     assert (found.answer, found.robot) == (Answer.CANNOT_TELL, UNMEASURED)
 
 
-def test_time_alone_can_decide():
-    """Where no success rate is there."""
-    assert told(change(about(7.0), about(5.0), TIME, p=0.01)).answer == Answer.HELPS
-    assert told(change(about(7.0, 20), about(7.0, 20), TIME)).answer == Answer.NO_DIFFERENCE
+def test_without_a_measure_the_reason_is_told():
+    """As it was given."""
+    assert judge(NAMES, [], "number", unmeasured="Nobody looked.").robot == "Nobody looked."
 
 
 @given(
     st.lists(st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0)), min_size=1, max_size=8),
     st.none() | st.floats(0.0, 1.0),
-    st.sampled_from([SUCCESS, TIME]),
+    st.sampled_from([SUCCESS, TIME, SPEED]),
 )
 def test_no_claim_without_a_corrected_p_value(pairs: list[tuple[float, float]], p: float | None, measure: Measure):
-    """No word of better or worse, helps or hurts, stands where p is above 0.05 or is not known."""
+    """No word of better or worse, helps or hurts, faster or slower, stands where p is above 0.05 or is not known."""
     one, other = (list(values) for values in zip(*pairs, strict=True))
-    found = told(change(one, other, measure, p))
-    sentences = found.robot.replace("whether mine helps or hurts", "")
+    found = ruled(change(one, other, measure, p))
+    sentences = found.robot.replace("Whether mine helps or hurts", "")
     if p is None or p > 0.05:
         assert found.answer in (Answer.CANNOT_TELL, Answer.NO_DIFFERENCE, Answer.NEITHER_LEARNS)
         assert not CLAIM.search(sentences + found.number)
-    assert (found.answer in (Answer.HELPS, Answer.HURTS)) == bool(CLAIM.search(sentences))
+    assert (found.answer in DECIDED) == bool(CLAIM.search(sentences))
 
 
 # The number
@@ -391,26 +525,3 @@ def test_json_is_plain():
     data = json.loads(json.dumps(found.to_json()))
     assert set(data) == {"answer", "behaviour", "number", "decided_by", "seeds_to_decide"}
     assert (data["answer"], data["seeds_to_decide"]) == ("cannot tell", list(found.seeds_to_decide))
-
-
-# Measures of any env
-
-
-def test_any_measure_decides_by_its_own_name():
-    """A share is told in percent and points, another measure in its unit, one without a unit as a number."""
-    share = Measure("has_landed", "", "higher", "in evaluations", 100)
-    height = Measure("end_height", "", "higher", "in evaluations")
-    better = change(about(0.5), about(0.9), share, p=0.01)
-    decided = judge(NAMES, [better], "number", ruling_of([better]))
-    assert decided.robot.startswith("mine helps: has landed 90.0% with mine, 50.0% with base (difference +")
-    assert "points); 10 seeds" in decided.robot
-    open_ = judge(NAMES, [change(about(5.0, width=3.0), about(6.0, width=-3.0), height)], "number")
-    assert "end height 6 with mine, 5 with base (difference -" in open_.robot
-    assert open_.robot.endswith("would tell the difference that was seen.")
-    same = judge(NAMES, [change(about(5.0, width=3.0), about(5.0, width=-3.0), height)], "number")
-    assert same.robot.endswith("would tell a difference of 10% of end height.")
-
-
-def test_without_a_measure_the_reason_is_told():
-    """As it was given."""
-    assert judge(NAMES, [], "number", unmeasured="Nobody looked.").robot == "Nobody looked."

@@ -21,8 +21,9 @@ from harness.arrays import Float
 from harness.eta.behaviour_change import Change, Measure, change_of
 from harness.eta.curve import GroupCurve
 from harness.eta.decompose import decompose
-from harness.eta.headline import Answer, Names
+from harness.eta.headline import Names
 from harness.eta.index import Ratio
+from harness.eta.judge import DECIDED
 from harness.eta.noise import noise_floor
 from harness.eta.scored_sums import BB, BK, KB, KK, Pair
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
@@ -59,7 +60,7 @@ RECORDED = Path(__file__).parents[2] / "results" / "reference"
 SUCCESS = Measure("success_rate", "", "higher", "deterministic", EPISODES)
 TIME = Measure("time_to_target", "steps", "lower", "deterministic")
 NAMES = Names("base", "mine")
-CLAIM = re.compile(r"\b(better|worse|helps|hurts)\b")
+CLAIM = re.compile(r"\b(better|worse|helps|hurts|faster|slower|slowly)\b")
 SLACK = 1e-12
 """Ends that are a bound of the range are reached but for rounding."""
 
@@ -374,8 +375,8 @@ def claims_something(comparison: list[Change | Split], claims: int) -> bool:
     runs = grouped(np.cumsum(np.ones((2, 4)), axis=1))
     decomposition = replace(decompose({BB: runs, KK: runs}), negative=splits[0], positive=splits[1])
     headline = headline_of(NAMES, decomposition, changes, claims)
-    said = headline.robot.replace("whether mine helps or hurts", "") + headline.number
-    spoken = CLAIM.search(said) or headline.answer in (Answer.HELPS, Answer.HURTS)
+    said = headline.robot.replace("Whether mine helps or hurts", "") + headline.number
+    spoken = CLAIM.search(said) or headline.answer in DECIDED
     shown = any(claim.corrected is not None and claim.corrected <= ALPHA for claim in comparison)
     return bool(spoken) or shown or any(change.direction for change in changes)
 

@@ -1,0 +1,126 @@
+"""What was seen, in words: numbers that add up, intervals, trainings that failed."""
+
+import re
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from harness.eta.amounts import (
+    counted_text,
+    difference_text,
+    listed,
+    seen_text,
+    short_seen_text,
+    short_values,
+    trainings_text,
+    unseen_text,
+)
+from harness.eta.behaviour_change import TRAINING, Change, Measure, change_of
+from harness.eta.headline import Names
+from harness.eta.swaps import swaps_of
+from harness.eta.verdict.together import Together
+
+NAMES = Names("base", "mine")
+SUCCESS = Measure("success_rate", "", "higher", "deterministic", episodes=100)
+SPEED = Measure("success_rate", "", "higher", TRAINING, episodes=100)
+TIME = Measure("time_to_target", "s", "lower", "deterministic")
+HEIGHT = Measure("tip_height", "m", "higher", "deterministic")
+COST = Measure("energy", "J", "lower", "deterministic")
+
+
+def change(measure: Measure, baseline: list[float], proposed: list[float]) -> Change:
+    """The change of a measure, from the values of each training."""
+    one, other = dict(enumerate(baseline)), dict(enumerate(proposed))
+    return change_of(measure, one, other, swaps_of(range(min(len(one), len(other)))))
+
+
+@pytest.mark.parametrize(
+    ("measure", "values", "shown"),
+    [
+        (SUCCESS, (0.81, 1.0), ("81", "100 %")),
+        (SUCCESS, (0.99, 1.0), ("99.0", "100.0 %")),
+        (SUCCESS, (0.75, 0.75), ("75", "75 %")),
+        (SUCCESS, (0.45, 0.925), ("45.0", "92.5 %")),
+        (TIME, (0.8643, 0.3591), ("0.86", "0.36 s")),
+        (TIME, (0.8643, 0.3691), ("0.864", "0.369 s")),
+        (TIME, (2.01, 1.9), ("2.01", "1.90 s")),
+        (TIME, (9.96, 12.3), ("10.0", "12.3 s")),
+        (HEIGHT, (1234.5, -0.0123), ("1,234.5", "-0.0 m")),
+    ],
+)
+def test_values_have_as_many_digits_as_tell_them_apart(measure, values, shown):
+    """Two; more where a reader would compute another difference from them."""
+    one, other = values
+    assert short_values(change(measure, [one] * 2, [other] * 2)) == shown
+
+
+@given(st.floats(0.0, 1.0), st.floats(0.0, 1.0))
+def test_a_difference_is_that_of_the_values_beside_it(one, other):
+    """As they are written, but for one in the last place."""
+    shown = change(SUCCESS, [one] * 3, [other] * 3)
+    baseline, proposed = (float(text.partition(" ")[0]) for text in short_values(shown))
+    points = difference_text(shown, 2).partition(" ")[0]
+    last = 10.0 ** -len(points.partition(".")[2])
+    assert abs(proposed - baseline - float(points)) <= 1.001 * last
+
+
+def test_a_difference_has_its_interval_and_its_unit():
+    """Points of a share; a measure of several places in per cent of its size; three seeds have an interval."""
+    share = change(SUCCESS, [0.5, 0.6, 0.7], [0.8, 0.9, 1.0])
+    assert re.fullmatch(r"\+30\.0 points \([-+][\d.]+ to \+[\d.]+\)", difference_text(share, 3))
+    assert difference_text(change(SUCCESS, [0.5] * 2, [0.8] * 2), 3) == "+30.0 points"
+    assert difference_text(change(TIME, [2.01] * 2, [1.9] * 2), 3) == "-0.11 s"
+    places = [change(TIME, [2.0, 2.2, 2.1, 1.9], [1.0, 1.2, 1.1, 0.9]) for _ in range(2)]
+    together = Together.of(places)
+    assert re.fullmatch(
+        r"-\d\d\.\d% on average over 2 places \(-[\d.]+% to -[\d.]+%\)", difference_text(together, 3, "over 2 places")
+    )
+
+
+def test_an_interval_without_a_width_is_no_certainty():
+    """Ten times that are all the horizon: there is nothing to show."""
+    assert difference_text(change(TIME, [5.0] * 10, [5.0] * 10), 3) == "+0.00 s"
+
+
+def test_failures_stand_with_the_first_measure():
+    """As many as there are of each reward; those of the training are no failures."""
+    share, speed = change(SUCCESS, [0.2, 0.9, 0.9], [0.9, 0.9, 0.9]), change(SPEED, [0.2] * 3, [0.3] * 3)
+    told = seen_text(NAMES, [share, speed], "")
+    assert "0 of 3 trainings failed with mine, 1 of 3 with base. Success while training +10.0 points" in told
+    assert told.endswith(": 30.0% instead of 20.0%.")
+    assert counted_text(NAMES, [speed]) == "3 trainings of each reward"
+    assert short_seen_text(NAMES, [share]).endswith(". 0 of 3 trainings failed with mine, 1 of 3 with base.")
+
+
+def test_the_same_count_of_both_is_told_once():
+    """With either reward."""
+    assert counted_text(NAMES, [change(SUCCESS, [0.9] * 3, [0.8] * 3)]) == "0 of 3 trainings failed with either reward"
+
+
+def test_which_side_is_better_is_told_where_nobody_knows():
+    """Of a measure of one's own of which less is better; the time needs no such word."""
+    assert "J, lower is better: " in seen_text(NAMES, [change(COST, [-1.0] * 2, [-2.0] * 2)], "")
+    assert "better" not in seen_text(NAMES, [change(TIME, [1.0] * 2, [2.0] * 2)], "")
+
+
+def test_failures_that_were_not_seen_are_told_where_none_was():
+    """The largest share that would show none in one of 20 experiments."""
+    none, one = change(SUCCESS, [1.0] * 10, [1.0] * 10), change(SUCCESS, [1.0] * 10, [0.0] + [1.0] * 9)
+    assert "10 of each reward cannot rule out that up to 26% fail under either." in unseen_text(NAMES, [none])
+    assert unseen_text(NAMES, [one]) == ""
+    assert unseen_text(NAMES, [change(TIME, [1.0] * 10, [1.0] * 10)]) == ""
+
+
+def test_numbers_of_trainings():
+    """Alike or not."""
+    assert [trainings_text(NAMES, it) for it in ((1, 1), (10, 10), (10, 5))] == [
+        "1 training of each reward",
+        "10 trainings of each reward",
+        "10 trainings with base, 5 with mine",
+    ]
+
+
+def test_lists_are_sentences():
+    """With a word before the last."""
+    assert [listed(["a"]), listed(["a", "b"]), listed(["a", "b", "c"], "or")] == ["a", "a and b", "a, b or c"]
