@@ -28,8 +28,6 @@ TRAINING, WHOLE = "while training", "over the training"
 """The manners of the episodes of a training itself: of an arm, and of a recorded training."""
 FAILED = 0.5
 """A training failed if its policy succeeds in less than this share of its episodes."""
-ONE_SIDED = 0.90
-"""The confidence of an interval that each end passes in 5 % of the cases."""
 
 
 class Measure(NamedTuple):
@@ -261,7 +259,7 @@ def _with_paired_intervals(change: Change) -> Change:
     if measure.episodes is not None:
         variance = share_variance(differences, np.mean(both, axis=0).tolist(), measure.episodes)
     low, high = mean_interval(differences, variance, bounds=measure.of_difference)
-    return replace(change, low=low, high=high, likely=mean_bounds([differences], [measure.of_difference], ONE_SIDED))
+    return replace(change, low=low, high=high, likely=mean_bounds([differences], [measure.of_difference]))
 
 
 def with_intervals(change: Change) -> Change:
@@ -274,13 +272,13 @@ def with_intervals(change: Change) -> Change:
     if why_no_interval(change.seeds):
         return found
     low, high = difference_interval(one, other, variances, bounds=change.measure.ends)
-    ends = change.measure.ends
-    (_, most_of_one), (_, most_of_other) = (mean_bounds([of], [ends], ONE_SIDED) for of in (one, other))
+    ends = [change.measure.ends]
+    (_, most_of_one), (_, most_of_other) = (mean_bounds([of], ends) for of in (one, other))
     return replace(
         found,
         low=low,
         high=high,
-        likely=difference_bounds([one], [other], [ends], ONE_SIDED),
+        likely=difference_bounds([one], [other], ends),
         most=(most_of_one, most_of_other),
     )
 

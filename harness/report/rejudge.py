@@ -14,9 +14,9 @@ from typing import Any
 from harness.files.whole_file import write_whole
 from harness.record.terms import FIRST, Terms
 from harness.report.answers import word_of
-from harness.report.rows.behaviour import behaviour_row
+from harness.report.rows.behaviour import behaviour_grids
 from harness.report.rows.comparison import TESTS, answer_text, rewards_text
-from harness.report.summary.markdown import escape, pooled_part
+from harness.report.summary.markdown import escape, markdown_table, pooled_part
 from harness.report.summary.stored import behaviour_of, stored_comparisons
 from harness.results.comparison import Comparison
 from harness.results.verdicts import with_verdicts
@@ -27,8 +27,8 @@ NOTICE = (
     "again, and what was measured is unchanged. The p-values of what does not decide are those of the first report."
 )
 EARLIER_TESTS = re.compile(r"p(?:: | says )how often chance alone .*$", re.MULTILINE)
-P, RESULT = -2, -1
-"""The last two columns of a table of behaviour."""
+MADE_ANEW = ("seeds", "low", "high", "p", "p_corrected", "result", "failed", "trainings")
+"""What follows from the values of the trainings by the rule of this version."""
 
 
 def judged_anew(combinations: Sequence[Mapping[str, Any]], terms: Terms = FIRST) -> tuple[Comparison, ...]:
@@ -77,11 +77,11 @@ def _rewrite(told: dict[str, Any], comparison: Comparison) -> None:
             headline[key] = sentence
     headline |= {key: value for key, value in answer.items() if key in headline and key not in ("number", "robot")}
     told["test"] = comparison.ruling and comparison.ruling.to_json()
-    deciding = {(it.name, it.measure.manner): it for it in comparison.decisive_changes}
-    for measure in told["behaviour"]:
-        change = deciding.get((measure["name"], measure["manner"]))
-        if change is not None:
-            measure |= {"p": change.p, "p_corrected": change.corrected, "result": change.direction}
+    told["trained"] = comparison.to_json()["trained"]
+    told.pop("learns", None)  # up to version 0.2 a question of its own
+    for measure, change in zip(told["behaviour"], comparison.changes, strict=True):
+        measure.pop("values", None)  # up to version 0.2 in pairs
+        measure |= {key: value for key, value in change.to_json().items() if key in MADE_ANEW}
 
 
 def _page(page: str, told: Sequence[Mapping[str, Any]], judged: Sequence[Comparison]) -> str:
@@ -100,7 +100,7 @@ def _page(page: str, told: Sequence[Mapping[str, Any]], judged: Sequence[Compari
         sentence = f"**The {comparison.group.subject}: {answer_text(headline)}.** {escape(headline.robot)}"
         earlier = parts[number].rindex("**The ")
         parts[number] = parts[number][:earlier] + sentence
-        parts[number + 1] = _with_p(parts[number + 1], comparison)
+        parts[number + 1] = _with_tables(parts[number + 1], comparison)
         parts[0] = _in_overview(parts[0], number, it, comparison)
     tests = TESTS.format(subject=judged[0].group.subject)
     parts[0] = _at_head(EARLIER_TESTS.sub(tests, parts[0]), judged)
@@ -122,16 +122,14 @@ def _in_overview(page: str, number: int, told: Mapping[str, Any], comparison: Co
     return row.sub(lambda found: found.group().removesuffix(before) + after, page)
 
 
-def _with_p(page: str, comparison: Comparison) -> str:
-    """The page with the p-values of the measures that decide, in the first table of behaviour."""
-    for change in comparison.decisive_changes:
-        cells = [escape(text) for text in behaviour_row(change)]
-        row = re.compile(rf"^\| {re.escape(cells[0])} \|.*\|$", re.MULTILINE)
-        found = row.search(page, page.find("\nBehaviour "))
-        if found is not None:
-            kept = found.group().strip("| ").split(" | ")[: len(cells) + P]
-            line = f"| {' | '.join([*kept, *cells[P:]])} |"
-            page = page[: found.start()] + line + page[found.end() :]
+def _with_tables(page: str, comparison: Comparison) -> str:
+    """The page with the tables of behaviour: their intervals and p-values."""
+    for grid in behaviour_grids(comparison):
+        table = re.compile(rf"^{re.escape(grid.title)}\n\n(\|.*\n)+", re.MULTILINE)
+        written = f"{grid.title}\n\n{markdown_table(grid.headings, grid.rows)}\n"
+        page, count = table.subn(lambda _, written=written: written, page, count=1)
+        if not count:
+            raise ValueError(f"{PAGE} has no table '{grid.title}'")
     return page
 
 

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 
 from harness.arrays import Float
+from harness.eta.behaviour_change import Change
+from harness.eta.interval import UNBOUNDED, Bounds
 from harness.eta.verdict.looks import LookRuling
 from harness.eta.verdict.race import Race, race
 from harness.record.cell import Cell
@@ -128,7 +130,17 @@ def _ending(comparison: Comparison) -> LookRuling | None:
 def race_of(results: Results, seen: Seen, rewards: Sequence[str]) -> Race:
     """How the race between all rewards stands, by the first of the measures that decide."""
     complete = {reward: seen.complete(reward) for reward in rewards}
-    return race({reward: values_of(results, seen, reward) for reward in rewards}, seen.looks, complete)
+    values = {reward: values_of(results, seen, reward) for reward in rewards}
+    of_place = {it.group: it.decisive for it in results.combinations}
+    return race(values, seen.looks, complete, [_ends_of(of_place.get(group)) for group in seen.groups])
+
+
+def _ends_of(decisive: Change | None) -> Bounds:
+    """What a value of `values_of` can be."""
+    if decisive is None:
+        return UNBOUNDED
+    low, high = decisive.measure.ends
+    return (-high, -low) if decisive.measure.better == "lower" else (low, high)
 
 
 def values_of(results: Results, seen: Seen, reward: str) -> Float:

@@ -386,7 +386,7 @@ def test_all_claims_of_all_combinations_are_one_family(
     assert found != [*_corrected_apart([one]), *_corrected_apart([two])]
     assert one.claims == two.claims == none.claims == len(found)
     assert _claims(none) == []
-    assert two.decisive.p == pytest.approx(2 / math.comb(14, 7))
+    assert two.decisive.p == pytest.approx(2 * 0.5**7)  # seven that never fail beside seven that do half of the time
 
 
 def test_one_seed_claims_nothing(make_cell: MakeCell, make_plan: MakePlan, registry: Registry, tmp_path: Path):
@@ -403,7 +403,7 @@ def test_one_seed_claims_nothing(make_cell: MakeCell, make_plan: MakePlan, regis
 def test_combinations_with_different_seeds_are_swapped_together(
     make_cell: MakeCell, make_plan: MakePlan, registry: Registry, tmp_path: Path
 ):
-    """One that lacks a seed is tested by the others alone; its p-values are those of its own seeds."""
+    """One that lacks a seed is tested on the trainings that it has."""
     cells = [make_cell(seed=seed, reward=reward) for seed in range(4) for reward in (BASELINE, ARP, STRONG)]
     store = Store.create(tmp_path, make_plan(*cells))
     for cell in cells:
@@ -411,7 +411,7 @@ def test_combinations_with_different_seeds_are_swapped_together(
     fail(store, make_cell(seed=3, reward=STRONG), "no luck")
     full, short = Results(store.folder, registry).combinations
     assert (full.seeds, short.seeds) == ((0, 1, 2, 3), (0, 1, 2))
-    assert [full.decisive.p, short.decisive.p] == pytest.approx([2 / math.comb(8, 4), 2 / math.comb(6, 3)])
+    assert [full.decisive.p, short.decisive.p] == pytest.approx([2 / math.comb(8, 4), 1 / math.comb(7, 3)])
     assert len(full.decisive.outcomes) == len(short.decisive.outcomes)
 
 

@@ -1,6 +1,9 @@
 """How an experiment with looks stands, from folders made by hand."""
 
 from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
 
 from harness.record.store import Store
 from harness.record.terms import Terms
@@ -66,9 +69,9 @@ def test_who_is_decided_is_trained_no_further(folder_of: Callable[[Terms], Folde
 
 def test_when_all_is_answered_nothing_is_left(folder_of: Callable[[Terms], Folder]):
     """The baseline alone is not trained on."""
-    folder = folder_of(TERMS)
+    folder = folder_of(replace(TERMS, margin=0.6))  # which four alike stay within, and one more that was not seen
     for reward in REWARDS:
-        folder.train(reward, [0.4, 0.4, 0.4, 0.4])  # alike: small from four seeds on
+        folder.train(reward, [0.4, 0.4, 0.4, 0.4])
     standing = folder.standing
     assert standing.is_over
     assert (standing.next, standing.most_left) == ([], 0)
@@ -77,7 +80,7 @@ def test_when_all_is_answered_nothing_is_left(folder_of: Callable[[Terms], Folde
 
 def test_pending_cells_that_no_answer_waits_for_are_not_needed(folder_of: Callable[[Terms], Folder]):
     """While one reward has no answer, those of the others; the baseline's are waited for."""
-    folder = folder_of(TERMS)
+    folder = folder_of(replace(TERMS, margin=0.6))
     folder.train("baseline", [0.4, 0.4, 0.4, 0.4])
     folder.train("dense", [0.4, 0.4, 0.4, 0.4])  # alike: over
     folder.train("arp", [0.1, 1.0, 0.0, 0.9])
@@ -98,12 +101,13 @@ def test_an_experiment_that_trains_all_at_once_has_no_standing(experiment: Store
     assert standing_of(Results(experiment.folder, registry)) is None
 
 
-def test_in_a_race_the_baseline_takes_part(folder_of: Callable[[Terms], Folder]):
+def test_in_a_race_the_baseline_takes_part(folder_of: Callable[[Terms], Folder], monkeypatch: pytest.MonkeyPatch):
     """It can be the best, and it can leave."""
+    monkeypatch.setattr("harness.eta.verdict.race.CLOSE", 0.7)
     folder = folder_of(RACE)
-    folder.train("baseline", [0.0, 0.0])
-    folder.train("dense", [0.9, 0.9])
-    folder.train("arp", [0.9, 0.9])
+    folder.train("baseline", [0.0] * 6)
+    folder.train("dense", [0.9] * 6)
+    folder.train("arp", [0.9] * 6)
     standing = folder.standing
     assert standing.race.beaten.keys() == {"baseline"}
     assert standing.text == "2 of 3 rewards can still be the best"

@@ -9,7 +9,6 @@ many, come about is a binomial chance, whatever the other reward's spread is (Cl
 from typing import NamedTuple
 
 import numpy as np
-from scipy.stats import binom
 
 from harness.arrays import Float, Mask
 from harness.eta.verdict.question import BOTH, Question
@@ -69,9 +68,11 @@ def _least_of(question: Question, side: _Side, measure: int) -> float:
     if not (low < high and low <= other <= high):  # nor where one is not a number
         return 0.0
     failed, trainings = int(side.is_low.sum()), int(side.is_low.sum() + side.is_high.sum())
+    from scipy.special import bdtr  # here, since importing scipy takes time that most commands need not spend
+
     share = (high - other) / (high - low)
-    tail = min(binom.cdf(failed, trainings, share), binom.sf(failed - 1, trainings, share))
-    return float(min(1.0, 2.0 * tail))
+    few, many = bdtr(failed, trainings, share), bdtr(trainings - failed, trainings, 1.0 - share)
+    return float(min(1.0, 2.0 * min(few, many)))
 
 
 def _mean_at(values: Float, there: Mask, ends: Float) -> float:

@@ -13,8 +13,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from harness.eta.interval import UNBOUNDED, Bounds
 from harness.eta.unseen import difference_bounds
+from harness.eta.verdict.least_p import least_p
 from harness.eta.verdict.question import Question
 from harness.eta.verdict.ruling import LEVEL, ROUNDING, Ruling
 
@@ -82,14 +82,13 @@ def looks_for(places: int) -> tuple[int, ...]:
     return SEVERAL_PLACES if places >= MANY_PLACES else ONE_PLACE
 
 
-def rule_in_looks(question: Question, looks: Looks, complete: int, ends: Sequence[Bounds] | None = None) -> LookRuling:
+def rule_in_looks(question: Question, looks: Looks, complete: int) -> LookRuling:
     """What the test says at the looks that are complete; the first that decides stands.
 
     Args:
         question: `looks` of its seeds say at which look each was trained.
         looks: When it is asked.
         complete: How many looks are complete.
-        ends: What a value of the first measure can be, by place; by default anything.
     """
     question = replace(question, is_drawn=True)
     found = LookRuling(level=looks.spent(0), asked=looks.asked)
@@ -101,16 +100,17 @@ def rule_in_looks(question: Question, looks: Looks, complete: int, ends: Sequenc
         statistics = there.statistics()
         sizes = np.abs(statistics).max(axis=1)
         crossed = np.zeros(len(sizes), np.bool_) if crossed is None else crossed
-        of_measures = tuple(_p(crossed, sizes, float(t)) * looks.asked for t in np.abs(statistics[0]))
-        p = _p(crossed, sizes, float(sizes[0]))
+        dealt = [_p(crossed, sizes, float(t)) for t in np.abs(statistics[0])]
+        alone = [max(p, float(least)) for p, least in zip(dealt, least_p(there), strict=True)]
         found = LookRuling(
-            p,
-            min(1.0, p * looks.asked),
+            min(alone),
+            min(1.0, min(alone) * looks.asked),
             looks.spent(look),
-            tuple(min(1.0, it) for it in of_measures),
+            tuple(min(1.0, p * looks.asked) for p in alone),
             tuple(int(np.sign(t)) for t in statistics[0]),
             looks.asked,
-            looks.margin if looks.is_futile_at(look) and is_small(there, looks.margin, ends) else None,
+            looks.margin if looks.is_futile_at(look) and is_small(there, looks.margin) else None,
+            is_floored=min(alone) > min(dealt),
             look=look,
             is_last=look + 1 == len(looks.seeds),
         )
@@ -138,7 +138,7 @@ def _boundary(crossed: np.ndarray, sizes: np.ndarray, level: float) -> float:
     return float(np.nextafter(beyond * (1.0 + ROUNDING), math.inf))
 
 
-def is_small(question: Question, margin: float, ends: Sequence[Bounds] | None = None) -> bool:
+def is_small(question: Question, margin: float) -> bool:
     """Whether the difference of the first measure is smaller than a margin.
 
     With what luck may add, but for 1 % to each side, and with trainings that were not seen, but for 5 %; see
@@ -147,11 +147,10 @@ def is_small(question: Question, margin: float, ends: Sequence[Bounds] | None = 
     Args:
         question: Its places have trainings of their own.
         margin: Above 0.
-        ends: What a value of the first measure can be, by place; by default anything.
     """
     baseline, proposed = ([values[np.isfinite(values)] for values in side[..., 0].T] for side in question.values)
     low, high = difference_bounds(
-        baseline, proposed, ends or [UNBOUNDED] * question.places, seen_confidence=2.0 * FUTILE_CONFIDENCE - 1.0
+        baseline, proposed, question.first_ends, seen_confidence=2.0 * FUTILE_CONFIDENCE - 1.0
     )
     return -margin < low and high < margin
 

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from harness.arrays import Float, Ints, Mask
+from harness.eta.interval import UNBOUNDED, Bounds
 from harness.eta.verdict.deals import MOST_DEALS, Strata, as_trained, deals_of
 
 LEAST_SPREAD = 0.001
@@ -69,7 +70,7 @@ class Question:
         looks: The look at which a row was trained in each place, (rows, places); 0 if all were trained at once.
         is_drawn: Whether labels are dealt in drawn ways even where all could be tried, as tests in several looks are.
         ends: The least and the greatest value that a measure can have in a place, as `values` count it, (places,
-            measures, 2); NaN or infinite where there is none. None where none is known.
+            measures, 2); infinite where there is none. None where none is known.
     """
 
     values: Float
@@ -81,6 +82,13 @@ class Question:
     def of(cls, values: Float, ends: Float | None = None) -> "Question":
         """A question about trainings that were done at once, see `values` and `ends`."""
         return cls(values, np.zeros(values.shape[1:3], np.int64), ends=ends)
+
+    @property
+    def first_ends(self) -> list[Bounds]:
+        """What a value of the first measure can be, by place."""
+        if self.ends is None:
+            return [UNBOUNDED] * self.places
+        return [(float(low), float(high)) for low, high in self.ends[:, 0]]
 
     @property
     def places(self) -> int:

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from harness.arrays import Float
-from harness.eta.behaviour_change import FAILED, ONE_SIDED, Change, Measure
+from harness.eta.behaviour_change import FAILED, Change, Measure
 from harness.eta.interval import (
     CONFIDENCE,
     UNBOUNDED,
@@ -20,7 +20,7 @@ from harness.eta.interval import (
     quantile,
     why_no_interval,
 )
-from harness.eta.unseen import difference_bounds, mean_bounds
+from harness.eta.unseen import ONE_SIDED, difference_bounds, mean_bounds
 from harness.eta.verdict.question import LEAST_SEEDS, Question
 
 
@@ -110,7 +110,7 @@ class Together:
         """See `Change.likely`. A seed may end alike in several places: the interval over seeds counts too."""
         if why_no_interval(self.seeds):
             return None
-        low, high = difference_bounds(*self._of_places, [self._ends] * self.question.places, ONE_SIDED)
+        low, high = difference_bounds(*self._of_places, [self._ends] * self.question.places)
         estimate = self.question.estimate()
         reach = quantile(ONE_SIDED, estimate.freedom) * estimate.error
         return min(low, self.difference - reach), max(high, self.difference + reach)
@@ -120,9 +120,7 @@ class Together:
         """See `Change.most`."""
         if why_no_interval(self.seeds):
             return None
-        (_, one), (_, other) = (
-            mean_bounds(side, [self._ends] * self.question.places, ONE_SIDED) for side in self._of_places
-        )
+        (_, one), (_, other) = (mean_bounds(side, [self._ends] * len(side)) for side in self._of_places)
         return one, other
 
     @property
@@ -200,4 +198,5 @@ def question_of(changes: Sequence[Sequence[Change]], scales: Sequence[Sequence[f
             for side, of_side in enumerate(change.trainings):
                 at = [row[seed] for seed in of_side]
                 values[side, at, place, measure] = np.array(change.values[side]) * scales[place][measure]
-    return Question.of(values)
+    scaled = np.array([[change.measure.ends for change in of_place] for of_place in changes])
+    return Question.of(values, np.sort(scaled * np.array(scales)[..., None], axis=2))

@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+from scipy.special import stdtrit
 
 from harness.arrays import Float
-from harness.eta.behaviour_change import Measure
+from harness.eta.behaviour_change import Measure, change_of
+from harness.eta.swaps import swaps_of
 from harness.eta.verdict.question import Question
 from harness.eta.verdict.together import Together
 
@@ -24,13 +26,14 @@ def test_means_are_over_seeds_and_then_over_places():
     assert (together(values).baseline, together(values).proposed) == (0.0, 0.5)
 
 
-def test_the_interval_is_students_with_the_seeds_less_one():
+def test_the_interval_is_welchs():
     """Of a measure that is no share."""
     values = np.random.default_rng(0).normal(size=(2, 6, 3))
     found = together(values)
     means = values.mean(axis=2)
     error = np.sqrt(means.var(axis=1, ddof=1).sum() / 6)
-    assert (found.high - found.low) / 2 == pytest.approx(2.570582 * error)
+    assert (found.high - found.low) / 2 == pytest.approx(stdtrit(found.question.estimate().freedom, 0.975) * error)
+    assert 5.0 < found.question.estimate().freedom <= 10.0
 
 
 def test_where_no_seed_failed_an_interval_of_success_is_not_empty():
@@ -59,8 +62,25 @@ def test_a_share_differs_by_one_at_most():
     assert together(values, SUCCESS).high == 1.0
 
 
-def test_the_lowest_value_is_that_of_a_single_seed():
-    """Of either reward, in any place."""
+def test_failed_trainings_are_counted_over_all_places():
+    """Less than half of the episodes succeed."""
     values = np.ones((2, 3, 2))
     values[1, 2, 1] = 0.25
-    assert together(values).lowest == 0.25
+    assert (together(values, SUCCESS).counts, together(values, SUCCESS).failed) == ((6, 6), (0, 1))
+
+
+def test_what_is_no_share_counts_relative_to_its_mean_size_in_a_place():
+    """A slow place says no more than a quick one."""
+    swaps = swaps_of(range(3))
+    quick = change_of(TIME, {0: 1.0, 1: 1.1, 2: 0.9}, {0: 0.5, 1: 0.5, 2: 0.5}, swaps)
+    slow = change_of(TIME, {0: 100.0, 1: 110.0, 2: 90.0}, {0: 50.0, 1: 50.0, 2: 50.0}, swaps)
+    one, both = Together.of([quick]), Together.of([quick, slow])
+    assert both.is_relative
+    assert both.difference == pytest.approx(one.difference) == pytest.approx(-0.5 / 0.75)
+
+
+def test_the_bounds_allow_for_trainings_that_were_not_seen():
+    """Perfect ones over two places say as much as twice as many in one."""
+    one, two = together(np.ones((2, 12, 1)), SUCCESS), together(np.ones((2, 6, 2)), SUCCESS)
+    assert two.likely[1] == pytest.approx(one.likely[1], abs=0.03)
+    assert two.most == (1.0, 1.0)
