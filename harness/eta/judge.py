@@ -207,8 +207,7 @@ def reasons(names: Names, deciding: Sequence[Compared], ruling: Ruling, where: s
         "p was raised: all trainings of one reward succeed nearly always or never, and so few do not tell how often."
     )
     lines = [
-        floored if ruling.is_floored else "",
-        clear_text(deciding, ruling),
+        floored if ruling.is_floored else clear_text(deciding, ruling),
         unseen_text(names, deciding) if looks_alike else "",
     ]
     return [line for line in lines if line]
@@ -332,13 +331,22 @@ def _leaves_out_zero(change: Compared) -> bool:
     return change.low is not None and change.high is not None and (change.low > 0.0 or change.high < 0.0)
 
 
+def _with_floor(found: Range, size: float, ruling: Ruling) -> Range:
+    """At least so many that luck alone hardly shows no failure where the means are equal, or nothing but failures."""
+    if not 0.0 < size < 1.0:
+        return found
+    low, high = (math.ceil(math.log(ruling.level / 2.0 / asked) / math.log1p(-size)) for asked in (1, ruling.asked))
+    return max(found[0], low), max(found[1], high)
+
+
 def _seeds_needed(changes: Sequence[Compared], ruling: Ruling, what: str) -> Range | None:
     """How many seeds would tell the difference that was seen, by the measure that shows it first; or the margins."""
     ranges = []
-    for change in changes:
+    for change in changes[:1] if ruling.is_floored else changes:
         size = abs(difference_of(change)) if what == "seen" else margin_of(change)
         if change.spread is not None and size > 0.0 and math.isfinite(size):
-            ranges.append(seeds_to_tell(size, change.spread, change.seeds, ruling.asked, ruling.level))
+            found = seeds_to_tell(size, change.spread, change.seeds, ruling.asked, ruling.level)
+            ranges.append(_with_floor(found, size, ruling) if found and ruling.is_floored else found)
     known = [found for found in ranges if found is not None]
     if not known or (what == "margin" and len(known) < len(ranges)):
         return None

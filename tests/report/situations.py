@@ -4,6 +4,7 @@
 changed there: none may be false, and none may have to be reconciled with the number beside it.
 """
 
+import math
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -21,7 +22,7 @@ from harness.results.overview import decider_text
 from harness.results.verdicts import LookOf, with_verdicts
 
 SUCCESS = Measure("success_rate", "", "higher", "deterministic", 100)
-TIME = Measure("time_to_target", "s", "lower", "deterministic")
+TIME = Measure("time_to_target", "s", "lower", "deterministic", bounds=(0.0, math.inf))
 SPEED = Measure("success_rate", "", "higher", TRAINING, 100)
 COST = Measure("energy_balance", "J", "lower", "deterministic")
 HORIZON = 5.0
@@ -92,12 +93,13 @@ def in_looks(complete: int, ends: Sequence[int]) -> LookOf:
 PERFECT = (1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
 LEARNED_ONE = (0.93, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 GOOD = (0.96, 0.99, 0.97, 1.0, 0.98, 0.95, 1.0, 0.99, 0.97, 0.98)
+STEADY = (0.93, 0.88, 0.91, 0.86, 0.94, 0.90, 0.87, 0.92, 0.89, 0.93)
 THREE_FAILED = (0.98, 0.21, 0.97, 0.99, 0.05, 0.96, 0.98, 1.0, 0.33, 0.97)
 MIDDLE = (0.71, 0.62, 0.80, 0.55, 0.74, 0.68, 0.59, 0.77, 0.65, 0.70)
 
 SITUATIONS = (
     Situation(
-        "a clear help", {"mujoco": arm(MIDDLE, GOOD, (1.2, 1.0), (around(0.45, 0.06, 10), around(0.55, 0.06, 10)))}
+        "a clear help", {"mujoco": arm(MIDDLE, STEADY, (1.2, 1.0), (around(0.45, 0.06, 10), around(0.55, 0.06, 10)))}
     ),
     Situation(
         "a help by little: the time falls from 2.01 to 1.90 s",
@@ -117,7 +119,7 @@ SITUATIONS = (
     ),
     Situation(
         "learns faster, but ends worse",
-        {"mujoco": arm(GOOD, MIDDLE, (1.0, 1.0), (around(0.42, 0.06, 10), around(0.61, 0.06, 10)))},
+        {"mujoco": arm(STEADY, MIDDLE, (1.0, 1.0), (around(0.42, 0.06, 10), around(0.61, 0.06, 10)))},
     ),
     Situation(
         "two places, 30 points up and 30 points down",
@@ -164,8 +166,8 @@ SITUATIONS = (
     ),
     Situation("0 of 10 trainings learned", {"mujoco": arm((0.0,) * 10, (0.0,) * 10, (1.0, 1.0), ((0.0,) * 10,) * 2)}),
     Situation("1 of 10 trainings learned", {"mujoco": arm((0.0,) * 10, LEARNED_ONE, (1.0, 1.0), ((0.0,) * 10,) * 2)}),
-    Situation("10 trainings against 5", {"mujoco": arm(MIDDLE, GOOD[:5], (1.2, 1.0), alike(10, 5))}),
-    Situation("an unfinished plan", {"mujoco": arm(MIDDLE[:7], GOOD[:7], (1.2, 1.0), alike(7))}, to_come=12),
+    Situation("10 trainings against 5", {"mujoco": arm(MIDDLE, STEADY[:5], (1.2, 1.0), alike(10, 5))}),
+    Situation("an unfinished plan", {"mujoco": arm(MIDDLE[:7], STEADY[:7], (1.2, 1.0), alike(7))}, to_come=12),
     Situation("3 of 10 trainings failed against 0 of 10", {"mujoco": arm(THREE_FAILED, GOOD, (1.0, 1.0), alike(10))}),
     Situation(
         "a p that was raised: one reward is steady, the other succeeds always or never",
