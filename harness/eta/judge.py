@@ -198,8 +198,8 @@ def needed_text(deciding: Sequence[Compared], needed: Needed | None, noun: str =
 
 
 def reasons(names: Names, deciding: Sequence[Compared], ruling: Ruling, where: str = "") -> list[str]:
-    """Why nothing can be told, a sentence each, where that needs saying."""
-    fewest = fewest_seeds(ruling.level / (ruling.asked if where else 1))
+    """Why nothing can be told, a sentence each, where that needs saying; over several places few trainings are many."""
+    fewest = fewest_seeds(ruling.level)
     if max(deciding[0].counts) < fewest and not where and not ruling.has_plan:
         return [f"Fewer than {fewest} of each reward cannot show anything."]
     looks_alike = all(abs(difference_of(it)) < margin_of(it) for it in deciding if is_share(it))

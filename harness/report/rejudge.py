@@ -127,9 +127,10 @@ def _with_tables(page: str, comparison: Comparison) -> str:
     for grid in behaviour_grids(comparison):
         table = re.compile(rf"^{re.escape(grid.title)}\n\n(\|.*\n)+", re.MULTILINE)
         written = f"{grid.title}\n\n{markdown_table(grid.headings, grid.rows)}\n"
-        page, count = table.subn(lambda _, written=written: written, page, count=1)
-        if not count:
+        found = table.search(page)
+        if found is None:
             raise ValueError(f"{PAGE} has no table '{grid.title}'")
+        page = page[: found.start()] + written + page[found.end() :]
     return page
 
 

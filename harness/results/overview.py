@@ -85,8 +85,9 @@ def shared_text(combinations: Sequence[Comparison], *, with_seeds: bool = True) 
     told += [f"against {baseline}" for baseline in baselines if len(baselines) == 1]
     if "steps" not in varying:
         told.append(f"{combinations[0].group.steps:,} steps")
-    seeds = {it.seeds for it in combinations} if with_seeds else set()
-    return " · ".join([*told, *(count_seeds(len(them)) for them in seeds)] if len(seeds) == 1 else told)
+    counts = {it.counts for it in combinations} if with_seeds else set()
+    seeds = (" against ".join(dict.fromkeys(map(count_seeds, of_both))) for of_both in counts)
+    return " · ".join([*told, *seeds] if len(counts) == 1 else told)
 
 
 def line_names(combinations: Sequence[Comparison]) -> list[str]:

@@ -34,11 +34,11 @@ from harness.report.rows.comparison import (
     Grid,
     basis_text,
     claims_text,
+    compared_text,
     format_number,
     index_grid,
     rewards_text,
     scales_text,
-    seeds_text,
 )
 from harness.report.rows.numbers import number_grids
 from harness.report.rows.payoff import Audits, payoff_story
@@ -126,8 +126,8 @@ def title_of(combination: Comparison, place: str) -> str:
 
 def describe_comparison(combination: Comparison) -> str:
     """In plain words: what was compared."""
-    group, seeds = combination.group, combination.seeds
-    if not seeds:
+    group = combination.group
+    if not all(combination.counts):
         return f"{combination.proposed} was to be compared with {combination.baseline}, but {combination.eta_n.note}."
     paid = (
         f"trained twice, both times paid by {combination.baseline}, the second time with other seeds"
@@ -135,7 +135,8 @@ def describe_comparison(combination: Comparison) -> str:
         else f"trained twice, once paid by {combination.baseline}, once by {combination.proposed}"
     )
     what = ", ".join(f"{kind} {label}" for kind, label in group.labels.items())
-    told = f"{what[0].upper()}{what[1:]}. {seeds_text(seeds).capitalize()}, {group.steps:,} steps each: {paid}."
+    compared = compared_text(combination)
+    told = f"{what[0].upper()}{what[1:]}. {compared[0].upper()}{compared[1:]}, {group.steps:,} steps each: {paid}."
     scales = scales_text(group.subject)
     return f"{told} {READING} {scales}" if combination.main else f"{told} {scales}"
 

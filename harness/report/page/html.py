@@ -5,6 +5,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+from harness.eta.amounts import trainings_text
+from harness.eta.headline import Names
 from harness.report.answers import LEGEND
 from harness.report.apart import BETWEEN
 from harness.report.document import report_text
@@ -89,6 +91,7 @@ BARS = (
     "Dot and thin bar: the difference and its 95 % interval; right of the line is better. Thick bars are pay: right of "
     "the line is more pay, which is neither better nor worse."
 )
+OTHERS = Names("the baseline", "each other reward")
 OWN = "own"
 """What an environment's own reward is called."""
 NO_SECTIONS: Mapping[str, Any] = MappingProxyType(
@@ -190,9 +193,9 @@ def _setting(results: Results) -> str:
     if len({it.baseline for it in combinations}) == 1:
         own = ", the environment's own reward" if first.baseline == OWN else ""
         told.append(f"each compared with {first.baseline}{own}")
-    counts = {len(it.seeds) for it in combinations}
-    if len(counts) == 1 and first.seeds:
-        told.append(f"{len(first.seeds)} training{'s' * (len(first.seeds) != 1)} (seeds) of each reward")
+    if len({it.counts for it in combinations}) == 1 and all(first.counts):
+        names = first.names if len({it.names for it in combinations}) == 1 else OTHERS
+        told.append(trainings_text(names, first.counts))
     return BETWEEN.join(told)
 
 

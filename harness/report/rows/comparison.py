@@ -71,6 +71,13 @@ def seeds_text(seeds: Sequence[int]) -> str:
     return f"{len(seeds)} {noun} ({', '.join(map(str, seeds))})" if seeds else "no seed"
 
 
+def compared_text(comparison: Comparison) -> str:
+    """How many trainings are compared: which seeds, where both rewards have the same ones."""
+    counts = comparison.counts
+    is_even = counts == (len(comparison.seeds),) * 2
+    return seeds_text(comparison.seeds) if is_even else trainings_text(comparison.names, counts)
+
+
 def answer_text(headline: Headline) -> str:
     """The answer about the robot, as a badge shows it."""
     return word_of(headline.answer)

@@ -117,7 +117,7 @@ def _overview(results: Results, picture: str) -> list[str]:
     measure = overview_of(combinations).measure
     headings = (*NAMED, *(RETURNED if has_returns else ETAS), f"{measure}: baseline", *LAST)
     parts = [markdown_table(headings, rows), f"{scales_text(results.subject)} {SPLIT} {what_decides(results)}"]
-    if not any(combination.seeds for combination in combinations):
+    if not any(all(combination.counts) for combination in combinations):
         parts.append("No combination is finished: no seed is done under both of its rewards.")
     return [*parts, picture] if picture else parts
 
@@ -127,7 +127,8 @@ def _row(number: int, combination: Comparison, has_returns: bool, missing: str) 
     numbers = _returned(combination) if has_returns else _etas(combination)
     values = [NOTHING if change is None else behaviour_row(change)._asdict()[who] for who in SIDES]
     named = (str(number), title, rewards_text(combination), answer_text(combination.headline))
-    return (*named, *numbers, *values, str(len(combination.seeds)), missing)
+    counts = " / ".join(dict.fromkeys(map(str, combination.counts)))
+    return (*named, *numbers, *values, counts, missing)
 
 
 def _etas(combination: Comparison) -> list[str]:
@@ -154,7 +155,7 @@ def _section(results: Results, number: int, combination: Comparison, pictures: P
     title = f"## {number}. {combination.group.title}: {rewards_text(combination)}"
     headline = combination.headline
     numbers = number_grids(combination, results.kind, with_paths=True)
-    shown = (*behaviour_grids(combination), along_grid(combination), *numbers) if combination.seeds else ()
+    shown = (*behaviour_grids(combination), along_grid(combination), *numbers) if all(combination.counts) else ()
     tables = [part for grid in shown if grid.rows for part in (grid.title, markdown_table(grid.headings, grid.rows))]
     notes = [f"* {escape(note)}" for grid in shown for note in grid.notes]
     parts = [

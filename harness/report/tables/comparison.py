@@ -12,11 +12,11 @@ from harness.report.rows.comparison import (
     basis_text,
     beside_answer,
     claims_text,
+    compared_text,
     count_cells,
     remarks_on_cells,
     rewards_text,
     scales_text,
-    seeds_text,
     what_decides,
 )
 from harness.report.rows.numbers import number_grids
@@ -34,7 +34,7 @@ def comparison_table(results: Results) -> RenderableType:
     first = [*interim_lines(results), *pooled_lines(combinations)]
     blocks: list[RenderableType] = [*first, *([Text()] if first else [])]
     blocks += [_combination_block(results, combination) for combination in combinations]
-    if any(combination.seeds for combination in combinations):
+    if any(all(combination.counts) for combination in combinations):
         is_split = any(combination.is_split for combination in combinations)
         read = [READING] if any(combination.main for combination in combinations) else []
         told = [
@@ -57,7 +57,7 @@ def _combination_block(results: Results, combination: Comparison) -> RenderableT
     parts: list[RenderableType] = [
         Text(combination.group.title, style="bold"),
         Text(rewards_text(combination)),
-        Text(f"{seeds_text(combination.seeds)} compared, {combination.group.steps:,} training steps per run"),
+        Text(f"{compared_text(combination)} compared, {combination.group.steps:,} training steps per run"),
         *(Text(mixture.text, style="bold") for mixture in combination.mixtures),
         Text(),
         Text(headline.robot),

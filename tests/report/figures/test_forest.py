@@ -10,10 +10,8 @@ from harness.report.figures.forest import REACH, WIDTH, draw_part, draw_strip
 
 def change(better, low, high, corrected=None):
     """A difference in the middle of its interval."""
-    values = ((0.0, (low + high) / 2),)
-    return Change(
-        Measure("m", "", better, "deterministic"), 0.0, 0.0, None, 6, 0, low, high, corrected=corrected, values=values
-    )
+    middle = (low + high) / 2
+    return Change(Measure("m", "", better, "deterministic"), 0.0, middle, None, low=low, high=high, corrected=corrected)
 
 
 def place(strip):

@@ -40,7 +40,7 @@ def test_a_share_that_is_reached_exactly_counts():
 
 def test_without_a_seed_there_is_none():
     """Nothing to draw."""
-    assert draw_profile(Change(MEASURE, None, None, None, 0)) is None
+    assert draw_profile(Change(MEASURE, None, None, None)) is None
 
 
 def test_caption_names_the_worst_seed():

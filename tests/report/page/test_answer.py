@@ -6,6 +6,7 @@ from dataclasses import replace
 import pytest
 
 from harness.eta.headline import Answer
+from harness.eta.verdict.ruling import Ruling
 from harness.report.page.answer import card_of, groups_of, pool_cards
 
 HELPED = {"arp": lambda seed: (5, 6, 7, 8), "baseline": lambda seed: (8, 9)}
@@ -36,23 +37,32 @@ def test_a_card_says_how_sure_it_is(helped):
     assert 0 <= int(told[1]) - 1000.0 * helped.ruling.corrected < 1.0
 
 
-def test_a_card_without_an_answer_says_how_large_the_difference_can_be(build):
+def test_the_differences_stand_before_the_answer(helped):
+    """Each with its interval, and how many trainings failed of each reward."""
+    card = card_of(helped, "arp")
+    assert re.match(r"Success \+50 points \(\+\d+ to \+\d+\), success while training ", card.seen)
+    assert card.seen.endswith(" 0 of 6 trainings failed with either reward.")
+
+
+def test_a_card_without_an_answer_says_why_and_what_would_tell(build):
     """And no measure decides."""
     (combination,) = build().combinations
     card = card_of(combination, "arp")
-    assert re.fullmatch(r"So far, success differs by at most \d+ points, either way\.", card.sure)
+    assert card.sure.startswith("Fewer than 4 of each reward cannot show anything. If the difference is 5 points of ")
+    assert card.sure.endswith(" of each reward would tell.")
     assert {row.note for row in card.rows} == {""}
 
 
 def test_a_bar_that_misses_the_line_without_an_answer_has_its_reason(helped):
     """It stands by itself; the test holds for all bars of the page."""
-    whole = replace(helped, ruling=replace(helped.ruling, corrected=0.128, of_measures=(0.128,)))
+    open_ruling = replace(helped.ruling, corrected=0.128, of_measures=(0.128, 0.9), is_floored=False)
+    whole = replace(helped, ruling=open_ruling)
     card = card_of(whole, "arp")
     assert card.answer == "CANNOT TELL"
-    assert "The bar of success misses the line, " in card.sure
-    assert "but by the exact test luck shows one like it in 13 of 100 experiments" in card.sure
-    asked = replace(whole, ruling=replace(whole.ruling, asked=2))
-    assert "but with all bars of this page luck" in card_of(asked, "arp").sure
+    assert "The interval of success leaves out 0 when it is looked at alone, " in card.sure
+    assert "but allowing for all measures that decide p is 0.128." in card.sure
+    asked = replace(whole, ruling=replace(open_ruling, asked=2))
+    assert "but 2 questions were asked together, " in card_of(asked, "arp").sure
 
 
 def test_only_what_a_test_decided_is_coloured(build, helped):
@@ -68,6 +78,29 @@ def test_parts_of_the_pay_have_their_colours(build):
     parts = card_of(combination, "arp").parts
     assert [part.kind for part in parts] == ["ruler", "behaviour"]
     assert all(f'class="bar {part.kind}"' in part.figure for part in parts)
+
+
+def test_what_decides_is_marked_and_named(helped):
+    """Once; where the answer is mixed, on both sides."""
+    marks = [row.note for row in card_of(helped, "arp").rows]
+    assert marks.count("decides") == 1
+    mixed = replace(helped, ruling=replace(helped.ruling, signs=(1, -1), of_measures=(0.001, 0.02)))
+    card = card_of(mixed, "arp")
+    assert card.answer == "MIXED"
+    assert [row.note for row in card.rows] == ["decides", "decides"]
+    assert (
+        "Decided by success and success while training, from 6 trainings of each reward. Luck alone would show such a "
+        in (card.sure)
+    )
+    assert "in 20 of 1,000 experiments." in card.sure
+
+
+def test_a_plan_that_is_not_trained_to_its_end_has_no_colour(helped):
+    """No bar is better or worse, and nothing is sure."""
+    interim = replace(helped, ruling=Ruling(missing=12))
+    card = card_of(interim, "arp")
+    assert (card.answer, card.badge, card.sure) == ("INTERIM", "interim", "")
+    assert not re.search("better|worse", "".join(row.figure for row in card.rows))
 
 
 def test_a_reward_over_several_places_has_one_card(build):
@@ -90,13 +123,14 @@ def test_groups_are_in_the_order_of_answers(build):
 
 
 def test_what_cannot_be_told_is_told_once(build):
-    """How many seeds would tell, over all of them."""
+    """How many trainings would tell, over all of them."""
     combinations = build(proposed={"arp": (9, 30), "relative": (9, 30), "dense": (9, 30)}).combinations
     groups = groups_of([card_of(it, it.proposed) for it in combinations], combinations)
     told = {group["answer"]: group["told"] for group in groups}
     assert [bool(text) for answer, text in told.items()] == [answer == "CANNOT TELL" for answer in told]
     assert re.match(
-        r"(Their trainings are not enough: it takes [\d,]+ to [\d,]+ of each|Nothing decides)", told["CANNOT TELL"]
+        r"(Their trainings are not enough\. [\d,]+ to [\d,]+ of each reward would tell, under|Nothing decides)",
+        told["CANNOT TELL"],
     )
 
 

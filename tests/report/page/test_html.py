@@ -135,7 +135,14 @@ def test_answer_comes_first(build, write):
     results = build(learned={10: 1, 20: 2})
     (combination,) = results.combinations
     text = write(results).main
-    told = ["or only the numbers bigger?", "CANNOT TELL arp", combination.lead, "What the robot does", "success rate ↑"]
+    told = [
+        "or only the numbers bigger?",
+        "arp Success",
+        "CANNOT TELL",
+        combination.lead,
+        "What the robot does",
+        "success rate ↑",
+    ]
     parts = [
         *told,
         "Learning Success rate",
@@ -148,14 +155,16 @@ def test_answer_comes_first(build, write):
     assert places == sorted(places)
 
 
-def test_first_screen_has_no_bracket(build, tmp_path):
-    """Numbers in brackets stand in tables and in what is folded."""
+def test_first_screen_has_no_bracket_but_for_the_differences(build, tmp_path):
+    """Their intervals stand before the answer; other numbers in brackets stand in tables and in what is folded."""
     write_html(build(seeds=6, learned={10: 1, 20: 2}), tmp_path / "report.html")
     first = (
         (tmp_path / "report.html").read_text(encoding="utf-8").partition("<main")[2].partition("What the robot does")[0]
     )
     assert "CANNOT TELL" in first
-    assert not re.search(r"[\[(][−\d]", first)
+    seen, rest = re.search(r'<p class="seen">.*</p>', first), re.sub(r'<p class="seen">.*</p>', "", first)
+    assert re.search(r"\(−\d", seen[0])
+    assert not re.search(r"[\[(][−\d]", rest)
 
 
 def test_answer_in_full_is_folded(build, write):
@@ -189,7 +198,7 @@ def test_decided_answers_come_first(build, write):
         seeds=6, proposed={"arp": (9, 30), "relative": (9, 30)}, reached={**reached, "baseline": lambda seed: (8, 9)}
     )
     text = write(results).main
-    assert text.index("HELPS relative") < text.index("CANNOT TELL arp")
+    assert text.index("HELPS") < text.index("CANNOT TELL")
     assert text.index("What the robot does relative") < text.index("The answer in full")
 
 
@@ -421,3 +430,15 @@ def test_mixture_is_marked(mixed, write):
     """Above what was found: a comparison of two versions of an algorithm is none of rewards."""
     text = write(mixed).main
     assert text.index(f"{MIXTURE}.") < text.index("What the robot does")
+
+
+def test_a_plan_that_is_not_trained_to_its_end_promises_nothing(build, write):
+    """The page says so before any answer, has no word of better or worse, and names the way to look on."""
+    reached = {"arp": lambda seed: (5, 6, 7, 8), "baseline": lambda seed: (8, 9)}
+    page = write(build(seeds=6, reached=reached, ended={("arp", 5): ("pending", "")}))
+    text = page.text
+    assert text.index("Interim: 1 training of the plan is still to come.") < text.index("INTERIM")
+    assert "at most 1 says falsely" not in text
+    assert "harness run --until decided plans for looks on the way." in text
+    assert "HELPS" not in text
+    assert "at most 1 says falsely" in write(build(seeds=6, reached=reached)).text

@@ -86,7 +86,7 @@ def test_manner_that_decides_comes_first(build):
 def test_seeds_without_a_value_are_counted(build):
     """A metric of successful episodes is not defined where there is none."""
     grid = behaviour_grids(only(build(reached={"arp": lambda seed: [6] * (seed % 3)})))[0]
-    assert "steps to target: 2 seeds compared, 1 without a value" in grid.notes
+    assert "steps to target: 3 seeds against 2 compared, 1 without a value" in grid.notes
 
 
 def test_no_finished_pair_has_no_behaviour(build):

@@ -8,15 +8,18 @@ from harness.eta.splits import Split, SplitPath
 from harness.report.rows.comparison import (
     advice,
     claims_text,
+    compared_text,
     format_number,
     format_p,
     index_grid,
+    interim_text,
     path_grid,
     ratio_grid,
     ratio_with_interval,
     rewards_text,
     split_grid,
     sum_grid,
+    what_decides,
 )
 
 
@@ -265,5 +268,27 @@ def test_numbers_have_three_significant_digits(value, text):
 def test_what_so_few_seeds_can_show_is_said(build):
     """How many questions there are, the smallest p-value that they can give, and that hints decide nothing."""
     told = claims_text(only(build(seeds=4)))
-    assert told.startswith("1 question about the robot, asked together; no p below 0.029 from 4 seeds of each reward.")
+    assert told.startswith(
+        "1 question about the robot, asked together; no p below 0.029 from 4 trainings of each reward."
+    )
     assert told.endswith(" hints, corrected by themselves, decide nothing.")
+
+
+def test_a_plan_that_is_not_trained_to_its_end_says_so_first(build):
+    """With what that does to every p; where all trainings ended there is no such line."""
+    interim = build(ended={("arp", 2): ("pending", "")})
+    assert interim_text(interim) == (
+        "Interim: 1 training of the plan is still to come. Nothing here says yet what is better or worse."
+    )
+    assert what_decides(interim).startswith("The plan is not trained to its end, so nothing is tested about the robot:")
+    assert claims_text(only(interim)) == ""
+    ended = build()
+    assert interim_text(ended) == ""
+    assert what_decides(ended).startswith("p says how often chance alone gives a difference as large.")
+
+
+def test_what_is_compared_are_all_trainings(build):
+    """The seeds, where both rewards have the same ones; else how many there are of each."""
+    assert compared_text(only(build())) == "3 seeds (0, 1, 2)"
+    odd = build(ended={("arp", 2): ("failed", "it broke")})
+    assert compared_text(only(odd)) == "3 trainings with baseline, 2 with arp"

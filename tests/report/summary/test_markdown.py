@@ -28,7 +28,7 @@ def test_both_answers_stand_under_the_table(summarise):
     """The robot first, then the number, then what to keep in mind."""
     text = page(summarise)
     told = (
-        "**The robot: CANNOT TELL.** Cannot tell from 3 seeds",
+        "**The robot: CANNOT TELL.** Success +0.0 points",
         "The number: I_N with arp is 0.843 ",
         "* eta_N noise",
     )
@@ -75,7 +75,7 @@ def test_nothing_finished_is_said(summarise):
     """In words."""
     text = page(summarise, seeds=1, ended={("arp", 0): ("failed", "it broke")})
     assert "No combination is finished: no seed is done under both of its rewards." in text
-    assert "**The robot: CANNOT TELL.** Nothing to compare: no seed is done under both baseline and arp." in text
+    assert "**The robot: CANNOT TELL.** Nothing to compare: no training with arp is done." in text
     assert "eta = " not in text.split("## 1.")[1]
 
 
