@@ -166,7 +166,9 @@ def _decimals(change: Compared, digits: int) -> int:
     few = digits - 2 if percent else _decimals_for(max(sizes), digits)
     fine = _decimals_for(apart, 2) if apart > ROUNDING * max(sizes) else few
     decimals = max(few, min(fine, few + 2 if not percent else 1))
-    return decimals if change.is_relative or _adds_up(change, scale, decimals) else decimals + 1
+    if change.is_relative:
+        return decimals
+    return next((it for it in (decimals, decimals + 1) if _adds_up(change, scale, it)), decimals + 2)
 
 
 def _adds_up(change: Compared, scale: float, decimals: int) -> bool:

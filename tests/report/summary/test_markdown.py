@@ -66,7 +66,7 @@ def test_reason_of_what_is_missing_is_told(summarise):
 def test_failures_show(summarise):
     """In the table, and each with its reason; what Markdown would take for its own is escaped."""
     text = page(summarise, ended={("arp", 0): ("failed", "it | *broke* <b>"), ("arp", 1): ("pending", "not run yet")})
-    assert "| 1 | 1 failed, 1 pending of 6 cells |" in text
+    assert "| 3 / 1 | 1 failed, 1 pending of 6 cells |" in text
     assert "* failed: mujoco · sac · arp · seed 0: it \\| \\*broke\\* \\<b\\>" in text
     assert "* 1 pending: not run yet" in text
 
