@@ -172,7 +172,7 @@ def test_null_control_names_its_sides_apart(combination: Comparison):
     """Both are the baseline."""
     control = replace(combination, proposed="baseline")
     assert control.is_control
-    assert "75.2% with baseline (other seeds), 50.2% with baseline (" in control.headline.robot
+    assert "75.2% with baseline (other seeds), 50.2% with baseline; " in control.headline.robot
 
 
 def test_questions_decide_how_many_seeds_it_takes(combination: Comparison):

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from harness.eta.behaviour_change import Change, Measure
+from harness.eta.behaviour_change import TRAINING, Change, Measure
 from harness.eta.index import Ratio
 from harness.results.overview import (
     NEAR_ZERO,
@@ -42,7 +42,7 @@ def _intervals(*ratios: Ratio) -> list[str]:
         for name, ratio in zip(("eta_N", "eta_P"), ratios, strict=True)
     }
     headline = SimpleNamespace(answer=SimpleNamespace(value="helps"), decided_by=None)
-    told = SimpleNamespace(splits=splits, decisive=None, headline=headline, deciding=())
+    told = SimpleNamespace(splits=splits, decisive=None, decisive_changes=(), headline=headline)
     return list(overview_row("arp", told, True, Overview("robot", "success", "indices"))[4:6])
 
 
@@ -56,23 +56,26 @@ def test_two_values_stand_beside_an_arrow():
     """A share in whole percent, another measure in its unit: no sign that reads as an inequality."""
     share = Measure("success_rate", "", "higher", "deterministic", 100)
     time = Measure("time_to_target", "s", "lower", "deterministic")
-    assert measure_text(Change(share, 0.99, 1.0, None, 6)) == "99 -> 100 %"
-    assert measure_text(Change(time, -1140.0, -78.9, None, 6)) == "-1140 -> -78.9 s"
+    assert measure_text(Change(share, 0.99, 1.0, None)) == "99 -> 100 %"
+    assert measure_text(Change(time, -1140.0, -78.9, None)) == "-1140 -> -78.9 s"
 
 
 def _decided(name: str | None) -> SimpleNamespace:
-    time = Change(Measure("time_to_target", "s", "lower", "deterministic"), 0.861, 0.37, None, 6)
-    return SimpleNamespace(
-        headline=SimpleNamespace(decided_by=name),
-        deciding=("success_rate", "time_to_target"),
-        manner="deterministic",
-        changes_of=lambda manner: [time],
-    )
+    share = Change(Measure("success_rate", "", "higher", "deterministic", 100), 0.98, 0.99, None)
+    time = Change(Measure("time_to_target", "s", "lower", "deterministic"), 0.861, 0.37, None)
+    speed = Change(Measure("success_rate", "", "higher", TRAINING, 100), 0.42, 0.61, None)
+    headline = SimpleNamespace(decided_by=name)
+    return SimpleNamespace(headline=headline, decisive_changes=(share, time, speed), decisive=share)
 
 
 @pytest.mark.parametrize(
     ("name", "told"),
-    [(None, "-"), ("success_rate", "success"), ("time_to_target", "the time, 0.861 -> 0.370 s")],
+    [
+        (None, "-"),
+        ("success_rate", "success"),
+        ("time_to_target", "the time, 0.861 -> 0.370 s"),
+        ("success_rate while training", "success while training, 42 -> 61 %"),
+    ],
 )
 def test_what_decided_is_named(name: str | None, told: str):
     """With its values where the table has no column for it."""
@@ -89,14 +92,16 @@ def test_a_notebook_sees_no_table_of_nothing():
     assert overview_html(()) == ""
 
 
-def _comparison(simulator: str, steps: int) -> SimpleNamespace:
-    """Of two seeds, as far as what is shared looks at it."""
+def _comparison(simulator: str, steps: int, counts: tuple[int, int] = (2, 2)) -> SimpleNamespace:
+    """As far as what is shared looks at it."""
     group = SimpleNamespace(labels={"simulator": simulator, "task": "reach"}, steps=steps)
-    return SimpleNamespace(group=group, proposed="arp", baseline="baseline", seeds=(0, 1))
+    return SimpleNamespace(group=group, proposed="arp", baseline="baseline", counts=counts)
 
 
 def test_what_is_shared_is_said_once():
     """The reward too where only the places differ; the steps where they are equal."""
     mujoco, longer = _comparison("mujoco", 1_000), _comparison("pybullet", 2_000)
     assert shared_text([mujoco, longer]) == "reach · arp · against baseline · 2 seeds"
+    odd = _comparison("mujoco", 1_000, (10, 5))
+    assert shared_text([odd]).endswith(" · 10 seeds against 5 seeds")
     assert shared_text([mujoco], with_seeds=False) == "mujoco · reach · against baseline · 1,000 steps"

@@ -1,7 +1,9 @@
 """One answer about a reward over all places in which it trained."""
 
 import json
+from dataclasses import replace
 
+from harness.eta.headline import Answer
 from harness.eta.verdict.ruling import Ruling
 from harness.results.pool import Pool
 from harness.results.verdicts import with_verdicts
@@ -26,22 +28,22 @@ def pool_of(mean: float, spread: float = 0.05) -> Pool:
 def test_the_answer_says_over_how_many_places_and_in_how_many_at_least():
     """In one sentence each."""
     told = pool_of(0.9).headline.robot
-    assert told.startswith("dense helps over 4 places: success rate ")
-    assert told.endswith("It does better in all 4 places.")
+    assert told.startswith("Success +40.0 points on average over 4 places (+")
+    assert told.endswith(" dense helps over 4 places, corrected p 0.002. It is better in all 4 places.")
 
 
-def test_a_reward_that_hurts_does_worse():
+def test_a_reward_that_hurts_is_worse():
     """The sentence follows the answer."""
     told = pool_of(0.1).headline
     assert told.answer == "hurts"
-    assert "It does worse in all 4 places." in told.robot
+    assert "It is worse in all 4 places." in told.robot
 
 
 def test_what_is_not_decided_says_no_place():
-    """And how large the difference can be at most."""
+    """But how many trainings would tell."""
     told = pool_of(0.5, spread=0.2).headline
     assert told.answer == "cannot tell"
-    assert "The difference is at most " in told.robot
+    assert told.robot.endswith(" trainings of each reward would tell.")
     assert "at least" not in told.robot
 
 
@@ -49,14 +51,37 @@ def test_where_no_place_is_sure_it_says_so():
     """The mean over all of them passes, no set of places without others does."""
     pool = pool_of(0.9)
     told = Pool(pool.names, pool.steps, pool.places, pool.ruling, pool.measures, 0).headline.robot
-    assert told.endswith("In which of the places it does better is not decided.")
+    assert told.endswith(
+        "In which of the 4 places it is better is not decided; it is worse in none by more than chance."
+    )
+
+
+def test_places_that_go_the_other_way_make_it_mixed():
+    """Both numbers are told, on the first screen too; where all are better, another measure is worse."""
+    pool = pool_of(0.9)
+    some = replace(pool, better_in=3, opposed_in=1)
+    assert some.headline.answer == Answer.MIXED
+    for told in (some.headline.robot, some.lead):
+        assert told.endswith("It is better in at least 3 of 4 places; it is worse in at least 1.")
+    every = replace(pool, opposed_in=1)
+    assert every.headline.robot.endswith("It is better in all 4 places; by another measure it is worse in at least 1.")
+    assert replace(some, measures=()).headline.answer == Answer.MIXED
+
+
+def test_trainings_that_are_still_to_come_are_told():
+    """Whether there are values or not."""
+    pool = replace(pool_of(0.9), ruling=Ruling(missing=8), better_in=0)
+    assert pool.headline.answer == replace(pool, measures=()).headline.answer == Answer.INTERIM
+    assert "at least" not in pool.headline.robot
 
 
 def test_without_measures_in_one_unit_there_is_an_answer_but_no_value():
     """The test is relative to the size of each."""
     pool = pool_of(0.9)
     told = Pool(pool.names, pool.steps, pool.places, pool.ruling, (), 2).headline
-    assert told.robot == "dense helps over 4 places. It does better in at least 2 of the 4 places."
+    assert told.robot == (
+        "dense helps over 4 places. It is better in at least 2 of 4 places; it is worse in none by more than chance."
+    )
     open_ = Pool(pool.names, pool.steps, pool.places, Ruling(), ()).headline
     assert open_.robot == "Cannot tell over 4 places: their measures have different units."
 
@@ -79,4 +104,4 @@ def test_a_place_says_what_holds_over_all():
         ]
     )
     told = found[3].headline.robot
-    assert told.startswith("Over 4 places together dense helps. Of this place alone: ")
+    assert told.startswith("Over 4 places together: HELPS. Of this place alone: Success ")
