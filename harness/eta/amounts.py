@@ -13,6 +13,8 @@ MOST_DECIMALS = 6
 """A number that needs more has an exponent."""
 ROUNDING = 1e-9
 """Means that differ by less, relatively, are the same."""
+MOST_OF_PERCENT = 2
+"""A percentage has no more decimals than these."""
 LUCK = 0.05
 """A share of failing trainings that would show no failure more rarely than this is ruled out."""
 
@@ -168,7 +170,8 @@ def _decimals(change: Compared, digits: int) -> int:
     decimals = max(few, min(fine, few + 2 if not percent else 1))
     if change.is_relative:
         return decimals
-    return next((it for it in (decimals, decimals + 1) if _adds_up(change, scale, it)), decimals + 2)
+    most = max(decimals, MOST_OF_PERCENT if percent else few + 2)
+    return next((it for it in range(decimals, most) if _adds_up(change, scale, it)), most)
 
 
 def _adds_up(change: Compared, scale: float, decimals: int) -> bool:
