@@ -188,13 +188,16 @@ def needed_of(deciding: Sequence[Compared], ruling: Ruling) -> Needed | None:
     return None if small is None else Needed(small, listed([margin_text(it) for it in deciding], "or"))
 
 
-def needed_text(deciding: Sequence[Compared], needed: Needed | None, noun: str = "trainings of each reward") -> str:
+def needed_text(
+    deciding: Sequence[Compared], needed: Needed | None, where: str, noun: str = "trainings of each reward"
+) -> str:
     """The same in a sentence; empty where it is not known, or where more trainings of this kind are no help."""
     if needed is None or is_hardly_learned(deciding[0]):
         return ""
     if needed.seeds[1] > PLANNABLE * needed.seeds[0]:
         return "So few trainings do not tell how many would be enough."
-    return f"If the difference is {needed.condition}, {range_text(needed.seeds)} {noun} would tell."
+    there = " in each place" if where else ""
+    return f"If the difference is {needed.condition}, {range_text(needed.seeds)} {noun}{there} would tell."
 
 
 def reasons(names: Names, deciding: Sequence[Compared], ruling: Ruling, where: str = "") -> list[str]:
@@ -319,7 +322,7 @@ def _cannot_tell(
     return [
         f"Whether {names.proposed} helps or hurts{there} cannot be told from {trainings}{p}.",
         *reasons(names, deciding, ruling, there),
-        TRAIN_LONGER if is_hardly_learned(deciding[0]) else needed_text(deciding, needed),
+        TRAIN_LONGER if is_hardly_learned(deciding[0]) else needed_text(deciding, needed, there),
     ]
 
 

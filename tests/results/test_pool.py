@@ -43,7 +43,7 @@ def test_what_is_not_decided_says_no_place():
     """But how many trainings would tell."""
     told = pool_of(0.5, spread=0.2).headline
     assert told.answer == "cannot tell"
-    assert told.robot.endswith(" trainings of each reward would tell.")
+    assert told.robot.endswith(" trainings of each reward in each place would tell.")
     assert "at least" not in told.robot
 
 
