@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 
 from harness.arrays import Float
+from harness.eta.behaviour_change import Change
+from harness.eta.interval import UNBOUNDED, Bounds
 from harness.eta.verdict.looks import LookRuling
 from harness.eta.verdict.race import Race, race
 from harness.record.cell import Cell
@@ -17,6 +19,7 @@ from harness.results.comparison import Comparison
 from harness.results.measured import LAST, last_values
 from harness.results.results import Results
 from harness.results.seen import Seen
+from harness.results.verdicts import ends_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +131,15 @@ def _ending(comparison: Comparison) -> LookRuling | None:
 def race_of(results: Results, seen: Seen, rewards: Sequence[str]) -> Race:
     """How the race between all rewards stands, by the first of the measures that decide."""
     complete = {reward: seen.complete(reward) for reward in rewards}
-    return race({reward: values_of(results, seen, reward) for reward in rewards}, seen.looks, complete)
+    values = {reward: values_of(results, seen, reward) for reward in rewards}
+    return race(values, seen.looks, complete, _ends_of(results, seen))
+
+
+def _ends_of(results: Results, seen: Seen) -> list[Bounds]:
+    """What a value of `values_of` can be, by place."""
+    of_place = {it.group: it.decisive for it in results.combinations}
+    changes = [of_place.get(group) for group in seen.groups]
+    return [UNBOUNDED if change is None else ends_of(change, _sign_of(change)) for change in changes]
 
 
 def values_of(results: Results, seen: Seen, reward: str) -> Float:
@@ -150,5 +161,9 @@ def _value(results: Results, cell: Cell, comparison: Comparison) -> float:
         value = results.measured(cell).manners.get(comparison.manner, {}).get(name)
     if value is None:
         return float("nan")
-    change = comparison.decisive
-    return -value if change is not None and change.measure.better == "lower" else value
+    return value if comparison.decisive is None else _sign_of(comparison.decisive) * value
+
+
+def _sign_of(change: Change) -> float:
+    """That makes more of a measure better."""
+    return -1.0 if change.measure.better == "lower" else 1.0

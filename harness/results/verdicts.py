@@ -13,7 +13,7 @@ from threadpoolctl import threadpool_limits
 
 from harness.arrays import Float
 from harness.eta.behaviour_change import Change
-from harness.eta.interval import SHARE
+from harness.eta.interval import SHARE, Bounds
 from harness.eta.verdict.looks import Looks, rule_in_looks
 from harness.eta.verdict.question import Question
 from harness.eta.verdict.ruling import LEVEL, Ruling, better_in, rule, rule_alone, rule_places
@@ -121,7 +121,9 @@ def _in_looks(asked: Asked, terms: Terms, look_of: LookOf) -> Ruling:
     for place, (of_seed, _) in enumerate(told):
         for row, seed in enumerate(seeds):
             at[row, place] = of_seed.get(seed, len(terms.looks))
-    return rule_in_looks(replace(question, looks=at), looks, complete)
+    firsts = [of_place[0] for of_place in asked.changes]
+    ends = [ends_of(change, _scale_of(change)) for change in firsts]
+    return rule_in_looks(replace(question, looks=at), looks, complete, ends)
 
 
 def _with_rulings(
@@ -182,6 +184,12 @@ def _scale_of(change: Change) -> float:
         return sign
     size = float(np.mean(np.abs(change.values)))
     return sign / size if size > 0.0 else sign
+
+
+def ends_of(change: Change, scale: float) -> Bounds:
+    """What a value of a measure can be, times a scale."""
+    low, high = sorted(scale * end for end in (SHARE if change.measure.episodes is not None else change.measure.bounds))
+    return low, high
 
 
 def _seeds_of(changes: Sequence[Sequence[Change]]) -> list[int]:
