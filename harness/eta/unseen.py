@@ -1,8 +1,9 @@
 """What a mean can be at most and at least, if one more training may end quite otherwise than all that were seen.
 
 Ten trainings that all end at 1.00 have no spread, and yet one in five may fail. A sentence that says that something is
-small, or surely larger, has to allow for that. So each reward gets one training more than were seen. It lies where it
-speaks most against the sentence: at the end of what the measure can be. Student's bound is taken over all of them.
+small, or surely larger, has to allow for that. So there is one training more than were seen. It lies where it speaks
+most against the sentence: in the reward and the place where it weighs most, at the end of what the measure can be.
+Student's bound is taken over all of them.
 
 With shares of 0 and 1 this is close to Clopper and Pearson's bound (1934), which is exact: of 10 trainings none fails,
 then at most .26 of all do (exactly: .26); one of 10: .40 (.39); none of 20: .13 (.14); none of 32: .08 (.09).
@@ -45,8 +46,8 @@ def difference_bounds(
 ) -> Interval:
     """The least and the most that proposed - baseline can be, means over places; each is a bound by itself.
 
-    Trainings are not paired. Over m places each reward has one training more in one of its places, the worst one:
-    trainings fail one by one, so that m n perfect ones say as much as m n in a single place.
+    Trainings are not paired. One training was not seen, of one reward in one place, wherever that is worst: trainings
+    fail one by one, so that n perfect ones in each of m places say as much as m n in a single one.
 
     Args:
         baseline: The values of its trainings, by place; at least two in each.
@@ -87,13 +88,18 @@ def _moments(values: Float) -> tuple[float, float, int]:
 
 
 def _most(one: _Means, other: _Means, confidence: float, seen_confidence: float) -> float:
-    """The most that one mean less another one can be, wherever the trainings are that were not seen."""
+    """The most that one mean less another one can be, wherever the training is that was not seen."""
     from scipy.special import stdtrit  # here, as in `harness.eta.interval`
 
-    difference = one.means[:, None] - other.means
-    variance = one.variances[:, None] + other.variances
-    squares = one.squares[:, None] + other.squares
+    either = (_joined(a, b) for a, b in zip(one, other, strict=True))
+    (ones, others), (own, their), (own_squares, their_squares) = either
+    variance, squares = own + their, own_squares + their_squares
     freedom = np.divide(variance**2, squares, out=np.ones_like(squares), where=squares > 0.0)
-    confidences = np.full(difference.shape, confidence)
-    confidences[0, 0] = seen_confidence
-    return float((difference + stdtrit(freedom, 0.5 + confidences / 2.0) * np.sqrt(variance)).max())
+    confidences = np.full(len(variance), confidence)
+    confidences[0] = seen_confidence
+    return float((ones - others + stdtrit(freedom, 0.5 + confidences / 2.0) * np.sqrt(variance)).max())
+
+
+def _joined(one: Float, other: Float) -> tuple[Float, Float]:
+    """Both as seen, then either one with its training not seen beside the other one as seen."""
+    return np.append(one, np.full(len(other) - 1, one[0])), np.append(np.full(len(one), other[0]), other[1:])

@@ -90,11 +90,12 @@ def race(
         if any(complete[name] <= number for name in living):
             break
         done = number + 1
+        so_far = spent(seeds, looks[-1])
         before = spent(looks[number - 1], looks[-1]) if number else 0.0
         there = {name: values[name][:, :seeds] for name in living}
         without = [name for name in living if np.isfinite(there[name]).sum(axis=1).min() < 2]
         trainings = {name: tuple(place[np.isfinite(place)] for place in there[name]) for name in living}
-        look = _Look(trainings, ends or [UNBOUNDED] * len(there[living[0]]), spent(seeds, looks[-1]) - before)
+        look = _Look(trainings, ends or [UNBOUNDED] * len(there[living[0]]), so_far - before, so_far)
         beaten |= {name: Beaten(number, "") for name in without}
         living = sorted((name for name in living if name not in without), key=look.mean, reverse=True)
         found = look.beaten(living)
@@ -114,11 +115,14 @@ class _Look:
         trainings: The values of each candidate, by place.
         ends: What a value can be, by place.
         level: The part of the 5 % that this look adds.
+        so_far: The part that the looks up to this one have. A reward of which no training failed yet has it as a whole
+            for the training that was not seen: had one failed at an earlier look, it would be seen here.
     """
 
     trainings: Mapping[str, Sequence[Float]]
     ends: Sequence[Bounds]
     level: float
+    so_far: float
 
     def mean(self, name: str) -> float:
         """Of a candidate, over places."""
@@ -138,17 +142,20 @@ class _Look:
 
     def _beats(self, one: str, other: str, others: int) -> bool:
         """Whether a candidate is better than another one, of so many that could be."""
-        return self.mean(one) > self.mean(other) and self._ahead(one, other, others, LEVEL / others)[0] > 0.0
+        return self.mean(one) > self.mean(other) and self._ahead(one, other, others, self.so_far / others)[0] > 0.0
 
     def is_close(self, living: Sequence[str]) -> bool:
         """Whether all are within `CLOSE` of the best, which comes first."""
         return all(self._ahead(living[0], name, len(living) - 1, LEVEL)[1] < CLOSE for name in living[1:])
 
     def _ahead(self, one: str, other: str, others: int, unseen: float) -> Interval:
-        """By how much a candidate is better than another one, at least and at most.
+        """By how much a candidate is better than another one, at least and at most; see `difference_bounds`.
 
-        A training that was not seen has a level of its own. It is no part of what the looks share: as long as nothing
-        fails, each look has more trainings than the one before, and knows what that one knew.
+        Args:
+            one: The candidate.
+            other: The other one.
+            others: How many share what this look adds.
+            unseen: The level of the bounds with a training that was not seen.
         """
         of = self.trainings[other], self.trainings[one]
         return difference_bounds(*of, self.ends, 1.0 - 2.0 * unseen, 1.0 - 2.0 * self.level / others)
