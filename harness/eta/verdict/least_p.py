@@ -16,6 +16,8 @@ from harness.eta.verdict.question import BOTH, Question
 
 NEAR = 0.05
 """A training within this share of the way from one end of the first measure to the other lies at that end."""
+FEW = 0.2
+"""Up to this share of its trainings may a reward have at an end, and still count as one that does not reach it."""
 
 
 class _Side(NamedTuple):
@@ -31,7 +33,7 @@ class _Side(NamedTuple):
 def least_p(question: Question) -> Float:
     """What the p-value of each measure is at least, (measures,); 0 where nothing asks for more.
 
-    All trainings of one reward have to lie at the ends of the first measure, and no training of the other one at an
+    All trainings of one reward have to lie at the ends of the first measure, and few of the other one (`FEW`) at an
     end at which they lie. Then let q be the share of trainings at the worse end with which the means of both rewards
     would be equal. The p-value is at least twice the chance that so few, or so many, lie there as were seen. Where no
     training lies at an end, `Question.ends` says what a training there would have had.
@@ -45,18 +47,20 @@ def least_p(question: Question) -> Float:
 
 
 def _at_ends(question: Question) -> list[_Side]:
-    """The sides whose trainings all lie at ends where none of the other side's does."""
+    """The sides whose trainings all lie at ends where few of the other side's do."""
     assert question.ends is not None
     low, high = np.moveaxis(question.ends[:, 0], -1, 0)
     if not np.isfinite(high - low).all():
         return []
     known, values, near = question.known[..., 0], question.values[..., 0], NEAR * (high - low)
-    is_high, is_low = known & (values >= high - near), known & (values <= low + near)
-    if (is_high.any(axis=(1, 2)).all()) or (is_low.any(axis=(1, 2)).all()):
-        return []
-    return [
-        _Side(side, is_high[side], is_low[side]) for side in BOTH if (is_high[side] | is_low[side] | ~known[side]).all()
-    ]
+    at_ends = np.stack([known & (values >= high - near), known & (values <= low + near)])
+    shares = at_ends.sum(axis=(2, 3)) / known.sum(axis=(1, 2))
+    found = []
+    for side in BOTH:
+        reached = shares[:, side] > 0.0
+        if shares[:, side].sum() == 1.0 and not (reached & (shares[:, 1 - side] > FEW)).any():
+            found.append(_Side(side, *at_ends[:, side]))
+    return found
 
 
 def _least_of(question: Question, side: _Side, measure: int) -> float:

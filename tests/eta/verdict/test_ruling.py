@@ -307,11 +307,18 @@ def test_many_trainings_without_a_failure_are_believed():
     assert ruling_of(all_or_nothing(30, 0)).is_decided
 
 
-@pytest.mark.parametrize("values", [(0.97, 0.7), (0.8, 0.7)])
-def test_a_reward_that_reaches_the_same_end_asks_for_nothing(values: tuple[float, float]):
-    """Then the two are spread alike; nor where one of the trainings lies between the ends."""
+@pytest.mark.parametrize(("at_the_end", "is_floored"), [(2, True), (3, False)])
+def test_a_reward_of_which_more_than_a_few_reach_the_same_end_asks_for_nothing(at_the_end: int, is_floored: bool):
+    """One in five are few. Beyond, the two are spread alike: the baseline is just cut off at 100 %."""
+    question = all_or_nothing(10, 0, steady=0.7)
+    question.values[0, :at_the_end, 0, 0] = 0.96
+    assert ruling_of(question).is_floored == is_floored
+
+
+def test_a_training_between_the_ends_shows_a_spread():
+    """Then nothing is missing."""
     question = all_or_nothing(10, 0)
-    question.values[0, 0, 0, 0], question.values[1, 0, 0, 0] = values[0], 1.0 if values[0] > 0.95 else values[1]
+    question.values[1, 0, 0, 0] = 0.94
     assert not ruling_of(question).is_floored
 
 
