@@ -46,6 +46,16 @@ def decided(values: list[np.ndarray]) -> bool:
     )
 
 
+def unequal(
+    trainings: Trainings, rng: np.random.Generator, baselines: int, proposed: int, rewards: int
+) -> list[np.ndarray]:
+    """The values of questions in one place whose sides have so many trainings."""
+    values = trainings.draw(rng, max(baselines, proposed), 1, rewards)
+    for it in values:
+        it[0, baselines:], it[1, proposed:] = np.nan, np.nan
+    return values
+
+
 def share_decided(trainings: Trainings, seeds: int, places: int, rewards: int, experiments: int) -> float:
     """How many of the experiments claim anything."""
     rng = np.random.default_rng([seeds, places, rewards])
@@ -69,6 +79,28 @@ def test_null_experiments_err_as_rarely_as_they_say(seeds: int, places: int, rew
     assert wrong <= LEVEL + error(LEVEL, experiments)
     if places == 1 and seeds > 4:
         assert wrong >= 0.015 - error(0.015, experiments)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("baselines", "proposed"), [(10, 5), (5, 10), (20, 6)])
+@pytest.mark.parametrize("rewards", [1, 2])
+def test_unequal_numbers_of_trainings_err_as_rarely(baselines: int, proposed: int, rewards: int):
+    """All count, and in 5 % at most of the experiments without an effect anything is claimed."""
+    experiments, rng = 1000, np.random.default_rng([baselines, proposed, rewards])
+    wrong = np.mean([decided(unequal(NULL, rng, baselines, proposed, rewards)) for _ in range(experiments)])
+    print(f"{baselines} against {proposed}, {rewards} rewards: {wrong:.3f}")  # noqa: T201
+    assert wrong <= LEVEL + error(LEVEL, experiments)
+
+
+@pytest.mark.slow
+def test_the_trainings_that_one_reward_has_more_of_find_more():
+    """Ten baselines against five trainings that are better by 30 points, and five against five."""
+    experiments, rng = 1000, np.random.default_rng(11)
+    drawn = [unequal(replace(NULL, effect=0.3), rng, 10, 5, 1) for _ in range(experiments)]
+    found = float(np.mean([decided(it) for it in drawn]))
+    fewer = float(np.mean([decided([values[:, :5] for values in it]) for it in drawn]))
+    print(f"10 against 5: {found:.3f}, 5 against 5: {fewer:.3f}")  # noqa: T201
+    assert found >= fewer + 0.05
 
 
 @pytest.mark.slow
