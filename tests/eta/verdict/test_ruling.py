@@ -8,7 +8,7 @@ import scipy.stats
 
 from harness.arrays import Float
 from harness.eta.verdict.question import Question
-from harness.eta.verdict.ruling import Ruling, better_in, opposed_in, rule, rule_places
+from harness.eta.verdict.ruling import LEVEL, Ruling, better_in, opposed_in, rule, rule_places
 
 
 def values_of(seeds: int, places: int = 1, measures: int = 1, effect: float = 0.0, seed: int = 0) -> Float:
@@ -300,6 +300,15 @@ def test_what_no_failure_could_make_up_for_has_no_least_p():
     """The proposed reward always succeeds and is slower: failures would make it slower yet."""
     found = ruling_of(all_or_nothing(10, 0, steady=0.9, seconds=1.5))
     assert found.of_measures[1] < 0.001
+
+
+@pytest.mark.parametrize("end", [np.nan, -np.inf])
+def test_a_measure_without_a_known_end_has_the_least_p_of_the_first_one(end: float):
+    """What a failure would cost in it is not known."""
+    question = all_or_nothing(10, 0, seconds=9.0)
+    question.ends[0, 1, 0] = end
+    found = ruling_of(question)
+    assert found.of_measures[0] == found.of_measures[1] > LEVEL
 
 
 def test_many_trainings_without_a_failure_are_believed():
