@@ -15,6 +15,8 @@ from harness.eta.verdict.question import BOTH, Question
 
 NEAR = 0.05
 """A training within this share of the way from one end of the first measure to the other lies at that end."""
+FEW = 0.2
+"""Up to this share of its trainings may a reward have at an end, and still count as one that does not reach it."""
 
 
 class _Side(NamedTuple):
@@ -30,42 +32,56 @@ class _Side(NamedTuple):
 def least_p(question: Question) -> Float:
     """What the p-value of each measure is at least, (measures,); 0 where nothing asks for more.
 
-    All trainings of one reward have to lie at the ends of the first measure, and no training of the other one at an
+    All trainings of one reward have to lie at the ends of the first measure, and few of the other one (`FEW`) at an
     end at which they lie. Then let q be the share of trainings at the worse end with which the means of both rewards
     would be equal. The p-value is at least twice the chance that so few, or so many, lie there as were seen. Where no
-    training lies at an end, `Question.ends` says what a training there would have had.
+    training lies at an end, `Question.ends` says what a training there would have had. A measure of which that is not
+    known has the least p of the first one.
     """
     least: Float = np.zeros(question.values.shape[3])
     if question.ends is None or not question.is_testable:
         return least
     for side in _at_ends(question):
-        least = np.maximum(least, [_least_of(question, side, measure) for measure in range(len(least))])
+        of_first = _least_of(question, side, 0, 0.0)
+        found = [_least_of(question, side, measure, of_first) for measure in range(len(least))]
+        least = np.maximum(least, found)
     return least
 
 
 def _at_ends(question: Question) -> list[_Side]:
-    """The sides whose trainings all lie at ends where none of the other side's does."""
+    """The sides whose trainings all lie at ends where few of the other side's do."""
     assert question.ends is not None
     low, high = np.moveaxis(question.ends[:, 0], -1, 0)
     if not np.isfinite(high - low).all():
         return []
     known, values, near = question.known[..., 0], question.values[..., 0], NEAR * (high - low)
-    is_high, is_low = known & (values >= high - near), known & (values <= low + near)
-    if (is_high.any(axis=(1, 2)).all()) or (is_low.any(axis=(1, 2)).all()):
-        return []
+    at_ends = np.stack([known & (values >= high - near), known & (values <= low + near)])
+    counts, trainings = at_ends.sum(axis=(2, 3)), known.sum(axis=(1, 2))
+    is_reached, is_frequent = counts > 0, counts > FEW * trainings
     return [
-        _Side(side, is_high[side], is_low[side]) for side in BOTH if (is_high[side] | is_low[side] | ~known[side]).all()
+        _Side(side, *at_ends[:, side])
+        for side in BOTH
+        if counts[:, side].sum() == trainings[side] and not (is_reached[:, side] & is_frequent[:, 1 - side]).any()
     ]
 
 
-def _least_of(question: Question, side: _Side, measure: int) -> float:
-    """The least p of one measure; 0 where no share of failures would make the means equal, or an end is not known."""
+def _least_of(question: Question, side: _Side, measure: int, unknown: float) -> float:
+    """The least p of one measure; 0 where no share of failures would make the means equal.
+
+    Args:
+        question: The question.
+        side: The reward whose trainings all lie at the ends.
+        measure: Which.
+        unknown: The answer where an end is not known.
+    """
     assert question.ends is not None
     ends, values = question.ends[:, measure], question.values[..., measure]
     high = _mean_at(values[side.side], side.is_high, ends[:, 1])
     low = _mean_at(values[side.side], side.is_low, ends[:, 0])
-    other = np.nanmean(values[1 - side.side], axis=0).mean()
-    if not (low < high and low <= other <= high):  # nor where one is not a number
+    if not np.isfinite(high - low):
+        return unknown
+    other = float(np.nanmean(values[1 - side.side], axis=0).mean())
+    if not (low < high and low <= other <= high):
         return 0.0
     failed, trainings = int(side.is_low.sum()), int(side.is_low.sum() + side.is_high.sum())
     from scipy.special import bdtr  # here, since importing scipy takes time that most commands need not spend

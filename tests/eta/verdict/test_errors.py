@@ -4,9 +4,11 @@ Everything goes through the project's own functions. ``pytest -m slow -s tests/e
 tables of the documentation; bounds are those of the documentation, widened by three standard errors of the simulation.
 """
 
+import json
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,9 +16,15 @@ import pytest
 from harness.eta.verdict.looks import ONE_PLACE, SEVERAL_PLACES, LookRuling, Looks, rule_in_looks
 from harness.eta.verdict.question import Question
 from harness.eta.verdict.race import RACE, Race, race
-from harness.eta.verdict.ruling import LEVEL, rule, rule_places
+from harness.eta.verdict.ruling import LEVEL, opposed_in, rule, rule_places
 from tests.eta.scenarios import Trainings
 
+RECORDS = Path(__file__).parents[3] / "results/reference/engines"
+MEASURES = (
+    ("success_rate", "deterministic"),
+    ("time_to_target", "deterministic"),
+    ("success_rate", "while training"),
+)
 NULL = Trainings()
 DENSE_LIKE = Trainings(effect=0.13)
 """As `dense` over the eight simulators of an experiment: 13 points on average."""
@@ -36,6 +44,16 @@ def decided(values: list[np.ndarray]) -> bool:
     return questions[0].places > 1 and any(
         it.is_decided for question, whole in zip(questions, wholes, strict=True) for it in rule_places(question, whole)
     )
+
+
+def unequal(
+    trainings: Trainings, rng: np.random.Generator, baselines: int, proposed: int, rewards: int
+) -> list[np.ndarray]:
+    """The values of questions in one place whose sides have so many trainings."""
+    values = trainings.draw(rng, max(baselines, proposed), 1, rewards)
+    for it in values:
+        it[0, baselines:], it[1, proposed:] = np.nan, np.nan
+    return values
 
 
 def share_decided(trainings: Trainings, seeds: int, places: int, rewards: int, experiments: int) -> float:
@@ -64,6 +82,28 @@ def test_null_experiments_err_as_rarely_as_they_say(seeds: int, places: int, rew
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(("baselines", "proposed"), [(10, 5), (5, 10), (20, 6)])
+@pytest.mark.parametrize("rewards", [1, 2])
+def test_unequal_numbers_of_trainings_err_as_rarely(baselines: int, proposed: int, rewards: int):
+    """All count, and in 5 % at most of the experiments without an effect anything is claimed."""
+    experiments, rng = 1000, np.random.default_rng([baselines, proposed, rewards])
+    wrong = np.mean([decided(unequal(NULL, rng, baselines, proposed, rewards)) for _ in range(experiments)])
+    print(f"{baselines} against {proposed}, {rewards} rewards: {wrong:.3f}")  # noqa: T201
+    assert wrong <= LEVEL + error(LEVEL, experiments)
+
+
+@pytest.mark.slow
+def test_the_trainings_that_one_reward_has_more_of_find_more():
+    """Ten baselines against five trainings that are better by 30 points, and five against five."""
+    experiments, rng = 1000, np.random.default_rng(11)
+    drawn = [unequal(replace(NULL, effect=0.3), rng, 10, 5, 1) for _ in range(experiments)]
+    found = float(np.mean([decided(it) for it in drawn]))
+    fewer = float(np.mean([decided([values[:, :5] for values in it]) for it in drawn]))
+    print(f"10 against 5: {found:.3f}, 5 against 5: {fewer:.3f}")  # noqa: T201
+    assert found >= fewer + 0.05
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("spread", [(0.24, 0.10), (0.10, 0.24), (0.09, 0.27)])
 @pytest.mark.parametrize("seeds", [4, 6, 10, 20])
 def test_unequal_spreads_are_called_a_difference_more_often(seeds: int, spread: tuple[float, float]):
@@ -73,6 +113,109 @@ def test_unequal_spreads_are_called_a_difference_more_often(seeds: int, spread: 
     print(f"{seeds:3} seeds, spreads {spread}: {wrong:.3f}")  # noqa: T201
     bound = 0.075 if 0.24 in spread else 0.10
     assert wrong <= bound + error(bound, experiments)
+
+
+# Several places
+
+
+def pools(rng: np.random.Generator, seeds: int, effects: list[float], places: int = 4) -> list[Question]:
+    """Rewards with these effects in all places, which share a baseline."""
+    baseline = NULL.draw(rng, seeds, places)[0][0]
+    proposed = [replace(NULL, effect=effect).draw(rng, seeds, places)[0][1] for effect in effects]
+    return [Question.of(np.stack([baseline, it])) for it in proposed]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("seeds", "power", "experiments"), [(6, 0.48, 300), (8, 0.67, 150)])
+def test_four_rewards_that_help_in_four_places_are_found(seeds: int, power: float, experiments: int):
+    """By 13 points each, each of them so often; Bonferroni's correction finds 0.35 and 0.55."""
+    rng = np.random.default_rng(seeds)
+    found = [np.mean([it.is_decided for it in rule(pools(rng, seeds, [0.13] * 4))]) for _ in range(experiments)]
+    print(f"{seeds} seeds: {np.mean(found):.3f}")  # noqa: T201
+    assert np.mean(found) >= power - error(power, experiments)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("effects", [[0.0] * 4, [0.13, 0.13, 0.0, 0.0]])
+@pytest.mark.parametrize(("seeds", "experiments"), [(6, 1000), (8, 300)])
+def test_rewards_that_do_nothing_in_four_places_are_seldom_called(seeds: int, experiments: int, effects: list[float]):
+    """In 5 % of the experiments at most, also beside two that help."""
+    rng, wrong = np.random.default_rng([seeds, 4]), 0
+    for _ in range(experiments):
+        ruled = zip(rule(pools(rng, seeds, effects)), effects, strict=True)
+        wrong += any(ruling.is_decided for ruling, effect in ruled if effect == 0.0)
+    print(f"{seeds} seeds, {effects}: {wrong / experiments:.3f}")  # noqa: T201
+    assert wrong / experiments <= LEVEL + error(LEVEL, experiments)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("effects", "low", "high"),
+    [
+        ([0.0] * 4, 0.0, 0.01),
+        ([0.6, 0.0, 0.0, 0.0], 0.0, 0.03),
+        ([0.3, 0.3, 0.0, 0.0], 0.0, 0.03),
+        ([0.2] * 4, 0.0, 0.01),
+        ([0.3, 0.3, 0.3, -0.3], 0.40, 1.0),
+    ],
+)
+def test_a_place_is_seldom_called_opposed_where_none_is(effects: list[float], low: float, high: float):
+    """With six seeds; where one place loses what three gain it is told in nearly half of the experiments."""
+    experiments, rng, opposed = 500, np.random.default_rng(4), 0
+    for _ in range(experiments):
+        places = [replace(NULL, effect=effect).draw(rng, 6)[0] for effect in effects]
+        question = Question.of(np.concatenate(places, axis=2))
+        (whole,) = rule([question])
+        opposed += opposed_in(whole, rule_places(question, whole)) > 0
+    print(f"{effects}: {opposed / experiments:.3f}")  # noqa: T201
+    assert low - error(low, experiments) <= opposed / experiments <= high + error(high, experiments)
+
+
+# Three measures
+
+
+def recorded(proposed: str) -> list[np.ndarray]:
+    """Of each place of the engines' records: success, minus the time, success while training, (2, trainings, 3)."""
+    found = []
+    for path in sorted(RECORDS.glob("*/results.json")):
+        for pair in json.loads(path.read_text(encoding="utf-8"))["combinations"]:
+            if pair["is_control"] or pair["proposed"] != proposed:
+                continue
+            by_name = {(it["name"], it["manner"]): np.array(it["values"]).T for it in pair["behaviour"] if it["values"]}
+            success, time, learning = (by_name[it] for it in MEASURES)
+            found.append(np.stack([success, -time, learning], axis=-1))
+    return found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("seeds", "power", "before"), [(6, 0.48, 0.28), (10, 0.64, 0.40)])
+def test_three_measures_find_more_than_two_of_the_engines_records(seeds: int, power: float, before: float):
+    """`dense` against the baseline, trainings drawn anew from the ten recorded: at 5 %, and two measures at 4 %."""
+    each, rng, found = 30, np.random.default_rng(seeds), []
+    for values in recorded("dense"):
+        for _ in range(each):
+            drawn = np.stack([side[rng.integers(0, len(side), seeds)] for side in values])[:, :, None]
+            (three,), (two,) = rule([Question.of(drawn)]), rule([Question.of(drawn[..., :2])], 0.04)
+            found.append((three.is_decided, two.is_decided))
+    three, two = np.mean(found, axis=0)
+    print(f"{seeds} seeds: three measures {three:.3f}, two {two:.3f}")  # noqa: T201
+    assert len(found) == 32 * each
+    assert three >= power - error(power, len(found))
+    assert two <= before + error(before, len(found))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seeds", [6, 10])
+def test_three_measures_err_as_rarely_as_they_say(seeds: int):
+    """Both sides drawn from the trainings of both rewards: 5 %."""
+    each, rng, found = 30, np.random.default_rng(seeds), []
+    for values in [*recorded("dense"), *recorded("arp")]:
+        pool = np.concatenate([values[0], values[1]])
+        for _ in range(each):
+            (ruling,) = rule([Question.of(pool[rng.integers(0, len(pool), (2, seeds))][:, :, None])])
+            found.append(ruling.is_decided)
+    print(f"{seeds} seeds: {np.mean(found):.3f} of {len(found)}")  # noqa: T201
+    assert np.mean(found) <= LEVEL + error(LEVEL, len(found))
 
 
 # Looks

@@ -8,7 +8,7 @@ import scipy.stats
 
 from harness.arrays import Float
 from harness.eta.verdict.question import Question
-from harness.eta.verdict.ruling import Ruling, better_in, opposed_in, rule, rule_places
+from harness.eta.verdict.ruling import LEVEL, Ruling, better_in, opposed_in, rule, rule_places
 
 
 def values_of(seeds: int, places: int = 1, measures: int = 1, effect: float = 0.0, seed: int = 0) -> Float:
@@ -302,16 +302,32 @@ def test_what_no_failure_could_make_up_for_has_no_least_p():
     assert found.of_measures[1] < 0.001
 
 
+@pytest.mark.parametrize("end", [np.nan, -np.inf])
+def test_a_measure_without_a_known_end_has_the_least_p_of_the_first_one(end: float):
+    """What a failure would cost in it is not known."""
+    question = all_or_nothing(10, 0, seconds=9.0)
+    question.ends[0, 1, 0] = end
+    found = ruling_of(question)
+    assert found.of_measures[0] == found.of_measures[1] > LEVEL
+
+
 def test_many_trainings_without_a_failure_are_believed():
     """Thirty at 0.8: one in 808."""
     assert ruling_of(all_or_nothing(30, 0)).is_decided
 
 
-@pytest.mark.parametrize("values", [(0.97, 0.7), (0.8, 0.7)])
-def test_a_reward_that_reaches_the_same_end_asks_for_nothing(values: tuple[float, float]):
-    """Then the two are spread alike; nor where one of the trainings lies between the ends."""
+@pytest.mark.parametrize(("at_the_end", "is_floored"), [(2, True), (3, False)])
+def test_a_reward_of_which_more_than_a_few_reach_the_same_end_asks_for_nothing(at_the_end: int, is_floored: bool):
+    """One in five are few. Beyond, the two are spread alike: the baseline is just cut off at 100 %."""
+    question = all_or_nothing(10, 0, steady=0.7)
+    question.values[0, :at_the_end, 0, 0] = 0.96
+    assert ruling_of(question).is_floored == is_floored
+
+
+def test_a_training_between_the_ends_shows_a_spread():
+    """Then nothing is missing."""
     question = all_or_nothing(10, 0)
-    question.values[0, 0, 0, 0], question.values[1, 0, 0, 0] = values[0], 1.0 if values[0] > 0.95 else values[1]
+    question.values[1, 0, 0, 0] = 0.94
     assert not ruling_of(question).is_floored
 
 
