@@ -213,9 +213,10 @@ def look_that_ends(values: Float, looks: Looks, ends: Sequence[Bounds]) -> int |
     for place in range(places):
         spread_out[:, place * most_seeds : (place + 1) * most_seeds, place, 0] = values[:, place]
     at = np.searchsorted(looks.seeds, np.arange(most_seeds), side="right")
-    question = Question(spread_out, np.tile(at, places)[:, None] * np.ones((1, places), np.int64))
+    rows = np.tile(at, places)[:, None] * np.ones((1, places), np.int64)
+    question = Question(spread_out, rows, ends=np.array(ends)[:, None])
     for look, seeds in enumerate(looks.seeds):
-        if looks.is_futile_at(look) and is_small(question.until(look), looks.margin, ends):
+        if looks.is_futile_at(look) and is_small(question.until(look), looks.margin):
             return seeds
     return None
 
