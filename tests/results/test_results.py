@@ -37,9 +37,9 @@ def test_json_has_the_promised_keys(experiment: Store, registry: Registry):
     combination, cell = data["combinations"][0], data["cells"][0]
     assert set(combination) == {
         *("simulator", "algorithm", "robot", "task", "steps", "deterministic", "baseline", "proposed", "is_control"),
-        *("seeds", "mixtures", "headline", "eta_N", "eta_P", "total", "baseline_index", "proposed_index"),
+        *("seeds", "trained", "mixtures", "headline", "eta_N", "eta_P", "total", "baseline_index", "proposed_index"),
         *("claims", "smallest_p", "episodes", "behaviour", "along_the_budget"),
-        *("deciding", "decided_in", "returns", "returns_missing", "test", "learns", "same_steps"),
+        *("deciding", "decided_in", "returns", "returns_missing", "test", "same_steps"),
     }
     assert set(combination["headline"]) == {"answer", "behaviour", "robot", "number", "decided_by", "seeds_to_decide"}
     ratios = {"eta", "per_seed", "ruler", "behaviour", "interaction", "noise"}
