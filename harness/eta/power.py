@@ -22,8 +22,9 @@ def seeds_to_tell(difference: float, spread: float, seeds: int, asked: int, leve
     Args:
         difference: The size, above 0.
         spread: Standard deviation of one training.
-        seeds: How many seeds of each reward `spread` comes from, at least 2.
-        asked: How many questions are asked together.
+        seeds: How many seeds of each reward `spread` comes from, at least 2; the fewer where one reward has more.
+        asked: How many tests share the level: questions that are asked together, times the measures that decide each.
+            Where one of three measures shows a difference, the high end is still enough.
         level: The chance of a false answer to any of them.
 
     Returns:

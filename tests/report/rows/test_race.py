@@ -1,6 +1,7 @@
 """A race for the best reward, as the terminal and the page show it."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from io import StringIO
 from pathlib import Path
 
@@ -28,9 +29,9 @@ def folder(make_cell: Callable[..., Cell], make_plan: Callable[..., Plan], tmp_p
 @pytest.fixture
 def over(folder: Folder) -> Folder:
     """`dense` has beaten both others."""
-    folder.train("baseline", [0.0] * 6)
-    folder.train("dense", [0.9] * 6)
-    folder.train("arp", [0.1] * 6)
+    folder.train("baseline", [0.0] * 4)
+    folder.train("dense", [0.9] * 4)
+    folder.train("arp", [0.1] * 4)
     return folder
 
 
@@ -57,7 +58,7 @@ def test_the_best_comes_first_and_the_others_say_who_beat_them(over: Folder):
     """A row for each reward, the baseline too."""
     rows = {row[0]: row[1:] for row in told_of(over).grid.rows}
     assert list(rows) == ["dense", "arp", "baseline"]
-    assert rows["dense"][:3] == ("BEST", "90.0%", "6")
+    assert rows["dense"][:3] == ("BEST", "90.0%", "4")
     assert rows["baseline"][0] == "beaten by dense"
 
 
@@ -68,12 +69,12 @@ def test_the_number_stands_beside_its_ruler(over: Folder):
     assert rows["arp"][4].startswith("I_P x ")
 
 
-def test_rewards_that_are_as_good_are_named_together(folder: Folder, monkeypatch: pytest.MonkeyPatch):
-    """Within five points of the best, which takes more trainings than a test has."""
-    monkeypatch.setattr("harness.eta.verdict.race.CLOSE", 0.7)
-    folder.train("baseline", [0.0] * 6)
-    folder.train("dense", [0.9] * 6)
-    folder.train("arp", [0.9] * 6)
+def test_rewards_that_are_as_good_are_named_together(make_cell, make_plan, tmp_path: Path):
+    """Within five points of the best: 28 trainings that end alike say so."""
+    folder = folder_in_looks(replace(RACE, looks=(28,)), make_cell, make_plan, load_registry(), tmp_path)
+    folder.train("baseline", [0.0] * 28)
+    folder.train("dense", [0.5] * 28)
+    folder.train("arp", [0.5] * 28)
     told = told_of(folder)
     assert told.sentence.startswith("WITHIN 5 POINTS OF THE BEST: ")
     assert told.sentence.endswith("All others are worse.")
@@ -82,16 +83,16 @@ def test_rewards_that_are_as_good_are_named_together(folder: Folder, monkeypatch
 def test_a_race_that_goes_on_says_how_it_stands(folder: Folder):
     """And how many trainings may be left."""
     for reward in ("baseline", "dense", "arp"):
-        folder.train(reward, [0.2, 0.8] * 3)
-    assert "After 6 seeds, these can still be the best" in told_of(folder).sentence
+        folder.train(reward, [0.2, 0.8])
+    assert "After 2 seeds, these can still be the best" in told_of(folder).sentence
     assert told_of(folder).sentence.endswith("At most 6 trainings are left.")
 
 
 def test_looks_that_ran_out_leave_the_question_open(folder: Folder):
     """No word of better or worse."""
     for reward in ("baseline", "dense", "arp"):
-        folder.train(reward, [0.2, 0.8, 0.5, 0.4] * 2)
-    assert told_of(folder).sentence.startswith("CANNOT TELL after 8 seeds which is best")
+        folder.train(reward, [0.2, 0.8, 0.5, 0.4])
+    assert told_of(folder).sentence.startswith("CANNOT TELL after 4 seeds which is best")
 
 
 def test_where_no_training_left_a_number_nothing_is_best(folder: Folder):
@@ -117,8 +118,8 @@ def test_the_figure_has_a_line_for_each_that_ends_where_it_left(over: Folder):
     chart = draw_race(told_of(over))
     assert {mark.text for mark in chart.marks if type(mark).__name__ == "Note"} == {
         "dense",
-        "arp, left at 6",
-        "baseline, left at 6",
+        "arp, left at 4",
+        "baseline, left at 4",
     }
 
 
@@ -127,8 +128,8 @@ def test_a_summary_tells_of_the_race(over: Folder, tmp_path: Path):
     write_summary(over.results, tmp_path / "told")
     page = (tmp_path / "told" / "summary.md").read_text()
     assert "## The race for the best reward\n\n**BEST: dense" in page
-    assert "| dense | BEST | 90.0% | 6 |" in page
-    assert "left at 6" in (tmp_path / "told" / "figures" / "race.svg").read_text()
+    assert "| dense | BEST | 90.0% | 4 |" in page
+    assert "left at 4" in (tmp_path / "told" / "figures" / "race.svg").read_text()
 
 
 def test_the_question_is_which_is_best(over: Folder):
