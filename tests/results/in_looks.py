@@ -14,7 +14,7 @@ from harness.results import Results
 from harness.results.standing import Standing, standing_of
 from tests.results.folders import BASELINE_RUNS, finish
 
-RACE = Terms((6, 8), asked=3, margin=0.1, race=True)
+RACE = Terms((2, 4), asked=3, margin=0.1, race=True)
 REWARDS = ("baseline", "dense", "arp")
 EPISODES = 10
 
