@@ -115,8 +115,8 @@ class _Look:
         trainings: The values of each candidate, by place.
         ends: What a value can be, by place.
         level: The part of the 5 % that this look adds.
-        so_far: The part that the looks up to this one have. A reward of which no training failed yet has it as a whole
-            for the training that was not seen: had one failed at an earlier look, it would be seen here.
+        so_far: The part that this look and all before it have. The bounds with a training that was not seen take all
+            of it: perfect trainings at an earlier look are among those of this one, so their luck counts once.
     """
 
     trainings: Mapping[str, Sequence[Float]]
