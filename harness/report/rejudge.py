@@ -14,9 +14,9 @@ from typing import Any
 from harness.files.whole_file import write_whole
 from harness.record.terms import FIRST, Terms
 from harness.report.answers import word_of
-from harness.report.rows.behaviour import behaviour_grids
+from harness.report.rows.behaviour import behaviour_row
 from harness.report.rows.comparison import TESTS, answer_text, rewards_text
-from harness.report.summary.markdown import escape, markdown_table, pooled_part
+from harness.report.summary.markdown import escape, pooled_part
 from harness.report.summary.stored import behaviour_of, stored_comparisons
 from harness.results.comparison import Comparison
 from harness.results.verdicts import with_verdicts
@@ -24,11 +24,15 @@ from harness.results.verdicts import with_verdicts
 RECORD, PAGE = "results.json", "summary.md"
 NOTICE = (
     "The answers on this page follow a rule that was chosen after these results had been seen. Nothing was trained "
-    "again, and what was measured is unchanged. The p-values of what does not decide are those of the first report."
+    "again, and what was measured is unchanged. The p-values and intervals of what does not decide are those of the "
+    "first report."
 )
+EARLIER_NOTICE = re.compile(r"^\nThe answers on this page follow a rule .*\n")
 EARLIER_TESTS = re.compile(r"p(?:: | says )how often chance alone .*$", re.MULTILINE)
-MADE_ANEW = ("seeds", "low", "high", "p", "p_corrected", "result", "failed", "trainings")
-"""What follows from the values of the trainings by the rule of this version."""
+OF_ALL, MADE_ANEW = ("failed", "trainings"), ("low", "high", "p", "p_corrected", "result")
+"""What this version says of every measure, and what follows by its rule for those that decide."""
+DIFFERENCE, P = 3, -2
+"""Columns of a table of behaviour: the interval; from here on the p-value and the result."""
 
 
 def judged_anew(combinations: Sequence[Mapping[str, Any]], terms: Terms = FIRST) -> tuple[Comparison, ...]:
@@ -79,9 +83,11 @@ def _rewrite(told: dict[str, Any], comparison: Comparison) -> None:
     told["test"] = comparison.ruling and comparison.ruling.to_json()
     told["trained"] = comparison.to_json()["trained"]
     told.pop("learns", None)  # up to version 0.2 a question of its own
+    ruled = {id(it) for it in comparison.decisive_changes}
     for measure, change in zip(told["behaviour"], comparison.changes, strict=True):
         measure.pop("values", None)  # up to version 0.2 in pairs
-        measure |= {key: value for key, value in change.to_json().items() if key in MADE_ANEW}
+        keys = (*OF_ALL, *MADE_ANEW) if id(change) in ruled else OF_ALL
+        measure |= {key: value for key, value in change.to_json().items() if key in keys}
 
 
 def _page(page: str, told: Sequence[Mapping[str, Any]], judged: Sequence[Comparison]) -> str:
@@ -100,7 +106,7 @@ def _page(page: str, told: Sequence[Mapping[str, Any]], judged: Sequence[Compari
         sentence = f"**The {comparison.group.subject}: {answer_text(headline)}.** {escape(headline.robot)}"
         earlier = parts[number].rindex("**The ")
         parts[number] = parts[number][:earlier] + sentence
-        parts[number + 1] = _with_tables(parts[number + 1], comparison)
+        parts[number + 1] = _with_measures(parts[number + 1], comparison)
         parts[0] = _in_overview(parts[0], number, it, comparison)
     tests = TESTS.format(subject=judged[0].group.subject)
     parts[0] = _at_head(EARLIER_TESTS.sub(tests, parts[0]), judged)
@@ -122,23 +128,24 @@ def _in_overview(page: str, number: int, told: Mapping[str, Any], comparison: Co
     return row.sub(lambda found: found.group().removesuffix(before) + after, page)
 
 
-def _with_tables(page: str, comparison: Comparison) -> str:
-    """The page with the tables of behaviour: their intervals and p-values."""
-    for grid in behaviour_grids(comparison):
-        table = re.compile(rf"^{re.escape(grid.title)}\n\n(\|.*\n)+", re.MULTILINE)
-        written = f"{grid.title}\n\n{markdown_table(grid.headings, grid.rows)}\n"
-        found = table.search(page)
-        if found is None:
-            raise ValueError(f"{PAGE} has no table '{grid.title}'")
-        page = page[: found.start()] + written + page[found.end() :]
+def _with_measures(page: str, comparison: Comparison) -> str:
+    """The page with the intervals and p-values of the measures that decide, in the tables of their manner."""
+    for change in comparison.decisive_changes:
+        cells = [escape(text) for text in behaviour_row(change)]
+        heading = re.compile(rf"^Behaviour .*{re.escape(change.measure.manner)}", re.MULTILINE).search(page)
+        row = re.compile(rf"^\| {re.escape(cells[0])} \|.*\|$", re.MULTILINE)
+        found = heading and row.search(page, heading.end())
+        if found:
+            kept = found.group().strip("| ").split(" | ")
+            line = [*kept[:DIFFERENCE], cells[DIFFERENCE], *kept[DIFFERENCE + 1 : len(cells) + P], *cells[P:]]
+            page = f"{page[: found.start()]}| {' | '.join(line)} |{page[found.end() :]}"
     return page
 
 
 def _at_head(page: str, judged: Sequence[Comparison]) -> str:
     """The page with the notice behind its title, and the answers over all places before the first section."""
     title, rest = page.split("\n", 1)
-    if NOTICE not in rest:
-        rest = f"\n{NOTICE}\n{rest}"
+    rest = f"\n{NOTICE}\n{EARLIER_NOTICE.sub('', rest)}"
     before, heading, behind = rest.partition("\n## 1. ")
     pooled = pooled_part(judged)
     if heading and pooled:

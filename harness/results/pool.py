@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import zip_longest
 from typing import Any
 
 from harness.eta.headline import Answer, Headline, Names
@@ -107,7 +108,8 @@ class Pool:
                     "proposed": it.proposed,
                     "low": it.low,
                     "high": it.high,
+                    "p_corrected": p,
                 }
-                for it in self.measures
+                for it, p in zip_longest(self.measures, self.ruling.of_measures[: len(self.measures)])
             ],
         }

@@ -92,7 +92,9 @@ def test_a_pool_is_plain_data():
     assert told["answer"] == "helps"
     assert told["better_in"] == 4
     assert told["test"]["is_decided"]
-    assert [it["name"] for it in told["measures"]] == ["success_rate"]
+    assert [(it["name"], it["p_corrected"]) for it in told["measures"]] == [
+        ("success_rate", told["test"]["p_corrected"])
+    ]
 
 
 def test_a_place_says_what_holds_over_all():
