@@ -22,7 +22,7 @@ class Pool:
         steps: Environment steps of each training.
         places: The places, in words.
         ruling: What the test says of the mean over all of them.
-        measures: The measures that decide, means over places; empty where their units differ from place to place.
+        measures: The measures that decide, means over places; empty where each place measures something else.
         better_in: In how many places at least the robot does better, or worse, as the answer says.
         opposed_in: In how many places at least it goes the other way.
         subject: Who behaves: ``robot`` or ``agent``.
@@ -74,13 +74,13 @@ class Pool:
         return f"It is {word} in at least {self.better_in} of {count} places; {opposed}."
 
     def _without_values(self) -> Headline:
-        """The answer where no mean over places has a unit."""
+        """The answer where no measure is that of all places."""
         ruling = self.ruling
         if ruling.missing:
             told = f"Interim: {ruling.missing:,} trainings of the plan are still to come {self.where}."
             return Headline(Answer.INTERIM, told, "")
         if not ruling.is_decided:
-            return Headline(Answer.CANNOT_TELL, f"Cannot tell {self.where}: their measures have different units.", "")
+            return Headline(Answer.CANNOT_TELL, f"Cannot tell {self.where}: each place measures something else.", "")
         if self.opposed_in:
             return Headline(Answer.MIXED, self.where_at_least, "")
         answer = Answer.HELPS if ruling.sign > 0 else Answer.HURTS

@@ -83,7 +83,7 @@ def test_without_measures_in_one_unit_there_is_an_answer_but_no_value():
         "dense helps over 4 places. It is better in at least 2 of 4 places; it is worse in none by more than chance."
     )
     open_ = Pool(pool.names, pool.steps, pool.places, Ruling(), ()).headline
-    assert open_.robot == "Cannot tell over 4 places: their measures have different units."
+    assert open_.robot == "Cannot tell over 4 places: each place measures something else."
 
 
 def test_a_pool_is_plain_data():
