@@ -1,13 +1,14 @@
 """One proposed reward against the baseline: what the comparison of their runs says."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from html import escape
+from itertools import zip_longest
 from typing import Any, Literal, NamedTuple
 
 from harness.arrays import Float
-from harness.eta.behaviour_change import TRAINING, WHOLE, Change
+from harness.eta.behaviour_change import NO_WORD, TRAINING, WHOLE, Change
 from harness.eta.curve import GroupCurve
 from harness.eta.headline import DECIDING, SUCCESS, UNMEASURED, Answer, Headline, Names
 from harness.eta.index import Index, Ratio
@@ -267,13 +268,22 @@ class Comparison:
         return replace(self, returns=returns, decomposition=decomposition, changes=changes, along=along, claims=claims)
 
     def with_ruling(self, ruling: Ruling, pool: Pool | None) -> "Comparison":
-        """The comparison with what the test says of the measures that decide."""
-        p_values = dict(zip(map(id, self.decisive_changes), ruling.of_measures, strict=False))
+        """The comparison with what the test says of the measures that decide; before the end hints say no word."""
+        ruled = dict(zip_longest(map(id, self.decisive_changes), ruling.of_measures))
         changes = tuple(
-            replace(it, p=ruling.p, corrected=p_values[id(it)], level=ruling.level) if id(it) in p_values else it
+            replace(it, p=ruling.p, corrected=ruled[id(it)], level=ruling.level) if id(it) in ruled else it
             for it in self.changes
         )
-        return replace(self, changes=changes, ruling=ruling, pool=pool)
+        found = replace(self, changes=changes, ruling=ruling, pool=pool)
+        return found._without_words() if ruling.missing else found
+
+    def _without_words(self) -> "Comparison":
+        """The comparison with hints that have a p, and call nothing better or worse."""
+        changes = tuple(replace(it, level=NO_WORD) for it in self.changes)
+        along = tuple(
+            moment._replace(changes=tuple(replace(it, level=NO_WORD) for it in moment.changes)) for moment in self.along
+        )
+        return replace(self, changes=changes, along=along)
 
     @cached_property
     def decisive_changes(self) -> tuple[Change, ...]:
@@ -402,6 +412,11 @@ class Comparison:
             missing = next(name for name, of in zip(self.names, self.trained, strict=True) if not of)
             return f"no training with {missing} is done"
         return f"no seed is done under both {self.baseline} and {self.proposed}"
+
+
+def still_to_come(comparisons: Iterable[Comparison]) -> int:
+    """How many planned trainings have not ended, before which nothing is said; 0 also where a plan has looks."""
+    return max((it.ruling.missing for it in comparisons if it.ruling is not None), default=0)
 
 
 def _unmeasured(names: Names, change: Change) -> str:

@@ -72,6 +72,7 @@ def with_verdicts(
             tested, since whoever looks again and again gives luck more chances.
     """
     of_rewards = [it for it in found if not it.is_control]
+    to_come = 0 if terms.looks else to_come
     with threadpool_limits(1):  # the matrices are small: a second thread mostly waits, at the cost of a core
         ruled = iter(_ruled(of_rewards, terms, look_of, to_come))
         return tuple(_ruled([it], terms, None, to_come)[0] if it.is_control else next(ruled) for it in found)

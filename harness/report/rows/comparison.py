@@ -16,9 +16,9 @@ from harness.eta.verdict.deals import smallest_p
 from harness.record.file_forms import Status
 from harness.record.plan_file import EXPERIMENT
 from harness.report.answers import word_of
-from harness.report.rows.pools import grown_text, looks_text
+from harness.report.rows.pools import grown_text, joined_text, looks_text
 from harness.results import Results
-from harness.results.comparison import Comparison
+from harness.results.comparison import Comparison, still_to_come
 from harness.results.measured import DETERMINISTIC, EVALUATION, STOCHASTIC
 from harness.results.overview import NEAR_ZERO, NOTHING
 from harness.results.standing import told_manifests
@@ -96,7 +96,7 @@ def what_decides(results: Results) -> str:
 
 def interim_text(results: Results) -> str:
     """That the plan is not trained to its end, which stands before everything else; empty where it is."""
-    missing = max((it.ruling.missing for it in results.combinations if it.ruling is not None), default=0)
+    missing = still_to_come(results.combinations)
     if not missing:
         return ""
     noun = f"training{'s' * (missing != 1)} of the plan {'are' if missing != 1 else 'is'}"
@@ -282,7 +282,7 @@ def remarks_on_cells(results: Results) -> list[str]:
     for group, equal in results.equal.items():
         where = f"{group.title}: " if len(results.groups) > 1 else ""
         lines += [f"{where}{line}." for line in equal_sentences(equal)]
-    told = [text for text in (grown_text(results), looks_text(results)) if text]
+    told = [text for text in (joined_text(results), grown_text(results), looks_text(results)) if text]
     return [*lines, *(f"{line}." for line in results.notes), *told]
 
 
