@@ -387,7 +387,7 @@ class Comparison:
             "baseline_index": self.baseline_index and self.baseline_index.to_json(),
             "proposed_index": self.proposed_index and self.proposed_index.to_json(),
             "claims": self.claims,
-            "smallest_p": smallest_p(min(self.counts)) if all(self.trained) else None,
+            "smallest_p": smallest_p(self.counts[0], proposed=self.counts[1]) if all(self.trained) else None,
             "episodes": dict(self.episodes),
             "behaviour": [change.to_json() for change in self.changes],
             "along_the_budget": [{**moment.to_json(), "answer": self.hint_at(moment)} for moment in self.along],

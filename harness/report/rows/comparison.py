@@ -124,7 +124,7 @@ def scale_text(comparison: Comparison) -> str:
 
 def basis_text(comparison: Comparison) -> str:
     """Which episodes the verdict rests on, where that needs saying; else empty."""
-    if not comparison.seeds or comparison.manner in (DETERMINISTIC, STOCHASTIC):
+    if not all(comparison.trained) or comparison.manner in (DETERMINISTIC, STOCHASTIC):
         return ""
     count = comparison.episodes[comparison.manner]
     told = f"{count:,} episode{'s' * (count != 1)} or more of each seed"
