@@ -141,6 +141,7 @@ class Comparison:
         number_of: What the sentence about the number tells: the mean return, or both indices as in the note.
         ruling: What the test says of the measures that decide, in this place; None before it was asked.
         pool: The answer over all places; None where there is one place.
+        asked: Names and manners of the measures that the ruling is about, as another place may lack some; None before.
         same_steps: Whether the policies of both rewards take the same steps in every evaluation, bit for bit.
         rescaling: What the proposed reward is, if it is the baseline but for scale and offset; else None.
         same_starts: Whether policies met the same episodes in their evaluations, as far as that is known.
@@ -164,6 +165,7 @@ class Comparison:
     number_of: Literal["returns", "indices"] = "returns"
     ruling: Ruling | None = None
     pool: Pool | None = None
+    asked: tuple[tuple[str, str], ...] | None = None
     same_steps: bool = False
     rescaling: Rescaling | None = None
     same_starts: bool = True
@@ -267,14 +269,20 @@ class Comparison:
         )
         return replace(self, returns=returns, decomposition=decomposition, changes=changes, along=along, claims=claims)
 
-    def with_ruling(self, ruling: Ruling, pool: Pool | None) -> "Comparison":
-        """The comparison with what the test says of the measures that decide; before the end hints say no word."""
-        ruled = dict(zip_longest(map(id, self.decisive_changes), ruling.of_measures))
+    def with_ruling(self, asked: Sequence[Change], ruling: Ruling, pool: Pool | None) -> "Comparison":
+        """The comparison with what the test says; before the plan is trained to its end hints say no word.
+
+        Args:
+            asked: The measures that it was asked about: those of `decisive_changes` that decide in all places.
+            ruling: What it says of them.
+            pool: The answer over all places.
+        """
+        ruled = dict(zip_longest(map(id, asked), ruling.of_measures))
         changes = tuple(
             replace(it, p=ruling.p, corrected=ruled[id(it)], level=ruling.level) if id(it) in ruled else it
             for it in self.changes
         )
-        found = replace(self, changes=changes, ruling=ruling, pool=pool)
+        found = replace(self, changes=changes, ruling=ruling, pool=pool, asked=tuple(map(_kind, asked)))
         return found._without_words() if ruling.missing else found
 
     def _without_words(self) -> "Comparison":
@@ -293,10 +301,10 @@ class Comparison:
         succeeds more often where success is hard would be told to be slow.
         """
         acted = self.changes_of(self.answered_in)
-        ended = [change for name in self.deciding for change in acted if change.name == name and change.is_complete]
-        if not ended or self.speed is None or not self.speed.is_complete or any(it is self.speed for it in ended):
-            return tuple(ended)
-        return (*ended, self.speed)
+        found = [change for name in self.deciding for change in acted if change.name == name and change.is_complete]
+        if found and self.speed is not None and self.speed.is_complete and all(it is not self.speed for it in found):
+            found.append(self.speed)
+        return tuple(it for it in found if self.asked is None or _kind(it) in self.asked)
 
     @property
     def answered_in(self) -> str:
@@ -412,6 +420,11 @@ class Comparison:
             missing = next(name for name, of in zip(self.names, self.trained, strict=True) if not of)
             return f"no training with {missing} is done"
         return f"no seed is done under both {self.baseline} and {self.proposed}"
+
+
+def _kind(change: Change) -> tuple[str, str]:
+    """Tells a measure apart from all others of a comparison."""
+    return change.name, change.measure.manner
 
 
 def still_to_come(comparisons: Iterable[Comparison]) -> int:

@@ -109,14 +109,12 @@ def _with_rulings(
     family: Sequence[Comparison], asked: Sequence[Asked], rulings: Sequence[Ruling], unasked: Ruling
 ) -> list[Comparison]:
     """Each comparison with its own ruling and, where there are several places, with the answer over all of them."""
-    found = dict[Place, tuple[Ruling, Pool | None]]()
+    found = dict[Place, tuple[Sequence[Change], Ruling, Pool | None]]()
     for it, whole in zip(asked, rulings, strict=True):
-        if len(it.members) == 1:
-            found[it.members[0].place_key] = (whole, None)
-            continue
-        pool, of_places = _pooled(it, whole)
-        found |= {member.place_key: (ruling, pool) for member, ruling in zip(it.members, of_places, strict=True)}
-    return [it.with_ruling(*found.get(it.place_key, (unasked, None))) for it in family]
+        pool, of_places = _pooled(it, whole) if len(it.members) > 1 else (None, [whole])
+        for member, changes, ruling in zip(it.members, it.changes, of_places, strict=True):
+            found[member.place_key] = (changes, ruling, pool)
+    return [it.with_ruling(*found.get(it.place_key, ((), unasked, None))) for it in family]
 
 
 def _pooled(asked: Asked, whole: Ruling) -> tuple[Pool, Sequence[Ruling]]:

@@ -228,3 +228,11 @@ def test_a_plan_of_looks_is_never_unfinished():
     look_of = lambda it: ({seed: int(seed >= 3) for seed in range(6)}, 2)  # noqa: E731
     found = with_verdicts([of_success("dense", 0.9), unmeasured], terms, look_of, to_come=9)
     assert still_to_come(found) == 0
+
+
+def test_a_measure_that_another_place_lacks_decides_in_none():
+    """So the answer of a place speaks of the measures that the test was asked about, and of no other."""
+    with_speed = comparison("dense", {"success_rate": rates(0.5, 0.9)}, "mujoco", speed=rates(0.3, 0.6))
+    found = with_verdicts([with_speed, of_success("dense", 0.9, "pybullet", seed=1)])
+    assert [[change.measure.manner for change in it.decisive_changes] for it in found] == [["deterministic"]] * 2
+    assert [it.headline.answer for it in found] == ["helps", "helps"]
