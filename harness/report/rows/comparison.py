@@ -97,8 +97,11 @@ def what_decides(results: Results) -> str:
 def interim_text(results: Results) -> str:
     """That the plan is not trained to its end, which stands before everything else; empty where it is."""
     missing = still_to_come(results.combinations)
-    if not missing:
-        return ""
+    return interim_line(missing) if missing else ""
+
+
+def interim_line(missing: int) -> str:
+    """The same, of so many trainings that are still to come."""
     noun = f"training{'s' * (missing != 1)} of the plan {'are' if missing != 1 else 'is'}"
     return f"Interim: {missing:,} {noun} still to come. Nothing here says yet what is better or worse."
 
