@@ -131,11 +131,12 @@ def basis_text(comparison: Comparison) -> str:
         return ""
     count = comparison.episodes[comparison.manner]
     told = f"{count:,} episode{'s' * (count != 1)} or more of each seed"
+    rests = "will rest" if comparison.headline.answer is Answer.INTERIM else "rests"
     if comparison.manner.startswith(EVALUATION):
-        return f"The verdict rests on evaluations of the final policies, {told}."
+        return f"The verdict {rests} on evaluations of the final policies, {told}."
     return (
-        f"The verdict rests on the training itself, {told} {comparison.manner}: evaluations of the final policies were "
-        "not recorded for all seeds. harness.evaluate_policy records one."
+        f"The verdict {rests} on the training itself, {told} {comparison.manner}: evaluations of the final policies "
+        "were not recorded for all seeds. harness.evaluate_policy records one."
     )
 
 

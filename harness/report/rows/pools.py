@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from harness.eta.amounts import listed
+from harness.eta.headline import count_seeds
 from harness.report.answers import badge_of, word_of
 from harness.results import Results
 from harness.results.comparison import Comparison
@@ -15,7 +16,7 @@ EXPLANATION = (
     "mean over all places. Single places are asked only where that answer stands."
 )
 GROWN = (
-    "Seeds were added after {counts} seeds had been trained, and no plan foresaw that. To look at results and then to "
+    "Seeds were added after {counts} had been trained, and no plan foresaw that. To look at results and then to "
     "train on gives luck more chances. A verdict is then false in 6 to 11 % of the cases, and not in 5 %. "
     "harness run --until decided keeps to 5 %."
 )
@@ -47,7 +48,7 @@ def pooled_answers(combinations: Sequence[Comparison]) -> list[PooledAnswer]:
 def grown_text(results: Results) -> str:
     """A warning where a folder has grown by looks that no plan foresaw; else empty."""
     grown = results.plan.terms.grown
-    return GROWN.format(counts=" and ".join(map(str, grown))) if grown else ""
+    return GROWN.format(counts=listed([count_seeds(seeds) for seeds in grown])) if grown else ""
 
 
 def joined_text(results: Results) -> str:

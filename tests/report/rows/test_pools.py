@@ -26,3 +26,8 @@ def test_where_none_came_later_nothing_is_said():
 def test_added_seeds_are_told_with_what_they_cost():
     """As `tests/eta/verdict/test_later.py` measures it."""
     assert "false in 6 to 11 % of the cases" in grown_text(of_terms(grown=(4,)))
+
+
+def test_each_number_of_seeds_after_which_some_were_added_is_told():
+    """In words."""
+    assert grown_text(of_terms(grown=(1, 4))).startswith("Seeds were added after 1 seed and 4 seeds had been trained")

@@ -9,6 +9,7 @@ import pytest
 
 from harness.errors import UsageError
 from harness.eta.scored_sums import BB, KK
+from harness.eta.verdict.ruling import Ruling
 from harness.record.recording.facts import OWN_SOURCE, Source, TrainingFacts
 from harness.record.recording.recorded_training import RecordedTraining
 from harness.report.rows.comparison import basis_text
@@ -524,3 +525,9 @@ def test_the_smallest_p_is_that_of_both_numbers_of_trainings(unlike: Path):
     """Four against three: one way in 35."""
     (told,) = load_study(unlike).to_json()["comparisons"]
     assert told["smallest_p"] == pytest.approx(1 / 35)
+
+
+def test_an_unfinished_plan_has_no_verdict_yet(study_folder: Path):
+    """What it will rest on is told all the same."""
+    (comparison,) = load_study(study_folder).comparisons
+    assert basis_text(replace(comparison, ruling=Ruling(missing=2))).startswith("The verdict will rest on the training")
