@@ -26,6 +26,8 @@ from harness.eta.unseen import difference_bounds, mean_bounds
 
 TRAINING, WHOLE = "while training", "over the training"
 """The manners of the episodes of a training itself: of an arm, and of a recorded training."""
+NO_WORD = 0.0
+"""The level of an experiment that is not trained to its end: no p is so small."""
 FAILED = 0.5
 """A training failed if its policy succeeds in less than this share of its episodes."""
 
@@ -102,7 +104,7 @@ class Change:
         outcomes: The mean difference with the trainings' names swapped in all ways, see `harness.eta.swaps`; None
             below two seeds that both rewards have, which can claim nothing.
         reason: Why the metric failed for a seed; empty if it did not fail, also if it is not defined.
-        level: A corrected p-value up to this says that there is a difference.
+        level: A corrected p-value up to this says that there is a difference; `NO_WORD` where nothing may be said.
     """
 
     measure: Measure

@@ -8,7 +8,7 @@ from typing import Any
 from harness.errors import UsageError
 from harness.record.cell import Cell
 from harness.record.plan_file import StoredPlan, experiment_in
-from harness.record.terms import FIRST
+from harness.record.terms import FIRST, Terms
 
 LISTS = ("sim", "algo", "reward")
 """Keys of an experiment that hold names; each multiplies the cells, as ``seeds`` does."""
@@ -59,10 +59,23 @@ def _with_experiment(folder: Path, plan: StoredPlan) -> StoredPlan:
 
 def _unite(one: StoredPlan, other: StoredPlan) -> StoredPlan:
     control = {**one.control, **other.control}
-    terms = one.terms if one.terms == other.terms else FIRST
-    both = replace(other, control=control, a_a=one.a_a or other.a_a, terms=terms).with_cells_of(one.cells)
+    both = replace(
+        other, control=control, a_a=one.a_a or other.a_a, terms=_terms_of_both(one.terms, other.terms)
+    ).with_cells_of(one.cells)
     experiment = _experiment_of_both(one, other)
     return replace(both, cells=_in_order(both), experiment=experiment) if experiment else both
+
+
+def _terms_of_both(one: Terms, other: Terms) -> Terms:
+    """What both agreed on; `FIRST` where that is not the same. What was added later to either stays told."""
+    agreed = one if _agreed(one) == _agreed(other) else FIRST
+    grown = tuple(sorted({*one.grown, *other.grown}))
+    return replace(agreed, grown=grown, joined=tuple(dict.fromkeys((*one.joined, *other.joined))))
+
+
+def _agreed(terms: Terms) -> Terms:
+    """The terms without what was added later."""
+    return replace(terms, grown=(), joined=())
 
 
 def _experiment_of_both(one: StoredPlan, other: StoredPlan) -> dict[str, Any]:

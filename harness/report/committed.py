@@ -10,15 +10,16 @@ from rich.text import Text
 from typing_extensions import TypedDict
 
 from harness.errors import UsageError
-from harness.eta.headline import SUCCESS
+from harness.eta.headline import SUCCESS, Answer
 from harness.files.bounded import parse_json, read_bytes, reading
 from harness.record.file_forms import OPEN, Count, Line, Name, Status, require_form
 from harness.record.plan_file import EXPERIMENT, PLAN
-from harness.report.rows.comparison import Grid, format_number
+from harness.report.rows.comparison import Grid, format_number, interim_line
 from harness.report.summary.summary import RECORD, SUMMARY
 from harness.report.tables.overview import WideOrNarrow
 from harness.results.comparison import deciding_manner
 from harness.results.overview import NOTHING, decided_by_text, short_name, values_text
+from harness.results.seen import ENDED
 from harness.text import command_text
 
 MOST_BYTES = 64 * 2**20
@@ -87,6 +88,7 @@ class ComparisonForm(TypedDict):
     proposed: Name
     is_control: bool
     seeds: list[int]
+    trained: NotRequired[dict[Name, list[int]]]
     headline: HeadlineForm
     eta_N: SplitForm
     eta_P: SplitForm
@@ -182,6 +184,7 @@ def committed_table(folder: Path) -> RenderableType:
     cells = (record or environments or {"cells": []})["cells"]
     done = sum(cell["status"] == "done" for cell in cells)
     parts: list[RenderableType] = [Text(f"Committed records of {len(cells)} cells, {done} done.")]
+    parts += _interim(record)
     if environments is not None:
         parts += [part for place in environments["studies"] for part in _place(place)]
     comparisons = record["combinations"] if record else []
@@ -275,9 +278,23 @@ def _row(name: str, comparison: ComparisonForm, with_intervals: bool) -> tuple[s
         comparison["headline"]["answer"].upper(),
         decided_by_text(decider, first, _values(comparison, decider)),
         _values(comparison, first),
-        str(len(comparison["seeds"])),
+        _counts(comparison),
         *(_ratio(it, with_intervals) for it in ratios.values()),
     )
+
+
+def _counts(comparison: ComparisonForm) -> str:
+    """How many trainings each reward has; up to version 0.2 the seeds that both have."""
+    counts = [len(seeds) for seeds in comparison.get("trained", {}).values()] or [len(comparison["seeds"])]
+    return " / ".join(map(str, dict.fromkeys(counts)))
+
+
+def _interim(record: RecordForm | None) -> list[RenderableType]:
+    """That the plan was not trained to its end when the records were written."""
+    answers = {it["headline"]["answer"] for it in record["combinations"]} if record else set[str]()
+    if record is None or Answer.INTERIM not in answers:
+        return []
+    return [Text(interim_line(sum(cell["status"] not in ENDED for cell in record["cells"])))]
 
 
 def _ratio(ratio: RatioForm, with_intervals: bool) -> str:

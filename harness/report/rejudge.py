@@ -12,13 +12,13 @@ from pathlib import Path
 from typing import Any
 
 from harness.files.whole_file import write_whole
-from harness.record.terms import FIRST, Terms
 from harness.report.answers import word_of
 from harness.report.rows.behaviour import behaviour_row
 from harness.report.rows.comparison import TESTS, answer_text, rewards_text
 from harness.report.summary.markdown import escape, pooled_part
-from harness.report.summary.stored import behaviour_of, stored_comparisons
+from harness.report.summary.stored import behaviour_of, stored_comparisons, studied_comparisons
 from harness.results.comparison import Comparison
+from harness.results.seen import ENDED
 from harness.results.verdicts import with_verdicts
 
 RECORD, PAGE = "results.json", "summary.md"
@@ -35,16 +35,15 @@ DIFFERENCE, P = 3, -2
 """Columns of a table of behaviour: the interval; from here on the p-value and the result."""
 
 
-def judged_anew(combinations: Sequence[Mapping[str, Any]], terms: Terms = FIRST) -> tuple[Comparison, ...]:
+def judged_anew(combinations: Sequence[Mapping[str, Any]]) -> tuple[Comparison, ...]:
     """Comparisons with answers, of what ``harness report --json`` says of them.
 
     They hold the measures of behaviour and their seeds' values, and nothing of the rewards.
 
     Args:
         combinations: The key of that name.
-        terms: What was agreed on before the first training.
     """
-    return with_verdicts([behaviour_of(it) for it in combinations], terms)
+    return with_verdicts([behaviour_of(it) for it in combinations])
 
 
 def rejudge(folder: Path) -> None:
@@ -55,20 +54,33 @@ def rejudge(folder: Path) -> None:
 
     Raises:
         OSError: There is no such record.
-        ValueError: Its page does not hold the answers of its file.
+        ValueError: Its page does not hold the answers of its file; or the plan has looks, or was not trained to its
+            end, and then a record does not hold what its answers follow from.
     """
     record = json.loads((folder / RECORD).read_text(encoding="utf-8"))
+    _require_ended(record)
     told = list(stored_comparisons(record))
     judged = judged_anew(told)
     page = (folder / PAGE).read_text(encoding="utf-8")
     page = _page(page, told, judged)
     for it, comparison in zip(told, judged, strict=True):
         _rewrite(it, comparison)
-    if "combinations" in record:
+    if record.get("combinations"):
+        anew = {(it.group.task.label, it.group.algorithm.label, it.baseline, it.proposed): it for it in judged}
+        for it in studied_comparisons(record):
+            _rewrite(it, anew[it["task"], it["algorithm"], it["baseline"], it["proposed"]])
         pools = {id(it.pool): it.pool for it in judged if it.pool is not None}.values()
         record["over_places"] = [pool.to_json() for pool in pools]
     write_whole(folder / RECORD, json.dumps(record, indent=1, allow_nan=False) + "\n")
     write_whole(folder / PAGE, page)
+
+
+def _require_ended(record: Mapping[str, Any]) -> None:
+    """See that all trainings count at once, and that none is still to come."""
+    if (record.get("terms") or {}).get("looks"):
+        raise ValueError(f"{RECORD} is of a plan with looks: report its folder again")
+    if to_come := sum(cell["status"] not in ENDED for cell in record.get("cells", ())):
+        raise ValueError(f"{RECORD} is of a plan of which {to_come} trainings are still to come: it has no answers")
 
 
 def _rewrite(told: dict[str, Any], comparison: Comparison) -> None:
@@ -115,7 +127,7 @@ def _page(page: str, told: Sequence[Mapping[str, Any]], judged: Sequence[Compari
 
 def _sentence(told: Mapping[str, Any]) -> str:
     headline = told["headline"]
-    sentence: str = headline.get("robot") or headline["agent"]
+    sentence: str = headline.get("robot") or headline.get("agent") or headline["behaviour"]
     return sentence
 
 

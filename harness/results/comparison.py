@@ -1,13 +1,14 @@
 """One proposed reward against the baseline: what the comparison of their runs says."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from html import escape
+from itertools import zip_longest
 from typing import Any, Literal, NamedTuple
 
 from harness.arrays import Float
-from harness.eta.behaviour_change import TRAINING, WHOLE, Change
+from harness.eta.behaviour_change import NO_WORD, TRAINING, WHOLE, Change
 from harness.eta.curve import GroupCurve
 from harness.eta.headline import DECIDING, SUCCESS, UNMEASURED, Answer, Headline, Names
 from harness.eta.index import Index, Ratio
@@ -140,6 +141,7 @@ class Comparison:
         number_of: What the sentence about the number tells: the mean return, or both indices as in the note.
         ruling: What the test says of the measures that decide, in this place; None before it was asked.
         pool: The answer over all places; None where there is one place.
+        asked: Names and manners of the measures that the ruling is about, as another place may lack some; None before.
         same_steps: Whether the policies of both rewards take the same steps in every evaluation, bit for bit.
         rescaling: What the proposed reward is, if it is the baseline but for scale and offset; else None.
         same_starts: Whether policies met the same episodes in their evaluations, as far as that is known.
@@ -163,6 +165,7 @@ class Comparison:
     number_of: Literal["returns", "indices"] = "returns"
     ruling: Ruling | None = None
     pool: Pool | None = None
+    asked: tuple[tuple[str, str], ...] | None = None
     same_steps: bool = False
     rescaling: Rescaling | None = None
     same_starts: bool = True
@@ -266,14 +269,29 @@ class Comparison:
         )
         return replace(self, returns=returns, decomposition=decomposition, changes=changes, along=along, claims=claims)
 
-    def with_ruling(self, ruling: Ruling, pool: Pool | None) -> "Comparison":
-        """The comparison with what the test says of the measures that decide."""
-        p_values = dict(zip(map(id, self.decisive_changes), ruling.of_measures, strict=False))
+    def with_ruling(self, asked: Sequence[Change], ruling: Ruling, pool: Pool | None) -> "Comparison":
+        """The comparison with what the test says; before the plan is trained to its end hints say no word.
+
+        Args:
+            asked: The measures that it was asked about: those of `decisive_changes` that decide in all places.
+            ruling: What it says of them.
+            pool: The answer over all places.
+        """
+        ruled = dict(zip_longest(map(id, asked), ruling.of_measures))
         changes = tuple(
-            replace(it, p=ruling.p, corrected=p_values[id(it)], level=ruling.level) if id(it) in p_values else it
+            replace(it, p=ruling.p, corrected=ruled[id(it)], level=ruling.level) if id(it) in ruled else it
             for it in self.changes
         )
-        return replace(self, changes=changes, ruling=ruling, pool=pool)
+        found = replace(self, changes=changes, ruling=ruling, pool=pool, asked=tuple(map(_kind, asked)))
+        return found._without_words() if ruling.missing else found
+
+    def _without_words(self) -> "Comparison":
+        """The comparison with hints that have a p, and call nothing better or worse."""
+        changes = tuple(replace(it, level=NO_WORD) for it in self.changes)
+        along = tuple(
+            moment._replace(changes=tuple(replace(it, level=NO_WORD) for it in moment.changes)) for moment in self.along
+        )
+        return replace(self, changes=changes, along=along)
 
     @cached_property
     def decisive_changes(self) -> tuple[Change, ...]:
@@ -283,10 +301,10 @@ class Comparison:
         succeeds more often where success is hard would be told to be slow.
         """
         acted = self.changes_of(self.answered_in)
-        ended = [change for name in self.deciding for change in acted if change.name == name and change.is_complete]
-        if not ended or self.speed is None or not self.speed.is_complete or any(it is self.speed for it in ended):
-            return tuple(ended)
-        return (*ended, self.speed)
+        found = [change for name in self.deciding for change in acted if change.name == name and change.is_complete]
+        if found and self.speed is not None and self.speed.is_complete and all(it is not self.speed for it in found):
+            found.append(self.speed)
+        return tuple(it for it in found if self.asked is None or _kind(it) in self.asked)
 
     @property
     def answered_in(self) -> str:
@@ -377,7 +395,7 @@ class Comparison:
             "baseline_index": self.baseline_index and self.baseline_index.to_json(),
             "proposed_index": self.proposed_index and self.proposed_index.to_json(),
             "claims": self.claims,
-            "smallest_p": smallest_p(min(self.counts)) if all(self.trained) else None,
+            "smallest_p": smallest_p(self.counts[0], proposed=self.counts[1]) if all(self.trained) else None,
             "episodes": dict(self.episodes),
             "behaviour": [change.to_json() for change in self.changes],
             "along_the_budget": [{**moment.to_json(), "answer": self.hint_at(moment)} for moment in self.along],
@@ -402,6 +420,16 @@ class Comparison:
             missing = next(name for name, of in zip(self.names, self.trained, strict=True) if not of)
             return f"no training with {missing} is done"
         return f"no seed is done under both {self.baseline} and {self.proposed}"
+
+
+def _kind(change: Change) -> tuple[str, str]:
+    """Tells a measure apart from all others of a comparison."""
+    return change.name, change.measure.manner
+
+
+def still_to_come(comparisons: Iterable[Comparison]) -> int:
+    """How many planned trainings have not ended, before which nothing is said; 0 also where a plan has looks."""
+    return max((it.ruling.missing for it in comparisons if it.ruling is not None), default=0)
 
 
 def _unmeasured(names: Names, change: Change) -> str:

@@ -107,20 +107,20 @@ class Learning:
 def learning_of(results: Records, combination: Comparison) -> Learning | None:
     """The learning curves of a combination: of evaluations, or where there are none of the training itself.
 
-    None for the null control, and without a seed.
+    Of all trainings of each reward. None for the null control, and where one has none.
 
     Raises:
         SchemaError: A file is damaged or written by a newer version.
     """
-    if combination.is_control or not combination.seeds:
+    if combination.is_control or not all(combination.trained):
         return None
-    rewards = (combination.baseline, combination.proposed)
+    sides = list(zip((combination.baseline, combination.proposed), combination.trained, strict=True))
     if combination.group.evaluate_every:
-        baseline, proposed = (_curve(results, combination, it) for it in rewards)
+        baseline, proposed = (_curve(results, combination, *it) for it in sides)
         if any(len(run.moments) > 1 for curve in (baseline, proposed) for run in curve.runs):
             random = {change.name: change.random for change in combination.changes_of(combination.own_manner)}
             return Learning(baseline, proposed, random)
-    baseline, proposed = (_curve_of_training(results, combination, it) for it in rewards)
+    baseline, proposed = (_curve_of_training(results, combination, *it) for it in sides)
     return Learning(baseline, proposed, dict.fromkeys(baseline.points))
 
 
@@ -164,11 +164,11 @@ def mean_point(
     return Point(end, mean_over_seeds(known, missing, episodes, bounds))
 
 
-def _curve_of_training(results: Records, combination: Comparison, label: str) -> LearningCurve:
+def _curve_of_training(results: Records, combination: Comparison, label: str, seeds: Sequence[int]) -> LearningCurve:
     """Success, and what the own reward paid, of the episodes that ended in each stretch of the training."""
     cells = _cells_of(results, combination, label)
-    learned = [results.of(cells[seed]).learned() for seed in combination.seeds]
-    for seed in combination.seeds:
+    learned = [results.of(cells[seed]).learned() for seed in seeds]
+    for seed in seeds:
         results.of(cells[seed]).finish()
     success, paid = [], []
     for begin, end in stretches(combination.group.steps):
@@ -187,9 +187,9 @@ def _point(moments: list[Moment], metric: str, seeds: int, episodes: int | None,
     return Point(steps, mean_over_seeds(values, missing, episodes, bounds))
 
 
-def _curve(results: Records, combination: Comparison, label: str) -> LearningCurve:
+def _curve(results: Records, combination: Comparison, label: str, seeds: Sequence[int]) -> LearningCurve:
     cells = _cells_of(results, combination, label)
-    runs = tuple(LearningRun(seed, results.moments(cells[seed])) for seed in combination.seeds)
+    runs = tuple(LearningRun(seed, results.moments(cells[seed])) for seed in seeds)
     points = {
         name: learning_points(runs, name, combination.group, is_share(metric), bounds_of(metric))
         for name, metric in results.metrics.items()

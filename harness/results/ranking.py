@@ -27,7 +27,7 @@ from harness.eta.ranking import (
     transplant,
 )
 from harness.record.cell import Cell
-from harness.results.comparison import Comparison, Group, deciding_manner
+from harness.results.comparison import Comparison, Group, deciding_manner, still_to_come
 from harness.results.results import Results
 
 Kind: TypeAlias = Literal["simulator", "algorithm"]
@@ -198,7 +198,12 @@ class Ranking:
 
 
 def ranking_of(results: Results) -> Ranking:
-    """The order of the rewards in every place, by success and by eta, and how the best one does elsewhere."""
+    """The order of the rewards in every place, by success and by eta, and how the best one does elsewhere.
+
+    There is none before the plan is trained to its end: whoever looks again and again gives luck more chances.
+    """
+    if missing := still_to_come(results.combinations):
+        return Ranking((), f"{missing:,} trainings of the plan are still to come, and an order may change until then")
     tasks: dict[tuple[Any, ...], list[_Found]] = {}
     for group, cells in results.groups.items():
         found = _find(results, group, [cell for cell in cells if not results.is_control(cell)])

@@ -15,13 +15,15 @@ _NUMBERS = (
     *("p", "p_corrected", "baseline_value", "proposed_value", "difference", "low", "high"),
     *(f"{name}{end}" for name in ("eta_N", "eta_P", "ruler", "behaviour") for end in _ENDS),
 )
-SCHEMA = pa.schema({**_TEXT, "steps": pa.int64(), "seeds": pa.int64(), **dict.fromkeys(_NUMBERS, pa.float64())})
+_COUNTS = ("steps", "seeds", "baseline_trainings", "proposed_trainings")
+SCHEMA = pa.schema({**_TEXT, **dict.fromkeys(_COUNTS, pa.int64()), **dict.fromkeys(_NUMBERS, pa.float64())})
 """The columns: where both rewards trained, the answer with its test, the measure that decides, the numbers."""
 
 
 def comparison_rows(comparisons: Sequence[Comparison]) -> pa.Table:
     """A row for each comparison; null where a number is not known.
 
+    ``seeds`` are those that both rewards have; behaviour is compared over all trainings of each.
     ``measure`` is the first of the measures that decide, with both values, their difference and its 95 % interval.
     ``ruler`` and ``behaviour`` are the parts of ``eta`` of the mean return where there is one, else those of eta_P.
     """
@@ -34,7 +36,7 @@ def _row(comparison: Comparison) -> Iterator[tuple[str, Any]]:
     )  # fmt: skip
     yield from ((kind, labels.get(kind)) for kind in KINDS)
     yield from zip(("baseline", "proposed"), comparison.names, strict=True)
-    yield from (("steps", comparison.group.steps), ("seeds", len(comparison.seeds)))
+    yield from zip(_COUNTS, (comparison.group.steps, len(comparison.seeds), *comparison.counts), strict=True)
     yield from (("answer", headline.answer.value), ("decided_by", headline.decided_by))
     if ruling is not None:
         yield from (("p", ruling.p), ("p_corrected", ruling.corrected))

@@ -10,10 +10,10 @@ from enum import StrEnum
 from typing import Any, NamedTuple
 
 from harness.errors import UsageError
-from harness.eta.behaviour_change import Change, change_of
+from harness.eta.behaviour_change import NO_WORD, Change, change_of
 from harness.eta.headline import is_within, margin_of
-from harness.eta.swaps import Swaps, corrected_p, swaps_of
-from harness.results.comparison import Comparison, Group
+from harness.eta.swaps import ALPHA, Swaps, corrected_p, swaps_of
+from harness.results.comparison import Comparison, Group, still_to_come
 from harness.results.policies import Policies, policies_of
 from harness.results.results import Results
 
@@ -26,6 +26,8 @@ class Verdict(StrEnum):
     WORSE = "worse"
     NO_DIFFERENCE = "no difference"
     CANNOT_TELL = "cannot tell"
+    INTERIM = "interim"
+    """Planned trainings of one of the experiments are still to come."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,12 +59,19 @@ class BeforeAfter:
         return tuple(change for change in self.changes if change.direction)
 
     @property
+    def is_interim(self) -> bool:
+        """Whether planned trainings of one of the experiments are still to come. Nothing is tested before."""
+        return still_to_come((self.before, self.after)) > 0
+
+    @property
     def verdict(self) -> Verdict:
         """The verdict on what decides. It is "the same" only if every value of every measure is the same."""
         if self.decisive is None:
             return Verdict.CANNOT_TELL
         if all(one == other for one, other in (change.trainings for change in self.changes)):
             return Verdict.SAME
+        if self.is_interim:
+            return Verdict.INTERIM
         if self.decisive.direction:
             return Verdict(self.decisive.direction)
         return Verdict.NO_DIFFERENCE if is_within(self.decisive, margin_of(self.decisive)) else Verdict.CANNOT_TELL
@@ -123,7 +132,8 @@ def between(before: Results, after: Results) -> Between:
     ]
     swaps = swaps_of(sorted({seed for first, second in trained for seed in first.did.keys() & second.did.keys()}))
     changes = [_changes(first, second, swaps) for first, second in trained]
-    pairs = zip(shared, _correct(changes), trained, strict=True)
+    is_interim = still_to_come([*one.values(), *other.values()]) > 0
+    pairs = zip(shared, _correct(changes, NO_WORD if is_interim else ALPHA), trained, strict=True)
     return Between(
         tuple(BeforeAfter(one[key], other[key], found, _other_code(*both)) for key, found, both in pairs),
         tuple(it for key, it in one.items() if key not in other),
@@ -164,12 +174,12 @@ def _other_code(before: Policies, after: Policies) -> tuple[str, ...]:
     return tuple(name for name in before.names if name in after.names and before.code.get(name) != after.code.get(name))
 
 
-def _correct(families: Sequence[tuple[Change, ...]]) -> list[tuple[Change, ...]]:
+def _correct(families: Sequence[tuple[Change, ...]], level: float) -> list[tuple[Change, ...]]:
     """The changes with p-values that hold for all changes of all combinations together."""
     outcomes = [change.outcomes for changes in families for change in changes if change.outcomes is not None]
     p_values = iter(corrected_p(outcomes))
     return [
-        tuple(replace(it, corrected=None if it.outcomes is None else next(p_values)) for it in changes)
+        tuple(replace(it, corrected=None if it.outcomes is None else next(p_values), level=level) for it in changes)
         for changes in families
     ]
 

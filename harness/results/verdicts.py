@@ -17,14 +17,12 @@ from harness.eta.verdict.question import Question
 from harness.eta.verdict.ruling import Ruling, better_in, opposed_in, rule, rule_places
 from harness.eta.verdict.together import Together, question_of, seeds_of, size_of
 from harness.record.terms import FIRST, Terms
-from harness.results.comparison import Comparison, Group, correct
+from harness.results.comparison import Comparison, correct
 from harness.results.pool import Pool
 
 RACED = "The race decides, and ends a reward's trainings when it leaves; this comparison by itself is no test."
 LookOf = Callable[[Comparison], tuple[Mapping[int, int], int]]
 """Tells of a comparison the look at which each seed was trained, and how many looks are complete."""
-Place = tuple[Group, str, str]
-"""What tells a comparison apart, see `Comparison.place_key`."""
 
 
 class Key(NamedTuple):
@@ -72,6 +70,7 @@ def with_verdicts(
             tested, since whoever looks again and again gives luck more chances.
     """
     of_rewards = [it for it in found if not it.is_control]
+    to_come = 0 if terms.looks else to_come
     with threadpool_limits(1):  # the matrices are small: a second thread mostly waits, at the cost of a core
         ruled = iter(_ruled(of_rewards, terms, look_of, to_come))
         return tuple(_ruled([it], terms, None, to_come)[0] if it.is_control else next(ruled) for it in found)
@@ -108,14 +107,12 @@ def _with_rulings(
     family: Sequence[Comparison], asked: Sequence[Asked], rulings: Sequence[Ruling], unasked: Ruling
 ) -> list[Comparison]:
     """Each comparison with its own ruling and, where there are several places, with the answer over all of them."""
-    found = dict[Place, tuple[Ruling, Pool | None]]()
+    found = dict[int, tuple[Sequence[Change], Ruling, Pool | None]]()
     for it, whole in zip(asked, rulings, strict=True):
-        if len(it.members) == 1:
-            found[it.members[0].place_key] = (whole, None)
-            continue
-        pool, of_places = _pooled(it, whole)
-        found |= {member.place_key: (ruling, pool) for member, ruling in zip(it.members, of_places, strict=True)}
-    return [it.with_ruling(*found.get(it.place_key, (unasked, None))) for it in family]
+        pool, of_places = _pooled(it, whole) if len(it.members) > 1 else (None, [whole])
+        for member, changes, ruling in zip(it.members, it.changes, of_places, strict=True):
+            found[id(member)] = (changes, ruling, pool)
+    return [it.with_ruling(*found.get(id(it), ((), unasked, None))) for it in family]
 
 
 def _pooled(asked: Asked, whole: Ruling) -> tuple[Pool, Sequence[Ruling]]:

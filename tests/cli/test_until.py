@@ -122,5 +122,5 @@ def test_seeds_that_no_look_asked_for_are_told(harness, quick):
     harness("run", *quick, "--reward", "dense", "--seeds", "1", "--out", "here")
     harness("run", *quick, "--reward", "dense", "--seeds", "2", "--out", "here")
     told = " ".join(harness("report", "here").out.split())
-    assert "Seeds were added after 1 seeds had been trained" in told
+    assert "Seeds were added after 1 seed had been trained" in told
     assert "harness run --until decided keeps to 5 %" in told

@@ -18,6 +18,7 @@ from harness.record.manifest import read_manifest
 from harness.record.merge import merge
 from harness.record.plan_file import EXPERIMENT, PLAN, read_plan
 from harness.record.store import CELLS, LOCK, REPORT, RESULTS, Store
+from harness.record.terms import FIRST, Terms
 from harness.record.verify import verify
 from harness.registry.registry import Registry
 from harness.report.document import report_text
@@ -242,3 +243,20 @@ def test_number_of_seeds_that_no_cell_has_is_no_list(
         Store.create(tmp_path / name, replace(plan, resolved={**plan.resolved, "seeds": 10**12}))
     merge([tmp_path / "one", tmp_path / "two"], tmp_path / "all")
     assert json.loads((tmp_path / "all" / PLAN).read_text())["experiment"]["seeds"] == 10**12
+
+
+def test_what_was_added_later_stays_told(run: Run, tmp_path: Path):
+    """Of either folder, and what both agreed on besides."""
+    one, other = run("one", [0, 1]), run("two", [2, 3])
+    for folder, added in ((one, Terms(averaged=5, grown=(2,))), (other, Terms(averaged=5, joined=("arp",)))):
+        replace(read_plan(folder), terms=added).write(folder)
+    merge([one, other], tmp_path / "all")
+    assert read_plan(tmp_path / "all").terms == Terms(averaged=5, grown=(2,), joined=("arp",))
+
+
+def test_other_terms_are_those_of_no_plan(run: Run, tmp_path: Path):
+    """Trainings in looks beside such of all seeds at once."""
+    one, other = run("one", [0, 1]), run("two", [2, 3])
+    replace(read_plan(one), terms=Terms((2, 4), averaged=5)).write(one)
+    merge([one, other], tmp_path / "all")
+    assert read_plan(tmp_path / "all").terms == FIRST

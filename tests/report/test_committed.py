@@ -120,3 +120,16 @@ def test_the_committed_records_of_the_project_open(request):
     assert lines[0] == f"Committed records of {len(record['cells'])} cells, {len(record['cells'])} done."
     (dense,) = (line for line in lines if line.startswith("dense "))
     assert " the time, 0.770 -> 0.365 s " in dense
+
+
+def test_records_of_an_unfinished_plan_say_so_first(build, commit):
+    """As the report that they were written with did."""
+    first, second, *_ = lines_of(commit(build(ended={("arp", 2): ("pending", ""), ("arp", 1): ("failed", "x")})))
+    assert first == "Committed records of 6 cells, 4 done."
+    assert second.startswith("Interim: 1 training of the plan is still to come.")
+
+
+def test_records_count_the_trainings_of_each_reward(build, commit):
+    """They need not be as many."""
+    lines = lines_of(commit(build(ended={("arp", 2): ("failed", "it broke")})))
+    assert any(line.startswith("arp ") and " 3 / 2 " in line for line in lines)

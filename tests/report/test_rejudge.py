@@ -97,3 +97,36 @@ def test_a_page_of_another_record_is_refused(copy: Path):
     with pytest.raises(ValueError, match=r"summary\.md does not say"):
         rejudge(copy)
     assert {path.name: path.read_bytes() for path in copy.iterdir()} == before
+
+
+def test_hints_keep_the_p_values_of_the_first_report(copy: Path):
+    """As the page says."""
+    record = record_of(copy)
+    hint = next(it for it in next(stored_comparisons(record))["behaviour"] if it["name"] == "distance")
+    hint |= {"p": 0.25, "p_corrected": 0.5}
+    (copy / "results.json").write_text(json.dumps(record), encoding="utf-8")
+    rejudge(copy)
+    again = next(it for it in next(stored_comparisons(record_of(copy)))["behaviour"] if it["name"] == "distance")
+    assert (again["p"], again["p_corrected"]) == (0.25, 0.5)
+
+
+@pytest.mark.parametrize(
+    ("change", "why"),
+    [
+        ({"terms": {"looks": [2, 4]}}, "a plan with looks"),
+        ({"cells": [{"status": "pending"}]}, "are still to come"),
+    ],
+)
+def test_records_that_do_not_hold_what_answers_follow_from_are_refused(copy: Path, change: Any, why: str):
+    """Of looks, and of a plan that was not trained to its end: they would get a word that no test gave."""
+    (copy / "results.json").write_text(json.dumps(record_of(copy) | change), encoding="utf-8")
+    with pytest.raises(ValueError, match=why):
+        rejudge(copy)
+
+
+def test_records_in_an_environment_are_judged_once(tmp_path: Path):
+    """From version 0.2 on they tell each comparison twice; both get the answer of one question."""
+    record = record_of(REFERENCE / "meta-world" / "reach")
+    twice = [dict(it) for it in stored_comparisons(record)]
+    told = list(stored_comparisons({"combinations": twice, "studies": record["studies"]}))
+    assert len(told) == len(twice)

@@ -20,6 +20,7 @@ from harness.record.cell import Cell
 from harness.registry.choice import Choice
 from harness.results.comparison import Comparison, Group, StepChange
 from harness.results.verdicts import with_verdicts
+from tests.results.told import comparison, rates
 
 GROUP = Group(
     "fd100", Choice("fd100-reach", (), "fd100-reach"), Choice("wander", (), "wander"), steps=12, evaluation_episodes=20,
@@ -224,3 +225,9 @@ def test_notebook_gets_both_answers(combination: Comparison):
     assert told.count("<p>") == 3
     assert "&lt;b&gt;" in told
     assert "<b>" not in told
+
+
+def test_the_smallest_p_is_that_of_both_numbers_of_trainings():
+    """No p of the verdict is below it: four against three have one way in 35."""
+    few = comparison("dense", {"success_rate": rates(0.5, 0.9, 4)})
+    assert replace(few, trained=((0, 1, 2, 3), (0, 1, 2))).to_json()["smallest_p"] == pytest.approx(1 / 35)

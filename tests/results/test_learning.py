@@ -12,6 +12,7 @@ from harness.registry.registry import Registry
 from harness.results import Results
 from harness.results.comparison import Group
 from harness.results.learning import PAID, Learning, LearningCurve, LearningRun, Moment, learning_of, learning_points
+from tests.report.conftest import build_results
 
 GROUP = Group("fd100", Choice("reach"), Choice("wander"), 100, 4, evaluate_every=30, simulator=Choice("ideal"))
 
@@ -118,3 +119,19 @@ def test_bands_stay_within_what_a_metric_can_be():
     assert free.value.low is not None
     assert free.value.low < 0.0
     assert (bound.value.low, bound.value.high) == (0.0, free.value.high)
+
+
+@pytest.mark.parametrize("learned", [{}, {10: 2}], ids=["of the training", "of evaluations"])
+def test_all_trainings_are_in_the_curves(tmp_path: Path, learned: dict[int, int]):
+    """Also those whose seed the other reward lacks, as in the answer; here there is no seed that both have."""
+    missing = {("arp", 0): ("failed", ""), ("arp", 1): ("failed", ""), ("baseline", 2): ("failed", "")}
+    results = build_results(tmp_path, learned=learned, ended=missing)
+    found = learning_of(results, results.combinations[0])
+    seeds = [curve.points["success_rate"][-1].value.seeds for curve in (found.baseline, found.proposed)]
+    assert seeds == [2, 1]
+
+
+def test_without_a_training_there_is_no_curve(tmp_path: Path):
+    """Nothing stands beside the other one."""
+    results = build_results(tmp_path, seeds=1, ended={("arp", 0): ("failed", "")})
+    assert learning_of(results, results.combinations[0]) is None

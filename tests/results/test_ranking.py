@@ -117,3 +117,11 @@ def test_json_is_plain_data(task: TaskRanking):
     assert told["pairs"][1]["chosen_in_one_used_in_other"]["answer"] == "yes"
     assert (told["pairs"][0]["same_vote"], told["pairs"][1]["same_vote"]) == (True, False)
     assert told["between_simulators"]["tau"] == -1.0
+
+
+def test_there_is_no_order_before_the_plan_is_trained_to_its_end(tmp_path: Path):
+    """Nor a choice that another place would answer otherwise; the reason says how much is to come."""
+    reached = {"baseline": reaching(0), ("baseline", "pybullet"): reaching(4), ("arp", "pybullet"): reaching(0)}
+    given = {"simulators": ("mujoco", "pybullet"), "reached": {**reached, "arp": reaching(4)}, "engines": ENGINES}
+    found = ranking_of(build_results(tmp_path, seeds=5, ended={("arp", 4): ("pending", "")}, **given))
+    assert found == Ranking((), "2 trainings of the plan are still to come, and an order may change until then")

@@ -52,3 +52,9 @@ def test_what_is_not_known_is_null():
 def test_empty_table_has_all_columns():
     """So that a program that reads it need not ask."""
     assert comparison_rows([]).schema == SCHEMA
+
+
+def test_row_counts_the_trainings_of_each_reward():
+    """They need not be as many, nor have seeds in common."""
+    row = row_of(replace(COMPARED, trained=((0, 1, 2), (1, 2))))
+    assert (row["baseline_trainings"], row["proposed_trainings"]) == (3, 2)

@@ -53,3 +53,18 @@ def test_json_has_all_of_it(build):
     (one,) = data["combinations"]
     assert (one["verdict"], one["before"]["seeds"], one["after"]["answer"]) == ("worse", [0, 1, 2, 3, 4, 5], "hurts")
     assert {change["name"] for change in one["behaviour"]} >= {"success_rate", "path_ratio"}
+
+
+@pytest.mark.parametrize("unfinished", [0, 1])
+def test_an_unfinished_plan_says_neither_better_nor_worse(build, unfinished):
+    """Whichever of both it is: of five seeds alone the test would say it."""
+    plans = [{"seeds": 6}, {"seeds": 6}]
+    plans[unfinished] |= {"ended": {("arp", 5): ("pending", "")}}
+    (pair,) = between(build(reached=ALL, **plans[0]), build(reached=NONE, **plans[1])).pairs
+    assert (pair.verdict, pair.moved) == (Verdict.INTERIM, ())
+
+
+def test_equal_values_are_a_fact_also_before_the_end(build):
+    """No test is made for it."""
+    pending = {("arp", 2): ("pending", "")}
+    assert between(build(ended=pending), build()).pairs[0].verdict == Verdict.SAME

@@ -9,7 +9,7 @@ import pytest
 from harness.eta.behaviour_change import TRAINING, change_of
 from harness.eta.swaps import swaps_of
 from harness.record.terms import Terms
-from harness.results.comparison import Comparison
+from harness.results.comparison import Comparison, StepChange, still_to_come
 from harness.results.verdicts import with_verdicts
 from tests.results.told import SUCCESS, comparison, rates
 
@@ -194,3 +194,45 @@ def test_looks_tell_which_seeds_count():
     (alone,) = with_verdicts([comparison("dense", {"success_rate": few})], terms, lambda it: look_of(it, 1))
     assert first.ruling == alone.ruling
     assert first.ruling != second.ruling
+
+
+def test_hints_of_an_unfinished_plan_say_no_word():
+    """They keep their p, which whoever looks on may read; nothing is called better or worse."""
+    hint = SUCCESS._replace(manner="stochastic")
+    it = of_success("dense", 0.9)
+    values = [dict(enumerate(side)) for side in rates(0.5, 0.9)]
+    hinted = replace(it, changes=(*it.changes, change_of(hint, *values, swaps_of(range(6)))))
+    (ended,), (interim,) = with_verdicts([hinted]), with_verdicts([hinted], to_come=1)
+    assert [found.changes[-1].direction for found in (ended, interim)] == ["better", ""]
+    assert ended.changes[-1].corrected == interim.changes[-1].corrected
+
+
+def test_an_evaluation_on_the_way_of_an_unfinished_plan_hints_at_nothing():
+    """No more than the last one does."""
+    it = of_success("dense", 0.9)
+    there = replace(it, along=(StepChange(500, it.changes),))
+    (ended,), (interim,) = with_verdicts([there]), with_verdicts([there], to_come=1)
+    assert [found.hint_at(found.along[0]) for found in (ended, interim)] == ["better", "cannot tell"]
+
+
+def test_what_decides_has_no_p_before_the_end():
+    """Not even that of its own seeds."""
+    (found,) = with_verdicts([of_success("dense", 0.9)], to_come=1)
+    assert (found.decisive.p, found.decisive.corrected) == (None, None)
+
+
+def test_a_plan_of_looks_is_never_unfinished():
+    """It says itself when to look; what is not needed any more would be pending for ever."""
+    unmeasured = replace(of_success("arp", 0.5), changes=())
+    terms = Terms((3, 6), asked=2, margin=0.1)
+    look_of = lambda it: ({seed: int(seed >= 3) for seed in range(6)}, 2)  # noqa: E731
+    found = with_verdicts([of_success("dense", 0.9), unmeasured], terms, look_of, to_come=9)
+    assert still_to_come(found) == 0
+
+
+def test_a_measure_that_another_place_lacks_decides_in_none():
+    """So the answer of a place speaks of the measures that the test was asked about, and of no other."""
+    with_speed = comparison("dense", {"success_rate": rates(0.5, 0.9)}, "mujoco", speed=rates(0.3, 0.6))
+    found = with_verdicts([with_speed, of_success("dense", 0.9, "pybullet", seed=1)])
+    assert [[change.measure.manner for change in it.decisive_changes] for it in found] == [["deterministic"]] * 2
+    assert [it.headline.answer for it in found] == ["helps", "helps"]

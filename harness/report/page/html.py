@@ -37,7 +37,7 @@ from harness.report.rows.payoff import EXPLANATION as PAYOFFS
 from harness.report.rows.payoff import TITLE as PAYOFF_TITLE
 from harness.report.rows.payoff import Audits
 from harness.report.rows.pools import EXPLANATION as POOLED
-from harness.report.rows.pools import grown_text
+from harness.report.rows.pools import grown_text, joined_text
 from harness.report.rows.race import EXPLANATION as RACE
 from harness.report.rows.race import TITLE as RACE_TITLE
 from harness.report.rows.race import race_told
@@ -49,7 +49,7 @@ from harness.report.rows.returns import MEAN, matrix_title, return_grid
 from harness.report.rows.returns import TITLE as RETURN_TITLE
 from harness.report.rows.transfer import EXPLANATION, TITLE, failure_lines, transfer_block
 from harness.results import Results
-from harness.results.comparison import Comparison
+from harness.results.comparison import Comparison, still_to_come
 from harness.results.overview import varying_kinds
 from harness.results.ranking import ranking_of
 from harness.results.replay import shows_of
@@ -203,7 +203,7 @@ def _warnings(results: Results) -> list[str]:
     """What a reader must know before the answers."""
     ended = [f"{count_cells(results)}. The last part of the page has the reasons."]
     told = ended if results.failed or results.damaged else []
-    return [*told, *(text for text in (interim_text(results), grown_text(results)) if text)]
+    return [*told, *(text for text in (interim_text(results), joined_text(results), grown_text(results)) if text)]
 
 
 def _told(results: Results) -> dict[str, str]:
@@ -212,7 +212,7 @@ def _told(results: Results) -> dict[str, str]:
     evaluated = LEARNING.format(SAME_STARTS * all(it.same_starts for it in results.combinations))
     cells, learning = "Cells" if results.is_experiment else "Recordings", evaluated if is_evaluated else TRAINED
     rulings = [it.ruling for it in results.combinations if it.ruling is not None]
-    is_promised = any(not it.instead for it in rulings) and not any(it.missing for it in rulings)
+    is_promised = any(not it.instead for it in rulings) and not still_to_come(results.combinations)
     return {
         **SHARED,
         "subject": results.subject,

@@ -66,7 +66,7 @@ class Matrix(NamedTuple):
 
 KINDS = ("simulator", "algorithm", "robot", "task")
 COLUMNS = (
-    *(*KINDS, "steps", "baseline", "proposed", "seeds", "answer"),
+    *(*KINDS, "steps", "baseline", "proposed", "seeds", "baseline_trainings", "proposed_trainings", "answer"),
     *("eta_N", "eta_N_low", "eta_N_high", "eta_P", "eta_P_low", "eta_P_high"),
     *("success_baseline", "success_proposed", "success_difference", "success_low", "success_high"),
 )
@@ -143,7 +143,8 @@ def comparisons_csv(combinations: Sequence[Comparison]) -> str:
         )
         labels = combination.group.labels
         described = (*(labels.get(kind, "") for kind in KINDS), combination.group.steps, *combination.names)
-        told = (*described, len(combination.seeds), combination.headline.answer.value, *ratios, *shares)
+        seeds = (len(combination.seeds), *combination.counts)
+        told = (*described, *seeds, combination.headline.answer.value, *ratios, *shares)
         writer.writerow([plain_text(value) for value in told])
     return text.getvalue()
 

@@ -16,9 +16,9 @@ from harness.eta.verdict.deals import smallest_p
 from harness.record.file_forms import Status
 from harness.record.plan_file import EXPERIMENT
 from harness.report.answers import word_of
-from harness.report.rows.pools import grown_text, looks_text
+from harness.report.rows.pools import grown_text, joined_text, looks_text
 from harness.results import Results
-from harness.results.comparison import Comparison
+from harness.results.comparison import Comparison, still_to_come
 from harness.results.measured import DETERMINISTIC, EVALUATION, STOCHASTIC
 from harness.results.overview import NEAR_ZERO, NOTHING
 from harness.results.standing import told_manifests
@@ -96,9 +96,12 @@ def what_decides(results: Results) -> str:
 
 def interim_text(results: Results) -> str:
     """That the plan is not trained to its end, which stands before everything else; empty where it is."""
-    missing = max((it.ruling.missing for it in results.combinations if it.ruling is not None), default=0)
-    if not missing:
-        return ""
+    missing = still_to_come(results.combinations)
+    return interim_line(missing) if missing else ""
+
+
+def interim_line(missing: int) -> str:
+    """The same, of so many trainings that are still to come."""
     noun = f"training{'s' * (missing != 1)} of the plan {'are' if missing != 1 else 'is'}"
     return f"Interim: {missing:,} {noun} still to come. Nothing here says yet what is better or worse."
 
@@ -124,15 +127,16 @@ def scale_text(comparison: Comparison) -> str:
 
 def basis_text(comparison: Comparison) -> str:
     """Which episodes the verdict rests on, where that needs saying; else empty."""
-    if not comparison.seeds or comparison.manner in (DETERMINISTIC, STOCHASTIC):
+    if not all(comparison.trained) or comparison.manner in (DETERMINISTIC, STOCHASTIC):
         return ""
     count = comparison.episodes[comparison.manner]
     told = f"{count:,} episode{'s' * (count != 1)} or more of each seed"
+    rests = "will rest" if comparison.headline.answer is Answer.INTERIM else "rests"
     if comparison.manner.startswith(EVALUATION):
-        return f"The verdict rests on evaluations of the final policies, {told}."
+        return f"The verdict {rests} on evaluations of the final policies, {told}."
     return (
-        f"The verdict rests on the training itself, {told} {comparison.manner}: evaluations of the final policies were "
-        "not recorded for all seeds. harness.evaluate_policy records one."
+        f"The verdict {rests} on the training itself, {told} {comparison.manner}: evaluations of the final policies "
+        "were not recorded for all seeds. harness.evaluate_policy records one."
     )
 
 
@@ -282,7 +286,7 @@ def remarks_on_cells(results: Results) -> list[str]:
     for group, equal in results.equal.items():
         where = f"{group.title}: " if len(results.groups) > 1 else ""
         lines += [f"{where}{line}." for line in equal_sentences(equal)]
-    told = [text for text in (grown_text(results), looks_text(results)) if text]
+    told = [text for text in (joined_text(results), grown_text(results), looks_text(results)) if text]
     return [*lines, *(f"{line}." for line in results.notes), *told]
 
 

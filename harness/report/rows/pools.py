@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from harness.eta.amounts import listed
+from harness.eta.headline import count_seeds
 from harness.report.answers import badge_of, word_of
 from harness.results import Results
 from harness.results.comparison import Comparison
@@ -14,9 +16,14 @@ EXPLANATION = (
     "mean over all places. Single places are asked only where that answer stands."
 )
 GROWN = (
-    "Seeds were added after {counts} seeds had been trained, and no plan foresaw that. To look at results and then to "
-    "train on gives luck more chances. A verdict is then false in 6 to 10 % of the cases, and not in 5 %. "
+    "Seeds were added after {counts} had been trained, and no plan foresaw that. To look at results and then to "
+    "train on gives luck more chances. A verdict is then false in 6 to 11 % of the cases, and not in 5 %. "
     "harness run --until decided keeps to 5 %."
+)
+
+JOINED = (
+    "{rewards} came later, when results of other rewards could be seen. All questions are corrected together, so an "
+    "earlier answer may have changed. The newest one counts."
 )
 
 
@@ -41,7 +48,13 @@ def pooled_answers(combinations: Sequence[Comparison]) -> list[PooledAnswer]:
 def grown_text(results: Results) -> str:
     """A warning where a folder has grown by looks that no plan foresaw; else empty."""
     grown = results.plan.terms.grown
-    return GROWN.format(counts=" and ".join(map(str, grown))) if grown else ""
+    return GROWN.format(counts=listed([count_seeds(seeds) for seeds in grown])) if grown else ""
+
+
+def joined_text(results: Results) -> str:
+    """Which rewards were asked for when results of others could be seen; empty where that is not so."""
+    joined = results.plan.terms.joined
+    return JOINED.format(rewards=listed(joined)) if joined else ""
 
 
 def looks_text(results: Results) -> str:

@@ -62,7 +62,7 @@ def draw_figures(record: Mapping[str, Any], told: Mapping[str, Any], runs: Runs)
         told: ``figures.json``.
         runs: ``runs.parquet``.
     """
-    stored = list(stored_comparisons(record))[: len(told["combinations"])]
+    stored = list(stored_comparisons(record))
     combinations = [
         comparison_of(it, beside["manner"]) for it, beside in zip(stored, told["combinations"], strict=True)
     ]

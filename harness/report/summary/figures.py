@@ -22,7 +22,7 @@ from harness.report.figures.race import draw_race
 from harness.report.figures.split import draw_split
 from harness.report.figures.split_rows import describe_split
 from harness.report.rows.behaviour import Text, percentage, text_of
-from harness.report.rows.comparison import format_number, rewards_text, seeds_text
+from harness.report.rows.comparison import compared_text, format_number, rewards_text, seeds_text
 from harness.report.rows.numbers import splits_of
 from harness.report.rows.race import TITLE as RACE_TITLE
 from harness.report.rows.race import RaceTold
@@ -117,7 +117,8 @@ def learning_file(
         return None
     told = [f"{learning_heading(name)}: {describe_learning(learning, name, text)}" for name, text in texts.items()]
     panels = [TitledChart(learning_heading(name), draw_learning(learning, name, it)) for name, it in texts.items()]
-    return _file("Learning", combination, missing, panels, [LEARNING, *told, *filter(None, flat.values())])
+    notes = [LEARNING, *told, *filter(None, flat.values())]
+    return _file("Learning", combination, missing, panels, notes, compared_text(combination))
 
 
 def flat_words(learning: Learning, measures: Mapping[str, bool]) -> str:
@@ -129,8 +130,13 @@ def _texts(measures: Mapping[str, bool]) -> dict[str, Text]:
     return {name: percentage if is_share else format_number for name, is_share in measures.items()}
 
 
-def _file(what: str, combination: Comparison, missing: str, panels: list[TitledChart], notes: list[str]) -> bytes:
-    """A figure as a file. Above its panels stands what was compared where, over how many seeds, and what is missing."""
+def _file(
+    what: str, combination: Comparison, missing: str, panels: list[TitledChart], notes: list[str], compared: str = ""
+) -> bytes:
+    """A figure as a file. Above its panels stands what was compared where, over how many seeds, and what is missing.
+
+    Pay is compared on the seeds that both rewards have; `compared` says what is, where that is not so.
+    """
     where, rewards = combination.group.title, rewards_text(combination)
-    seeds = seeds_text(combination.seeds) + (f"; {missing}" if missing else "")
+    seeds = (compared or seeds_text(combination.seeds)) + (f"; {missing}" if missing else "")
     return draw_svg(f"{what}: {where}: {rewards}", (what, where, f"{rewards}, {seeds}"), panels, notes)

@@ -23,8 +23,12 @@ UNKNOWN = {"mean": None, "low": None, "high": None, "seeds": 0, "note": ""}
 
 
 def stored_comparisons(record: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
-    """The comparisons of ``results.json``, those in environments with what their study says of all of them."""
-    yield from record.get("combinations", ())
+    """The comparisons of ``results.json``, each once; of version 0.1 in environments those of their studies."""
+    yield from record.get("combinations") or studied_comparisons(record)
+
+
+def studied_comparisons(record: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
+    """The comparisons in environments, with what their study says of all of them."""
     for place in record.get("studies", ()):
         for told in place["study"]["comparisons"]:
             told.setdefault("task", place["task"])

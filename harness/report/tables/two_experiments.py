@@ -22,6 +22,11 @@ READING = (
     "over the seeds that are in both says so. {subject}: does the proposed reward help, compared with the baseline?"
 )
 
+NOTHING_MOVED = "No measure moved by more than chance allows, all of them tested together."
+INTERIM = (
+    "Interim: planned trainings of an experiment are still to come. Nothing here says yet what is better or worse."
+)
+
 
 def between_table(found: Between) -> RenderableType:
     """A line per combination, then the measures that moved, then what is in one of the experiments alone."""
@@ -35,7 +40,7 @@ def between_table(found: Between) -> RenderableType:
     reading = Text(READING.format(subject=subject), style="dim")
     parts += [*show_grid(Grid(headings, rows, []), STYLES), Text(), reading, Text()]
     moved = [_moved(name, change) for name, pair in zip(names, found.pairs, strict=True) for change in pair.moved]
-    parts += map(Text, moved or ["No measure moved by more than chance allows, all of them tested together."])
+    parts += map(Text, moved or [INTERIM if any(pair.is_interim for pair in found.pairs) else NOTHING_MOVED])
     parts += map(Text, dict.fromkeys(line for pair in found.pairs for line in _notes(pair)))
     for where, alone in (("first", found.only_before), ("second", found.only_after)):
         parts += [Text(f"only in the {where}: {it.group.title} · {it.proposed}") for it in alone]

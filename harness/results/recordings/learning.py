@@ -14,12 +14,12 @@ def return_name(reward: str) -> str:
 
 
 def learning_of(runs: Runs, comparison: Comparison) -> Learning | None:
-    """Every measure and every reward over the steps of both trainings; None without a seed."""
-    if not comparison.seeds:
+    """Every measure and every reward over the steps of all trainings of both; None where one has none."""
+    if not all(comparison.trained):
         return None
     baseline, proposed = (
-        _curve(runs, reward, [runs.members[reward, seed] for seed in comparison.seeds])
-        for reward in (comparison.baseline, comparison.proposed)
+        _curve(runs, reward, [runs.members[reward, seed] for seed in seeds])
+        for reward, seeds in zip((comparison.baseline, comparison.proposed), comparison.trained, strict=True)
     )
     floor = runs.random.whole.behaviour if runs.random else {}
     return Learning(baseline, proposed, {name: floor.get(name) for name in baseline.points})

@@ -143,7 +143,7 @@ def _mean(runs: Runs, parts: Mapping[tuple[str, int], Any], manner: str, payer: 
 
 def _pair_to_json(runs: Runs, comparison: Comparison) -> dict[str, Any]:
     headline = {"agent" if name == "behaviour" else name: told for name, told in comparison.headline.to_json().items()}
-    learning = learning_of(runs, comparison)
+    learning, (ours, theirs) = learning_of(runs, comparison), comparison.counts
     return {
         "baseline": comparison.baseline,
         "proposed": comparison.proposed,
@@ -158,6 +158,6 @@ def _pair_to_json(runs: Runs, comparison: Comparison) -> dict[str, Any]:
         "behaviour": [change.to_json() for change in comparison.changes],
         "episodes": dict(comparison.episodes),
         "claims": comparison.claims,
-        "smallest_p": smallest_p(min(comparison.counts)) if all(comparison.trained) else None,
+        "smallest_p": smallest_p(ours, proposed=theirs) if all(comparison.trained) else None,
         "learning": learning and learning.to_json()["metrics"],
     }

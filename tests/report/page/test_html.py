@@ -12,6 +12,7 @@ from harness.report.page.comparison import describe_comparison
 from harness.report.page.html import write_html
 from harness.report.rows.comparison import SPLIT, question, scales_text
 from harness.report.typography import to_html, typeset
+from harness.results import load_results
 from tests.report.conftest import MIXTURE
 
 LOADING = {"src", "srcset", "href", "data", "action", "poster", "background"}
@@ -442,3 +443,12 @@ def test_a_plan_that_is_not_trained_to_its_end_promises_nothing(build, write):
     assert "harness run --until decided plans for looks on the way." in text
     assert "HELPS" not in text
     assert "at most 1 says falsely" in write(build(seeds=6, reached=reached)).text
+
+
+def test_rewards_that_came_later_are_told_before_the_answers(build, write):
+    """For an answer that stood before may have changed."""
+    results = build()
+    terms = replace(results.plan.terms, joined=("arp",))
+    replace(results.plan, terms=terms).write(results.folder)
+    text = write(load_results(results.folder)).main
+    assert text.index("arp came later") < text.index("What the robot does")

@@ -64,3 +64,10 @@ def test_nothing_compared_is_an_empty_map():
     """As of an experiment whose combinations were all skipped."""
     matrix = matrix_of([])
     assert (matrix.places, matrix.rows, matrix.entries) == ([], [], [])
+
+
+def test_file_counts_the_trainings_of_each_reward(build):
+    """They need not be as many."""
+    results = build(ended={("arp", 2): ("failed", "it broke")})
+    (row,) = csv.DictReader(StringIO(comparisons_csv(results.combinations)))
+    assert (row["baseline_trainings"], row["proposed_trainings"]) == ("3", "2")

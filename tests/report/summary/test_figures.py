@@ -118,6 +118,15 @@ def learned(build):
     return combination, learning, measures_of(combination, learning)
 
 
+def test_learning_says_how_many_trainings_its_lines_are_of(build):
+    """All of each reward, also where they have other seeds."""
+    results = build(learned={10: 1}, ended={("arp", 2): ("failed", "it broke")})
+    (combination,) = results.combinations
+    learning = learning_of(results, combination)
+    told = words(learning_file(combination, learning, measures_of(combination, learning)))
+    assert any("3 trainings with baseline, 2 with arp" in text for text in told)
+
+
 def test_learning_names_its_curves(learned):
     """Both rewards and the floor, in the legend, and in words below."""
     told = words(learning_file(*learned))

@@ -9,6 +9,7 @@ import pytest
 
 from harness.errors import UsageError
 from harness.eta.scored_sums import BB, KK
+from harness.eta.verdict.ruling import Ruling
 from harness.record.recording.facts import OWN_SOURCE, Source, TrainingFacts
 from harness.record.recording.recorded_training import RecordedTraining
 from harness.report.rows.comparison import basis_text
@@ -495,3 +496,38 @@ def test_place_without_a_study_shows_why(study_folder):
     """In place of the table."""
     place = PlaceStudy(load_study(study_folder).runs.group, (), None, "no seed < 2 is done")
     assert "no seed &lt; 2 is done" in place._repr_html_()
+
+
+@pytest.fixture
+def unlike(tmp_path: Path) -> Path:
+    """Four trainings by one reward and three by the other, none of whose seeds is the same."""
+    for seed in range(4):
+        record(tmp_path / f"plain-{seed}", "plain", seed, np.linspace(0.0, 0.4 + 0.01 * seed, 40))
+    for seed in range(10, 13):
+        record(tmp_path / f"thrice-{seed}", "thrice", seed, np.linspace(0.0, 0.9 + 0.01 * seed, 40))
+    return tmp_path
+
+
+def test_trainings_without_a_common_seed_have_learning_curves(unlike: Path):
+    """All of them, as in the answer."""
+    study = load_study(unlike)
+    learning = learning_of(study.runs, study.comparisons[0])
+    assert [curve.points["arm"][0].value.seeds for curve in (learning.baseline, learning.proposed)] == [4, 3]
+
+
+def test_trainings_without_a_common_seed_say_what_the_verdict_rests_on(unlike: Path):
+    """It does not need one."""
+    (comparison,) = load_study(unlike).comparisons
+    assert "rests on the training itself" in basis_text(comparison)
+
+
+def test_the_smallest_p_is_that_of_both_numbers_of_trainings(unlike: Path):
+    """Four against three: one way in 35."""
+    (told,) = load_study(unlike).to_json()["comparisons"]
+    assert told["smallest_p"] == pytest.approx(1 / 35)
+
+
+def test_an_unfinished_plan_has_no_verdict_yet(study_folder: Path):
+    """What it will rest on is told all the same."""
+    (comparison,) = load_study(study_folder).comparisons
+    assert basis_text(replace(comparison, ruling=Ruling(missing=2))).startswith("The verdict will rest on the training")
