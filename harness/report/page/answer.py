@@ -1,6 +1,5 @@
 """The first screen: for each reward the answer, what decided it, and the pay beside it."""
 
-import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -12,6 +11,7 @@ from harness.eta.judge import (
     is_same,
     needed_of,
     needed_text,
+    p_text,
     range_text,
     reasons,
     reserve_text,
@@ -137,8 +137,7 @@ def _decided(
 
 def _luck(p: float) -> str:
     """The p-value of an answer in words."""
-    many = math.ceil(1000.0 * p - 1e-9)
-    count = "fewer than 1" if many < 1 or p < 0.001 else f"{many}"
+    count = "fewer than 1" if p < 0.001 else f"{1000.0 * float(p_text(p)):.0f}"
     return f"Luck alone would show such a difference in {count} of 1,000 experiments."
 
 
@@ -185,6 +184,8 @@ def _told(comparisons: Sequence[Comparison]) -> str:
     if len(comparisons) < 2 or any(it.answer is not Answer.CANNOT_TELL for it in found):
         return ""
     needed = [it.seeds_to_decide for it in found if it.seeds_to_decide is not None]
+    if all(it.ruling is not None and it.ruling.is_held for it in comparisons):
+        return "A single place is told only where the answer over all is."
     if not needed:
         return "Nothing decides these comparisons."
     between = range_text((min(it[0] for it in needed), max(it[1] for it in needed)))
