@@ -92,11 +92,11 @@ def _least_of(question: Question, side: _Side, measure: int, unknown: float, spe
     share, failed = (high - other) / (high - low), int(side.is_low.sum())
     known = side.is_low | side.is_high
     before = [int((known & (question.looks <= look)).sum()) for look in range(len(spent))]
-    chance = _crossed(before, spent, share) + float(_both_sides(int(known.sum()), share)[failed])
+    chance = crossed_before(before, spent, share) + float(both_sides(int(known.sum()), share)[failed])
     return min(1.0, chance)
 
 
-def _both_sides(trainings: int, share: float) -> Float:
+def both_sides(trainings: int, share: float) -> Float:
     """Twice the chance of so few failures, or so many, of some trainings of which a share fails: by their number."""
     from scipy.special import bdtr  # here, since importing scipy takes time that most commands need not spend
 
@@ -106,7 +106,7 @@ def _both_sides(trainings: int, share: float) -> Float:
     return chances
 
 
-def _crossed(trainings: Sequence[int], spent: Sequence[float], share: float) -> float:
+def crossed_before(trainings: Sequence[int], spent: Sequence[float], share: float) -> float:
     """The chance that failures were so few, or so many, at an earlier look that they gave an answer there.
 
     Args:
@@ -120,7 +120,7 @@ def _crossed(trainings: Sequence[int], spent: Sequence[float], share: float) -> 
     for count, level in zip(trainings, spent, strict=True):
         more = np.arange(count - seen + 1)
         alive = np.convolve(alive, np.diff(bdtr(more, count - seen, share), prepend=0.0))
-        is_rare = crossed + _both_sides(count, share) <= level
+        is_rare = crossed + both_sides(count, share) <= level
         crossed, alive, seen = crossed + float(alive[is_rare].sum()), np.where(is_rare, 0.0, alive), count
     return crossed
 

@@ -1,5 +1,6 @@
 """The first screen: for each reward the answer, what decided it, and the pay beside it."""
 
+import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -11,7 +12,6 @@ from harness.eta.judge import (
     is_same,
     needed_of,
     needed_text,
-    p_text,
     range_text,
     reasons,
     reserve_text,
@@ -137,7 +137,8 @@ def _decided(
 
 def _luck(p: float) -> str:
     """The p-value of an answer in words."""
-    count = "fewer than 1" if p < 0.001 else f"{1000.0 * float(p_text(p)):.0f}"
+    many = math.ceil(1000.0 * p - 1e-9)
+    count = "fewer than 1" if many < 1 or p < 0.001 else f"{many}"
     return f"Luck alone would show such a difference in {count} of 1,000 experiments."
 
 
