@@ -70,6 +70,13 @@ def short_values(change: Compared) -> tuple[str, str]:
     return baseline, f"{proposed} {unit}".rstrip()
 
 
+def relative_text(change: Compared) -> str:
+    """How much higher or lower a measure is that counts relative to the baseline, or to its size."""
+    size = f"{_number(100.0 * abs(difference_of(change)), _decimals(change, 2))}%"
+    word = "higher" if difference_of(change) > 0.0 else "lower"
+    return f"{word} by {size} of its mean size" if change.is_of_size else f"{size} {word}"
+
+
 def trainings_text(names: Names, counts: tuple[int, int]) -> str:
     """How many trainings there are of each reward."""
     baseline, proposed = counts
@@ -154,7 +161,8 @@ def _signed(change: Compared, digits: int) -> tuple[Callable[[float], str], str]
     """Writes a difference, and the unit behind it."""
     decimals = _decimals(change, digits)
     if change.is_relative:
-        return (lambda value: f"{_with_sign(_number(100.0 * value, decimals))}%"), ""
+        of = " of its mean size" if change.is_of_size else ""
+        return (lambda value: f"{_with_sign(_number(100.0 * value, decimals))}%"), of
     scale, unit = (100.0, "points") if is_share(change) else (1.0, change.measure.unit)
     return (lambda value: _with_sign(_number(scale * value, decimals))), f" {unit}".rstrip()
 

@@ -131,6 +131,11 @@ class Change:
 
     @property
     def is_relative(self) -> bool:
+        """Whether values are shares of a mean: never in one place."""
+        return False
+
+    @property
+    def is_of_size(self) -> bool:
         """Whether values are shares of a size: never in one place."""
         return False
 

@@ -62,7 +62,11 @@ class Compared(Protocol):
 
     @property
     def is_relative(self) -> bool:
-        """Whether values are shares of the mean size in their place, and not in the measure's unit."""
+        """Whether values are shares of the baseline's mean, or of a size, and not in the measure's unit."""
+
+    @property
+    def is_of_size(self) -> bool:
+        """Whether they are shares of the mean size in their place, since values have either sign."""
 
     @property
     def name(self) -> str:

@@ -159,10 +159,17 @@ def crossing_text(deciding: Sequence[Compared], ruling: Ruling, answer: Answer) 
     return "The interval holds 0, as it assumes a bell curve; the exact test does not."
 
 
+def end_text(ends: Sequence[Compared]) -> str:
+    """What is said of the end where success while training alone decided."""
+    if any(map(leaves_out_zero, ends)):
+        return "whether the end differs too cannot be told"
+    return "at the end no difference was found"
+
+
 def clear_text(deciding: Sequence[Compared], ruling: Ruling) -> str:
     """Why an interval that leaves out 0 is no answer; empty where there is none of a measure that did not pass."""
     ruled = zip(deciding, ruling.of_measures, strict=False)
-    clear = [(it, p) for at, (it, p) in enumerate(ruled) if not ruling.passes(at) and _leaves_out_zero(it)]
+    clear = [(it, p) for at, (it, p) in enumerate(ruled) if not ruling.passes(at) and leaves_out_zero(it)]
     if not clear:
         return ""
     names, p = [behind_of(it) for it, _ in clear], p_text(min(p for _, p in clear))
@@ -177,8 +184,11 @@ def clear_text(deciding: Sequence[Compared], ruling: Ruling) -> str:
 def needed_of(deciding: Sequence[Compared], ruling: Ruling) -> Needed | None:
     """How many trainings of each reward would tell: the difference that was seen, else differences of the margins.
 
-    None where intervals lie within the margins: there trainings lack that were not seen, and not a smaller spread.
+    None where intervals lie within the margins: there trainings lack that were not seen, and not a smaller spread. And
+    of a single place where more trainings in it are no help, since the answer over all places is open.
     """
+    if ruling.is_held:
+        return None
     seen = _seeds_needed(deciding, ruling, "seen")
     if seen is not None:
         return Needed(seen, "what was seen so far")
@@ -209,8 +219,9 @@ def reasons(names: Names, deciding: Sequence[Compared], ruling: Ruling, where: s
     floored = (
         "p was raised: all trainings of one reward succeed nearly always or never, and so few do not tell how often."
     )
+    held = f"A single place is told only where the answer over all is, and there p is {p_text(ruling.corrected)}."
     lines = [
-        floored if ruling.is_floored else clear_text(deciding, ruling),
+        held if ruling.is_held else floored if ruling.is_floored else clear_text(deciding, ruling),
         unseen_text(names, deciding) if looks_alike else "",
     ]
     return [line for line in lines if line]
@@ -253,7 +264,8 @@ def _clear(names: Names, deciding: Sequence[Compared], ruling: Ruling, answer: A
         little, less = " by little", f": what was seen is less than {margin_text(deciding[at])}"
     told = f"{names.proposed} {answer.value}{little}{there}{by}, corrected p {p_text(ruling.of_measures[at])}{less}"
     if answer in (Answer.LEARNS_FASTER, Answer.LEARNS_SLOWER):
-        return f"{told}; at the end no difference was found."
+        ends = [it for it in deciding if not it.measure.is_while_training]
+        return f"{told}; {end_text(ends)}."
     speed = [p for other, p in enumerate(ruling.of_measures) if other != at and _tells_speed(deciding, ruling, other)]
     word = "faster" if ruling.sign > 0 else "more slowly"
     return f"{told}{f'; it also learns {word}, corrected p {p_text(speed[0])}' if speed else ''}."
@@ -330,7 +342,8 @@ def _is_inside(change: Compared, margin: float) -> bool:
     return change.low is not None and change.high is not None and -margin < change.low and change.high < margin
 
 
-def _leaves_out_zero(change: Compared) -> bool:
+def leaves_out_zero(change: Compared) -> bool:
+    """Whether the interval of a difference lies on one side of 0."""
     return change.low is not None and change.high is not None and (change.low > 0.0 or change.high < 0.0)
 
 
@@ -348,7 +361,7 @@ def _seeds_needed(changes: Sequence[Compared], ruling: Ruling, what: str) -> Ran
     for change in changes[:1] if ruling.is_floored else changes:
         size = abs(difference_of(change)) if what == "seen" else margin_of(change)
         if change.spread is not None and size > 0.0 and math.isfinite(size):
-            found = seeds_to_tell(size, change.spread, change.seeds, ruling.asked, ruling.level)
+            found = seeds_to_tell(size, change.spread, change.seeds, ruling.asked * len(changes), ruling.level)
             ranges.append(_with_floor(found, size, ruling) if found and ruling.is_floored else found)
     known = [found for found in ranges if found is not None]
     if not known or (what == "margin" and len(known) < len(ranges)):

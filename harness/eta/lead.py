@@ -6,7 +6,7 @@ the headline says so.
 
 from collections.abc import Sequence
 
-from harness.eta.amounts import listed, short_values
+from harness.eta.amounts import listed, relative_text, short_values
 from harness.eta.headline import (
     LEARNED,
     TIME,
@@ -14,7 +14,6 @@ from harness.eta.headline import (
     Compared,
     Headline,
     behind_of,
-    difference_of,
     is_hardly_learned,
     is_share,
     margin_text,
@@ -26,9 +25,11 @@ from harness.eta.judge import (
     UNSEEN_SUCCESS,
     allowance_text,
     decider_of,
+    end_text,
     interim_text,
     is_little,
     is_same,
+    leaves_out_zero,
 )
 from harness.eta.verdict.ruling import Ruling
 
@@ -85,11 +86,14 @@ def _decided(answer: Answer, deciding: Sequence[Compared], ruling: Ruling, subje
     lines += [f"{_does(it, subject, ruling.sign, 'also ')}." for at, it in others if ruling.passes(at)]
     if is_little(deciding, ruling, answer):
         lines.append(f"That is little: less than {margin_text(deciding[first])}.")
-    ends = [behind_of(it) for at, it in others if not ruling.passes(at) and not it.measure.is_while_training]
+    ends = [it for at, it in others if not ruling.passes(at) and not it.measure.is_while_training]
+    open_ones = [behind_of(it) for it in ends if leaves_out_zero(it)]  # to have found nothing would sound odd there
     if answer in (Answer.LEARNS_FASTER, Answer.LEARNS_SLOWER):
-        lines.append("At the end no difference was found.")
+        lines.append(f"{end_text(ends).capitalize()}.")
+    elif open_ones:
+        lines.append(f"Whether {listed(open_ones)} {'differs' if len(open_ones) == 1 else 'differ'} cannot be told.")
     elif ends:
-        lines.append(f"No difference in {listed(ends)} was found.")
+        lines.append(f"No difference in {listed([behind_of(it) for it in ends])} was found.")
     return " ".join(lines)
 
 
@@ -120,8 +124,7 @@ def _does(change: Compared, subject: str, sign: int, also: str = "") -> str:
 
 def _instead(change: Compared) -> str:
     if change.is_relative:
-        difference = difference_of(change)
-        return f"{abs(difference):.0%} {'higher' if difference > 0.0 else 'lower'}"
+        return relative_text(change)
     baseline, proposed = short_values(change)
     unit = proposed.partition(" ")[2]
     return f"{proposed}{INSTEAD}{baseline} {unit}".rstrip()

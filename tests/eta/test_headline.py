@@ -525,3 +525,20 @@ def test_json_is_plain():
     data = json.loads(json.dumps(found.to_json()))
     assert set(data) == {"answer", "behaviour", "number", "decided_by", "seeds_to_decide"}
     assert (data["answer"], data["seeds_to_decide"]) == ("cannot tell", list(found.seeds_to_decide))
+
+
+def test_measures_that_decide_together_share_the_level_of_a_plan():
+    """Whichever shows the difference has to pass the largest of all of them."""
+    success, speed = change(about(0.5, width=0.1), about(0.55, width=0.2)), change(about(0.5), about(0.5), SPEED)
+    alone, beside = ruled(success), ruled(success, speed)
+    assert alone.seeds_to_decide == seeds_to_tell(0.05, success.spread, SEEDS, 1, 0.05)
+    assert beside.seeds_to_decide == seeds_to_tell(0.05, success.spread, SEEDS, 2, 0.05)
+
+
+def test_an_end_whose_interval_leaves_out_zero_is_not_called_no_difference():
+    """Its p is above the level, and so it cannot be told."""
+    success, speed = change(about(0.5), about(0.9), p=0.06), change(about(0.3), about(0.6), SPEED, p=0.01)
+    found = ruled(success, speed)
+    assert found.answer is Answer.LEARNS_FASTER
+    assert "; whether the end differs too cannot be told. The interval of success leaves out 0" in found.robot
+    assert "no difference" not in found.robot

@@ -190,3 +190,13 @@ def test_no_claim_without_a_test(values, p, sign):
     assert is_decided == (p <= 0.05 and sign != 0)
     assert bool(CLAIM.search(lead)) == is_decided
     assert not re.search(r"[][()]", lead)
+
+
+def test_a_measure_whose_interval_leaves_out_zero_cannot_be_told():
+    """To have found no difference would be odd beside it."""
+    _, lead = told([change(SUCCESS, [0.1, 0.11, 0.12], [0.9, 0.91, 0.92]), FAST], ruled((1, 1), 0.2, 0.01))
+    assert lead.endswith(" Whether success differs cannot be told.")
+    changes = [change(SUCCESS, [0.1, 0.11, 0.12], [0.9, 0.91, 0.92]), change(SPEED, [0.1, 0.11, 0.1], [0.5, 0.51, 0.5])]
+    answer, lead = told(changes, ruled((1, 1), 0.2, 0.01))
+    assert answer is Answer.LEARNS_FASTER
+    assert lead.endswith(" Whether the end differs too cannot be told.")

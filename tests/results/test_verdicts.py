@@ -86,7 +86,7 @@ def test_two_measures_are_one_question():
     assert found.headline.decided_by == "time_to_target"
 
 
-def test_places_with_other_units_are_put_together_relative_to_their_size():
+def test_places_with_other_units_are_put_together_relative_to_the_baseline():
     """As numbers they could not be."""
     times = {"time_to_target": 1.0 + rates(0.9, 0.1)}
     one = comparison("dense", times, "mujoco")
@@ -97,8 +97,33 @@ def test_places_with_other_units_are_put_together_relative_to_their_size():
     (measure,) = found[0].pool.measures
     assert measure.is_relative
     change = one.changes[0]
-    assert measure.difference == pytest.approx((change.proposed - change.baseline) / change.size)
+    assert measure.difference == pytest.approx(change.proposed / change.baseline - 1.0)
     assert found[0].pool.headline.answer == "helps"
+
+
+def test_a_place_is_not_told_while_the_answer_over_all_places_is_open():
+    """However clear it looks: no number of trainings there is a plan, and the reason is not how many were asked."""
+    up = comparison("dense", {"success_rate": rates(0.4, 0.8, seeds=20)}, "mujoco")
+    down = comparison("dense", {"success_rate": rates(0.8, 0.4, seeds=20, seed=1)}, "pybullet")
+    found, _ = with_verdicts([up, down])
+    assert found.ruling.is_held
+    assert found.headline.answer == "cannot tell"
+    assert found.headline.seeds_to_decide is None
+    p = f"{found.ruling.corrected:.3f}"
+    assert found.headline.robot.endswith(
+        f": corrected p {p}. A single place is told only where the answer over all is, and there p is {p}."
+    )
+    assert found.pool.headline.seeds_to_decide is not None
+    assert "in each place would tell" in found.pool.headline.robot
+
+
+def test_a_place_of_a_decided_answer_says_what_would_tell():
+    """There trainings of its own are a help."""
+    better = comparison("dense", {"success_rate": rates(0.4, 0.9)}, "mujoco")
+    same = comparison("dense", {"success_rate": rates(0.5, 0.51, seed=1)}, "pybullet")
+    _, found = with_verdicts([better, same])
+    assert not found.ruling.is_held
+    assert found.headline.seeds_to_decide is not None
 
 
 def test_what_does_not_decide_is_a_hint():

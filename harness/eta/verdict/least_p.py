@@ -6,6 +6,7 @@ labels gives its smallest p: it takes for granted that the names could be swappe
 many, come about is a binomial chance, whatever the other reward's spread is (Clopper and Pearson 1934).
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -29,7 +30,7 @@ class _Side(NamedTuple):
     """At the other one."""
 
 
-def least_p(question: Question) -> Float:
+def least_p(question: Question, spent: Sequence[float] = ()) -> Float:
     """What the p-value of each measure is at least, (measures,); 0 where nothing asks for more.
 
     All trainings of one reward have to lie at the ends of the first measure, and few of the other one (`FEW`) at an
@@ -37,13 +38,17 @@ def least_p(question: Question) -> Float:
     would be equal. The p-value is at least twice the chance that so few, or so many, lie there as were seen. Where no
     training lies at an end, `Question.ends` says what a training there would have had. A measure of which that is not
     known has the least p of the first one.
+
+    Args:
+        question: The question, as it stands at the last look.
+        spent: The chance of a false answer that was spent up to each earlier look. Luck had a chance at each of them.
     """
     least: Float = np.zeros(question.values.shape[3])
     if question.ends is None or not question.is_testable:
         return least
     for side in _at_ends(question):
-        of_first = _least_of(question, side, 0, 0.0)
-        found = [_least_of(question, side, measure, of_first) for measure in range(len(least))]
+        of_first = _least_of(question, side, 0, 0.0, spent)
+        found = [_least_of(question, side, measure, of_first, spent) for measure in range(len(least))]
         least = np.maximum(least, found)
     return least
 
@@ -65,7 +70,7 @@ def _at_ends(question: Question) -> list[_Side]:
     ]
 
 
-def _least_of(question: Question, side: _Side, measure: int, unknown: float) -> float:
+def _least_of(question: Question, side: _Side, measure: int, unknown: float, spent: Sequence[float]) -> float:
     """The least p of one measure; 0 where no share of failures would make the means equal.
 
     Args:
@@ -73,6 +78,7 @@ def _least_of(question: Question, side: _Side, measure: int, unknown: float) -> 
         side: The reward whose trainings all lie at the ends.
         measure: Which.
         unknown: The answer where an end is not known.
+        spent: See `least_p`.
     """
     assert question.ends is not None
     ends, values = question.ends[:, measure], question.values[..., measure]
@@ -83,12 +89,40 @@ def _least_of(question: Question, side: _Side, measure: int, unknown: float) -> 
     other = float(np.nanmean(values[1 - side.side], axis=0).mean())
     if not (low < high and low <= other <= high):
         return 0.0
-    failed, trainings = int(side.is_low.sum()), int(side.is_low.sum() + side.is_high.sum())
+    share, failed = (high - other) / (high - low), int(side.is_low.sum())
+    known = side.is_low | side.is_high
+    before = [int((known & (question.looks <= look)).sum()) for look in range(len(spent))]
+    chance = crossed_before(before, spent, share) + float(both_sides(int(known.sum()), share)[failed])
+    return min(1.0, chance)
+
+
+def both_sides(trainings: int, share: float) -> Float:
+    """Twice the chance of so few failures, or so many, of some trainings of which a share fails: by their number."""
     from scipy.special import bdtr  # here, since importing scipy takes time that most commands need not spend
 
-    share = (high - other) / (high - low)
+    failed = np.arange(trainings + 1)
     few, many = bdtr(failed, trainings, share), bdtr(trainings - failed, trainings, 1.0 - share)
-    return float(min(1.0, 2.0 * min(few, many)))
+    chances: Float = 2.0 * np.minimum(few, many)
+    return chances
+
+
+def crossed_before(trainings: Sequence[int], spent: Sequence[float], share: float) -> float:
+    """The chance that failures were so few, or so many, at an earlier look that they gave an answer there.
+
+    Args:
+        trainings: How many there were at each look.
+        spent: See `least_p`.
+        share: The share of trainings that fail.
+    """
+    from scipy.special import bdtr  # as above
+
+    crossed, seen, alive = 0.0, 0, np.ones(1)
+    for count, level in zip(trainings, spent, strict=True):
+        more = np.arange(count - seen + 1)
+        alive = np.convolve(alive, np.diff(bdtr(more, count - seen, share), prepend=0.0))
+        is_rare = crossed + both_sides(count, share) <= level
+        crossed, alive, seen = crossed + float(alive[is_rare].sum()), np.where(is_rare, 0.0, alive), count
+    return crossed
 
 
 def _mean_at(values: Float, there: Mask, ends: Float) -> float:

@@ -101,7 +101,8 @@ def rule_in_looks(question: Question, looks: Looks, complete: int) -> LookRuling
         sizes = np.abs(statistics).max(axis=1)
         crossed = np.zeros(len(sizes), np.bool_) if crossed is None else crossed
         dealt = [_p(crossed, sizes, float(t)) for t in np.abs(statistics[0])]
-        alone = [max(p, float(least)) for p, least in zip(dealt, least_p(there), strict=True)]
+        spent = [looks.spent(before) / looks.asked for before in range(look)]
+        alone = [max(p, float(least)) for p, least in zip(dealt, least_p(there, spent), strict=True)]
         found = LookRuling(
             min(alone),
             min(1.0, min(alone) * looks.asked),

@@ -138,11 +138,11 @@ class Question:
         means: Float = np.nanmean(np.where(self.known, self.values, np.nan), axis=1)
         return means
 
-    def in_place(self, place: int) -> "Question":
-        """The same question about one place."""
-        there, at = self.known[:, :, place].any(axis=(0, 2)), slice(place, place + 1)
+    def in_places(self, at: Ints) -> "Question":
+        """The same question about some of its places."""
+        there = self.known[:, :, at].any(axis=(0, 2, 3))
         ends = None if self.ends is None else self.ends[at]
-        return Question(self.values[:, there, at], self.looks[there, at], self.is_drawn, ends)
+        return Question(self.values[:, there][:, :, at], self.looks[there][:, at], self.is_drawn, ends)
 
     def until(self, look: int) -> "Question":
         """The same question as it stood at a look."""

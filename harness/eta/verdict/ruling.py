@@ -40,6 +40,7 @@ class Ruling:
         missing: How many planned trainings are still to come. Before they ended no test is made.
         is_floored: Whether `p` is larger than the share of dealt labels, because all trainings of one reward succeed
             or fail, see `harness.eta.verdict.least_p`.
+        is_held: Whether this is one of several places, and not told because the answer over all of them is open.
     """
 
     p: float | None = None
@@ -53,6 +54,7 @@ class Ruling:
     has_plan: bool = False
     missing: int = 0
     is_floored: bool = False
+    is_held: bool = False
 
     @property
     def is_decided(self) -> bool:
@@ -171,7 +173,7 @@ def rule(questions: Sequence[Question], level: float = LEVEL) -> list[Ruling]:
 
 def rule_places(question: Question, whole: Ruling) -> list[Ruling]:
     """What the test says of single places. None of them is decided where the answer over all of them is not."""
-    places = [question.in_place(place) for place in range(question.places)]
+    places = [question.in_places(np.array([place])) for place in range(question.places)]
     found = rule(places, whole.level)
 
     def through(p: float) -> float:
@@ -186,6 +188,7 @@ def rule_places(question: Question, whole: Ruling) -> list[Ruling]:
             of_measures=tuple(map(through, it.of_measures)),
             asked=whole.asked * question.places,
             has_plan=whole.has_plan,
+            is_held=not whole.is_decided,
         )
         for it in found
     ]
@@ -210,27 +213,35 @@ def better_in(question: Question, whole: Ruling) -> int:
 
     All sets of places whose mean may show nothing are looked at. The places that are not in the largest such set are
     those in which something happens (a partial conjunction, Benjamini and Heller 2008); 0 where there is no answer.
+    A set has the least p of its trainings, as a question about these places alone would have it.
     """
     if not whole.is_decided:
         return 0
     level = whole.level / 2.0 / whole.asked
     places = question.places
     if places > MOST_SUBSETS_OF:
-        ordered = np.sort(_one_sided(question, np.eye(places), whole.sign))
+        ordered = np.sort(_one_sided(question, np.eye(places), whole.sign, level))
         passed = np.maximum.accumulate((places - np.arange(places)) * ordered) <= level
         return int(passed.sum())
     subsets = np.array([[number >> place & 1 for place in range(places)] for number in range(1, 2**places)], float)
-    p_values = _one_sided(question, subsets, whole.sign)
+    p_values = _one_sided(question, subsets, whole.sign, level)
     open_sizes = subsets.sum(axis=1)[p_values > level]
     return places - int(open_sizes.max(initial=0))
 
 
-def _one_sided(question: Question, subsets: Float, sign: int) -> Float:
-    """The p-value of the mean over each set of places, towards one side, (subsets,)."""
-    reached, seen = np.zeros(len(subsets)), None
+def _one_sided(question: Question, subsets: Float, sign: int, level: float) -> Float:
+    """The p-value of the mean over each set of places, towards one side, by the measure that says most, (subsets,).
+
+    Above the level a least p would change nothing, so there is none.
+    """
+    reached, seen = np.zeros((len(subsets), question.values.shape[3])), None
     for some in question.subset_statistics(subsets):
-        largest = (sign * some).max(axis=2)
-        seen = largest[0] if seen is None else seen
-        reached += (largest >= seen - ROUNDING * np.abs(seen)).sum(axis=0)
+        towards = sign * some
+        seen = towards[0] if seen is None else seen
+        reached += (towards.max(axis=2)[..., None] >= seen - ROUNDING * np.abs(seen)).sum(axis=0)
     p_values: Float = reached / len(question.deals)
-    return p_values
+    for at in np.flatnonzero(p_values.min(axis=1) <= level):
+        least = least_p(question.in_places(np.flatnonzero(subsets[at]))) / 2.0  # it is of both sides
+        p_values[at] = np.maximum(p_values[at], least)
+    lowest: Float = p_values.min(axis=1)
+    return lowest

@@ -29,15 +29,20 @@ class Together:
     """Means over places of one measure.
 
     A measure that is no share counts relative to its mean size in each place, under both rewards together. Seconds of
-    a slow place would outweigh those of a quick one, and the test does not weigh them either.
+    a slow place would outweigh those of a quick one, and the test does not weigh them either. Then the baseline's mean
+    over places is taken for 1, so that readers meet the change that they would compute. It has the sign of what was
+    tested, and lies between the changes of the single places. Values of either sign have no such mean, and stay shares
+    of their size.
 
     Attributes:
         measure: What is measured, the same in all places.
         question: The values of this measure alone, in its unit or relative.
+        is_of_size: Whether values are shares of the mean size in their place, since they have either sign.
     """
 
     measure: Measure
     question: Question
+    is_of_size: bool = False
 
     @classmethod
     def of(cls, changes: Sequence[Change]) -> "Together":
@@ -46,8 +51,15 @@ class Together:
         Args:
             changes: Of one measure, one for each place.
         """
-        scales = [[1.0 / size_of(change)] for change in changes]
-        return cls(changes[0].measure, question_of([[change] for change in changes], scales))
+        measure, alone = changes[0].measure, [[change] for change in changes]
+        scales = np.array([[1.0 / size_of(change)] for change in changes])
+        question = question_of(alone, scales)
+        if measure.is_share:
+            return cls(measure, question)
+        base, known = abs(question.means[0]), question.values[question.known]
+        if base > 0.0 and (known.min() >= 0.0 or known.max() <= 0.0):
+            return cls(measure, question_of(alone, scales / base))
+        return cls(measure, question, is_of_size=True)
 
     @property
     def name(self) -> str:
@@ -56,7 +68,7 @@ class Together:
 
     @property
     def is_relative(self) -> bool:
-        """Whether values are shares of the mean size in their place, and not in the measure's unit."""
+        """Whether values are shares of the baseline's mean, or of a size, and not in the measure's unit."""
         return not self.measure.is_share
 
     @property
@@ -183,7 +195,7 @@ def seeds_of(changes: Sequence[Sequence[Change]]) -> list[int]:
     return sorted({seed for of_place in changes for change in of_place for side in change.trainings for seed in side})
 
 
-def question_of(changes: Sequence[Sequence[Change]], scales: Sequence[Sequence[float]]) -> Question:
+def question_of(changes: Sequence[Sequence[Change]], scales: Sequence[Sequence[float]] | Float) -> Question:
     """A question about the values of changes.
 
     Args:

@@ -185,6 +185,8 @@ def _told(comparisons: Sequence[Comparison]) -> str:
     if len(comparisons) < 2 or any(it.answer is not Answer.CANNOT_TELL for it in found):
         return ""
     needed = [it.seeds_to_decide for it in found if it.seeds_to_decide is not None]
+    if all(it.ruling is not None and it.ruling.is_held for it in comparisons):
+        return "A single place is told only where the answer over all is."
     if not needed:
         return "Nothing decides these comparisons."
     between = range_text((min(it[0] for it in needed), max(it[1] for it in needed)))

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from harness.arrays import Float
+from harness.eta.verdict.least_p import both_sides, crossed_before
 from harness.eta.verdict.looks import (
     MANY_PLACES,
     ONE_PLACE,
@@ -127,3 +128,33 @@ def test_looks_that_cannot_be_used_say_why(seeds: tuple[int, ...], told: str):
 def test_looks_that_increase_are_fine(seeds: tuple[int, ...]):
     """Those of the harness among them."""
     assert check_looks(seeds) == ""
+
+
+def perfect_beside(steady: float) -> Question:
+    """A proposed reward of which every training succeeds, beside a baseline that is always nearly as good."""
+    most = ONE_PLACE[-1]
+    baseline = steady + 0.01 * np.random.default_rng(0).normal(size=(most, 1, 1))
+    at = np.searchsorted(ONE_PLACE, np.arange(most), side="right")[:, None]
+    return Question(np.stack([baseline, np.ones((most, 1, 1))]), at, ends=np.array([[[0.0, 1.0]]]))
+
+
+@pytest.mark.parametrize(("steady", "seeds"), [(0.5, 8), (0.7, 16), (0.8, 24)])
+def test_trainings_that_all_succeed_are_believed_at_a_look_that_luck_hardly_reaches(steady: float, seeds: int):
+    """Twice the chance of no failure, and what luck had at earlier looks, is below what may be spent."""
+    found = rule_in_looks(perfect_beside(steady), Looks(ONE_PLACE), len(ONE_PLACE))
+    assert found.is_decided
+    assert ONE_PLACE[found.look] == seeds
+    assert found.p > 2.0 * (steady - 0.01) ** seeds
+
+
+@pytest.mark.parametrize("places", [1, 4])
+@pytest.mark.parametrize("share", [0.1, 0.2, 0.35, 0.5])
+def test_luck_has_one_level_over_all_looks(share: float, places: int):
+    """Failures alone, 20,000 experiments with as many failures as the steady baseline misses: below 5 % in all."""
+    looks, levels = [places * seeds for seeds in ONE_PLACE], [0.05 * seeds / 32 for seeds in ONE_PLACE]
+    failed = (np.random.default_rng(0).random((20_000, looks[-1])) < share).cumsum(axis=1)
+    is_decided = np.zeros(len(failed), np.bool_)
+    for at, (count, level) in enumerate(zip(looks, levels, strict=True)):
+        chances = crossed_before(looks[:at], levels[:at], share) + both_sides(count, share)
+        is_decided |= chances[failed[:, count - 1]] <= level
+    assert 0.005 < is_decided.mean() < 0.045

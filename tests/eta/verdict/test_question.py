@@ -178,5 +178,5 @@ def test_a_place_and_a_look_keep_their_ends():
     """Of the places that they are about."""
     ends = np.array([[[0.0, 1.0]], [[-9.0, 0.0]]])
     question = Question(values_of(4, places=2), np.zeros((4, 2), np.int64), ends=ends)
-    assert question.in_place(1).ends.tolist() == [[[-9.0, 0.0]]]
+    assert question.in_places(np.array([1])).ends.tolist() == [[[-9.0, 0.0]]]
     assert question.until(0).ends is ends

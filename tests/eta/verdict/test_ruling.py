@@ -257,6 +257,23 @@ def test_better_in_none_without_an_answer():
     assert better_in(question, Ruling(p=0.5, corrected=0.5)) == 0
 
 
+def test_places_that_luck_alone_sets_apart_are_not_counted():
+    """One place is better; in three every training of one reward succeeds beside a steady 80 %, as one in four do."""
+    rng = np.random.default_rng(0)
+    values = 0.8 + 0.02 * rng.normal(size=(2, 6, 4, 1))
+    values[0, :, 0] -= 0.5
+    values[1, :, 1:] = 1.0
+    values[1, 0, 1:] = 0.0
+    values[1, 0, 3] = 1.0
+    ends = np.array([[[0.0, 1.0]]] * 4)
+    free, known = Question.of(values), Question.of(values, ends)
+    whole = Ruling(0.001, 0.001, of_measures=(0.001,), signs=(1,))
+    assert better_in(known, whole) == 1
+    values[1, :, 1:] = 1.0
+    assert better_in(free, whole) == 4
+    assert better_in(known, whole) < 4
+
+
 # The least p
 
 

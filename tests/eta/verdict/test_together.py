@@ -69,14 +69,36 @@ def test_failed_trainings_are_counted_over_all_places():
     assert (together(values, SUCCESS).counts, together(values, SUCCESS).failed) == ((6, 6), (0, 1))
 
 
-def test_what_is_no_share_counts_relative_to_its_mean_size_in_a_place():
-    """A slow place says no more than a quick one."""
+def test_what_is_no_share_counts_relative_to_the_baseline():
+    """A slow place says no more than a quick one, and half the time is 50 % less."""
     swaps = swaps_of(range(3))
     quick = change_of(TIME, {0: 1.0, 1: 1.1, 2: 0.9}, {0: 0.5, 1: 0.5, 2: 0.5}, swaps)
     slow = change_of(TIME, {0: 100.0, 1: 110.0, 2: 90.0}, {0: 50.0, 1: 50.0, 2: 50.0}, swaps)
     one, both = Together.of([quick]), Together.of([quick, slow])
     assert both.is_relative
-    assert both.difference == pytest.approx(one.difference) == pytest.approx(-0.5 / 0.75)
+    assert both.difference == pytest.approx(one.difference) == pytest.approx(-0.5)
+    assert both.baseline == pytest.approx(1.0)
+    assert not both.is_of_size
+
+
+def test_a_change_over_places_lies_between_those_of_the_places():
+    """It has the sign of what is tested, where each counts relative to the mean size under both."""
+    swaps = swaps_of(range(2))
+    up = change_of(TIME, {0: 1.0, 1: 1.0}, {0: 1.5, 1: 1.5}, swaps)
+    down = change_of(TIME, {0: 9.0, 1: 9.0}, {0: 3.0, 1: 3.0}, swaps)
+    found = Together.of([up, down])
+    tested = 0.5 / 1.25 - 6.0 / 6.0
+    assert -6.0 / 9.0 < found.difference < 0.5
+    assert np.sign(found.difference) == np.sign(tested)
+
+
+@pytest.mark.parametrize("baseline", [{0: -1.0, 1: 1.5}, {0: 0.0, 1: 0.0}])
+def test_values_of_either_sign_count_relative_to_their_size(baseline: dict[int, float]):
+    """A return of about 0 is no unit; neither is a baseline of nothing."""
+    found = Together.of([change_of(TIME, baseline, {0: 2.0, 1: 2.0}, swaps_of(range(2)))])
+    size = np.mean(np.abs([*baseline.values(), 2.0, 2.0]))
+    assert found.is_of_size
+    assert found.difference == pytest.approx((2.0 - np.mean(list(baseline.values()))) / size)
 
 
 def test_the_bounds_allow_for_trainings_that_were_not_seen():
