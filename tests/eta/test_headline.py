@@ -263,6 +263,13 @@ def test_no_difference_in_one_measure_is_none_in_all():
     assert told(change([1.0] * 60, [1.0] * 60), time).answer == Answer.CANNOT_TELL
 
 
+def test_in_looks_only_their_own_test_says_that_there_is_no_difference():
+    """Whoever reads a report between two looks would ask the test of a fixed plan again and again."""
+    found = change(about(0.5, 60, 0.001), about(0.5, 60, 0.001))
+    assert told(found).answer is Answer.NO_DIFFERENCE
+    assert ruled(found, has_plan=True).answer is Answer.CANNOT_TELL
+
+
 def test_a_difference_too_small_to_go_on_for_ends_the_training():
     """Where a plan of several looks said so; of the first measure alone."""
     ruling = Ruling(0.5, 0.5, of_measures=(0.5, 0.5), signs=(1, 1), small=0.1)
