@@ -78,7 +78,7 @@ class Measure(NamedTuple):
 Values = Mapping[int, float]
 """A value of each training, by seed."""
 Sides = tuple[Values, Values]
-"""Of the baseline's trainings, and of the proposed reward's. They are not paired, and need not be as many."""
+"""The values of the baseline's trainings, and of the proposed reward's; not paired, and not as many everywhere."""
 
 
 @dataclass(frozen=True)
@@ -291,7 +291,7 @@ def with_intervals(change: Change) -> Change:
 
 
 def _variance(values: Float, measure: Measure) -> float:
-    """Of one training."""
+    """The variance of one training."""
     if measure.episodes is None:
         return variance_of(values)
     return share_variance(values, [float(values.mean())], measure.episodes)

@@ -100,7 +100,9 @@ def answer_of(
     if _neither_learns(deciding[0]):
         return Answer.NEITHER_LEARNS
     if ruling.small is not None or same_steps or (not ruling.has_plan and _are_within(deciding)):
-        return Answer.NO_DIFFERENCE  # a plan of looks has a test of its own for that, which may be asked again and again
+        return (
+            Answer.NO_DIFFERENCE
+        )  # a plan of looks has a test of its own for that, which may be asked again and again
     return Answer.CANNOT_TELL
 
 
@@ -185,9 +187,10 @@ def needed_of(deciding: Sequence[Compared], ruling: Ruling) -> Needed | None:
     """How many trainings of each reward would tell: the difference that was seen, else differences of the margins.
 
     None where intervals lie within the margins: there trainings lack that were not seen, and not a smaller spread. And
-    of a single place where more trainings in it are no help, since the answer over all places is open.
+    where more of the same trainings are no help: in a single place while the answer over all places is open, and where
+    hardly any training learned.
     """
-    if ruling.is_held:
+    if ruling.is_held or is_hardly_learned(deciding[0]):
         return None
     seen = _seeds_needed(deciding, ruling, "seen")
     if seen is not None:
@@ -198,11 +201,9 @@ def needed_of(deciding: Sequence[Compared], ruling: Ruling) -> Needed | None:
     return None if small is None else Needed(small, listed([margin_text(it) for it in deciding], "or"))
 
 
-def needed_text(
-    deciding: Sequence[Compared], needed: Needed | None, where: str, noun: str = "trainings of each reward"
-) -> str:
+def needed_text(needed: Needed | None, where: str, noun: str = "trainings of each reward") -> str:
     """The same in a sentence; empty where it is not known, or where more trainings of this kind are no help."""
-    if needed is None or is_hardly_learned(deciding[0]):
+    if needed is None:
         return ""
     if needed.seeds[1] > PLANNABLE * needed.seeds[0]:
         return "So few trainings do not tell how many would be enough."
@@ -332,13 +333,13 @@ def _no_difference(names: Names, deciding: Sequence[Compared], there: str) -> st
 def _cannot_tell(
     names: Names, deciding: Sequence[Compared], ruling: Ruling, needed: Needed | None, there: str
 ) -> list[str]:
-    """That it is not known, why, and what would help."""
+    """The sentences that it is not known, why, and what would help."""
     p = "" if ruling.corrected is None else f": corrected p {p_text(ruling.corrected)}"
     trainings = trainings_text(names, deciding[0].counts)
     return [
         f"Whether {names.proposed} helps or hurts{there} cannot be told from {trainings}{p}.",
         *reasons(names, deciding, ruling, there),
-        TRAIN_LONGER if is_hardly_learned(deciding[0]) else needed_text(deciding, needed, there),
+        TRAIN_LONGER if is_hardly_learned(deciding[0]) else needed_text(needed, there),
     ]
 
 

@@ -29,7 +29,7 @@ class _Means(NamedTuple):
 
     means: Float
     variances: Float
-    """Of the mean."""
+    """The variance of the mean."""
     squares: Float
     """The sum over places of variance^2 / degrees of freedom, as Satterthwaite needs it."""
 

@@ -290,7 +290,7 @@ def _counts(comparison: ComparisonForm) -> str:
 
 
 def _interim(record: RecordForm | None) -> list[RenderableType]:
-    """That the plan was not trained to its end when the records were written."""
+    """A line that the plan was not trained to its end when the records were written; none where it was."""
     answers = {it["headline"]["answer"] for it in record["combinations"]} if record else set[str]()
     if record is None or Answer.INTERIM not in answers:
         return []

@@ -68,15 +68,21 @@ def write(cells: Sequence[Done], folder: Path, plan: Sequence[Done] | None = Non
     return folder
 
 
-def answer_of(cells: Sequence[Done]) -> Answer:
-    """What a report has to say."""
+def answer_of(cells: Sequence[Done], behaving: Sequence[Done] = ()) -> Answer:
+    """What a report has to say.
+
+    Args:
+        cells: Those whose pay is compared.
+        behaving: Those whose success is compared, where they are more: a training whose seed the other reward lacks.
+    """
+    acting = {name: [done for done in behaving or cells if done.cell.reward.label == name] for name in K2}
     groups = {name: [done for done in cells if done.cell.reward.label == name] for name in K2}
     runs = {name: [done.rewards for done in group] for name, group in groups.items()}
     eta_n, eta_p = etas(*runs.values())
     told: dict[str, Any] = {"eta_N": eta_n, "eta_P": eta_p}
-    for name, group in groups.items():
+    for name in groups:
         below, above = indices(runs[name])
-        reached = [sum(done.reached) / EPISODES for done in group]
+        reached = [sum(done.reached) / EPISODES for done in acting[name]]
         told[name] = {"I_N": Shown(below), "I_P": Shown(above), "success": sum(reached) / len(reached)}
     return told
 
@@ -234,7 +240,7 @@ def damaged(rng: Random, folder: Path) -> Trial:
     place = next(cell for cell in cells_in(experiment) if done.cell.id in cell.name)
     change = rng.choice(list(DAMAGES))
     DAMAGES[change](place, rng)
-    # the other of its seed is left out with it where pairs are of one seed
+    # the other of its seed is left out with it where pay is compared, which is so seed by seed
     alone = [other for other in cells if other is not done]
     paired = [other for other in cells if other.cell.seed != done.cell.seed]
 
@@ -244,7 +250,7 @@ def damaged(rng: Random, folder: Path) -> Trial:
         assert "sealed" in change or place.name in json.dumps(found), f"verify does not name {place.name}: {found}"
         return ask(experiment)
 
-    return Trial(change, look, [answer_of(alone), answer_of(paired)], True, r"(?i)damaged")
+    return Trial(change, look, [answer_of(paired, alone)], True, r"(?i)damaged")
 
 
 def _other_manifest(cell: Path, rng: Random) -> None:

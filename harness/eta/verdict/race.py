@@ -125,7 +125,7 @@ class _Look:
     so_far: float
 
     def mean(self, name: str) -> float:
-        """Of a candidate, over places."""
+        """The mean of a candidate, over places."""
         return float(np.mean([place.mean() for place in self.trainings[name]]))
 
     def beaten(self, living: Sequence[str]) -> dict[str, str]:

@@ -106,7 +106,7 @@ def _card(
     if any(deciders):
         sure = _decided(names, found.answer, changes, ruling, deciders)
     elif changes and found.answer is Answer.CANNOT_TELL:
-        needed = needed_text(changes, needed_of(changes, ruling), where, "of each reward")
+        needed = needed_text(needed_of(changes, ruling), where, "of each reward")
         sure = " ".join(filter(None, [*reasons(names, changes, ruling, where), needed]))
     elif changes:
         sure = reserve_text(names, changes, ruling)

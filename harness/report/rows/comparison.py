@@ -95,7 +95,7 @@ def what_decides(results: Results) -> str:
 
 
 def interim_text(results: Results) -> str:
-    """That the plan is not trained to its end, which stands before everything else; empty where it is."""
+    """A line that the plan is not trained to its end, which stands before everything else; empty where it is."""
     missing = still_to_come(results.combinations)
     return interim_line(missing) if missing else ""
 

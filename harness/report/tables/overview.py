@@ -66,7 +66,7 @@ def _comparisons(results: Results) -> list[RenderableType]:
 
 
 def interim_lines(results: Results) -> list[RenderableType]:
-    """That the plan is not trained to its end, where it is not."""
+    """A line that the plan is not trained to its end; none where it is."""
     told = interim_text(results)
     return [Text(told, style="bold")] if told else []
 
