@@ -151,14 +151,25 @@ def p_text(p: float | None) -> str:
     return "n/a" if p is None else "< 0.001" if p < 0.001 else f"{p:.3f}"
 
 
-def crossing_text(deciding: Sequence[Compared], ruling: Ruling, answer: Answer) -> str:
-    """Why a measure decided whose interval holds 0; empty where it does not."""
-    change = deciding[decider_of(deciding, ruling, answer)]
-    if change.low is None or change.high is None or not change.low <= 0.0 <= change.high:
+def crossing_text(deciding: Sequence[Compared], ruling: Ruling) -> str:
+    """Why measures pass whose intervals hold 0; empty where none does."""
+    passing = [it for at, it in enumerate(deciding) if ruling.passes(at)]
+    crossing = [it for it in passing if it.low is not None and it.high is not None and it.low <= 0.0 <= it.high]
+    shares = [behind_of(it) for it in crossing if is_share(it)]
+    others = [behind_of(it) for it in crossing if not is_share(it)]
+    lines = (_crossing(shares, "allows for failures that were not seen"), _crossing(others, "assumes a bell curve"))
+    return " ".join(filter(None, lines))
+
+
+def _crossing(names: Sequence[str], why: str) -> str:
+    if not names:
         return ""
-    if is_share(change):
-        return "The interval holds 0, as it allows for failures that were not seen; the exact test does not."
-    return "The interval holds 0, as it assumes a bell curve; the exact test does not."
+    subject, it = (
+        (f"The interval of {names[0]} holds", "it")
+        if len(names) == 1
+        else (f"Intervals of {listed(names)} hold", "each")
+    )
+    return f"{subject} 0, as {it} {why}; the exact test does not."
 
 
 def end_text(ends: Sequence[Compared]) -> str:
@@ -253,7 +264,7 @@ def _decided(
         if answer is Answer.MIXED
         else _clear(names, deciding, ruling, answer, there)
     )
-    return told, crossing_text(deciding, ruling, answer), clear_text(deciding, ruling)
+    return told, crossing_text(deciding, ruling), clear_text(deciding, ruling)
 
 
 def _clear(names: Names, deciding: Sequence[Compared], ruling: Ruling, answer: Answer, there: str) -> str:

@@ -165,10 +165,14 @@ def test_an_interval_that_holds_zero_beside_a_word_is_explained():
     found = told(change(about(0.995, 6, 0.004), about(0.965, 6, 0.004), p=0.002))
     assert found.answer == Answer.HURTS
     assert found.robot.endswith(
-        "The interval holds 0, as it allows for failures that were not seen; the exact test does not."
+        "The interval of success holds 0, as it allows for failures that were not seen; the exact test does not."
     )
     time = change([7.0, 8.0, 9.0, 7.5], [6.0, 7.0, 8.9, 6.5], TIME, p=0.01)
-    assert told(time).robot.endswith("The interval holds 0, as it assumes a bell curve; the exact test does not.")
+    why = "The interval of the time to the target holds 0, as it assumes a bell curve; the exact test does not."
+    assert told(time).robot.endswith(why)
+    both = told(change(about(0.5), about(0.9), p=0.01), time)
+    assert both.decided_by == "success_rate"
+    assert both.robot.endswith(why), "also where another measure decided"
     assert "holds 0" not in told(change(about(0.5), about(0.9), p=0.01)).robot
 
 

@@ -104,7 +104,7 @@ def _card(
     rows = tuple(sorted(drawn, key=lambda row: not row.note))
     seen, sure = short_seen_text(names, changes) if changes else "", ""
     if any(deciders):
-        sure = _decided(names, found.answer, changes, ruling, deciders)
+        sure = _decided(names, changes, ruling, deciders)
     elif changes and found.answer is Answer.CANNOT_TELL:
         needed = needed_text(needed_of(changes, ruling), where, "of each reward")
         sure = " ".join(filter(None, [*reasons(names, changes, ruling, where), needed]))
@@ -121,15 +121,13 @@ def _row(change: Compared, at: int, ruling: Ruling, decides: bool) -> Row:
     return Row(name_of(change), "decides" if decides else "", figure, value)
 
 
-def _decided(
-    names: Names, answer: Answer, changes: Sequence[Compared], ruling: Ruling, deciders: Sequence[bool]
-) -> str:
+def _decided(names: Names, changes: Sequence[Compared], ruling: Ruling, deciders: Sequence[bool]) -> str:
     """What decided, how sure that is, and why an interval seems to say something else."""
     by = [at for at, decides in enumerate(deciders) if decides]
     lines = [
         f"Decided by {listed([behind_of(changes[at]) for at in by])}, from {trainings_text(names, changes[0].counts)}.",
         _luck(max(ruling.of_measures[at] for at in by)),
-        crossing_text(changes, ruling, answer),
+        crossing_text(changes, ruling),
         clear_text(changes, ruling),
     ]
     return " ".join(filter(None, lines))
