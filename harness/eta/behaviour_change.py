@@ -42,7 +42,7 @@ class Measure(NamedTuple):
     better: str
     """``higher`` or ``lower``."""
     manner: str
-    """How the policies acted, or when: ``deterministic``, ``stochastic``, ``while training``, ``over the training``."""
+    """How the policies acted, or when: ``deterministic``, ``stochastic``, ``while training``, ``while learning``."""
     episodes: int | None = None
     """How many episodes it is a share of; None if it is not a share."""
     title: str = ""

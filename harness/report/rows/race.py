@@ -66,7 +66,7 @@ def race_sentence(standing: Standing) -> str:
     others = "All others are worse." if all(it.by for it in race.beaten.values()) else "All others are worse or failed."
     others = others if race.beaten else ""
     if race.best is not None:
-        return f"BEST: {race.best}. {others} The test errs in at most 5 % of such races."
+        return f"BEST: {race.best}. {others} The test is made to err in at most 5 % of such races."
     if race.is_close:
         return f"WITHIN {100 * CLOSE:g} POINTS OF THE BEST: {', '.join(race.living)}. {others}".rstrip()
     if race.is_over:

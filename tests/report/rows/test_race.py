@@ -50,7 +50,7 @@ def test_before_the_first_look_there_is_nothing_to_tell(folder: Folder):
 
 def test_the_best_is_named_with_what_the_test_promises(over: Folder):
     """In one line."""
-    sentence = "BEST: dense. All others are worse. The test errs in at most 5 % of such races."
+    sentence = "BEST: dense. All others are worse. The test is made to err in at most 5 % of such races."
     assert told_of(over).sentence == sentence
 
 
