@@ -89,7 +89,8 @@ SHARED: Mapping[str, str] = MappingProxyType(
 PROMISE = "of 20 pages like this one, at most 1 says falsely that something is better or worse"
 BARS = (
     "Dot and thin bar: the difference and its 95 % interval; right of the line is better. Thick bars are pay: right of "
-    "the line is more pay, which is neither better nor worse."
+    "the line is more pay, which is neither better nor worse. A training failed if its policy succeeds in less "
+    "than half of its episodes; else it learned."
 )
 OTHERS = Names("the baseline", "each other reward")
 OWN = "own"
