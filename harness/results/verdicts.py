@@ -94,13 +94,8 @@ def _in_looks(asked: Asked, terms: Terms, look_of: LookOf) -> Ruling:
     told = [look_of(it) for it in asked.members]
     complete = min(count for _, count in told)
     looks = Looks(terms.looks, terms.asked, terms.margin)
-    question = asked.question
-    seeds = seeds_of(asked.changes)
-    at = np.full((len(seeds), len(asked.members)), len(terms.looks), np.int64)
-    for place, (of_seed, _) in enumerate(told):
-        for row, seed in enumerate(seeds):
-            at[row, place] = of_seed.get(seed, len(terms.looks))
-    return rule_in_looks(replace(question, looks=at), looks, complete)
+    at = [[of_seed.get(seed, len(terms.looks)) for of_seed, _ in told] for seed in seeds_of(asked.changes)]
+    return rule_in_looks(replace(asked.question, looks=np.array(at)), looks, complete)
 
 
 def _with_rulings(

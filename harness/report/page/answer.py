@@ -21,7 +21,7 @@ from harness.report.answers import badge_of, word_of
 from harness.report.figures.forest import draw_interval, draw_part
 from harness.report.rows.comparison import beside_answer
 from harness.report.rows.pay import Pay, pay_of
-from harness.results.comparison import Comparison
+from harness.results.comparison import Comparison, pools_of
 from harness.results.pool import Pool
 
 
@@ -87,8 +87,7 @@ def pool_card(pool: Pool) -> Card:
 
 def pool_cards(comparisons: Sequence[Comparison]) -> list[Card]:
     """The cards of the answers over all places, each once; none where there is one place."""
-    pools = {id(it.pool): it.pool for it in comparisons if it.pool is not None}.values()
-    return [pool_card(pool) for pool in pools]
+    return [pool_card(pool) for pool in pools_of(comparisons)]
 
 
 def _card(

@@ -127,7 +127,7 @@ def title_of(combination: Comparison, place: str) -> str:
 def describe_comparison(combination: Comparison) -> str:
     """In plain words: what was compared."""
     group = combination.group
-    if not all(combination.counts):
+    if not combination.has_trainings:
         return f"{combination.proposed} was to be compared with {combination.baseline}, but {combination.eta_n.note}."
     paid = (
         f"trained twice, both times paid by {combination.baseline}, the second time with other seeds"

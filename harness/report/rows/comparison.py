@@ -127,7 +127,7 @@ def scale_text(comparison: Comparison) -> str:
 
 def basis_text(comparison: Comparison) -> str:
     """Which episodes the verdict rests on, where that needs saying; else empty."""
-    if not all(comparison.trained) or comparison.manner in (DETERMINISTIC, STOCHASTIC):
+    if not comparison.has_trainings or comparison.manner in (DETERMINISTIC, STOCHASTIC):
         return ""
     count = comparison.episodes[comparison.manner]
     told = f"{count:,} episode{'s' * (count != 1)} or more of each seed"
@@ -170,10 +170,10 @@ def _run_text(results: Results, out: str) -> str:
 def claims_text(combination: Comparison) -> str:
     """How many questions and hints there are, and what a test with so many seeds can show; empty without a seed."""
     counts, ruling = combination.counts, combination.ruling
-    if not all(counts) or combination.headline.answer is Answer.INTERIM:
+    if not combination.has_trainings or combination.headline.answer is Answer.INTERIM:
         return ""
     asked = 1 if ruling is None else ruling.asked
-    smallest = smallest_p(counts[0], proposed=counts[1])
+    smallest = smallest_p(*counts)
     least = f"no p below {smallest:.2g} from {trainings_text(combination.names, counts)}"
     questions = f"{asked} question{'s' * (asked != 1)} about the {combination.group.subject}, asked together; {least}."
     hints = f"{combination.claims} hint{'s' * (combination.claims != 1)}, corrected by themselves, decide nothing."
