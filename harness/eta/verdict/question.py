@@ -169,26 +169,24 @@ class Question:
         """The ways in which labels are dealt, (ways, trainings); see `deals_of`."""
         return deals_of(self.layout.strata, self.is_drawn)
 
-    def statistics(self, deals: Float | None = None) -> Float:
-        """Welch's t of the mean over all places, in every way to deal the labels, (ways, measures).
+    def statistics(self) -> Float:
+        """Welch's t of the mean over all places, in every way to deal the labels, (ways, measures)."""
+        of_measures = (self._mean(measure, self.deals) for measure in range(self.values.shape[3]))
+        return np.stack([_ratio(*it) for it in of_measures], axis=1)
 
-        Args:
-            deals: Other ways, (ways, trainings); by default `deals`.
-        """
-        deals = self.deals if deals is None else deals
-        return np.stack([_ratio(*self._mean(measure, deals)) for measure in range(self.values.shape[3])], axis=1)
+    @cached_property
+    def estimate(self) -> Estimate:
+        """The difference of the first measure, mean over all places, and how far it can be trusted."""
+        difference, error = self._mean(0, as_trained(self.layout.strata)[None, :])
+        return Estimate(float(difference[0]), float(error[0]), self._freedom)
 
-    def estimate(self, measure: int = 0) -> Estimate:
-        """The difference of one measure, mean over all places, and how far it can be trusted."""
-        difference, error = self._mean(measure, as_trained(self.layout.strata)[None, :])
-        return Estimate(float(difference[0]), float(error[0]), self._freedom(measure))
-
-    def _freedom(self, measure: int) -> float:
+    @property
+    def _freedom(self) -> float:
         """Degrees of freedom after Welch and Satterthwaite: a side's trainings in the same places are a group."""
         total, squares = 0.0, 0.0
         for side in BOTH:
-            known = self.known[side, :, :, measure]
-            values = np.where(known, self.values[side, ..., measure], 0.0) / np.maximum(known.sum(axis=0), 1)
+            known = self.known[side, :, :, 0]
+            values = np.where(known, self.values[side, ..., 0], 0.0) / np.maximum(known.sum(axis=0), 1)
             for pattern in np.unique(known[known.any(axis=1)], axis=0):
                 group = values[(known == pattern).all(axis=1)].sum(axis=1)
                 if len(group) < LEAST_SEEDS:

@@ -33,7 +33,7 @@ def test_the_statistic_of_one_place_is_welchs_t(seeds: int, seed: int):
     theirs = scipy.stats.ttest_ind(values[1, :, 0, 0], values[0, :, 0, 0], equal_var=False)
     question = Question.of(values)
     assert question.statistics()[0, 0] == pytest.approx(theirs.statistic)
-    assert question.estimate().freedom == pytest.approx(theirs.df)
+    assert question.estimate.freedom == pytest.approx(theirs.df)
 
 
 @given(st.integers(3, 8), st.integers(2, 4), st.integers(0, 1000))
@@ -99,7 +99,7 @@ def test_a_training_that_is_missing_takes_none_of_the_other_reward_with_it():
     assert question.counts == (5, 4)
     assert question.seeds == 4
     assert question.statistics()[0, 0] == pytest.approx(theirs.statistic)
-    assert question.estimate().freedom == pytest.approx(theirs.df)
+    assert question.estimate.freedom == pytest.approx(theirs.df)
     assert question.differences[0, 0] == pytest.approx(kept.mean() - values[0].mean())
     assert question.means == pytest.approx((values[0].mean(), kept.mean()))
 
@@ -113,7 +113,7 @@ def test_rows_are_not_paired(baselines: int, proposed: int, places: int, seed: i
         mixed[side] = values[side, rng.permutation(7)]
     one, other = Question.of(values), Question.of(mixed)
     assert one.statistics()[0] == pytest.approx(other.statistics()[0])
-    assert one.estimate() == pytest.approx(other.estimate())
+    assert one.estimate == pytest.approx(other.estimate)
 
 
 def test_every_way_to_deal_unequal_numbers_is_the_statistic_of_the_dealt_values():
@@ -134,7 +134,7 @@ def test_trainings_that_only_one_side_has_keep_their_label_and_count():
     assert question.counts == (3, 5)
     expected = np.nanmean(values[1], axis=0) - np.nanmean(values[0], axis=0)
     assert question.differences == pytest.approx(expected)
-    assert question.estimate().difference == pytest.approx(expected.mean())
+    assert question.estimate.difference == pytest.approx(expected.mean())
     assert (question.deals[:, :2] == 0.0).all()
     assert np.isfinite(question.statistics()).all()
 
