@@ -36,7 +36,7 @@ def seen_text(names: Names, deciding: Sequence[Compared], where: str) -> str:
 
 def short_seen_text(names: Names, deciding: Sequence[Compared]) -> str:
     """The differences alone, with their intervals, and how many trainings failed or learned."""
-    differences = _capitalised(", ".join(f"{name_of(it)} {difference_text(it, 2)}{_side(it)}" for it in deciding))
+    differences = capitalised(", ".join(f"{name_of(it)} {difference_text(it, 2)}{_side(it)}" for it in deciding))
     return f"{differences}. {counted_text(names, deciding)}."
 
 
@@ -60,7 +60,7 @@ def same_text(names: Names, deciding: Sequence[Compared]) -> str:
     """What both rewards taught, where it is the same bit for bit: intervals would say nothing."""
     ends = [it for it in deciding if not it.measure.is_while_training] or deciding
     told = ", ".join(f"{name_of(it)} {_values(it, 3)[0]}{_unit(it)}" for it in ends)
-    return f"{_capitalised(told)} with both; {counted_text(names, deciding)}."
+    return f"{capitalised(told)} with both; {counted_text(names, deciding)}."
 
 
 def short_values(change: Compared) -> tuple[str, str]:
@@ -131,7 +131,7 @@ def listed(texts: Sequence[str], word: str = "and") -> str:
 
 def _whole(names: Names, change: Compared, where: str, *, is_first: bool) -> str:
     """The difference, its interval, and both values; only the first measure has to say whose value is whose."""
-    told = f"{_capitalised(name_of(change))} {difference_text(change, 3, where)}{_side(change)}"
+    told = f"{capitalised(name_of(change))} {difference_text(change, 3, where)}{_side(change)}"
     if change.is_relative:
         return told
     baseline, proposed = (f"{value}{_unit(change)}" for value in _values(change, 3))
@@ -203,5 +203,6 @@ def _with_sign(text: str) -> str:
     return f"+{text}"
 
 
-def _capitalised(text: str) -> str:
+def capitalised(text: str) -> str:
+    """A text with a capital first; the rest stays as it is, unlike with `str.capitalize`."""
     return f"{text[0].upper()}{text[1:]}"

@@ -10,12 +10,10 @@ from harness.eta.judge import (
     clear_text,
     crossing_text,
     is_same,
-    needed_of,
-    needed_text,
-    range_text,
     reasons,
     reserve_text,
 )
+from harness.eta.needed import needed_of, needed_text, range_text
 from harness.eta.verdict.ruling import Ruling
 from harness.report.answers import badge_of, word_of
 from harness.report.figures.forest import draw_interval, draw_part
