@@ -189,8 +189,8 @@ def name_of(change: Compared) -> str:
     return f"{told}{_while(change)}"
 
 
-def behind_of(change: Compared) -> str:
-    """The same behind a preposition, such as ``the time to the target``."""
+def name_with_article(change: Compared) -> str:
+    """The same within a sentence, with an article where it needs one, such as ``the time to the target``."""
     return f"the {name_of(change)}" if change.name == TIME else name_of(change)
 
 

@@ -13,7 +13,6 @@ from harness.eta.headline import (
     Compared,
     Headline,
     Names,
-    behind_of,
     difference_of,
     is_hardly_learned,
     is_share,
@@ -22,6 +21,7 @@ from harness.eta.headline import (
     margin_of,
     margin_text,
     name_of,
+    name_with_article,
     size_text,
 )
 from harness.eta.needed import Needed, needed_of, needed_text
@@ -131,7 +131,7 @@ def progress_text(deciding: Sequence[Compared], ruling: Ruling) -> str:
 
 
 def p_text(p: float | None) -> str:
-    """A p-value in a sentence."""
+    """A p-value in a sentence or a table."""
     return "n/a" if p is None else "< 0.001" if p < 0.001 else f"{p:.3f}"
 
 
@@ -158,7 +158,7 @@ def clear_text(deciding: Sequence[Compared], ruling: Ruling) -> str:
     clear = [(it, p) for at, (it, p) in enumerate(ruled) if not ruling.passes(at) and leaves_out_zero(it)]
     if not clear:
         return ""
-    names, p = [behind_of(it) for it, _ in clear], p_text(min(p for _, p in clear))
+    names, p = [name_with_article(it) for it, _ in clear], p_text(min(p for _, p in clear))
     one = f"The interval of {names[0]} leaves out 0 when it is looked at alone, but"
     several = f"The intervals of {listed(names)} leave out 0 when each is looked at alone, but"
     told = one if len(names) == 1 else several
@@ -214,7 +214,7 @@ def _decided(
 def _clear(names: Names, deciding: Sequence[Compared], ruling: Ruling, answer: Answer, there: str) -> str:
     """The word where all measures that pass go one way."""
     at = decider_of(deciding, ruling, answer)
-    by = f", decided by {behind_of(deciding[at])}" if len(deciding) > 1 else ""
+    by = f", decided by {name_with_article(deciding[at])}" if len(deciding) > 1 else ""
     little, less = "", ""
     if is_little(deciding, ruling, answer):
         little, less = " by little", f": what was seen is less than {margin_text(deciding[at])}"
@@ -236,7 +236,7 @@ def _mixed(names: Names, deciding: Sequence[Compared], ruling: Ruling, there: st
     sides = []
     for sign, word in ((1, "better"), (-1, "worse")):
         of_side = [at for at in range(len(deciding)) if ruling.passes(at) and ruling.signs[at] == sign]
-        told = [f"{behind_of(deciding[at])} (corrected p {p_text(ruling.of_measures[at])})" for at in of_side]
+        told = [f"{name_with_article(deciding[at])} (corrected p {p_text(ruling.of_measures[at])})" for at in of_side]
         sides += [f"{word} in {listed(told)}"] if told else []
     average = f" on average{there}" if there else ""
     return f"{names.proposed} is {' and '.join(sides)}{average}."

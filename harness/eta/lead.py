@@ -13,11 +13,11 @@ from harness.eta.headline import (
     Answer,
     Compared,
     Headline,
-    behind_of,
     is_hardly_learned,
     is_share,
     margin_text,
     name_of,
+    name_with_article,
     size_text,
 )
 from harness.eta.judge import (
@@ -88,13 +88,15 @@ def _decided(answer: Answer, deciding: Sequence[Compared], ruling: Ruling, subje
     if is_little(deciding, ruling, answer):
         lines.append(f"That is little: less than {margin_text(deciding[first])}.")
     ends = [it for at, it in others if not ruling.passes(at) and not it.measure.is_while_training]
-    open_ones = [behind_of(it) for it in ends if leaves_out_zero(it)]  # to have found nothing would sound odd there
+    open_ones = [
+        name_with_article(it) for it in ends if leaves_out_zero(it)
+    ]  # to have found nothing would sound odd there
     if answer in (Answer.LEARNS_FASTER, Answer.LEARNS_SLOWER):
         lines.append(f"{end_text(ends).capitalize()}.")
     elif open_ones:
         lines.append(f"Whether {listed(open_ones)} {'differs' if len(open_ones) == 1 else 'differ'} cannot be told.")
     elif ends:
-        lines.append(f"No difference in {listed([behind_of(it) for it in ends])} was found.")
+        lines.append(f"No difference in {listed([name_with_article(it) for it in ends])} was found.")
     return " ".join(lines)
 
 

@@ -151,7 +151,7 @@ def _in_all(members: Sequence[Comparison]) -> tuple[tuple[Change, ...], ...]:
 
 
 def _kind(change: Change) -> tuple[str, bool]:
-    """Tells the measures of one place apart: success at the end, and success while training."""
+    """What a measure is whatever the manner in its place: success at the end, or success while training."""
     return change.name, change.measure.is_while_training
 
 

@@ -27,7 +27,7 @@ class Ruling:
     """What the test says of one question.
 
     Attributes:
-        p: The p-value of this question alone; None if there are too few seeds for a test.
+        p: The p-value of this question alone; None if there are too few trainings for a test.
         corrected: The p-value that holds for all questions that were asked together.
         level: The question is decided where `corrected` is at most this.
         of_measures: The corrected p-value of each measure by itself, held against the largest of all of them.
@@ -159,7 +159,7 @@ class Family:
 
 
 def rule(questions: Sequence[Question], level: float = LEVEL) -> list[Ruling]:
-    """What the test says of each question; nothing of those that have too few seeds.
+    """What the test says of each question; nothing of those that have too few trainings.
 
     Args:
         questions: Asked together, each in one place, or in several that get one answer.

@@ -10,6 +10,7 @@ from harness.eta.curve import Kind
 from harness.eta.equal import equal_sentences
 from harness.eta.headline import Answer, Headline
 from harness.eta.index import Index, Ratio
+from harness.eta.judge import p_text
 from harness.eta.seed_mean import SeedMean
 from harness.eta.splits import Decomposition, Split, SplitPath, Splits, SumSplit
 from harness.eta.verdict.deals import smallest_p
@@ -189,7 +190,7 @@ def ratio_grid(splits: Splits) -> Grid:
             interval_text(split.eta),
             ratio_text(split.per_seed),
             interval_text(split.noise),
-            format_p(split.corrected),
+            p_text(split.corrected),
             better_of(name),
         )
         for name, split in splits.items()
@@ -330,13 +331,6 @@ def mean_interval_text(mean: SeedMean) -> str:
     if mean.low is None or mean.high is None:
         return NOTHING
     return f"[{format_number(mean.low)}, {format_number(mean.high)}]"
-
-
-def format_p(p: float | None) -> str:
-    """A p-value."""
-    if p is None:
-        return NOTHING
-    return "< 0.001" if p < 0.001 else f"{p:.3f}"
 
 
 def _known(splits: Iterable[Split]) -> set[str]:
