@@ -169,7 +169,7 @@ def test_subsets_of_places_have_the_statistic_of_their_mean():
 def test_until_a_look_later_seeds_are_unknown():
     """And the places that they were trained in."""
     values, looks = values_of(6), np.array([[0], [0], [0], [1], [1], [2]])
-    question = Question(values, looks)
+    question = Question.of(values, looks=looks)
     assert question.until(1).values.shape[1] == 5
     assert question.until(0).statistics() == pytest.approx(Question.of(values[:, :3]).statistics())
 
@@ -177,6 +177,6 @@ def test_until_a_look_later_seeds_are_unknown():
 def test_a_place_and_a_look_keep_their_ends():
     """Of the places that they are about."""
     ends = np.array([[[0.0, 1.0]], [[-9.0, 0.0]]])
-    question = Question(values_of(4, places=2), np.zeros((4, 2), np.int64), ends=ends)
+    question = Question.of(values_of(4, places=2), ends)
     assert question.in_places(np.array([1])).ends.tolist() == [[[-9.0, 0.0]]]
     assert question.until(0).ends is ends
