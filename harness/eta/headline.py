@@ -23,8 +23,6 @@ TIME_MARGIN = 0.10
 """A difference of the time to the target below this, as a share of the baseline's, counts as none."""
 LEARNED = 0.10
 """Where both rewards certainly teach success in less than this share of the episodes, neither teaches the task."""
-PLANNABLE = 10
-"""A number of seeds that is known only to a larger factor is no plan."""
 
 
 class Answer(StrEnum):

@@ -167,7 +167,7 @@ def clear_text(deciding: Sequence[Compared], ruling: Ruling) -> str:
     return f"{told} {'allowing for all measures that decide' if len(deciding) > 1 else 'by an exact test'} p is {p}."
 
 
-def reasons(names: Names, deciding: Sequence[Compared], ruling: Ruling, where: str = "") -> list[str]:
+def reasons(names: Names, deciding: Sequence[Compared], ruling: Ruling, where: str) -> list[str]:
     """Why nothing can be told, a sentence each, where that needs saying; over several places few trainings are many."""
     fewest = fewest_seeds(ruling.level)
     if max(deciding[0].counts) < fewest and not where and not ruling.has_plan:

@@ -5,9 +5,12 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from harness.eta.amounts import listed
-from harness.eta.headline import PLANNABLE, Compared, difference_of, is_hardly_learned, margin_of, margin_text
+from harness.eta.headline import Compared, difference_of, is_hardly_learned, margin_of, margin_text
 from harness.eta.power import Range, seeds_to_tell
 from harness.eta.verdict.ruling import Ruling
+
+PLANNABLE = 10
+"""A number of trainings that is known only to a larger factor is no plan."""
 
 
 class Needed(NamedTuple):

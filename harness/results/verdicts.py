@@ -6,6 +6,7 @@ places where both trained. Whatever else the comparisons say are hints, correcte
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -42,7 +43,7 @@ class Asked:
     changes: tuple[tuple[Change, ...], ...]
     """By place, the measures that decide, the same in each."""
 
-    @property
+    @cached_property
     def question(self) -> Question:
         """The values, scaled so that higher is better and places can be put together."""
         return question_of(self.changes, [[_scale_of(change) for change in changes] for changes in self.changes])

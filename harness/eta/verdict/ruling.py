@@ -18,6 +18,8 @@ from harness.eta.verdict.question import Question
 
 LEVEL = 0.05
 """The chance of a false claim about the robot, in an experiment in which no reward does anything."""
+MOST_SUBSETS_OF = 10
+"""Up to so many places every set of them is tried; of more, single places count."""
 ROUNDING = 1e-9
 """Statistics that differ by less, relatively, are the same: sums of floats in another order may differ so."""
 
@@ -202,10 +204,6 @@ def opposed_in(whole: Ruling, places: Sequence[Ruling]) -> int:
         places: What `rule_places` says of each.
     """
     return sum(it.is_decided and it.sign == -whole.sign for it in places)
-
-
-MOST_SUBSETS_OF = 10
-"""Up to so many places every set of them is tried; of more, single places count."""
 
 
 def better_in(question: Question, whole: Ruling) -> int:

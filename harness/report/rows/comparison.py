@@ -150,9 +150,8 @@ def advice(results: Results, combination: Comparison) -> str:
 def until_decided(results: Results, combination: Comparison) -> str:
     """The command that trains until there is an answer; empty if no number of seeds gives one, or none is needed."""
     ruling, pool, seeds = combination.ruling, combination.pool, combination.seeds
-    is_held = pool is not None and ruling is not None and ruling.is_held
-    needed = (pool if is_held and pool else combination).headline.seeds_to_decide
-    if needed is None or seeds != tuple(range(len(seeds))) or combination.is_control:
+    asked = pool if pool is not None and ruling is not None and ruling.is_held else combination
+    if asked.headline.seeds_to_decide is None or seeds != tuple(range(len(seeds))) or combination.is_control:
         return ""
     if results.is_temporary or not results.is_experiment:
         return ""
