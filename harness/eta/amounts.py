@@ -36,7 +36,7 @@ def seen_text(names: Names, deciding: Sequence[Compared], where: str) -> str:
 
 def short_seen_text(names: Names, deciding: Sequence[Compared]) -> str:
     """The differences alone, with their intervals, and how many trainings failed or learned."""
-    differences = _capitalised(", ".join(f"{name_of(it)} {difference_text(it, 2)}{_side(it)}" for it in deciding))
+    differences = capitalised(", ".join(f"{name_of(it)} {difference_text(it, 2)}{_side(it)}" for it in deciding))
     return f"{differences}. {counted_text(names, deciding)}."
 
 
@@ -60,7 +60,7 @@ def same_text(names: Names, deciding: Sequence[Compared]) -> str:
     """What both rewards taught, where it is the same bit for bit: intervals would say nothing."""
     ends = [it for it in deciding if not it.measure.is_while_training] or deciding
     told = ", ".join(f"{name_of(it)} {_values(it, 3)[0]}{_unit(it)}" for it in ends)
-    return f"{_capitalised(told)} with both; {counted_text(names, deciding)}."
+    return f"{capitalised(told)} with both; {counted_text(names, deciding)}."
 
 
 def short_values(change: Compared) -> tuple[str, str]:
@@ -131,7 +131,7 @@ def listed(texts: Sequence[str], word: str = "and") -> str:
 
 def _whole(names: Names, change: Compared, where: str, *, is_first: bool) -> str:
     """The difference, its interval, and both values; only the first measure has to say whose value is whose."""
-    told = f"{_capitalised(name_of(change))} {difference_text(change, 3, where)}{_side(change)}"
+    told = f"{capitalised(name_of(change))} {difference_text(change, 3, where)}{_side(change)}"
     if change.is_relative:
         return told
     baseline, proposed = (f"{value}{_unit(change)}" for value in _values(change, 3))
@@ -151,41 +151,55 @@ def _unit(change: Compared) -> str:
 
 def _values(change: Compared, digits: int) -> tuple[str, str]:
     """Both values without their unit."""
-    scale = 100.0 if is_share(change) else 1.0
     decimals = _decimals(change, digits)
-    baseline, proposed = (_number(scale * (value or 0.0), decimals) for value in (change.baseline, change.proposed))
+    baseline, proposed = (_number(value, decimals) for value in _scaled(change))
     return baseline, proposed
 
 
 def _signed(change: Compared, digits: int) -> tuple[Callable[[float], str], str]:
     """Writes a difference, and the unit behind it."""
-    decimals = _decimals(change, digits)
+    decimals, scale = _decimals(change, digits), _scale_of(change)
     if change.is_relative:
         of = " of its mean size" if change.is_of_size else ""
-        return (lambda value: f"{_with_sign(_number(100.0 * value, decimals))}%"), of
-    scale, unit = (100.0, "points") if is_share(change) else (1.0, change.measure.unit)
+        return (lambda value: f"{_with_sign(_number(scale * value, decimals))}%"), of
+    unit = "points" if is_share(change) else change.measure.unit
     return (lambda value: _with_sign(_number(scale * value, decimals))), f" {unit}".rstrip()
+
+
+def _is_percent(change: Compared) -> bool:
+    return is_share(change) or change.is_relative
+
+
+def _scale_of(change: Compared) -> float:
+    """What a value is multiplied by where it is written."""
+    return 100.0 if _is_percent(change) else 1.0
+
+
+def _scaled(change: Compared) -> tuple[float, float]:
+    """Both values as they are written."""
+    scale = _scale_of(change)
+    return scale * (change.baseline or 0.0), scale * (change.proposed or 0.0)
 
 
 def _decimals(change: Compared, digits: int) -> int:
     """So many that the difference has two digits, and that it is the difference of the values as they are written."""
-    percent = is_share(change) or change.is_relative
-    scale = 100.0 if percent else 1.0
-    sizes = [scale * abs(value or 0.0) for value in (change.baseline, change.proposed)]
-    apart = scale * abs(difference_of(change))
-    few = digits - 2 if percent else _decimals_for(max(sizes), digits)
-    fine = _decimals_for(apart, 2) if apart > ROUNDING * max(sizes) else few
+    percent = _is_percent(change)
+    largest = max(map(abs, _scaled(change)))
+    apart = _scale_of(change) * abs(difference_of(change))
+    few = digits - 2 if percent else _decimals_for(largest, digits)
+    fine = _decimals_for(apart, 2) if apart > ROUNDING * largest else few
     decimals = max(few, min(fine, few + 2 if not percent else 1))
     if change.is_relative:
         return decimals
     most = max(decimals, MOST_OF_PERCENT if percent else few + 2)
-    return next((it for it in range(decimals, most) if _adds_up(change, scale, it)), most)
+    return next((it for it in range(decimals, most) if _adds_up(change, it)), most)
 
 
-def _adds_up(change: Compared, scale: float, decimals: int) -> bool:
+def _adds_up(change: Compared, decimals: int) -> bool:
     """Whether the difference is what a reader computes from both values."""
-    one, other = (round(scale * (value or 0.0), decimals) for value in (change.baseline, change.proposed))
-    return abs(other - one - round(scale * difference_of(change), decimals)) < 0.5 * 10.0**-decimals
+    one, other = (round(value, decimals) for value in _scaled(change))
+    told = round(_scale_of(change) * difference_of(change), decimals)
+    return abs(other - one - told) < 0.5 * 10.0**-decimals
 
 
 def _decimals_for(size: float, digits: int) -> int:
@@ -203,5 +217,6 @@ def _with_sign(text: str) -> str:
     return f"+{text}"
 
 
-def _capitalised(text: str) -> str:
+def capitalised(text: str) -> str:
+    """A text with a capital first; the rest stays as it is, unlike with `str.capitalize`."""
     return f"{text[0].upper()}{text[1:]}"

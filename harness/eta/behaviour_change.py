@@ -70,6 +70,18 @@ class Measure(NamedTuple):
         """What the difference of two values can be."""
         return of_difference(self.ends)
 
+    def count_failed(
+        self, baseline: Sequence[float] | Float, proposed: Sequence[float] | Float
+    ) -> tuple[int, int] | None:
+        """How many trainings of each reward failed: less than half of their episodes succeed.
+
+        None of no share of episodes, and of one such as collisions, of which less than half is no failure.
+        """
+        if self.episodes is None or self.better != "higher":
+            return None
+        ours, theirs = (int(np.less(values, FAILED).sum()) for values in (baseline, proposed))
+        return ours, theirs
+
     def to_json(self) -> dict[str, Any]:
         """Plain data; JSON has no infinite bounds, so it has none."""
         return {name: value for name, value in self._asdict().items() if name != "bounds"}
@@ -179,11 +191,8 @@ class Change:
 
     @property
     def failed(self) -> tuple[int, int] | None:
-        """How many trainings of each reward failed: less than half of their episodes succeed; None of no share."""
-        if self.measure.episodes is None or self.measure.better != "higher":
-            return None  # of a share such as collisions less than half is no failure
-        one, other = (sum(value < FAILED for value in of) for of in self.values)
-        return one, other
+        """How many trainings of each reward failed; None of other measures, see `Measure.count_failed`."""
+        return self.measure.count_failed(*self.values)
 
     @property
     def middles(self) -> tuple[float | None, float | None]:

@@ -23,8 +23,6 @@ TIME_MARGIN = 0.10
 """A difference of the time to the target below this, as a share of the baseline's, counts as none."""
 LEARNED = 0.10
 """Where both rewards certainly teach success in less than this share of the episodes, neither teaches the task."""
-PLANNABLE = 10
-"""A number of seeds that is known only to a larger factor is no plan."""
 
 
 class Answer(StrEnum):
@@ -121,9 +119,9 @@ class Headline:
         answer: The answer about the robot.
         robot: This answer in a sentence.
         number: How much the indices changed, and how much of that is ruler, in a sentence.
-        decided_by: The measure that decided; None if no measure did.
-        seeds_to_decide: How many seeds would tell the difference that was seen, as a range; None where the robot's
-            answer needs no more, or no number can be told.
+        decided_by: The measure that decided, see `key_of`; None if no measure did.
+        seeds_to_decide: How many trainings of each reward would tell, as a range; `robot` says under which condition.
+            None where the robot's answer needs no more, or no number can be told.
     """
 
     answer: Answer
@@ -157,8 +155,13 @@ def margin_of(change: Compared) -> float:
 
 def margin_text(change: Compared) -> str:
     """The margin of a measure in words."""
-    size = f"{100 * SUCCESS_MARGIN:g} points" if is_share(change) else f"{TIME_MARGIN:.0%}"
+    size = size_text(change, SUCCESS_MARGIN if is_share(change) else TIME_MARGIN)
     return f"{size} of {_short_name(change)}{_while(change)}"
+
+
+def size_text(change: Compared, size: float) -> str:
+    """A size of a difference in words: points of a share, else a part of the baseline's mean."""
+    return f"{100 * size:g} points" if is_share(change) else f"{size:.0%}"
 
 
 def is_share(change: Compared) -> bool:
@@ -184,8 +187,8 @@ def name_of(change: Compared) -> str:
     return f"{told}{_while(change)}"
 
 
-def behind_of(change: Compared) -> str:
-    """The same behind a preposition, such as ``the time to the target``."""
+def name_with_article(change: Compared) -> str:
+    """The same within a sentence, with an article where it needs one, such as ``the time to the target``."""
     return f"the {name_of(change)}" if change.name == TIME else name_of(change)
 
 

@@ -3,20 +3,16 @@
 A word of better or worse stands here only where a test says so whose error rate is known; see ``docs/statistics.md``.
 """
 
-import math
 from collections.abc import Sequence
-from typing import NamedTuple
 
 from harness.eta.amounts import listed, same_text, seen_text, trainings_text, unseen_text
 from harness.eta.headline import (
     LEARNED,
-    PLANNABLE,
     UNMEASURED,
     Answer,
     Compared,
     Headline,
     Names,
-    behind_of,
     difference_of,
     is_hardly_learned,
     is_share,
@@ -25,25 +21,18 @@ from harness.eta.headline import (
     margin_of,
     margin_text,
     name_of,
+    name_with_article,
+    size_text,
 )
-from harness.eta.power import Range, fewest_seeds, seeds_to_tell
+from harness.eta.needed import Needed, needed_of, needed_text
+from harness.eta.power import fewest_seeds
 from harness.eta.verdict.ruling import Ruling
 
 TRAIN_LONGER = "Train longer, or with another algorithm."
-UNTIL_DECIDED = "harness run --until decided plans for looks on the way."
-
-
+LOOK_ON = "No test is made before they have ended; harness run --until decided plans for looks on the way."
 UNSEEN_SUCCESS = "also where trainings succeed that were not seen"
 DECIDED = (Answer.HELPS, Answer.HURTS, Answer.LEARNS_FASTER, Answer.LEARNS_SLOWER, Answer.MIXED)
 """Answers that a test of a difference gave."""
-
-
-class Needed(NamedTuple):
-    """How many trainings of each reward would tell."""
-
-    seeds: Range
-    condition: str
-    """What has to be so for that, in words."""
 
 
 def judge(
@@ -83,7 +72,7 @@ def judge(
         lines = [seen, *_cannot_tell(names, deciding, ruling, needed, there)]
         return Headline(answer, " ".join(filter(None, lines)), number, seeds_to_decide=needed and needed.seeds)
     if is_same(deciding, ruling, same_steps=same_steps):
-        seen = same_text(names, deciding)
+        return Headline(answer, _same(names, deciding), number)
     return Headline(answer, _untold(names, deciding, ruling, answer, seen, there), number)
 
 
@@ -99,11 +88,9 @@ def answer_of(
         return _answer_of_decided(deciding, ruling, is_opposed)
     if _neither_learns(deciding[0]):
         return Answer.NEITHER_LEARNS
-    if ruling.small is not None or same_steps or (not ruling.has_plan and _are_within(deciding)):
-        return (
-            Answer.NO_DIFFERENCE
-        )  # a plan of looks has a test of its own for that, which may be asked again and again
-    return Answer.CANNOT_TELL
+    # A plan of looks has a test of its own for small differences, which may be asked again and again.
+    is_small = ruling.small is not None or (not ruling.has_plan and _are_within(deciding))
+    return Answer.NO_DIFFERENCE if is_small or same_steps else Answer.CANNOT_TELL
 
 
 def is_same(deciding: Sequence[Compared], ruling: Ruling, *, same_steps: bool) -> bool:
@@ -137,17 +124,14 @@ def is_little(deciding: Sequence[Compared], ruling: Ruling, answer: Answer) -> b
     )
 
 
-def interim_text(deciding: Sequence[Compared], ruling: Ruling) -> str:
+def progress_text(deciding: Sequence[Compared], ruling: Ruling) -> str:
     """How many trainings there are, and how many are still to come."""
     verb = "is" if ruling.missing == 1 else "are"
     return f"{sum(deciding[0].counts):,} trainings are compared, {ruling.missing:,} of the plan {verb} still to come."
 
 
-LOOK_ON = f"No test is made before they have ended; {UNTIL_DECIDED}"
-
-
 def p_text(p: float | None) -> str:
-    """A p-value in a sentence."""
+    """A p-value in a sentence or a table."""
     return "n/a" if p is None else "< 0.001" if p < 0.001 else f"{p:.3f}"
 
 
@@ -185,7 +169,7 @@ def clear_text(deciding: Sequence[Compared], ruling: Ruling) -> str:
     clear = [(it, p) for at, (it, p) in enumerate(ruled) if not ruling.passes(at) and leaves_out_zero(it)]
     if not clear:
         return ""
-    names, p = [behind_of(it) for it, _ in clear], p_text(min(p for _, p in clear))
+    names, p = [name_with_article(it) for it, _ in clear], p_text(min(p for _, p in clear))
     one = f"The interval of {names[0]} leaves out 0 when it is looked at alone, but"
     several = f"The intervals of {listed(names)} leave out 0 when each is looked at alone, but"
     told = one if len(names) == 1 else several
@@ -194,60 +178,31 @@ def clear_text(deciding: Sequence[Compared], ruling: Ruling) -> str:
     return f"{told} {'allowing for all measures that decide' if len(deciding) > 1 else 'by an exact test'} p is {p}."
 
 
-def needed_of(deciding: Sequence[Compared], ruling: Ruling) -> Needed | None:
-    """How many trainings of each reward would tell: the difference that was seen, else differences of the margins.
-
-    None where intervals lie within the margins: there trainings lack that were not seen, and not a smaller spread. And
-    where more of the same trainings are no help: in a single place while the answer over all places is open, and where
-    hardly any training learned.
-    """
-    if ruling.is_held or is_hardly_learned(deciding[0]):
-        return None
-    seen = _seeds_needed(deciding, ruling, "seen")
-    if seen is not None:
-        return Needed(seen, "what was seen so far")
-    if all(_is_inside(it, margin_of(it)) for it in deciding):
-        return None
-    small = _seeds_needed(deciding, ruling, "margin")
-    return None if small is None else Needed(small, listed([margin_text(it) for it in deciding], "or"))
-
-
-def needed_text(needed: Needed | None, where: str, noun: str = "trainings of each reward") -> str:
-    """The same in a sentence; empty where it is not known, or where more trainings of this kind are no help."""
-    if needed is None:
-        return ""
-    if needed.seeds[1] > PLANNABLE * needed.seeds[0]:
-        return "So few trainings do not tell how many would be enough."
-    there = " in each place" if where else ""
-    return f"If the difference is {needed.condition}, {range_text(needed.seeds)} {noun}{there} would tell."
-
-
-def reasons(names: Names, deciding: Sequence[Compared], ruling: Ruling, where: str = "") -> list[str]:
+def reasons(names: Names, deciding: Sequence[Compared], ruling: Ruling, where: str) -> list[str]:
     """Why nothing can be told, a sentence each, where that needs saying; over several places few trainings are many."""
     fewest = fewest_seeds(ruling.level)
     if max(deciding[0].counts) < fewest and not where and not ruling.has_plan:
         return [f"Fewer than {fewest} of each reward cannot show anything."]
     looks_alike = all(abs(difference_of(it)) < margin_of(it) for it in deciding if is_share(it))
-    floored = (
-        "p was raised: all trainings of one reward succeed nearly always or never, and so few do not tell how often."
-    )
-    held = f"A single place is told only where the answer over all is, and there p is {p_text(ruling.corrected)}."
-    lines = [
-        held if ruling.is_held else floored if ruling.is_floored else clear_text(deciding, ruling),
-        unseen_text(names, deciding) if looks_alike else "",
-    ]
+    lines = [_why_open(deciding, ruling), unseen_text(names, deciding) if looks_alike else ""]
     return [line for line in lines if line]
+
+
+def _why_open(deciding: Sequence[Compared], ruling: Ruling) -> str:
+    """Why the test tells nothing, though a number beside it may seem to; else empty."""
+    if ruling.is_held:
+        return f"A single place is told only where the answer over all is, and there p is {p_text(ruling.corrected)}."
+    if ruling.is_floored:
+        return (
+            "p was raised: all trainings of one reward succeed nearly always or never, and so few do not tell how "
+            "often."
+        )
+    return clear_text(deciding, ruling)
 
 
 def reserve_text(names: Names, deciding: Sequence[Compared], ruling: Ruling) -> str:
     """What an answer of no difference cannot rule out; empty where no test gave it."""
     return unseen_text(names, deciding) if answer_of(deciding, ruling) is Answer.NO_DIFFERENCE else ""
-
-
-def range_text(seeds: Range) -> str:
-    """A range of whole numbers; of one number that number."""
-    low, high = seeds
-    return f"{low:,}" if low == high else f"{low:,} to {high:,}"
 
 
 def allowance_text(deciding: Sequence[Compared]) -> str:
@@ -270,7 +225,7 @@ def _decided(
 def _clear(names: Names, deciding: Sequence[Compared], ruling: Ruling, answer: Answer, there: str) -> str:
     """The word where all measures that pass go one way."""
     at = decider_of(deciding, ruling, answer)
-    by = f", decided by {behind_of(deciding[at])}" if len(deciding) > 1 else ""
+    by = f", decided by {name_with_article(deciding[at])}" if len(deciding) > 1 else ""
     little, less = "", ""
     if is_little(deciding, ruling, answer):
         little, less = " by little", f": what was seen is less than {margin_text(deciding[at])}"
@@ -292,7 +247,7 @@ def _mixed(names: Names, deciding: Sequence[Compared], ruling: Ruling, there: st
     sides = []
     for sign, word in ((1, "better"), (-1, "worse")):
         of_side = [at for at in range(len(deciding)) if ruling.passes(at) and ruling.signs[at] == sign]
-        told = [f"{behind_of(deciding[at])} (corrected p {p_text(ruling.of_measures[at])})" for at in of_side]
+        told = [f"{name_with_article(deciding[at])} (corrected p {p_text(ruling.of_measures[at])})" for at in of_side]
         sides += [f"{word} in {listed(told)}"] if told else []
     average = f" on average{there}" if there else ""
     return f"{names.proposed} is {' and '.join(sides)}{average}."
@@ -311,24 +266,27 @@ def _untold(names: Names, deciding: Sequence[Compared], ruling: Ruling, answer: 
     if answer is Answer.RACED:
         return f"{seen} {ruling.instead}"
     if answer is Answer.INTERIM:
-        return f"Interim: {interim_text(deciding, ruling)} {seen} {LOOK_ON}"
+        return f"Interim: {progress_text(deciding, ruling)} {seen} {LOOK_ON}"
     if answer is Answer.NEITHER_LEARNS:
         return (
             f"{seen} Neither reward teaches the task{there}: success is below {LEARNED:.0%} under both (95%), "
             f"{UNSEEN_SUCCESS}. So there is no behaviour to compare. {TRAIN_LONGER}"
         )
-    if answer_of(deciding, ruling) is Answer.CANNOT_TELL:  # the steps alone say that there is no difference
-        told = f"{names.proposed} changes nothing: every step of every evaluation is the same as with {names.baseline}"
-        return f"{seen} {told}, bit for bit.{f' {TRAIN_LONGER}' * is_hardly_learned(deciding[0])}"
     told = _small(names, deciding, ruling.small, there) if ruling.small else _no_difference(names, deciding, there)
-    return f"{seen} {told} {reserve_text(names, deciding, ruling)}".rstrip()
+    return f"{seen} {told} {unseen_text(names, deciding)}".rstrip()
+
+
+def _same(names: Names, deciding: Sequence[Compared]) -> str:
+    """The answer where the steps alone say that there is no difference."""
+    told = f"{names.proposed} changes nothing: every step of every evaluation is the same as with {names.baseline}"
+    longer = f" {TRAIN_LONGER}" * is_hardly_learned(deciding[0])
+    return f"{same_text(names, deciding)} {told}, bit for bit.{longer}"
 
 
 def _small(names: Names, deciding: Sequence[Compared], margin: float, there: str) -> str:
-    size = f"{100 * margin:g} points" if is_share(deciding[0]) else f"{margin:.0%}"
     alone = f" This is said of {name_of(deciding[0])} alone." if len(deciding) > 1 else ""
     return (
-        f"The {name_of(deciding[0])} of {names.proposed} differs by less than {size}{there}"
+        f"The {name_of(deciding[0])} of {names.proposed} differs by less than {size_text(deciding[0], margin)}{there}"
         f"{allowance_text(deciding[:1])}. The training ended here, as planned: more would not be worth its cost.{alone}"
     )
 
@@ -354,34 +312,6 @@ def _cannot_tell(
     ]
 
 
-def _is_inside(change: Compared, margin: float) -> bool:
-    return change.low is not None and change.high is not None and -margin < change.low and change.high < margin
-
-
 def leaves_out_zero(change: Compared) -> bool:
     """Whether the interval of a difference lies on one side of 0."""
     return change.low is not None and change.high is not None and (change.low > 0.0 or change.high < 0.0)
-
-
-def _with_floor(found: Range, size: float, ruling: Ruling) -> Range:
-    """At least so many that luck alone hardly shows no failure where the means are equal, or nothing but failures."""
-    if not 0.0 < size < 1.0:
-        return found
-    low, high = (math.ceil(math.log(ruling.level / 2.0 / asked) / math.log1p(-size)) for asked in (1, ruling.asked))
-    return max(found[0], low), max(found[1], high)
-
-
-def _seeds_needed(changes: Sequence[Compared], ruling: Ruling, what: str) -> Range | None:
-    """How many seeds would tell the difference that was seen, by the measure that shows it first; or the margins."""
-    ranges = []
-    for change in changes[:1] if ruling.is_floored else changes:
-        size = abs(difference_of(change)) if what == "seen" else margin_of(change)
-        if change.spread is not None and size > 0.0 and math.isfinite(size):
-            found = seeds_to_tell(size, change.spread, change.seeds, ruling.asked * len(changes), ruling.level)
-            ranges.append(_with_floor(found, size, ruling) if found and ruling.is_floored else found)
-    known = [found for found in ranges if found is not None]
-    if not known or (what == "margin" and len(known) < len(ranges)):
-        return None
-    low, high = min(known) if what == "seen" else tuple(max(ends) for ends in zip(*known, strict=True))
-    seeds = changes[0].seeds
-    return max(low, seeds + 1), max(high, seeds + 1)

@@ -6,18 +6,19 @@ the headline says so.
 
 from collections.abc import Sequence
 
-from harness.eta.amounts import listed, relative_text, short_values
+from harness.eta.amounts import capitalised, listed, relative_text, short_values
 from harness.eta.headline import (
     LEARNED,
     TIME,
     Answer,
     Compared,
     Headline,
-    behind_of,
     is_hardly_learned,
     is_share,
     margin_text,
     name_of,
+    name_with_article,
+    size_text,
 )
 from harness.eta.judge import (
     LOOK_ON,
@@ -26,10 +27,10 @@ from harness.eta.judge import (
     allowance_text,
     decider_of,
     end_text,
-    interim_text,
     is_little,
     is_same,
     leaves_out_zero,
+    progress_text,
 )
 from harness.eta.verdict.ruling import Ruling
 
@@ -71,7 +72,7 @@ def _untold(answer: Answer, deciding: Sequence[Compared], ruling: Ruling, where:
     if answer is Answer.RACED:
         return "The race decides; this comparison by itself is no test."
     if answer is Answer.INTERIM:
-        return f"{interim_text(deciding, ruling)} {LOOK_ON}"
+        return f"{progress_text(deciding, ruling)} {LOOK_ON}"
     if answer is Answer.NEITHER_LEARNS:
         below = f"Success is below {LEARNED:.0%} with either reward{_there(where)}"
         return f"{below}, {UNSEEN_SUCCESS}. {TRAIN_LONGER}"
@@ -87,13 +88,15 @@ def _decided(answer: Answer, deciding: Sequence[Compared], ruling: Ruling, subje
     if is_little(deciding, ruling, answer):
         lines.append(f"That is little: less than {margin_text(deciding[first])}.")
     ends = [it for at, it in others if not ruling.passes(at) and not it.measure.is_while_training]
-    open_ones = [behind_of(it) for it in ends if leaves_out_zero(it)]  # to have found nothing would sound odd there
+    open_ones = [
+        name_with_article(it) for it in ends if leaves_out_zero(it)
+    ]  # to have found nothing would sound odd there
     if answer in (Answer.LEARNS_FASTER, Answer.LEARNS_SLOWER):
         lines.append(f"{end_text(ends).capitalize()}.")
     elif open_ones:
         lines.append(f"Whether {listed(open_ones)} {'differs' if len(open_ones) == 1 else 'differ'} cannot be told.")
     elif ends:
-        lines.append(f"No difference in {listed([behind_of(it) for it in ends])} was found.")
+        lines.append(f"No difference in {listed([name_with_article(it) for it in ends])} was found.")
     return " ".join(lines)
 
 
@@ -118,8 +121,7 @@ def _does(change: Compared, subject: str, sign: int, also: str = "") -> str:
         return f"The {subject} {also}reaches its target in {_instead(change)}"
     if is_share(change) and "success" in change.name:
         return f"The {subject} {also}succeeds in {_instead(change)} of its episodes"
-    name = name_of(change)
-    return f"{name[0].upper()}{name[1:]} is {also}{_instead(change)}"
+    return f"{capitalised(name_of(change))} is {also}{_instead(change)}"
 
 
 def _instead(change: Compared) -> str:
@@ -135,11 +137,8 @@ def _no_difference(deciding: Sequence[Compared], ruling: Ruling, subject: str, w
         return f"The {subject} takes the same steps with either reward, bit for bit{_there(where)}."
     if ruling.small is not None:
         first = deciding[0]
-        margin = f"{100 * ruling.small:g} points" if is_share(first) else f"{ruling.small:.0%}"
-        name = name_of(first)
-        return (
-            f"{name[0].upper()}{name[1:]} differs by less than {margin}{_there(where)}{allowance_text(deciding[:1])}."
-        )
+        size = size_text(first, ruling.small)
+        return f"{capitalised(name_of(first))} differs by less than {size}{_there(where)}{allowance_text([first])}."
     margins = listed([margin_text(it) for it in deciding])
     return f"The rewards differ by less than {margins}{_there(where)}{allowance_text(deciding)}."
 

@@ -34,7 +34,7 @@ class _Means(NamedTuple):
     """The sum over places of variance^2 / degrees of freedom, as Satterthwaite needs it."""
 
 
-NOTHING = _Means(np.zeros(1), np.zeros(1), np.zeros(1))
+NO_TRAININGS = _Means(np.zeros(1), np.zeros(1), np.zeros(1))
 
 
 def difference_bounds(
@@ -62,11 +62,11 @@ def difference_bounds(
     return -least, _most(_means(proposed, high_ends), _means(baseline, low_ends), *confidences)
 
 
-def mean_bounds(values: Sequence[Float], ends: Sequence[Bounds], confidence: float = ONE_SIDED) -> Interval:
+def mean_bounds(values: Sequence[Float], ends: Sequence[Bounds]) -> Interval:
     """The least and the most that the mean over places of one reward can be; see `difference_bounds`."""
     low_ends, high_ends = zip(*ends, strict=True)
-    least = _most(NOTHING, _means(values, low_ends), confidence, confidence)
-    return -least, _most(_means(values, high_ends), NOTHING, confidence, confidence)
+    least = _most(NO_TRAININGS, _means(values, low_ends), ONE_SIDED, ONE_SIDED)
+    return -least, _most(_means(values, high_ends), NO_TRAININGS, ONE_SIDED, ONE_SIDED)
 
 
 def _means(values: Sequence[Float], ends: Sequence[float]) -> _Means:

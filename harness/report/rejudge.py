@@ -17,7 +17,7 @@ from harness.report.rows.behaviour import behaviour_row
 from harness.report.rows.comparison import TESTS, answer_text, rewards_text
 from harness.report.summary.markdown import escape, pooled_part
 from harness.report.summary.stored import behaviour_of, stored_comparisons, studied_comparisons
-from harness.results.comparison import Comparison
+from harness.results.comparison import Comparison, pools_of
 from harness.results.seen import ENDED
 from harness.results.verdicts import with_verdicts
 
@@ -69,8 +69,7 @@ def rejudge(folder: Path) -> None:
         anew = {(it.group.task.label, it.group.algorithm.label, it.baseline, it.proposed): it for it in judged}
         for it in studied_comparisons(record):
             _rewrite(it, anew[it["task"], it["algorithm"], it["baseline"], it["proposed"]])
-        pools = {id(it.pool): it.pool for it in judged if it.pool is not None}.values()
-        record["over_places"] = [pool.to_json() for pool in pools]
+        record["over_places"] = [pool.to_json() for pool in pools_of(judged)]
     write_whole(folder / RECORD, json.dumps(record, indent=1, allow_nan=False) + "\n")
     write_whole(folder / PAGE, page)
 
@@ -93,7 +92,7 @@ def _rewrite(told: dict[str, Any], comparison: Comparison) -> None:
             headline[key] = sentence
     headline |= {key: value for key, value in answer.items() if key in headline and key not in ("number", "robot")}
     told["test"] = comparison.ruling and comparison.ruling.to_json()
-    told["trained"] = comparison.to_json()["trained"]
+    told["trained"] = comparison.trained_by
     told.pop("learns", None)  # up to version 0.2 a question of its own
     ruled = {id(it) for it in comparison.decisive_changes}
     for measure, change in zip(told["behaviour"], comparison.changes, strict=True):

@@ -192,6 +192,17 @@ class Comparison:
         return len(self.trained[0]), len(self.trained[1])
 
     @property
+    def has_trainings(self) -> bool:
+        """Whether each reward has one."""
+        return all(self.counts)
+
+    @property
+    def trained_by(self) -> dict[str, list[int]]:
+        """The seeds of each reward's trainings, as plain data."""
+        baseline, proposed = map(list, self.trained)
+        return {"baseline": baseline, "proposed": proposed}
+
+    @property
     def splits(self) -> Splits:
         """Both etas and their parts. Where there is none they hold the reason."""
         return self.decomposition.splits if self.decomposition else no_splits(self._empty)
@@ -341,7 +352,7 @@ class Comparison:
     @cached_property
     def headline(self) -> Headline:
         """The answers of the comparison: about the robot, and about the number."""
-        if not all(self.trained):
+        if not self.has_trainings:
             return Headline(Answer.CANNOT_TELL, f"Nothing to compare: {self._empty}.", "")
         told = UNMEASURED if self.decisive is None else _unmeasured(self.names, self.decisive)
         found = judge(self.names, self.decisive_changes, self.number, self.ruling, told, same_steps=self.same_steps)
@@ -381,7 +392,7 @@ class Comparison:
             "proposed": self.proposed,
             "is_control": self.is_control,
             "seeds": list(self.seeds),
-            "trained": dict(zip(("baseline", "proposed"), map(list, self.trained), strict=True)),
+            "trained": self.trained_by,
             "mixtures": [mixture.to_json() for mixture in self.mixtures],
             "headline": headline,
             "test": self.ruling and self.ruling.to_json(),
@@ -395,7 +406,7 @@ class Comparison:
             "baseline_index": self.baseline_index and self.baseline_index.to_json(),
             "proposed_index": self.proposed_index and self.proposed_index.to_json(),
             "claims": self.claims,
-            "smallest_p": smallest_p(self.counts[0], proposed=self.counts[1]) if all(self.trained) else None,
+            "smallest_p": smallest_p(*self.counts) if self.has_trainings else None,
             "episodes": dict(self.episodes),
             "behaviour": [change.to_json() for change in self.changes],
             "along_the_budget": [{**moment.to_json(), "answer": self.hint_at(moment)} for moment in self.along],
@@ -416,7 +427,7 @@ class Comparison:
             return f"{self.baseline} is not trained again with other seeds yet"
         if self.seeds:
             return "an own reward is not known in every step"
-        if not all(self.trained):
+        if not self.has_trainings:
             missing = next(name for name, of in zip(self.names, self.trained, strict=True) if not of)
             return f"no training with {missing} is done"
         return f"no seed is done under both {self.baseline} and {self.proposed}"
@@ -425,6 +436,11 @@ class Comparison:
 def _kind(change: Change) -> tuple[str, str]:
     """Tells a measure apart from all others of a comparison."""
     return change.name, change.measure.manner
+
+
+def pools_of(comparisons: Iterable[Comparison]) -> tuple[Pool, ...]:
+    """The answers over all places, each once; none where there is one place."""
+    return tuple({id(it.pool): it.pool for it in comparisons if it.pool is not None}.values())
 
 
 def still_to_come(comparisons: Iterable[Comparison]) -> int:

@@ -112,7 +112,7 @@ def learning_of(results: Records, combination: Comparison) -> Learning | None:
     Raises:
         SchemaError: A file is damaged or written by a newer version.
     """
-    if combination.is_control or not all(combination.trained):
+    if combination.is_control or not combination.has_trainings:
         return None
     sides = list(zip((combination.baseline, combination.proposed), combination.trained, strict=True))
     if combination.group.evaluate_every:

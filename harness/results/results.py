@@ -15,7 +15,7 @@ from harness.eta.equal import key_to_json
 from harness.record.cell import Cell
 from harness.record.manifest import Manifest
 from harness.results.combine import combine
-from harness.results.comparison import Comparison
+from harness.results.comparison import Comparison, pools_of
 from harness.results.frames import Frames
 from harness.results.learning import Learning, learning_of
 from harness.results.overview import overview_html
@@ -49,7 +49,7 @@ class Results(Records):
     @property
     def pools(self) -> tuple[Pool, ...]:
         """One answer for each reward over all places in which it trained, where there are several."""
-        return tuple({id(it.pool): it.pool for it in self.combinations if it.pool is not None}.values())
+        return pools_of(self.combinations)
 
     @cached_property
     def notes(self) -> tuple[str, ...]:

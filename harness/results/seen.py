@@ -45,8 +45,7 @@ class Seen:
     def look_of(self, comparison: Comparison) -> tuple[Mapping[int, int], int]:
         """The look of each seed, counted from 0, and how many looks are complete under both rewards."""
         cells = self.status.get((comparison.group, comparison.baseline), {})
-        ends = [*self.looks]
-        of_seed = {cell.seed: sum(at >= end for end in ends) for at, cell in enumerate(cells)}
+        of_seed = {cell.seed: sum(at >= end for end in self.looks) for at, cell in enumerate(cells)}
         rewards = (comparison.baseline, comparison.proposed)
         return of_seed, min(self.complete(reward, [comparison.group]) for reward in rewards)
 

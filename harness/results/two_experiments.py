@@ -141,17 +141,10 @@ def between(before: Results, after: Results) -> Between:
     )
 
 
-Key = tuple[Group, str, str]
-
-
-def _key(combination: Comparison) -> Key:
-    return combination.group, combination.baseline, combination.proposed
-
-
-def _compared(results: Results) -> dict[Key, Comparison]:
+def _compared(results: Results) -> dict[tuple[Group, str, str], Comparison]:
     """Comparisons with the experiment's baseline. An environment has others too, of the same policies."""
     found = (it for it in results.combinations if it.baseline == results.baseline and not it.is_control)
-    return {_key(it): it for it in found}
+    return {it.place_key: it for it in found}
 
 
 def _changes(before: Policies, after: Policies, swaps: Swaps) -> tuple[Change, ...]:

@@ -6,6 +6,7 @@ places where both trained. Whatever else the comparisons say are hints, correcte
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -42,7 +43,7 @@ class Asked:
     changes: tuple[tuple[Change, ...], ...]
     """By place, the measures that decide, the same in each."""
 
-    @property
+    @cached_property
     def question(self) -> Question:
         """The values, scaled so that higher is better and places can be put together."""
         return question_of(self.changes, [[_scale_of(change) for change in changes] for changes in self.changes])
@@ -94,13 +95,8 @@ def _in_looks(asked: Asked, terms: Terms, look_of: LookOf) -> Ruling:
     told = [look_of(it) for it in asked.members]
     complete = min(count for _, count in told)
     looks = Looks(terms.looks, terms.asked, terms.margin)
-    question = asked.question
-    seeds = seeds_of(asked.changes)
-    at = np.full((len(seeds), len(asked.members)), len(terms.looks), np.int64)
-    for place, (of_seed, _) in enumerate(told):
-        for row, seed in enumerate(seeds):
-            at[row, place] = of_seed.get(seed, len(terms.looks))
-    return rule_in_looks(replace(question, looks=at), looks, complete)
+    at = [[of_seed.get(seed, len(terms.looks)) for of_seed, _ in told] for seed in seeds_of(asked.changes)]
+    return rule_in_looks(replace(asked.question, looks=np.array(at)), looks, complete)
 
 
 def _with_rulings(
@@ -156,7 +152,7 @@ def _in_all(members: Sequence[Comparison]) -> tuple[tuple[Change, ...], ...]:
 
 
 def _kind(change: Change) -> tuple[str, bool]:
-    """Tells the measures of one place apart: success at the end, and success while training."""
+    """What a measure is whatever the manner in its place: success at the end, or success while training."""
     return change.name, change.measure.is_while_training
 
 

@@ -13,7 +13,8 @@ from harness.eta.behaviour_change import TRAINING, Change, Measure, change_of
 from harness.eta.curve import GroupCurve, curve_of
 from harness.eta.decompose import decompose
 from harness.eta.headline import UNMEASURED, Answer, Headline, Names
-from harness.eta.judge import DECIDED, judge, range_text
+from harness.eta.judge import DECIDED, judge
+from harness.eta.needed import range_text
 from harness.eta.power import seeds_to_tell
 from harness.eta.scored_sums import BB, BK, KB, KK
 from harness.eta.splits import Decomposition

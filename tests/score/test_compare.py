@@ -17,12 +17,12 @@ from scipy import stats
 
 import harness.score.compared_rows
 from harness.errors import UsageError
+from harness.eta.judge import p_text
 from harness.hookspecs import PROJECT
 from harness.record.manifest import Manifest
 from harness.record.trace import COLUMN, SCALARS, TraceWriter
 from harness.registry.choice import Choice
 from harness.registry.registry import load_registry
-from harness.report.rows.comparison import format_p
 from harness.report.tables.eta import eta_table
 from harness.score.compare import ComparedRuns, compare_recordings
 from harness.score.open_recording import match_recordings, open_recording
@@ -541,5 +541,5 @@ def test_both_etas_are_corrected_together(groups: Path):
         assert split.p is not None
         assert split.corrected is not None
         assert split.corrected >= split.p
-        assert format_p(split.corrected) in told.file.getvalue()
+        assert p_text(split.corrected) in told.file.getvalue()
     assert any(split.corrected != split.p for split in found.decomposition.splits.values())

@@ -7,7 +7,6 @@ there are, or in many drawn ones, and asks how often chance alone gives as much 
 
 import itertools
 import math
-from collections.abc import Sequence
 from functools import lru_cache
 from typing import TypeAlias
 
@@ -50,23 +49,16 @@ def count_deals(strata: Strata) -> int:
     return math.prod(math.comb(baselines + proposed, proposed) for _, baselines, proposed in strata)
 
 
-def smallest_p(seeds: int, places: int = 1, *, proposed: int | None = None) -> float:
-    """The smallest two-sided p that trainings can give.
-
-    Args:
-        seeds: Trainings of each reward in a place.
-        places: How many places that share no training.
-        proposed: Trainings of the proposed reward in a place, where it has not as many as the baseline.
-    """
-    other = seeds if proposed is None else proposed
-    alike = 2 if other == seeds else 1  # with as many of each, all labels swapped give the same statistic
-    ways = min(math.comb(seeds + other, other), alike * MOST_DEALS)  # of many they are more than a float can say
-    return max(alike * float(ways) ** -places, 1.0 / MOST_DEALS)
+def smallest_p(baselines: int, proposed: int) -> float:
+    """The smallest two-sided p that so many trainings of each reward can give in one place."""
+    alike = 2 if baselines == proposed else 1  # with as many of each, all labels swapped give the same statistic
+    ways = min(math.comb(baselines + proposed, proposed), alike * MOST_DEALS)  # they may be more than a float can say
+    return max(alike / ways, 1.0 / MOST_DEALS)
 
 
 @lru_cache(maxsize=8)
 def _deals(strata: Strata, is_drawn: bool) -> Float:
-    drawn = _drawn(strata) if is_drawn else [_all(strata)]
+    drawn = [_drawn_in(*stratum) for stratum in strata] if is_drawn else [_all(strata)]
     dealt = drawn[0] if len(drawn) == 1 else np.concatenate(drawn, axis=1)  # of many seeds a copy is large
     dealt.setflags(write=False)
     return dealt
@@ -74,10 +66,6 @@ def _deals(strata: Strata, is_drawn: bool) -> Float:
 
 def _as_trained(baselines: int, proposed: int) -> Float:
     return np.repeat([0.0, 1.0], [baselines, proposed])
-
-
-def _drawn(strata: Strata) -> Sequence[Float]:
-    return [_drawn_in(*stratum) for stratum in strata]
 
 
 def _drawn_in(name: int, baselines: int, proposed: int) -> Float:

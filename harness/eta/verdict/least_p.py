@@ -44,7 +44,7 @@ def least_p(question: Question, spent: Sequence[float] = ()) -> Float:
         spent: The chance of a false answer that was spent up to each earlier look. Luck had a chance at each of them.
     """
     least: Float = np.zeros(question.values.shape[3])
-    if question.ends is None or not question.is_testable:
+    if not question.is_testable:
         return least
     for side in _at_ends(question):
         of_first = _least_of(question, side, 0, 0.0, spent)
@@ -55,7 +55,6 @@ def least_p(question: Question, spent: Sequence[float] = ()) -> Float:
 
 def _at_ends(question: Question) -> list[_Side]:
     """The sides whose trainings all lie at ends where few of the other side's do."""
-    assert question.ends is not None
     low, high = np.moveaxis(question.ends[:, 0], -1, 0)
     if not np.isfinite(high - low).all():
         return []
@@ -80,7 +79,6 @@ def _least_of(question: Question, side: _Side, measure: int, unknown: float, spe
         unknown: The answer where an end is not known.
         spent: See `least_p`.
     """
-    assert question.ends is not None
     ends, values = question.ends[:, measure], question.values[..., measure]
     high = _mean_at(values[side.side], side.is_high, ends[:, 1])
     low = _mean_at(values[side.side], side.is_low, ends[:, 0])

@@ -2,7 +2,7 @@
 
 Whoever looks at the results after some seeds and trains more of them if the answer is not there yet gives luck several
 chances. Here each look may spend a part of the 5 %, in proportion to the seeds used (Lan and DeMets 1983). Labels are
-dealt within the seeds of one look. A deal whose statistic passes the boundary of a look counts as a false claim from
+dealt among the trainings of one look. A deal whose statistic passes the boundary of a look counts as a false claim from
 then on. The boundary of a look is the smallest one that keeps to what is left.
 """
 

@@ -68,26 +68,26 @@ class Question:
         values: (2, rows, places, measures): of the baseline and of the proposed reward, higher is better. NaN where a
             row has no training on that side in a place, or where it was not measured.
         looks: The look at which a row was trained in each place, (rows, places); 0 if all were trained at once.
-        is_drawn: Whether labels are dealt in drawn ways even where all could be tried, as tests in several looks are.
         ends: The least and the greatest value that a measure can have in a place, as `values` count it, (places,
-            measures, 2); infinite where there is none. None where none is known.
+            measures, 2); infinite where none is known.
+        is_drawn: Whether labels are dealt in drawn ways even where all could be tried, as tests in several looks are.
     """
 
     values: Float
     looks: Ints
+    ends: Float
     is_drawn: bool = False
-    ends: Float | None = None
 
     @classmethod
-    def of(cls, values: Float, ends: Float | None = None) -> "Question":
-        """A question about trainings that were done at once, see `values` and `ends`."""
-        return cls(values, np.zeros(values.shape[1:3], np.int64), ends=ends)
+    def of(cls, values: Float, ends: Float | None = None, looks: Ints | None = None) -> "Question":
+        """A question about trainings. By default they were done at once, and no end is known."""
+        at_once = np.zeros(values.shape[1:3], np.int64)
+        unbounded = np.broadcast_to(UNBOUNDED, (*values.shape[2:], 2))
+        return cls(values, at_once if looks is None else looks, unbounded if ends is None else ends)
 
     @property
     def first_ends(self) -> list[Bounds]:
         """What a value of the first measure can be, by place."""
-        if self.ends is None:
-            return [UNBOUNDED] * self.places
         return [(float(low), float(high)) for low, high in self.ends[:, 0]]
 
     @property
@@ -141,14 +141,13 @@ class Question:
     def in_places(self, at: Ints) -> "Question":
         """The same question about some of its places."""
         there = self.known[:, :, at].any(axis=(0, 2, 3))
-        ends = None if self.ends is None else self.ends[at]
-        return Question(self.values[:, there][:, :, at], self.looks[there][:, at], self.is_drawn, ends)
+        return Question(self.values[:, there][:, :, at], self.looks[there][:, at], self.ends[at], self.is_drawn)
 
     def until(self, look: int) -> "Question":
         """The same question as it stood at a look."""
         values = np.where((self.looks <= look)[None, :, :, None], self.values, np.nan)
         there = np.isfinite(values).any(axis=(0, 2, 3))
-        return Question(values[:, there], self.looks[there], self.is_drawn, self.ends)
+        return Question(values[:, there], self.looks[there], self.ends, self.is_drawn)
 
     @cached_property
     def layout(self) -> Layout:
@@ -169,26 +168,24 @@ class Question:
         """The ways in which labels are dealt, (ways, trainings); see `deals_of`."""
         return deals_of(self.layout.strata, self.is_drawn)
 
-    def statistics(self, deals: Float | None = None) -> Float:
-        """Welch's t of the mean over all places, in every way to deal the labels, (ways, measures).
+    def statistics(self) -> Float:
+        """Welch's t of the mean over all places, in every way to deal the labels, (ways, measures)."""
+        of_measures = (self._mean(measure, self.deals) for measure in range(self.values.shape[3]))
+        return np.stack([_ratio(*it) for it in of_measures], axis=1)
 
-        Args:
-            deals: Other ways, (ways, trainings); by default `deals`.
-        """
-        deals = self.deals if deals is None else deals
-        return np.stack([_ratio(*self._mean(measure, deals)) for measure in range(self.values.shape[3])], axis=1)
+    @cached_property
+    def estimate(self) -> Estimate:
+        """The difference of the first measure, mean over all places, and how far it can be trusted."""
+        difference, error = self._mean(0, as_trained(self.layout.strata)[None, :])
+        return Estimate(float(difference[0]), float(error[0]), self._freedom)
 
-    def estimate(self, measure: int = 0) -> Estimate:
-        """The difference of one measure, mean over all places, and how far it can be trusted."""
-        difference, error = self._mean(measure, as_trained(self.layout.strata)[None, :])
-        return Estimate(float(difference[0]), float(error[0]), self._freedom(measure))
-
-    def _freedom(self, measure: int) -> float:
+    @property
+    def _freedom(self) -> float:
         """Degrees of freedom after Welch and Satterthwaite: a side's trainings in the same places are a group."""
         total, squares = 0.0, 0.0
         for side in BOTH:
-            known = self.known[side, :, :, measure]
-            values = np.where(known, self.values[side, ..., measure], 0.0) / np.maximum(known.sum(axis=0), 1)
+            known = self.known[side, :, :, 0]
+            values = np.where(known, self.values[side, ..., 0], 0.0) / np.maximum(known.sum(axis=0), 1)
             for pattern in np.unique(known[known.any(axis=1)], axis=0):
                 group = values[(known == pattern).all(axis=1)].sum(axis=1)
                 if len(group) < LEAST_SEEDS:

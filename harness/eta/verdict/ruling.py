@@ -18,6 +18,8 @@ from harness.eta.verdict.question import Question
 
 LEVEL = 0.05
 """The chance of a false claim about the robot, in an experiment in which no reward does anything."""
+MOST_SUBSETS_OF = 10
+"""Up to so many places every set of them is tried; of more, single places count."""
 ROUNDING = 1e-9
 """Statistics that differ by less, relatively, are the same: sums of floats in another order may differ so."""
 
@@ -27,7 +29,7 @@ class Ruling:
     """What the test says of one question.
 
     Attributes:
-        p: The p-value of this question alone; None if there are too few seeds for a test.
+        p: The p-value of this question alone; None if there are too few trainings for a test.
         corrected: The p-value that holds for all questions that were asked together.
         level: The question is decided where `corrected` is at most this.
         of_measures: The corrected p-value of each measure by itself, held against the largest of all of them.
@@ -159,7 +161,7 @@ class Family:
 
 
 def rule(questions: Sequence[Question], level: float = LEVEL) -> list[Ruling]:
-    """What the test says of each question; nothing of those that have too few seeds.
+    """What the test says of each question; nothing of those that have too few trainings.
 
     Args:
         questions: Asked together, each in one place, or in several that get one answer.
@@ -202,10 +204,6 @@ def opposed_in(whole: Ruling, places: Sequence[Ruling]) -> int:
         places: What `rule_places` says of each.
     """
     return sum(it.is_decided and it.sign == -whole.sign for it in places)
-
-
-MOST_SUBSETS_OF = 10
-"""Up to so many places every set of them is tried; of more, single places count."""
 
 
 def better_in(question: Question, whole: Ruling) -> int:

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from harness.arrays import Float
-from harness.eta.behaviour_change import FAILED, Change, Measure
+from harness.eta.behaviour_change import Change, Measure
 from harness.eta.interval import (
     CONFIDENCE,
     UNBOUNDED,
@@ -100,22 +100,17 @@ class Together:
     @property
     def failed(self) -> tuple[int, int] | None:
         """How many of them failed; None of other measures, see `Change.failed`."""
-        if self.measure.episodes is None or self.measure.better != "higher":
-            return None
-        one, other = (int((side < FAILED).sum()) for side in self._all)
-        return one, other
+        return self.measure.count_failed(*self._all)
 
     @property
     def low(self) -> float | None:
-        """The lower end of the 95 % interval of proposed - baseline; None below three seeds."""
-        found = self._interval(CONFIDENCE)
-        return found and found[0]
+        """The lower end of the 95 % interval of proposed - baseline; None below three trainings in a place."""
+        return self._interval and self._interval[0]
 
     @property
     def high(self) -> float | None:
         """The upper end."""
-        found = self._interval(CONFIDENCE)
-        return found and found[1]
+        return self._interval and self._interval[1]
 
     @property
     def likely(self) -> Interval | None:
@@ -123,7 +118,7 @@ class Together:
         if why_no_interval(self.seeds):
             return None
         low, high = difference_bounds(*self._of_places, [self._ends] * self.question.places)
-        estimate = self.question.estimate()
+        estimate = self.question.estimate
         reach = quantile(ONE_SIDED, estimate.freedom) * estimate.error
         return min(low, self.difference - reach), max(high, self.difference + reach)
 
@@ -137,7 +132,7 @@ class Together:
 
     @property
     def spread(self) -> float | None:
-        """The standard deviation of one seed's mean over all places; None below two seeds."""
+        """The standard deviation of one training, as far as it counts for the mean; None below two in a place."""
         return math.sqrt(self._variance * self.seeds / 2.0) if self.seeds >= LEAST_SEEDS else None
 
     @property
@@ -165,7 +160,7 @@ class Together:
         Of a share it allows for trainings that were not seen, see `harness.eta.interval.share_variance`: one of each
         reward in one of the places, so the more places there are, the less it counts.
         """
-        seen = self.question.estimate().error ** 2
+        seen = self.question.estimate.error**2
         if self.measure.episodes is None:
             return seen
         places, floor, unseen = self.question.places, 0.0, 0.0
@@ -175,14 +170,15 @@ class Together:
         seen = max(seen, floor / places**2)
         return max(seen, seen * (1.0 - 1.0 / self.seeds) + unseen)
 
-    def _interval(self, confidence: float) -> Interval | None:
+    @cached_property
+    def _interval(self) -> Interval | None:
+        """The 95 % interval of proposed - baseline, cut to what that can be."""
         if why_no_interval(self.seeds):
             return None
-        reach = quantile(confidence, self.question.estimate().freedom) * math.sqrt(self._variance)
+        reach = quantile(CONFIDENCE, self.question.estimate.freedom) * math.sqrt(self._variance)
         low, high = of_difference(self._ends)
-        return max(self.difference - reach, min(low, self.difference)), min(
-            self.difference + reach, max(high, self.difference)
-        )
+        middle = self.difference
+        return max(middle - reach, min(low, middle)), min(middle + reach, max(high, middle))
 
 
 def size_of(change: Change) -> float:
@@ -210,5 +206,5 @@ def question_of(changes: Sequence[Sequence[Change]], scales: Sequence[Sequence[f
             for side, of_side in enumerate(change.trainings):
                 at = [row[seed] for seed in of_side]
                 values[side, at, place, measure] = np.array(change.values[side]) * scales[place][measure]
-    scaled = np.array([[change.measure.ends for change in of_place] for of_place in changes])
-    return Question.of(values, np.sort(scaled * np.array(scales)[..., None], axis=2))
+    ends = np.array([[change.measure.ends for change in of_place] for of_place in changes])
+    return Question.of(values, np.sort(ends * np.array(scales)[..., None], axis=2))  # a negative scale swaps them

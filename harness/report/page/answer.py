@@ -5,23 +5,21 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from harness.eta.amounts import difference_text, listed, same_text, short_seen_text, short_values, trainings_text
-from harness.eta.headline import Answer, Compared, Headline, Names, behind_of, difference_of, key_of, name_of
+from harness.eta.headline import Answer, Compared, Headline, Names, difference_of, key_of, name_of, name_with_article
 from harness.eta.judge import (
     clear_text,
     crossing_text,
     is_same,
-    needed_of,
-    needed_text,
-    range_text,
     reasons,
     reserve_text,
 )
+from harness.eta.needed import needed_of, needed_text, range_text
 from harness.eta.verdict.ruling import Ruling
 from harness.report.answers import badge_of, word_of
 from harness.report.figures.forest import draw_interval, draw_part
 from harness.report.rows.comparison import beside_answer
 from harness.report.rows.pay import Pay, pay_of
-from harness.results.comparison import Comparison
+from harness.results.comparison import Comparison, pools_of
 from harness.results.pool import Pool
 
 
@@ -87,8 +85,7 @@ def pool_card(pool: Pool) -> Card:
 
 def pool_cards(comparisons: Sequence[Comparison]) -> list[Card]:
     """The cards of the answers over all places, each once; none where there is one place."""
-    pools = {id(it.pool): it.pool for it in comparisons if it.pool is not None}.values()
-    return [pool_card(pool) for pool in pools]
+    return [pool_card(pool) for pool in pools_of(comparisons)]
 
 
 def _card(
@@ -114,18 +111,21 @@ def _card(
 
 
 def _row(change: Compared, at: int, ruling: Ruling, decides: bool) -> Row:
-    baseline, proposed = short_values(change)
     direction = "" if not ruling.passes(at) else "better" if ruling.signs[at] > 0 else "worse"
     figure = draw_interval(difference_of(change), change.low, change.high, change.measure.better, direction)
-    value = difference_text(change, 2).partition(" ")[0] if change.is_relative else f"{baseline} -> {proposed}"
+    value = difference_text(change, 2).partition(" ")[0] if change.is_relative else " -> ".join(short_values(change))
     return Row(name_of(change), "decides" if decides else "", figure, value)
 
 
 def _decided(names: Names, changes: Sequence[Compared], ruling: Ruling, deciders: Sequence[bool]) -> str:
     """What decided, how sure that is, and why an interval seems to say something else."""
     by = [at for at, decides in enumerate(deciders) if decides]
+    measures, trainings = (
+        listed([name_with_article(changes[at]) for at in by]),
+        trainings_text(names, changes[0].counts),
+    )
     lines = [
-        f"Decided by {listed([behind_of(changes[at]) for at in by])}, from {trainings_text(names, changes[0].counts)}.",
+        f"Decided by {measures}, from {trainings}.",
         _luck(max(ruling.of_measures[at] for at in by)),
         crossing_text(changes, ruling),
         clear_text(changes, ruling),

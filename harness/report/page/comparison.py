@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
+from harness.eta.amounts import capitalised
 from harness.eta.return_split import ReturnSplit
 from harness.report.answers import symbol_of
 from harness.report.apart import BETWEEN
@@ -127,7 +128,7 @@ def title_of(combination: Comparison, place: str) -> str:
 def describe_comparison(combination: Comparison) -> str:
     """In plain words: what was compared."""
     group = combination.group
-    if not all(combination.counts):
+    if not combination.has_trainings:
         return f"{combination.proposed} was to be compared with {combination.baseline}, but {combination.eta_n.note}."
     paid = (
         f"trained twice, both times paid by {combination.baseline}, the second time with other seeds"
@@ -135,8 +136,7 @@ def describe_comparison(combination: Comparison) -> str:
         else f"trained twice, once paid by {combination.baseline}, once by {combination.proposed}"
     )
     what = ", ".join(f"{kind} {label}" for kind, label in group.labels.items())
-    compared = compared_text(combination)
-    told = f"{what[0].upper()}{what[1:]}. {compared[0].upper()}{compared[1:]}, {group.steps:,} steps each: {paid}."
+    told = f"{capitalised(what)}. {capitalised(compared_text(combination))}, {group.steps:,} steps each: {paid}."
     scales = scales_text(group.subject)
     return f"{told} {READING} {scales}" if combination.main else f"{told} {scales}"
 

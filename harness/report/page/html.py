@@ -194,7 +194,7 @@ def _setting(results: Results) -> str:
     if len({it.baseline for it in combinations}) == 1:
         own = ", the environment's own reward" if first.baseline == OWN else ""
         told.append(f"each compared with {first.baseline}{own}")
-    if len({it.counts for it in combinations}) == 1 and all(first.counts):
+    if len({it.counts for it in combinations}) == 1 and first.has_trainings:
         names = first.names if len({it.names for it in combinations}) == 1 else OTHERS
         told.append(trainings_text(names, first.counts))
     return BETWEEN.join(told)

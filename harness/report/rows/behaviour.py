@@ -6,7 +6,8 @@ from typing import NamedTuple, TypeAlias
 from harness.eta.behaviour_change import Change
 from harness.eta.headline import count_seeds
 from harness.eta.interval import SHARE
-from harness.report.rows.comparison import Grid, format_number, format_p
+from harness.eta.judge import p_text
+from harness.report.rows.comparison import Grid, format_number
 from harness.results.comparison import Comparison, StepChange
 from harness.results.measured import DETERMINISTIC, STOCHASTIC
 from harness.results.overview import NOTHING
@@ -71,7 +72,7 @@ def behaviour_row(change: Change) -> BehaviourRow:
         _difference(change, is_share=text is percentage),
         text(change.random),
         change.measure.better,
-        format_p(change.corrected),
+        p_text(change.corrected),
         change.direction,
     )
 

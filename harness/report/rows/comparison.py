@@ -10,6 +10,7 @@ from harness.eta.curve import Kind
 from harness.eta.equal import equal_sentences
 from harness.eta.headline import Answer, Headline
 from harness.eta.index import Index, Ratio
+from harness.eta.judge import p_text
 from harness.eta.seed_mean import SeedMean
 from harness.eta.splits import Decomposition, Split, SplitPath, Splits, SumSplit
 from harness.eta.verdict.deals import smallest_p
@@ -127,7 +128,7 @@ def scale_text(comparison: Comparison) -> str:
 
 def basis_text(comparison: Comparison) -> str:
     """Which episodes the verdict rests on, where that needs saying; else empty."""
-    if not all(comparison.trained) or comparison.manner in (DETERMINISTIC, STOCHASTIC):
+    if not comparison.has_trainings or comparison.manner in (DETERMINISTIC, STOCHASTIC):
         return ""
     count = comparison.episodes[comparison.manner]
     told = f"{count:,} episode{'s' * (count != 1)} or more of each seed"
@@ -149,9 +150,8 @@ def advice(results: Results, combination: Comparison) -> str:
 def until_decided(results: Results, combination: Comparison) -> str:
     """The command that trains until there is an answer; empty if no number of seeds gives one, or none is needed."""
     ruling, pool, seeds = combination.ruling, combination.pool, combination.seeds
-    is_held = pool is not None and ruling is not None and ruling.is_held
-    needed = (pool if is_held and pool else combination).headline.seeds_to_decide
-    if needed is None or seeds != tuple(range(len(seeds))) or combination.is_control:
+    asked = pool if pool is not None and ruling is not None and ruling.is_held else combination
+    if asked.headline.seeds_to_decide is None or seeds != tuple(range(len(seeds))) or combination.is_control:
         return ""
     if results.is_temporary or not results.is_experiment:
         return ""
@@ -170,10 +170,10 @@ def _run_text(results: Results, out: str) -> str:
 def claims_text(combination: Comparison) -> str:
     """How many questions and hints there are, and what a test with so many seeds can show; empty without a seed."""
     counts, ruling = combination.counts, combination.ruling
-    if not all(counts) or combination.headline.answer is Answer.INTERIM:
+    if not combination.has_trainings or combination.headline.answer is Answer.INTERIM:
         return ""
     asked = 1 if ruling is None else ruling.asked
-    smallest = smallest_p(counts[0], proposed=counts[1])
+    smallest = smallest_p(*counts)
     least = f"no p below {smallest:.2g} from {trainings_text(combination.names, counts)}"
     questions = f"{asked} question{'s' * (asked != 1)} about the {combination.group.subject}, asked together; {least}."
     hints = f"{combination.claims} hint{'s' * (combination.claims != 1)}, corrected by themselves, decide nothing."
@@ -189,7 +189,7 @@ def ratio_grid(splits: Splits) -> Grid:
             interval_text(split.eta),
             ratio_text(split.per_seed),
             interval_text(split.noise),
-            format_p(split.corrected),
+            p_text(split.corrected),
             better_of(name),
         )
         for name, split in splits.items()
@@ -330,13 +330,6 @@ def mean_interval_text(mean: SeedMean) -> str:
     if mean.low is None or mean.high is None:
         return NOTHING
     return f"[{format_number(mean.low)}, {format_number(mean.high)}]"
-
-
-def format_p(p: float | None) -> str:
-    """A p-value."""
-    if p is None:
-        return NOTHING
-    return "< 0.001" if p < 0.001 else f"{p:.3f}"
 
 
 def _known(splits: Iterable[Split]) -> set[str]:

@@ -7,7 +7,7 @@ from harness.eta.amounts import listed
 from harness.eta.headline import count_seeds
 from harness.report.answers import badge_of, word_of
 from harness.results import Results
-from harness.results.comparison import Comparison
+from harness.results.comparison import Comparison, pools_of
 from harness.results.standing import Standing, standing_of
 
 TITLE = "Over all places"
@@ -38,10 +38,9 @@ class PooledAnswer(NamedTuple):
 
 def pooled_answers(combinations: Sequence[Comparison]) -> list[PooledAnswer]:
     """The answers over all places, each once."""
-    pools = {id(it.pool): it.pool for it in combinations if it.pool is not None}.values()
     return [
         PooledAnswer(it.names.proposed, word_of(it.headline.answer), badge_of(it.headline.answer), it.headline.robot)
-        for it in pools
+        for it in pools_of(combinations)
     ]
 
 

@@ -117,7 +117,7 @@ def _overview(results: Results, picture: str) -> list[str]:
     measure = overview_of(combinations).measure
     headings = (*NAMED, *(RETURNED if has_returns else ETAS), f"{measure}: baseline", *LAST)
     parts = [markdown_table(headings, rows), f"{scales_text(results.subject)} {SPLIT} {what_decides(results)}"]
-    if not any(all(combination.counts) for combination in combinations):
+    if not any(combination.has_trainings for combination in combinations):
         parts.append("No combination is finished: no seed is done under both of its rewards.")
     return [*parts, picture] if picture else parts
 
@@ -155,7 +155,7 @@ def _section(results: Results, number: int, combination: Comparison, pictures: P
     title = f"## {number}. {combination.group.title}: {rewards_text(combination)}"
     headline = combination.headline
     numbers = number_grids(combination, results.kind, with_paths=True)
-    shown = (*behaviour_grids(combination), along_grid(combination), *numbers) if all(combination.counts) else ()
+    shown = (*behaviour_grids(combination), along_grid(combination), *numbers) if combination.has_trainings else ()
     tables = [part for grid in shown if grid.rows for part in (grid.title, markdown_table(grid.headings, grid.rows))]
     notes = [f"* {escape(note)}" for grid in shown for note in grid.notes]
     parts = [

@@ -162,18 +162,25 @@ def _group(told: Mapping[str, Any]) -> Group:
 
 
 def _change(told: Mapping[str, Any], seeds: tuple[int, ...]) -> Change:
-    """One measure; what the test of version 0.1 said of it is left out, and its intervals are made anew."""
+    """One measure with the p-values of its record. Its intervals are made anew."""
     name, episodes = told["name"], told.get("episodes")
     if episodes is None and name == SUCCESS:
         episodes = 100
     measure = Measure(name, told["unit"], told["better"], told["manner"], episodes, told.get("title", ""))
     trainings = _trainings(told, seeds)
-    found = Change(
-        measure, told["baseline"], told["proposed"], told["random"], trainings, p=told["p"],
-        corrected=told["p_corrected"], reason=told.get("reason", ""),
-    )  # fmt: skip
     without = told["left_out"] if trainings[0].keys() == trainings[1].keys() else 0
-    return with_intervals(replace(found, without=(0, without)))
+    found = Change(
+        measure,
+        told["baseline"],
+        told["proposed"],
+        told["random"],
+        trainings,
+        (0, without),
+        p=told["p"],
+        corrected=told["p_corrected"],
+        reason=told.get("reason", ""),
+    )
+    return with_intervals(found)
 
 
 def _trainings(told: Mapping[str, Any], seeds: tuple[int, ...]) -> Sides:

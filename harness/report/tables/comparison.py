@@ -34,7 +34,7 @@ def comparison_table(results: Results) -> RenderableType:
     first = [*interim_lines(results), *pooled_lines(combinations)]
     blocks: list[RenderableType] = [*first, *([Text()] if first else [])]
     blocks += [_combination_block(results, combination) for combination in combinations]
-    if any(all(combination.counts) for combination in combinations):
+    if any(combination.has_trainings for combination in combinations):
         is_split = any(combination.is_split for combination in combinations)
         read = [READING] if any(combination.main for combination in combinations) else []
         told = [

@@ -15,7 +15,7 @@ def return_name(reward: str) -> str:
 
 def learning_of(runs: Runs, comparison: Comparison) -> Learning | None:
     """Every measure and every reward over the steps of all trainings of both; None where one has none."""
-    if not all(comparison.trained):
+    if not comparison.has_trainings:
         return None
     baseline, proposed = (
         _curve(runs, reward, [runs.members[reward, seed] for seed in seeds])

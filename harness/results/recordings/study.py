@@ -143,12 +143,12 @@ def _mean(runs: Runs, parts: Mapping[tuple[str, int], Any], manner: str, payer: 
 
 def _pair_to_json(runs: Runs, comparison: Comparison) -> dict[str, Any]:
     headline = {"agent" if name == "behaviour" else name: told for name, told in comparison.headline.to_json().items()}
-    learning, (ours, theirs) = learning_of(runs, comparison), comparison.counts
+    learning = learning_of(runs, comparison)
     return {
         "baseline": comparison.baseline,
         "proposed": comparison.proposed,
         "seeds": list(comparison.seeds),
-        "trained": dict(zip(("baseline", "proposed"), map(list, comparison.trained), strict=True)),
+        "trained": comparison.trained_by,
         "headline": headline,
         "decided_in": comparison.answered_in,
         "deciding_measure": next(iter(comparison.deciding), None),
@@ -158,6 +158,6 @@ def _pair_to_json(runs: Runs, comparison: Comparison) -> dict[str, Any]:
         "behaviour": [change.to_json() for change in comparison.changes],
         "episodes": dict(comparison.episodes),
         "claims": comparison.claims,
-        "smallest_p": smallest_p(ours, proposed=theirs) if all(comparison.trained) else None,
+        "smallest_p": smallest_p(*comparison.counts) if comparison.has_trainings else None,
         "learning": learning and learning.to_json()["metrics"],
     }

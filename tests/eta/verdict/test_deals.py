@@ -83,18 +83,13 @@ def test_deals_cannot_be_written_to():
 @pytest.mark.parametrize(("seeds", "p"), [(3, 0.1), (4, 2 / 70), (5, 2 / 252)])
 def test_the_smallest_p_is_that_of_the_two_most_extreme_ways(seeds: int, p: float):
     """Four seeds are the fewest that can show anything at 0.05."""
-    assert smallest_p(seeds) == pytest.approx(p)
+    assert smallest_p(seeds, seeds) == pytest.approx(p)
 
 
 def test_the_smallest_p_of_many_seeds_is_that_of_the_drawn_ways():
     """One of 20,000."""
-    assert smallest_p(20) == 1 / MOST_DEALS
-    assert smallest_p(1000) == 1 / MOST_DEALS  # there are more ways than a float can say
-
-
-def test_places_with_seeds_of_their_own_make_it_smaller():
-    """Two seeds in each of four places: every label there is dealt by itself."""
-    assert smallest_p(2, 4) == pytest.approx(2 / 6**4)
+    assert smallest_p(20, 20) == 1 / MOST_DEALS
+    assert smallest_p(1000, 1000) == 1 / MOST_DEALS  # there are more ways than a float can say
 
 
 @pytest.mark.parametrize(("baselines", "proposed"), [(10, 5), (3, 6), (2, 2)])
@@ -102,4 +97,4 @@ def test_the_smallest_p_of_unequal_numbers_is_that_of_the_single_most_extreme_wa
     """All labels swapped are another experiment there: the proposed reward would have the baseline's trainings."""
     ways = count_deals(((0, baselines, proposed),))
     smallest = 2 / ways if baselines == proposed else 1 / ways
-    assert smallest_p(baselines, proposed=proposed) == pytest.approx(smallest)
+    assert smallest_p(baselines, proposed) == pytest.approx(smallest)

@@ -232,7 +232,7 @@ def in_looks(trainings: list[Trainings], looks: Looks, places: int, rng: np.rand
             values[0, rows, place] = baseline[place]
             values[1, rows, place] = it.draw(rng, seeds)[0][1, :, 0]
             at[rows, place] = np.searchsorted(looks.seeds, np.arange(seeds), side="right")
-        question = Question(values, at)
+        question = Question.of(values, looks=at)
         for complete in range(1, len(looks.seeds) + 1):
             ruling = rule_in_looks(question.until(complete - 1), looks, complete)
             if ruling.is_over:

@@ -214,7 +214,7 @@ def look_that_ends(values: Float, looks: Looks, ends: Sequence[Bounds]) -> int |
         spread_out[:, place * most_seeds : (place + 1) * most_seeds, place, 0] = values[:, place]
     at = np.searchsorted(looks.seeds, np.arange(most_seeds), side="right")
     rows = np.tile(at, places)[:, None] * np.ones((1, places), np.int64)
-    question = Question(spread_out, rows, ends=np.array(ends)[:, None])
+    question = Question.of(spread_out, np.array(ends)[:, None], rows)
     for look, seeds in enumerate(looks.seeds):
         if looks.is_futile_at(look) and is_small(question.until(look), looks.margin):
             return seeds

@@ -27,7 +27,7 @@ def question_of(effect: float = 0.0, spread: float = 1.0, seed: int = 0, looks: 
     values: Float = spread * np.random.default_rng(seed).normal(size=(2, looks.most, 1, 1))
     values[1] += effect
     at = np.searchsorted(looks.seeds, np.arange(looks.most), side="right")[:, None]
-    return Question(values, at)
+    return Question.of(values, looks=at)
 
 
 def test_nothing_is_said_before_the_first_look():
@@ -135,7 +135,7 @@ def perfect_beside(steady: float) -> Question:
     most = ONE_PLACE[-1]
     baseline = steady + 0.01 * np.random.default_rng(0).normal(size=(most, 1, 1))
     at = np.searchsorted(ONE_PLACE, np.arange(most), side="right")[:, None]
-    return Question(np.stack([baseline, np.ones((most, 1, 1))]), at, ends=np.array([[[0.0, 1.0]]]))
+    return Question.of(np.stack([baseline, np.ones((most, 1, 1))]), np.array([[[0.0, 1.0]]]), at)
 
 
 @pytest.mark.parametrize(("steady", "seeds"), [(0.5, 8), (0.7, 16), (0.8, 24)])

@@ -33,7 +33,7 @@ def test_the_statistic_of_one_place_is_welchs_t(seeds: int, seed: int):
     theirs = scipy.stats.ttest_ind(values[1, :, 0, 0], values[0, :, 0, 0], equal_var=False)
     question = Question.of(values)
     assert question.statistics()[0, 0] == pytest.approx(theirs.statistic)
-    assert question.estimate().freedom == pytest.approx(theirs.df)
+    assert question.estimate.freedom == pytest.approx(theirs.df)
 
 
 @given(st.integers(3, 8), st.integers(2, 4), st.integers(0, 1000))
@@ -99,7 +99,7 @@ def test_a_training_that_is_missing_takes_none_of_the_other_reward_with_it():
     assert question.counts == (5, 4)
     assert question.seeds == 4
     assert question.statistics()[0, 0] == pytest.approx(theirs.statistic)
-    assert question.estimate().freedom == pytest.approx(theirs.df)
+    assert question.estimate.freedom == pytest.approx(theirs.df)
     assert question.differences[0, 0] == pytest.approx(kept.mean() - values[0].mean())
     assert question.means == pytest.approx((values[0].mean(), kept.mean()))
 
@@ -113,7 +113,7 @@ def test_rows_are_not_paired(baselines: int, proposed: int, places: int, seed: i
         mixed[side] = values[side, rng.permutation(7)]
     one, other = Question.of(values), Question.of(mixed)
     assert one.statistics()[0] == pytest.approx(other.statistics()[0])
-    assert one.estimate() == pytest.approx(other.estimate())
+    assert one.estimate == pytest.approx(other.estimate)
 
 
 def test_every_way_to_deal_unequal_numbers_is_the_statistic_of_the_dealt_values():
@@ -134,7 +134,7 @@ def test_trainings_that_only_one_side_has_keep_their_label_and_count():
     assert question.counts == (3, 5)
     expected = np.nanmean(values[1], axis=0) - np.nanmean(values[0], axis=0)
     assert question.differences == pytest.approx(expected)
-    assert question.estimate().difference == pytest.approx(expected.mean())
+    assert question.estimate.difference == pytest.approx(expected.mean())
     assert (question.deals[:, :2] == 0.0).all()
     assert np.isfinite(question.statistics()).all()
 
@@ -169,7 +169,7 @@ def test_subsets_of_places_have_the_statistic_of_their_mean():
 def test_until_a_look_later_seeds_are_unknown():
     """And the places that they were trained in."""
     values, looks = values_of(6), np.array([[0], [0], [0], [1], [1], [2]])
-    question = Question(values, looks)
+    question = Question.of(values, looks=looks)
     assert question.until(1).values.shape[1] == 5
     assert question.until(0).statistics() == pytest.approx(Question.of(values[:, :3]).statistics())
 
@@ -177,6 +177,6 @@ def test_until_a_look_later_seeds_are_unknown():
 def test_a_place_and_a_look_keep_their_ends():
     """Of the places that they are about."""
     ends = np.array([[[0.0, 1.0]], [[-9.0, 0.0]]])
-    question = Question(values_of(4, places=2), np.zeros((4, 2), np.int64), ends=ends)
+    question = Question.of(values_of(4, places=2), ends)
     assert question.in_places(np.array([1])).ends.tolist() == [[[-9.0, 0.0]]]
     assert question.until(0).ends is ends

@@ -1,6 +1,7 @@
 """What the test says of questions that are asked together."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -81,7 +82,7 @@ def test_p_of_looks_in_places_with_seeds_of_their_own_stays(seeds: int, is_drawn
     values[:, :seeds, 0], values[:, seeds:, 1] = drawn[:, :, 0], drawn[:, :, 1]
     looks = np.zeros((2 * seeds, 2), np.int64)
     looks[seeds // 2 : seeds], looks[seeds + seeds // 2 :] = 1, 1
-    found = ruling_of(Question(values, looks, is_drawn))
+    found = ruling_of(replace(Question.of(values, looks=looks), is_drawn=is_drawn))
     assert (found.p, found.of_measures) == (min(p), p)
 
 

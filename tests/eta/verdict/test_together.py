@@ -32,8 +32,8 @@ def test_the_interval_is_welchs():
     found = together(values)
     means = values.mean(axis=2)
     error = np.sqrt(means.var(axis=1, ddof=1).sum() / 6)
-    assert (found.high - found.low) / 2 == pytest.approx(stdtrit(found.question.estimate().freedom, 0.975) * error)
-    assert 5.0 < found.question.estimate().freedom <= 10.0
+    assert (found.high - found.low) / 2 == pytest.approx(stdtrit(found.question.estimate.freedom, 0.975) * error)
+    assert 5.0 < found.question.estimate.freedom <= 10.0
 
 
 def test_where_no_seed_failed_an_interval_of_success_is_not_empty():

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from harness.eta.index import Ratio
+from harness.eta.judge import p_text
 from harness.eta.splits import Split, SplitPath
 from harness.report.rows.comparison import (
     advice,
     claims_text,
     compared_text,
     format_number,
-    format_p,
     index_grid,
     interim_text,
     path_grid,
@@ -226,7 +226,7 @@ def test_no_finished_pair_has_no_grids(build):
 @pytest.mark.parametrize(("p", "text"), [(0.0312, "0.031"), (0.0004, "< 0.001"), (1.0, "1.000"), (None, "n/a")])
 def test_p_values_have_three_decimals(p, text):
     """The smallest are not told apart."""
-    assert format_p(p) == text
+    assert p_text(p) == text
 
 
 def test_interval_stands_behind_its_ratio_where_there_is_one():
