@@ -139,8 +139,8 @@ def crossing_text(deciding: Sequence[Compared], ruling: Ruling) -> str:
     """Why measures pass whose intervals hold 0; empty where none does."""
     passing = [it for at, it in enumerate(deciding) if ruling.passes(at)]
     crossing = [it for it in passing if it.low is not None and it.high is not None and it.low <= 0.0 <= it.high]
-    shares = [behind_of(it) for it in crossing if is_share(it)]
-    others = [behind_of(it) for it in crossing if not is_share(it)]
+    shares = [name_with_article(it) for it in crossing if is_share(it)]
+    others = [name_with_article(it) for it in crossing if not is_share(it)]
     lines = (_crossing(shares, "allows for failures that were not seen"), _crossing(others, "assumes a bell curve"))
     return " ".join(filter(None, lines))
 

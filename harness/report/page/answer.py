@@ -91,23 +91,29 @@ def pool_cards(comparisons: Sequence[Comparison]) -> list[Card]:
 def _card(
     names: Names, found: Headline, lead: str, changes: Sequence[Compared], ruling: Ruling, where: str = ""
 ) -> Card:
-    deciders = [
-        ruling.passes(at) if found.answer is Answer.MIXED else found.decided_by == key_of(change)
-        for at, change in enumerate(changes)
-    ]
-    drawn = [
-        _row(change, at, ruling, decides) for at, (change, decides) in enumerate(zip(changes, deciders, strict=True))
-    ]
-    rows = tuple(sorted(drawn, key=lambda row: not row.note))
-    seen, sure = short_seen_text(names, changes) if changes else "", ""
-    if any(deciders):
-        sure = _decided(names, changes, ruling, deciders)
-    elif changes and found.answer is Answer.CANNOT_TELL:
-        needed = needed_text(needed_of(changes, ruling), where, "of each reward")
-        sure = " ".join(filter(None, [*reasons(names, changes, ruling, where), needed]))
-    elif changes:
-        sure = reserve_text(names, changes, ruling)
+    by = [at for at, change in enumerate(changes) if _decides(found, ruling, at, change)]
+    order = [*by, *(at for at in range(len(changes)) if at not in by)]
+    rows = tuple(_row(changes[at], at, ruling, at in by) for at in order)
+    seen = short_seen_text(names, changes) if changes else ""
+    sure = _sure(names, found.answer, changes, ruling, by, where) if changes else ""
     return Card(names.proposed, word_of(found.answer), badge_of(found.answer), lead, rows, sure, seen)
+
+
+def _decides(found: Headline, ruling: Ruling, at: int, change: Compared) -> bool:
+    """Whether the answer rests on a measure."""
+    return ruling.passes(at) if found.answer is Answer.MIXED else found.decided_by == key_of(change)
+
+
+def _sure(
+    names: Names, answer: Answer, changes: Sequence[Compared], ruling: Ruling, by: Sequence[int], where: str
+) -> str:
+    """What decided, and how sure it is; where nothing did, why, and what would tell."""
+    if by:
+        return _decided(names, changes, ruling, by)
+    if answer is Answer.CANNOT_TELL:
+        needed = needed_text(needed_of(changes, ruling), where, "of each reward")
+        return " ".join(filter(None, [*reasons(names, changes, ruling, where), needed]))
+    return reserve_text(names, changes, ruling)
 
 
 def _row(change: Compared, at: int, ruling: Ruling, decides: bool) -> Row:
@@ -117,15 +123,11 @@ def _row(change: Compared, at: int, ruling: Ruling, decides: bool) -> Row:
     return Row(name_of(change), "decides" if decides else "", figure, value)
 
 
-def _decided(names: Names, changes: Sequence[Compared], ruling: Ruling, deciders: Sequence[bool]) -> str:
+def _decided(names: Names, changes: Sequence[Compared], ruling: Ruling, by: Sequence[int]) -> str:
     """What decided, how sure that is, and why an interval seems to say something else."""
-    by = [at for at, decides in enumerate(deciders) if decides]
-    measures, trainings = (
-        listed([name_with_article(changes[at]) for at in by]),
-        trainings_text(names, changes[0].counts),
-    )
+    measures = listed([name_with_article(changes[at]) for at in by])
     lines = [
-        f"Decided by {measures}, from {trainings}.",
+        f"Decided by {measures}, from {trainings_text(names, changes[0].counts)}.",
         _luck(max(ruling.of_measures[at] for at in by)),
         crossing_text(changes, ruling),
         clear_text(changes, ruling),
