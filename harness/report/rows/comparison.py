@@ -91,8 +91,7 @@ def scales_text(subject: str) -> str:
 
 def what_decides(results: Results) -> str:
     """What the tests hold for; of a plan that is not trained to its end that there are none."""
-    answers = {it.headline.answer for it in results.combinations}
-    return (INTERIM_TESTS if answers == {Answer.INTERIM} else TESTS).format(subject=results.subject)
+    return (INTERIM_TESTS if still_to_come(results.combinations) else TESTS).format(subject=results.subject)
 
 
 def interim_text(results: Results) -> str:

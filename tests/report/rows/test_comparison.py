@@ -287,6 +287,13 @@ def test_a_plan_that_is_not_trained_to_its_end_says_so_first(build):
     assert what_decides(ended).startswith("p says how often chance alone gives a difference as large.")
 
 
+def test_a_reward_that_has_not_begun_makes_no_test_of_an_unfinished_plan(build):
+    """One reward is compared, the other one has no training yet."""
+    begun = build(ended={("arp", seed): ("pending", "") for seed in range(3)})
+    assert interim_text(begun).startswith("Interim: 3 trainings")
+    assert what_decides(begun).startswith("The plan is not trained to its end")
+
+
 def test_what_is_compared_are_all_trainings(build):
     """The seeds, where both rewards have the same ones; else how many there are of each."""
     assert compared_text(only(build())) == "3 seeds (0, 1, 2)"
