@@ -181,8 +181,8 @@ def recorded(proposed: str) -> list[np.ndarray]:
         for pair in json.loads(path.read_text(encoding="utf-8"))["combinations"]:
             if pair["is_control"] or pair["proposed"] != proposed:
                 continue
-            by_name = {(it["name"], it["manner"]): np.array(it["values"]).T for it in pair["behaviour"] if it["values"]}
-            success, time, learning = (by_name[it] for it in MEASURES)
+            by_name = {(it["name"], it["manner"]): it["trainings"].values() for it in pair["behaviour"]}
+            success, time, learning = (np.array([list(of.values()) for of in by_name[it]]) for it in MEASURES)
             found.append(np.stack([success, -time, learning], axis=-1))
     return found
 
