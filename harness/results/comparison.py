@@ -293,7 +293,7 @@ class Comparison:
             replace(it, p=ruling.p, corrected=ruled[id(it)], level=ruling.level) if id(it) in ruled else it
             for it in self.changes
         )
-        found = replace(self, changes=changes, ruling=ruling, pool=pool, asked=tuple(map(_kind, asked)))
+        found = replace(self, changes=changes, ruling=ruling, pool=pool, asked=tuple(map(_name_and_manner, asked)))
         return found._without_words() if ruling.missing else found
 
     def _without_words(self) -> "Comparison":
@@ -315,7 +315,7 @@ class Comparison:
         found = [change for name in self.deciding for change in acted if change.name == name and change.is_complete]
         if found and self.speed is not None and self.speed.is_complete and all(it is not self.speed for it in found):
             found.append(self.speed)
-        return tuple(it for it in found if self.asked is None or _kind(it) in self.asked)
+        return tuple(it for it in found if self.asked is None or _name_and_manner(it) in self.asked)
 
     @property
     def answered_in(self) -> str:
@@ -433,7 +433,7 @@ class Comparison:
         return f"no seed is done under both {self.baseline} and {self.proposed}"
 
 
-def _kind(change: Change) -> tuple[str, str]:
+def _name_and_manner(change: Change) -> tuple[str, str]:
     """Tells a measure apart from all others of a comparison."""
     return change.name, change.measure.manner
 
