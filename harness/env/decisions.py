@@ -1,5 +1,6 @@
 """A step of the env without Gymnasium: arms side by side, each in an episode, are moved, paid and recorded."""
 
+from collections.abc import Collection
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,8 +19,9 @@ from harness.env.surroundings import Surroundings, extra_columns
 from harness.errors import UsageError
 from harness.motion import Discrete, Motion
 from harness.progress import TrainingState, as_state, prefixed, under
-from harness.record.trace import Recorder
+from harness.record.trace import QVEL, TERM, Recorder
 from harness.reward import Reward
+from harness.reward.needs import terms_of
 from harness.robot import Robot
 from harness.simulator import Simulation, Simulator
 from harness.task import Task, goal_of
@@ -53,14 +55,17 @@ class Decisions:
 
     def __init__(
         self, simulator: Simulator, robot: Robot, task: Task, motion: Motion, reward: Reward, num_envs: int,
-        recorder: Recorder | None, resumable: bool,
+        recorder: Recorder | None, resumable: bool, records: Collection[str] = (),
     ) -> None:  # fmt: skip
         """Open the simulator; see `harness.env.ReachVectorEnv`."""
         self._num_envs, conditions = num_envs, conditions_of(task)
         # Asked for once: a task may be a dataclass with checks, and these are read in every step.
         self._decision_period, self._goes_on = task.decision_period, not task.ends_at_target
         self._step_reward = np.array(task.step_reward, float)  # as an array: numpy turns a float into one at every call
-        extras, goal = extra_columns(conditions), goal_of(task, robot)
+        terms = terms_of(reward, robot.dof, motion.action_size)
+        asked = {QVEL: robot.dof} if QVEL in records else {}
+        extras = {**extra_columns(conditions), **asked, **{f"{TERM}{name}": 1 for name in terms}}
+        goal = goal_of(task, robot)
         self.episodes = episodes = Episodes(num_envs, robot.dof, motion.action_size, extras, goal)
         self.around: Surroundings | None = None
         if not conditions.are_plain:
@@ -68,7 +73,10 @@ class Decisions:
         self._discrete = motion if isinstance(motion, Discrete) else None
         self._commands = Commands(motion, num_envs, robot.dof, task.control_period)
         self._starts = Starts(task, robot, episodes, self.around)
-        self.events, self.shaping = Events(task, robot, episodes), Shaping(reward)
+        self.events, self.shaping = (
+            Events(task, robot, episodes),
+            Shaping(reward, {name: episodes.extra(f"{TERM}{name}") for name in terms}),
+        )
         self.recorder, self.environment_steps = recorder, 0
         self._active: Mask | None = None  # where episodes go on; None: in all envs
         opened = self.around.open(simulator) if self.around else simulator.open(robot, num_envs, task.control_period)
@@ -83,6 +91,7 @@ class Decisions:
         """Put the arms of `mask` at new starts with new targets."""
         self._commands.begin(mask, self._starts.draw(mask, self._commands.qpos))
         self._starts.begin(mask, self.simulation.reset(self._commands.qpos, mask))
+        self.episodes.keep_starts(mask)
         self.events.begin(mask)
         self.shaping.restart(mask, self.episodes.begin_distance)
 
@@ -108,11 +117,7 @@ class Decisions:
     def state(self) -> TrainingState:
         """See `harness.env.ReachVectorEnv`."""
         episodes = self.episodes
-        own = {
-            "environment_steps": self.environment_steps,
-            "matrix": episodes.matrix.copy(),
-            "previous_distance": episodes.sample.previous_distance.copy(),
-        }
+        own = {"environment_steps": self.environment_steps, **episodes.state()}
         parts = {**own, **self._starts.state(), **self._commands.state(), **self.events.state()}
         around = prefixed("around.", self.around.state()) if self.around else {}
         told = prefixed("simulation.", self._resumable().state())
@@ -121,12 +126,11 @@ class Decisions:
     def restore(self, state: TrainingState) -> None:
         """See `harness.env.ReachVectorEnv`."""
         episodes = self.episodes
-        episodes.matrix[...] = state["matrix"]
+        episodes.restore(state)
         if self.around:
             self.around.restore(under("around.", state))
         self._resumable().restore(under("simulation.", state))
         self.environment_steps = int(state["environment_steps"])
-        episodes.previous_distance[...] = state["previous_distance"]
         for part in (self._starts, self._commands, self.events):
             part.restore(state)
         self.shaping.restore(state, episodes.begin_distance)
@@ -166,13 +170,15 @@ class Decisions:
         move = self._commands.advance(around.senses.act(episodes.action, active) if around else episodes.action)
         state, ground = self._commands.drive(self.simulation, move)
         distance = episodes.measure(state)
-        episodes.shaped[...] = self.shaping.pay(episodes.sample)
+        episodes.ground[...] = ground
+        episodes.shaped[...] = self.shaping.pay(episodes.steps)
         struck = around.struck() if around else None
         reached, terminated, truncated = events.judge(distance, ground, struck, move.held)
         paid = episodes.shaped + self._step_reward
         if events.marked:
             paid = paid + (episodes.events[:, 0] + episodes.events[:, 1])
         self._record(active)
+        episodes.keep()
         if around:
             around.senses.push(active)
         episodes.previous_best[...] = np.minimum(episodes.previous_best, distance)

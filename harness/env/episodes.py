@@ -1,6 +1,7 @@
 """Where the episodes of a batch stand: one matrix, whose first columns are the row that a trace records."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,7 @@ from harness.errors import SimulationDiverged
 from harness.goal import Goal, Situation
 from harness.record.trace import COLUMN, NO_EXTRAS, SCALARS
 from harness.reward import Sample
+from harness.reward.steps import ARM_BEFORE, BEFORE, steps_of
 from harness.simulator import State
 
 
@@ -37,7 +39,8 @@ class Episodes:
         qvel_change: Since the step before.
         action: (num_envs, action_size).
         extras: Columns that the record has beside the usual ones, and their widths; see `harness.record.trace`.
-        sample: What rewards are given: the same arrays, which they cannot write into.
+        ground: Whether the step touched the ground, (num_envs,).
+        steps: What rewards are given: the same arrays, which they cannot write into, and those of the row before.
         numbers: What belongs to the target beside its position, (num_envs, goal.numbers); (num_envs, 0) without a goal.
         situation: What a goal is given: the same; without a goal it tells nothing.
     """
@@ -66,12 +69,47 @@ class Episodes:
         self.qpos, self.action = self._part("qpos"), self._part("action")
         self.qvel, self.qvel_change = self._part("qvel"), self._part("qvel_change")
         self.previous_distance = np.zeros(num_envs)
-        told = (self.begin_distance, self.previous_best, self.previous_distance, self.distance, self.delta_distance)
-        self.sample = Sample(*map(read_only, (*told, self.step)))
+        self.ground = np.zeros(num_envs, bool)
+        self._before, self._ground_before = np.zeros_like(matrix), np.zeros(num_envs, bool)
+        self.steps = steps_of(self._fields())
         self.numbers, self._set_at = self._part("numbers"), self._part("set_at")
         self._since, self._within = (self._column(name) if goal else np.zeros(0) for name in ("since", "within"))
         situation = (self.qpos, self.end_effector, self.target, self.numbers, self._since, self._within)
         self.situation = Situation(*map(read_only, situation))
+
+    def _fields(self) -> dict[str, Any]:
+        """The fields of `harness.reward.steps.ARM`, as views."""
+        now = {name: getattr(self, name) for name in dict.fromkeys((*Sample._fields, *ARM_BEFORE))}
+        before = {name: self._before[:, slice(*self._places[name])] for name in ARM_BEFORE if name != "ground"}
+        before = {**before, "distance": before["distance"][:, 0], "ground": self._ground_before}
+        told = steps_of({name: read_only(before[name]) for name in ARM_BEFORE})
+        return {**{name: read_only(array) for name, array in now.items()}, BEFORE: told}
+
+    def keep(self) -> None:
+        """Note the row as the one before the next step."""
+        np.copyto(self._before, self.matrix)
+        np.copyto(self._ground_before, self.ground)
+
+    def keep_starts(self, mask: Mask) -> None:
+        """Note the start rows of the envs of `mask` as those before their first steps."""
+        self.ground[mask] = False
+        self._before[mask], self._ground_before[mask] = self.matrix[mask], False
+
+    def state(self) -> dict[str, Any]:
+        """Everything that `restore` needs."""
+        return {
+            "matrix": self.matrix.copy(),
+            "previous_distance": self.previous_distance.copy(),
+            "before": self._before.copy(),
+            "ground_before": self._ground_before.copy(),
+        }
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Go on from `state`, which the method of this name returned."""
+        self.matrix[...], self.previous_distance[...] = state["matrix"], state["previous_distance"]
+        # A checkpoint of an earlier version does not tell what was before: no reward of its time read that.
+        self._before[...] = state.get("before", state["matrix"])
+        self._ground_before[...] = state.get("ground_before", False)
 
     def columns(self, *names: str) -> NDArray[np.intp]:
         """Where in `matrix` the arrays of these names stand, one after the other."""
@@ -173,10 +211,11 @@ def _places(dof: int, action_size: int, extras: Mapping[str, int], goal: Goal | 
     }
     places.update({name: (COLUMN[first], COLUMN[last] + 1) for name, (first, last) in groups.items()})
     at = len(SCALARS)
-    arm, more = (("qpos", dof), ("action", action_size)), (("qvel", dof), ("qvel_change", dof), ("offset", 3))
+    arm, more = {"qpos": dof, "action": action_size}, {"qvel": dof, "qvel_change": dof, "offset": 3}
+    beside = {**arm, **extras, **{name: size for name, size in more.items() if name not in extras}}  # a recorded qvel
     sizes = (goal.numbers, 3, 1, 1) if goal else (0, 0, 0, 0)
     asked = zip(("numbers", "set_at", "since", "within"), sizes, strict=True)
-    for name, size in (*arm, *extras.items(), *more, *asked):
+    for name, size in (*beside.items(), *asked):
         places[name] = (at, at + size)
         at += size
     return places

@@ -21,7 +21,7 @@ from harness.env.single_env import Action, ReachEnv
 from harness.errors import UsageError
 from harness.registry.choice import build_defaults, choose
 from harness.registry.registry import Registry, load_registry
-from harness.reward import Reward, Sample
+from harness.reward import MissingField, Reward, Sample, pay
 from harness.task import Task
 
 GoalObservation: TypeAlias = dict[str, NDArray[Any]]
@@ -121,7 +121,7 @@ class ReachGoalEnv(gymnasium.Env[GoalObservation, Action]):
         # The best so far of another goal is not known; the rewards that are let in do not look at it.
         unknown = np.full_like(distance, np.nan)
         sample = Sample(_length(goal - begin), unknown, _length(goal - previous), distance, unknown, step)
-        _, shaped = self.vector_env.reward((), sample)
+        shaped = pay(self.vector_env.reward, (), sample)[1].total
         paid: Float = shaped + goal_free + np.where(distance <= self.vector_env.task.epsilon, target, 0.0)
         return paid if achieved.ndim > 1 else float(paid[0])
 
@@ -163,7 +163,10 @@ def forgets_the_way(reward: Reward) -> bool:
     carry, step = reward.initial_carry(begin), np.arange(1.0, 1001.0)
     if not isinstance(carry, tuple) or carry:
         return False
-    paid = [reward((), Sample(begin, best, before, now, now - best, step))[1] for best in (one, other)]
+    try:
+        paid = [pay(reward, (), Sample(begin, best, before, now, now - best, step))[1].total for best in (one, other)]
+    except MissingField:  # it reads more than distances, which belong to the goal that was followed
+        return False
     return np.array_equal(*paid)
 
 

@@ -7,7 +7,8 @@ import numpy as np
 
 from harness.arrays import Float, Mask
 from harness.progress import TrainingState, prefixed
-from harness.reward import Carry, Reward, Sample, replace_where
+from harness.reward import Carry, Reward, Steps, pay, replace_where
+from harness.reward.terms import require_same
 
 NAME = "carry"
 """The name of the memory in a checkpoint."""
@@ -19,17 +20,27 @@ class Shaping:
     Attributes:
         reward: What pays.
         carry: What it remembers; None before the first episode.
+        terms: Where what each of its terms pays is written, (num_envs, 1) each, by name.
     """
 
     carry: Carry
 
-    def __init__(self, reward: Reward) -> None:
-        self.reward, self.carry = reward, None
+    def __init__(self, reward: Reward, terms: Mapping[str, Float]) -> None:
+        self.reward, self.carry, self.terms = reward, None, terms
+        self._names = tuple(terms)
 
-    def pay(self, sample: Sample) -> Float:
-        """What a step pays, (num_envs,)."""
-        shaped: Float
-        self.carry, shaped = self.reward(self.carry, sample)
+    def pay(self, steps: Steps) -> Float:
+        """What a step pays, (num_envs,).
+
+        Raises:
+            UsageError: The reward pays other terms than at first.
+        """
+        self.carry, (total, terms) = pay(self.reward, self.carry, steps)
+        if terms or self._names:
+            require_same(self._names, terms)
+            for name, column in self.terms.items():
+                column[:, 0] = terms[name]
+        shaped: Float = total
         return shaped
 
     def restart(self, mask: Mask, begin_distance: Float) -> None:

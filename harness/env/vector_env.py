@@ -1,5 +1,6 @@
 """The environment: a simulator, a task and a reward as a Gymnasium vector env."""
 
+from collections.abc import Collection
 from typing import Any, TypeAlias
 
 import gymnasium
@@ -53,6 +54,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
         recorder: Recorder | None = None,
         autoreset_mode: AutoresetMode = AutoresetMode.SAME_STEP,
         resumable: bool = False,
+        records: Collection[str] = (),
     ) -> None:
         """Open the simulator.
 
@@ -66,6 +68,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
             autoreset_mode: SAME_STEP starts the next episode in the step that ends one; DISABLED leaves it to
                 `reset` with the option ``reset_mask``.
             resumable: Whether `state` can be asked for: what the arms are told in an episode is kept then.
+            records: Columns that rows have beside the usual ones, ``qvel``; those of the reward's terms they have.
         """
         if autoreset_mode is AutoresetMode.NEXT_STEP:
             raise UsageError("autoreset_mode NEXT_STEP is not offered: take SAME_STEP or DISABLED")
@@ -77,7 +80,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
         motion = task.motion(robot)
         self._observation = task.observation(robot)
         self._define_spaces(motion)
-        self._decisions = Decisions(simulator, robot, task, motion, reward, num_envs, recorder, resumable)
+        self._decisions = Decisions(simulator, robot, task, motion, reward, num_envs, recorder, resumable, records)
         self.episodes = self._decisions.episodes
 
     @property

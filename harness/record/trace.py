@@ -22,12 +22,14 @@ qpos                joint positions after the step, list of dof numbers, [rad]
 action              what the policy asked for, list of numbers; zeros in the start row
 ==================  ===========================================================================================
 
-A task with obstacles or varied arms leaves some of these columns too, behind the others:
+A task with obstacles or varied arms, and a reward that reads more or has terms, leaves some of these columns too:
 
 ==================  ===========================================================================================
 arm                 which of the varied arms the episode has, see `EpisodeFacts.arms`
 obstacle            whether the step touched an obstacle; what that pays is in `reward_ground`
 obstacles           those of the episode, list of 7 numbers each, see `harness.conditions.obstacles`
+qvel                joint speeds after the step, list of dof numbers, [rad/s]; where a reward of the experiment reads it
+reward/TERM         what a term of the reward paid; `reward` is their sum, added in this order
 ==================  ===========================================================================================
 
 What is known of the episodes beside their rows is in the file's metadata, see `harness.record.episode_facts`.
@@ -83,10 +85,20 @@ FLAGS = ("ground", "reached", "held", "terminated", "truncated")
 SINCE_2 = ("held", "terminated")
 SCALARS = INTEGERS + NUMBERS + FLAGS
 COLUMN = {name: index for index, name in enumerate(SCALARS)}
-EXTRAS = {"arm": pa.int32(), "obstacle": pa.bool_(), "obstacles": pa.list_(pa.float64())}
-"""Columns that not every trace has, in the order in which they stand."""
+QVEL = "qvel"
+TERM = "reward/"
+"""Begins the name of the column of a term."""
+EXTRAS = {"arm": pa.int32(), "obstacle": pa.bool_(), "obstacles": pa.list_(pa.float64()), QVEL: pa.list_(pa.float64())}
+"""Columns that not every trace has, in the order in which they stand; those of terms follow."""
 OBSTACLE, OBSTACLES = "obstacle", "obstacles"
 """Columns; the first is False throughout where a trace does not have it."""
+FIELDS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        **{name: (name,) for name in ("qpos", QVEL, "action", "ground")},
+        **{name: tuple(f"{name}_{axis}" for axis in "xyz") for name in ("end_effector", "target")},
+    }
+)
+"""The columns of each field of `harness.reward.steps.ARM` that a trace has beside the distances."""
 NO_EXTRAS: Mapping[str, int] = MappingProxyType({})
 
 Rows = Float
@@ -199,7 +211,7 @@ def trace_schema(dof: int, action_size: int, extras: Mapping[str, int] = NO_EXTR
     """Columns and types of a trace file."""
     scalars = [(name, pa.from_numpy_dtype(_numpy_type(name))) for name in SCALARS]
     lists = [("qpos", pa.list_(pa.float64(), dof)), ("action", pa.list_(pa.float64(), action_size))]
-    more = [(name, _sized(EXTRAS[name], width)) for name, width in extras.items()]
+    more = [(name, _sized(EXTRAS.get(name, pa.float64()), width)) for name, width in extras.items()]
     return pa.schema(scalars + lists + more, metadata={FORMAT_KEY: str(FORMAT).encode()})
 
 
@@ -239,6 +251,18 @@ class Trace:
 
     def __len__(self) -> int:
         return len(self.columns["reward"])
+
+    def field(self, name: str) -> NDArray[Any] | None:
+        """A field of `FIELDS`, (rows, ...), as the env told it; None where it is not recorded."""
+        if not set(FIELDS[name]) <= self.columns.keys():
+            return None
+        columns = [self.columns[column] for column in FIELDS[name]]
+        return columns[0] if len(columns) == 1 else np.stack(columns, axis=1)
+
+    @property
+    def terms(self) -> dict[str, NDArray[Any]]:
+        """What each term of the reward paid, (rows,), by name; empty without terms."""
+        return {name.removeprefix(TERM): values for name, values in self.columns.items() if name.startswith(TERM)}
 
     @cached_property
     def last_rows(self) -> NDArray[np.int64]:
@@ -293,18 +317,22 @@ def read_trace(path: Path, columns: list[str] | None = None) -> Trace:
         if columns is not None and OBSTACLE not in file.schema_arrow.names:
             columns = [name for name in columns if name != OBSTACLE]
         if columns is None:
-            there = [name for name in file.schema_arrow.names if name in KNOWN.names]
+            there = [name for name in file.schema_arrow.names if _is_known(name)]
         else:
             there = columns if version > 1 else _columns_of_1(columns)
         _require_columns(file.schema_arrow, _columns_of_1(there) if version == 1 else there, path)
         _require_rows(file, path)
         require_room(file, there)
         table, facts = file.read(columns=there), _facts(file)
-        arrays = {name: _to_numpy(table.column(name), f"{path}: {name}") for name in table.column_names}
+        arrays = {name: to_numpy(table.column(name), f"{path}: {name}") for name in table.column_names}
     if version == 1:
         terminated = arrays["ground"] | arrays["reached"]
         arrays.update(terminated=terminated, held=np.zeros_like(terminated))
     return Trace(arrays if columns is None else {name: arrays[name] for name in columns}, facts)
+
+
+def _is_known(column: str) -> bool:
+    return column in KNOWN.names or column.startswith(TERM)
 
 
 def _columns_of_1(columns: list[str]) -> list[str]:
@@ -328,8 +356,8 @@ def _require_columns(schema: pa.Schema, columns: list[str], path: Path) -> None:
     missing = [name for name in columns if name not in schema.names]
     if missing:
         raise SchemaError(f"{path} has no column {', '.join(missing)}")
-    for name in (name for name in schema.names if name in KNOWN.names):
-        found, expected = schema.field(name).type, KNOWN.field(name).type
+    for name in filter(_is_known, schema.names):
+        found, expected = schema.field(name).type, KNOWN.field(name).type if name in KNOWN.names else pa.float64()
         if pa.types.is_fixed_size_list(expected):
             right = pa.types.is_fixed_size_list(found) and found.value_type == expected.value_type
         else:
@@ -343,7 +371,12 @@ def _require_rows(file: pq.ParquetFile, path: Path) -> None:
         raise SchemaError(f"{path} has {file.metadata.num_rows:,} rows, {MOST_ROWS:,} are allowed")
 
 
-def _to_numpy(column: pa.ChunkedArray, noun: str) -> NDArray[Any]:
+def to_numpy(column: pa.ChunkedArray, noun: str) -> NDArray[Any]:
+    """A column of a trace, (rows,) or (rows, n).
+
+    Raises:
+        SchemaError: A value is missing, or too large.
+    """
     if pa.types.is_fixed_size_list(column.type):
         flat = np.asarray(column.combine_chunks().flatten().to_numpy()).reshape(len(column), column.type.list_size)
     else:

@@ -294,11 +294,11 @@ def _load_file(file: PluginFile, manager: pluggy.PluginManager, registry: Regist
     functions = [] if hooks_of(module) else functions_of_file(file, module)
     for function in functions:
         _require_free_function(function, registry)
-    specs = [] if functions else _specs_of_file(file, module, manager)
+    specs = [it.spec for it in functions if it.spec] if functions else _specs_of_file(file, module, manager)
     for spec in specs:
         _require_free(spec, file, registry)
     registry.functions += functions
-    told = (*_add(specs, registry), *(f"{it.noun} {it.name} of environments" for it in functions))
+    told = (*_add(specs, registry), *(f"{it.noun} {it.name} of environments" for it in functions if not it.spec))
     plugin = _given_plugin(file, origin, file.module, told)
     remarks = [remark_on(module), *old_names_in(file.source)]
     registry.plugins.append(replace(plugin, remarks=tuple(filter(None, remarks))))

@@ -11,6 +11,7 @@ from typing import Any
 from harness.errors import HarnessError, PluginError, UsageError, one_line, sentence
 from harness.hookspecs import NOUNS
 from harness.registry.libraries import is_met, module_of
+from harness.reward.forms import is_function_of_steps, reward_class
 
 OURS = "fd100-harness"
 """The distribution whose plugins are built in."""
@@ -76,7 +77,7 @@ class Spec:
         """Import the target.
 
         Raises:
-            UsageError: A required library is not installed.
+            UsageError: A required library is not installed, or a function of steps reads what no step has, or fails.
             PluginError: The target cannot be imported or does not exist.
         """
         if self.missing:
@@ -85,7 +86,10 @@ class Spec:
             )
         module, attribute = self.target.split(":")
         try:
-            return getattr(importlib.import_module(module), attribute)
+            target = getattr(importlib.import_module(module), attribute)
+            return reward_class(target) if self.kind == "rewards" and is_function_of_steps(target) else target
+        except UsageError:
+            raise
         except (Exception, SystemExit) as error:
             raise PluginError(
                 f"Plugin '{self.plugin}' ({self.package}): {self.target} of {NOUNS[self.kind]} '{self.name}' "

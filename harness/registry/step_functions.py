@@ -1,14 +1,15 @@
-"""Functions in plugin files that say a number for a step of an environment: rewards, and measures of behaviour.
+"""Functions in plugin files that say a number for a step: rewards, and measures of behaviour.
 
-A plugin file without hooks and without a plugin class may have plain functions of `ARGUMENTS`, `functools.partial`
-ones, and objects that can be called so. A reward with a memory is a class with ``reset()`` whose objects can be called
-so; each env gets an object of its own. Other classes, such as settings, are the file's own. If a file has one reward,
-the reward has the name of the file. If it has several, each has its own name.
+A plugin file without hooks and without a plugin class may have plain functions of ``step``, for an arm or for any
+environment; plain functions of `ARGUMENTS`, for an environment, `functools.partial` ones, and objects that can be
+called so. A reward with a memory is a class with ``reset()`` whose objects can be called so; each env gets an object of
+its own. Other classes, such as settings, and other functions are the file's own. If a file has one reward, the reward
+has the name of the file. If it has several, each has its own name.
 """
 
 import functools
 import inspect
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
@@ -17,6 +18,8 @@ from harness.errors import UsageError
 from harness.registry.given import PluginFile
 from harness.registry.members import MEMBERS, missing_members
 from harness.registry.plugin_module import import_file, public_classes
+from harness.registry.spec import Spec
+from harness.reward.forms import STEP, is_function_of_steps
 
 ARGUMENTS = "(observation, action, next_observation, info)"
 PLUGIN_METHODS = frozenset(
@@ -36,20 +39,32 @@ class StepFunction:
         attribute: Its name in the file.
         file: Where it stands.
         lower_is_better: Of a measure, whether less is better.
+        summary: The first line of its docstring.
+        is_of_steps: Whether it takes ``step``, so that it can pay an arm too.
     """
 
     name: str
     attribute: str
     file: PluginFile
     lower_is_better: bool = False
+    summary: str = ""
+    is_of_steps: bool = False
 
     @property
     def noun(self) -> str:
         """What it is."""
         return "measure" if self.file.measures else "reward"
 
+    @property
+    def spec(self) -> Spec | None:
+        """The reward that it is for an arm; None if it is none."""
+        if self.file.measures or not self.is_of_steps:
+            return None
+        target, origin = f"{self.file.module}:{self.attribute}", self.file.name
+        return Spec("rewards", self.name, target, self.summary, (), None, origin, origin, self.file.digest[:8])
+
     def make(self) -> Any:
-        """The function; of a class a new object. Both can be called with `ARGUMENTS`."""
+        """The function; of a class a new object. It is called with a step, or with `ARGUMENTS`."""
         found = getattr(import_file(self.file), self.attribute)
         return found() if inspect.isclass(found) else found
 
@@ -58,7 +73,7 @@ def functions_of_file(file: PluginFile, module: ModuleType) -> list[StepFunction
     """What a file without hooks has; empty if a public class of it is a plugin of some kind, or it has nothing.
 
     Raises:
-        UsageError: A public function takes other arguments, or `LOWER` names something else than measures of the file.
+        UsageError: No public function takes such arguments, or `LOWER` names something else than measures of the file.
     """
     classes = public_classes(file, module)
     if any(_is_plugin(it) for it in classes):
@@ -69,20 +84,23 @@ def functions_of_file(file: PluginFile, module: ModuleType) -> list[StepFunction
         if not name.startswith("_") and not isinstance(it, type) and _is_called(file, it)
     }
     classes = [it for it in classes if _has_steps(it) and not any(type(one) is it for one in objects.values())]
-    functions = [
-        name
+    public = {
+        name: it
         for name, it in vars(module).items()
         if inspect.isfunction(it) and it.__module__ == file.module and not name.startswith("_")
-    ]
-    for name in functions:
-        _require_arguments(file, name, getattr(module, name))
+    }
+    functions = [name for name, it in public.items() if is_function_of_steps(it) or _takes(it, 4)]
+    if public and not (functions or objects or classes):
+        raise UsageError(f"Plugin file '{file.path}': {_what_it_has(public)}")
     attributes = [
         name for name, it in vars(module).items() if name in functions or name in objects or _is_one_of(it, classes)
     ]
     names = [file.stem.lower()] if len(attributes) == 1 and not file.measures else attributes
     lower = _lower(file, module, attributes)
     return [
-        StepFunction(name, it, file, it in lower)
+        StepFunction(
+            name, it, file, it in lower, _summary(getattr(module, it)), is_function_of_steps(getattr(module, it))
+        )
         for name, it in zip(names, attributes, strict=True)
         if name not in file.left_out
     ]
@@ -117,12 +135,14 @@ def _takes(function: Any, count: int) -> bool:
     return True
 
 
-def _require_arguments(file: PluginFile, name: str, function: Any) -> None:
-    if not _takes(function, 4):
-        raise UsageError(
-            f"Plugin file '{file.path}': {name} takes {inspect.signature(function)}, and a reward or a measure takes "
-            f"{ARGUMENTS}. Begin the names of other functions with _"
-        )
+def _what_it_has(functions: Mapping[str, Any]) -> str:
+    """Why none of the functions is a reward or a measure."""
+    named = ", ".join(f"{name}{inspect.signature(it)}" for name, it in functions.items())
+    return f"it has {named}, and a reward or a measure takes ({STEP}), or in an environment {ARGUMENTS}"
+
+
+def _summary(found: Any) -> str:
+    return next(iter(inspect.cleandoc(getattr(found, "__doc__", None) or "").splitlines()), "")
 
 
 def _lower(file: PluginFile, module: ModuleType, known: Iterable[str]) -> set[str]:

@@ -126,13 +126,17 @@ class CellResults:
             Unscored: It cannot.
         """
         made_of = [self._kept.digest(TRACE), payer.fingerprint]
-        return self._kept.array(payer.choice.label, made_of, lambda: payer.pay(self._trace(TRACE, whole=False)))
+        return self._kept.array(
+            payer.choice.label, made_of, lambda: payer.pay(self._trace(TRACE, whole=payer.reads_more))
+        )
 
     def pays_recorded(self, payer: Payer, file: str = TRACE) -> bool:
         """Whether the cell's own reward still pays what is recorded; see `Payer.pays_recorded`."""
         made_of = [self._kept.digest(file), payer.fingerprint]
         what = f"{file} is paid by {payer.choice.label}"
-        return bool(self._kept.number(what, made_of, lambda: payer.pays_recorded(self._trace(file, whole=False))))
+        return bool(
+            self._kept.number(what, made_of, lambda: payer.pays_recorded(self._trace(file, whole=payer.reads_more)))
+        )
 
     def evaluation_return(self, payer: Payer) -> float | None:
         """What a reward pays for an episode of the final evaluation, mean; None without a finished one.
@@ -142,7 +146,7 @@ class CellResults:
         """
 
         def make() -> float | None:
-            trace = self._trace(EVALUATION, whole=False)
+            trace = self._trace(EVALUATION, whole=payer.reads_more)
             return mean_over_episodes(payer.pay(trace), trace)
 
         made_of = [self._kept.digest(EVALUATION), payer.fingerprint]

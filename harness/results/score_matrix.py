@@ -60,11 +60,13 @@ def score_matrices(results: Results, scoring: Sequence[Choice], registry: Regist
 def _matrix(
     results: Results, group: Group, trainings: dict[str, list[Cell]], scoring: Sequence[Choice], registry: Registry
 ) -> ScoreMatrix:
-    traces = {label: [_read(results, cell) for cell in cells] for label, cells in trainings.items()}
+    payers = [Payer(choice, registry) for choice in scoring]
+    columns = None if any(map(_reads_more, payers)) else COLUMNS
+    traces = {label: [_read(results, cell, columns) for cell in cells] for label, cells in trainings.items()}
     indices: dict[str, dict[str, Index]] = {}
     failed: dict[str, str] = {}
-    for choice in scoring:
-        payer = Payer(choice, registry)
+    for payer in payers:
+        choice = payer.choice
         try:
             curves = {label: curve_of([payer.pay(run) for run in runs]) for label, runs in traces.items()}
         except Unscored as unscored:
@@ -75,5 +77,12 @@ def _matrix(
     return ScoreMatrix(group, seeds, indices, failed)
 
 
-def _read(results: Results, cell: Cell) -> Trace:
-    return read_trace(results.store.cell_folder(cell) / TRACE, COLUMNS)
+def _reads_more(payer: Payer) -> bool:
+    try:
+        return payer.reads_more
+    except Unscored:  # its own row will say so
+        return False
+
+
+def _read(results: Results, cell: Cell, columns: list[str] | None) -> Trace:
+    return read_trace(results.store.cell_folder(cell) / TRACE, columns)

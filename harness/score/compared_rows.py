@@ -37,6 +37,11 @@ class ComparedRows:
         self._metres, self._starts = 0.0, 0
 
     @property
+    def fields(self) -> tuple[str, ...]:
+        """What the other group's reward reads beside distances."""
+        return self._scorers[0].fields if self._scorers else ()
+
+    @property
     def other(self) -> GroupCurve | None:
         """The curve of what the other group's reward would have paid; None if nobody asked, or it is not finite."""
         return self._scored if self._scorers and self._finite else None
@@ -95,7 +100,8 @@ def stream_groups(
     runs = [run for group in groups for run in group]
     rows = max(1, min(ROWS, HELD // len(runs)))
     sides = [ComparedRows(group, other, kind, with_events) for group, other in zip(groups, others, strict=True)]
-    for chunks in zip_longest(*(run.chunks(rows) for run in runs)):
+    fields = {field for side in sides for field in side.fields}
+    for chunks in zip_longest(*(run.chunks(rows, fields) for run in runs)):
         steps = min(0 if chunk is None else len(chunk.reward) for chunk in chunks)
         for side, of in zip(sides, (chunks[:count], chunks[count:]), strict=True):
             side.add(of, steps)
@@ -105,7 +111,7 @@ def stream_groups(
 def _score(scorers: Sequence[RecordingScorer], chunks: Sequence[Chunk], with_events: bool, steps: int) -> Float:
     """What another reward would have paid in the first `steps` rows of each chunk, (runs, steps)."""
     with np.errstate(all="ignore"):  # a reward may divide by anything where it then takes another value
-        scored = [scorer.score(chunk) for scorer, chunk in zip(scorers, chunks, strict=True)]
+        scored = [scorer.pay(chunk).total for scorer, chunk in zip(scorers, chunks, strict=True)]
     return np.stack([_paid(chunk, value, with_events)[:steps] for chunk, value in zip(chunks, scored, strict=True)])
 
 

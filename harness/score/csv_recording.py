@@ -55,7 +55,7 @@ def open_csv(path: Path) -> Recording:
     header = _read_header(path)
     columns = tuple(header.positions)
     return Recording(
-        path, columns, None, None, partial(_csv_batches, path, header), partial(_report_csv, path, header), 2
+        path, columns, None, None, lambda fields: _csv_batches(path, header), partial(_report_csv, path, header), 2
     )
 
 

@@ -17,14 +17,14 @@ robots and no environments.
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from harness.arrays import Float, Mask
 from harness.errors import UsageError
 from harness.reward import Reward
-from harness.score.scorer import Scorer
+from harness.score.scorer import Rows, Scorer
 
 END_EFFECTOR, TARGET, JOINTS, JOINTS_DEG = "end_effector", "target", "joints", "joints_deg"
 DISTANCE, RENEWED = "distance", "renewed"
@@ -218,15 +218,16 @@ class ArmPay:
         self._scorer = Scorer(self._reward)
         self._begin = self._best = float(distance)
         start = np.full(1, self._begin)
-        self._scorer.score(_Rows(np.ones(1, bool), start, start, start))
+        self._scorer.pay(Rows(np.ones(1, bool), start, start, start))
 
     def pay(self, after: Float) -> Float:
         """What the next steps of the episode pay, (n,), by the distances after them, (n,), [m]."""
         after = np.asarray(after, np.float64)
         best = np.minimum.accumulate(np.concatenate([[self._best], after]))
         self._best = float(best[-1])
-        rows = _Rows(np.zeros(len(after), bool), np.full(len(after), self._begin), best[:-1], after)
-        return self._scorer.score(rows)
+        rows = Rows(np.zeros(len(after), bool), np.full(len(after), self._begin), best[:-1], after)
+        paid: Float = self._scorer.pay(rows).total
+        return paid
 
 
 def pay_episode(reward: Reward, end_effector: Float, target: Float) -> Float:
@@ -241,16 +242,6 @@ def pay_episode(reward: Reward, end_effector: Float, target: Float) -> Float:
     pay = ArmPay(reward)
     pay.begin(far[0])
     return pay.pay(far[1:])
-
-
-class _Rows(NamedTuple):
-    """Rows that `harness.score.scorer.Scorer` takes."""
-
-    start: Mask
-    begin_distance: Float
-    previous_best: Float
-    distance: Float
-    touched: Mask | None = None
 
 
 def _constant(text: str) -> tuple[float, ...]:

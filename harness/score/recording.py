@@ -17,10 +17,11 @@ A row is read by what is filled in, not by a guess about its file, so that files
 beginDistance can change inside an episode (a target that was touched is drawn again) and is read row by row.
 """
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 import numpy as np
 import pyarrow as pa
@@ -29,6 +30,7 @@ from numpy.typing import NDArray
 from harness.arrays import Float, Mask
 from harness.errors import UsageError
 from harness.files.bounded import reading
+from harness.record.trace import FIELDS, to_numpy
 from harness.score.scorer import TOUCHED, targets_touched
 
 Columns = dict[str, Float]
@@ -48,6 +50,9 @@ COLUMNS = (
 )  # fmt: skip
 """What is read of a file. `previous_best`, this project's, is always the value before the step; `prev_best`, the
 experimenters', is not."""
+
+
+NO_FIELDS: Mapping[str, NDArray[Any]] = MappingProxyType({})
 
 
 class Chunk(NamedTuple):
@@ -75,6 +80,8 @@ class Chunk(NamedTuple):
     """The env among those that trained together; 0 if the file does not say it."""
     touched: Mask | None = None
     """Whether the target was reached and the next one set after the row; None if the file does not say it."""
+    more: Mapping[str, NDArray[Any]] = NO_FIELDS
+    """Those fields that were asked for and are recorded, (rows, ...) each."""
 
 
 @dataclass(frozen=True)
@@ -87,15 +94,17 @@ class Recording:
         declared_reward: What paid it, as `harness.registry.choice.choose` takes it, if the manifest beside it says
             so.
         seed: The run's seed, if the manifest says so.
+        fields: Those of `harness.record.trace.FIELDS` that it has.
     """
 
     path: Path
     columns: tuple[str, ...]
     declared_reward: str | None
     seed: int | None
-    _batches: Callable[[], Iterator[pa.RecordBatch]]
+    _batches: Callable[[Sequence[str]], Iterator[pa.RecordBatch]]
     _report: Callable[[str], UsageError]
     _first_line: int
+    fields: tuple[str, ...] = ()
 
     @property
     def has_distances(self) -> bool:
@@ -107,27 +116,39 @@ class Recording:
         """Whether the event terms are recorded."""
         return set(EVENTS) <= set(self.columns)
 
-    def chunks(self, rows: int = ROWS) -> Iterator[Chunk]:
+    def chunks(self, rows: int = ROWS, fields: Iterable[str] = ()) -> Iterator[Chunk]:
         """All rows in order, `rows` at a time, fewer only in the last chunk; nothing else is held in memory.
+
+        Args:
+            rows: Of a chunk.
+            fields: Those of `fields` that are read too.
 
         Raises:
             UsageError: A row cannot be read, there is none, or there are too many; names file, line and column.
             SchemaError: The file is damaged.
         """
         line, counted = self._first_line, 0
-        for table in _regroup(self._batches(), rows):
+        read = [name for name in self.fields if name in {*fields}]
+        for table in _regroup(self._batches([column for name in read for column in FIELDS[name]]), rows):
             with reading(self.path, "recording"):
                 columns = {name: table.column(name).to_numpy().astype(np.float64, copy=False) for name in self.columns}
                 chunk = _read_chunk(columns, line, counted)
-            if chunk is None:
+                more = {name: _field_of(table, name) for name in read}
+            if chunk is None or not _is_finite(list(more.values())):
                 raise self._report("a number is missing, not finite or too large")
-            yield chunk
+            yield chunk._replace(more=more)
             line += len(chunk.reward)
             if line - self._first_line > MOST_ROWS:
                 raise UsageError(f"{self.path} has more than the {MOST_ROWS:,} rows that are allowed")
             counted = 0 if chunk.step is None else int(chunk.step[-1])
         if line == self._first_line:
             raise UsageError(f"{self.path} has no rows")
+
+
+def _field_of(table: pa.Table, name: str) -> NDArray[Any]:
+    """A field of some rows, (rows, ...)."""
+    columns = [to_numpy(table.column(column), column) for column in FIELDS[name]]
+    return columns[0] if len(columns) == 1 else np.stack(columns, axis=1)
 
 
 def _regroup(batches: Iterable[pa.RecordBatch], rows: int) -> Iterator[pa.Table]:

@@ -1,51 +1,60 @@
 """Pays recorded runs again: a column of rewards per reward, in a file of its own beside the recording."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from harness.arrays import Float, Mask
+from harness.arrays import Float
 from harness.errors import UsageError, one_line
 from harness.files.bounded import reading, require_regular
 from harness.files.parquet import require_room
 from harness.files.sums import changed_since_made, note_made
 from harness.files.whole_file import whole_file
 from harness.record.folder import MANIFEST
-from harness.reward import Reward
+from harness.reward import Paid, Reward
+from harness.reward.needs import needs_of
 from harness.score.recording import Chunk, Recording
-from harness.score.scorer import Scorer
+from harness.score.scorer import Rows, Scorer, fields_beside_distances
 
 MOST_BYTES = 2**35
 """Most that is read of a file of scores."""
 
 
 class RecordingScorer:
-    """Scores a recording chunk by chunk. Envs that trained together are runs of their own."""
+    """Scores a recording chunk by chunk. Envs that trained together are runs of their own.
+
+    Attributes:
+        fields: What chunks have to have beside distances, see `harness.score.recording.Recording.chunks`.
+    """
 
     def __init__(self, reward: Reward) -> None:
         self._reward = reward
         self._scorers: dict[int, Scorer] = {}
+        self.fields = fields_beside_distances(needs_of(reward).fields)
 
-    def score(self, chunk: Chunk) -> Float:
-        """Shaped reward of the chunk's rows, (rows,)."""
+    def pay(self, chunk: Chunk) -> Paid:
+        """Shaped reward of the chunk's rows and its terms, (rows,)."""
         env = np.zeros(len(chunk.reward), np.int64) if chunk.env is None else chunk.env
-        values = np.empty(len(env))
+        rows, total, terms = _rows_of(chunk), np.empty(len(env)), dict[str, Float]()
         for number in np.unique(env):
             scorer = self._scorers.setdefault(int(number), Scorer(self._reward))
             mine = env == number
-            values[mine] = scorer.score(_rows_of(chunk, mine))
-        return values
+            part = scorer.pay(rows if mine.all() else rows.part(mine))
+            total[mine] = part.total
+            for name, values in part.terms.items():
+                terms.setdefault(name, np.zeros(len(env)))[mine] = values
+        return Paid(total, terms)
 
 
 def rescore(recording: Recording, rewards: Mapping[str, Reward], into: Path) -> dict[str, str]:
     """Write what each of `rewards` would have paid, a column each named by its label, a row per recorded row.
 
-    Columns of other rewards that `into` holds already are kept. The recording is not touched. A reward that raises
-    costs its own column.
+    A term of a reward has a column ``LABEL/TERM`` behind it. Columns of other rewards that `into` holds already are
+    kept. The recording is not touched. A reward that raises costs its own columns.
 
     Returns:
         By the label of each reward that raised, what it raised.
@@ -55,20 +64,41 @@ def rescore(recording: Recording, rewards: Mapping[str, Reward], into: Path) -> 
     """
     if not recording.has_distances:
         raise UsageError(f"{recording.path} records no distances: no other reward can be computed from it")
-    scorers = {label: RecordingScorer(reward) for label, reward in rewards.items()}
-    parts: dict[str, list[Float]] = {label: [] for label in rewards}
     failed: dict[str, str] = {}
-    for chunk in recording.chunks():
+    scorers: dict[str, RecordingScorer] = {}
+    for label, reward in rewards.items():
+        with _noted(label, failed):
+            scorers[label] = RecordingScorer(reward)
+    parts: dict[str, list[Paid]] = {label: [] for label in rewards}
+    for chunk in recording.chunks(fields={field for it in scorers.values() for field in it.fields}):
         for label, scorer in scorers.items():
-            try:
-                if label not in failed:
-                    parts[label].append(scorer.score(chunk))
-            except (Exception, SystemExit) as error:  # a plugin may raise anything
-                failed[label] = one_line(error)
-    columns = {label: np.concatenate(values) for label, values in parts.items() if label not in failed}
+            if label not in failed:
+                with _noted(label, failed):
+                    parts[label].append(scorer.pay(chunk))
+    columns = {
+        name: values
+        for label, paid in parts.items()
+        if label not in failed
+        for name, values in _columns_of(label, paid)
+    }
     if columns:
         _write(into, columns)
     return failed
+
+
+@contextmanager
+def _noted(label: str, failed: dict[str, str]) -> Iterator[None]:
+    """Whatever a reward raises is written down under its label: a plugin may raise anything."""
+    try:
+        yield
+    except (Exception, SystemExit) as error:
+        failed[label] = one_line(error)
+
+
+def _columns_of(label: str, paid: Sequence[Paid]) -> Iterator[tuple[str, Float]]:
+    yield label, np.concatenate([part.total for part in paid])
+    for name in paid[0].terms:
+        yield f"{label}/{name}", np.concatenate([part.terms[name] for part in paid])
 
 
 def _write(into: Path, columns: Mapping[str, Float]) -> None:
@@ -97,17 +127,6 @@ def _earlier(path: Path, rows: int) -> dict[str, pa.ChunkedArray]:
     return dict(zip(table.column_names, table.columns, strict=True))
 
 
-class _Rows(NamedTuple):
-    """A chunk's rows of one env, as `harness.score.scorer.Rows`."""
-
-    start: Mask
-    begin_distance: Float
-    previous_best: Float
-    distance: Float
-    touched: Mask | None
-
-
-def _rows_of(chunk: Chunk, mask: Mask) -> _Rows:
-    columns = (chunk.start, chunk.begin_distance, chunk.previous_best, chunk.distance, chunk.touched)
-    rows = _Rows(*columns)  # type: ignore[arg-type]  # a recording with distances has the first four
-    return rows if mask.all() else _Rows._make(None if column is None else column[mask] for column in rows)
+def _rows_of(chunk: Chunk) -> Rows:
+    """The rows of a chunk of a recording that has distances."""
+    return Rows(chunk.start, chunk.begin_distance, chunk.previous_best, chunk.distance, chunk.touched, chunk.more)  # type: ignore[arg-type]

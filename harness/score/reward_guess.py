@@ -37,7 +37,7 @@ def guess_reward(recording: Recording, registry: Registry) -> Guess:
     """
     if not recording.has_distances:
         return Guess(None, f"{recording.path} has no distances to score again")
-    head = next(recording.chunks(HEAD))
+    head = next(recording.chunks(HEAD, recording.fields))
     if not head.reward.any() and not recording.declared_reward:
         return Guess(None, f"{recording.path} pays nothing in its first {len(head.reward):,} rows, as many rewards may")
     for text in dict.fromkeys(_candidates(recording, head, registry)):
@@ -58,7 +58,7 @@ def misfit(recording: Recording, text: str, registry: Registry) -> str | None:
     """
     if not recording.has_distances:
         return f"{recording.path} has no distances to score again"
-    problem = _misfit_of(text, next(recording.chunks(HEAD)), registry)
+    problem = _misfit_of(text, next(recording.chunks(HEAD, recording.fields)), registry)
     return None if problem is None else f"{recording.path}, {problem}"
 
 
@@ -92,8 +92,11 @@ def _gain(value: Float, metres: Float, rows: Mask) -> float | None:
 def _misfit_of(text: str, head: Chunk, registry: Registry) -> str | None:
     """The first row that the reward pays otherwise; None if there is none."""
     choice = choose(registry, "rewards", text)
+    scorer = RecordingScorer(choice.build(registry, "rewards"))
+    if missing := [field for field in scorer.fields if field not in head.more]:
+        return f"no column tells {', '.join(missing)}, which {choice.label} reads"
     with np.errstate(all="ignore"):  # a reward may divide by anything where it then takes another value
-        paid = RecordingScorer(choice.build(registry, "rewards")).score(head)
+        paid = scorer.pay(head).total
     misses = ~(np.abs(paid - head.reward) <= _tolerance(paid, head))  # not finite is a miss, too
     unsure = misses & _sign_is_lost(head)
     if unsure.sum() <= max(1.0, LOST_SIGNS * len(paid)):

@@ -13,7 +13,8 @@ from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.registry.sources import fingerprint
 from harness.reward import Reward
-from harness.score.scorer import score_trace
+from harness.reward.needs import needs_of
+from harness.score.scorer import fields_beside_distances, score_trace
 
 
 class Payer:
@@ -35,6 +36,16 @@ class Payer:
         """
         with self._told():
             return f"{self.choice.to_json()} {fingerprint(self._reward)}"
+
+    @cached_property
+    def reads_more(self) -> bool:
+        """Whether it reads more of a run than distances.
+
+        Raises:
+            Unscored: It cannot be asked.
+        """
+        with self._told():
+            return bool(fields_beside_distances(needs_of(self._reward).fields))
 
     def pay(self, run: Trace) -> Float:
         """The shaped reward of every row of a run, (rows,).

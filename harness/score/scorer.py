@@ -1,14 +1,17 @@
 """Pays a recorded run again under any reward, exactly as the learner would have been paid."""
 
-from collections.abc import Sequence
-from typing import NamedTuple, Protocol
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask, read_only
-from harness.record.trace import Trace
-from harness.reward import Carry, Reward, Sample, put, take
+from harness.record.trace import FIELDS, Trace
+from harness.reward import Array, Carry, MissingField, Paid, Reward, Sample, Steps, pay, put, take
+from harness.reward.needs import needs_of
+from harness.reward.steps import BEFORE, rows_of, steps_of
 
 TOUCHED = ("reached", "terminated", "truncated")
 """Columns of a trace that tell where a new target was set inside an episode."""
@@ -19,31 +22,37 @@ BLOCK = 65_536
 """Rows are scored so many at a time: the columns of a block stay in the processor's cache."""
 
 
-class Rows(Protocol):
-    """Consecutive rows of one run, arrays of shape (rows,)."""
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """Consecutive rows of one run, arrays of shape (rows,).
 
-    @property
-    def start(self) -> Mask:
-        """Whether the row is an episode's start, which is paid nothing."""
+    Attributes:
+        start: Whether the row is an episode's start, which is paid nothing.
+        begin_distance: Bd, [m].
+        previous_best: Pb before the step, [m].
+        distance: d(t), [m].
+        touched: Whether the target was reached and the next one set after the row; None where that is not recorded.
+            Then a new target shows only in a new begin distance.
+        more: Other fields of `harness.reward.steps.ARM` that are recorded, (rows, ...) each.
+    """
 
-    @property
-    def begin_distance(self) -> Float:
-        """Bd, [m]."""
+    start: Mask
+    begin_distance: Float
+    previous_best: Float
+    distance: Float
+    touched: Mask | None = None
+    more: Mapping[str, NDArray[Any]] = field(default_factory=dict)
 
-    @property
-    def previous_best(self) -> Float:
-        """Pb before the step, [m]."""
-
-    @property
-    def distance(self) -> Float:
-        """d(t), [m]."""
-
-    @property
-    def touched(self) -> Mask | None:
-        """Whether the target was reached and the next one set after the row; None where that is not recorded.
-
-        Then a new target shows only in a new begin distance.
-        """
+    def part(self, rows: NDArray[np.int64] | Mask | slice) -> "Rows":
+        """Some of them, in order."""
+        return Rows(
+            self.start[rows],
+            self.begin_distance[rows],
+            self.previous_best[rows],
+            self.distance[rows],
+            None if self.touched is None else self.touched[rows],
+            {name: column[rows] for name, column in self.more.items()},
+        )
 
 
 class _Last(NamedTuple):
@@ -53,34 +62,37 @@ class _Last(NamedTuple):
     distance: float
     step: float
     touched: bool
+    more: Mapping[str, NDArray[Any]]
 
 
 class Scorer:
-    """Scores one run piece by piece. It remembers what the reward remembers, and the last distance."""
+    """Scores one run piece by piece. It remembers what the reward remembers, and the row before."""
 
     def __init__(self, reward: Reward) -> None:
         self._reward = reward
         self._carry: Carry = None
-        self._last = _Last(np.nan, np.nan, 0.0, False)
+        self._last = _Last(np.nan, np.nan, 0.0, False, {})
 
-    def score(self, rows: Rows) -> Float:
-        """Shaped reward of the next rows, (rows,); 0 in the start rows."""
+    def pay(self, rows: Rows) -> Paid:
+        """Shaped reward of the next rows and what each term of it paid, (rows,); 0 in the start rows.
+
+        Raises:
+            MissingField: The reward reads what is not recorded.
+        """
         count = len(rows.distance)
-        values = np.empty(count)
-        for first in range(0, count, BLOCK):
-            values[first : first + BLOCK] = self._score_block(_Block(rows, slice(first, first + BLOCK)))
-        return values
+        parts = [self._pay_block(rows.part(slice(first, first + BLOCK))) for first in range(0, count, BLOCK)]
+        return parts[0] if len(parts) == 1 else _joined(parts)
 
-    def _score_block(self, rows: Rows) -> Float:
+    def _pay_block(self, rows: Rows) -> Paid:
         restart = rows.start | self._has_new_target(rows)
-        sample = self._sample(rows, restart)
-        self._last = _last_of(rows, sample)
-        empty = self._reward.initial_carry(sample.begin_distance[:1])
+        steps = self._steps(rows, restart)
+        self._last = _last_of(rows, steps)
+        empty = self._reward.initial_carry(steps.begin_distance[:1])
         if isinstance(empty, tuple) and not empty:  # remembers nothing: all rows at once
-            value = np.asarray(self._reward((), sample)[1], np.float64)
+            paid = pay(self._reward, (), steps)[1]
         else:
-            value = self._score_in_order(rows.start, restart, sample)
-        return np.where(rows.start, 0.0, value)
+            paid = self._pay_in_order(rows.start, restart, steps)
+        return Paid(*_map_paid(paid, lambda value: np.where(rows.start, 0.0, np.asarray(value, np.float64))))
 
     def _has_new_target(self, rows: Rows) -> Mask:
         """Whether the target is another than in the row before, (rows,). Earlier distances belong to the old one."""
@@ -90,78 +102,101 @@ class Scorer:
             new |= np.concatenate([[self._last.touched], rows.touched[:-1]])
         return new
 
-    def _sample(self, rows: Rows, restart: Mask) -> Sample:
+    def _steps(self, rows: Rows, restart: Mask) -> Steps:
         begin, best = read_only(rows.begin_distance), read_only(rows.previous_best)  # other rewards read them too
         distance = read_only(rows.distance)
         previous = np.where(restart, begin, np.concatenate([[self._last.distance], distance[:-1]]))
         step = _steps_since_start(rows.start, self._last.step)
-        return Sample(begin, best, previous, distance, distance - best, step)
+        six = Sample(begin, best, previous, distance, distance - best, step)
+        now = {name: read_only(column) for name, column in rows.more.items()}
+        last = {**self._last.more, "distance": np.array([self._last.distance])}
+        before = {
+            name: read_only(np.concatenate([last.get(name, column[:1]), column[:-1]]))
+            for name, column in {"distance": distance, **now}.items()
+        }
+        return steps_of({**six._asdict(), **now, BEFORE: steps_of(before)})
 
-    def _score_in_order(self, start: Mask, restart: Mask, sample: Sample) -> Float:
+    def _pay_in_order(self, start: Mask, restart: Mask, steps: Steps) -> Paid:
         """Score a reward that remembers earlier rows: all targets of the block side by side, step by step."""
         row, ends = np.flatnonzero(_begins(restart)), np.append(np.flatnonzero(restart[1:]) + 1, len(start))
-        carry = self._reward.initial_carry(sample.begin_distance[row])
+        carry = self._reward.initial_carry(steps.begin_distance[row])
         if self._carry is not None and not restart[0]:  # the first goes on from the block before
             carry = put(carry, np.array([0]), self._carry)
-        values = np.zeros(len(start))
+        total, terms = np.zeros(len(start)), dict[str, Float]()
         row = row + start[row]  # a start row is paid nothing, and remembered as no step
         while (running := row < ends).any():
             rows = row[running]
-            after, values[rows] = self._reward(take(carry, running), Sample(*(column[rows] for column in sample)))
+            after, paid = pay(self._reward, take(carry, running), rows_of(steps, rows))
+            total[rows] = paid.total
+            for name, value in paid.terms.items():
+                terms.setdefault(name, np.zeros(len(start)))[rows] = value
             carry = put(carry, running, after)
             row = row + running
         self._carry = take(carry, np.array([len(ends) - 1]))
-        return values
-
-
-class _Block:
-    """Some of the rows of a run."""
-
-    def __init__(self, rows: Rows, part: slice) -> None:
-        self.start = rows.start[part]
-        self.begin_distance = rows.begin_distance[part]
-        self.previous_best = rows.previous_best[part]
-        self.distance = rows.distance[part]
-        self.touched = None if rows.touched is None else rows.touched[part]
-
-
-class _TraceRows:
-    """Some rows of a trace, in the order of their numbers."""
-
-    def __init__(self, trace: Trace, rows: NDArray[np.int64] | slice) -> None:
-        self.start = trace["step"][rows] == 0
-        self.begin_distance = trace["begin_distance"][rows]
-        self.previous_best = trace["previous_best"][rows]
-        self.distance = trace["distance"][rows]
-        self.touched = _touched_of(trace, rows)
+        return Paid(total, terms)
 
 
 def score_trace(reward: Reward, trace: Trace) -> Float:
-    """The shaped reward of every row of a trace under `reward`, (rows,), in the trace's order."""
-    values = np.empty(len(trace))
-    for rows in _runs_of(trace):
-        values[rows] = Scorer(reward).score(_TraceRows(trace, rows))
-    return values
+    """The shaped reward of every row of a trace under `reward`, (rows,); see `pay_trace`."""
+    total: Float = pay_trace(reward, trace).total
+    return total
 
 
-def _runs_of(trace: Trace) -> Sequence[NDArray[np.int64] | slice]:
-    """Row numbers, env after env, cut into runs. A new run begins at an env that does not begin with a start row.
+def pay_trace(reward: Reward, trace: Trace) -> Paid:
+    """The shaped reward of every row of a trace under `reward`, and its terms, (rows,), in the trace's order.
+
+    Raises:
+        MissingField: The reward reads what the trace does not have.
+    """
+    dof, size = (trace[name].shape[1] if name in trace.columns else None for name in ("qpos", "action"))
+    fields = fields_beside_distances(needs_of(reward, dof, size).fields)
+    try:
+        return _pay_runs(reward, trace, fields)
+    except MissingField:  # one that it reads in some steps alone, and not in made-up ones
+        if set(FIELDS) <= {*fields}:
+            raise
+        return _pay_runs(reward, trace, FIELDS)
+
+
+def fields_beside_distances(needs: Iterable[str]) -> tuple[str, ...]:
+    """Which of `FIELDS` are among what a reward reads; for one of the step before its own name."""
+    read = {name.removeprefix(f"{BEFORE}.") for name in needs}
+    return tuple(name for name in FIELDS if name in read)
+
+
+def _pay_runs(reward: Reward, trace: Trace, fields: Iterable[str]) -> Paid:
+    found = {name: trace.field(name) for name in fields}
+    more = {name: values for name, values in found.items() if values is not None}
+    best, distance = trace["previous_best"], trace["distance"]
+    rows = Rows(trace["step"] == 0, trace["begin_distance"], best, distance, _touched_of(trace), more)
+    order, cuts = _runs_of(trace)
+    if order is None:
+        return Scorer(reward).pay(rows)
+    paid = _joined([Scorer(reward).pay(rows.part(run)) for run in np.split(order, cuts)])
+    back = np.argsort(order)
+    return Paid(paid.total[back], {name: values[back] for name, values in paid.terms.items()})
+
+
+def _runs_of(trace: Trace) -> tuple[NDArray[np.int64] | None, NDArray[np.int64]]:
+    """Row numbers, env after env, and where to cut them into runs; None where they are one run in their order.
+
+    A new run begins at an env that does not begin with a start row.
 
     Rows after a start row do not depend on rows before it. So one scorer can score several envs in a row. For the 100
     envs of an evaluation this takes a fifth of the time of 100 scorers, and less if the reward has a memory.
     """
     env = trace["env"]
     if (env[1:] == env[:-1]).all():
-        return [slice(None)]  # without a copy
+        return None, np.empty(0, np.int64)
     order = np.argsort(env, kind="stable")
     is_next = np.diff(env[order]) != 0
-    return np.split(order, np.flatnonzero(is_next & (trace["step"][order][1:] != 0)) + 1)
+    return order, np.flatnonzero(is_next & (trace["step"][order][1:] != 0)) + 1
 
 
-def _touched_of(trace: Trace, rows: NDArray[np.int64] | slice) -> Mask | None:
+def _touched_of(trace: Trace) -> Mask | None:
     if not set(TOUCHED) <= trace.columns.keys():
         return None
-    return targets_touched(*(trace[name][rows] for name in TOUCHED))
+    return targets_touched(*(trace[name] for name in TOUCHED))
 
 
 def targets_touched(reached: Mask, terminated: Mask, truncated: Mask) -> Mask:
@@ -170,9 +205,21 @@ def targets_touched(reached: Mask, terminated: Mask, truncated: Mask) -> Mask:
     return touched
 
 
-def _last_of(rows: Rows, sample: Sample) -> _Last:
+def _last_of(rows: Rows, steps: Steps) -> _Last:
     touched = rows.touched is not None and bool(rows.touched[-1])
-    return _Last(float(rows.begin_distance[-1]), float(rows.distance[-1]), float(sample.step[-1]), touched)
+    more = {name: column[-1:].copy() for name, column in rows.more.items()}
+    return _Last(float(rows.begin_distance[-1]), float(rows.distance[-1]), float(steps.step[-1]), touched, more)
+
+
+def _map_paid(paid: Paid, function: Callable[[Array], Float]) -> tuple[Float, dict[str, Float]]:
+    return function(paid.total), {name: function(value) for name, value in paid.terms.items()}
+
+
+def _joined(parts: Sequence[Paid]) -> Paid:
+    if not parts:
+        return Paid(np.empty(0), {})
+    terms = {name: np.concatenate([part.terms[name] for part in parts]) for name in parts[0].terms}
+    return Paid(np.concatenate([part.total for part in parts]), terms)
 
 
 def _begins(restart: Mask) -> Mask:

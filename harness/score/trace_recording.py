@@ -13,7 +13,7 @@ from harness.files.parquet import require_room
 from harness.record.cell import Cell
 from harness.record.folder import MANIFEST
 from harness.record.manifest import read_manifest
-from harness.record.trace import FORMAT, FORMAT_KEY
+from harness.record.trace import FIELDS, FORMAT, FORMAT_KEY
 from harness.score.recording import COLUMNS, MOST_ROWS, ROWS, Recording, choose_columns
 from harness.score.scorer import TOUCHED
 from harness.text import shortened
@@ -46,7 +46,8 @@ def open_trace(path: Path) -> Recording:
     cell = _read_cell(path.with_name(MANIFEST))
     declared, seed = (cell.reward.label, cell.seed) if cell else (None, None)
     report = partial(_report_trace, path)
-    return Recording(path, columns, declared, seed, partial(_trace_batches, path, columns), report, 1)
+    fields = tuple(name for name, needed in FIELDS.items() if set(needed) <= set(schema.names))
+    return Recording(path, columns, declared, seed, partial(_trace_batches, path, columns), report, 1, fields)
 
 
 def _what_it_has(names: Sequence[str]) -> str:
@@ -61,9 +62,9 @@ def _read_cell(manifest: Path) -> Cell | None:
     return read_manifest(manifest.parent).cell if manifest.is_file() else None
 
 
-def _trace_batches(path: Path, columns: tuple[str, ...]) -> Iterator[pa.RecordBatch]:
+def _trace_batches(path: Path, columns: tuple[str, ...], fields: Sequence[str]) -> Iterator[pa.RecordBatch]:
     with reading(path, "trace"), pq.ParquetFile(path) as file:
-        yield from file.iter_batches(batch_size=ROWS, columns=list(columns))
+        yield from file.iter_batches(batch_size=ROWS, columns=[*columns, *fields])
 
 
 def _report_trace(path: Path, problem: str) -> UsageError:

@@ -1,12 +1,13 @@
 """A null control: another reward times a constant."""
 
+from collections.abc import Mapping
 from typing import Annotated, ClassVar
 
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from harness.authoring.wrapped_reward import WrappedReward
-from harness.reward import Array, Carry, Sample
+from harness.reward import Array, Carry, Steps, pay
 
 from ..factors import Factor
 
@@ -30,7 +31,7 @@ class Scaled(WrappedReward):
 
     factor: Annotated[Factor, Field(description="factor on the named reward")] = 2.0
 
-    def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
-        """The named reward's carry, and its value times `factor`, (num_envs,)."""
-        carry, value = self.named(carry, sample)
-        return carry, self.factor * value
+    def __call__(self, carry: Carry, steps: Steps) -> tuple[Carry, Array | Mapping[str, Array]]:
+        """The named reward's carry, and its value, or each of its terms, times `factor`, (num_envs,)."""
+        carry, paid = pay(self.named, carry, steps)
+        return carry, {name: self.factor * term for name, term in paid.terms.items()} or self.factor * paid.total

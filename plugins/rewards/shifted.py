@@ -1,12 +1,13 @@
 """A null control: another reward plus a constant."""
 
+from collections.abc import Mapping
 from typing import Annotated, ClassVar
 
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from harness.authoring.wrapped_reward import WrappedReward
-from harness.reward import LARGEST_FACTOR, Array, Carry, Sample
+from harness.reward import LARGEST_FACTOR, Array, Carry, Steps, pay
 
 
 @dataclass(frozen=True)
@@ -36,7 +37,7 @@ class Shifted(WrappedReward):
         ),
     ] = 0.1
 
-    def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
-        """The named reward's carry, and its value plus `offset`, (num_envs,)."""
-        carry, value = self.named(carry, sample)
-        return carry, value + self.offset
+    def __call__(self, carry: Carry, steps: Steps) -> tuple[Carry, Array | Mapping[str, Array]]:
+        """The named reward's carry, and its value plus `offset`, (num_envs,); beside terms the offset is one more."""
+        carry, paid = pay(self.named, carry, steps)
+        return carry, {**paid.terms, "offset": self.offset} if paid.terms else paid.total + self.offset

@@ -47,7 +47,7 @@ def test_measure_follows_the_state(episodes: Episodes):
     distance = episodes.measure(state(1.0, 0.5, 0.25))
     np.testing.assert_allclose(distance, [2.0, np.sqrt(17.0)])
     np.testing.assert_allclose(episodes.delta_distance, [-1.0, np.sqrt(17.0) - 4.0])
-    np.testing.assert_array_equal(episodes.sample.previous_distance, [3.0, 4.0])
+    np.testing.assert_array_equal(episodes.steps.previous_distance, [3.0, 4.0])
     np.testing.assert_array_equal(episodes.offset, [[2.0, 0.0, 0.0], [-1.0, 4.0, 0.0]])
     np.testing.assert_array_equal(episodes.qvel_change, 0.25)
     np.testing.assert_array_equal(episodes.step, 1.0)
@@ -72,7 +72,7 @@ def test_example_1_of_the_note(examples: Episodes):
 
 def test_example_2_of_the_note(examples: Episodes):
     """From sqrt(6.25) to sqrt(4.25): the difference is what the note calls the reward."""
-    sample = examples.sample
+    sample = examples.steps
     assert sample.previous_distance[0] == np.sqrt(6.25)
     assert sample.previous_distance[0] - sample.distance[0] == np.sqrt(6.25) - np.sqrt(4.25)
 
@@ -83,7 +83,7 @@ def test_new_target_restarts_the_distances_of_its_env(episodes: Episodes):
     kept = episodes.matrix[1].copy()
     episodes.set_target(np.array([True, False]), np.array([[1.0, 5.0, 0.0], [9.0, 9.0, 9.0]]))
     assert episodes.begin_distance[0] == episodes.previous_best[0] == episodes.distance[0] == 5.0
-    assert episodes.sample.previous_distance.tolist() == [5.0, 4.0]
+    assert episodes.steps.previous_distance.tolist() == [5.0, 4.0]
     assert episodes.delta_distance[0] == 0.0
     assert episodes.step[0] == 1.0
     np.testing.assert_array_equal(episodes.matrix[1], kept)

@@ -40,6 +40,7 @@ def test_reward_sees_one_sample_per_step(make: Call, wander: Call):
             return carry, -sample.distance
 
     env = make(task=ReachTask(horizon=5), reward=Spy())
+    samples.clear()  # made-up steps, which show what a reward reads
     _, infos = env.reset(seed=0)
     distances = [infos["distance"][0], *(infos["distance"][0] for *_, infos in wander(env, 5))]
     for t in range(1, 6):

@@ -93,7 +93,7 @@ def test_a_measure_may_be_called_as_a_reward(lay: Lay):
 
 
 BAD = {
-    "other arguments": ("def pay(state):\n    return 1", "pay takes (state), and a reward or a measure takes (observ"),
+    "other arguments": ("def pay(state):\n    return 1", "it has pay(state), and a reward or a measure takes (step)"),
     "a capital": (ONE.replace("def pays", "def Pays") + MEMORY, "the name 'Pays' must be lower-case letters"),
     "lower of nothing": ("lower_is_better = ['x']\n" + ONE, "lower_is_better names 'x', which is none of pays"),
     "lower of a reward": ("lower_is_better = ['pays']\n" + ONE, "lower_is_better goes with measures"),

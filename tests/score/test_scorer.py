@@ -1,7 +1,7 @@
 """Scoring recorded runs again: exactly what was paid, whatever the pieces, for every reward there is."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -22,10 +22,11 @@ from harness.record.trace import FORMAT, FORMAT_KEY, Trace, TraceWriter, read_tr
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 from harness.reward import Reward, Sample
+from harness.reward.needs import ROWS
 from harness.robot.inverse_kinematics import reach_position
 from harness.score.open_recording import open_recording
 from harness.score.rescore import RecordingScorer
-from harness.score.scorer import TOUCHED, Scorer, score_trace, targets_touched
+from harness.score.scorer import TOUCHED, Rows, Scorer, score_trace, targets_touched
 from harness.testing import IdealSimulator
 from harness_plugins.tasks.unity import Arp2021
 
@@ -35,21 +36,6 @@ ARM = harness.load_robot("unity-arm")
 REWARDS = REGISTRY.names("rewards")
 CHOICES = [*REWARDS, "arp:k1=0.3,k2=2.7", "scaled:reward=aarp,factor=0.1", "shifted:reward=(arp:k2=2),offset=-0.3"]
 ENVS = 3
-
-
-@dataclass
-class Rows:
-    """Consecutive rows of one run."""
-
-    start: np.ndarray
-    begin_distance: np.ndarray
-    previous_best: np.ndarray
-    distance: np.ndarray
-    touched: np.ndarray | None = None
-
-    def __getitem__(self, part: slice) -> "Rows":
-        columns = (getattr(self, field.name) for field in fields(self))
-        return Rows(*(None if column is None else column[part] for column in columns))
 
 
 def reward_of(text: str) -> Reward:
@@ -104,7 +90,7 @@ def in_pieces(reward: Reward, rows: Rows, cuts: list[int]) -> np.ndarray:
     """The rows scored a piece at a time."""
     scorer, ends = Scorer(reward), sorted(min(cut, len(rows.start)) for cut in cuts)
     parts = zip([0, *ends], [*ends, len(rows.start)], strict=True)
-    return np.concatenate([scorer.score(rows[slice(*part)]) for part in parts])
+    return np.concatenate([scorer.pay(rows.part(slice(*part))).total for part in parts])
 
 
 # Rewards that show what they are shown
@@ -223,7 +209,7 @@ def test_recording_of_next_targets_is_scored_as_it_was_paid(text: str, tmp_path:
     table = pa.table({**columns, **{name: trace[name] for name in TOUCHED}})
     pq.write_table(table.replace_schema_metadata({FORMAT_KEY: str(FORMAT).encode()}), path)
     scorer = RecordingScorer(reward_of(text))
-    scored = [scorer.score(chunk) for chunk in open_recording(path).chunks(37)]
+    scored = [scorer.pay(chunk).total for chunk in open_recording(path).chunks(37)]
     np.testing.assert_array_equal(np.concatenate(scored), trace["reward"])
 
 
@@ -269,7 +255,7 @@ def test_envs_do_not_depend_on_one_another():
     """The rows of one env get the same alone as among the others."""
     trace = record("aarp")
     for env in range(ENVS):
-        alone = Scorer(reward_of("aarp")).score(rows_of(trace, env))
+        alone = Scorer(reward_of("aarp")).pay(rows_of(trace, env)).total
         np.testing.assert_array_equal(alone, trace["reward"][trace["env"] == env])
 
 
@@ -282,7 +268,7 @@ def test_envs_that_begin_inside_an_episode_do_not_depend_on_one_another(column: 
     assert not all(rows.start[0] for rows in runs[1:])
     scored = score_trace(Shows(column), cut)
     for env, rows in enumerate(runs):
-        np.testing.assert_array_equal(scored[cut["env"] == env], Scorer(Shows(column)).score(rows))
+        np.testing.assert_array_equal(scored[cut["env"] == env], Scorer(Shows(column)).pay(rows).total)
 
 
 def test_envs_are_scored_together():
@@ -295,7 +281,7 @@ def test_envs_are_scored_together():
             return super().__call__(carry, sample)
 
     score_trace(Counts("distance"), trace)
-    assert sizes == [len(trace)]
+    assert sizes == [ROWS, len(trace)]  # after the made-up steps that show what it reads
 
 
 def test_order_of_the_rows_is_kept():
@@ -320,37 +306,37 @@ def test_trace_without_rows():
 def test_pieces_do_not_show(name: str, cuts: list[int]):
     """However the rows are handed over, empty pieces included, every reward pays the same, bit for bit."""
     reward, rows = SCORED[name](), rows_of(record("baseline"), 1)
-    np.testing.assert_array_equal(in_pieces(reward, rows, cuts), Scorer(reward).score(rows))
+    np.testing.assert_array_equal(in_pieces(reward, rows, cuts), Scorer(reward).pay(rows).total)
 
 
 @given(st.sampled_from(Sample._fields), st.lists(st.integers(0, 90), max_size=10))
 def test_pieces_do_not_show_in_the_sample(column: str, cuts: list[int]):
     """Every column of the sample goes on across pieces."""
     reward, rows = Shows(column), rows_of(record("baseline"), 2)
-    np.testing.assert_array_equal(in_pieces(reward, rows, cuts), Scorer(reward).score(rows))
+    np.testing.assert_array_equal(in_pieces(reward, rows, cuts), Scorer(reward).pay(rows).total)
 
 
 def test_row_by_row(reward: Reward):
     """The smallest pieces of all."""
     rows = rows_of(record("baseline"), 1)
     every = list(range(len(rows.start)))
-    np.testing.assert_array_equal(in_pieces(reward, rows, every), Scorer(reward).score(rows))
+    np.testing.assert_array_equal(in_pieces(reward, rows, every), Scorer(reward).pay(rows).total)
 
 
 def test_blocks_do_not_show(reward: Reward, monkeypatch: pytest.MonkeyPatch):
     """Long pieces are scored a block at a time: how long a block is changes nothing."""
     rows = rows_of(record("baseline"), 1)
-    whole = Scorer(reward).score(rows)
+    whole = Scorer(reward).pay(rows).total
     monkeypatch.setattr(module, "BLOCK", 7)
-    np.testing.assert_array_equal(Scorer(reward).score(rows), whole)
+    np.testing.assert_array_equal(Scorer(reward).pay(rows).total, whole)
 
 
 def test_empty_piece_is_scored_as_nothing():
     """At any moment, the first included."""
     rows = rows_of(record("baseline"))
     scorer = Scorer(reward_of("relative"))
-    assert scorer.score(rows[:0]).shape == (0,)
-    np.testing.assert_array_equal(scorer.score(rows), Scorer(reward_of("relative")).score(rows))
+    assert scorer.pay(rows.part(slice(0))).total.shape == (0,)
+    np.testing.assert_array_equal(scorer.pay(rows).total, Scorer(reward_of("relative")).pay(rows).total)
 
 
 @given(st.sampled_from(list(SCORED)), st.lists(st.integers(0, 200), max_size=10))
@@ -358,8 +344,9 @@ def test_pieces_do_not_show_where_targets_are_touched(name: str, cuts: list[int]
     """Also where a piece ends with a touched target."""
     reward, trace = SCORED[name](), record_tour("baseline")
     rows = rows_of(trace, 1)
-    rows.touched = targets_touched(*(trace[flag][trace["env"] == 1] for flag in TOUCHED))
-    np.testing.assert_array_equal(in_pieces(reward, rows, cuts), Scorer(reward).score(rows))
+    touched = targets_touched(*(trace[flag][trace["env"] == 1] for flag in TOUCHED))
+    rows = replace(rows, touched=touched)
+    np.testing.assert_array_equal(in_pieces(reward, rows, cuts), Scorer(reward).pay(rows).total)
 
 
 # A target that is drawn again inside an episode
@@ -377,39 +364,41 @@ def redrawn() -> Rows:
 
 def test_distance_before_a_redrawn_target_is_its_begin_distance():
     """The distance of the row before was to another target."""
-    shown = Scorer(Shows("previous_distance")).score(redrawn())
+    shown = Scorer(Shows("previous_distance")).pay(redrawn()).total
     np.testing.assert_array_equal(shown, [0.0, 1.0, 0.5, 2.0, 1.75])
 
 
 def test_memory_restarts_where_the_begin_distance_changes():
     """A recording that does not say where a target was touched shows it so."""
-    scored = Scorer(Remembers()).score(redrawn())
-    fresh = Scorer(Remembers()).score(redrawn()[3:])
+    scored = Scorer(Remembers()).pay(redrawn()).total
+    fresh = Scorer(Remembers()).pay(redrawn().part(slice(3, None))).total
     np.testing.assert_array_equal(scored[3:], fresh)
 
 
 def test_steps_are_counted_on_across_a_redrawn_target():
     """The episode goes on."""
-    np.testing.assert_array_equal(Scorer(Shows("step")).score(redrawn()), [0.0, 1.0, 2.0, 3.0, 4.0])
+    np.testing.assert_array_equal(Scorer(Shows("step")).pay(redrawn()).total, [0.0, 1.0, 2.0, 3.0, 4.0])
 
 
 def test_redrawn_target_is_paid_from_its_own_begin_distance():
     """The baseline pays what is gained on the target of the row."""
-    np.testing.assert_array_equal(Scorer(reward_of("baseline")).score(redrawn()), [0.0, 0.5, 0.875, 0.25, -0.125])
+    np.testing.assert_array_equal(Scorer(reward_of("baseline")).pay(redrawn()).total, [0.0, 0.5, 0.875, 0.25, -0.125])
 
 
 @pytest.mark.parametrize("cut", range(1, 5))
 def test_redrawn_target_at_a_cut(cut: int):
     """Pieces that meet at a redrawn target, or anywhere else, do not show."""
     reward = Shows("previous_distance")
-    np.testing.assert_array_equal(in_pieces(reward, redrawn(), [cut]), Scorer(reward).score(redrawn()))
+    np.testing.assert_array_equal(in_pieces(reward, redrawn(), [cut]), Scorer(reward).pay(redrawn()).total)
 
 
 def test_rows_that_begin_inside_an_episode():
     """A run whose first start row is missing begins where its first row says."""
-    np.testing.assert_array_equal(Scorer(Shows("previous_distance")).score(redrawn()[2:]), [1.0, 2.0, 1.75])
     np.testing.assert_array_equal(
-        Scorer(Remembers()).score(redrawn()[2:3]),
+        Scorer(Shows("previous_distance")).pay(redrawn().part(slice(2, None))).total, [1.0, 2.0, 1.75]
+    )
+    np.testing.assert_array_equal(
+        Scorer(Remembers()).pay(redrawn().part(slice(2, 3))).total,
         Remembers()(Remembers().initial_carry(np.array([1.0])), sample_at(redrawn(), 2))[1],
     )
 

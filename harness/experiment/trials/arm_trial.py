@@ -1,6 +1,6 @@
 """One episode of random actions of an arm, where joints are where they are told to be: its rewards are asked."""
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from harness.record.cell import Cell
 from harness.record.recording.facts import REWARD
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
-from harness.reward import Array, Carry, Reward, Sample
+from harness.reward import Array, Carry, Reward, Steps, pay
 from harness.robot.load import load_robot
 
 ARMS, MOST_STEPS = 2, 500
@@ -39,6 +39,7 @@ def try_arm(
         watched = _Watched(choice.build(registry, "rewards"))
         try:
             env = ReachVectorEnv(IdealSimulator(), robot, task, watched, ARMS)
+            watched.begin()  # to learn its terms it was called on made-up steps
             env.action_space.seed(0)
             env.reset(seed=0)
             for _ in range(min(task.horizon, MOST_STEPS)):
@@ -61,6 +62,10 @@ class _Watched:
     def __init__(self, reward: Reward) -> None:
         self._reward, self.reason, self._step = reward, "", 0
 
+    def begin(self) -> None:
+        """Count steps from here on, and forget what went wrong before."""
+        self.reason, self._step = "", 0
+
     def initial_carry(self, begin_distance: Array) -> Carry:
         """See `harness.reward.Reward`."""
         try:
@@ -69,14 +74,15 @@ class _Watched:
             self.reason = f"fails in initial_carry: {error_text(error)}."
             raise
 
-    def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
+    def __call__(self, carry: Carry, steps: Steps) -> tuple[Carry, Array | Mapping[str, Array]]:
         """See `harness.reward.Reward`."""
         try:
-            after, paid = self._reward(carry, sample)
-            if np.shape(paid) != (ARMS,) or not np.isfinite(paid).all():
-                raise ValueError(f"it pays {ARMS} arms {paid!r}")
+            after, paid = pay(self._reward, carry, steps)
+            for value in (paid.total, *paid.terms.values()):
+                if np.shape(value) != (ARMS,) or not np.isfinite(value).all():
+                    raise ValueError(f"it pays {ARMS} arms {value!r}")
         except (Exception, SystemExit) as error:
             self.reason = f"fails in step {self._step}: {error_text(error)}."
             raise
         self._step += 1
-        return after, paid
+        return after, paid.terms or paid.total

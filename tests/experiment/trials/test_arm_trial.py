@@ -35,7 +35,7 @@ def test_what_works_is_not_spoken_of(tried):
     [
         (
             "-sample.distanse",
-            "fails in step 0: AttributeError: 'Sample' object has no attribute 'distanse' (mine",
+            "fails in step 0: MissingField: A step of an arm has no 'distanse'. It has: begin_distance, previous_best",
         ),
         ("float(sample.distance[0])", "fails in step 0: ValueError: it pays 2 arms"),
         ("sample.distance * float('nan')", "fails in step 0: ValueError: it pays 2 arms"),

@@ -1,0 +1,37 @@
+"""The interface that a reward fills: a pure function of steps, R(s, a)."""
+
+from collections.abc import Mapping
+from typing import Any, Protocol, TypeAlias
+
+from harness.reward.carry import Carry
+from harness.reward.steps import Steps
+
+Array: TypeAlias = Any
+"""A numpy array, or another that answers ``__array_namespace__()`` (JAX)."""
+
+LARGEST_FACTOR = 1e18
+"""The largest number that a parameter of our rewards and tasks may be: what follows from what they pay stays finite."""
+LARGEST_PAID = 1e150
+"""The largest pay of a step that is counted with: its square is finite."""
+
+
+class Reward(Protocol):
+    """What pays, whatever a user wrote: `harness.reward.forms` makes one of a plain function.
+
+    A user may write it as a frozen dataclass, whose fields are the reward's parameters. The result must depend only on
+    the arguments and the fields, and the call must not change its arguments: the same function pays the learner step by
+    step, and later pays whole recorded traces again. What events pay (ground contact, target reached, the price of a
+    step) belongs to the task and is recorded separately.
+
+    It may have the attribute ``needs``, a set of names of `harness.reward.steps.ARM`: what it reads. Without it one
+    call on made-up steps tells, see `harness.reward.needs.needs_of`.
+    """
+
+    def initial_carry(self, begin_distance: Array) -> Carry:
+        """What is remembered at the start of an episode, for envs with these begin distances, shape (num_envs,)."""
+
+    def __call__(self, carry: Carry, steps: Steps, /) -> tuple[Carry, Array | Mapping[str, Array]]:
+        """The carry after the steps, and what they are paid.
+
+        What they are paid is an array, (num_envs,), or a dict of its terms by name, whose sum is paid.
+        """

@@ -1,0 +1,165 @@
+"""What a reward is given: steps with named fields.
+
+Steps are a named tuple of arrays, whose first axis counts them: one step of each env of a batch, or the rows of a log.
+Which fields there are depends on where the steps come from. One that is not there is refused by its name.
+"""
+
+import difflib
+from collections import namedtuple
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
+from itertools import islice
+from types import MappingProxyType
+from typing import Any, NamedTuple, TypeAlias
+
+from harness.errors import UsageError
+
+Steps: TypeAlias = Any
+"""Steps, with the fields of `ARM` or some of them; of an environment those of `ENVIRONMENT`."""
+BEFORE = "before"
+"""The field whose fields tell what there was before the steps."""
+
+
+class MissingField(UsageError, AttributeError):
+    """Steps do not have a field that a reward reads.
+
+    Attributes:
+        field: Its name.
+    """
+
+    def __init__(self, field: str, there: Iterable[str], where: str = "") -> None:
+        """Say what there is.
+
+        Args:
+            field: What was asked for, ``joint_speed`` or ``before.joint_speed``.
+            there: Names of the fields that there are.
+            where: What the steps are of, to begin the message with; ``A step`` without it.
+        """
+        self.field, names = field, list(there)
+        own = field.rpartition(".")[2]
+        near = difflib.get_close_matches(SYNONYMS.get(own, own), names, n=1)
+        guess = f" Did you mean '{near[0]}'?" if near else ""
+        super().__init__(f"{where or 'A step'} has no '{field}'. It has: {', '.join(names)}.{guess}")
+
+
+SYNONYMS: Mapping[str, str] = MappingProxyType(
+    {
+        **dict.fromkeys(("joint_position", "joint_positions", "joint_angles", "angles", "joints", "position"), "qpos"),
+        **dict.fromkeys(("joint_speed", "joint_speeds", "joint_velocity", "joint_velocities", "velocity"), "qvel"),
+        **dict.fromkeys(("dof_vel", "speed", "speeds"), "qvel"),
+        **dict.fromkeys(("dof_pos",), "qpos"),
+        **dict.fromkeys(("actions", "torque", "effort", "act"), "action"),
+        **dict.fromkeys(("tip", "ee", "ee_pos", "tcp", "gripper"), "end_effector"),
+        **dict.fromkeys(("goal", "goal_position", "target_position"), "target"),
+        **dict.fromkeys(("collision", "contact", "ground_contact"), "ground"),
+        **dict.fromkeys(("obs", "state", "next_observation", "next_obs"), "observation"),
+    }
+)
+"""What others call a field."""
+
+
+def _missing(steps: Any, name: str) -> Any:
+    if name.startswith("_"):  # what Python itself asks for, as in copying
+        raise AttributeError(name)
+    raise MissingField(name, steps._fields)
+
+
+class Sample(NamedTuple):
+    """The distances of a step of an arm, which every step of an arm begins with. Arrays of shape (num_envs,)."""
+
+    begin_distance: Any
+    """Bd = d(0), NOTE eq. 22, [m]."""
+    previous_best: Any
+    """Pb, the smallest distance of the episode before this step; Pb(0) = Bd, NOTE eq. 17, [m]."""
+    previous_distance: Any
+    """d(t-1), [m]; where a new target was set, its begin distance."""
+    distance: Any
+    """d(t), end effector to target after the step, NOTE eq. 14, [m]."""
+    delta_distance: Any
+    """d(t) - Pb, NOTE eq. 15, [m]."""
+    step: Any
+    """t, counted from 1 in each episode."""
+
+    def __getattr__(self, name: str) -> Any:
+        return _missing(self, name)
+
+
+def _told(steps: Any) -> dict[str, Any]:
+    return dict(zip(steps._fields, tuple.__iter__(steps), strict=True))
+
+
+def _replaced(steps: Any, **given: Any) -> Any:
+    return type(steps)._make({**_told(steps), **given}.values())
+
+
+def _distances(steps: Any) -> Iterator[Any]:
+    return islice(tuple.__iter__(steps), len(Sample._fields))
+
+
+@cache
+def steps_type(fields: tuple[str, ...]) -> type[Any]:
+    """The type of steps with these fields: a named tuple that refuses every other one by name.
+
+    Who unpacks a step of an arm gets the distances of `Sample`, which were all that a reward once knew.
+    """
+    members: dict[str, Any] = {"__slots__": (), "__getattr__": _missing, "_asdict": _told, "_replace": _replaced}
+    if fields[: len(Sample._fields)] == Sample._fields:
+        members["__iter__"] = _distances
+    return type("Steps", (namedtuple("Steps", fields),), members)
+
+
+def steps_of(fields: Mapping[str, Any]) -> Steps:
+    """Steps with these fields, in their order."""
+    return steps_type(tuple(fields))._make(fields.values())
+
+
+def rows_of(steps: Steps, rows: Any) -> Steps:
+    """Some rows of steps, and of what was before them."""
+    told = steps._asdict().values()
+    return type(steps)._make(rows_of(part, rows) if isinstance(part, tuple) else part[rows] for part in told)
+
+
+@dataclass(frozen=True)
+class Field:
+    """A field of steps, for people.
+
+    Attributes:
+        name: Its name.
+        shape: Of the array, ``num_envs`` first.
+        unit: Of its numbers; empty if they have none.
+        told: What it is, in a line.
+        before: Whether ``before`` has it too.
+    """
+
+    name: str
+    shape: str
+    unit: str
+    told: str
+    before: bool = False
+
+
+ARM = (
+    Field("begin_distance", "(num_envs,)", "m", "distance to the target at the episode's start, Bd"),
+    Field("previous_best", "(num_envs,)", "m", "smallest distance of the episode before this step, Pb; Bd at first"),
+    Field("previous_distance", "(num_envs,)", "m", "distance before this step, d(t-1); Bd where a new target was set"),
+    Field("distance", "(num_envs,)", "m", "distance after this step, d(t)", before=True),
+    Field("delta_distance", "(num_envs,)", "m", "d(t) - Pb"),
+    Field("step", "(num_envs,)", "steps", "t, counted from 1 in each episode"),
+    Field("qpos", "(num_envs, dof)", "rad", "joint positions after the step", before=True),
+    Field("qvel", "(num_envs, dof)", "rad/s", "joint speeds after the step", before=True),
+    Field("action", "(num_envs, action_size)", "", "what the policy asked for; before the first step 0", before=True),
+    Field("end_effector", "(num_envs, 3)", "m", "where the end effector is, world frame", before=True),
+    Field("target", "(num_envs, 3)", "m", "where the target of the step is, world frame", before=True),
+    Field("ground", "(num_envs,)", "bool", "whether the step touched the ground", before=True),
+)
+"""What steps of an arm have."""
+ENVIRONMENT = (
+    Field("observation", "as the environment's", "", "what the env observed after the step", before=True),
+    Field("action", "as the environment's", "", "what the policy did; before the first step zeros", before=True),
+    Field("info", "a dict", "", "what the env told of the step; before the first step of the reset", before=True),
+)
+"""What a step of an environment has: one step of one env, without a first axis."""
+ARM_BEFORE = tuple(field.name for field in ARM if field.before)
+NOT_RECORDED = frozenset({"qvel", f"{BEFORE}.qvel"})
+"""What a trace has only where a reward of the experiment reads it."""

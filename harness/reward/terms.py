@@ -1,0 +1,115 @@
+"""What a reward returned, as numbers: the pay of steps, and the terms that it is the sum of.
+
+A reward gives its terms as a dict, or as (total, dict). A total, also one under the key ``total``, has to be their sum.
+"""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from harness.errors import UsageError
+from harness.reward.carry import Carry
+from harness.reward.reward import Array, Reward
+from harness.reward.steps import Steps
+
+TOTAL = "total"
+"""The key of a dict of terms under which their sum may stand."""
+LONGEST_NAME = 60
+"""Characters of the name of a term."""
+NO_TERMS: Mapping[str, Array] = MappingProxyType({})
+
+
+class Paid(NamedTuple):
+    """What steps are paid."""
+
+    total: Array
+    """Shape (num_envs,): the sum of the terms in their order, where there are terms."""
+    terms: Mapping[str, Array] = NO_TERMS
+    """By name, shape (num_envs,) each; none of a reward that returned a plain array."""
+
+
+def pay(reward: Reward, carry: Carry, steps: Steps) -> tuple[Carry, Paid]:
+    """What a reward remembers after steps, and what they are paid.
+
+    Raises:
+        UsageError: Its terms are no terms, or their total is not their sum.
+    """
+    after, returned = reward(carry, steps)
+    return after, paid_of(returned)
+
+
+def paid_of(returned: Any) -> Paid:
+    """What a reward returned: an array or a number, a dict of terms, or (total, dict of terms).
+
+    Raises:
+        UsageError: The terms are no terms, or the total is not their sum.
+    """
+    if isinstance(returned, Mapping):
+        return _summed(returned, None)
+    if isinstance(returned, tuple) and len(returned) == 2 and isinstance(returned[1], Mapping):
+        return _summed(returned[1], returned[0])
+    return Paid(returned)
+
+
+def _summed(given: Mapping[str, Any], total: Any) -> Paid:
+    terms = dict(given)
+    if total is None and len(terms) > 1:
+        total = terms.pop(TOTAL, None)
+    _require_names(terms)
+    found: Any = sum_of(terms)
+    if total is not None and not _is_sum(total, found):
+        raise UsageError(
+            f"The total {_first(total)} is not the sum of its terms, {_first(found)} "
+            f"({', '.join(f'{name} {_first(value)}' for name, value in terms.items())}). Return terms that add up to "
+            "it, or the total alone"
+        )
+    shape = np.shape(found)
+    return Paid(
+        found, {name: value if np.shape(value) == shape else value + 0.0 * found for name, value in terms.items()}
+    )
+
+
+def sum_of(terms: Mapping[str, Array]) -> Array:
+    """The sum of terms in their order: the same to the last bit wherever it is computed."""
+    first, *others = terms.values()
+    total = first
+    for value in others:
+        total = total + value
+    return total
+
+
+def require_same(expected: tuple[str, ...], terms: Mapping[str, Array]) -> None:
+    """See that a reward pays the terms that it paid before.
+
+    Raises:
+        UsageError: It pays others.
+    """
+    if terms.keys() != set(expected):
+        raise UsageError(
+            f"It paid the terms {', '.join(expected) or 'none'} at first, and now {', '.join(terms) or 'none'}: return "
+            "every term in every step, 0 where it pays nothing"
+        )
+
+
+def _require_names(terms: Mapping[str, Any]) -> None:
+    if not terms:
+        raise UsageError("A dict of terms is empty: return at least one term, {'reach': -step.distance}")
+    for name in terms:
+        is_name = isinstance(name, str) and 0 < len(name) <= LONGEST_NAME and name.isprintable()
+        if not is_name or any(sign in name for sign in "/,:=()") or name.strip() != name:
+            raise UsageError(
+                f"{name!r} is no name of a term: write letters, digits, '_', '-' or '.', at most {LONGEST_NAME}"
+            )
+
+
+def _is_sum(total: Any, found: Any) -> bool:
+    """Whether a total is the sum up to what another order of adding, or single precision, may change."""
+    return bool(np.allclose(np.asarray(total, float), np.asarray(found, float), rtol=1e-5, atol=1e-6, equal_nan=True))
+
+
+def _first(value: Any) -> str:
+    """The first number of a value, for messages."""
+    numbers = np.asarray(value, float).ravel()
+    return f"{numbers[0]:.6g}" if numbers.size else "nothing"
