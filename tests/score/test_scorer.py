@@ -1,7 +1,7 @@
 """Scoring recorded runs again: exactly what was paid, whatever the pieces, for every reward there is."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
