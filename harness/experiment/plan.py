@@ -252,7 +252,7 @@ def _cell(
 ) -> Cell:
     return Cell(
         simulator, it.robot, form, algorithm, reward, seed, experiment.steps, experiment.evaluation_episodes,
-        experiment.evaluate_every, experiment.deterministic, it.horizon,
+        experiment.evaluate_every, experiment.deterministic, it.horizon, it.records,
     )  # fmt: skip
 
 

@@ -17,9 +17,12 @@ from harness.registry.names import unknown_name
 from harness.registry.registry import Registry
 from harness.registry.spec import PLANNED, blamed_on
 from harness.results.metrics import load_metrics, require_measures
+from harness.reward.needs import needs_of
+from harness.reward.steps import BEFORE, NOT_RECORDED, MissingField
 from harness.robot import Robot
 from harness.robot.load import load_robot
 from harness.simulator import require_drives
+from harness.task import Task
 
 Given: TypeAlias = str | dict[str, Any]
 DEFAULT_BASELINE, DEFAULT_REWARDS = "baseline", ("arp",)
@@ -96,6 +99,7 @@ class TaskPlan:
         brought: Keys of an experiment file that the task leaves without a meaning, because it brings these things.
         require_metrics: Raises UsageError unless there are metrics, or measures of the environment, of these names.
         warnings: What to know before anything is trained, a line each.
+        records: What traces keep beside the usual columns, because a reward reads it.
     """
 
     task: Choice
@@ -109,6 +113,7 @@ class TaskPlan:
     require_metrics: Callable[[Sequence[str]], None]
     horizon: int = EVALUATION_HORIZON
     warnings: tuple[str, ...] = ()
+    records: tuple[str, ...] = ()
 
     @property
     def has_control(self) -> bool:
@@ -187,7 +192,25 @@ def _with_arm(asked: Asked, given: Given, registry: Registry, load: Callable[[st
 
     brought = ("evaluation_horizon",)
     warnings = tuple(f"robot {arm.name}: {line}" for line in arm.warnings)
-    return TaskPlan(task, simulators, robot, baseline, rewards, fit, table_of, brought, require, warnings=warnings)
+    reads = {field for choice in (baseline, *rewards) for field in _needs(choice, built, arm, registry)}
+    records = tuple(name for name in NOT_RECORDED if reads & {name, f"{BEFORE}.{name}"})
+    return TaskPlan(
+        task, simulators, robot, baseline, rewards, fit, table_of, brought, require, warnings=warnings, records=records
+    )
+
+
+def _needs(choice: Choice, task: Task, arm: Robot, registry: Registry) -> tuple[str, ...]:
+    """What a reward reads of a step of the arm.
+
+    Raises:
+        UsageError: A step of an arm has none of that.
+    """
+    try:
+        return needs_of(choice.build(registry, "rewards"), arm.dof, task.motion(arm).action_size).fields
+    except MissingField as error:
+        raise UsageError(f"Reward '{choice.label}': {error}") from error
+    except UsageError:  # it fails on made-up steps: the trial before a run tells whether it does in real ones
+        return ()
 
 
 def _fit(algorithm: Choice, task: Choice, robot: Robot, registry: Registry, steps: int) -> Fit:

@@ -161,5 +161,5 @@ ENVIRONMENT = (
 )
 """What a step of an environment has: one step of one env, without a first axis."""
 ARM_BEFORE = tuple(field.name for field in ARM if field.before)
-NOT_RECORDED = frozenset({"qvel", f"{BEFORE}.qvel"})
-"""What a trace has only where a reward of the experiment reads it."""
+NOT_RECORDED = ("qvel",)
+"""Fields that a trace has only where a reward of the experiment reads them."""
