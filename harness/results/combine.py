@@ -5,7 +5,7 @@ from itertools import combinations
 from typing import Literal
 
 from harness.errors import Unscored
-from harness.eta.behaviour_change import TRAINING, Measure
+from harness.eta.behaviour_change import TRAINING, Quantity
 from harness.eta.curve import GroupCurve
 from harness.eta.headline import DECIDING, SUCCESS
 from harness.eta.scored_sums import Pair
@@ -93,7 +93,7 @@ class _Cells:
         """See `Trainings`."""
         return self._records.moments(training)
 
-    def measure(self, name: str, manner: str, episodes: int) -> Measure:
+    def measure(self, name: str, manner: str, episodes: int) -> Quantity:
         """See `Trainings`."""
         manifest = self._records.manifest(self._records.groups[self.group][0])
         return measure_of(name, self._records.metrics[name], manner, episodes, manifest)

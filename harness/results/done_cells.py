@@ -5,7 +5,7 @@ from contextlib import suppress
 from functools import cached_property, partial
 
 from harness.errors import Unscored
-from harness.metric import Metric
+from harness.measure import Measure
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, TRACE
 from harness.record.manifest import Manifest
@@ -41,7 +41,7 @@ class DoneCells:
         self._payers: dict[Choice, Payer] = {}
 
     @cached_property
-    def metrics(self) -> dict[str, Metric]:
+    def metrics(self) -> dict[str, Measure]:
         """Every registered metric, or those that were chosen, by name."""
         return load_metrics(self._registry) if self._chosen is None else self._chosen
 
@@ -110,5 +110,5 @@ class DoneCells:
         found.finish()
 
     @cached_property
-    def _fingerprinted(self) -> dict[str, tuple[Metric, str]]:
+    def _fingerprinted(self) -> dict[str, tuple[Measure, str]]:
         return with_fingerprints(self.metrics)

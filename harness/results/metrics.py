@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from functools import partial
 
 from harness.errors import Unmeasured, UsageError, one_line
-from harness.eta.behaviour_change import Measure
+from harness.eta.behaviour_change import Quantity
 from harness.eta.headline import DECIDING
 from harness.eta.interval import are_bounds
-from harness.metric import Metric, bounds_of, is_error, is_share
+from harness.measure import Measure, bounds_of, is_error, is_share
 from harness.record.manifest import Manifest
 from harness.record.trace import Trace
 from harness.registry.choice import Choice, choose, split_list
@@ -33,7 +33,7 @@ class Unmeasurable:
         raise Unmeasured(self.reason)
 
 
-def load_metrics(registry: Registry, names: Iterable[str] | None = None) -> dict[str, Metric]:
+def load_metrics(registry: Registry, names: Iterable[str] | None = None) -> dict[str, Measure]:
     """Metrics by name. A metric that cannot be used is `Unmeasurable`, unless it was named.
 
     Args:
@@ -64,29 +64,29 @@ def require_measures(names: Iterable[str], there: Iterable[str]) -> None:
             raise UsageError(unknown_name("measure", name, known))
 
 
-def measure_of(name: str, metric: Metric, manner: str, episodes: int, manifest: Manifest) -> Measure:
+def measure_of(name: str, metric: Measure, manner: str, episodes: int, manifest: Manifest) -> Quantity:
     """What a metric measures. A metric of the task's error gets the name and the unit of that error.
 
     Args:
         name: The name of the metric.
         metric: The metric.
-        manner: See `Measure`.
+        manner: See `Quantity`.
         episodes: How many episodes it is a share of, if it is a share.
         manifest: The manifest of one of the cells, which all do one task.
     """
     share, bounds = episodes if is_share(metric) else None, bounds_of(metric)
     if manifest.error and is_error(metric):
         title = name.replace("_", " ").replace("distance", manifest.error)
-        return Measure(name, manifest.unit, metric.better, manner, share, title, bounds)
-    return Measure(name, metric.unit, metric.better, manner, share, bounds=bounds)
+        return Quantity(name, manifest.unit, metric.better, manner, share, title, bounds)
+    return Quantity(name, metric.unit, metric.better, manner, share, bounds=bounds)
 
 
-def with_fingerprints(metrics: Mapping[str, Metric]) -> dict[str, tuple[Metric, str]]:
+def with_fingerprints(metrics: Mapping[str, Measure]) -> dict[str, tuple[Measure, str]]:
     """Each metric with its fingerprint. A metric whose sources cannot be read becomes `Unmeasurable`."""
     return {name: _fingerprinted(metric) for name, metric in metrics.items()}
 
 
-def _fingerprinted(metric: Metric) -> tuple[Metric, str]:
+def _fingerprinted(metric: Measure) -> tuple[Measure, str]:
     try:
         return metric, fingerprint(metric)
     except Exception as error:  # a plugin may be of any make
@@ -94,15 +94,15 @@ def _fingerprinted(metric: Metric) -> tuple[Metric, str]:
         return instead, fingerprint(instead)
 
 
-def _usable(registry: Registry, name: str) -> Metric:
+def _usable(registry: Registry, name: str) -> Measure:
     try:
         return unmeasured_if_it_raises(partial(_build, registry, name))
     except Unmeasured as error:
         return Unmeasurable(str(error))
 
 
-def _build(registry: Registry, name: str) -> Metric:
-    metric: Metric = Choice(name).build(registry, "metrics")
+def _build(registry: Registry, name: str) -> Measure:
+    metric: Measure = Choice(name).build(registry, "metrics")
     if metric.better not in BETTER:
         raise Unmeasured(f"its 'better' is {metric.better!r}: allowed are {' and '.join(BETTER)}")
     if not are_bounds(bounds_of(metric)):

@@ -9,7 +9,7 @@ from harness.errors import NewerFormat, SchemaError
 from harness.eta.curve import GroupCurve, Kind, stream_curve
 from harness.eta.equal import Key, equal_trainings
 from harness.files.bounded import read_text, reading
-from harness.metric import Metric
+from harness.measure import Measure
 from harness.record.cell import Cell
 from harness.record.cell_folder import REMEDY
 from harness.record.folder import TRACE
@@ -75,7 +75,7 @@ class Records:
         self._ended = {manifest.cell.id: manifest for manifest in self.manifests}
 
     @property
-    def metrics(self) -> Mapping[str, Metric]:
+    def metrics(self) -> Mapping[str, Measure]:
         """Every registered metric, or those that were chosen, by name."""
         return self._cells.metrics
 

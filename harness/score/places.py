@@ -23,8 +23,9 @@ import numpy as np
 
 from harness.arrays import Float, Mask
 from harness.errors import UsageError
+from harness.record.row_steps import Rows
 from harness.reward import Reward
-from harness.score.scorer import Rows, Scorer
+from harness.score.scorer import Scorer
 
 END_EFFECTOR, TARGET, JOINTS, JOINTS_DEG = "end_effector", "target", "joints", "joints_deg"
 DISTANCE, RENEWED = "distance", "renewed"

@@ -4,7 +4,7 @@ import statistics
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from harness.metric import Metric
+from harness.measure import Measure
 from harness.record.recording.recorded_training import RecordedTraining
 from harness.record.trace import Trace
 from harness.results.recordings.episodes import episodes_of
@@ -26,7 +26,7 @@ class Outcome(NamedTuple):
     """Which values of that measure are better: ``higher`` or ``lower``."""
 
 
-def outcome_of(trace: Trace, success_rate: Metric, final_distance: Metric) -> Outcome:
+def outcome_of(trace: Trace, success_rate: Measure, final_distance: Measure) -> Outcome:
     """The outcome that a validation of an arm recorded.
 
     Raises:

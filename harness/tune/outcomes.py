@@ -29,13 +29,13 @@ TRIALS, VALIDATION = "trials", "validation"
 Follow: TypeAlias = Callable[[Sequence[Cell], Sequence[Cell]], AbstractContextManager[OnEvent]]
 """A function of all cells of a stage and of those that were done before. It returns who is told of their events."""
 
-Measure: TypeAlias = Callable[[Plan, Sequence[Cell]], dict[Cell, Outcome | str]]
+Outcomes: TypeAlias = Callable[[Plan, Sequence[Cell]], dict[Cell, Outcome | str]]
 """The outcome of each cell of a plan that is asked for, or the reason why it has none."""
 
 
 @dataclass(frozen=True)
-class Measurer:
-    """Runs cells by the executor and keeps them, as any experiment, in the folder ``trials``; a `Measure`.
+class TrainedOutcomes:
+    """Runs cells by the executor and keeps them, as any experiment, in the folder ``trials``; an `Outcomes`.
 
     Attributes:
         folder: Of the tuning.
@@ -54,7 +54,7 @@ class Measurer:
     follow: Follow
 
     def __call__(self, plan: Plan, cells: Sequence[Cell]) -> dict[Cell, Outcome | str]:
-        """See `Measure`."""
+        """See `Outcomes`."""
         store = Store.create(self.folder / TRIALS, plan)
         self._train(replace(plan, cells=tuple(cells)), store)
         reasons = {cell: read_manifest(store.cell_folder(cell)).reason for cell in cells if not store.is_done(cell)}
