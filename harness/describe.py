@@ -15,6 +15,8 @@ from harness.env.goal_observation import GoalObservation
 from harness.environment import Environment
 from harness.errors import HarnessError, UsageError
 from harness.hookspecs import NOUNS
+from harness.measure import Measure
+from harness.measure import needs_of as measure_needs
 from harness.motion import MODES, Discrete, MoveJ
 from harness.registry.choice import choose, parse
 from harness.registry.parameters import Parameter, parameters_of, values_of
@@ -56,6 +58,8 @@ def describe_name(registry: Registry, kind: str, given: str, robot: str | None) 
             parts.append(_describe_family(thing))
         if kind == "rewards":
             parts.append(_describe_reading(thing))
+        if kind == "metrics":
+            parts.append(_describe_measure(thing))
         if kind == "environments":
             parts.append(_describe_env(thing, spec))
         if kind == "tasks":
@@ -76,6 +80,13 @@ def _describe_reading(reward: Reward) -> str:
     terms = f"It pays the sum of its terms: {', '.join(found.terms)}.\n" if found.terms else ""
     reads = ", ".join(f"step.{name}" for name in found.fields) or "nothing of a step"
     return f"{terms}It reads {reads}.\n\n{_steps_of_arms()}"
+
+
+def _describe_measure(measure: Measure) -> str:
+    """In which direction a measure is better, its unit, and what it says that it reads."""
+    unit = f", in {measure.unit}" if measure.unit else ""
+    reads = ", ".join(f"step.{name}" for name in sorted(measure_needs(measure)))
+    return f"{measure.better.capitalize()} is better{unit}.{f' It reads {reads}.' if reads else ''}"
 
 
 def _steps_of_arms() -> str:

@@ -106,7 +106,7 @@ class Experiment:
     deterministic: Annotated[bool, Field(description="whether policies are evaluated without randomness")] = True
     measure: Annotated[
         list[str],
-        Field(max_length=MOST_NAMES, description="measures of an environment that come first; the first one decides"),
+        Field(max_length=MOST_NAMES, description="measures that come first; the first one decides"),
     ] = Field(default_factory=list)
     evaluation_horizon: Annotated[
         Steps | None,
@@ -311,15 +311,15 @@ def _resolve(
         "task": named[0] if len(named) == 1 else named,
         "robot": first.robot if len(robots) == 1 else None,
         "evaluation_horizon": first.horizon,
+        "measure": list(first.measure),
     }
-    return {key: value for key, value in {**_given(experiment, needs), **told}.items() if key not in first.brought}
+    left_out = (*first.brought, *(["measure"] if not first.measure else []))
+    return {key: value for key, value in {**_given(experiment, needs), **told}.items() if key not in left_out}
 
 
 def _given(experiment: Experiment, needs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """The keys of an experiment file as they were given, but for the list of seeds, and of plugins."""
     values = {field.name: getattr(experiment, field.name) for field in fields(experiment) if field.name != "plugins"}
-    if not experiment.measure:
-        del values["measure"]
     plugins = {"plugins": needs} if needs else {}
     if experiment.until:
         del values["seeds"]

@@ -35,7 +35,7 @@ reward/TERM         what a term of the reward paid; `reward` is their sum, added
 What is known of the episodes beside their rows is in the file's metadata, see `harness.record.episode_facts`.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -255,23 +255,27 @@ class Trace:
     def __len__(self) -> int:
         return len(self.columns["reward"])
 
+    def has_field(self, name: str) -> bool:
+        """Whether steps have a field; distances they always have."""
+        return set(FIELDS.get(name, ())) <= self.columns.keys()
+
     def field(self, name: str) -> NDArray[Any] | None:
         """A field of `FIELDS`, (rows, ...), as the env told it; None where it is not recorded."""
-        if not set(FIELDS[name]) <= self.columns.keys():
+        if not self.has_field(name):
             return None
         columns = [self.columns[column] for column in FIELDS[name]]
         return columns[0] if len(columns) == 1 else np.stack(columns, axis=1)
 
-    def rows(self, fields: Iterable[str]) -> StepRows:
+    def rows(self, fields: Collection[str]) -> StepRows:
         """The rows that steps are made of, with those of `FIELDS` that are asked for and recorded."""
-        found = {name: self.field(name) for name in fields}
+        found = {name: self.field(name) for name in FIELDS if name in fields}
         more = {name: values for name, values in found.items() if values is not None}
         flags = [self.columns[name] for name in TOUCHED if name in self.columns]
         touched = targets_touched(*flags) if len(flags) == len(TOUCHED) else None
         six = self["begin_distance"], self["previous_best"], self["distance"]
         return StepRows(self["step"] == 0, *six, touched, more)
 
-    def steps(self, fields: Iterable[str]) -> Steps:
+    def steps(self, fields: Collection[str]) -> Steps:
         """Every row as a step that a reward or a measure is given, in the trace's order.
 
         Args:

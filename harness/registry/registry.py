@@ -340,7 +340,8 @@ def _require_free(spec: Spec, file: PluginFile, registry: Registry) -> None:
     claimed = registry.specs.get((spec.kind, spec.name))
     if claimed:
         what = f"the name of {NOUNS[spec.kind]} '{spec.name}' is taken by package {claimed[0].package}"
-        raise UsageError(f"Plugin file '{file.path}': {what}. Rename the file, or what its hook registers")
+        remedy = "the function" if file.measures else "the file, or what its hook registers"
+        raise UsageError(f"Plugin file '{file.path}': {what}. Rename {remedy}")
 
 
 def _add(specs: list[Spec], registry: Registry) -> tuple[str, ...]:

@@ -25,6 +25,7 @@ from harness.results.comparison import Group
 from harness.results.done_cells import DoneCells
 from harness.results.floors import Floors
 from harness.results.measured import Measured, Moment, Values, measure
+from harness.results.metrics import named_measures
 from harness.score.scored_runs import Payer
 
 
@@ -70,7 +71,8 @@ class Records:
         self._moments: dict[str, tuple[Moment, ...]] = {}
         self._found: dict[str, CellResults] = {}
         self._curves: dict[tuple[str, ...], GroupCurve] = {}
-        self._cells = DoneCells(self.store, registry, metrics)
+        self.named = named_measures(self.plan.experiment)
+        self._cells = DoneCells(self.store, registry, metrics, self.named)
         self.manifests = [self._examine(cell) for cell in self.plan.cells]
         self._ended = {manifest.cell.id: manifest for manifest in self.manifests}
 
@@ -127,8 +129,8 @@ class Records:
 
     @property
     def report_flags(self) -> str:
-        """Those of them that a report needs."""
-        return plugin_flags(self.plan.experiment.get("plugins"), for_report=True)
+        """Those of them that a report needs: all of them, since a trace is paid and measured again."""
+        return self.plugin_flags
 
     @property
     def done(self) -> list[Manifest]:

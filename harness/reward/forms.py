@@ -33,10 +33,15 @@ Weight = Annotated[
 
 def is_function_of_steps(found: Any) -> bool:
     """Whether something is a plain function whose one argument without a default is called ``step``."""
+    return takes_alone(found, STEP)
+
+
+def takes_alone(found: Any, argument: str) -> bool:
+    """Whether something is a plain function whose one argument without a default has this name."""
     if not inspect.isfunction(found):
         return False
     needed = [it for it in inspect.signature(found).parameters.values() if it.default is it.empty]
-    return len(needed) == 1 and needed[0].name == STEP and needed[0].kind is not inspect.Parameter.KEYWORD_ONLY
+    return len(needed) == 1 and needed[0].name == argument and needed[0].kind is not inspect.Parameter.KEYWORD_ONLY
 
 
 @cache

@@ -1,6 +1,6 @@
 """Pays a recorded run again under any reward, exactly as the learner would have been paid."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 
 import numpy as np
 
@@ -93,7 +93,7 @@ def fields_beside_distances(needs: Iterable[str]) -> tuple[str, ...]:
     return tuple(name for name in FIELDS if name in read)
 
 
-def _pay_runs(reward: Reward, trace: Trace, fields: Iterable[str]) -> Paid:
+def _pay_runs(reward: Reward, trace: Trace, fields: Collection[str]) -> Paid:
     rows, runs = trace.rows(fields), trace.runs
     if runs is None:
         return Scorer(reward).pay(rows)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeAlias
 
+from harness.errors import Unmeasured
 from harness.executor import Executor, OnEvent
 from harness.experiment.changed import changed_cells, refuse_changed
 from harness.experiment.experiment import ExperimentRun
@@ -21,7 +22,8 @@ from harness.record.store import Store
 from harness.record.trace import read_trace
 from harness.registry.choice import build_defaults
 from harness.registry.registry import Registry
-from harness.tune.outcome import JUDGES, Outcome, outcome_in_environment, outcome_of
+from harness.results.metrics import named_measures
+from harness.tune.outcome import JUDGES, Outcome, outcome_by, outcome_in_environment, outcome_of
 from harness.tune.validation import REASON, ValidatePolicy, validate_all
 
 TRIALS, VALIDATION = "trials", "validation"
@@ -60,7 +62,8 @@ class TrainedOutcomes:
         reasons = {cell: read_manifest(store.cell_folder(cell)).reason for cell in cells if not store.is_done(cell)}
         orders = {cell: self._order(cell, store) for cell in cells if cell not in reasons}
         validate_all(list(orders.values()), self.options.at_once)
-        return {**reasons, **{cell: self._outcome(order) for cell, order in orders.items()}}
+        named = named_measures(plan.resolved)[:1]
+        return {**reasons, **{cell: self._outcome(order, *named) for cell, order in orders.items()}}
 
     def require_same_plugins(self) -> None:
         """Check that the installed plugins trained what was trained so far.
@@ -89,7 +92,7 @@ class TrainedOutcomes:
         work = ValidatePolicy(store.cell_folder(cell), self.episodes, self.registry.given)
         return Order(self.folder / VALIDATION / cell.id, work)
 
-    def _outcome(self, order: Order) -> Outcome | str:
+    def _outcome(self, order: Order, named: str = "") -> Outcome | str:
         reason = order.folder / REASON
         if reason.exists():
             return reason.read_text()
@@ -97,8 +100,8 @@ class TrainedOutcomes:
         try:
             if recorded.is_dir():
                 return outcome_in_environment(read_recording(recorded))
-            return outcome_of(
-                read_trace(order.folder / EVALUATION), *build_defaults(self.registry, "metrics", JUDGES).values()
-            )
-        except ValueError as error:
+            judges = build_defaults(self.registry, "metrics", [named] if named else JUDGES)
+            trace = read_trace(order.folder / EVALUATION)
+            return outcome_by(named, judges[named], trace) if named else outcome_of(trace, *judges.values())
+        except (ValueError, Unmeasured) as error:
             return str(error)
