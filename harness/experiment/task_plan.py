@@ -215,17 +215,17 @@ def _measures_of_arm(asked: Asked, registry: Registry) -> tuple[tuple[str, ...],
         UsageError: There is no measure of a name.
     """
     functions, known = registry.functions_of("measure"), registry.names("metrics")
-    for name in asked.measure:
-        if name not in known:
-            raise UsageError(unknown_name("measure", name, known))
-    untaken = [
-        f"{it.file.name}: the measure '{name}' takes {ARGUMENTS}, as in environments, and measures no arm. "
+    untaken = {
+        name: f"{it.file.name}: the measure '{name}' takes {ARGUMENTS}, as in environments, and measures no arm. "
         f"Write {name}({STEP}), or {name}({EPISODE}) of a whole episode"
         for name, it in functions.items()
         if it.spec is None
-    ]
+    }
+    for name in asked.measure:
+        if name not in known:
+            raise UsageError(untaken.get(name) or unknown_name("measure", name, known))
     given = [SUCCESS] if SUCCESS in functions and functions[SUCCESS].spec else []
-    return tuple(asked.measure or given), untaken
+    return tuple(asked.measure or given), list(untaken.values())
 
 
 def _needs(choice: Choice, task: Task, arm: Robot, registry: Registry) -> tuple[str, ...]:

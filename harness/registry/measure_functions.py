@@ -17,7 +17,7 @@ episode. The measure is the mean over the finished episodes. A function that say
 
 import dataclasses
 import sys
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cache, partial
 from typing import Any, NamedTuple
 
@@ -137,12 +137,27 @@ def measure_class(function: Callable[[Steps], Any]) -> type[Any]:
     return made
 
 
+class _Fields(Noting):
+    """Steps that are asked for their fields alone: what counts their rows or goes through them is a mistake."""
+
+    def __len__(self) -> int:
+        raise UsageError(
+            "len() of steps is the number of their fields: len(episode.step) is that of an episode's steps"
+        )
+
+    def __iter__(self) -> Iterator[Any]:
+        raise UsageError("steps are arrays, one for each field, and not a list: read episode.distance, episode.action")
+
+    def __getitem__(self, index: Any) -> Any:
+        raise UsageError(f"steps have no [{index!r}]: read a row of a field, episode.distance[{index!r}]")
+
+
 def _tried(function: Callable[..., Any], of_episode: bool, steps: Steps) -> tuple[frozenset[str], bool]:
     """What a function reads of made-up steps, and whether it says true or false."""
     noted: set[str] = set()
     rows = np.arange(MADE_UP_STEPS if of_episode else ROWS) % ROWS
     with np.errstate(all="ignore"):
-        answer = function(Noting(rows_of(steps, rows), noted))
+        answer = function(_Fields(rows_of(steps, rows), noted))
     if of_episode:
         return frozenset(noted), answer is not None and as_numbers(answer, (), "an episode").dtype.kind == "b"
     return frozenset(noted), as_numbers(answer, (ROWS,), f"{ROWS} steps").dtype.kind == "b"
