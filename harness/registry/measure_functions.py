@@ -141,9 +141,7 @@ class _Fields(Noting):
     """Steps that are asked for their fields alone: what counts their rows or goes through them is a mistake."""
 
     def __len__(self) -> int:
-        raise UsageError(
-            "len() of steps is the number of their fields: len(episode.step) is that of an episode's steps"
-        )
+        raise UsageError("len() of steps counts their fields: len(episode.step) is that of an episode's steps")
 
     def __iter__(self) -> Iterator[Any]:
         raise UsageError("steps are arrays, one for each field, and not a list: read episode.distance, episode.action")
