@@ -24,6 +24,8 @@ from harness.reward.terms import Paid, paid_of, sum_of
 
 STEP = "step"
 """What the one argument of a function of steps is called."""
+PLAIN = {1.0}
+"""Weights that change nothing."""
 MEMBERS = ("needs", "initial_carry")
 """What a reward has beside its parameters."""
 Weight = Annotated[
@@ -89,7 +91,7 @@ def _call_plain(function: Callable[..., Any]) -> Callable[..., Any]:
 def _call_weighted(function: Callable[..., Any]) -> Callable[..., Any]:
     def call(self: Any, carry: Carry, steps: Steps) -> tuple[Carry, Any]:
         weights, returned = vars(self), function(steps)
-        if all(weight == 1.0 for weight in weights.values()):
+        if set(weights.values()) <= PLAIN:
             return carry, returned
         terms = weighted(paid_of(returned).terms, weights)
         return carry, Paid(sum_of(terms), terms)

@@ -71,16 +71,16 @@ def _summed(terms: Mapping[str, Any], total: Any) -> Paid:
             "it, or the total alone"
         )
     shape = getattr(found, "shape", ())
-    if any(getattr(value, "shape", ()) != shape for value in terms.values()):
-        terms = {name: value + 0.0 * found for name, value in terms.items()}  # a number is that of every env
+    for value in terms.values():
+        if getattr(value, "shape", ()) != shape:  # a number is that of every env
+            return Paid(found, {name: value + 0.0 * found for name, value in terms.items()})
     return Paid(found, terms)
 
 
 def sum_of(terms: Mapping[str, Array]) -> Array:
     """The sum of terms in their order: the same to the last bit wherever it is computed."""
-    first, *others = terms.values()
-    total = first
-    for value in others:
+    total: Array = 0.0  # to begin with: two masks are not added as numbers
+    for value in terms.values():
         total = total + value
     return total
 

@@ -180,7 +180,7 @@ def test_a_trace_without_qvel_pays_what_does_not_need_it(tmp_path: Path):
         return -abs(step.action).sum(-1)
 
     assert score_trace(reward_class(calm)(), old).shape == (len(old),)
-    with pytest.raises(MissingField, match="has no 'qvel'. It has: .*end_effector"):
+    with pytest.raises(MissingField, match=r"has no 'qvel'\. It has: .*end_effector"):
         score_trace(reward_class(everything)(), old)
 
 

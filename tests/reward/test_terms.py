@@ -50,6 +50,12 @@ def test_a_number_among_arrays_is_that_of_every_env():
     np.testing.assert_array_equal(paid.terms["alive"], [1.0, 1.0])
 
 
+def test_masks_are_added_as_numbers():
+    """Numpy adds two masks to a mask."""
+    mask = np.array([True, False])
+    np.testing.assert_array_equal(paid_of({"a": mask, "b": mask}).total, [2.0, 0.0])
+
+
 def test_a_single_term_called_total_is_a_term():
     """There is nothing that it could be the sum of."""
     assert list(paid_of({"total": ONE}).terms) == ["total"]
