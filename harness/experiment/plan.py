@@ -16,7 +16,7 @@ from harness.eta.verdict.looks import MARGIN
 from harness.experiment.looks import own_seed, terms_of
 from harness.experiment.task_plan import Given, TaskPlan, choose_each, plan_tasks, table_of, unnamed
 from harness.record.cell import EVALUATION_HORIZON as HORIZON
-from harness.record.cell import Cell
+from harness.record.cell import NO_SIMULATOR, Cell
 from harness.record.file_forms import MOST_CELLS, MOST_SEEDS
 from harness.record.plan_file import control_seeds
 from harness.record.terms import NEW, Terms
@@ -233,7 +233,7 @@ def expand(experiment: Experiment, registry: Registry) -> Plan:
         tasks[0].baseline.label,
         tuple(cell for cell, reason in planned if not reason),
         tuple((cell, reason) for cell, reason in planned if reason),
-        _resolve(experiment, tasks, algorithms, registry.needs()),
+        _resolve(experiment, tasks, algorithms, registry.needs(tasks[0].simulators == (NO_SIMULATOR,))),
         control=control,
         terms=terms,
         warnings=(*registry.broken_files(), *dict.fromkeys(line for it in tasks for line in it.warnings)),

@@ -137,14 +137,16 @@ class Registry:
         """One line for each name that several plugins claim."""
         return [conflict(specs) for specs in self.specs.values() if len(specs) > 1]
 
-    def needs(self) -> list[dict[str, Any]]:
-        """What an experiment file says of the plugins that were given by hand; of those that could be loaded."""
+    def needs(self, in_environment: bool) -> list[dict[str, Any]]:
+        """What an experiment file says of the plugins that were given by hand; of those that could be loaded.
+
+        Args:
+            in_environment: Whether what functions say of each step is recorded, so that no report needs their files.
+        """
         broken = {it.name for it in self.plugins if it.is_at_fault}
-        with_functions = {it.file for it in self.functions}
+        recorded = {it.file for it in self.functions} if in_environment else set()
         return [
-            {**it.need, **({"functions": True} if it in with_functions else {})}
-            for it in self.given
-            if it.name not in broken
+            {**it.need, **({"functions": True} if it in recorded else {})} for it in self.given if it.name not in broken
         ]
 
     def broken_files(self) -> list[str]:

@@ -20,10 +20,12 @@ from harness.reward.carry import Carry
 from harness.reward.needs import needs_of
 from harness.reward.reward import LARGEST_FACTOR, Reward
 from harness.reward.steps import Steps
-from harness.reward.terms import paid_of
+from harness.reward.terms import Paid, paid_of, sum_of
 
 STEP = "step"
 """What the one argument of a function of steps is called."""
+PLAIN = {1.0}
+"""Weights that change nothing."""
 MEMBERS = ("needs", "initial_carry")
 """What a reward has beside its parameters."""
 Weight = Annotated[
@@ -93,7 +95,10 @@ def _call_plain(function: Callable[..., Any]) -> Callable[..., Any]:
 
 def _call_weighted(function: Callable[..., Any]) -> Callable[..., Any]:
     def call(self: Any, carry: Carry, steps: Steps) -> tuple[Carry, Any]:
-        terms = paid_of(function(steps)).terms
-        return carry, weighted(terms, vars(self))
+        weights, returned = vars(self), function(steps)
+        if set(weights.values()) <= PLAIN:
+            return carry, returned
+        terms = weighted(paid_of(returned).terms, weights)
+        return carry, Paid(sum_of(terms), terms)
 
     return call
