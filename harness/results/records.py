@@ -129,8 +129,8 @@ class Records:
 
     @property
     def report_flags(self) -> str:
-        """Those of them that a report needs: all of them, since a trace is paid and measured again."""
-        return self.plugin_flags
+        """Those of them that a report needs."""
+        return plugin_flags(self.plan.experiment.get("plugins"), for_report=True)
 
     @property
     def done(self) -> list[Manifest]:

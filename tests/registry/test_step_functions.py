@@ -166,7 +166,6 @@ def test_a_report_of_an_arm_needs_the_file_of_a_function(tmp_path: Path):
     assert [need.get("functions") for need in registry.needs(in_environment=True)] == [True]
 
 
-
 def test_pattern_that_finds_nothing_is_refused(tmp_path: Path):
     """It is mistyped."""
     with pytest.raises(UsageError, match=r"No Python file matches '.*\*\.py'"):

@@ -13,7 +13,6 @@ from harness.record.cell import Cell
 from harness.record.folder import TRAINING_RECORDING
 from harness.record.store import Store
 from harness.registry.choice import split_list
-from harness.registry.given import plugin_flags
 from harness.registry.registry import Registry
 from harness.results.comparison import Comparison
 from harness.results.frames import Frames, read_frames
@@ -62,11 +61,6 @@ class RecordedResults(Results):
         """
         super().__init__(folder, registry, kind, is_temporary=is_temporary, store=store, pairs=pairs)
         self._shown = None if metrics is None else tuple(split_list(metrics))
-
-    @property
-    def report_flags(self) -> str:
-        """Those of its plugins that a report needs: what functions said of each step is recorded."""
-        return plugin_flags(self.plan.experiment.get("plugins"), for_report=True)
 
     @property
     def metrics(self) -> Mapping[str, Measure]:
