@@ -121,6 +121,11 @@ class TaskPlan:
     measure: tuple[str, ...] = ()
 
     @property
+    def is_environment(self) -> bool:
+        """Whether the task is an environment, and no task of an arm."""
+        return self.robot == NO_ROBOT
+
+    @property
     def has_control(self) -> bool:
         """Whether the baseline is compared with itself."""
         return self.baseline in self.rewards

@@ -15,7 +15,7 @@ from harness.measure import Measure
 from harness.record.cell_folder import is_named
 from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, TRACE, evaluation_files, other_manner
 from harness.record.manifest import Manifest
-from harness.record.returns import EVENTS, mean_over_episodes, mean_return
+from harness.record.returns import EVENTS, episode_sums, events_of, mean_over_episodes, mean_return
 from harness.record.trace import Trace, read_trace, require_plausible
 from harness.results.kept import Kept
 from harness.results.measured import DETERMINISTIC, STOCHASTIC, Measured, Moment, Values, value_of
@@ -156,6 +156,25 @@ class CellResults:
         """What the events of an episode of the final evaluation paid, mean; None without a finished one."""
         what, made_of = f"{EVALUATION} events", [self._kept.digest(EVALUATION)]
         return self._kept.number(what, made_of, lambda: mean_return(self._trace(EVALUATION, whole=False), EVENTS))
+
+    def evaluation_paid(self) -> float | None:
+        """What an episode of the final evaluation was paid, its events included, mean; None without a finished one."""
+        what, made_of = f"{EVALUATION} paid", [self._kept.digest(EVALUATION)]
+        return self._kept.number(what, made_of, lambda: mean_return(self._trace(EVALUATION, whole=False)))
+
+    def floor_returns(self, payer: Payer) -> Float:
+        """What a reward pays each episode of random actions that the cell evaluated, events included, (episodes,).
+
+        Raises:
+            Unscored: It cannot.
+        """
+
+        def make() -> list[float]:
+            trace = self._trace(RANDOM, whole=False)
+            return episode_sums(payer.pay(trace) + events_of(trace), trace)
+
+        made_of = [self._kept.digest(RANDOM), payer.fingerprint]
+        return np.array(self._kept.told(f"{RANDOM} returns {payer.choice.label}", made_of, make), np.float64)
 
     def motion(self) -> str:
         """A digest of every joint position in the final evaluation: equal where policies take the same steps."""

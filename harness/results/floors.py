@@ -1,13 +1,17 @@
-"""The metrics of random actions, called floors. Each floor is measured once for all cells that share it."""
+"""The metrics and returns of random actions, called floors. Each floor is measured once for all cells that share it."""
 
 from collections.abc import Callable, Iterable
 
+import numpy as np
+
+from harness.arrays import Float
 from harness.record.cell import Cell
 from harness.record.floor import Floor, floors_in
 from harness.record.manifest import Manifest
 from harness.record.store import Store
 from harness.results.cell_results import CellResults
 from harness.results.measured import Values
+from harness.score.scored_runs import Payer
 
 
 class Floors:
@@ -26,7 +30,7 @@ class Floors:
 
     def of(self, cell: Cell) -> Values:
         """Every metric of random actions in a done cell's simulator, task and robot; empty if no cell has them."""
-        owner = cell if self._of(cell).has_floor else self._owners.get(Floor.of(cell))
+        owner = self._owner(cell)
         if owner is None:
             return {}
         if owner.id not in self._values:
@@ -34,3 +38,21 @@ class Floors:
             self._values[owner.id] = found.floor()
             found.finish()
         return self._values[owner.id]
+
+    def returns(self, cell: Cell, payer: Payer) -> Float:
+        """What a reward pays each episode of these random actions, events included, (episodes,); empty without any.
+
+        Raises:
+            Unscored: It cannot.
+        """
+        owner = self._owner(cell)
+        if owner is None:
+            return np.zeros(0)
+        found = self._of(owner)
+        returns = found.floor_returns(payer)
+        found.finish()
+        return returns
+
+    def _owner(self, cell: Cell) -> Cell | None:
+        """The cell that evaluated the random actions."""
+        return cell if self._of(cell).has_floor else self._owners.get(Floor.of(cell))
