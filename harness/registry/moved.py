@@ -152,7 +152,7 @@ REPLACED: Mapping[str, str] = MappingProxyType(
         "harness.manifest.source_hashes": "harness.registry.sources.source_hash",
         "harness.plain_urdf": "harness.robot.normal_urdf",
         "harness.robot_file": "harness.robot.settings",
-        "harness.scored_runs": "harness.score.scored_runs",
+        "harness.scored_runs": "harness.score.installed_reward",
         "harness.shapes.attach_shapes": "harness.robot.Robot.joint_shapes",
         "harness.shapes.read_shapes": "harness.robot.Robot.link_shapes",
         "harness.statistics": "harness.eta.interval",

@@ -20,7 +20,7 @@ from harness.record.trace import Trace, read_trace, require_plausible
 from harness.results.kept import Kept
 from harness.results.measured import DETERMINISTIC, STOCHASTIC, Measured, Moment, Values, value_of
 from harness.results.metrics import Unmeasurable
-from harness.score.scored_runs import Payer
+from harness.score.installed_reward import InstalledReward
 from harness.score.scorer import SCORED
 
 SLACK = 100_000
@@ -119,26 +119,26 @@ class CellResults:
         what, made_of = f"{TRACE} reward", [self._kept.digest(TRACE)]
         return self._kept.array(what, made_of, lambda: self._training_with_reward()["reward"])
 
-    def paid_by(self, payer: Payer) -> Float:
+    def paid_by(self, reward: InstalledReward) -> Float:
         """What another reward pays for every row of the training, (rows,).
 
         Raises:
             Unscored: It cannot.
         """
-        made_of = [self._kept.digest(TRACE), payer.fingerprint]
+        made_of = [self._kept.digest(TRACE), reward.fingerprint]
         return self._kept.array(
-            payer.choice.label, made_of, lambda: payer.pay(self._trace(TRACE, whole=payer.reads_more))
+            reward.choice.label, made_of, lambda: reward.pay(self._trace(TRACE, whole=reward.reads_more))
         )
 
-    def pays_recorded(self, payer: Payer, file: str = TRACE) -> bool:
-        """Whether the cell's own reward still pays what is recorded; see `Payer.pays_recorded`."""
-        made_of = [self._kept.digest(file), payer.fingerprint]
-        what = f"{file} is paid by {payer.choice.label}"
+    def pays_recorded(self, reward: InstalledReward, file: str = TRACE) -> bool:
+        """Whether the cell's own reward still pays what is recorded; see `InstalledReward.pays_recorded`."""
+        made_of = [self._kept.digest(file), reward.fingerprint]
+        what = f"{file} is paid by {reward.choice.label}"
         return bool(
-            self._kept.number(what, made_of, lambda: payer.pays_recorded(self._trace(file, whole=payer.reads_more)))
+            self._kept.number(what, made_of, lambda: reward.pays_recorded(self._trace(file, whole=reward.reads_more)))
         )
 
-    def evaluation_return(self, payer: Payer) -> float | None:
+    def evaluation_return(self, reward: InstalledReward) -> float | None:
         """What a reward pays for an episode of the final evaluation, mean; None without a finished one.
 
         Raises:
@@ -146,11 +146,11 @@ class CellResults:
         """
 
         def make() -> float | None:
-            trace = self._trace(EVALUATION, whole=payer.reads_more)
-            return mean_over_episodes(payer.pay(trace), trace)
+            trace = self._trace(EVALUATION, whole=reward.reads_more)
+            return mean_over_episodes(reward.pay(trace), trace)
 
-        made_of = [self._kept.digest(EVALUATION), payer.fingerprint]
-        return self._kept.number(f"{EVALUATION} return {payer.choice.label}", made_of, make)
+        made_of = [self._kept.digest(EVALUATION), reward.fingerprint]
+        return self._kept.number(f"{EVALUATION} return {reward.choice.label}", made_of, make)
 
     def evaluation_events(self) -> float | None:
         """What the events of an episode of the final evaluation paid, mean; None without a finished one."""

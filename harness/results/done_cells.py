@@ -18,7 +18,7 @@ from harness.results.kept import Kept
 from harness.results.measured import Values
 from harness.results.metrics import load_metrics, with_fingerprints
 from harness.results.table import Numbers, metric_columns, numbers_of
-from harness.score.scored_runs import Payer
+from harness.score.installed_reward import InstalledReward
 
 
 class DoneCells:
@@ -38,7 +38,7 @@ class DoneCells:
         """
         self._store, self._registry = store, registry
         self._chosen = None if metrics is None else load_metrics(registry, metrics)
-        self._payers: dict[Choice, Payer] = {}
+        self._rewards: dict[Choice, InstalledReward] = {}
 
     @cached_property
     def metrics(self) -> dict[str, Metric]:
@@ -71,11 +71,11 @@ class DoneCells:
         kept = Kept(self._store.folder, done.cell.id, files, done.files)
         return CellResults(done, files, lambda: self._fingerprinted, kept)
 
-    def payer(self, choice: Choice) -> Payer:
+    def installed(self, choice: Choice) -> InstalledReward:
         """What pays recorded runs again by a reward."""
-        if choice not in self._payers:
-            self._payers[choice] = Payer(choice, self._registry)
-        return self._payers[choice]
+        if choice not in self._rewards:
+            self._rewards[choice] = InstalledReward(choice, self._registry)
+        return self._rewards[choice]
 
     def keep(self, done: Manifest, compared: Iterable[Choice], scoring: Iterable[Choice]) -> None:
         """Compute what a report will ask of a cell, and keep it.
@@ -100,9 +100,9 @@ class DoneCells:
         found.evaluation_events()
         found.motion()
         jobs: list[Callable[[], object]] = [
-            *(partial(found.pays_recorded, self.payer(cell.reward), file) for file in (TRACE, EVALUATION)),
-            *(partial(found.paid_by, self.payer(choice)) for choice in compared),
-            *(partial(found.evaluation_return, self.payer(choice)) for choice in scoring),
+            *(partial(found.pays_recorded, self.installed(cell.reward), file) for file in (TRACE, EVALUATION)),
+            *(partial(found.paid_by, self.installed(choice)) for choice in compared),
+            *(partial(found.evaluation_return, self.installed(choice)) for choice in scoring),
         ]
         for job in jobs:
             with suppress(Unscored):  # the report says so

@@ -25,7 +25,7 @@ from harness.results.comparison import Group
 from harness.results.done_cells import DoneCells
 from harness.results.floors import Floors
 from harness.results.measured import Measured, Moment, Values, measure
-from harness.score.scored_runs import Payer
+from harness.score.installed_reward import InstalledReward
 
 
 class Records:
@@ -197,9 +197,9 @@ class Records:
             self._found[cell.id] = self._cells.of(self._ended[cell.id])
         return self._found[cell.id]
 
-    def payer(self, choice: Choice) -> Payer:
+    def installed(self, choice: Choice) -> InstalledReward:
         """What pays recorded runs again by a reward."""
-        return self._cells.payer(choice)
+        return self._cells.installed(choice)
 
     def curve(self, cells: Sequence[Cell]) -> GroupCurve:
         """The curve of done cells' trainings, as they were paid. It is kept, since many rewards share one baseline."""
@@ -208,13 +208,13 @@ class Records:
         self._curves = {**dict(list(self._curves.items())[-1:]), key: found}  # only the last two are kept
         return found
 
-    def curve_paid_by(self, payer: Payer, cells: Sequence[Cell]) -> GroupCurve:
+    def curve_paid_by(self, reward: InstalledReward, cells: Sequence[Cell]) -> GroupCurve:
         """The curve of done cells' trainings, as another reward would have paid them.
 
         Raises:
             Unscored: It cannot.
         """
-        return self._curve(cells, lambda of: of.paid_by(payer))
+        return self._curve(cells, lambda of: of.paid_by(reward))
 
     def _examine(self, cell: Cell) -> Manifest:
         """What there is to say of a cell. Files that are what was written may still hold what no cell can have done."""

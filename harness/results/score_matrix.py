@@ -14,7 +14,7 @@ from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.results.comparison import Group
 from harness.results.results import Results
-from harness.score.scored_runs import Payer
+from harness.score.installed_reward import InstalledReward
 from harness.score.scorer import SCORED
 
 COLUMNS = [*SCORED, "reward"]
@@ -60,7 +60,7 @@ def score_matrices(results: Results, scoring: Sequence[Choice], registry: Regist
 def _matrix(
     results: Results, group: Group, trainings: dict[str, list[Cell]], scoring: Sequence[Choice], registry: Registry
 ) -> ScoreMatrix:
-    payers = [Payer(choice, registry) for choice in scoring]
+    payers = [InstalledReward(choice, registry) for choice in scoring]
     columns = None if any(map(_reads_more, payers)) else COLUMNS
     traces = {label: [_read(results, cell, columns) for cell in cells] for label, cells in trainings.items()}
     indices: dict[str, dict[str, Index]] = {}
@@ -77,7 +77,7 @@ def _matrix(
     return ScoreMatrix(group, seeds, indices, failed)
 
 
-def _reads_more(payer: Payer) -> bool:
+def _reads_more(payer: InstalledReward) -> bool:
     try:
         return payer.reads_more
     except Unscored:  # its own row will say so

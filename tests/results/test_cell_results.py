@@ -19,7 +19,7 @@ from harness.registry.registry import Registry
 from harness.report.document import report_text
 from harness.report.summary.cells import write_cells
 from harness.results import Results
-from harness.score.scored_runs import Payer
+from harness.score.installed_reward import InstalledReward
 
 GIVEN = {
     "sim": "ideal", "algo": "narrate", "task": "fd100-reach:horizon=5", "seeds": 2, "steps": 12,
@@ -196,7 +196,7 @@ def test_new_metric_is_computed(ended: Results, reads: Reads):
 def test_changed_reward_pays_again(ended: Results, reads: Reads, monkeypatch: pytest.MonkeyPatch):
     """Its sources are others: training and evaluation are paid anew."""
     before = report_text(ended)
-    monkeypatch.setattr("harness.score.scored_runs.fingerprint", lambda reward: f"edited {reward}")
+    monkeypatch.setattr("harness.score.installed_reward.fingerprint", lambda reward: f"edited {reward}")
     assert report_text(fresh(ended)) == before
     assert set(reads.files) == {TRACE, EVALUATION}
 
@@ -216,7 +216,7 @@ def test_payer_of_a_reward_keeps_its_own(ended: Results):
     """Two rewards pay one training: neither takes the other's for its own."""
     cell = ended.done_cells[0]
     of = ended.of(cell)
-    paid = [of.paid_by(Payer(choice, ended.registry)) for choice in {it.reward: 0 for it in ended.done_cells}]
+    paid = [of.paid_by(InstalledReward(choice, ended.registry)) for choice in {it.reward: 0 for it in ended.done_cells}]
     assert len({tuple(rewards) for rewards in paid}) == 3
 
 

@@ -17,7 +17,7 @@ from harness.reward.needs import needs_of
 from harness.score.scorer import fields_beside_distances, score_trace
 
 
-class Payer:
+class InstalledReward:
     """A reward of the experiment, as it is installed now.
 
     Attributes:

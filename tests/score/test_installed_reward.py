@@ -7,7 +7,7 @@ from harness.errors import Unscored
 from harness.record.trace import Trace
 from harness.registry.choice import Choice, choose
 from harness.registry.registry import Registry, load_registry
-from harness.score.scored_runs import Payer
+from harness.score.installed_reward import InstalledReward
 from harness.score.scorer import score_trace
 
 
@@ -38,21 +38,21 @@ def _paid(run: Trace, reward: Choice, registry: Registry) -> Trace:
 
 
 @pytest.fixture(name="arp")
-def _arp(registry: Registry) -> Payer:
-    return Payer(choose(registry, "rewards", "arp"), registry)
+def _arp(registry: Registry) -> InstalledReward:
+    return InstalledReward(choose(registry, "rewards", "arp"), registry)
 
 
-def test_runs_are_paid(run: Trace, arp: Payer, registry: Registry):
+def test_runs_are_paid(run: Trace, arp: InstalledReward, registry: Registry):
     """As the reward pays them."""
     np.testing.assert_array_equal(arp.pay(run), _paid(run, arp.choice, registry)["reward"])
 
 
-def test_reward_pays_what_it_paid(run: Trace, arp: Payer, registry: Registry):
+def test_reward_pays_what_it_paid(run: Trace, arp: InstalledReward, registry: Registry):
     """It has not changed since."""
     assert arp.pays_recorded(_paid(run, arp.choice, registry))
 
 
-def test_reward_that_has_changed_says_so(run: Trace, arp: Payer):
+def test_reward_that_has_changed_says_so(run: Trace, arp: InstalledReward):
     """It does not pay what is recorded."""
     pays = arp.pays_recorded(run)
     assert not pays
@@ -63,16 +63,16 @@ def test_reward_that_has_changed_says_so(run: Trace, arp: Payer):
 def test_reward_that_is_gone_says_so(run: Trace, registry: Registry):
     """With the message of the registry."""
     with pytest.raises(Unscored, match=r"^No reward 'gone'"):
-        Payer(Choice("gone", (), "gone"), registry).pay(run)
+        InstalledReward(Choice("gone", (), "gone"), registry).pay(run)
 
 
 def test_reward_that_is_gone_has_no_fingerprint(registry: Registry):
     """Nothing that was kept can be looked for."""
     with pytest.raises(Unscored, match=r"^No reward 'gone'"):
-        _ = Payer(Choice("gone", (), "gone"), registry).fingerprint
+        _ = InstalledReward(Choice("gone", (), "gone"), registry).fingerprint
 
 
 def test_parameters_are_in_the_fingerprint(registry: Registry):
     """`arp:k2=2` pays otherwise than `arp`."""
-    prints = {Payer(choose(registry, "rewards", text), registry).fingerprint for text in ("arp", "arp:k2=2")}
+    prints = {InstalledReward(choose(registry, "rewards", text), registry).fingerprint for text in ("arp", "arp:k2=2")}
     assert len(prints) == 2
