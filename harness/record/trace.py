@@ -304,6 +304,17 @@ def require_plausible(path: Path, most: int) -> None:
                 _require_moderate(told.min, told.max, f"{path}: {column.path_in_schema}")
 
 
+def term_names(path: Path) -> tuple[str, ...]:
+    """The terms of the reward that a trace has columns of, in their order; its rows are not read.
+
+    Raises:
+        SchemaError: The file is damaged or is no Parquet file.
+    """
+    with reading(path, "trace"):
+        require_regular(path, TRACE_BYTES)
+        return tuple(name.removeprefix(TERM) for name in pq.read_schema(path).names if name.startswith(TERM))
+
+
 def read_trace(path: Path, columns: list[str] | None = None) -> Trace:
     """Read a trace, all columns or some.
 

@@ -4,7 +4,7 @@ import hashlib
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -16,10 +16,12 @@ from harness.record.cell_folder import is_named
 from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, TRACE, evaluation_files, other_manner
 from harness.record.manifest import Manifest
 from harness.record.returns import EVENTS, mean_over_episodes, mean_return
-from harness.record.trace import Trace, read_trace, require_plausible
+from harness.record.trace import Trace, read_trace, require_plausible, term_names
+from harness.results.by_term import ByTerm, by_term
 from harness.results.kept import Kept
 from harness.results.measured import DETERMINISTIC, STOCHASTIC, Measured, Moment, Values, value_of
 from harness.results.metrics import Unmeasurable
+from harness.reward import Paid
 from harness.score.installed_reward import InstalledReward
 from harness.score.scorer import SCORED
 
@@ -125,15 +127,13 @@ class CellResults:
         Raises:
             Unscored: It cannot.
         """
-        made_of = [self._kept.digest(TRACE), reward.fingerprint]
         return self._kept.array(
-            reward.choice.label, made_of, lambda: reward.pay(self._trace(TRACE, whole=reward.reads_more))
+            reward.choice.label, self._made_of(TRACE, reward), lambda: self._paid(TRACE, reward).total
         )
 
     def pays_recorded(self, reward: InstalledReward, file: str = TRACE) -> bool:
         """Whether the cell's own reward still pays what is recorded; see `InstalledReward.pays_recorded`."""
-        made_of = [self._kept.digest(file), reward.fingerprint]
-        what = f"{file} is paid by {reward.choice.label}"
+        what, made_of = f"{file} is paid by {reward.choice.label}", self._made_of(file, reward)
         return bool(
             self._kept.number(what, made_of, lambda: reward.pays_recorded(self._trace(file, whole=reward.reads_more)))
         )
@@ -146,16 +146,42 @@ class CellResults:
         """
 
         def make() -> float | None:
-            trace = self._trace(EVALUATION, whole=reward.reads_more)
-            return mean_over_episodes(reward.pay(trace), trace)
+            paid = self._paid(EVALUATION, reward).total
+            return mean_over_episodes(paid, self._trace(EVALUATION, whole=reward.reads_more))
 
-        made_of = [self._kept.digest(EVALUATION), reward.fingerprint]
-        return self._kept.number(f"{EVALUATION} return {reward.choice.label}", made_of, make)
+        what = f"{EVALUATION} return {reward.choice.label}"
+        return self._kept.number(what, self._made_of(EVALUATION, reward), make)
+
+    def terms_paid(self, reward: InstalledReward, file: str) -> ByTerm:
+        """What each term of a reward paid in a file of the cell; without terms of a reward that has none.
+
+        Args:
+            reward: The reward.
+            file: `TRACE`, `EVALUATION` or `RANDOM`.
+
+        Raises:
+            Unscored: It cannot pay these steps.
+        """
+
+        def make() -> dict[str, Any]:
+            if reward.choice == self.cell.reward:  # which needs no code of it
+                trace = self._trace(file)
+                return by_term(trace.terms, trace.episodes, trace["step"] > 0).to_json()
+            paid, trace = self._paid(file, reward), self._trace(file, whole=reward.reads_more)
+            return by_term(paid.terms, trace.episodes, trace["step"] > 0).to_json()
+
+        own = [self._kept.digest(file)]
+        made_of = own if reward.choice == self.cell.reward else self._made_of(file, reward)
+        return ByTerm.from_json(self._kept.told(f"{file} terms {reward.choice.label}", made_of, make))
 
     def evaluation_events(self) -> float | None:
         """What the events of an episode of the final evaluation paid, mean; None without a finished one."""
         what, made_of = f"{EVALUATION} events", [self._kept.digest(EVALUATION)]
         return self._kept.number(what, made_of, lambda: mean_return(self._trace(EVALUATION, whole=False), EVENTS))
+
+    def term_names(self) -> tuple[str, ...]:
+        """The terms of the cell's own reward that its training recorded."""
+        return term_names(self._files / TRACE)
 
     def motion(self) -> str:
         """A digest of every joint position in the final evaluation: equal where policies take the same steps."""
@@ -165,6 +191,12 @@ class CellResults:
             return hashlib.sha256(repr(positions.shape).encode() + positions.tobytes()).hexdigest()
 
         return str(self._kept.told(f"{EVALUATION} motion", [self._kept.digest(EVALUATION)], make))
+
+    def _made_of(self, file: str, reward: InstalledReward) -> list[str]:
+        return [self._kept.digest(file), reward.fingerprint(self.cell.reward)]
+
+    def _paid(self, file: str, reward: InstalledReward) -> Paid:
+        return reward.pay(self._trace(file, whole=reward.reads_more), self.cell.reward)
 
     def _measure(self, file: str) -> Values:
         """Every metric of a trace. The reason of a failure is noted but not kept, because the metric may be mended."""

@@ -1,13 +1,13 @@
 """The done cells of an experiment, and what rewards and metrics say of each."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from functools import cached_property, partial
 
 from harness.errors import Unscored
 from harness.metric import Metric
 from harness.record.cell import Cell
-from harness.record.folder import EVALUATION, TRACE
+from harness.record.folder import EVALUATION, RANDOM, TRACE
 from harness.record.manifest import Manifest
 from harness.record.store import Store
 from harness.registry.choice import Choice
@@ -103,11 +103,21 @@ class DoneCells:
             *(partial(found.pays_recorded, self.installed(cell.reward), file) for file in (TRACE, EVALUATION)),
             *(partial(found.paid_by, self.installed(choice)) for choice in compared),
             *(partial(found.evaluation_return, self.installed(choice)) for choice in scoring),
+            *(partial(found.terms_paid, reward, file) for reward, file in self._by_term(found, scoring)),
         ]
         for job in jobs:
             with suppress(Unscored):  # the report says so
                 job()
         found.finish()
+
+    def _by_term(self, found: CellResults, scoring: Iterable[Choice]) -> Iterator[tuple[InstalledReward, str]]:
+        """Which rewards with terms a report asks about a cell, and in which of its files."""
+        own = self.installed(found.cell.reward)
+        if found.term_names():
+            yield from ((own, file) for file in (TRACE, EVALUATION, *([RANDOM] if found.has_floor else ())))
+        for reward in map(self.installed, scoring):
+            if reward is not own and reward.has_terms:
+                yield from ((reward, file) for file in (EVALUATION, *([RANDOM] if found.has_floor else ())))
 
     @cached_property
     def _fingerprinted(self) -> dict[str, tuple[Metric, str]]:

@@ -26,7 +26,7 @@ class Floors:
 
     def of(self, cell: Cell) -> Values:
         """Every metric of random actions in a done cell's simulator, task and robot; empty if no cell has them."""
-        owner = cell if self._of(cell).has_floor else self._owners.get(Floor.of(cell))
+        owner = self.owner(cell)
         if owner is None:
             return {}
         if owner.id not in self._values:
@@ -34,3 +34,7 @@ class Floors:
             self._values[owner.id] = found.floor()
             found.finish()
         return self._values[owner.id]
+
+    def owner(self, cell: Cell) -> Cell | None:
+        """The cell that evaluated random actions in the place of a done cell; None if no cell did."""
+        return cell if self._of(cell).has_floor else self._owners.get(Floor.of(cell))

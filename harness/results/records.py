@@ -201,6 +201,10 @@ class Records:
         """What pays recorded runs again by a reward."""
         return self._cells.installed(choice)
 
+    def floor_of(self, cell: Cell) -> Cell | None:
+        """The cell that evaluated random actions in the place of a done cell; None if no cell did."""
+        return self._floors.owner(cell)
+
     def curve(self, cells: Sequence[Cell]) -> GroupCurve:
         """The curve of done cells' trainings, as they were paid. It is kept, since many rewards share one baseline."""
         key = tuple(cell.id for cell in cells)

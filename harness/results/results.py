@@ -24,6 +24,7 @@ from harness.results.records import Records
 from harness.results.return_matrix import ReturnMatrix, return_matrices
 from harness.results.rows import comparison_rows
 from harness.results.table import Numbers, cell_to_json, metric_columns, numbers_of, table_of, write_table
+from harness.results.terms_paid import TermsPaid, terms_of_cells
 
 FORMAT = 1
 """The version of what reports say as JSON; docs/json.md explains it."""
@@ -69,6 +70,15 @@ class Results(Records):
             SchemaError: A file is damaged or written by a newer version.
         """
         return tuple(return_matrices(self))
+
+    @cached_property
+    def terms(self) -> tuple[TermsPaid, ...]:
+        """What each term of each reward paid, of the rewards that have terms.
+
+        Raises:
+            SchemaError: A file is damaged or written by a newer version.
+        """
+        return terms_of_cells(self)
 
     def learning(self, combination: Comparison) -> Learning | None:
         """How the policies of a combination behaved while they learned; None if that is not known.

@@ -37,6 +37,9 @@ def _paid(run: Trace, reward: Choice, registry: Registry) -> Trace:
     return Trace({**run.columns, "reward": score_trace(reward.build(registry, "rewards"), run)})
 
 
+GONE = Choice("gone", (), "gone")
+
+
 @pytest.fixture(name="arp")
 def _arp(registry: Registry) -> InstalledReward:
     return InstalledReward(choose(registry, "rewards", "arp"), registry)
@@ -44,7 +47,7 @@ def _arp(registry: Registry) -> InstalledReward:
 
 def test_runs_are_paid(run: Trace, arp: InstalledReward, registry: Registry):
     """As the reward pays them."""
-    np.testing.assert_array_equal(arp.pay(run), _paid(run, arp.choice, registry)["reward"])
+    np.testing.assert_array_equal(arp.pay(run, arp.choice).total, _paid(run, arp.choice, registry)["reward"])
 
 
 def test_reward_pays_what_it_paid(run: Trace, arp: InstalledReward, registry: Registry):
@@ -63,16 +66,32 @@ def test_reward_that_has_changed_says_so(run: Trace, arp: InstalledReward):
 def test_reward_that_is_gone_says_so(run: Trace, registry: Registry):
     """With the message of the registry."""
     with pytest.raises(Unscored, match=r"^No reward 'gone'"):
-        InstalledReward(Choice("gone", (), "gone"), registry).pay(run)
+        InstalledReward(GONE, registry).pay(run, GONE)
 
 
 def test_reward_that_is_gone_has_no_fingerprint(registry: Registry):
-    """Nothing that was kept can be looked for."""
+    """Nothing that was kept of runs by another reward can be looked for."""
     with pytest.raises(Unscored, match=r"^No reward 'gone'"):
-        _ = InstalledReward(Choice("gone", (), "gone"), registry).fingerprint
+        InstalledReward(GONE, registry).fingerprint(Choice("arp", (), "arp"))
+
+
+def test_reward_that_is_gone_pays_its_own_run_from_columns(run: Trace, registry: Registry):
+    """What its terms paid is recorded, and other weights are a factor."""
+    own = Trace({**run.columns, "reward/near": np.array([0.0, 1.0, 2.0, 3.0]), "reward/calm": np.full(4, 0.5)})
+    heavier = InstalledReward(Choice("gone", (("near", 2.0), ("calm", 1.0)), "gone:near=2"), registry)
+    paid = heavier.pay(own, Choice("gone", (("near", 1.0), ("calm", 1.0)), "gone"))
+    np.testing.assert_array_equal(paid.terms["near"], [0.0, 2.0, 4.0, 6.0])
+    np.testing.assert_array_equal(paid.total, [0.5, 2.5, 4.5, 6.5])
+
+
+def test_reward_that_is_gone_does_not_pay_the_run_of_another(run: Trace, registry: Registry):
+    """Their columns are of other terms."""
+    own = Trace({**run.columns, "reward/near": np.ones(4)})
+    with pytest.raises(Unscored, match=r"^No reward 'gone'"):
+        InstalledReward(GONE, registry).pay(own, Choice("other", (), "other"))
 
 
 def test_parameters_are_in_the_fingerprint(registry: Registry):
     """`arp:k2=2` pays otherwise than `arp`."""
-    prints = {InstalledReward(choose(registry, "rewards", text), registry).fingerprint for text in ("arp", "arp:k2=2")}
-    assert len(prints) == 2
+    rewards = [InstalledReward(choose(registry, "rewards", text), registry) for text in ("arp", "arp:k2=2")]
+    assert len({it.fingerprint(GONE) for it in rewards}) == 2

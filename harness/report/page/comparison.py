@@ -44,6 +44,7 @@ from harness.report.rows.comparison import (
 from harness.report.rows.numbers import number_grids
 from harness.report.rows.payoff import Audits, payoff_story
 from harness.report.rows.returns import READING, returns_grid
+from harness.report.rows.terms import terms_grid, terms_of
 from harness.results import Results
 from harness.results.comparison import Comparison
 from harness.results.trajectories import trajectories_of
@@ -67,7 +68,9 @@ EMPTY: Mapping[str, Any] = MappingProxyType(
         **dict.fromkeys(("tests", "summary", "symbol"), ""),
         "has_number": False,
         "place": 1,
-        **dict.fromkeys(("mixtures", "full", "strips", "outcomes", "episodes", "endings", "showing", "learning"), ()),
+        **dict.fromkeys(
+            ("mixtures", "full", "strips", "outcomes", "episodes", "endings", "showing", "learning", "terms"), ()
+        ),
         **dict.fromkeys(("splits", "curves", "profiles", "other_behaviour", "numbers", "trajectories"), ()),
     }
 )
@@ -78,7 +81,7 @@ def comparison_section(
     results: Results, combination: Comparison, title: str, points: int, audits: Audits, links: EpisodeLinks | None
 ) -> dict[str, Any]:
     """What the template shows of a combination, with `points` points of each run."""
-    headline = combination.headline
+    headline, first = combination.headline, results.combinations[0]
     grids = behaviour_grids(combination)
     changes = [it for rows in (defined_changes, failed_changes) for it in rows(combination, combination.manner)]
     bars = outcome_bars(combination)
@@ -107,6 +110,7 @@ def comparison_section(
             for it in changes
         ],
         "learning": _learning_panels(results, combination),
+        "terms": [terms_grid(it) for it in terms_of(results, combination, is_first=combination is first)],
         "splits": splits,
         "curves": curves,
         "payoffs": payoffs,

@@ -47,6 +47,9 @@ from harness.report.rows.ranking import TITLE as RANKING_TITLE
 from harness.report.rows.returns import EXPLANATION as RETURNS
 from harness.report.rows.returns import MEAN, matrix_title, return_grid
 from harness.report.rows.returns import TITLE as RETURN_TITLE
+from harness.report.rows.terms import EXPLANATION as TERMS
+from harness.report.rows.terms import TITLE as TERMS_TITLE
+from harness.report.rows.terms import never_texts
 from harness.report.rows.transfer import EXPLANATION, TITLE, failure_lines, transfer_block
 from harness.results import Results
 from harness.results.comparison import Comparison, still_to_come
@@ -80,6 +83,8 @@ SHARED: Mapping[str, str] = MappingProxyType(
         "payoff_title": PAYOFF_TITLE,
         "returns": MEAN,
         "legend": LEGEND,
+        "terms": TERMS,
+        "terms_title": TERMS_TITLE,
         "promise": "",
         "bars": "",
         "is_curve_open": "",
@@ -98,7 +103,9 @@ OWN = "own"
 NO_SECTIONS: Mapping[str, Any] = MappingProxyType(
     {
         **dict.fromkeys(("matrix", "ranking", "returns", "replay", "transfer", "pools", "race")),
-        **dict.fromkeys(("success", "unfinished", "manifests", "facts", "downloads", "groups", "warnings"), ()),
+        **dict.fromkeys(
+            ("success", "unfinished", "manifests", "facts", "downloads", "groups", "warnings", "never"), ()
+        ),
         **dict.fromkeys(("again", "experiment", "setting", "advice"), ""),
         "pictured": False,
     }
@@ -143,6 +150,7 @@ def _render(results: Results, audits: Audits) -> str:
         question=question(results),
         setting=_setting(results),
         warnings=_warnings(results),
+        never=never_texts(results),
         matrix=matrix,
         success=[found.success if found else {} for found in links],
         comparisons=sections,
@@ -177,6 +185,7 @@ def parts_of(sections: Sequence[Mapping[str, Any]], has_more: bool) -> dict[str,
     return {
         "behaviour": any(section["behaviour"] for section in sections),
         "learning": any(section["learning"] for section in sections),
+        "terms": any(section["terms"] for section in sections),
         "number": any(section["has_number"] for section in sections),
         "matrix": has_more or len(sections) > 1,
     }

@@ -19,6 +19,7 @@ from harness.report.rows.comparison import (
 )
 from harness.report.rows.pools import TITLE, pooled_answers
 from harness.report.rows.returns import matrix_title, return_grid
+from harness.report.rows.terms import never_texts
 from harness.report.tables.grid import divide_columns, show_grid
 from harness.report.tables.race import race_lines
 from harness.results import Results
@@ -48,6 +49,7 @@ def overview_table(results: Results, details: str) -> RenderableType:
     parts = race_lines(results) or _comparisons(results)
     parts += map(Text, dict.fromkeys(mixture.text for it in combinations for mixture in it.mixtures))
     parts += [part for line in _not_split(combinations) for part in (Text(), Text(line))]
+    parts += [part for line in never_texts(results) for part in (Text(), Text(line))]
     for matrix in _with_others(results):
         parts += [Text(), Text(matrix_title(matrix), style="bold"), *show_grid(return_grid(matrix))]
     parts += [Text(), Text(count_cells(results), style="bold"), *map(Text, remarks_on_cells(results))]
