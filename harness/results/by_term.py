@@ -45,6 +45,11 @@ class ByTerm(NamedTuple):
         return cls({name: TermMeans(*means) for name, means in data["terms"].items()}, data["steps"], data["episodes"])
 
 
+def part_of(episodes: int) -> int:
+    """How many of so many episodes are the first of a training, and how many the last."""
+    return max(1, round(PART * episodes))
+
+
 def by_term(terms: Mapping[str, Float], episodes: Sequence[NDArray[np.int64]], paid: Mask | None = None) -> ByTerm:
     """What terms paid.
 
@@ -64,5 +69,5 @@ def _means(values: Float, episodes: Sequence[NDArray[np.int64]]) -> TermMeans:
         return TermMeans(None, None, None, pays)
     begins = np.cumsum([0, *map(len, episodes[:-1])])
     sums = np.add.reduceat(values[np.concatenate(episodes)], begins)
-    part = max(1, round(PART * len(sums)))
+    part = part_of(len(sums))
     return TermMeans(float(sums[:part].mean()), float(sums[-part:].mean()), float(sums.mean()), pays)

@@ -2,6 +2,7 @@
 
 import hashlib
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -17,7 +18,7 @@ from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, TRACE, evalua
 from harness.record.manifest import Manifest
 from harness.record.returns import EVENTS, mean_over_episodes, mean_return
 from harness.record.trace import Trace, read_trace, require_plausible, term_names
-from harness.results.by_term import ByTerm, by_term
+from harness.results.by_term import ByTerm, by_term, part_of
 from harness.results.kept import Kept
 from harness.results.measured import DETERMINISTIC, STOCHASTIC, Measured, Moment, Values, value_of
 from harness.results.metrics import Unmeasurable
@@ -28,6 +29,10 @@ from harness.score.scorer import SCORED
 SLACK = 100_000
 """Rows that a trace may have beyond its training's budget, as the last decision of many envs may; and the steps that an
 episode of an evaluation may have, where the training was shorter than that."""
+START, END = " start", " end"
+"""The first and the last episodes of a training, see `harness.results.by_term.part_of`."""
+PAID = "return, as paid"
+"""What the pay of a reward's own trainings is called."""
 TO_PAY = [*SCORED, "episode", "reward", *EVENTS]
 """Columns that a reward is computed from, or a return."""
 
@@ -96,6 +101,14 @@ class CellResults:
         before = {steps: name for steps, name in named.items() if self._is_there(name)}
         files = {**before, self.cell.steps: EVALUATION}
         return tuple(Moment(steps, self._measure(file)) for steps, file in files.items())
+
+    def ends(self) -> tuple[Values, Values, int]:
+        """Every metric, and the pay, of the first episodes of the training and of the last; how many these are each."""
+        paid = self.learned()[2]
+        count = min(part_of(len(paid)), len(paid))
+        start, end = (self._measure(TRACE, part) for part in (START, END))
+        start[PAID], end[PAID] = (float(part.mean()) if count else None for part in (paid[:count], paid[-count:]))
+        return start, end, count
 
     def learned(self) -> Float:
         """The finished episodes of the training, in the order in which they ended, (3, episodes).
@@ -174,6 +187,11 @@ class CellResults:
         made_of = own if reward.choice == self.cell.reward else self._made_of(file, reward)
         return ByTerm.from_json(self._kept.told(f"{file} terms {reward.choice.label}", made_of, make))
 
+    def recorded_return(self, file: str) -> float | None:
+        """What the cell's own reward paid an episode in a file, mean; None without a finished one."""
+        made_of = [self._kept.digest(file)]
+        return self._kept.number(f"{file} return", made_of, lambda: mean_return(self._trace(file), ("reward",)))
+
     def evaluation_events(self) -> float | None:
         """What the events of an episode of the final evaluation paid, mean; None without a finished one."""
         what, made_of = f"{EVALUATION} events", [self._kept.digest(EVALUATION)]
@@ -198,21 +216,24 @@ class CellResults:
     def _paid(self, file: str, reward: InstalledReward) -> Paid:
         return reward.pay(self._trace(file, whole=reward.reads_more), self.cell.reward)
 
-    def _measure(self, file: str) -> Values:
-        """Every metric of a trace. The reason of a failure is noted but not kept, because the metric may be mended."""
+    def _measure(self, file: str, part: str = "") -> Values:
+        """Every metric of a trace, or of a part of it.
+
+        The reason of a failure is noted but not kept, because the metric may be mended.
+        """
         digest, values = self._kept.digest(file), Values()
         for name, (metric, fingerprint) in self._metrics().items():
-            values[name], make = None, partial(self._apply, metric, file)
+            values[name], make = None, partial(self._apply, metric, file, part)
             try:
-                values[name] = self._kept.number(f"{file} {name}", [digest, fingerprint], make)
+                values[name] = self._kept.number(f"{file}{part} {name}", [digest, fingerprint], make)
             except Unmeasured as error:
                 self._reasons.setdefault(name, str(error))
         return values
 
-    def _apply(self, metric: Metric, file: str) -> float | None:
+    def _apply(self, metric: Metric, file: str, part: str) -> float | None:
         if isinstance(metric, Unmeasurable):  # no trace has to be read for it
             raise Unmeasured(metric.reason)
-        return value_of(metric, self._trace(file))
+        return value_of(metric, _some(self._trace(file), part) if part else self._trace(file))
 
     def _episodes(self, file: str) -> int:
         """The finished episodes of a trace."""
@@ -245,3 +266,13 @@ class CellResults:
         """Keep the numbers and drop the traces, because a report asks for one cell after the other."""
         self._read.clear()
         self._kept.save()
+
+
+def _some(trace: Trace, part: str) -> Trace:
+    """The first or the last episodes of a trace; what is known of each env's only episode does not belong to them."""
+    episodes = sorted(trace.episodes, key=lambda rows: int(rows[-1]))
+    count = part_of(len(episodes))
+    chosen = episodes[:count] if part == START else episodes[-count:]
+    rows = np.sort(np.concatenate([np.empty(0, np.int64), *chosen]))
+    facts = replace(trace.facts, ik_steps=None, work=None)
+    return Trace({name: column[rows] for name, column in trace.columns.items()}, facts)

@@ -14,6 +14,7 @@ from harness.errors import UsageError
 from harness.eta.equal import key_to_json
 from harness.record.cell import Cell
 from harness.record.manifest import Manifest
+from harness.results.alone import Alone, alone_in
 from harness.results.combine import combine
 from harness.results.comparison import Comparison, pools_of
 from harness.results.frames import Frames
@@ -79,6 +80,15 @@ class Results(Records):
             SchemaError: A file is damaged or written by a newer version.
         """
         return terms_of_cells(self)
+
+    @cached_property
+    def alone(self) -> tuple[Alone, ...]:
+        """What each reward paid for that no other stands beside, so that nothing compares it.
+
+        Raises:
+            SchemaError: A file is damaged or written by a newer version.
+        """
+        return alone_in(self)
 
     def learning(self, combination: Comparison) -> Learning | None:
         """How the policies of a combination behaved while they learned; None if that is not known.

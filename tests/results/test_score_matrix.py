@@ -33,7 +33,9 @@ def test_each_training_has_an_index_under_each_reward(experiment: Store, registr
     assert set(data["indices"]["arp"]) == {"baseline", "arp"}
 
 
-def test_a_reward_that_cannot_score_a_training_costs_its_own_entry(experiment: Store, write_plugin: Callable[..., EntryPoint]):
+def test_a_reward_that_cannot_score_a_training_costs_its_own_entry(
+    experiment: Store, write_plugin: Callable[..., EntryPoint]
+):
     """What it could score is there, and why it could not score the rest."""
     source = BROKEN.replace("DO", "raise ZeroDivisionError('by nothing')")
     registry = load_registry([*entry_points(group="harness"), write_plugin(source, "broken")])

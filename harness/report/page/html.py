@@ -16,12 +16,14 @@ from harness.report.figures.forest import EXPLANATION as FOREST
 from harness.report.figures.points import points_of_a_run
 from harness.report.figures.race import draw_race
 from harness.report.page.answer import groups_of, pool_cards
-from harness.report.page.comparison import comparison_section, title_of
+from harness.report.page.comparison import alone_section, comparison_section, title_of
 from harness.report.page.download import Download, pack
 from harness.report.page.matrix import Matrix, comparisons_csv, matrix_of
 from harness.report.page.page import render_page, write_page
 from harness.report.replay.links import links_of
 from harness.report.replay.section import replay_of
+from harness.report.rows.alone import EXPLANATION as ALONE
+from harness.report.rows.alone import beside, setting_of
 from harness.report.rows.comparison import (
     PATHS,
     SPLIT,
@@ -84,6 +86,7 @@ SHARED: Mapping[str, str] = MappingProxyType(
         "returns": MEAN,
         "legend": LEGEND,
         "terms": TERMS,
+        "alone": ALONE,
         "terms_title": TERMS_TITLE,
         "promise": "",
         "bars": "",
@@ -106,7 +109,7 @@ NO_SECTIONS: Mapping[str, Any] = MappingProxyType(
         **dict.fromkeys(
             ("success", "unfinished", "manifests", "facts", "downloads", "groups", "warnings", "never"), ()
         ),
-        **dict.fromkeys(("again", "experiment", "setting", "advice"), ""),
+        **dict.fromkeys(("again", "experiment", "setting", "advice", "beside"), ""),
         "pictured": False,
     }
 )
@@ -151,6 +154,8 @@ def _render(results: Results, audits: Audits) -> str:
         setting=_setting(results),
         warnings=_warnings(results),
         never=never_texts(results),
+        alone=[alone_section(results, it) for it in results.alone],
+        beside=beside(results, results.alone),
         matrix=matrix,
         success=[found.success if found else {} for found in links],
         comparisons=sections,
@@ -195,7 +200,7 @@ def _setting(results: Results) -> str:
     """What all comparisons share, in a line."""
     combinations = results.combinations
     if not combinations:
-        return ""
+        return setting_of(results.alone[0]) if len(results.alone) == 1 else ""
     varying, first = varying_kinds(combinations), combinations[0]
     told = [f"{kind} {label}" for kind, label in first.group.labels.items() if kind not in varying]
     if "steps" not in varying:

@@ -22,6 +22,7 @@ from harness.report.rows.comparison import (
 from harness.report.rows.numbers import number_grids
 from harness.report.rows.returns import EXPLANATION, READING, matrix_title, return_grid
 from harness.report.rows.terms import terms_grid, terms_of
+from harness.report.tables.alone import alone_lines
 from harness.report.tables.grid import show_grid, show_titled
 from harness.report.tables.overview import interim_lines, pooled_lines
 from harness.results import Results
@@ -34,6 +35,7 @@ def comparison_table(results: Results) -> RenderableType:
     combinations = results.combinations
     first = [*interim_lines(results), *pooled_lines(combinations)]
     blocks: list[RenderableType] = [*first, *([Text()] if first else [])]
+    blocks += alone_lines(results, with_all=True)
     blocks += [_combination_block(results, it, is_first=it is combinations[0]) for it in combinations]
     if any(combination.has_trainings for combination in combinations):
         is_split = any(combination.is_split for combination in combinations)

@@ -49,7 +49,7 @@ def read_runs(
         control: By each seed the other seed that the baseline was trained with again, for the null control.
 
     Raises:
-        UsageError: There are none, or none that can be compared.
+        UsageError: There are none, or none has all of its steps.
     """
     everything, damaged = read_all(folder, only)
     if not everything:
@@ -67,12 +67,9 @@ def read_runs(
     named = _in_order(run.facts.rewards for run in members.values())
     rewards = tuple(sorted(named, key=lambda name: name != baseline))  # all others stay in their order
     trained = tuple(name for name in rewards if any(name == reward for reward, _ in members))
-    if len(trained) < 2 and not again:
-        told = f"all trainings in it were trained with {trained[0]}" if trained else "no training in it has a step"
-        raise UsageError(
-            f"'{folder}' has nothing to compare: {told}. Train with another of its rewards too, and record that beside"
-            + "".join(f". {line}" for line in short[:MOST_NAMED])
-        )
+    if not trained:
+        told = "".join(f". {line}" for line in short[:MOST_NAMED])
+        raise UsageError(f"'{folder}' has nothing to report: no training in it has a step, or all of its steps{told}")
     shortest = min(run.steps for run in members.values())
     notes = [*short, *env_notes, *seed_notes, *evaluation_notes, *empty, *notes_on(everything, trained, members)]
     equal = equal_trainings({key: run.likeness.digest for key, run in members.items()})
