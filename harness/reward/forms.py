@@ -33,9 +33,16 @@ Weight = Annotated[
 
 def is_function_of_steps(found: Any) -> bool:
     """Whether something is a plain function whose one argument without a default is called ``step``."""
-    if not inspect.isfunction(found):
+    return inspect.isfunction(found) and takes_step(found)
+
+
+def takes_step(found: Any) -> bool:
+    """Whether something that can be called has one argument without a default, and that is called ``step``."""
+    try:
+        known = inspect.signature(found).parameters.values()
+    except (TypeError, ValueError):  # a built-in: Python does not know its arguments
         return False
-    needed = [it for it in inspect.signature(found).parameters.values() if it.default is it.empty]
+    needed = [it for it in known if it.default is it.empty and it.kind not in (it.VAR_POSITIONAL, it.VAR_KEYWORD)]
     return len(needed) == 1 and needed[0].name == STEP and needed[0].kind is not inspect.Parameter.KEYWORD_ONLY
 
 

@@ -106,6 +106,8 @@ def _require_names(terms: Mapping[str, Any]) -> None:
 
 def _is_sum(total: Any, found: Any) -> bool:
     """Whether a total is the sum up to what another order of adding, or single precision, may change."""
+    if isinstance(total, float) and isinstance(found, float):  # of one step: a call of NumPy takes 30 microseconds
+        return abs(total - found) <= 1e-6 + 1e-5 * abs(found) or (total != total and found != found)
     return bool(np.allclose(np.asarray(total, float), np.asarray(found, float), rtol=1e-5, atol=1e-6, equal_nan=True))
 
 
