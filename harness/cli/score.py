@@ -1,6 +1,7 @@
 """``harness score``: what other rewards would have paid the same runs."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -80,14 +81,20 @@ def _score_recordings(
 ) -> int:
     """Give the actions of recorded trainings to new envs, and pay them; status 1 if one could not be paid.
 
-    With `every` and no name nothing is paid anew: what all rewards paid is recorded already.
+    With `every` and no name nothing is paid anew: what all rewards paid is recorded already. A reward with weights whose
+    terms are recorded is paid from these.
     """
     from harness.experiment.environments.paid_again import PayAgain
     from harness.record.out_folder import refuse_links
+    from harness.score.weighted_recordings import recorded_weights, recordings_of
 
     refuse_links(folder)
+    paths = recordings_of(folder)
+    weighted = {name: label for name in names if ":" in name and (label := recorded_weights(name, paths))}
+    called = [name for name in names if name not in weighted]
+    again = PayAgain(registry, called, task).run(folder) if called or not (every or weighted) else ()
     told = []
-    for paid in PayAgain(registry, names, task).run(folder) if names or not every else ():
+    for paid in chain(_paid_by_weights(paths, list(weighted.values())), again):
         told.append(paid)
         if not as_json:
             say(f"{paid.folder}: {_what_was_paid(paid)}")
@@ -103,14 +110,27 @@ def _score_recordings(
     return 1 if any(paid.refused or paid.failed for paid in told) else 0
 
 
+def _paid_by_weights(paths: "Sequence[Path]", labels: "Sequence[str]") -> "Iterator[Paid]":
+    """Pay recordings from the columns of their terms."""
+    from harness.errors import HarnessError
+    from harness.experiment.environments.paid_again import Paid
+    from harness.score.weighted_recordings import pay_by_weights
+
+    for path in paths:
+        for label in labels:
+            try:
+                yield Paid(path, (label,), pay_by_weights(path, label))
+            except HarnessError as error:
+                yield Paid(path, refused=f"{label}: {error}")
+            except OSError as error:
+                yield Paid(path, refused=f"'{path}' cannot be written: {error.strerror or error}")
+
+
 def _returns_of(folder: Path) -> "list[ReturnMatrix]":
     """What every reward paid, of each group of trainings in the manner that says most."""
     from harness.results import load_results
 
-    try:
-        matrices = load_results(folder).returns
-    except UsageError:  # one reward alone: that is no reason not to pay its recordings
-        return []
+    matrices = load_results(folder).returns
     return list({matrix.group: matrix for matrix in reversed(matrices)}.values())
 
 

@@ -274,12 +274,23 @@ class Trace:
     @cached_property
     def episodes(self) -> list[NDArray[np.int64]]:
         """Row numbers of each finished episode, its start row first, by env and in order."""
-        key = self["env"].astype(np.int64) << 32 | self["episode"]
-        order = np.argsort(key, kind="stable")
-        parts = np.split(order, np.flatnonzero(np.diff(key[order])) + 1)
-        ended = np.zeros(len(self), bool)
-        ended[self.last_rows] = True
-        return [rows for rows in parts if len(rows) and ended[rows[-1]]]
+        return episode_rows(self["env"], self["episode"], self["terminated"] | self["truncated"])
+
+
+def episode_rows(
+    env: NDArray[np.int32], episode: NDArray[np.int32], ended: NDArray[np.bool_]
+) -> list[NDArray[np.int64]]:
+    """Row numbers of each finished episode, by env and in order.
+
+    Args:
+        env: Of each row, (rows,).
+        episode: Counted from 0 in each env.
+        ended: Whether the row is the last of its episode.
+    """
+    key = env.astype(np.int64) << 32 | episode
+    order = np.argsort(key, kind="stable")
+    parts = np.split(order, np.flatnonzero(np.diff(key[order])) + 1)
+    return [rows for rows in parts if len(rows) and ended[rows[-1]]]
 
 
 def require_plausible(path: Path, most: int) -> None:

@@ -50,17 +50,16 @@ def part_of(episodes: int) -> int:
     return max(1, round(PART * episodes))
 
 
-def by_term(terms: Mapping[str, Float], episodes: Sequence[NDArray[np.int64]], paid: Mask | None = None) -> ByTerm:
+def by_term(terms: Mapping[str, Float], episodes: Sequence[NDArray[np.int64]], paid: Mask) -> ByTerm:
     """What terms paid.
 
     Args:
         terms: By name, what each paid in every row, (rows,).
         episodes: Row numbers of each finished episode, in their order.
-        paid: Which rows are steps, (rows,), and no start of an episode; None for all.
+        paid: Which rows are steps, (rows,), and no start of an episode.
     """
-    count = len(next(iter(terms.values()), ())) if paid is None else int(paid.sum())
     ordered = sorted(episodes, key=lambda rows: int(rows[-1]))
-    return ByTerm({name: _means(values, ordered) for name, values in terms.items()}, count, len(ordered))
+    return ByTerm({name: _means(values, ordered) for name, values in terms.items()}, int(paid.sum()), len(ordered))
 
 
 def _means(values: Float, episodes: Sequence[NDArray[np.int64]]) -> TermMeans:

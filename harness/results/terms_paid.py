@@ -15,7 +15,7 @@ from harness.eta.seed_mean import SeedMean, mean_over_seeds
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, RANDOM, TRACE
 from harness.registry.choice import Choice
-from harness.results.by_term import ByTerm, TermMeans
+from harness.results.by_term import ByTerm
 from harness.results.comparison import Group
 from harness.results.records import Records
 
@@ -31,6 +31,12 @@ class Trained(NamedTuple):
     evaluation: ByTerm | None
     """In the evaluation of its final policy; None where there is none."""
 
+    def final(self, term: str) -> float | None:
+        """What a term paid an episode of the evaluation, or where there is none of the end of the training."""
+        told = self.evaluation or self.training
+        found = told.terms.get(term) if told else None
+        return None if found is None else found.whole if self.evaluation else found.end
+
 
 @dataclass(frozen=True)
 class TermPaid:
@@ -41,9 +47,10 @@ class TermPaid:
         start: Of the first tenth of the episodes of the reward's own trainings.
         end: Of the last tenth.
         evaluation: Of the evaluations of the final policies.
-        others: Of the evaluations of the policies that the baseline trained.
+        others: Of the evaluations of the policies that the baseline trained; where none are recorded of the end of
+            these trainings.
         random: Of random actions; None where they are not recorded, or cannot be paid.
-        behaviour: `evaluation` - `others`, the part that the term has in the behaviour part of the change.
+        behaviour: `final` - `others`, the part that the term has in the behaviour part of the change.
         ruler: What it pays the baseline's evaluations minus what the baseline's own term of this name pays them.
         never: Whether it paid 0 in every recorded step of the reward's trainings.
     """
@@ -57,6 +64,11 @@ class TermPaid:
     behaviour: SeedMean = NOTHING
     ruler: SeedMean = NOTHING
     never: bool = False
+
+    @property
+    def final(self) -> SeedMean:
+        """`evaluation`, or where there is none `end`."""
+        return self.evaluation if self.evaluation.mean is not None else self.end
 
     @property
     def over_training(self) -> float | None:
@@ -163,24 +175,19 @@ def _term(
     name: str, own: Sequence[Trained], others: Sequence[Trained], ours: Sequence[Trained], random: ByTerm | None
 ) -> TermPaid:
     trained = [it.training.terms[name] for it in own if it.training is not None and name in it.training.terms]
-    mine, theirs, before = (_evaluated(side, name) for side in (own, others, ours))
+    mine, theirs, before = ([it.final(name) for it in side] for side in (own, others, ours))
     acted = random.terms.get(name) if random is not None else None
     return TermPaid(
         name,
         _mean([it.start for it in trained], len(own)),
         _mean([it.end for it in trained], len(own)),
-        _mean(mine, len(own)),
+        _mean(mine, len(own)) if all(it.evaluation for it in own) else NOTHING,
         _mean(theirs, len(others)) if others else NOTHING,
         acted.whole if acted is not None else None,
         _difference(theirs, mine),
         _difference(before, theirs),
         not any(it.pays for it in trained),
     )
-
-
-def _evaluated(side: Sequence[Trained], name: str) -> list[float | None]:
-    found: list[TermMeans | None] = [it.evaluation.terms.get(name) if it.evaluation else None for it in side]
-    return [None if it is None else it.whole for it in found]
 
 
 def _mean(values: Sequence[float | None], count: int) -> SeedMean:

@@ -62,11 +62,9 @@ def changed_text(found: TermsPaid) -> str:
     if not found.is_compared:
         start, end = format_number(most.start.mean), format_number(most.end.mean)
         return f"`{most.name}` changed most: {start} an episode at the start of the trainings, {end} at their end."
-    own, others = format_number(most.evaluation.mean), format_number(most.others.mean)
-    return (
-        f"`{most.name}` differs most: it pays {own} an episode of the evaluations, and {others} after the trainings "
-        f"with {found.baseline}."
-    )
+    own, others = format_number(most.final.mean), format_number(most.others.mean)
+    where = "of the evaluations" if most.evaluation.mean is not None else "at the end of the trainings"
+    return f"`{most.name}` differs most: it pays {own} an episode {where}, and {others} with {found.baseline}."
 
 
 def _notes(found: TermsPaid) -> Iterator[str]:
@@ -74,8 +72,8 @@ def _notes(found: TermsPaid) -> Iterator[str]:
     yield from _never(found)
     if found.is_compared:
         yield (
-            f"Behaviour is the evaluation minus that of the trainings with {found.baseline}. Over all terms it adds up "
-            f"to the behaviour part on one of the two paths: {found.path}."
+            f"Behaviour is what the term pays in the end minus what it pays the trainings with {found.baseline}. Over "
+            f"all terms it adds up to the behaviour part on one of the two paths: {found.path}."
         )
     if any(it.ruler.mean is not None for it in found.terms):
         yield f"Ruler is what the term pays the episodes of {found.baseline} minus what its own term of that name pays."

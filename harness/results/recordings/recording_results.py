@@ -4,12 +4,16 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from harness.arrays import Float
 from harness.files.bounded import reading
 from harness.record.folder import EVALUATION_RECORDING
-from harness.record.recording.facts import BEHAVIOUR, REWARD, TrainingFacts
+from harness.record.recording.facts import BEHAVIOUR, REWARD, TrainingFacts, term_column
 from harness.record.recording.recorded_training import RecordedTraining, read_recording, recording_files
 from harness.record.store import CELLS
+from harness.record.trace import episode_rows
+from harness.results.by_term import ByTerm, by_term
 from harness.results.kept import Kept
 from harness.results.recordings.alike import Likeness, likeness_of
 from harness.results.recordings.episodes import Episodes, Part, episodes_of
@@ -66,10 +70,30 @@ class RecordingResults:
         """What a reward pays for each step, (steps,)."""
         return self._kept.array(f"paid by {reward}", self._made_of, lambda: self._column(reward))
 
+    def terms_paid(self, reward: str) -> ByTerm:
+        """What each term of a reward paid; without terms of one that has none, or was given up on the way."""
+        names = self.facts.terms.get(reward, ())
+        if not names:
+            return ByTerm({}, self.steps, len(self.episodes.last))
+
+        def make() -> dict[str, Any]:
+            columns = [term_column(reward, name) for name in names]
+            held = self._held or read_recording(self.path, only=columns)
+            found = held.terms.get(reward, {})
+            known = {name: values for name, values in found.items() if not np.isnan(values).any()}
+            ended = held.terminated | held.truncated
+            rows = episode_rows(held.env, held.episode, ended)
+            return by_term(known if len(known) == len(names) else {}, rows, np.ones(len(held), bool)).to_json()
+
+        told = self._kept.told(f"terms {reward}", self._made_of, make)
+        self._kept.save()
+        return ByTerm.from_json(told)
+
     def keep(self) -> None:
         """Compute all of it, and keep it."""
         for reward in self.facts.rewards:
             self.paid_by(reward)
+            self.terms_paid(reward)
         self.finish()
 
     def finish(self) -> None:

@@ -29,9 +29,11 @@ from harness.results.recordings.recording_results import (
     numbers_of_part,
 )
 from harness.results.recordings.runs import Run
+from harness.results.recordings.terms import terms_of_runs
 from harness.results.results import Results
 from harness.results.return_matrix import ReturnMatrix
 from harness.results.table import Numbers
+from harness.results.terms_paid import TermsPaid
 
 
 class RecordedResults(Results):
@@ -121,6 +123,11 @@ class RecordedResults(Results):
             if it.study
             for manner, table in it.study.tables.items()
         )
+
+    @cached_property
+    def terms(self) -> tuple[TermsPaid, ...]:
+        """See `Results`."""
+        return tuple(found for it in self.studies if it.study for found in terms_of_runs(it.study.runs))
 
     @cached_property
     def alone(self) -> tuple[Alone, ...]:
