@@ -109,15 +109,20 @@ def _columns_of_code(recording: Recording, rewards: Mapping[str, Reward]) -> tup
 
 
 def _columns_of_terms(label: str, recording: Recording, into: Path) -> dict[str, Float]:
-    """The columns of a reward with other weights, from recorded columns of its terms."""
-    found = next(recorded_terms(name_of(label), recording, into), None)
-    if found is None:
-        trained = f" trained with {recording.declared_reward}" if recording.taught_by else ""
-        raise UsageError(
-            f"a run{trained} has no columns of the terms of '{name_of(label)}': give its file, --plugin FILE, and it "
-            "is called"
-        )
-    return dict(_columns_of(label, reweighted(label, found.reward, found.read())))
+    """The columns of a reward with other weights, from the first recorded columns of its terms that tell them."""
+    refused: UsageError | None = None
+    for found in recorded_terms(name_of(label), recording, into):
+        try:
+            return dict(_columns_of(label, reweighted(label, found.reward, found.read())))
+        except UsageError as error:  # a term was recorded with the weight 0, and elsewhere perhaps with another
+            refused = refused or error
+    if refused is not None:
+        raise refused
+    trained = f" trained with {recording.declared_reward}" if recording.taught_by else ""
+    raise UsageError(
+        f"a run{trained} has no columns of the terms of '{name_of(label)}': give its file, --plugin FILE, and it is "
+        "called"
+    )
 
 
 class RecordedTerms(NamedTuple):

@@ -40,7 +40,7 @@ def recorded_weights(text: str, paths: Iterable[Path]) -> str:
     for path in paths:
         for number in recorder_numbers(path):
             of_recorder = _Recorder.read(path, number)
-            if found := of_recorder.recorded(text):
+            for found in of_recorder.recorded(text):
                 return weighted_label(text, of_recorder.terms[found])
     return ""
 
@@ -91,17 +91,23 @@ class _Recorder(NamedTuple):
         """The terms of each reward that has some, by its label."""
         return {**self.facts.terms, **(self.earlier.terms if self.earlier else {})}
 
-    def recorded(self, asked: str) -> str:
-        """The label under which the terms of the reward of this name are recorded; empty if they are not."""
-        return next((label for label in self.terms if name_of(label) == name_of(asked)), "")
+    def recorded(self, asked: str) -> list[str]:
+        """The labels under which the terms of the reward of this name are recorded."""
+        return [label for label in self.terms if name_of(label) == name_of(asked)]
 
     def scored(self, label: str) -> Scores:
-        """The columns of a reward with other weights."""
-        then = self.recorded(label)
-        if not then:
-            raise UsageError(
-                f"its terms of '{name_of(label)}' are not recorded: give the file of the reward, --plugin FILE"
-            )
+        """The columns of a reward with other weights, from the first recorded columns of its terms that tell them."""
+        refused: UsageError | None = None
+        for then in self.recorded(label):
+            try:
+                return self._weighted(label, then)
+            except UsageError as error:  # a term was recorded with the weight 0, and elsewhere perhaps with another
+                refused = refused or error
+        raise refused or UsageError(
+            f"no terms of '{name_of(label)}' are recorded there: give the file of the reward, --plugin FILE"
+        )
+
+    def _weighted(self, label: str, then: str) -> Scores:
         paid = reweighted(label, recorded_choice(then), self._columns(then))
         columns: dict[str, Float] = {f"{REWARD}{label}": paid.total}
         columns |= {term_column(label, name): values for name, values in paid.terms.items()}

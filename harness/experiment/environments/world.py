@@ -41,6 +41,7 @@ from harness.recorder.record_rewards import RecordRewards
 from harness.registry.registry import Registry
 from harness.registry.spec import blamed_on
 from harness.results.recordings.episodes import cut_text, episodes_of
+from harness.results.recordings.recording_results import terms_in
 
 NO_END = "no episode of the training ended: give the environment a time limit"
 
@@ -238,6 +239,7 @@ def _given_up(recorded: Sequence[Path]) -> list[str]:
 
 
 def evaluation_scalars(evaluation: RecordedTraining, reward: str) -> dict[str, float]:
-    """What a recorded evaluation came to: what the reward paid, and all measures; see `named_scalars`."""
+    """What a recorded evaluation came to: what the reward and its terms paid, and all measures; see `named_scalars`."""
     part = episodes_of(evaluation).part(0, len(evaluation))
-    return named_scalars(part.returns[reward], part.behaviour)
+    terms = {name: means.whole for name, means in terms_in(evaluation, reward).terms.items()}
+    return named_scalars(part.returns[reward], part.behaviour, terms)

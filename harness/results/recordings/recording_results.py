@@ -78,12 +78,7 @@ class RecordingResults:
 
         def make() -> dict[str, Any]:
             columns = [term_column(reward, name) for name in names]
-            held = self._held or read_recording(self.path, only=columns)
-            found = held.terms.get(reward, {})
-            known = {name: values for name, values in found.items() if not np.isnan(values).any()}
-            ended = held.terminated | held.truncated
-            rows = episode_rows(held.env, held.episode, ended)
-            return by_term(known if len(known) == len(names) else {}, rows, np.ones(len(held), bool)).to_json()
+            return terms_in(self._held or read_recording(self.path, only=columns), reward).to_json()
 
         told = self._kept.told(f"terms {reward}", self._made_of, make)
         self._kept.save()
@@ -128,6 +123,14 @@ class RecordingResults:
     def _column(self, reward: str) -> Float:
         held = self._held or read_recording(self.path, only=[f"{REWARD}{reward}"])
         return held.rewards[reward]
+
+
+def terms_in(recording: RecordedTraining, reward: str) -> ByTerm:
+    """What each term of a reward paid in a recording; without terms of one that was given up on the way."""
+    found = recording.terms.get(reward, {})
+    rows = episode_rows(recording.env, recording.episode, recording.terminated | recording.truncated)
+    is_known = not any(np.isnan(values).any() for values in found.values())
+    return by_term(found if is_known else {}, rows, np.ones(len(recording), bool))
 
 
 def numbers_in_environment(folder: Path, files: Path) -> Numbers:
