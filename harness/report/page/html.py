@@ -107,7 +107,7 @@ NO_SECTIONS: Mapping[str, Any] = MappingProxyType(
     {
         **dict.fromkeys(("matrix", "ranking", "returns", "replay", "transfer", "pools", "race")),
         **dict.fromkeys(
-            ("success", "unfinished", "manifests", "facts", "downloads", "groups", "warnings", "never"), ()
+            ("success", "unfinished", "manifests", "facts", "downloads", "groups", "warnings", "never", "alone"), ()
         ),
         **dict.fromkeys(("again", "experiment", "setting", "advice", "beside"), ""),
         "pictured": False,

@@ -90,7 +90,6 @@ def test_a_reward_that_was_given_up_tells_no_terms_of_that_training(folder: Path
     """The others are told."""
     broken = folder / "calm-2"
     recording = read_recording(broken)
-    from harness.record.recording.facts import Failure
 
     gone = {
         name: np.where(np.arange(len(values)) > 50, np.nan, values) for name, values in recording.terms["calm"].items()
