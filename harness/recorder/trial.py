@@ -15,14 +15,14 @@ from typing import Any
 
 import numpy as np
 
-from harness.errors import UsageError, sentence
+from harness.errors import Unscored, UsageError, sentence
 from harness.record.recording.facts import REWARD
 from harness.recorder.column import Column, as_number
 from harness.recorder.computing import only_computes
 from harness.recorder.guard import Asking, Guard, Raised
 from harness.recorder.own_copies import as_defined, uses_parts_of
 from harness.reward import Steps
-from harness.reward.given import Given, opened
+from harness.reward.given import Given, Untold, opened
 from harness.reward.terms import paid_of
 
 FIRST_STEPS = 100
@@ -285,9 +285,14 @@ class Guarded:
 
         Raises:
             UsageError: It remembers something that nobody restarts.
+            Unscored: It reads what the step does not have, or its terms are no terms.
+            Exception: Whatever it raises.
         """
         asking = self._column.arguments(step)
-        numbers = self._column.numbers(self._guard.answer(self._column.given, asking, self._is_watched))
+        try:
+            numbers = self._column.numbers(self._guard.answer(self._column.given, asking, self._is_watched))
+        except (UsageError, Untold) as error:
+            raise Unscored(str(error)) from error
         if self._steps < FIRST_STEPS and not self._column.remembers:
             self._steps += 1
             found = self._trial.note(self._column, asking, numbers[0], bool(self._guard.drew))
