@@ -17,6 +17,7 @@ from harness.registry.choice import choose, parse
 from harness.registry.parameters import Parameter, parameters_of, values_of
 from harness.registry.registry import Registry
 from harness.registry.spec import Spec
+from harness.registry.step_functions import WHAT_ONE_TAKES
 from harness.robot import Robot
 from harness.robot.load import load_robot
 from harness.robot.servo import Part
@@ -51,6 +52,8 @@ def describe_name(registry: Registry, kind: str, given: str, robot: str | None) 
         if kind == "tasks":
             parts.append(describe_task(thing, load_robot(robot or thing.robot, registry)))
         parts.append(_describe_parameters(type(thing), values_of(thing)))
+    own = next((it.own for it in registry.plugins if it.name == spec.plugin), ())
+    parts.append(f"{spec.plugin} also has {', '.join(own)}: {WHAT_ONE_TAKES}" if own else "")
     told = "\n\n".join(part for part in parts if part)
     return f"{told}\n\n{SOURCES}" if re.search(r"\b(NOTE|ARP)\b", told) else told
 

@@ -89,7 +89,7 @@ NAMES: Mapping[str, str] = MappingProxyType(
         "harness.combination.Combination": "harness.results.comparison.Comparison",
         "harness.decompose.decompose": "harness.eta.decompose.decompose",
         "harness.env.Outcome": "harness.env.decisions.Outcome",
-        "harness.environment.Measure": "harness.environment.Given",
+        "harness.environment.Measure": "harness.reward.Given",
         "harness.eta.Comparison": "harness.score.compare.ComparedRuns",
         "harness.eta.compare_recordings": "harness.score.compare.compare_recordings",
         "harness.experiment.default_folder": "harness.experiment.experiment.default_folder",

@@ -3,6 +3,7 @@
 A reward gives its terms as a dict, or as (total, dict). A total, also one under the key ``total``, has to be their sum.
 """
 
+import math
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -107,7 +108,7 @@ def _require_names(terms: Mapping[str, Any]) -> None:
 def _is_sum(total: Any, found: Any) -> bool:
     """Whether a total is the sum up to what another order of adding, or single precision, may change."""
     if isinstance(total, float) and isinstance(found, float):  # of one step: a call of NumPy takes 30 microseconds
-        return abs(total - found) <= 1e-6 + 1e-5 * abs(found) or (total != total and found != found)
+        return abs(total - found) <= 1e-6 + 1e-5 * abs(found) or (math.isnan(total) and math.isnan(found))
     return bool(np.allclose(np.asarray(total, float), np.asarray(found, float), rtol=1e-5, atol=1e-6, equal_nan=True))
 
 

@@ -136,7 +136,7 @@ class ArmPlaces:
         return distances(self.end_effector(vectors), self.target(vectors))
 
     def fields(self, vectors: Any, names: Collection[str]) -> dict[str, Float]:
-        """Those of ``end_effector``, ``target`` and ``qpos`` that are asked for and that the map tells, (n, size) each."""
+        """Those of ``end_effector``, ``target``, ``qpos`` that are asked for and that the map tells, (n, size) each."""
         ways = {END_EFFECTOR: self.end_effector, TARGET: self.target, "qpos": self._joints}
         there = {END_EFFECTOR: TARGET in self.places, TARGET: TARGET in self.places, "qpos": JOINTS in self.places}
         return {name: ways[name](vectors) for name in ways if name in names and there[name]}

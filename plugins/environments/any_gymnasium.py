@@ -11,9 +11,10 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from harness.arrays import Float
-from harness.environment import AnyEnv, Given, GoalReward
+from harness.environment import AnyEnv, GoalReward
 from harness.errors import UsageError
 from harness.registry.allowed import require_allowed
+from harness.reward import Given
 
 EXAMPLES = {
     "CartPole-v1": (),

@@ -10,8 +10,9 @@ import numpy as np
 from pydantic.dataclasses import dataclass
 
 from harness.arrays import Float
-from harness.environment import AnyEnv, Given, GoalReward
+from harness.environment import AnyEnv, GoalReward
 from harness.errors import UsageError
+from harness.reward import Given
 
 REMEDY = "pip install 'fd100-harness[robotics]'"
 

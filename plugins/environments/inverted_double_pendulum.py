@@ -7,7 +7,8 @@ from typing import Any, ClassVar
 import gymnasium
 from pydantic.dataclasses import dataclass
 
-from harness.environment import AnyEnv, Given
+from harness.environment import AnyEnv
+from harness.reward import Given
 
 ALIVE = 10.0
 """Paid for each step. From version 5 on it is not paid for the step in which the pendulum falls."""

@@ -8,9 +8,10 @@ import gymnasium
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.environment import AnyEnv, Given
+from harness.environment import AnyEnv
 from harness.errors import UsageError
 from harness.registry.names import unknown_name
+from harness.reward import Given
 from harness.task import LONGEST_EPISODE
 
 OBSERVABLE = "-goal-observable"

@@ -12,12 +12,12 @@ from pydantic import Field, ValidationInfo, model_validator
 from pydantic.dataclasses import dataclass
 
 from harness.authoring import ObservedReward
-from harness.environment import AnyEnv, Given
+from harness.environment import AnyEnv
 from harness.errors import UsageError
 from harness.registry.allowed import require_program
 from harness.registry.choice import build_defaults
 from harness.registry.registry import load_registry
-from harness.reward import Reward
+from harness.reward import Given, Reward
 from harness.score.places import RENEWED, ArmPlaces, parse_places
 
 OWN = "own"

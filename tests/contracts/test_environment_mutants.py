@@ -10,7 +10,8 @@ import gymnasium
 import numpy as np
 import pytest
 
-from harness.environment import AnyEnv, Given, GoalReward
+from harness.environment import AnyEnv, GoalReward
+from harness.reward import Given
 from harness.testing import ENVIRONMENT_CHECKS, violations
 
 

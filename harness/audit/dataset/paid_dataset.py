@@ -260,7 +260,7 @@ class _Kept:
                 terms.setdefault(term, before).append(of_piece)
         self._paid[name].append(whole)
         for parts in terms.values():
-            parts += [whole] * (len(self._paid[name]) - len(parts))
+            parts.extend([whole] * (len(self._paid[name]) - len(parts)))
 
     def end(self, facts: DatasetFacts, moved: Float, labels: Labels | None) -> PaidDataset:
         """All of them, without what is left out."""

@@ -48,7 +48,7 @@ class Unseen:
     __pow__ = __matmul__ = __rmatmul__ = __hash__ = __format__ = _look
 
 
-def recorded(name: str) -> OfPiece:
+def as_recorded(name: str) -> OfPiece:
     """What was recorded under a name: also of the last step, whatever was seen after it."""
     return lambda piece: Paid(piece.rewards[name])
 
@@ -91,9 +91,7 @@ class _StepByStep:
                 paid.append(last)
         if unseen.looked_at and seen == len(piece):  # and went on
             unseen[0]
-        numbers = np.array(paid).reshape(len(paid), -1).T
-        if not paid:
-            return Paid(np.empty(0), {name: np.empty(0) for name in self._reward.terms})
+        numbers = np.array(paid).reshape(len(paid), 1 + len(self._reward.terms)).T
         return Paid(numbers[0], dict(zip(self._reward.terms, numbers[1:], strict=True)))
 
     def _without_next(self, step: Steps, unseen: Unseen) -> list[float] | None:
@@ -204,7 +202,7 @@ def rewards_of(
         if name in functions:
             found[name] = step_by_step(name, functions[name].make())
         elif name in there:
-            found[name] = recorded(name)
+            found[name] = as_recorded(name)
         else:
             choice = choose(registry, "rewards", name)
             if places is None:

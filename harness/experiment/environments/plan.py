@@ -39,6 +39,7 @@ class Looked:
         goal_rewards: Names of the rewards that are functions of goals alone.
         goalless: Why no reward can be paid again for other goals; empty if observations tell of goals.
         terms_of: The terms that a reward pays, learned by one step of the env.
+        why_no_reward: Why a name is that of a function in a file and of no reward; empty if it is no such name.
     """
 
     label: str
@@ -50,6 +51,7 @@ class Looked:
     goal_rewards: frozenset[str] = frozenset()
     goalless: str = ""
     terms_of: Callable[[str], tuple[str, ...]] = field(default=lambda name: (), compare=False)
+    why_no_reward: Callable[[str], str] = field(default=lambda name: "", compare=False)
 
     def why_not_in_hindsight(self, reward: str) -> str:
         """Why steps that are paid by a reward cannot be paid again for other goals; empty if they can."""
@@ -78,7 +80,8 @@ class Looked:
         """One of the rewards, or one with the weights of its terms, ``gentle:effort=5``."""
         name, params = parse(given) if isinstance(given, str) else (str(given.get("name")), {**given})
         if name not in self.rewards:
-            raise UsageError(f"{self.label}: {unknown_name('reward', name, self.rewards)}")
+            own = self.why_no_reward(name)
+            raise UsageError(f"{self.label}: {own or unknown_name('reward', name, self.rewards)}")
         weights = {term: _weight(name, term, value) for term, value in params.items() if term != "name"}
         terms = self.terms_of(name) if weights else ()
         if weights and not terms:
@@ -176,6 +179,7 @@ def look_at(task: Choice, registry: Registry) -> Looked:
             in_hindsight,
             _goalless(env),
             lambda name: _terms_of(environment, name, registry),
+            registry.why_no_reward,
         )
 
 

@@ -8,7 +8,7 @@ import pytest
 from harness.audit.dataset import paid_dataset
 from harness.audit.dataset.audit_dataset import audit_dataset
 from harness.audit.dataset.paid_dataset import pay_dataset
-from harness.audit.dataset.rewards import of_arm, recorded, step_by_step
+from harness.audit.dataset.rewards import as_recorded, of_arm, step_by_step
 from harness.errors import UsageError
 from harness.eta.auc import AGAINST, CANNOT_TELL, RANKS
 from harness.record.dataset import lerobot, minari
@@ -117,6 +117,7 @@ def test_a_function_gets_what_was_recorded(tmp_path: Path):
     seen = []
     pay_dataset(open_dataset(f"minari:{folder}"), {"see": step_by_step("it", lambda *step: seen.append(step) or 0.0)})
     one = episode(3, 1, success=True)
+    seen = seen[::2]  # each step is asked twice
     assert np.array_equal(seen[2][0], one["observations"][2])
     assert np.array_equal(seen[2][1], one["actions"][2])
     assert np.array_equal(seen[2][2], one["observations"][3])
@@ -221,7 +222,7 @@ def test_episodes_without_a_word_are_left_out(tmp_path: Path):
 def test_lerobot_s_last_frame_tells_a_success(tmp_path: Path):
     """And is paid."""
     folder = write_lerobot(tmp_path / "d", [reaching(0, True), reaching(1, False)])
-    paid = pay_dataset(open_dataset(f"lerobot:{folder}"), {"recorded": recorded("recorded")})
+    paid = pay_dataset(open_dataset(f"lerobot:{folder}"), {"recorded": as_recorded("recorded")})
     assert paid.told.tolist() == [SUCCESS, FAILURE]
     assert paid.steps == 2 * STEPS
     assert paid.returns["recorded"].tolist() == [STEPS, -STEPS]

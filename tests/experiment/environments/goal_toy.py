@@ -9,7 +9,8 @@ import numpy as np
 from gymnasium.spaces import Box, Dict
 
 from harness.arrays import Float
-from harness.environment import AnyEnv, Given, GoalReward
+from harness.environment import AnyEnv, GoalReward
+from harness.reward import Given
 
 NEAR, LASTS = 0.2, 8
 

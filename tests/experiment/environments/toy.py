@@ -7,7 +7,8 @@ from typing import Any, ClassVar
 import gymnasium
 import numpy as np
 
-from harness.environment import AnyEnv, Given
+from harness.environment import AnyEnv
+from harness.reward import Given
 
 
 class _Line(gymnasium.Env[Any, Any]):
