@@ -4,6 +4,7 @@ import inspect
 import math
 import re
 from collections.abc import Sequence
+from contextlib import closing
 from typing import Any, get_args
 
 import numpy as np
@@ -11,13 +12,20 @@ import numpy as np
 from harness.conditions import Conditions, conditions_of
 from harness.env.arm_observation import ArmObservation
 from harness.env.goal_observation import GoalObservation
+from harness.environment import Environment
+from harness.errors import HarnessError, UsageError
 from harness.hookspecs import NOUNS
+from harness.measure import Measure
+from harness.measure import needs_of as measure_needs
 from harness.motion import MODES, Discrete, MoveJ
 from harness.registry.choice import choose, parse
 from harness.registry.parameters import Parameter, parameters_of, values_of
 from harness.registry.registry import Registry
-from harness.registry.spec import Spec
+from harness.registry.spec import Spec, blamed_on
 from harness.registry.step_functions import WHAT_ONE_TAKES
+from harness.reward import MissingField, Reward
+from harness.reward.needs import needs_of
+from harness.reward.steps import ARM
 from harness.robot import Robot
 from harness.robot.load import load_robot
 from harness.robot.servo import Part
@@ -49,13 +57,64 @@ def describe_name(registry: Registry, kind: str, given: str, robot: str | None) 
         parts = _head(spec, choice.label, type(thing))
         if kind == "simulators":
             parts.append(_describe_family(thing))
+        if kind == "rewards":
+            parts.append(_describe_reading(thing))
+        if kind == "metrics":
+            parts.append(_describe_measure(thing))
+        if kind == "environments":
+            parts.append(_describe_env(thing, spec))
         if kind == "tasks":
-            parts.append(describe_task(thing, load_robot(robot or thing.robot, registry)))
+            parts += [describe_task(thing, load_robot(robot or thing.robot, registry)), _steps_of_arms()]
         parts.append(_describe_parameters(type(thing), values_of(thing)))
     own = next((it.own for it in registry.plugins if it.name == spec.plugin), ())
     parts.append(f"{spec.plugin} also has {', '.join(own)}: {WHAT_ONE_TAKES}" if own else "")
     told = "\n\n".join(part for part in parts if part)
     return f"{told}\n\n{SOURCES}" if re.search(r"\b(NOTE|ARP)\b", told) else told
+
+
+def _describe_reading(reward: Reward) -> str:
+    """What a reward reads and pays, found by one call, and what it could read."""
+    try:
+        found = needs_of(reward)
+    except MissingField:
+        raise
+    except UsageError as error:  # one that needs an arm of its own, or real steps
+        return f"What it reads is not known: {error}"
+    terms = f"It pays the sum of its terms: {', '.join(found.terms)}.\n" if found.terms else ""
+    reads = ", ".join(f"step.{name}" for name in found.fields) or "nothing of a step"
+    return f"{terms}It reads {reads}.\n\n{_steps_of_arms()}"
+
+
+def _describe_measure(measure: Measure) -> str:
+    """In which direction a measure is better, its unit, and what it says that it reads."""
+    unit = f", in {measure.unit}" if measure.unit else ""
+    reads = ", ".join(f"step.{name}" for name in sorted(measure_needs(measure)))
+    return f"{measure.better.capitalize()} is better{unit}.{f' It reads {reads}.' if reads else ''}"
+
+
+def _steps_of_arms() -> str:
+    """The table of what a reward may read of an arm."""
+    rows = [(it.name, f"{it.shape} {it.unit}".strip(), f"{it.told}{' (b)' * it.before}") for it in ARM]
+    head = "What a reward may read of a step of num_envs arms; (b): also of what was before, as step.before.action:"
+    return f"{head}\n{_table(rows)}"
+
+
+def _describe_env(environment: Environment, spec: Spec) -> str:
+    """What a reward may read of a step of an env: one is made, reset and stepped once."""
+    try:
+        with blamed_on(spec, "an env was tried"), closing(environment.make()) as env:
+            env.reset(seed=0)
+            env.action_space.seed(0)
+            *_, info = env.step(env.action_space.sample())
+            spaces = str(env.observation_space), str(env.action_space)
+    except HarnessError as error:
+        return f"What a reward may read is not known: {error}"
+    rows = [
+        ("observation", spaces[0], "what the env observed after the step (b)"),
+        ("action", spaces[1], "what the policy did (b)"),
+        ("info", ", ".join(map(str, info)) or "no key", "keys that the env told in its first step (b)"),
+    ]
+    return f"What a reward may read of a step; (b): also of what was before, as step.before.action:\n{_table(rows)}"
 
 
 def _head(spec: Spec, label: str, target: Any) -> list[str]:

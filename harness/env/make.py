@@ -31,16 +31,20 @@ class World:
         robot: The arm.
         task: What it has to do.
         reward: What it is paid for.
+        records: What rows have beside the usual columns.
     """
 
     simulator: Simulator
     robot: Robot
     task: Task
     reward: Reward
+    records: tuple[str, ...] = ()
 
     def open(self, num_envs: int, **options: Any) -> ReachVectorEnv:
         """An environment of `num_envs` arms; `options` go to `harness.env.ReachVectorEnv`."""
-        return ReachVectorEnv(self.simulator, self.robot, self.task, self.reward, num_envs, **options)
+        return ReachVectorEnv(
+            self.simulator, self.robot, self.task, self.reward, num_envs, records=self.records, **options
+        )
 
 
 def build_world(cell: Cell, robot: Robot, registry: Registry) -> World:
@@ -59,6 +63,7 @@ def build_world(cell: Cell, robot: Robot, registry: Registry) -> World:
         robot,
         cell.task.build(registry, "tasks"),
         cell.reward.build(registry, "rewards"),
+        cell.records,
     )
 
 

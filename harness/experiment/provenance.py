@@ -10,12 +10,15 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from harness.errors import UsageError
 from harness.hookspecs import KINDS
 from harness.record.cell import Cell
 from harness.registry.libraries import distribution_of, is_installed, version_of
 from harness.registry.registry import Registry
 from harness.registry.sources import source_hash
 from harness.registry.spec import OURS, Spec
+from harness.reward import Sample
+from harness.reward.needs import needs_of
 from harness.robot import Robot
 from harness.simulator import family_of
 from harness.text import command_text
@@ -46,7 +49,22 @@ def describe_environment(
         "commit": source_commit(CHECKOUT),
         "command": command_text(Path(sys.argv[0]).name, *sys.argv[1:]),
         "sources": {**_source_hashes(specs), **digests, **function_digests(cell, registry)},
+        **_what_is_read(cell, robot, specs, registry),
     }
+
+
+def _what_is_read(
+    cell: Cell, robot: Robot | None, specs: Mapping[str, Spec], registry: Registry
+) -> dict[str, dict[str, list[str]]]:
+    """What an arm's reward reads beside distances, and its terms; nothing of one that reads distances and has none."""
+    if robot is None or "rewards" not in specs:
+        return {}
+    try:
+        found = needs_of(cell.reward.build(registry, "rewards"), robot.dof)
+    except UsageError:  # its first step will say why
+        return {}
+    is_plain = set(found.fields) <= set(Sample._fields) and not found.terms
+    return {} if is_plain else {"reward": {"reads": list(found.fields), "terms": list(found.terms)}}
 
 
 def function_digests(cell: Cell, registry: Registry) -> dict[str, str]:

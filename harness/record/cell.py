@@ -3,7 +3,7 @@
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -17,7 +17,7 @@ UNKNOWN_ALGORITHM = Choice("unknown", (), "unknown")
 """In place of the algorithm of a training that no experiment made: nobody recorded it."""
 EVALUATION_HORIZON = 10_000
 """Environment steps after which an episode of an evaluation in an environment is cut: ten times what most allow."""
-LATER = {"evaluate_every": 0, "deterministic": True, "evaluation_horizon": EVALUATION_HORIZON}
+LATER = {"evaluate_every": 0, "deterministic": True, "evaluation_horizon": EVALUATION_HORIZON, "records": ()}
 """Fields that the first version did not have. At these values they are left out, and ids stay what they were."""
 
 
@@ -39,6 +39,8 @@ class Cell:
         deterministic: Whether evaluated policies take the one action of each observation, NOTE eq. 36, or draw.
         evaluation_horizon: In an environment: environment steps after which an episode of an evaluation is cut. A task
             of an arm has a horizon of its own.
+        records: What its traces keep beside the usual columns, ``qvel``, because a reward or a measure of the
+            experiment reads it. It changes nothing of the training, and cells that differ in it alone are the same.
     """
 
     simulator: Choice
@@ -52,11 +54,13 @@ class Cell:
     evaluate_every: int = 0
     deterministic: bool = True
     evaluation_horizon: int = EVALUATION_HORIZON
+    records: tuple[str, ...] = field(default=(), compare=False)
 
     @cached_property
     def id(self) -> str:
-        """A hash of the content."""
-        text = json.dumps(self.to_json(), sort_keys=True, separators=(",", ":"))
+        """A hash of the content, but for `records`."""
+        content = {key: value for key, value in self.to_json().items() if key != "records"}
+        text = json.dumps(content, sort_keys=True, separators=(",", ":"))
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 
     @property
@@ -95,7 +99,7 @@ class Cell:
     def to_json(self) -> dict[str, Any]:
         """Plain data; `from_json` gives the same cell back."""
         return {
-            key: value.to_json() if isinstance(value, Choice) else value
+            key: value.to_json() if isinstance(value, Choice) else list(value) if key == "records" else value
             for key, value in vars(self).items()
             if key != "id" and not (key in LATER and value == LATER[key])
         }
@@ -106,4 +110,5 @@ class Cell:
         values: dict[str, Any] = {
             key: Choice.from_json(value) if isinstance(value, dict) else value for key, value in data.items()
         }
+        values["records"] = tuple(data.get("records", ()))
         return cls(**values)

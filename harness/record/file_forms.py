@@ -104,6 +104,7 @@ class CellForm(TypedDict):
     evaluate_every: NotRequired[Whole]
     deterministic: NotRequired[bool]
     evaluation_horizon: NotRequired[Count]
+    records: NotRequired[Annotated[list[Literal["qvel"]], Field(max_length=1)]]
 
 
 @with_config(OPEN)

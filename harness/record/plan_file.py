@@ -52,7 +52,9 @@ class StoredPlan:
         Raises:
             UsageError: Together they are too many: nobody could read the plan again.
         """
-        cells = tuple(dict.fromkeys([*earlier, *self.cells]))
+        asked = {cell: cell for cell in self.cells}
+        known = {cell: _recording_both(cell, asked.get(cell, cell)) for cell in earlier}
+        cells = tuple({**known, **{cell: known.get(cell, cell) for cell in asked}}.values())
         if len(cells) > forms.MOST_CELLS:
             raise UsageError(
                 f"{len(earlier):,} cells that are there and those that are asked for are {len(cells):,}, "
@@ -191,3 +193,8 @@ def _seeds_of(experiment: Mapping[str, Any], cells: Sequence[Cell]) -> list[int]
     if isinstance(told, int):
         return list(range(told))
     return list(told) if isinstance(told, list) else sorted({cell.seed for cell in cells})
+
+
+def _recording_both(earlier: Cell, asked: Cell) -> Cell:
+    """A cell whose traces keep what either plan asks for."""
+    return replace(asked, records=tuple(dict.fromkeys([*earlier.records, *asked.records])))

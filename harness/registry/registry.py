@@ -140,14 +140,16 @@ class Registry:
         """One line for each name that several plugins claim."""
         return [conflict(specs) for specs in self.specs.values() if len(specs) > 1]
 
-    def needs(self) -> list[dict[str, Any]]:
-        """What an experiment file says of the plugins that were given by hand; of those that could be loaded."""
+    def needs(self, in_environment: bool) -> list[dict[str, Any]]:
+        """What an experiment file says of the plugins that were given by hand; of those that could be loaded.
+
+        Args:
+            in_environment: Whether what functions say of each step is recorded, so that no report needs their files.
+        """
         broken = {it.name for it in self.plugins if it.is_at_fault}
-        with_functions = {it.file for it in self.functions}
+        recorded = {it.file for it in self.functions} if in_environment else set()
         return [
-            {**it.need, **({"functions": True} if it in with_functions else {})}
-            for it in self.given
-            if it.name not in broken
+            {**it.need, **({"functions": True} if it in recorded else {})} for it in self.given if it.name not in broken
         ]
 
     def broken_files(self) -> list[str]:
@@ -351,7 +353,8 @@ def _require_free(spec: Spec, file: PluginFile, registry: Registry) -> None:
     claimed = registry.specs.get((spec.kind, spec.name))
     if claimed:
         what = f"the name of {NOUNS[spec.kind]} '{spec.name}' is taken by package {claimed[0].package}"
-        raise UsageError(f"Plugin file '{file.path}': {what}. Rename the file, or what its hook registers")
+        remedy = "the function" if file.measures else "the file, or what its hook registers"
+        raise UsageError(f"Plugin file '{file.path}': {what}. Rename {remedy}")
 
 
 def _add(specs: list[Spec], registry: Registry) -> tuple[str, ...]:

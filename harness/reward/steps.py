@@ -6,12 +6,14 @@ Which fields there are depends on where the steps come from. One that is not the
 
 import difflib
 from collections import namedtuple
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import islice
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
 
 from harness.errors import UsageError
 
@@ -124,6 +126,12 @@ def rows_of(steps: Steps, rows: Any) -> Steps:
     return type(steps)._make(rows_of(part, rows) if isinstance(part, tuple) else part[rows] for part in told)
 
 
+def joined(parts: Sequence[Steps]) -> Steps:
+    """The rows of several steps one after the other, and what was before them."""
+    columns = zip(*(part._asdict().values() for part in parts), strict=True)
+    return type(parts[0])._make(joined(it) if isinstance(it[0], tuple) else np.concatenate(it) for it in columns)
+
+
 @dataclass(frozen=True)
 class Field:
     """A field of steps, for people.
@@ -165,5 +173,5 @@ ENVIRONMENT = (
 )
 """What a step of an environment has: one step of one env, without a first axis."""
 ARM_BEFORE = tuple(field.name for field in ARM if field.before)
-NOT_RECORDED = frozenset({"qvel", f"{BEFORE}.qvel"})
-"""What a trace has only where a reward of the experiment reads it."""
+NOT_RECORDED = ("qvel",)
+"""Fields that a trace has only where a reward of the experiment reads them."""

@@ -24,9 +24,10 @@ import numpy as np
 
 from harness.arrays import Float, Mask
 from harness.errors import UsageError
+from harness.record.row_steps import Rows
 from harness.reward import Paid, Reward
 from harness.reward.needs import needs_of
-from harness.score.scorer import Rows, Scorer, fields_beside_distances
+from harness.score.scorer import Scorer, fields_beside_distances
 
 END_EFFECTOR, TARGET, JOINTS, JOINTS_DEG = "end_effector", "target", "joints", "joints_deg"
 DISTANCE, RENEWED = "distance", "renewed"

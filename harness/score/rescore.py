@@ -15,10 +15,11 @@ from harness.files.parquet import require_room
 from harness.files.sums import changed_since_made, note_made
 from harness.files.whole_file import whole_file
 from harness.record.folder import MANIFEST
+from harness.record.row_steps import Rows
 from harness.reward import Paid, Reward
 from harness.reward.needs import needs_of
 from harness.score.recording import Chunk, Recording
-from harness.score.scorer import Rows, Scorer, fields_beside_distances
+from harness.score.scorer import Scorer, fields_beside_distances
 
 MOST_BYTES = 2**35
 """Most that is read of a file of scores."""

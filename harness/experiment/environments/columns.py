@@ -12,9 +12,11 @@ from harness.environment import (
     rewards_of,
 )
 from harness.errors import UsageError
-from harness.eta.interval import Bounds
+from harness.eta.interval import UNBOUNDED, Bounds
+from harness.registry.measure_functions import EPISODE
 from harness.registry.registry import Registry
 from harness.registry.step_functions import StepFunction
+from harness.reward.forms import STEP
 from harness.reward.given import Given, Terms, opened
 
 
@@ -47,12 +49,21 @@ def columns_of(environment: Environment, env: AnyEnv, registry: Registry) -> Col
     own, own_behaviour = rewards_of(environment, env), dict(environment.behaviour(env))
     _require_other_names(rewards, own)
     _require_other_names(measures, own_behaviour)
+    for it in measures.values():
+        if it.is_of_episodes:
+            raise UsageError(
+                f"Plugin file '{it.file.path}': the measure '{it.name}' takes ({EPISODE}), and whole episodes are "
+                f"measured of an arm alone. In an environment write {it.name}({STEP}): the last step counts"
+            )
     behaviour = {**_made(measures), **own_behaviour}
     return Columns(
         {**own, **_made(rewards)},
         {**{name: behaviour[name] for name in behaviour if name == SUCCESS}, **behaviour},
         {*lower_is_better(environment), *(it.name for it in measures.values() if it.lower_is_better)},
-        bounds_of(environment),
+        {
+            **bounds_of(environment),
+            **{it.name: it.bounds for it in measures.values() if it.bounds != UNBOUNDED},
+        },
     )
 
 
