@@ -15,11 +15,14 @@ from harness.env.goal_observation import GoalObservation
 from harness.environment import Environment
 from harness.errors import HarnessError, UsageError
 from harness.hookspecs import NOUNS
+from harness.measure import Measure
+from harness.measure import needs_of as measure_needs
 from harness.motion import MODES, Discrete, MoveJ
 from harness.registry.choice import choose, parse
 from harness.registry.parameters import Parameter, parameters_of, values_of
 from harness.registry.registry import Registry
 from harness.registry.spec import Spec, blamed_on
+from harness.registry.step_functions import WHAT_ONE_TAKES
 from harness.reward import MissingField, Reward
 from harness.reward.needs import needs_of
 from harness.reward.steps import ARM
@@ -56,11 +59,15 @@ def describe_name(registry: Registry, kind: str, given: str, robot: str | None) 
             parts.append(_describe_family(thing))
         if kind == "rewards":
             parts.append(_describe_reading(thing))
+        if kind == "metrics":
+            parts.append(_describe_measure(thing))
         if kind == "environments":
             parts.append(_describe_env(thing, spec))
         if kind == "tasks":
             parts += [describe_task(thing, load_robot(robot or thing.robot, registry)), _steps_of_arms()]
         parts.append(_describe_parameters(type(thing), values_of(thing)))
+    own = next((it.own for it in registry.plugins if it.name == spec.plugin), ())
+    parts.append(f"{spec.plugin} also has {', '.join(own)}: {WHAT_ONE_TAKES}" if own else "")
     told = "\n\n".join(part for part in parts if part)
     return f"{told}\n\n{SOURCES}" if re.search(r"\b(NOTE|ARP)\b", told) else told
 
@@ -76,6 +83,13 @@ def _describe_reading(reward: Reward) -> str:
     terms = f"It pays the sum of its terms: {', '.join(found.terms)}.\n" if found.terms else ""
     reads = ", ".join(f"step.{name}" for name in found.fields) or "nothing of a step"
     return f"{terms}It reads {reads}.\n\n{_steps_of_arms()}"
+
+
+def _describe_measure(measure: Measure) -> str:
+    """In which direction a measure is better, its unit, and what it says that it reads."""
+    unit = f", in {measure.unit}" if measure.unit else ""
+    reads = ", ".join(f"step.{name}" for name in sorted(measure_needs(measure)))
+    return f"{measure.better.capitalize()} is better{unit}.{f' It reads {reads}.' if reads else ''}"
 
 
 def _steps_of_arms() -> str:

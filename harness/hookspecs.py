@@ -46,7 +46,7 @@ class Hooks:
 
     @hookspec
     def register_metrics(self, register: Register) -> None:
-        """Targets: a frozen dataclass that is a `harness.metric.Metric`."""
+        """Targets: a frozen dataclass that is a `harness.measure.Measure`."""
 
     @hookspec
     def register_robots(self, register: Register) -> None:

@@ -39,7 +39,7 @@ RECORD = re.compile(r"results/reference/([\w/-]+)/summary\.md")
 ROBOT = re.compile(r"robots/(\w+)/README\.md")
 MODULES = (
     "harness", "harness.simulator", "harness.task", "harness.goal", "harness.environment", "harness.reward",
-    "harness.algorithm", "harness.metric", "harness.executor", "harness.tracker", "harness.progress", "harness.reach",
+    "harness.algorithm", "harness.measure", "harness.executor", "harness.tracker", "harness.progress", "harness.reach",
     "harness.robot", "harness.policy", "harness.results", "harness.errors", "harness.hookspecs", "harness.authoring",
     "harness.testing", "harness.pytest_plugin", "harness_plugins.sb3",
 )  # fmt: skip

@@ -19,6 +19,7 @@ from harness.text import command_text
 if TYPE_CHECKING:
     from harness.eta.curve import Kind
     from harness.record.merge import LeftOut
+    from harness.registry.given import Given
     from harness.results import Results
 
 
@@ -31,6 +32,7 @@ def report(
     summary: flags.SummaryFolder = None,
     metric: MetricNames = None,
     pairs: flags.Pairs = False,
+    measure: flags.MeasureFiles = None,
     plugin: PluginFiles = None,
 ) -> int:
     """Show the results of an experiment. Trains nothing.
@@ -42,10 +44,18 @@ def report(
         if len(folders) > 1:
             raise UsageError("One data set is reported at a time: name it alone")
         refuse_flags(
-            {"--details": details, "--summary": summary, "--metric": metric, "--pairs": pairs, "--plugin": plugin},
+            {
+                "--details": details,
+                "--summary": summary,
+                "--metric": metric,
+                "--pairs": pairs,
+                "--plugin": plugin,
+                "--measure": measure,
+            },
             "a data set",
         )
         return show_answer(audit_rewards_on(folders[0], (), None), as_json, html)
+    from harness.registry.given import read_given
     from harness.report.committed import is_committed
     from harness.results import load_results
 
@@ -53,10 +63,10 @@ def report(
     if any(map(is_committed, folders)):
         return _show_committed(folders, as_json, [name for name, value in beside.items() if value])
     if holds_recordings(folders):
-        refuse_flags({"--plugin": plugin})
+        refuse_flags({"--plugin": plugin, "--measure": measure})
     show = partial(show_results, as_json=as_json, html=html, details=details, summary=summary)
     if len(folders) == 1:
-        results = load_results(folders[0], curve, metric, plugin or (), pairs=pairs)
+        results = load_results(folders[0], curve, metric, plugin or (), pairs=pairs, measures=measure or ())
         status = show(results, _details(results, folders))
         if results.damaged:
             verify = command_text("harness", "verify", folders[0])
@@ -64,7 +74,7 @@ def report(
         return 1 if results.damaged else status
     with ExitStack() as stack:
         together = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="harness-report-")))
-        results, left_out = _read_together(folders, together, curve, metric, plugin, pairs)
+        results, left_out = _read_together(folders, together, curve, metric, read_given(plugin, measure), pairs)
         show(results, _details(results, folders))
     for path, reason in left_out:
         complain(f"left out: {path}: {reason}")
@@ -87,16 +97,15 @@ def _show_committed(folders: Sequence[Path], as_json: bool, beside: Sequence[str
 
 
 def _read_together(
-    folders: Sequence[Path], out: Path, curve: "Kind", metric: Names, plugin: Names, pairs: bool
+    folders: Sequence[Path], out: Path, curve: "Kind", metric: Names, given: "Sequence[Given]", pairs: bool
 ) -> "tuple[Results, list[LeftOut]]":
     """All folders as one, in a folder that is soon gone; and what is damaged."""
     from harness.record.merge import merge
-    from harness.registry.given import read_given
     from harness.registry.registry import load_registry
     from harness.results.load import read_results
 
     merged = merge(folders, out, is_temporary=True)
-    registry = load_registry(given=read_given(plugin))
+    registry = load_registry(given=given)
     return read_results(out, registry, curve, metric, is_temporary=True, pairs=pairs), merged.left_out
 
 

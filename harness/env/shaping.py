@@ -28,6 +28,7 @@ class Shaping:
     def __init__(self, reward: Reward, terms: Mapping[str, Float]) -> None:
         self.reward, self.carry, self.terms = reward, None, terms
         self._names = tuple(terms)
+        self._columns = [(name, column[:, 0]) for name, column in terms.items()]
 
     def pay(self, steps: Steps) -> Float:
         """What a step pays, (num_envs,).
@@ -35,12 +36,12 @@ class Shaping:
         Raises:
             UsageError: The reward pays other terms than at first.
         """
-        self.carry, (total, terms) = pay(self.reward, self.carry, steps)
-        if terms or self._names:
-            require_same(self._names, terms)
-            for name, column in self.terms.items():
-                column[:, 0] = terms[name]
-        shaped: Float = total
+        self.carry, paid = pay(self.reward, self.carry, steps)
+        if paid.terms or self._names:
+            require_same(self._names, paid.terms)
+            for name, column in self._columns:
+                column[...] = paid.terms[name]
+        shaped: Float = paid.total
         return shaped
 
     def restart(self, mask: Mask, begin_distance: Float) -> None:

@@ -32,7 +32,7 @@ FAILED = 0.5
 """A training failed if its policy succeeds in less than this share of its episodes."""
 
 
-class Measure(NamedTuple):
+class Quantity(NamedTuple):
     """A measure of behaviour."""
 
     name: str
@@ -119,7 +119,7 @@ class Change:
         level: A corrected p-value up to this says that there is a difference; `NO_WORD` where nothing may be said.
     """
 
-    measure: Measure
+    measure: Quantity
     baseline: float | None
     proposed: float | None
     random: float | None
@@ -191,7 +191,7 @@ class Change:
 
     @property
     def failed(self) -> tuple[int, int] | None:
-        """How many trainings of each reward failed; None of other measures, see `Measure.count_failed`."""
+        """How many trainings of each reward failed; None of other measures, see `Quantity.count_failed`."""
         return self.measure.count_failed(*self.values)
 
     @property
@@ -233,7 +233,7 @@ def _by_seed(values: Values) -> dict[str, float]:
 
 
 def change_of(
-    measure: Measure,
+    measure: Quantity,
     baseline: Mapping[int, float | None],
     proposed: Mapping[int, float | None],
     swaps: Swaps,
@@ -299,7 +299,7 @@ def with_intervals(change: Change) -> Change:
     )
 
 
-def _variance(values: Float, measure: Measure) -> float:
+def _variance(values: Float, measure: Quantity) -> float:
     """The variance of one training."""
     if measure.episodes is None:
         return variance_of(values)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, NamedTuple, Protocol
 
-from harness.eta.behaviour_change import Measure
+from harness.eta.behaviour_change import Quantity
 from harness.eta.interval import Interval
 from harness.eta.power import Range
 
@@ -55,7 +55,7 @@ class Compared(Protocol):
     """Values of a measure under two rewards: in one place, or means over several."""
 
     @property
-    def measure(self) -> Measure:
+    def measure(self) -> Quantity:
         """What is measured."""
 
     @property

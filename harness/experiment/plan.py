@@ -16,7 +16,7 @@ from harness.eta.verdict.looks import MARGIN
 from harness.experiment.looks import own_seed, terms_of
 from harness.experiment.task_plan import Given, TaskPlan, choose_each, plan_tasks, table_of, unnamed
 from harness.record.cell import EVALUATION_HORIZON as HORIZON
-from harness.record.cell import Cell
+from harness.record.cell import NO_SIMULATOR, Cell
 from harness.record.file_forms import MOST_CELLS, MOST_SEEDS
 from harness.record.plan_file import control_seeds
 from harness.record.terms import NEW, Terms
@@ -110,7 +110,7 @@ class Experiment:
     deterministic: Annotated[bool, Field(description="whether policies are evaluated without randomness")] = True
     measure: Annotated[
         list[str],
-        Field(max_length=MOST_NAMES, description="measures of an environment that come first; the first one decides"),
+        Field(max_length=MOST_NAMES, description="measures that come first; the first one decides"),
     ] = Field(default_factory=list)
     evaluation_horizon: Annotated[
         Steps | None,
@@ -238,7 +238,7 @@ def expand(experiment: Experiment, registry: Registry) -> Plan:
         tasks[0].baseline.label,
         tuple(cell for cell, reason in planned if not reason),
         tuple((cell, reason) for cell, reason in planned if reason),
-        _resolve(experiment, tasks, algorithms, registry.needs()),
+        _resolve(experiment, tasks, algorithms, registry.needs(tasks[0].simulators == (NO_SIMULATOR,))),
         control=control,
         terms=terms,
         warnings=(*registry.broken_files(), *dict.fromkeys(line for it in tasks for line in it.warnings)),
@@ -329,15 +329,15 @@ def _resolve(
         "task": named[0] if len(named) == 1 else named,
         "robot": first.robot if len(robots) == 1 else None,
         "evaluation_horizon": first.horizon,
+        "measure": list(first.measure),
     }
-    return {key: value for key, value in {**_given(experiment, needs), **told}.items() if key not in first.brought}
+    left_out = (*first.brought, *(["measure"] if not first.measure else []))
+    return {key: value for key, value in {**_given(experiment, needs), **told}.items() if key not in left_out}
 
 
 def _given(experiment: Experiment, needs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """The keys of an experiment file as they were given, but for the list of seeds, and of plugins."""
     values = {field.name: getattr(experiment, field.name) for field in fields(experiment) if field.name != "plugins"}
-    if not experiment.measure:
-        del values["measure"]
     plugins = {"plugins": needs} if needs else {}
     if experiment.until:
         del values["seeds"]

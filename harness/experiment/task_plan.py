@@ -13,10 +13,13 @@ from harness.experiment.environments.plan import kind_of_task, look_at, refuse_p
 from harness.experiment.task_form import task_for
 from harness.record.cell import EVALUATION_HORIZON, NO_ROBOT, NO_SIMULATOR
 from harness.registry.choice import Choice, choose, split_list
+from harness.registry.measure_functions import EPISODE, SUCCESS
 from harness.registry.names import unknown_name
 from harness.registry.registry import Registry
 from harness.registry.spec import PLANNED, blamed_on
-from harness.results.metrics import load_metrics, require_measures
+from harness.registry.step_functions import ARGUMENTS
+from harness.results.metrics import fields_needed, load_metrics, require_measures
+from harness.reward.forms import STEP
 from harness.reward.needs import needs_of
 from harness.reward.steps import BEFORE, NOT_RECORDED, MissingField
 from harness.robot import Robot
@@ -67,7 +70,7 @@ class Asked(Protocol):
 
     @property
     def measure(self) -> list[str]:
-        """Measures of an environment that come first."""
+        """Measures that come first; the first one decides."""
 
     @property
     def evaluation_horizon(self) -> int | None:
@@ -99,7 +102,8 @@ class TaskPlan:
         brought: Keys of an experiment file that the task leaves without a meaning, because it brings these things.
         require_metrics: Raises UsageError unless there are metrics, or measures of the environment, of these names.
         warnings: What to know before anything is trained, a line each.
-        records: What traces keep beside the usual columns, because a reward reads it.
+        records: What traces keep beside the usual columns, because a reward or a measure reads it.
+        measure: Names of measures as the experiment file keeps them, the one that decides first; empty for the default.
     """
 
     task: Choice
@@ -114,6 +118,7 @@ class TaskPlan:
     horizon: int = EVALUATION_HORIZON
     warnings: tuple[str, ...] = ()
     records: tuple[str, ...] = ()
+    measure: tuple[str, ...] = ()
 
     @property
     def has_control(self) -> bool:
@@ -161,8 +166,6 @@ def choose_each(registry: Registry, kind: str, given: Sequence[Given]) -> tuple[
 
 def _with_arm(asked: Asked, given: Given, registry: Registry, load: Callable[[str], Robot]) -> TaskPlan:
     """A task of an arm."""
-    if asked.measure:
-        raise UsageError("--measure goes with an environment: an arm is judged by success and time to the target")
     if asked.evaluation_horizon is not None:
         raise UsageError(OWN_HORIZON)
     if not asked.sim:
@@ -191,12 +194,38 @@ def _with_arm(asked: Asked, given: Given, registry: Registry, load: Callable[[st
         load_metrics(registry, names)
 
     brought = ("evaluation_horizon",)
-    warnings = tuple(f"robot {arm.name}: {line}" for line in arm.warnings)
+    measure, untaken = _measures_of_arm(asked, registry)
+    warnings = (*(f"robot {arm.name}: {line}" for line in arm.warnings), *untaken)
     reads = {field for choice in (baseline, *rewards) for field in _needs(choice, built, arm, registry)}
+    reads |= fields_needed(registry)
     records = tuple(name for name in NOT_RECORDED if reads & {name, f"{BEFORE}.{name}"})
     return TaskPlan(
-        task, simulators, robot, baseline, rewards, fit, table_of, brought, require, warnings=warnings, records=records
-    )
+        task, simulators, robot, baseline, rewards, fit, table_of, brought, require, warnings=warnings, records=records,
+        measure=measure,
+    )  # fmt: skip
+
+
+def _measures_of_arm(asked: Asked, registry: Registry) -> tuple[tuple[str, ...], list[str]]:
+    """The measures that an arm's experiment names; the one called ``success`` decides, if a file has it.
+
+    Returns:
+        Their names, and a line for each function that measures nothing here.
+
+    Raises:
+        UsageError: There is no measure of a name.
+    """
+    functions, known = registry.functions_of("measure"), registry.names("metrics")
+    untaken = {
+        name: f"{it.file.name}: the measure '{name}' takes {ARGUMENTS}, as in environments, and measures no arm. "
+        f"Write {name}({STEP}), or {name}({EPISODE}) of a whole episode"
+        for name, it in functions.items()
+        if it.spec is None
+    }
+    for name in asked.measure:
+        if name not in known:
+            raise UsageError(untaken.get(name) or unknown_name("measure", name, known))
+    given = [SUCCESS] if SUCCESS in functions and functions[SUCCESS].spec else []
+    return tuple(asked.measure or given), list(untaken.values())
 
 
 def _needs(choice: Choice, task: Task, arm: Robot, registry: Registry) -> tuple[str, ...]:
@@ -240,7 +269,7 @@ def _in_environment(asked: Asked, given: Given, registry: Registry) -> TaskPlan:
     baseline, rewards = looked.rewards_asked(asked.baseline, asked.reward)
 
     def fit(algorithm: Choice, reward: Choice) -> Fit:
-        return Fit(task, why_not_in(looked, algorithm, reward.name, registry, asked.steps))
+        return Fit(task, why_not_in(looked, algorithm, reward.label, registry, asked.steps))
 
     def require(names: Sequence[str]) -> None:
         require_measures(split_list(names), looked.measures)
@@ -249,19 +278,16 @@ def _in_environment(asked: Asked, given: Given, registry: Registry) -> TaskPlan:
         task,
         (NO_SIMULATOR,),
         NO_ROBOT,
-        _named(baseline),
-        tuple(map(_named, rewards)),
+        baseline,
+        rewards,
         fit,
-        tell_reward=lambda reward: reward.name,
+        tell_reward=lambda reward: table_of(reward) if reward.params else reward.name,
         brought=("sim", "robot"),
         require_metrics=require,
         horizon=asked.evaluation_horizon or EVALUATION_HORIZON,
         warnings=() if looked.measures else (UNMEASURED,),
+        measure=tuple(asked.measure),
     )
-
-
-def _named(reward: str) -> Choice:
-    return Choice(reward, (), reward)
 
 
 def _locate(robot: str, registry: Registry) -> str:

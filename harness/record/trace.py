@@ -35,7 +35,7 @@ reward/TERM         what a term of the reward paid; `reward` is their sum, added
 What is known of the episodes beside their rows is in the file's metadata, see `harness.record.episode_facts`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -52,7 +52,10 @@ from harness.errors import SchemaError, SimulationDiverged
 from harness.files.bounded import reading, require_regular
 from harness.files.parquet import require_room
 from harness.record.episode_facts import EpisodeFacts
-from harness.reward import LARGEST_PAID
+from harness.record.row_steps import TOUCHED, RowSteps, targets_touched
+from harness.record.row_steps import Rows as StepRows
+from harness.reward import LARGEST_PAID, Steps
+from harness.reward.steps import joined, rows_of
 
 FORMAT = 2
 """Format 1 has no `held` and no `terminated`: both events ended an episode."""
@@ -252,12 +255,52 @@ class Trace:
     def __len__(self) -> int:
         return len(self.columns["reward"])
 
+    def has_field(self, name: str) -> bool:
+        """Whether steps have a field; distances they always have."""
+        return set(FIELDS.get(name, ())) <= self.columns.keys()
+
     def field(self, name: str) -> NDArray[Any] | None:
         """A field of `FIELDS`, (rows, ...), as the env told it; None where it is not recorded."""
-        if not set(FIELDS[name]) <= self.columns.keys():
+        if not self.has_field(name):
             return None
         columns = [self.columns[column] for column in FIELDS[name]]
         return columns[0] if len(columns) == 1 else np.stack(columns, axis=1)
+
+    def rows(self, fields: Collection[str]) -> StepRows:
+        """The rows that steps are made of, with those of `FIELDS` that are asked for and recorded."""
+        found = {name: self.field(name) for name in FIELDS if name in fields}
+        more = {name: values for name, values in found.items() if values is not None}
+        flags = [self.columns[name] for name in TOUCHED if name in self.columns]
+        touched = targets_touched(*flags) if len(flags) == len(TOUCHED) else None
+        six = self["begin_distance"], self["previous_best"], self["distance"]
+        return StepRows(self["step"] == 0, *six, touched, more)
+
+    def steps(self, fields: Collection[str]) -> Steps:
+        """Every row as a step that a reward or a measure is given, in the trace's order.
+
+        Args:
+            fields: Which of `FIELDS` steps have beside the distances, where they are recorded.
+        """
+        rows, runs = self.rows(fields), self.runs
+        if runs is None:
+            return RowSteps().of(rows)[0]
+        return rows_of(joined([RowSteps().of(rows.part(run))[0] for run in runs]), np.argsort(np.concatenate(runs)))
+
+    @cached_property
+    def runs(self) -> list[NDArray[np.int64]] | None:
+        """Row numbers of each run, env after env; None where all rows are one run in their order.
+
+        A new run begins at an env that does not begin with a start row.
+
+        Rows after a start row do not depend on rows before it. So several envs in a row can be one run. For the 100
+        envs of an evaluation a reward then takes a fifth of the time of 100 runs, and less if it has a memory.
+        """
+        env = self["env"]
+        if (env[1:] == env[:-1]).all():
+            return None
+        order = np.argsort(env, kind="stable")
+        is_next = np.diff(env[order]) != 0
+        return np.split(order, np.flatnonzero(is_next & (self["step"][order][1:] != 0)) + 1)
 
     @property
     def terms(self) -> dict[str, NDArray[Any]]:

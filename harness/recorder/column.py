@@ -28,7 +28,8 @@ from harness.recorder.env_facts import plain
 from harness.recorder.own_copies import own_copies
 from harness.registry.plugin_module import file_behind
 from harness.reward import Paid, Steps
-from harness.reward.given import OWN, Given, Terms, arguments, opened, takes_step
+from harness.reward.forms import takes_step
+from harness.reward.given import OWN, Given, Terms, arguments, opened
 from harness.reward.terms import paid_of, require_same, sum_of
 
 

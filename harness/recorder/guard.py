@@ -132,7 +132,11 @@ class Guard:
         names, *both = _NAMES[len(step)], *map(_parts, (step, given))
         for name, before, after in zip(names, *both, strict=True):
             if not same(before, after):
-                instead = f"change a copy, `dict({name})`" if name.endswith("info") else f"write `{name} / 2` for `{name} /= 2`"
+                instead = (
+                    f"change a copy, `dict({name})`"
+                    if name.endswith("info")
+                    else f"write `{name} / 2` for `{name} /= 2`"
+                )
                 return f"it writes into its {name}, which others read too: {instead} ({one_line(error)})"
         return one_line(error)
 

@@ -16,8 +16,8 @@ from harness.eta.interval import Bounds
 from harness.record.recording.facts import Acted
 from harness.recorder.asked import Asked, OnError
 from harness.recorder.calls import CHECKED, action_facts
-from harness.recorder.env_facts import LEARNERS
 from harness.recorder.column import as_number
+from harness.recorder.env_facts import LEARNERS
 from harness.recorder.guard import Asking, NoAnswer, Raised
 from harness.recorder.recorder import Recorder, differs
 from harness.recorder.trial import FIRST_STEPS
@@ -37,15 +37,15 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
     The learner is paid by the env itself; with `pay`, by the reward that it is trained with, in its place. A reward, or
     a measure of behaviour, is one of these:
 
-    * a function whose one argument is called ``step``. It reads ``step.observation`` after the step, ``step.action`` and
-      ``step.info``, and under ``step.before`` what each was before: in the first step of an episode an action of zeros,
-      and the info of the reset. All that it is given are copies, which it cannot write into.
+    * a function whose one argument is called ``step``. It reads ``step.observation`` after the step, ``step.action``
+      and ``step.info``, and under ``step.before`` what each was before: in the first step of an episode an action of
+      zeros, and the info of the reset. All that it is given are copies, which it cannot write into.
     * a function of (observation, action, next_observation, info). `observation` is what the env returned before the
       step.
     * an object that can be called as one of these and has ``reset()``, for one with a memory: ``reset()`` is called
       when an episode starts. The env gets a deep copy of its own.
-    * a key of `info`, as ``"distance"``, or ``"reward.forward"`` of a dict in it. In a step that does not end an episode, a measure of behaviour may be missing
-      there; the step then has NaN.
+    * a key of `info`, as ``"distance"``, or ``"reward.forward"`` of a dict in it. In a step that does not end an
+      episode, a measure of behaviour may be missing there; the step then has NaN.
     * ``"own"``, what the env pays.
 
     A function returns one finite number. That of a reward may also return a dict of terms, ``{"reach": 1.0, "effort":

@@ -104,7 +104,7 @@ class Sealer:
 
 def writable(value: Any) -> Any:
     """A copy that can be written into, also of something sealed; what cannot be copied itself."""
-    if hasattr(value, "_make"):  # a step: each of its parts for itself
+    if isinstance(value, tuple) and hasattr(value, "_make"):  # a step: each of its parts for itself
         return value._make(map(writable, value))
     try:
         return copy.deepcopy(value)

@@ -9,21 +9,19 @@ import math
 import pickle
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
-from harness.errors import UsageError, sentence
+from harness.errors import Unscored, UsageError, sentence
 from harness.record.recording.facts import REWARD
 from harness.recorder.column import Column, as_number
 from harness.recorder.computing import only_computes
 from harness.recorder.guard import Asking, Guard, Raised
 from harness.recorder.own_copies import as_defined, uses_parts_of
 from harness.reward import Steps
-from harness.reward.given import Given, opened
-from harness.reward.terms import paid_of
+from harness.reward.given import Given, Untold, opened
 
 FIRST_STEPS = 100
 RESTART = "reset"
@@ -92,11 +90,21 @@ class Trial:
         if drew:
             answer = math.nan  # not asked again
         elif not column.remembers:
-            (again,) = self.guard.ask([column.measures[0]], [step])
+            again = self._total(column, column.measures[0], step)
             if not _alike(answer, again):
                 return Finding(column, f"{_other(answer, again)} about the same step at once. {_what_is_wrong()}")
         noted.append((step, answer))
         return None
+
+    def _total(self, column: Column, function: Any, step: Asking) -> Any:
+        """What a function says of a step; of terms the sum, as it is recorded."""
+        (found,) = self.guard.ask([function], [step])
+        if not isinstance(found, dict | tuple):
+            return found
+        try:
+            return column.batch(found, self.env.num_envs)[:, 0] if column.batched else column.numbers(found)[0]
+        except (TypeError, ValueError, UsageError) as error:
+            return Raised(error)
 
     def look(self, columns: Sequence[Column]) -> Iterator[Finding]:
         """Ask all that were not given up about the noted steps again, from the first one on."""
@@ -124,7 +132,7 @@ class Trial:
         begun: Any = self._begun.get(column.name)
         noted = self._noted[column.name]
         for number, (step, answer) in reversed([*enumerate(noted)] if begun is not None else []):
-            (again,) = self.guard.ask([begun], [step])
+            again = self._total(column, begun, step)
             if not isinstance(again, Raised) and not _alike(answer, again):
                 return f"{_other(answer, again)} about step {number} before others"
         return ""
@@ -178,7 +186,7 @@ class Trial:
             number += 1
             if between is not None:
                 self.guard.ask([between], [next(others)])
-            (again,) = self.guard.ask([function], [step])
+            again = self._total(column, function, step)
             if not _alike(answer, again):
                 return f"{_other(answer, again)} about step {number} after others"
         return ""
@@ -231,9 +239,7 @@ def _short(answer: Any) -> str:
 
 
 def _alike(answer: Any, again: Any) -> bool:
-    """Whether an answer is the same number as before, to within what the same computation may differ; of terms the sum."""
-    with suppress(UsageError):
-        again = paid_of(again).total
+    """Whether an answer is the same number as before, to within what the same computation may differ."""
     if isinstance(answer, float):
         if math.isnan(answer):  # it was not to be compared
             return True
@@ -285,9 +291,14 @@ class Guarded:
 
         Raises:
             UsageError: It remembers something that nobody restarts.
+            Unscored: It reads what the step does not have, or its terms are no terms.
+            Exception: Whatever it raises.
         """
         asking = self._column.arguments(step)
-        numbers = self._column.numbers(self._guard.answer(self._column.given, asking, self._is_watched))
+        try:
+            numbers = self._column.numbers(self._guard.answer(self._column.given, asking, self._is_watched))
+        except (UsageError, Untold) as error:
+            raise Unscored(str(error)) from error
         if self._steps < FIRST_STEPS and not self._column.remembers:
             self._steps += 1
             found = self._trial.note(self._column, asking, numbers[0], bool(self._guard.drew))

@@ -1,4 +1,4 @@
-"""Names of version 0.1 that moved: they work for one more version, with a warning that says the new one.
+"""Names of versions 0.1 and 0.2 that moved: they work for one more version, with a warning that says the new one.
 
 `harness` calls `find_old_names` when it is imported. From then on ``from harness.kinematics import forward`` gives what
 ``from harness.authoring import forward`` gives, and a `DeprecationWarning`. docs/renamed.md shows the tables below.
@@ -45,6 +45,7 @@ MODULES: Mapping[str, str] = MappingProxyType(
         "harness.make": "harness.env.make",
         "harness.manifest": "harness.record.manifest",
         "harness.mean_return": "harness.record.returns",
+        "harness.metric": "harness.measure",
         "harness.meshes": "harness.robot.meshes",
         "harness.observation": "harness.env.arm_observation",
         "harness.parameters": "harness.registry.parameters",
@@ -89,6 +90,7 @@ NAMES: Mapping[str, str] = MappingProxyType(
         "harness.combination.Combination": "harness.results.comparison.Comparison",
         "harness.decompose.decompose": "harness.eta.decompose.decompose",
         "harness.env.Outcome": "harness.env.decisions.Outcome",
+        "harness.environment.Measure": "harness.reward.Given",
         "harness.eta.Comparison": "harness.score.compare.ComparedRuns",
         "harness.eta.compare_recordings": "harness.score.compare.compare_recordings",
         "harness.experiment.default_folder": "harness.experiment.experiment.default_folder",
@@ -101,6 +103,7 @@ NAMES: Mapping[str, str] = MappingProxyType(
         "harness.manifest.describe_environment": "harness.experiment.provenance.describe_environment",
         "harness.manifest.describe_machine": "harness.experiment.provenance.describe_machine",
         "harness.manifest.source_commit": "harness.experiment.provenance.source_commit",
+        "harness.metric.Metric": "harness.measure.Measure",
         "harness.observation.Observation": "harness.task.Observation",
         "harness.plan.Fit": "harness.experiment.task_plan.Fit",
         "harness.plugins.API_VERSION": "harness.registry.hooks.API_VERSION",
@@ -112,10 +115,10 @@ NAMES: Mapping[str, str] = MappingProxyType(
         "harness.recording.open_recording": "harness.score.open_recording.open_recording",
         "harness.robot.read_robot": "harness.robot.robot.read_robot",
         "harness.robot_by_name.load_robot": "harness.load_robot",
-        "harness.score.Rows": "harness.score.scorer.Rows",
+        "harness.score.Rows": "harness.record.row_steps.Rows",
         "harness.score.Scorer": "harness.score.scorer.Scorer",
         "harness.score.score_trace": "harness.score.scorer.score_trace",
-        "harness.score.targets_touched": "harness.score.scorer.targets_touched",
+        "harness.score.targets_touched": "harness.record.row_steps.targets_touched",
         "harness.shapes.Array": "harness.arrays.Float",
         "harness.testing.algorithms.ALGORITHM_CHECKS": "harness.testing.ALGORITHM_CHECKS",
         "harness.testing.algorithms.check_algorithm": "harness.testing.check_algorithm",

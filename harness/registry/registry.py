@@ -21,7 +21,8 @@ from harness.registry.moved import old_names_in
 from harness.registry.names import unknown_name
 from harness.registry.plugin_module import class_of_file, import_file
 from harness.registry.spec import Spec, canonical
-from harness.registry.step_functions import ARGUMENTS, StepFunction, functions_of_file
+from harness.registry.step_functions import StepFunction, functions_of_file, own_functions, why_no_reward
+from harness.reward.given import ARGUMENTS
 
 MENTIONED = 2
 """Plugins that did not load, in the message about a name that is not there."""
@@ -44,6 +45,8 @@ class Plugin:
     registered: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
     """What its author should change although it works: names that moved, interfaces of an earlier version."""
+    own: tuple[str, ...] = ()
+    """Of a file of rewards or measures: the functions in it that are none, ``clip(x)``."""
 
     @property
     def is_at_fault(self) -> bool:
@@ -137,14 +140,16 @@ class Registry:
         """One line for each name that several plugins claim."""
         return [conflict(specs) for specs in self.specs.values() if len(specs) > 1]
 
-    def needs(self) -> list[dict[str, Any]]:
-        """What an experiment file says of the plugins that were given by hand; of those that could be loaded."""
+    def needs(self, in_environment: bool) -> list[dict[str, Any]]:
+        """What an experiment file says of the plugins that were given by hand; of those that could be loaded.
+
+        Args:
+            in_environment: Whether what functions say of each step is recorded, so that no report needs their files.
+        """
         broken = {it.name for it in self.plugins if it.is_at_fault}
-        with_functions = {it.file for it in self.functions}
+        recorded = {it.file for it in self.functions} if in_environment else set()
         return [
-            {**it.need, **({"functions": True} if it in with_functions else {})}
-            for it in self.given
-            if it.name not in broken
+            {**it.need, **({"functions": True} if it in recorded else {})} for it in self.given if it.name not in broken
         ]
 
     def broken_files(self) -> list[str]:
@@ -158,6 +163,11 @@ class Registry:
         advice = [sentence(line) for plugin in self.plugins for line in plugin.advice]
         return [*at_fault, *self.conflicts(), *self.notes, *advice]
 
+    def why_no_reward(self, name: str) -> str:
+        """Why a name is that of a function in a file and of no reward; empty if it is no such name."""
+        told = ((plugin.name, why_no_reward(name, plugin.own)) for plugin in self.plugins)
+        return next((f"In {file}, {why}" for file, why in told if why), "")
+
     def not_loaded(self, kind: str = "", name: str = "") -> str:
         """What may be the reason that a name is not there, to follow on a message; empty if nothing may."""
         function = self.functions_of("reward").get(name) if kind == "rewards" else None
@@ -166,6 +176,8 @@ class Registry:
                 f" {function.file.name} has a function of {ARGUMENTS}, which pays in environments: "
                 "--task gymnasium:id=... . The reward of an arm is a class"
             )
+        if kind == "rewards" and (own := self.why_no_reward(name)):
+            return f" {own}"
         at_fault = [plugin for plugin in self.plugins if plugin.is_at_fault]
         more = f" and {len(at_fault) - MENTIONED} more" if len(at_fault) > MENTIONED else ""
         told = "; ".join(plugin.complaint for plugin in at_fault[:MENTIONED])
@@ -300,8 +312,9 @@ def _load_file(file: PluginFile, manager: pluggy.PluginManager, registry: Regist
     registry.functions += functions
     told = (*_add(specs, registry), *(f"{it.noun} {it.name} of environments" for it in functions if not it.spec))
     plugin = _given_plugin(file, origin, file.module, told)
+    own = own_functions(file, module) if functions else ()
     remarks = [remark_on(module), *old_names_in(file.source)]
-    registry.plugins.append(replace(plugin, remarks=tuple(filter(None, remarks))))
+    registry.plugins.append(replace(plugin, remarks=tuple(filter(None, remarks)), own=own))
 
 
 def _given_plugin(given: Given, origin: Origin, module: str, registered: tuple[str, ...]) -> Plugin:
@@ -340,7 +353,8 @@ def _require_free(spec: Spec, file: PluginFile, registry: Registry) -> None:
     claimed = registry.specs.get((spec.kind, spec.name))
     if claimed:
         what = f"the name of {NOUNS[spec.kind]} '{spec.name}' is taken by package {claimed[0].package}"
-        raise UsageError(f"Plugin file '{file.path}': {what}. Rename the file, or what its hook registers")
+        remedy = "the function" if file.measures else "the file, or what its hook registers"
+        raise UsageError(f"Plugin file '{file.path}': {what}. Rename {remedy}")
 
 
 def _add(specs: list[Spec], registry: Registry) -> tuple[str, ...]:

@@ -11,6 +11,7 @@ from typing import Any
 from harness.errors import HarnessError, PluginError, UsageError, one_line, sentence
 from harness.hookspecs import NOUNS
 from harness.registry.libraries import is_met, module_of
+from harness.registry.measure_functions import is_measure_function, measure_class
 from harness.reward.forms import is_function_of_steps, reward_class
 
 OURS = "fd100-harness"
@@ -77,7 +78,7 @@ class Spec:
         """Import the target.
 
         Raises:
-            UsageError: A required library is not installed, or a function of steps reads what no step has, or fails.
+            UsageError: A required library is not installed, or a function reads what no step has, or fails.
             PluginError: The target cannot be imported or does not exist.
         """
         if self.missing:
@@ -87,6 +88,8 @@ class Spec:
         module, attribute = self.target.split(":")
         try:
             target = getattr(importlib.import_module(module), attribute)
+            if self.kind == "metrics" and is_measure_function(target):
+                return measure_class(target)
             return reward_class(target) if self.kind == "rewards" and is_function_of_steps(target) else target
         except UsageError:
             raise

@@ -1,33 +1,41 @@
 """Functions in plugin files that say a number for a step: rewards, and measures of behaviour.
 
 A plugin file without hooks and without a plugin class may have plain functions of ``step``, for an arm or for any
-environment; plain functions of `ARGUMENTS`, for an environment, `functools.partial` ones, and objects that can be
-called so. A reward with a memory is a class with ``reset()`` whose objects can be called so; each env gets an object of
-its own. Other classes, such as settings, and other functions are the file's own. If a file has one reward, the reward
-has the name of the file. If it has several, each has its own name.
+environment; measures that are plain functions of ``episode``, for an arm; and for environments functions of
+`ARGUMENTS`, `functools.partial` ones of either, and objects that can be called so. A reward with a memory is a class
+with ``reset()`` whose objects can be called so; each env gets an object of its own. Other classes, such as settings, and
+other functions are the file's own, see `own_functions`. If a file has one reward, the reward has the name of the file.
+If it has several, each has its own name.
 """
 
 import functools
 import inspect
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
 
 from harness.errors import UsageError
+from harness.eta.interval import UNBOUNDED, Bounds
 from harness.registry.given import PluginFile
+from harness.registry.measure_functions import (
+    LOWER,
+    Said,
+    is_function_of_episodes,
+    is_measure_function,
+    said_of,
+)
 from harness.registry.members import MEMBERS, missing_members
 from harness.registry.plugin_module import import_file, public_classes
 from harness.registry.spec import Spec
-from harness.reward.forms import STEP, is_function_of_steps
+from harness.reward.forms import STEP, is_function_of_steps, takes_step
+from harness.reward.given import ARGUMENTS, takes_arguments
 
-ARGUMENTS = "(observation, action, next_observation, info)"
 PLUGIN_METHODS = frozenset(
     name for of in MEMBERS.values() for name, count in of.items() if count is not None and name != "__call__"
 )
 """Names of methods that plugins of some kind must have."""
-LOWER = "lower_is_better"
-"""The name in a file of measures under which it lists those of which less is better."""
+WHAT_ONE_TAKES = f"a reward or a measure takes ({STEP}), or in an environment {ARGUMENTS}"
 
 
 @dataclass(frozen=True)
@@ -39,16 +47,20 @@ class StepFunction:
         attribute: Its name in the file.
         file: Where it stands.
         lower_is_better: Of a measure, whether less is better.
+        bounds: Of a measure, what it can be, if the file says so.
         summary: The first line of its docstring.
-        is_of_steps: Whether it takes ``step``, so that it can pay an arm too.
+        is_of_steps: Whether it takes ``step``, so that it can pay or measure an arm too.
+        is_of_episodes: Whether it takes ``episode``, so that it measures an arm alone.
     """
 
     name: str
     attribute: str
     file: PluginFile
     lower_is_better: bool = False
+    bounds: Bounds = UNBOUNDED
     summary: str = ""
     is_of_steps: bool = False
+    is_of_episodes: bool = False
 
     @property
     def noun(self) -> str:
@@ -57,14 +69,15 @@ class StepFunction:
 
     @property
     def spec(self) -> Spec | None:
-        """The reward that it is for an arm; None if it is none."""
-        if self.file.measures or not self.is_of_steps:
+        """The reward or the metric that it is for an arm; None if it is none."""
+        if not (self.is_of_steps or self.is_of_episodes):
             return None
+        kind = "metrics" if self.file.measures else "rewards"
         target, origin = f"{self.file.module}:{self.attribute}", self.file.name
-        return Spec("rewards", self.name, target, self.summary, (), None, origin, origin, self.file.digest[:8])
+        return Spec(kind, self.name, target, self.summary, (), None, origin, origin, self.file.digest[:8])
 
     def make(self) -> Any:
-        """The function; of a class a new object. It is called with a step, or with `ARGUMENTS`."""
+        """The function; of a class a new object. It is called with a step, an episode, or `ARGUMENTS`."""
         found = getattr(import_file(self.file), self.attribute)
         return found() if inspect.isclass(found) else found
 
@@ -84,26 +97,53 @@ def functions_of_file(file: PluginFile, module: ModuleType) -> list[StepFunction
         if not name.startswith("_") and not isinstance(it, type) and _is_called(file, it)
     }
     classes = [it for it in classes if _has_steps(it) and not any(type(one) is it for one in objects.values())]
-    public = {
-        name: it
-        for name, it in vars(module).items()
-        if inspect.isfunction(it) and it.__module__ == file.module and not name.startswith("_")
-    }
-    functions = [name for name, it in public.items() if is_function_of_steps(it) or _takes(it, 4)]
+    public = _public_functions(file, module)
+    of_episodes = [name for name, it in public.items() if file.measures and is_function_of_episodes(it)]
+    functions = [name for name, it in public.items() if _is_of_step(it)] + of_episodes
     if public and not (functions or objects or classes):
         raise UsageError(f"Plugin file '{file.path}': {_what_it_has(public)}")
     attributes = [
         name for name, it in vars(module).items() if name in functions or name in objects or _is_one_of(it, classes)
     ]
     names = [file.stem.lower()] if len(attributes) == 1 and not file.measures else attributes
-    lower = _lower(file, module, attributes)
+    said = _said(file, module, attributes)
     return [
         StepFunction(
-            name, it, file, it in lower, _summary(getattr(module, it)), is_function_of_steps(getattr(module, it))
+            name,
+            it,
+            file,
+            said[it].is_lower_better,
+            said[it].bounds,
+            _summary(getattr(module, it)),
+            is_function_of_steps(getattr(module, it)),
+            it in of_episodes,
         )
         for name, it in zip(names, attributes, strict=True)
         if name not in file.left_out
     ]
+
+
+def own_functions(file: PluginFile, module: ModuleType) -> tuple[str, ...]:
+    """Functions of a file that are no rewards and no measures, since they take something else: ``clip(x)``."""
+    return tuple(
+        _told(name, it)
+        for name, it in _public_functions(file, module).items()
+        if not (_is_of_step(it) or (file.measures and is_function_of_episodes(it)))
+    )
+
+
+def why_no_reward(name: str, functions: Iterable[str]) -> str:
+    """Why a name is that of no reward, where it is one of `own_functions`; empty if it is none."""
+    own = next((it for it in functions if it.partition("(")[0] == name), "")
+    return f"{own} is no reward: {WHAT_ONE_TAKES}" if own else ""
+
+
+def _public_functions(file: PluginFile, module: ModuleType) -> dict[str, Any]:
+    return {
+        name: it
+        for name, it in vars(module).items()
+        if inspect.isfunction(it) and it.__module__ == file.module and not name.startswith("_")
+    }
 
 
 def _is_plugin(found: type) -> bool:
@@ -113,44 +153,46 @@ def _is_plugin(found: type) -> bool:
 
 def _has_steps(found: type) -> bool:
     """Whether objects of a class are called for each step."""
-    is_called = any("__call__" in vars(base) for base in found.__mro__) and _takes(found.__call__, 5)
-    return is_called and bool(missing_members("rewards", found))
+    own = next((vars(base)["__call__"] for base in found.__mro__ if "__call__" in vars(base)), None)
+    return own is not None and _is_of_step(functools.partial(own, None)) and bool(missing_members("rewards", found))
 
 
 def _is_called(file: PluginFile, found: Any) -> bool:
     """Whether something is a `functools.partial`, or an object of a class of the file, that is called for a step."""
     is_of_file = type(found).__module__ == file.module and callable(found)
-    return (is_of_file or isinstance(found, functools.partial)) and _takes(found, 4)
+    return (is_of_file or isinstance(found, functools.partial)) and _is_of_step(found)
+
+
+def _is_of_step(found: Any) -> bool:
+    """Whether something is called with a step, or with its parts."""
+    return takes_step(found) or takes_arguments(found)
 
 
 def _is_one_of(found: Any, classes: Iterable[type]) -> bool:
     return any(found is it for it in classes)
 
 
-def _takes(function: Any, count: int) -> bool:
-    try:
-        inspect.signature(function).bind(*[None] * count)
-    except TypeError:
-        return False
-    return True
-
-
 def _what_it_has(functions: Mapping[str, Any]) -> str:
     """Why none of the functions is a reward or a measure."""
-    named = ", ".join(f"{name}{inspect.signature(it)}" for name, it in functions.items())
-    return f"it has {named}, and a reward or a measure takes ({STEP}), or in an environment {ARGUMENTS}"
+    named = ", ".join(_told(name, it) for name, it in functions.items())
+    return f"it has {named}, and {WHAT_ONE_TAKES}"
+
+
+def _told(name: str, function: Any) -> str:
+    return f"{name}{inspect.signature(function)}"
 
 
 def _summary(found: Any) -> str:
     return next(iter(inspect.cleandoc(getattr(found, "__doc__", None) or "").splitlines()), "")
 
 
-def _lower(file: PluginFile, module: ModuleType, known: Iterable[str]) -> set[str]:
-    """The measures of which less is better."""
-    given = getattr(module, LOWER, ())
-    names = {given} if isinstance(given, str) else {*given}
-    for name in names.difference(known):
-        raise UsageError(f"Plugin file '{file.path}': {LOWER} names {name!r}, which is none of {', '.join(known)}")
-    if names and not file.measures:
+def _said(file: PluginFile, module: ModuleType, names: Sequence[str]) -> dict[str, Said]:
+    """What a file says of its measures."""
+    is_of_arms = file.measures and any(is_measure_function(getattr(module, name)) for name in names)
+    try:
+        said = said_of(module, names, all_of_it=is_of_arms)
+    except UsageError as error:
+        raise UsageError(f"Plugin file '{file.path}': {error}") from None
+    if not file.measures and any(it.is_lower_better for it in said.values()):
         raise UsageError(f"Plugin file '{file.path}': {LOWER} goes with measures, and these functions are rewards")
-    return names
+    return said

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from harness.eta.behaviour_change import TRAINING, Measure
+from harness.eta.behaviour_change import TRAINING, Quantity
 from harness.eta.headline import DECIDING
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
 from harness.record.cell import Cell
@@ -23,7 +23,7 @@ NO_BETTER = ""
 class Stages(NamedTuple):
     """One measure, or the pay of an episode: means over trainings."""
 
-    measure: Measure
+    measure: Quantity
     start: SeedMean
     """Over the first tenth of the episodes of each training."""
     end: SeedMean
@@ -86,7 +86,7 @@ class OfTraining(NamedTuple):
     """How many episodes start and end rest on each, and how many the evaluation."""
 
 
-def stages_of(measure: Measure, trainings: Sequence[OfTraining], random: float | None) -> Stages:
+def stages_of(measure: Quantity, trainings: Sequence[OfTraining], random: float | None) -> Stages:
     """The means of one measure over trainings.
 
     Args:
@@ -137,7 +137,7 @@ def _alone(records: Records, group: Group, cells: Sequence[Cell]) -> Alone:
     names = sorted(records.metrics, key=lambda name: DECIDING.index(name) if name in DECIDING else len(DECIDING))
     measures = [measure_of(name, records.metrics[name], TRAINING, trainings[0].episodes[1], first) for name in names]
     found = [stages_of(measure, trainings, random.get(measure.name)) for measure in measures]
-    pay = Measure(PAID, "", NO_BETTER, TRAINING)
+    pay = Quantity(PAID, "", NO_BETTER, TRAINING)
     curve = curve_of_training(records, group, ordered[0].reward.label, ordered)
     return Alone(
         group,

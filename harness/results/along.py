@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 
-from harness.eta.behaviour_change import Change, Measure
+from harness.eta.behaviour_change import Change, Quantity
 from harness.eta.interval import SHARE
 from harness.results.comparison import Group, StepChange
 from harness.results.measured import AREA, LEARNING, STEPS_TO_GOAL, Moment, learning_values, moments_by_due
@@ -47,7 +47,7 @@ def learning_changes(group: Group, moments: Moments, success: str, change: Calla
     """
     one, other = ([learning_values(its, group.steps, success) for its in side] for side in moments)
     measures = (
-        Measure(AREA, "", "higher", LEARNING, bounds=SHARE),
-        Measure(STEPS_TO_GOAL, "steps", "lower", LEARNING, bounds=(0.0, float(group.steps))),
+        Quantity(AREA, "", "higher", LEARNING, bounds=SHARE),
+        Quantity(STEPS_TO_GOAL, "steps", "lower", LEARNING, bounds=(0.0, float(group.steps))),
     )
     return [change(it, *([values[it.name] for values in side] for side in (one, other))) for it in measures]

@@ -12,7 +12,7 @@ import numpy as np
 from harness.arrays import Float
 from harness.errors import Unmeasured
 from harness.eta.behaviour_change import TRAINING
-from harness.metric import Metric
+from harness.measure import Measure
 from harness.record.cell_folder import is_named
 from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, TRACE, evaluation_files, other_manner
 from harness.record.manifest import Manifest
@@ -37,7 +37,7 @@ TO_PAY = [*SCORED, "episode", "reward", *EVENTS]
 """Columns that a reward is computed from, or a return."""
 
 
-Metrics: TypeAlias = Callable[[], Mapping[str, tuple[Metric, str]]]
+Metrics: TypeAlias = Callable[[], Mapping[str, tuple[Measure, str]]]
 
 
 class CellResults:
@@ -230,7 +230,7 @@ class CellResults:
                 self._reasons.setdefault(name, str(error))
         return values
 
-    def _apply(self, metric: Metric, file: str, part: str) -> float | None:
+    def _apply(self, metric: Measure, file: str, part: str) -> float | None:
         if isinstance(metric, Unmeasurable):  # no trace has to be read for it
             raise Unmeasured(metric.reason)
         return value_of(metric, _some(self._trace(file), part) if part else self._trace(file))

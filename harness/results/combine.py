@@ -5,11 +5,12 @@ from itertools import combinations
 from typing import Literal
 
 from harness.errors import Unscored
-from harness.eta.behaviour_change import TRAINING, Measure
+from harness.eta.behaviour_change import TRAINING, Quantity
 from harness.eta.curve import GroupCurve
 from harness.eta.headline import DECIDING, SUCCESS
 from harness.eta.scored_sums import Pair
 from harness.eta.swaps import swaps_of
+from harness.measure import is_share
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION
 from harness.registry.choice import Choice
@@ -73,13 +74,14 @@ def _match(records: Records, group: Group, label: str, proposed: Choice) -> Matc
 class _Cells:
     """The cells of one group as a comparison asks about them; see `Trainings`."""
 
-    deciding = DECIDING
-    success = SUCCESS
     number_of: Literal["returns", "indices"] = "indices"
 
     def __init__(self, records: Records, group: Group) -> None:
         self._records, self.group, self.names = records, group, tuple(records.metrics)
         self.averaged = records.plan.terms.averaged
+        self.deciding = records.named[:1] or DECIDING
+        shares = (name for name in self.deciding if name in records.metrics and is_share(records.metrics[name]))
+        self.success = next(shares, SUCCESS)
 
     def decided_in(self, episodes: Mapping[str, int]) -> str:
         """See `Trainings`."""
@@ -93,7 +95,7 @@ class _Cells:
         """See `Trainings`."""
         return self._records.moments(training)
 
-    def measure(self, name: str, manner: str, episodes: int) -> Measure:
+    def measure(self, name: str, manner: str, episodes: int) -> Quantity:
         """See `Trainings`."""
         manifest = self._records.manifest(self._records.groups[self.group][0])
         return measure_of(name, self._records.metrics[name], manner, episodes, manifest)

@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import Generic, Literal, Protocol, Self, TypeVar
 
 from harness.errors import Unscored
-from harness.eta.behaviour_change import Change, Measure, change_of
+from harness.eta.behaviour_change import Change, Quantity, change_of
 from harness.eta.curve import GroupCurve
 from harness.eta.decompose import decompose
 from harness.eta.return_split import ReturnSplit, split_returns
@@ -132,7 +132,7 @@ class Trainings(Protocol[Training]):
     def moments(self, training: Training) -> Sequence[Moment]:
         """Its evaluations, the one after the training last."""
 
-    def measure(self, name: str, manner: str, episodes: int) -> Measure:
+    def measure(self, name: str, manner: str, episodes: int) -> Quantity:
         """What a measure is in the episodes of one manner, of which each seed has so many at least."""
 
     def has_floor(self, manner: str) -> bool:
@@ -323,7 +323,7 @@ class _Comparer(Generic[Training]):
         one, other = ([self._trainings.moments(it) for it in side] for side in self._match.sides)
         return one, other
 
-    def _change(self, measure: Measure, *sides: Sequence[float | None]) -> Change:
+    def _change(self, measure: Quantity, *sides: Sequence[float | None]) -> Change:
         one, other = (dict(zip(*pair, strict=True)) for pair in zip(self._match.seeds_of, sides, strict=True))
         has_floor = self._trainings.has_floor(measure.manner)
         random = [it.random.get(measure.name) for it in (*self._one, *self._other)] if has_floor else []

@@ -1,11 +1,11 @@
 """The done cells of an experiment, and what rewards and metrics say of each."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from functools import cached_property, partial
 
 from harness.errors import Unscored
-from harness.metric import Metric
+from harness.measure import Measure
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, RANDOM, TRACE
 from harness.record.manifest import Manifest
@@ -24,26 +24,29 @@ from harness.score.installed_reward import InstalledReward
 class DoneCells:
     """Reads the results of done cells. It reads again at each request."""
 
-    def __init__(self, store: Store, registry: Registry, metrics: Iterable[str] | None = None) -> None:
+    def __init__(
+        self, store: Store, registry: Registry, metrics: Iterable[str] | None = None, named: Sequence[str] = ()
+    ) -> None:
         """Read nothing yet.
 
         Args:
             store: The folder of the experiment.
             registry: The plugins, for metrics and rewards.
             metrics: Which metrics; see `harness.results.metrics.load_metrics`.
+            named: The measures that the experiment names; see there.
 
         Raises:
             UsageError: A named metric is not registered.
             PluginError: A named metric is broken.
         """
-        self._store, self._registry = store, registry
-        self._chosen = None if metrics is None else load_metrics(registry, metrics)
+        self._store, self._registry, self._named = store, registry, named
+        self._chosen = None if metrics is None else load_metrics(registry, metrics, named)
         self._rewards: dict[Choice, InstalledReward] = {}
 
     @cached_property
-    def metrics(self) -> dict[str, Metric]:
+    def metrics(self) -> dict[str, Measure]:
         """Every registered metric, or those that were chosen, by name."""
-        return load_metrics(self._registry) if self._chosen is None else self._chosen
+        return load_metrics(self._registry, named=self._named) if self._chosen is None else self._chosen
 
     @property
     def columns(self) -> list[str]:
@@ -120,5 +123,5 @@ class DoneCells:
                 yield from ((reward, file) for file in (EVALUATION, *([RANDOM] if found.has_floor else ())))
 
     @cached_property
-    def _fingerprinted(self) -> dict[str, tuple[Metric, str]]:
+    def _fingerprinted(self) -> dict[str, tuple[Measure, str]]:
         return with_fingerprints(self.metrics)

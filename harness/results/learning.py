@@ -10,7 +10,7 @@ import numpy as np
 from harness.eta.headline import SUCCESS
 from harness.eta.interval import SHARE, UNBOUNDED, Bounds
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
-from harness.metric import bounds_of, is_share
+from harness.measure import bounds_of, is_share
 from harness.record.cell import Cell
 from harness.results.cell_results import PAID
 from harness.results.comparison import Comparison, Group

@@ -1,6 +1,6 @@
 """Reads the results in a folder, whatever was trained: arms, policies in environments, or recordings that lie loose."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from harness.errors import UsageError
@@ -25,6 +25,7 @@ def load_results(
     plugins: Iterable[str | Path | type] = (),
     *,
     pairs: bool = False,
+    measures: Iterable[str | Path] = (),
 ) -> Results:
     """The results in an experiment's folder, or of the recorded trainings in a folder.
 
@@ -36,13 +37,14 @@ def load_results(
         plugins: Files and classes beside the installed plugins; see `harness.registry.given.read_given`.
         pairs: Whether every two rewards are compared, and not each with the baseline alone. All claims are corrected
             together, so more of them have larger p-values.
+        measures: Files whose functions measure what an arm does.
 
     Raises:
         UsageError: The folder holds no results, or a named metric is not registered.
         PluginError: A named metric is broken.
         SchemaError: A newer version wrote a file in it, or its plan is damaged and the cells do not tell either.
     """
-    return read_results(Path(folder), load_registry(given=read_given(plugins)), kind, metrics, pairs=pairs)
+    return read_results(Path(folder), load_registry(given=read_given(plugins, measures)), kind, metrics, pairs=pairs)
 
 
 def read_results(
@@ -82,7 +84,11 @@ def read_results(
 
 
 def done_cells_of(
-    cells: Iterable[Cell], store: Store, registry: Registry, metrics: Iterable[str] | str | None = None
+    cells: Iterable[Cell],
+    store: Store,
+    registry: Registry,
+    metrics: Iterable[str] | str | None = None,
+    named: Sequence[str] = (),
 ) -> DoneCells | DoneRecordings:
     """What keeps the results of an experiment's cells as they end.
 
@@ -91,10 +97,11 @@ def done_cells_of(
         store: The folder of the experiment.
         registry: The plugins.
         metrics: See `load_results`.
+        named: The measures that the experiment names.
     """
     if any(cell.is_in_environment for cell in cells):
         return DoneRecordings(store)
-    return DoneCells(store, registry, metrics)
+    return DoneCells(store, registry, metrics, named)
 
 
 def require_arm(results: Results, command: str) -> None:

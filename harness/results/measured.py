@@ -9,7 +9,7 @@ import numpy as np
 
 from harness.errors import Unmeasured, reason_of
 from harness.eta.headline import SUCCESS
-from harness.metric import Metric
+from harness.measure import Measure
 from harness.record.trace import Trace
 
 Values: TypeAlias = dict[str, float | None]
@@ -55,7 +55,7 @@ class Measured(NamedTuple):
         return next(iter(self.manners.values()))
 
 
-def measure(metrics: Mapping[str, Metric], trace: Trace) -> Values:
+def measure(metrics: Mapping[str, Measure], trace: Trace) -> Values:
     """Every metric of a trace; None if a metric fails."""
     values: Values = {}
     for name, metric in metrics.items():
@@ -65,7 +65,7 @@ def measure(metrics: Mapping[str, Metric], trace: Trace) -> Values:
     return values
 
 
-def value_of(metric: Metric, trace: Trace) -> float | None:
+def value_of(metric: Measure, trace: Trace) -> float | None:
     """The value of a metric for a trace.
 
     Raises:

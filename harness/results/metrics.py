@@ -1,14 +1,15 @@
 """The metrics of results, and what takes the place of a metric that cannot be used."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 from harness.errors import Unmeasured, UsageError, one_line
-from harness.eta.behaviour_change import Measure
+from harness.eta.behaviour_change import Quantity
 from harness.eta.headline import DECIDING
 from harness.eta.interval import are_bounds
-from harness.metric import Metric, bounds_of, is_error, is_share
+from harness.measure import Measure, bounds_of, is_error, is_share, needs_of
 from harness.record.manifest import Manifest
 from harness.record.trace import Trace
 from harness.registry.choice import Choice, choose, split_list
@@ -33,23 +34,48 @@ class Unmeasurable:
         raise Unmeasured(self.reason)
 
 
-def load_metrics(registry: Registry, names: Iterable[str] | None = None) -> dict[str, Metric]:
+def named_measures(experiment: Mapping[str, Any]) -> tuple[str, ...]:
+    """The measures that an experiment names, the one that decides first. It may be anybody's: whatever stands there."""
+    told = experiment.get("measure")
+    return tuple(name for name in told if isinstance(name, str)) if isinstance(told, list) else ()
+
+
+def load_metrics(
+    registry: Registry, names: Iterable[str] | None = None, named: Sequence[str] = ()
+) -> dict[str, Measure]:
     """Metrics by name. A metric that cannot be used is `Unmeasurable`, unless it was named.
 
     Args:
         registry: The plugins.
         names: Those to load, ``"work"`` or with parameters, several with commas, by their labels; what decides about
             the robot always stands before them. All that are registered if None.
+        named: The measures that the experiment names: those of them that nobody registered are `Unmeasurable`.
 
     Raises:
         UsageError: A named one is not registered, or not installed.
         PluginError: A named one is broken.
     """
+    there = registry.names("metrics")
+    untold = Unmeasurable("the experiment names it, and nobody registered it: give its file, --measure FILE")
+    missing: dict[str, Measure] = dict.fromkeys((name for name in named if name not in there), untold)
     if names is None:
-        return {name: _usable(registry, name) for name in registry.names("metrics")}
-    deciding = [name for name in DECIDING if name in registry.names("metrics")]
+        return {**{name: _usable(registry, name) for name in there}, **missing}
+    deciding = [name for name in named or DECIDING if name in there]
     chosen = dict.fromkeys(choose(registry, "metrics", name) for name in [*deciding, *split_list(names)])
-    return {choice.label: choice.build(registry, "metrics") for choice in chosen}
+    return {**missing, **{choice.label: choice.build(registry, "metrics") for choice in chosen}}
+
+
+def fields_needed(registry: Registry) -> frozenset[str]:
+    """What metrics read of a step that others brought, by names of `harness.reward.steps.ARM`; ours read what is there.
+
+    Raises:
+        UsageError: A function of a step or of an episode fails on made-up steps, or reads what no step has.
+    """
+    for it in registry.functions_of("measure").values():
+        if it.spec is not None:
+            it.spec.load()
+    others = [name for name in registry.names("metrics") if not registry.get("metrics", name).is_built_in]
+    return frozenset(field for name in others for field in needs_of(_usable(registry, name)))
 
 
 def require_measures(names: Iterable[str], there: Iterable[str]) -> None:
@@ -64,29 +90,29 @@ def require_measures(names: Iterable[str], there: Iterable[str]) -> None:
             raise UsageError(unknown_name("measure", name, known))
 
 
-def measure_of(name: str, metric: Metric, manner: str, episodes: int, manifest: Manifest) -> Measure:
+def measure_of(name: str, metric: Measure, manner: str, episodes: int, manifest: Manifest) -> Quantity:
     """What a metric measures. A metric of the task's error gets the name and the unit of that error.
 
     Args:
         name: The name of the metric.
         metric: The metric.
-        manner: See `Measure`.
+        manner: See `Quantity`.
         episodes: How many episodes it is a share of, if it is a share.
         manifest: The manifest of one of the cells, which all do one task.
     """
     share, bounds = episodes if is_share(metric) else None, bounds_of(metric)
     if manifest.error and is_error(metric):
         title = name.replace("_", " ").replace("distance", manifest.error)
-        return Measure(name, manifest.unit, metric.better, manner, share, title, bounds)
-    return Measure(name, metric.unit, metric.better, manner, share, bounds=bounds)
+        return Quantity(name, manifest.unit, metric.better, manner, share, title, bounds)
+    return Quantity(name, metric.unit, metric.better, manner, share, bounds=bounds)
 
 
-def with_fingerprints(metrics: Mapping[str, Metric]) -> dict[str, tuple[Metric, str]]:
+def with_fingerprints(metrics: Mapping[str, Measure]) -> dict[str, tuple[Measure, str]]:
     """Each metric with its fingerprint. A metric whose sources cannot be read becomes `Unmeasurable`."""
     return {name: _fingerprinted(metric) for name, metric in metrics.items()}
 
 
-def _fingerprinted(metric: Metric) -> tuple[Metric, str]:
+def _fingerprinted(metric: Measure) -> tuple[Measure, str]:
     try:
         return metric, fingerprint(metric)
     except Exception as error:  # a plugin may be of any make
@@ -94,15 +120,15 @@ def _fingerprinted(metric: Metric) -> tuple[Metric, str]:
         return instead, fingerprint(instead)
 
 
-def _usable(registry: Registry, name: str) -> Metric:
+def _usable(registry: Registry, name: str) -> Measure:
     try:
         return unmeasured_if_it_raises(partial(_build, registry, name))
     except Unmeasured as error:
         return Unmeasurable(str(error))
 
 
-def _build(registry: Registry, name: str) -> Metric:
-    metric: Metric = Choice(name).build(registry, "metrics")
+def _build(registry: Registry, name: str) -> Measure:
+    metric: Measure = Choice(name).build(registry, "metrics")
     if metric.better not in BETTER:
         raise Unmeasured(f"its 'better' is {metric.better!r}: allowed are {' and '.join(BETTER)}")
     if not are_bounds(bounds_of(metric)):

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
-from harness.eta.behaviour_change import Measure
+from harness.eta.behaviour_change import Quantity
 from harness.record.cell import Cell
 from harness.record.recording.facts import BEHAVIOUR
 from harness.results.comparison import Comparison
@@ -29,7 +29,7 @@ class Policies(NamedTuple):
 
     names: tuple[str, ...]
     """The names of the measures."""
-    measure: Callable[[str, int], Measure]
+    measure: Callable[[str, int], Quantity]
     """A function of a measure's name and of how many episodes it is a share of, if it is a share."""
     did: Mapping[int, Did]
     """By seed."""
@@ -54,7 +54,7 @@ def _of_arms(results: Results, combination: Comparison, manner: str) -> Policies
         if manner in it.manners
     }
 
-    def measure(name: str, episodes: int) -> Measure:
+    def measure(name: str, episodes: int) -> Quantity:
         return measure_of(name, results.metrics[name], manner, episodes, results.manifest(cells[0]))
 
     return Policies(tuple(results.metrics), measure, did)
@@ -68,7 +68,7 @@ def _in_environment(runs: Runs, reward: str, manner: str) -> Policies:
         if manner in it
     }
 
-    def measure(name: str, episodes: int) -> Measure:
+    def measure(name: str, episodes: int) -> Quantity:
         return runs.measure(name, manner, episodes)
 
     sources = {name: run.facts.sources.get(f"{BEHAVIOUR}{name}") for name in runs.measures for run in runs.of(reward)}

@@ -9,7 +9,7 @@ from harness.errors import NewerFormat, SchemaError
 from harness.eta.curve import GroupCurve, Kind, stream_curve
 from harness.eta.equal import Key, equal_trainings
 from harness.files.bounded import read_text, reading
-from harness.metric import Metric
+from harness.measure import Measure
 from harness.record.cell import Cell
 from harness.record.cell_folder import REMEDY
 from harness.record.folder import TRACE
@@ -25,6 +25,7 @@ from harness.results.comparison import Group
 from harness.results.done_cells import DoneCells
 from harness.results.floors import Floors
 from harness.results.measured import Measured, Moment, Values, measure
+from harness.results.metrics import named_measures
 from harness.score.installed_reward import InstalledReward
 
 
@@ -70,12 +71,13 @@ class Records:
         self._moments: dict[str, tuple[Moment, ...]] = {}
         self._found: dict[str, CellResults] = {}
         self._curves: dict[tuple[str, ...], GroupCurve] = {}
-        self._cells = DoneCells(self.store, registry, metrics)
+        self.named = named_measures(self.plan.experiment)
+        self._cells = DoneCells(self.store, registry, metrics, self.named)
         self.manifests = [self._examine(cell) for cell in self.plan.cells]
         self._ended = {manifest.cell.id: manifest for manifest in self.manifests}
 
     @property
-    def metrics(self) -> Mapping[str, Metric]:
+    def metrics(self) -> Mapping[str, Measure]:
         """Every registered metric, or those that were chosen, by name."""
         return self._cells.metrics
 

@@ -20,10 +20,12 @@ from harness.reward.carry import Carry
 from harness.reward.needs import needs_of
 from harness.reward.reward import LARGEST_FACTOR, Reward
 from harness.reward.steps import Steps
-from harness.reward.terms import paid_of
+from harness.reward.terms import Paid, paid_of, sum_of
 
 STEP = "step"
 """What the one argument of a function of steps is called."""
+PLAIN = {1.0}
+"""Weights that change nothing."""
 MEMBERS = ("needs", "initial_carry")
 """What a reward has beside its parameters."""
 Weight = Annotated[
@@ -33,17 +35,27 @@ Weight = Annotated[
 
 def is_function_of_steps(found: Any) -> bool:
     """Whether something is a plain function whose one argument without a default is called ``step``."""
-    return inspect.isfunction(found) and takes_step(found)
+    return takes_alone(found, STEP)
 
 
-def takes_step(found: Any) -> bool:
-    """Whether something that can be called has one argument without a default, and that is called ``step``."""
+def takes_alone(found: Any, argument: str) -> bool:
+    """Whether something is a plain function whose one argument without a default has this name."""
+    return inspect.isfunction(found) and needs_alone(found, argument)
+
+
+def needs_alone(found: Any, argument: str) -> bool:
+    """Whether something that can be called has one argument without a default, and that has this name."""
     try:
         known = inspect.signature(found).parameters.values()
     except (TypeError, ValueError):  # a built-in: Python does not know its arguments
         return False
     needed = [it for it in known if it.default is it.empty and it.kind not in (it.VAR_POSITIONAL, it.VAR_KEYWORD)]
-    return len(needed) == 1 and needed[0].name == STEP and needed[0].kind is not inspect.Parameter.KEYWORD_ONLY
+    return len(needed) == 1 and needed[0].name == argument and needed[0].kind is not inspect.Parameter.KEYWORD_ONLY
+
+
+def takes_step(found: Any) -> bool:
+    """Whether something that can be called takes a step."""
+    return needs_alone(found, STEP)
 
 
 @cache
@@ -95,7 +107,10 @@ def _call_plain(function: Callable[..., Any]) -> Callable[..., Any]:
 
 def _call_weighted(function: Callable[..., Any]) -> Callable[..., Any]:
     def call(self: Any, carry: Carry, steps: Steps) -> tuple[Carry, Any]:
-        terms = paid_of(function(steps)).terms
-        return carry, weighted(terms, vars(self))
+        weights, returned = vars(self), function(steps)
+        if set(weights.values()) <= PLAIN:
+            return carry, returned
+        terms = weighted(paid_of(returned).terms, weights)
+        return carry, Paid(sum_of(terms), terms)
 
     return call

@@ -18,8 +18,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from harness.errors import UsageError
-from harness.reward.forms import STEP, weighted
-from harness.reward.forms import takes_step as takes_step  # who asks about one form asks about all of them
+from harness.reward.forms import STEP, takes_step, weighted
 from harness.reward.steps import BEFORE, ENVIRONMENT, Steps, nearest, steps_type
 from harness.reward.terms import paid_of
 
@@ -131,7 +130,8 @@ class Terms:
         ((name, returned),) = told.items()
         terms = paid_of(returned).terms
         require_terms(name, self.weights, terms)
-        return weighted(terms, self.weights)
+        # In double precision, as terms are recorded: so the same is paid by what was recorded of them.
+        return weighted({term: np.asarray(value, np.float64)[()] for term, value in terms.items()}, self.weights)
 
     def _asked(self) -> dict[str, Callable[[Steps], Any]]:
         asked = vars(self).get("_functions")
@@ -142,7 +142,7 @@ class Terms:
     def _reset(self, *given: Any) -> None:
         for part in self.parts.values():
             if callable(getattr(part, "reset", None)):
-                part.reset(*given)
+                part.reset(*given)  # type: ignore[union-attr] # it has one
 
     def __deepcopy__(self, memo: dict[int, Any]) -> "Terms":
         return Terms({name: copy.deepcopy(part, memo) for name, part in self.parts.items()}, self.weights)

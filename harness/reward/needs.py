@@ -1,9 +1,9 @@
 """What a reward reads and what terms it pays, found by one call on made-up steps that note what they are asked for."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cache
-from typing import Any
+from functools import cache, partial
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from harness.reward.steps import ARM_BEFORE, BEFORE, MissingField, Sample, Steps
 from harness.reward.terms import Paid, pay
 
 ROWS = 2
+Answer = TypeVar("Answer")
 SIZES = (6, 7, 8, 5, 4, 3, 2, 9, 10, 12)
 """Numbers of joints that are tried, where nothing says which arm a reward is for."""
 
@@ -75,18 +76,26 @@ def needs_of(reward: Reward, dof: int | None = None, action_size: int | None = N
     Raises:
         UsageError: The reward fails, or reads what a step of an arm does not have.
     """
+    fields, paid = of_made_up(partial(call_noted, reward), dof, action_size)
+    declared = {str(name) for name in getattr(reward, "needs", ())}
+    return Needs(tuple(sorted(fields | declared)), tuple(paid.terms))
+
+
+def of_made_up(call: Callable[[Steps], Answer], dof: int | None = None, action_size: int | None = None) -> Answer:
+    """What a function answers to made-up steps; see `needs_of`.
+
+    Raises:
+        UsageError: It fails with every number of joints, or reads what a step of an arm does not have.
+    """
     sizes = SIZES if dof is None else (dof,)
     failed: Exception | None = None
     for size in sizes:
         try:
-            fields, paid = call_noted(reward, made_up(size, action_size or size))
-        except (HarnessError, Exception) as error:  # whatever a stranger's function raises
-            if isinstance(error, HarnessError):
-                raise
+            return call(made_up(size, action_size or size))
+        except HarnessError:
+            raise
+        except Exception as error:  # whatever a stranger's function raises
             failed = failed or error
-            continue
-        declared = {str(name) for name in getattr(reward, "needs", ())}
-        return Needs(tuple(sorted(fields | declared)), tuple(paid.terms))
     assert failed is not None
     raise UsageError(f"It fails on made-up steps of {ROWS} arms: {one_line(failed)}") from failed
 

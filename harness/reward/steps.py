@@ -6,12 +6,14 @@ Which fields there are depends on where the steps come from. One that is not the
 
 import difflib
 from collections import namedtuple
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import islice
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
 
 from harness.errors import UsageError
 
@@ -122,6 +124,12 @@ def rows_of(steps: Steps, rows: Any) -> Steps:
     """Some rows of steps, and of what was before them."""
     told = steps._asdict().values()
     return type(steps)._make(rows_of(part, rows) if isinstance(part, tuple) else part[rows] for part in told)
+
+
+def joined(parts: Sequence[Steps]) -> Steps:
+    """The rows of several steps one after the other, and what was before them."""
+    columns = zip(*(part._asdict().values() for part in parts), strict=True)
+    return type(parts[0])._make(joined(it) if isinstance(it[0], tuple) else np.concatenate(it) for it in columns)
 
 
 @dataclass(frozen=True)

@@ -3,9 +3,11 @@
 A reward gives its terms as a dict, or as (total, dict). A total, also one under the key ``total``, has to be their sum.
 """
 
+import math
 from collections.abc import Mapping
+from functools import lru_cache
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
@@ -46,18 +48,22 @@ def paid_of(returned: Any) -> Paid:
     Raises:
         UsageError: The terms are no terms, or the total is not their sum.
     """
-    if isinstance(returned, Mapping):
+    kind = type(returned)  # most steps are paid by an array or a dict: what is quick to see comes first
+    if kind is np.ndarray:
+        return Paid(returned)
+    if kind is dict or isinstance(returned, Mapping):
         return _summed(returned, None)
+    if kind is Paid:
+        return cast(Paid, returned)
     if isinstance(returned, tuple) and len(returned) == 2 and isinstance(returned[1], Mapping):
         return _summed(returned[1], returned[0])
     return Paid(returned)
 
 
-def _summed(given: Mapping[str, Any], total: Any) -> Paid:
-    terms = dict(given)
-    if total is None and len(terms) > 1:
-        total = terms.pop(TOTAL, None)
-    _require_names(terms)
+def _summed(terms: Mapping[str, Any], total: Any) -> Paid:
+    if total is None and TOTAL in terms and len(terms) > 1:
+        total, terms = terms[TOTAL], {name: value for name, value in terms.items() if name != TOTAL}
+    _require_names(tuple(terms))
     found: Any = sum_of(terms)
     if total is not None and not _is_sum(total, found):
         raise UsageError(
@@ -65,17 +71,17 @@ def _summed(given: Mapping[str, Any], total: Any) -> Paid:
             f"({', '.join(f'{name} {_first(value)}' for name, value in terms.items())}). Return terms that add up to "
             "it, or the total alone"
         )
-    shape = np.shape(found)
-    return Paid(
-        found, {name: value if np.shape(value) == shape else value + 0.0 * found for name, value in terms.items()}
-    )
+    shape = getattr(found, "shape", ())
+    for value in terms.values():
+        if getattr(value, "shape", ()) != shape:  # a number is that of every env
+            return Paid(found, {name: value + 0.0 * found for name, value in terms.items()})
+    return Paid(found, terms)
 
 
 def sum_of(terms: Mapping[str, Array]) -> Array:
     """The sum of terms in their order: the same to the last bit wherever it is computed."""
-    first, *others = terms.values()
-    total = first
-    for value in others:
+    total: Array = 0.0  # to begin with: two masks are not added as numbers
+    for value in terms.values():
         total = total + value
     return total
 
@@ -86,14 +92,15 @@ def require_same(expected: tuple[str, ...], terms: Mapping[str, Array]) -> None:
     Raises:
         UsageError: It pays others.
     """
-    if terms.keys() != set(expected):
+    if tuple(terms) != expected and terms.keys() != set(expected):
         raise UsageError(
             f"It paid the terms {', '.join(expected) or 'none'} at first, and now {', '.join(terms) or 'none'}: return "
             "every term in every step, 0 where it pays nothing"
         )
 
 
-def _require_names(terms: Mapping[str, Any]) -> None:
+@lru_cache(maxsize=256)  # every step has the same ones
+def _require_names(terms: tuple[Any, ...]) -> None:
     if not terms:
         raise UsageError("A dict of terms is empty: return at least one term, {'reach': -step.distance}")
     for name in terms:
@@ -107,7 +114,7 @@ def _require_names(terms: Mapping[str, Any]) -> None:
 def _is_sum(total: Any, found: Any) -> bool:
     """Whether a total is the sum up to what another order of adding, or single precision, may change."""
     if isinstance(total, float) and isinstance(found, float):  # of one step: a call of NumPy takes 30 microseconds
-        return abs(total - found) <= 1e-6 + 1e-5 * abs(found) or (total != total and found != found)
+        return abs(total - found) <= 1e-6 + 1e-5 * abs(found) or (math.isnan(total) and math.isnan(found))
     return bool(np.allclose(np.asarray(total, float), np.asarray(found, float), rtol=1e-5, atol=1e-6, equal_nan=True))
 
 

@@ -30,9 +30,9 @@ from numpy.typing import NDArray
 from harness.arrays import Float, Mask
 from harness.errors import UsageError
 from harness.files.bounded import reading
+from harness.record.row_steps import TOUCHED, targets_touched
 from harness.record.trace import FIELDS, to_numpy
 from harness.registry.choice import Choice
-from harness.score.scorer import TOUCHED, targets_touched
 
 Columns = dict[str, Float]
 

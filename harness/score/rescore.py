@@ -17,6 +17,7 @@ from harness.files.parquet import require_room
 from harness.files.sums import changed_since_made, note_made
 from harness.files.whole_file import whole_file
 from harness.record.folder import MANIFEST
+from harness.record.row_steps import Rows
 from harness.record.trace import TERM, read_trace, to_numpy
 from harness.registry.choice import Choice, choose, parse
 from harness.registry.names import unknown_name
@@ -24,7 +25,7 @@ from harness.registry.registry import Registry
 from harness.reward import Paid, Reward
 from harness.reward.needs import needs_of
 from harness.score.recording import Chunk, Recording
-from harness.score.scorer import Rows, Scorer, fields_beside_distances, joined
+from harness.score.scorer import Scorer, fields_beside_distances, joined
 from harness.score.weights import name_of, recorded_choice, reweighted, weighted_label
 
 MOST_BYTES = 2**35

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 
 from harness.algorithm import Algorithm, learns
-from harness.metric import Metric
+from harness.measure import Measure
 from harness.reward import Reward
 from harness.robot import Robot
 from harness.simulator import Simulator
@@ -80,7 +80,7 @@ def an_episode_is_drawn_quickly(task: Task, robot: Robot) -> None:
 
 
 @check("metric-slow", "warning")
-def a_metric_is_quick(metric: Metric) -> None:
+def a_metric_is_quick(metric: Measure) -> None:
     """The value of a trace of 1,000 rows or so takes less than half a second."""
     trace = recorded_trace(0, ALL_ENDS * 25)
     seconds = median_seconds([lambda: metric(trace)] * 3)

@@ -4,9 +4,10 @@ import statistics
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from harness.metric import Metric
+from harness.measure import Measure
 from harness.record.recording.recorded_training import RecordedTraining
 from harness.record.trace import Trace
+from harness.results.measured import value_of
 from harness.results.recordings.episodes import episodes_of
 
 JUDGES = ("success_rate", "final_distance")
@@ -17,16 +18,17 @@ class Outcome(NamedTuple):
     """How a policy did in the validation episodes."""
 
     success: float
-    """Share of the episodes that reach the target; in an environment the mean of the measure that decides."""
+    """Share of the episodes that reach the target; in an environment, and where one is named, the measure that decides.
+    """
     final_distance: float | None
-    """Mean distance at the end of an episode, [m]; None in an environment."""
+    """Mean distance at the end of an episode, [m]; None where another measure decides."""
     measure: str = ""
-    """The name of the measure that decides in an environment; empty of an arm."""
+    """The name of the measure that decides in an environment, or that is named; empty of success."""
     better: str = "higher"
     """Which values of that measure are better: ``higher`` or ``lower``."""
 
 
-def outcome_of(trace: Trace, success_rate: Metric, final_distance: Metric) -> Outcome:
+def outcome_of(trace: Trace, success_rate: Measure, final_distance: Measure) -> Outcome:
     """The outcome that a validation of an arm recorded.
 
     Raises:
@@ -36,6 +38,19 @@ def outcome_of(trace: Trace, success_rate: Metric, final_distance: Metric) -> Ou
     if success is None or distance is None:
         raise ValueError("no validation episode was finished")
     return Outcome(success, distance)
+
+
+def outcome_by(name: str, measure: Measure, trace: Trace) -> Outcome:
+    """The outcome that a validation of an arm recorded, by the measure that decides.
+
+    Raises:
+        Unmeasured: The measure fails.
+        ValueError: It has no value.
+    """
+    value = value_of(measure, trace)
+    if value is None:
+        raise ValueError(f"{name} is not known: no validation episode was finished")
+    return Outcome(value, None, name, measure.better)
 
 
 def outcome_in_environment(recording: RecordedTraining) -> Outcome:

@@ -10,8 +10,8 @@ from harness.experiment.task_plan import table_of
 from harness.record.cell import Cell
 from harness.registry.choice import Choice, choose
 from harness.registry.registry import Registry
-from harness.tune.measure import Measure
 from harness.tune.outcome import Outcome, mean_outcome, score
+from harness.tune.outcomes import Outcomes
 from harness.tune.study import Study
 from harness.tune.trial import Status, TrialRecord
 from harness.tune.tuning import Setup
@@ -29,7 +29,7 @@ class Searcher:
         rewards: Those that each trial is trained under, all of them with every seed.
         study: Where the trials are kept.
         registry: The plugins.
-        measure: Gets cells done.
+        outcomes: Gets cells done.
         on_trial: Told each trial that has ended.
     """
 
@@ -37,7 +37,7 @@ class Searcher:
     rewards: tuple[Choice, ...]
     study: Study
     registry: Registry
-    measure: Measure
+    outcomes: Outcomes
     on_trial: OnTrial = lambda trial: None
 
     def run(self) -> None:
@@ -90,9 +90,9 @@ class Searcher:
         for step, seed in enumerate(self.setup.seeds):
             if not algorithms:
                 return
-            outcomes = self.measure(plan, _cells(plan, seed, algorithms.values()))
+            told = self.outcomes(plan, _cells(plan, seed, algorithms.values()))
             for number, algorithm in list(algorithms.items()):
-                own = [outcome for cell, outcome in outcomes.items() if cell.algorithm == algorithm]
+                own = [outcome for cell, outcome in told.items() if cell.algorithm == algorithm]
                 if not self._judge(number, step, own, found[number]):
                     del algorithms[number]
 

@@ -14,8 +14,8 @@ from harness.registry.choice import Choice
 from harness.registry.given import read_given
 from harness.registry.registry import Registry, load_registry
 from harness.tune.folder import tuning_folder
-from harness.tune.measure import Follow, Measurer
 from harness.tune.outcome import JUDGES
+from harness.tune.outcomes import Follow, TrainedOutcomes
 from harness.tune.search import Searcher
 from harness.tune.study import Study, open_storage, require_optuna
 from harness.tune.trial import Search, TrialRecord, Tuned
@@ -87,13 +87,13 @@ def run_searches(
         registry.get("metrics", metric)
     executor = options.build_executor(registry)
     with tuning_folder(folder, setup):
-        measurer = Measurer(folder, registry, setup.tuning.validation_episodes, options, executor, watch.follow)
-        measurer.forget_failures()
+        trained = TrainedOutcomes(folder, registry, setup.tuning.validation_episodes, options, executor, watch.follow)
+        trained.forget_failures()
         studies = _open_studies(setup, folder)
         if not all(study.is_over(setup.tuning.trials) for _, study in studies.values()):
-            measurer.require_same_plugins()
+            trained.require_same_plugins()
         for labels, (rewards, study) in studies.items():
-            Searcher(setup, rewards, study, registry, measurer, _told(watch.on_trial, labels)).run()
+            Searcher(setup, rewards, study, registry, trained, _told(watch.on_trial, labels)).run()
         searches = tuple(Search(labels, tuple(study.trials)) for labels, (_, study) in studies.items())
         return Tuned(folder, searches, write_tuned(folder, setup, searches, registry))
 

@@ -16,20 +16,20 @@ from harness.eta.amounts import (
     trainings_text,
     unseen_text,
 )
-from harness.eta.behaviour_change import TRAINING, Change, Measure, change_of
+from harness.eta.behaviour_change import TRAINING, Change, Quantity, change_of
 from harness.eta.headline import Names
 from harness.eta.swaps import swaps_of
 from harness.eta.verdict.together import Together
 
 NAMES = Names("base", "mine")
-SUCCESS = Measure("success_rate", "", "higher", "deterministic", episodes=100)
-SPEED = Measure("success_rate", "", "higher", TRAINING, episodes=100)
-TIME = Measure("time_to_target", "s", "lower", "deterministic")
-HEIGHT = Measure("tip_height", "m", "higher", "deterministic")
-COST = Measure("energy", "J", "lower", "deterministic")
+SUCCESS = Quantity("success_rate", "", "higher", "deterministic", episodes=100)
+SPEED = Quantity("success_rate", "", "higher", TRAINING, episodes=100)
+TIME = Quantity("time_to_target", "s", "lower", "deterministic")
+HEIGHT = Quantity("tip_height", "m", "higher", "deterministic")
+COST = Quantity("energy", "J", "lower", "deterministic")
 
 
-def change(measure: Measure, baseline: list[float], proposed: list[float]) -> Change:
+def change(measure: Quantity, baseline: list[float], proposed: list[float]) -> Change:
     """The change of a measure, from the values of each training."""
     one, other = dict(enumerate(baseline)), dict(enumerate(proposed))
     return change_of(measure, one, other, swaps_of(range(min(len(one), len(other)))))

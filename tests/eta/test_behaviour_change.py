@@ -9,7 +9,7 @@ import scipy.stats
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from harness.eta.behaviour_change import Change, Measure, change_of
+from harness.eta.behaviour_change import Change, Quantity, change_of
 from harness.eta.headline import is_within
 from harness.eta.interval import share_variance
 from harness.eta.swaps import p_of, swaps_of
@@ -17,11 +17,11 @@ from harness.eta.swaps import p_of, swaps_of
 Values = list[float | None]
 NUMBER = st.floats(-10.0, 10.0).map(lambda value: round(value, 6))
 VALUES = st.lists(st.none() | NUMBER, min_size=1, max_size=8)
-SUCCESS = Measure("success_rate", "", "higher", "deterministic", 100)
-DISTANCE = Measure("final_distance", "m", "lower", "deterministic")
+SUCCESS = Quantity("success_rate", "", "higher", "deterministic", 100)
+DISTANCE = Quantity("final_distance", "m", "lower", "deterministic")
 
 
-def change(baseline: Values, proposed: Values, measure: Measure = DISTANCE, random: Values | None = None) -> Change:
+def change(baseline: Values, proposed: Values, measure: Quantity = DISTANCE, random: Values | None = None) -> Change:
     """Of seeds 0, 1, 2 ..."""
     one, other = dict(enumerate(baseline)), dict(enumerate(proposed))
     return change_of(measure, one, other, swaps_of(range(len(baseline))), random or [])
@@ -151,7 +151,7 @@ def test_one_pair_has_no_p_value():
 
 
 @pytest.mark.parametrize(("measure", "up", "down"), [(SUCCESS, "better", "worse"), (DISTANCE, "worse", "better")])
-def test_direction_follows_what_is_better(measure: Measure, up: str, down: str):
+def test_direction_follows_what_is_better(measure: Quantity, up: str, down: str):
     """More success is better, more distance is worse."""
     low, high = [0.0, 0.1, 0.0, 0.1, 0.0, 0.1], [0.9, 1.0, 0.8, 0.9, 1.0, 0.8]
     assert corrected(change(low, high, measure)).direction == up

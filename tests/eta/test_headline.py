@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.eta.behaviour_change import TRAINING, Change, Measure, change_of
+from harness.eta.behaviour_change import TRAINING, Change, Quantity, change_of
 from harness.eta.curve import GroupCurve, curve_of
 from harness.eta.decompose import decompose
 from harness.eta.headline import UNMEASURED, Answer, Headline, Names
@@ -27,10 +27,10 @@ Sums = tuple[float, float]
 NAMES = Names("base", "mine")
 SEEDS = 10
 SAME: Sums = (-100.0, 100.0)
-SUCCESS = Measure("success_rate", "", "higher", "deterministic", 100)
-TIME = Measure("time_to_target", "steps", "lower", "deterministic")
-SPEED = Measure("success_rate", "", "higher", TRAINING, 100)
-HITS = Measure("ground_hits", "", "lower", "deterministic")
+SUCCESS = Quantity("success_rate", "", "higher", "deterministic", 100)
+TIME = Quantity("time_to_target", "steps", "lower", "deterministic")
+SPEED = Quantity("success_rate", "", "higher", TRAINING, 100)
+HITS = Quantity("ground_hits", "", "lower", "deterministic")
 CLAIM = re.compile(r"\b(better|worse|helps|hurts|faster|slower|slowly)\b")
 
 
@@ -46,7 +46,7 @@ def compared(bb: Sums = SAME, bk: Sums = SAME, kb: Sums = SAME, kk: Sums = SAME,
     return decompose({pair: group(of, seeds) for pair, of in sums.items()})
 
 
-def change(baseline: list[float], proposed: list[float], measure: Measure = SUCCESS, p: float | None = 1.0) -> Change:
+def change(baseline: list[float], proposed: list[float], measure: Quantity = SUCCESS, p: float | None = 1.0) -> Change:
     """Of seeds 0, 1, 2 ..., with this corrected p-value."""
     one, other = dict(enumerate(baseline)), dict(enumerate(proposed))
     swaps = swaps_of(range(min(len(baseline), len(proposed))))
@@ -432,7 +432,7 @@ def test_without_a_measure_the_reason_is_told():
     st.none() | st.floats(0.0, 1.0),
     st.sampled_from([SUCCESS, TIME, SPEED]),
 )
-def test_no_claim_without_a_corrected_p_value(pairs: list[tuple[float, float]], p: float | None, measure: Measure):
+def test_no_claim_without_a_corrected_p_value(pairs: list[tuple[float, float]], p: float | None, measure: Quantity):
     """No word of better or worse, helps or hurts, faster or slower, stands where p is above 0.05 or is not known."""
     one, other = (list(values) for values in zip(*pairs, strict=True))
     found = ruled(change(one, other, measure, p))

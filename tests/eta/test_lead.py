@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.eta.behaviour_change import TRAINING, Change, Measure, change_of
+from harness.eta.behaviour_change import TRAINING, Change, Quantity, change_of
 from harness.eta.headline import UNMEASURED, Answer, Names, key_of, name_of
 from harness.eta.judge import DECIDED, judge
 from harness.eta.lead import lead_of
@@ -14,14 +14,14 @@ from harness.eta.swaps import swaps_of
 from harness.eta.verdict.ruling import Ruling
 
 NAMES = Names("base", "mine")
-SUCCESS = Measure("success_rate", "", "higher", "deterministic", episodes=100)
-TIME = Measure("time_to_target", "s", "lower", "deterministic")
-SPEED = Measure("success_rate", "", "higher", TRAINING, episodes=100)
-HEIGHT = Measure("tip_height", "m", "higher", "deterministic")
+SUCCESS = Quantity("success_rate", "", "higher", "deterministic", episodes=100)
+TIME = Quantity("time_to_target", "s", "lower", "deterministic")
+SPEED = Quantity("success_rate", "", "higher", TRAINING, episodes=100)
+HEIGHT = Quantity("tip_height", "m", "higher", "deterministic")
 CLAIM = re.compile(r"\b(better|worse|helps|hurts|reaches|succeeds|faster|slowly)\b")
 
 
-def change(measure: Measure, baseline: list[float], proposed: list[float]) -> Change:
+def change(measure: Quantity, baseline: list[float], proposed: list[float]) -> Change:
     """The change of a measure, from the values of each seed."""
     one, other = dict(enumerate(baseline)), dict(enumerate(proposed))
     return change_of(measure, one, other, swaps_of(range(min(len(one), len(other)))))

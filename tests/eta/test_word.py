@@ -18,7 +18,7 @@ import pytest
 import scipy.stats
 
 from harness.arrays import Float
-from harness.eta.behaviour_change import Change, Measure, change_of
+from harness.eta.behaviour_change import Change, Quantity, change_of
 from harness.eta.curve import GroupCurve
 from harness.eta.decompose import decompose
 from harness.eta.headline import Names
@@ -57,8 +57,8 @@ FIELDS: dict[Pair, str] = {
     KB: "proposed_baseline",
 }
 RECORDED = Path(__file__).parents[2] / "results" / "reference"
-SUCCESS = Measure("success_rate", "", "higher", "deterministic", EPISODES)
-TIME = Measure("time_to_target", "steps", "lower", "deterministic")
+SUCCESS = Quantity("success_rate", "", "higher", "deterministic", EPISODES)
+TIME = Quantity("time_to_target", "steps", "lower", "deterministic")
 NAMES = Names("base", "mine")
 CLAIM = re.compile(r"\b(better|worse|helps|hurts|faster|slower|slowly)\b")
 SLACK = 1e-12
@@ -201,7 +201,7 @@ def test_intervals_of_some_curves_hold_the_truth(name: str):
 Draw = Callable[[np.random.Generator, tuple[int, ...]], Float]
 
 
-def metric_coverage(measure: Measure, draws: tuple[Draw, Draw], means: tuple[float, float], seeds: int, count: int):
+def metric_coverage(measure: Quantity, draws: tuple[Draw, Draw], means: tuple[float, float], seeds: int, count: int):
     """Of the difference, and of the baseline's mean by itself."""
     rng, swaps = np.random.default_rng([seeds, 7]), some_swaps(seeds)
     pairs = zip(*(draw(rng, (count, seeds)).tolist() for draw in draws), strict=True)
@@ -353,7 +353,7 @@ def null_experiment(rng: np.random.Generator, curves: Curves, experiment: int, s
     shared = rng.normal(size=(2, seeds))
     for number in range(8):
         values = 0.7 * shared + 0.7 * rng.normal(size=(2, seeds))
-        metrics.append((Measure(f"metric_{number}", "", "lower", "deterministic"), np.exp(0.5 * values)))
+        metrics.append((Quantity(f"metric_{number}", "", "lower", "deterministic"), np.exp(0.5 * values)))
     changes = [
         change_of(measure, dict(enumerate(one.tolist())), dict(enumerate(other.tolist())), swaps)
         for measure, (one, other) in metrics

@@ -153,9 +153,17 @@ def test_file_that_a_pattern_finds_may_be_broken(lay: Lay, tmp_path: Path):
     (line,) = registry.broken_files()
     assert line.startswith("Left out: Plugin file")
     assert "SyntaxError" in line
-    assert [need["path"] for need in registry.needs()] == [str(tmp_path / "calm.py")]
+    assert [need["path"] for need in registry.needs(in_environment=True)] == [str(tmp_path / "calm.py")]
     with pytest.raises(UsageError, match="SyntaxError"):
         _registry(broken)
+
+
+def test_a_report_of_an_arm_needs_the_file_of_a_function(tmp_path: Path):
+    """What it pays is no column of other trainings' traces, as it is of recordings."""
+    (tmp_path / "calm.py").write_text("def calm(step):\n    return -step.distance\n")
+    registry = load_registry(given=read_given([tmp_path / "calm.py"]))
+    assert [need.get("functions") for need in registry.needs(in_environment=False)] == [None]
+    assert [need.get("functions") for need in registry.needs(in_environment=True)] == [True]
 
 
 def test_pattern_that_finds_nothing_is_refused(tmp_path: Path):

@@ -12,7 +12,7 @@ from harness.algorithm import Algorithm
 from harness.errors import PluginError
 from harness.executor import Executor
 from harness.hookspecs import KINDS
-from harness.metric import Metric
+from harness.measure import Measure
 from harness.registry.members import MEMBERS, missing_members, require_members
 from harness.registry.registry import Registry, load_registry
 from harness.registry.spec import Spec
@@ -23,7 +23,7 @@ from harness.task import Task
 from harness.tracker import Tracker
 
 PROTOCOLS = {
-    "simulators": Simulator, "algorithms": Algorithm, "rewards": Reward, "metrics": Metric, "tasks": Task,
+    "simulators": Simulator, "algorithms": Algorithm, "rewards": Reward, "metrics": Measure, "tasks": Task,
     "executors": Executor, "trackers": Tracker,
 }  # fmt: skip
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from harness.eta.behaviour_change import TRAINING, Change, Measure, change_of
+from harness.eta.behaviour_change import TRAINING, Change, Quantity, change_of
 from harness.eta.swaps import swaps_of
 from harness.record.cell import NO_ROBOT
 from harness.record.terms import FIRST, Terms
@@ -21,10 +21,10 @@ from harness.results.comparison import Comparison, Group
 from harness.results.overview import decider_text
 from harness.results.verdicts import LookOf, with_verdicts
 
-SUCCESS = Measure("success_rate", "", "higher", "deterministic", 100)
-TIME = Measure("time_to_target", "s", "lower", "deterministic", bounds=(0.0, math.inf))
-SPEED = Measure("success_rate", "", "higher", TRAINING, 100)
-COST = Measure("energy_balance", "J", "lower", "deterministic")
+SUCCESS = Quantity("success_rate", "", "higher", "deterministic", 100)
+TIME = Quantity("time_to_target", "s", "lower", "deterministic", bounds=(0.0, math.inf))
+SPEED = Quantity("success_rate", "", "higher", TRAINING, 100)
+COST = Quantity("energy_balance", "J", "lower", "deterministic")
 HORIZON = 5.0
 """The time that a failed episode counts, in seconds."""
 WIDTH = 110
@@ -48,7 +48,7 @@ class Situation:
     """
 
     title: str
-    places: Mapping[str, Mapping[Measure, Sides]]
+    places: Mapping[str, Mapping[Quantity, Sides]]
     terms: Terms = FIRST
     look_of: LookOf | None = None
     to_come: int = 0
@@ -68,7 +68,7 @@ def timed(success: Trainings, quick: float) -> Trainings:
 
 def arm(
     baseline: Trainings, proposed: Trainings, quick: Sides | tuple[float, float], speed: Sides
-) -> Mapping[Measure, Sides]:
+) -> Mapping[Quantity, Sides]:
     """What is measured of an arm: success, the time to the target, success while training."""
     times = tuple(
         timed(side, of) if isinstance(of, float) else of for side, of in zip((baseline, proposed), quick, strict=True)
@@ -210,7 +210,7 @@ def judged(situation: Situation) -> tuple[Comparison, ...]:
     return with_verdicts(found, situation.terms, situation.look_of, situation.to_come)
 
 
-def _comparison(place: str, measures: Mapping[Measure, Sides], situation: Situation) -> Comparison:
+def _comparison(place: str, measures: Mapping[Quantity, Sides], situation: Situation) -> Comparison:
     changes = tuple(_change(measure, sides) for measure, sides in measures.items())
     trained = tuple(tuple(range(count)) for count in changes[0].counts)
     simulator = Choice(place, (), place) if place else None
@@ -224,7 +224,7 @@ def _comparison(place: str, measures: Mapping[Measure, Sides], situation: Situat
     )
 
 
-def _change(measure: Measure, sides: Sides) -> Change:
+def _change(measure: Quantity, sides: Sides) -> Change:
     one, other = (dict(enumerate(side)) for side in sides)
     return change_of(measure, one, other, swaps_of(range(min(len(one), len(other)))))
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.eta.behaviour_change import Change, Measure, change_of
+from harness.eta.behaviour_change import Change, Quantity, change_of
 from harness.eta.curve import curve_of
 from harness.eta.decompose import decompose
 from harness.eta.headline import Answer
@@ -33,7 +33,7 @@ SWAPS = swaps_of(range(6))
 def change(name: str, manner: str, proposed: float) -> Change:
     """Of six seeds, from 0.5 under the baseline."""
     one, other = ({seed: value + 0.001 * seed for seed in range(6)} for value in (0.5, proposed))
-    found = change_of(Measure(name, "", "higher", manner, 20), one, other, SWAPS, [0.0] * 12)
+    found = change_of(Quantity(name, "", "higher", manner, 20), one, other, SWAPS, [0.0] * 12)
     return replace(found, corrected=found.p)
 
 

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from harness.eta.behaviour_change import TRAINING, Change, Measure
+from harness.eta.behaviour_change import TRAINING, Change, Quantity
 from harness.eta.index import Ratio
 from harness.results.overview import (
     NEAR_ZERO,
@@ -54,16 +54,16 @@ def test_an_interval_has_two_digits():
 
 def test_two_values_stand_beside_an_arrow():
     """A share in whole percent, another measure in its unit: no sign that reads as an inequality."""
-    share = Measure("success_rate", "", "higher", "deterministic", 100)
-    time = Measure("time_to_target", "s", "lower", "deterministic")
+    share = Quantity("success_rate", "", "higher", "deterministic", 100)
+    time = Quantity("time_to_target", "s", "lower", "deterministic")
     assert measure_text(Change(share, 0.99, 1.0, None)) == "99 -> 100 %"
     assert measure_text(Change(time, -1140.0, -78.9, None)) == "-1140 -> -78.9 s"
 
 
 def _decided(name: str | None) -> SimpleNamespace:
-    share = Change(Measure("success_rate", "", "higher", "deterministic", 100), 0.98, 0.99, None)
-    time = Change(Measure("time_to_target", "s", "lower", "deterministic"), 0.861, 0.37, None)
-    speed = Change(Measure("success_rate", "", "higher", TRAINING, 100), 0.42, 0.61, None)
+    share = Change(Quantity("success_rate", "", "higher", "deterministic", 100), 0.98, 0.99, None)
+    time = Change(Quantity("time_to_target", "s", "lower", "deterministic"), 0.861, 0.37, None)
+    speed = Change(Quantity("success_rate", "", "higher", TRAINING, 100), 0.42, 0.61, None)
     headline = SimpleNamespace(decided_by=name)
     return SimpleNamespace(headline=headline, decisive_changes=(share, time, speed), decisive=share)
 

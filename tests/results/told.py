@@ -5,14 +5,14 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from harness.arrays import Float
-from harness.eta.behaviour_change import TRAINING, Change, Measure, change_of
+from harness.eta.behaviour_change import TRAINING, Change, Quantity, change_of
 from harness.eta.swaps import swaps_of
 from harness.registry.choice import Choice
 from harness.results.comparison import Comparison, Group
 
-SUCCESS = Measure("success_rate", "", "higher", "deterministic", 100)
-TIME = Measure("time_to_target", "s", "lower", "deterministic")
-SPEED = Measure("success_rate", "", "higher", TRAINING, 100)
+SUCCESS = Quantity("success_rate", "", "higher", "deterministic", 100)
+TIME = Quantity("time_to_target", "s", "lower", "deterministic")
+SPEED = Quantity("success_rate", "", "higher", TRAINING, 100)
 
 
 def comparison(
@@ -67,6 +67,6 @@ def rates(mean: float, other: float, seeds: int = 6, spread: float = 0.05, seed:
     return np.clip(values, 0.0, 1.0)
 
 
-def _change(measure: Measure, values: Float, seeds: Sequence[int]) -> Change:
+def _change(measure: Quantity, values: Float, seeds: Sequence[int]) -> Change:
     one, other = (dict(zip(seeds, side.tolist(), strict=True)) for side in values)
     return change_of(measure, one, other, swaps_of(seeds))

@@ -18,6 +18,7 @@ import harness
 import harness.score.scorer as module
 from harness.env import ReachVectorEnv
 from harness.reach import ReachTask
+from harness.record.row_steps import TOUCHED, Rows, targets_touched
 from harness.record.trace import FORMAT, FORMAT_KEY, Trace, TraceWriter, read_trace
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
@@ -26,7 +27,7 @@ from harness.reward.needs import ROWS
 from harness.robot.inverse_kinematics import reach_position
 from harness.score.open_recording import open_recording
 from harness.score.rescore import RecordingScorer
-from harness.score.scorer import TOUCHED, Rows, Scorer, score_trace, targets_touched
+from harness.score.scorer import Scorer, score_trace
 from harness.testing import IdealSimulator
 from harness_plugins.tasks.unity import Arp2021
 

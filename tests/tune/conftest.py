@@ -39,5 +39,5 @@ def tune_here(toys: Registry, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
             if not order.folder.exists():
                 order.work.do(order.folder, lambda steps: None)
 
-    monkeypatch.setattr("harness.tune.measure.validate_all", validate_all)
+    monkeypatch.setattr("harness.tune.outcomes.validate_all", validate_all)
     return lambda **keys: tune(**{"out": tmp_path / "tuning", "executor": "here", "jobs": 1, **QUICK, **keys})

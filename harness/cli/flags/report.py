@@ -32,3 +32,12 @@ SummaryFolder = Annotated[
         help="Write records into this folder: small tables and figures, made to be kept and shared.", metavar="FOLDER"
     ),
 ]
+MeasureFiles = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--measure",
+        help="A Python file whose functions measure what an arm does. Can be repeated.",
+        metavar="FILE",
+        show_default=False,
+    ),
+]

@@ -88,9 +88,8 @@ Measures = Annotated[
     Names,
     typer.Option(
         "--measure",
-        help="In an environment, what decides: a Python file of functions that measure behaviour, or the name of a "
-        "measure.",
-        show_default="success, else the first measure",
+        help="What decides: a Python file of functions that measure behaviour, or the name of a measure.",
+        show_default="success, else the first measure; of an arm success_rate",
         metavar="FILE|NAME,...",
     ),
 ]

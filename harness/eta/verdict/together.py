@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from harness.arrays import Float
-from harness.eta.behaviour_change import Change, Measure
+from harness.eta.behaviour_change import Change, Quantity
 from harness.eta.interval import (
     CONFIDENCE,
     UNBOUNDED,
@@ -40,7 +40,7 @@ class Together:
         is_of_size: Whether values are shares of the mean size in their place, since they have either sign.
     """
 
-    measure: Measure
+    measure: Quantity
     question: Question
     is_of_size: bool = False
 

@@ -12,6 +12,7 @@ from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.results.comparison import Group
 from harness.results.load import done_cells_of
+from harness.results.metrics import named_measures
 
 
 class EndedCells:
@@ -20,7 +21,8 @@ class EndedCells:
     def __init__(
         self, store: Store, registry: Registry, plan: Plan, metrics: str | Sequence[str] | None = None
     ) -> None:
-        self._cells, self._plan = done_cells_of(plan.cells, store, registry, metrics), plan
+        named = named_measures(plan.resolved)
+        self._cells, self._plan = done_cells_of(plan.cells, store, registry, metrics, named), plan
         self._rewards: dict[Group, dict[Choice, None]] = {}
         for cell in plan.cells:
             self._rewards.setdefault(Group.of(cell), {})[cell.reward] = None

@@ -169,9 +169,7 @@ class TrainingFacts:
     def term_columns(self) -> dict[str, str]:
         """By the column of each term, ``reward/gentle/effort``, the column of the reward that it is a term of."""
         return {
-            term_column(name, term): f"{REWARD}{name}"
-            for name in self.rewards
-            for term in self.terms.get(name, ())
+            term_column(name, term): f"{REWARD}{name}" for name in self.rewards for term in self.terms.get(name, ())
         }
 
     @property

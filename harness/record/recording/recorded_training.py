@@ -1,7 +1,7 @@
 """Reads the folder of a recorded training."""
 
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -12,11 +12,14 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from harness.arrays import Float
-from harness.errors import SchemaError
+from harness.errors import SchemaError, UsageError
 from harness.files.bounded import reading, require_regular
 from harness.files.parquet import MOST_NUMBERS, require_room
 from harness.record.recording.facts import BEHAVIOUR, REWARD, TrainingFacts, term_column
 from harness.record.recording.scores import read_scores, scores_name
+from harness.registry.choice import parse
+from harness.reward.forms import weighted
+from harness.reward.terms import sum_of
 
 PART_ROWS = 65_536
 """The rows of every part but a recorder's last."""
@@ -71,6 +74,28 @@ class RecordedTraining:
 
     def __len__(self) -> int:
         return len(self.time)
+
+    def weighed(self, labels: Iterable[str]) -> "RecordedTraining":
+        """The same, and what rewards with other weights pay its steps, ``gentle:effort=5``, as far as terms tell it."""
+        rewards, failures = dict(self.rewards), list(self.facts.failures)
+        for label in labels:
+            name, weights = weights_of(label)
+            terms = self.terms.get(name, {})
+            if label not in rewards and weights and weights.keys() <= terms.keys():
+                rewards[label] = sum_of(weighted(terms, weights))
+                given_up = [it for it in failures if it.column == f"{REWARD}{name}"]
+                failures += [replace(it, column=f"{REWARD}{label}") for it in given_up]
+        names = tuple(dict.fromkeys([*self.facts.rewards, *rewards]))
+        return replace(self, rewards=rewards, facts=replace(self.facts, rewards=names, failures=tuple(failures)))
+
+
+def weights_of(label: str) -> tuple[str, dict[str, float]]:
+    """The reward and the weights of its terms that a label names; no weights of any other text."""
+    try:
+        name, params = parse(label)
+        return name, {term: float(weight) for term, weight in params.items()}
+    except (UsageError, ValueError):
+        return label, {}
 
 
 def is_recording(folder: Path) -> bool:

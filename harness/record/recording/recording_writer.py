@@ -192,7 +192,9 @@ class RecordingWriter:
             column_encoding={
                 "time": "DELTA_BINARY_PACKED",
                 **dict.fromkeys(INTEGERS, "DELTA_BINARY_PACKED"),
-                **dict.fromkeys([*self.facts.numbers, *self.facts.term_columns, *action_columns(self.facts)], "BYTE_STREAM_SPLIT"),
+                **dict.fromkeys(
+                    [*self.facts.numbers, *self.facts.term_columns, *action_columns(self.facts)], "BYTE_STREAM_SPLIT"
+                ),
             },
             write_page_checksum=True,
         )

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from harness.eta.behaviour_change import Change, Measure, Sides, with_intervals
+from harness.eta.behaviour_change import Change, Quantity, Sides, with_intervals
 from harness.eta.headline import DECIDING, SUCCESS
 from harness.eta.index import Index, Ratio
 from harness.eta.return_split import ReturnSplit
@@ -167,7 +167,7 @@ def _change(told: Mapping[str, Any], seeds: tuple[int, ...]) -> Change:
     name, episodes = told["name"], told.get("episodes")
     if episodes is None and name == SUCCESS:
         episodes = 100
-    measure = Measure(name, told["unit"], told["better"], told["manner"], episodes, told.get("title", ""))
+    measure = Quantity(name, told["unit"], told["better"], told["manner"], episodes, told.get("title", ""))
     trainings = _trainings(told, seeds)
     without = told["left_out"] if trainings[0].keys() == trainings[1].keys() else 0
     found = Change(

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from harness.eta.behaviour_change import TRAINING, Measure
+from harness.eta.behaviour_change import TRAINING, Quantity
 from harness.results.alone import NO_BETTER, Alone, OfTraining, is_known, stages_of
 from harness.results.by_term import part_of
 from harness.results.recordings.episodes import Part
@@ -15,7 +15,7 @@ def alone_of(runs: Runs) -> Alone | None:
     if len(runs.trained) != 1 or runs.control:
         return None
     (reward,) = runs.trained
-    members, pay = runs.of(reward), Measure(return_name(reward), "", NO_BETTER, TRAINING)
+    members, pay = runs.of(reward), Quantity(return_name(reward), "", NO_BETTER, TRAINING)
     trainings = [_training(run, reward) for run in members]
     random = _values(runs.random.whole, reward) if runs.random else {}
     measures = [runs.measure(name, TRAINING, trainings[0].episodes[1]) for name in runs.measures]

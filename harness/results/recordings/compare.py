@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import Literal
 
 from harness.errors import Unscored
-from harness.eta.behaviour_change import Measure
+from harness.eta.behaviour_change import Quantity
 from harness.eta.curve import GroupCurve, Kind, stream_curve
 from harness.eta.scored_sums import Pair
 from harness.eta.swaps import Swaps
@@ -67,7 +67,7 @@ class _Recorded:
         """See `Trainings`."""
         return training.moments(self._runs.steps)
 
-    def measure(self, name: str, manner: str, episodes: int) -> Measure:
+    def measure(self, name: str, manner: str, episodes: int) -> Quantity:
         """See `Trainings`."""
         return self._runs.measure(name, manner, episodes)
 

@@ -89,9 +89,7 @@ def studies_of(results: Records, shown: Sequence[str] | None = None) -> tuple[Pl
     Raises:
         UsageError: A measure was chosen that no environment has.
     """
-    told = results.plan.experiment.get("measure")  # a folder of anybody: whatever stands there
-    deciding = [name for name in told if isinstance(name, str)] if isinstance(told, list) else []
-    read = {group: _runs_of(results, cells, deciding) for group, cells in results.groups.items()}
+    read = {group: _runs_of(results, cells, results.named) for group, cells in results.groups.items()}
     compared = {group: runs for group, runs in read.items() if not isinstance(runs, str)}
     if compared and shown is not None:
         require_measures(shown, {name for runs in compared.values() for name in runs.measures})

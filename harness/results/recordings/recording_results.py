@@ -1,5 +1,6 @@
 """What follows from the files of one recording, each thing computed once; see `harness.results.kept`."""
 
+from collections.abc import Iterable
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -33,14 +34,16 @@ class RecordingResults:
         path: Its folder.
     """
 
-    def __init__(self, folder: Path, path: Path) -> None:
+    def __init__(self, folder: Path, path: Path, weighed: Iterable[str] = ()) -> None:
         """Read nothing yet but what is kept.
 
         Args:
             folder: The folder that holds recordings: what is kept lies there.
             path: The folder of this one.
+            weighed: Rewards with weights that other recordings were trained with, ``gentle:effort=5``: they pay this
+                one too, if it has the terms.
         """
-        self.path = path
+        self.path, self._weighed = path, tuple(weighed)
         self._kept = Kept(folder, _name_of(folder, path), path)
         self._held: RecordedTraining | None = None
 
@@ -109,20 +112,21 @@ class RecordingResults:
     @cached_property
     def _made_of(self) -> list[str]:
         with reading(self.path, "recording of a training"):
-            return [f"{name} {self._kept.digest(name)}" for name in recording_files(self.path)]
+            return [*(f"{name} {self._kept.digest(name)}" for name in recording_files(self.path)), *self._weighed]
 
     @property
     def _recording(self) -> RecordedTraining:
         if self._held is None:
-            self._held = read_recording(self.path)
+            self._held = read_recording(self.path).weighed(self._weighed)
         return self._held
 
     def _numbers_of_episodes(self) -> Float:
         return episodes_of(self._recording).numbers.ravel()
 
     def _column(self, reward: str) -> Float:
-        held = self._held or read_recording(self.path, only=[f"{REWARD}{reward}"])
-        return held.rewards[reward]
+        if self._held is None and reward not in self._weighed:
+            return read_recording(self.path, only=[f"{REWARD}{reward}"]).rewards[reward]
+        return self._recording.rewards[reward]
 
 
 def terms_in(recording: RecordedTraining, reward: str) -> ByTerm:

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 from harness.arrays import Float
 from harness.errors import SchemaError
 from harness.eta.curve import Kind
-from harness.metric import Metric
+from harness.measure import Measure
 from harness.record.cell import Cell
 from harness.record.folder import TRAINING_RECORDING
 from harness.record.store import Store
@@ -67,7 +67,7 @@ class RecordedResults(Results):
         self._shown = None if metrics is None else tuple(split_list(metrics))
 
     @property
-    def metrics(self) -> Mapping[str, Metric]:
+    def metrics(self) -> Mapping[str, Measure]:
         """None: an environment has measures of its own, which its recordings hold."""
         return {}
 

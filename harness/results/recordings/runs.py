@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import NamedTuple, Self
 
 from harness.arrays import Float
-from harness.eta.behaviour_change import WHOLE, Measure
+from harness.eta.behaviour_change import WHOLE, Quantity
 from harness.eta.interval import SHARE, UNBOUNDED, Bounds
 from harness.eta.rescaling import Rescaling, rescaling_of
 from harness.record.recording.facts import TrainingFacts
@@ -178,10 +178,10 @@ class Runs(NamedTuple):
         """``higher`` or ``lower``."""
         return "lower" if measure in self.lower_is_better else "higher"
 
-    def measure(self, name: str, manner: str, episodes: int) -> Measure:
+    def measure(self, name: str, manner: str, episodes: int) -> Quantity:
         """What a measure is in the episodes of one manner, of which each seed has `episodes` at least."""
         share = episodes if self.is_flag(name) else None
-        return Measure(name, "", self.better(name), manner, share, bounds=self.bounds(name))
+        return Quantity(name, "", self.better(name), manner, share, bounds=self.bounds(name))
 
     def is_flag(self, measure: str) -> bool:
         """Whether it is 0 or 1 in every episode of every training."""

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.metric import Metric
+from harness.measure import Measure
 from harness.record.episode_facts import EpisodeFacts
 from harness.testing.metrics.traces import REWARDS, recorded_trace
 from harness.testing.violations import Check, check, raise_first, require, settings_are_frozen, settings_survive_json
@@ -25,7 +25,7 @@ SOME_ENDS: tuple[tuple[str, ...], ...] = (
 )
 
 
-def check_metric(metric: Metric) -> None:
+def check_metric(metric: Measure) -> None:
     """Run all `METRIC_CHECKS`.
 
     Raises:
@@ -35,14 +35,14 @@ def check_metric(metric: Metric) -> None:
 
 
 @check("metric-unit")
-def unit_and_better_are_declared(metric: Metric) -> None:
+def unit_and_better_are_declared(metric: Measure) -> None:
     """`unit` is a text, empty where there is none, and `better` is ``higher`` or ``lower``."""
     require(isinstance(metric.unit, str), f"unit is {metric.unit!r}, not a text")
     require(metric.better in ("higher", "lower"), f"better is {metric.better!r}, neither 'higher' nor 'lower'")
 
 
 @check("metric-finite")
-def the_value_is_finite_or_none(metric: Metric) -> None:
+def the_value_is_finite_or_none(metric: Measure) -> None:
     """The value is a finite float, or None where it is not defined, however episodes ended, short ones and long ones.
 
     Also where the trace tells no facts of its episodes: one of an earlier version, or of another kind.
@@ -58,20 +58,20 @@ def the_value_is_finite_or_none(metric: Metric) -> None:
 
 
 @check("metric-empty")
-def an_empty_trace_has_no_value(metric: Metric) -> None:
+def an_empty_trace_has_no_value(metric: Measure) -> None:
     """The value of a trace without rows is None."""
     value = metric(recorded_trace(0, ()))
     require(value is None, f"the value of an empty trace is {value}, not None")
 
 
 @check("metric-defined")
-def a_full_trace_has_a_value(metric: Metric) -> None:
+def a_full_trace_has_a_value(metric: Measure) -> None:
     """A trace with episodes that ended on the target, on the ground and at the horizon has a value."""
     require(metric(recorded_trace(0, ALL_ENDS)) is not None, "the value is None, however the episodes ended")
 
 
 @check("metric-no-reward")
-def rewards_do_not_matter(metric: Metric) -> None:
+def rewards_do_not_matter(metric: Measure) -> None:
     """The value does not depend on the columns of rewards: a metric judges behaviour, not its pay."""
     trace = recorded_trace(0, ALL_ENDS)
     others = {name: recorded_trace(1, ALL_ENDS * 9)[name][: len(trace)] for name in REWARDS}
@@ -80,14 +80,14 @@ def rewards_do_not_matter(metric: Metric) -> None:
 
 
 @check("metric-unfinished")
-def unfinished_episodes_do_not_count(metric: Metric) -> None:
+def unfinished_episodes_do_not_count(metric: Measure) -> None:
     """An episode that the end of the trace cuts off changes nothing."""
     value, longer = (metric(recorded_trace(0, ends)) for ends in (ALL_ENDS, (*ALL_ENDS, "")))
     require(value == longer, f"the value goes from {value} to {longer} with an unfinished episode")
 
 
 @check("metric-traces")
-def traces_do_not_depend_on_one_another(metric: Metric) -> None:
+def traces_do_not_depend_on_one_another(metric: Measure) -> None:
     """A trace has the same value whatever was measured before."""
     value = metric(recorded_trace(0, ALL_ENDS))
     metric(recorded_trace(1, ALL_ENDS))
@@ -96,7 +96,7 @@ def traces_do_not_depend_on_one_another(metric: Metric) -> None:
 
 
 @check("metric-arguments")
-def the_trace_is_left_alone(metric: Metric) -> None:
+def the_trace_is_left_alone(metric: Measure) -> None:
     """No column is changed: the next metric reads the same trace."""
     trace = recorded_trace(0, ALL_ENDS)
     before = copy.deepcopy(trace.columns)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.record.episode_facts import EpisodeFacts
-from harness.record.trace import FLAGS, INTEGERS, NUMBERS, OBSTACLE, Trace
+from harness.record.trace import FLAGS, INTEGERS, NUMBERS, OBSTACLE, QVEL, Trace
 
 REWARDS = ("reward", "reward_ground", "reward_target", "reward_step")
 DOF = 2
@@ -47,4 +47,5 @@ def _rows(rng: np.random.Generator, rows: int) -> dict[str, NDArray[Any]]:
     columns.update({name: rng.uniform(0.0, 1.0, rows) for name in NUMBERS})
     columns.update({name: np.zeros(rows, bool) for name in (*FLAGS, OBSTACLE)})
     columns.update({name: rng.uniform(-1.0, 1.0, (rows, DOF)) for name in ("qpos", "action")})
+    columns[QVEL] = np.gradient(columns["qpos"], axis=0) if rows > 1 else np.zeros((rows, DOF))
     return columns

@@ -5,16 +5,16 @@ import pytest
 from scipy.special import stdtrit
 
 from harness.arrays import Float
-from harness.eta.behaviour_change import Measure, change_of
+from harness.eta.behaviour_change import Quantity, change_of
 from harness.eta.swaps import swaps_of
 from harness.eta.verdict.question import Question
 from harness.eta.verdict.together import Together
 
-SUCCESS = Measure("success_rate", "", "higher", "deterministic", 100)
-TIME = Measure("time_to_target", "s", "lower", "deterministic")
+SUCCESS = Quantity("success_rate", "", "higher", "deterministic", 100)
+TIME = Quantity("time_to_target", "s", "lower", "deterministic")
 
 
-def together(values: Float, measure: Measure = TIME) -> Together:
+def together(values: Float, measure: Quantity = TIME) -> Together:
     """Of values, (2, seeds, places)."""
     return Together(measure, Question.of(values[..., None]))
 

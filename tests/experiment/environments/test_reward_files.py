@@ -120,7 +120,10 @@ def test_plan_without_a_measure_says_what_the_report_cannot_tell(files: Path):
     ("keys", "told"),
     [
         ({"measure": ["hight"]}, "No measure 'hight'. There is: effort, height. Did you mean 'height'?"),
-        ({"measure": ["height"], "task": "fd100-reach", "sim": "kinematic"}, "--measure goes with an environment"),
+        (
+            {"measure": ["height"], "task": "fd100-reach", "sim": "kinematic"},
+            "behaviour.py: the measure 'height' takes (observation, action, next_observation, info), as in environm",
+        ),
         ({"reward": ["calmer"]}, "No reward 'calmer'. There is: calm, own. Did you mean 'calm'?"),
     ],
 )

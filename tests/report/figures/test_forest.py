@@ -4,14 +4,16 @@ import re
 
 import pytest
 
-from harness.eta.behaviour_change import Change, Measure
+from harness.eta.behaviour_change import Change, Quantity
 from harness.report.figures.forest import REACH, WIDTH, draw_part, draw_strip
 
 
 def change(better, low, high, corrected=None):
     """A difference in the middle of its interval."""
     middle = (low + high) / 2
-    return Change(Measure("m", "", better, "deterministic"), 0.0, middle, None, low=low, high=high, corrected=corrected)
+    return Change(
+        Quantity("m", "", better, "deterministic"), 0.0, middle, None, low=low, high=high, corrected=corrected
+    )
 
 
 def place(strip):
@@ -46,7 +48,7 @@ def test_no_difference_has_a_place():
 
 def test_without_a_difference_there_is_nothing():
     """No seed has a value under both."""
-    assert draw_strip(Change(Measure("m", "", "higher", "deterministic"), None, None, None, 0)) == ""
+    assert draw_strip(Change(Quantity("m", "", "higher", "deterministic"), None, None, None, 0)) == ""
 
 
 @pytest.mark.parametrize(("size", "left", "width"), [(2.0, 0.0, REACH / 2), (-4.0, -REACH, REACH), (0.0, 0.0, 1.0)])

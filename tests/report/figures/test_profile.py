@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from harness.eta.behaviour_change import Change, Measure, change_of
+from harness.eta.behaviour_change import Change, Quantity, change_of
 from harness.eta.swaps import swaps_of
 from harness.report.figures.profile import describe_profile, draw_profile
 
-MEASURE = Measure("success_rate", "", "higher", "deterministic", 100)
+MEASURE = Quantity("success_rate", "", "higher", "deterministic", 100)
 
 
 def change(baseline: list[float], proposed: list[float]) -> Change:

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.eta.behaviour_change import Change, Measure
+from harness.eta.behaviour_change import Change, Quantity
 from harness.record.scene import Scene, SceneJoint, write_scene
 from harness.report.replay.links import BASELINE, PROPOSED, EpisodeLinks, links_of
 from harness.results import Results
@@ -40,7 +40,7 @@ def links(show: Show) -> EpisodeLinks:
 
 def change(name: str, unit: str, baseline: float | None, proposed: float | None) -> Change:
     """A measure and its means."""
-    return Change(Measure(name, unit, "lower", "deterministic"), baseline, proposed, None, 1)
+    return Change(Quantity(name, unit, "lower", "deterministic"), baseline, proposed, None, 1)
 
 
 def test_an_outcome_leads_to_the_first_episode_that_ended_so(links: EpisodeLinks):

@@ -1,4 +1,8 @@
-"""The interface that a metric fills: a pure function of a trace that uses no reward."""
+"""The interface that a measure fills: what a robot does, whatever it was paid.
+
+A metric is a registered one. A user may also write a plain function of a step or of an episode in a file; the registry
+makes a measure of it, see `harness.registry.measure_functions`.
+"""
 
 from typing import Protocol
 
@@ -6,7 +10,7 @@ from harness.eta.interval import SHARE, UNBOUNDED, Bounds
 from harness.record.trace import Trace
 
 
-class Metric(Protocol):
+class Measure(Protocol):
     """A frozen dataclass: how well a robot behaves, whatever it was paid.
 
     If the value is a mean over episodes of something between 0 and 1, set the class attribute ``is_share = True``. Its
@@ -18,6 +22,8 @@ class Metric(Protocol):
 
     If the value cannot be below or above a number, say so by the class attribute ``bounds``, as
     ``bounds = (0.0, math.inf)`` for a length. No interval then leaves these bounds. Those of a share are known.
+
+    If it reads joint speeds, say so by ``needs = frozenset({"qvel"})``: an experiment then records them.
     """
 
     @property
@@ -32,16 +38,21 @@ class Metric(Protocol):
         """The value over all finished episodes of a trace; None where it is not defined."""
 
 
-def is_share(metric: Metric) -> bool:
-    """Whether a metric says that it is a share of episodes, or a mean over them of something between 0 and 1."""
-    return bool(getattr(metric, "is_share", False))
+def is_share(measure: Measure) -> bool:
+    """Whether a measure says that it is a share of episodes, or a mean over them of something between 0 and 1."""
+    return bool(getattr(measure, "is_share", False))
 
 
-def bounds_of(metric: Metric) -> Bounds:
-    """The least and the greatest value that a metric says it can have."""
-    return SHARE if is_share(metric) else getattr(metric, "bounds", UNBOUNDED)
+def bounds_of(measure: Measure) -> Bounds:
+    """The least and the greatest value that a measure says it can have."""
+    return SHARE if is_share(measure) else getattr(measure, "bounds", UNBOUNDED)
 
 
-def is_error(metric: Metric) -> bool:
-    """Whether a metric says that its values are those of the task's error."""
-    return bool(getattr(metric, "is_error", False))
+def is_error(measure: Measure) -> bool:
+    """Whether a measure says that its values are those of the task's error."""
+    return bool(getattr(measure, "is_error", False))
+
+
+def needs_of(measure: Measure) -> frozenset[str]:
+    """What a measure says that it reads of a trace, by names of `harness.reward.steps.ARM`; often nothing."""
+    return frozenset(getattr(measure, "needs", ()))

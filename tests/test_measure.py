@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from harness.metric import bounds_of, is_error, is_share
+from harness.measure import bounds_of, is_error, is_share
 from harness.registry.choice import build_defaults
 from harness.registry.registry import load_registry
 from harness.testing.metrics.traces import recorded_trace

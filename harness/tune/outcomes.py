@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeAlias
 
+from harness.errors import Unmeasured
 from harness.executor import Executor, OnEvent
 from harness.experiment.changed import changed_cells, refuse_changed
 from harness.experiment.experiment import ExperimentRun
@@ -21,7 +22,8 @@ from harness.record.store import Store
 from harness.record.trace import read_trace
 from harness.registry.choice import build_defaults
 from harness.registry.registry import Registry
-from harness.tune.outcome import JUDGES, Outcome, outcome_in_environment, outcome_of
+from harness.results.metrics import named_measures
+from harness.tune.outcome import JUDGES, Outcome, outcome_by, outcome_in_environment, outcome_of
 from harness.tune.validation import REASON, ValidatePolicy, validate_all
 
 TRIALS, VALIDATION = "trials", "validation"
@@ -29,13 +31,13 @@ TRIALS, VALIDATION = "trials", "validation"
 Follow: TypeAlias = Callable[[Sequence[Cell], Sequence[Cell]], AbstractContextManager[OnEvent]]
 """A function of all cells of a stage and of those that were done before. It returns who is told of their events."""
 
-Measure: TypeAlias = Callable[[Plan, Sequence[Cell]], dict[Cell, Outcome | str]]
+Outcomes: TypeAlias = Callable[[Plan, Sequence[Cell]], dict[Cell, Outcome | str]]
 """The outcome of each cell of a plan that is asked for, or the reason why it has none."""
 
 
 @dataclass(frozen=True)
-class Measurer:
-    """Runs cells by the executor and keeps them, as any experiment, in the folder ``trials``; a `Measure`.
+class TrainedOutcomes:
+    """Runs cells by the executor and keeps them, as any experiment, in the folder ``trials``; an `Outcomes`.
 
     Attributes:
         folder: Of the tuning.
@@ -54,13 +56,14 @@ class Measurer:
     follow: Follow
 
     def __call__(self, plan: Plan, cells: Sequence[Cell]) -> dict[Cell, Outcome | str]:
-        """See `Measure`."""
+        """See `Outcomes`."""
         store = Store.create(self.folder / TRIALS, plan)
         self._train(replace(plan, cells=tuple(cells)), store)
         reasons = {cell: read_manifest(store.cell_folder(cell)).reason for cell in cells if not store.is_done(cell)}
         orders = {cell: self._order(cell, store) for cell in cells if cell not in reasons}
         validate_all(list(orders.values()), self.options.at_once)
-        return {**reasons, **{cell: self._outcome(order) for cell, order in orders.items()}}
+        named = named_measures(plan.resolved)[:1]
+        return {**reasons, **{cell: self._outcome(order, *named) for cell, order in orders.items()}}
 
     def require_same_plugins(self) -> None:
         """Check that the installed plugins trained what was trained so far.
@@ -89,7 +92,7 @@ class Measurer:
         work = ValidatePolicy(store.cell_folder(cell), self.episodes, self.registry.given)
         return Order(self.folder / VALIDATION / cell.id, work)
 
-    def _outcome(self, order: Order) -> Outcome | str:
+    def _outcome(self, order: Order, named: str = "") -> Outcome | str:
         reason = order.folder / REASON
         if reason.exists():
             return reason.read_text()
@@ -97,8 +100,8 @@ class Measurer:
         try:
             if recorded.is_dir():
                 return outcome_in_environment(read_recording(recorded))
-            return outcome_of(
-                read_trace(order.folder / EVALUATION), *build_defaults(self.registry, "metrics", JUDGES).values()
-            )
-        except ValueError as error:
+            judges = build_defaults(self.registry, "metrics", [named] if named else JUDGES)
+            trace = read_trace(order.folder / EVALUATION)
+            return outcome_by(named, judges[named], trace) if named else outcome_of(trace, *judges.values())
+        except (ValueError, Unmeasured) as error:
             return str(error)

@@ -1,0 +1,233 @@
+"""What a reward is told of an arm's steps, its terms in the trace, and that a trace is paid again bit for bit."""
+
+from collections.abc import Callable
+from functools import reduce
+from operator import add
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import harness
+from harness.env import ReachVectorEnv
+from harness.errors import UsageError
+from harness.reach import ReachTask
+from harness.record.trace import TERM, Trace, TraceWriter, read_trace
+from harness.registry.choice import choose
+from harness.registry.registry import load_registry
+from harness.reward import Carry, MissingField, Steps
+from harness.reward.forms import reward_class
+from harness.score.scorer import pay_trace, score_trace
+from harness.testing.trainings import NegativeDistance
+
+Call = Callable[..., Any]
+REGISTRY = load_registry()
+SHORT: dict[str, Any] = {"name": "fd100-reach", "horizon": 12}
+TASKS: dict[str, dict[str, Any]] = {
+    "joints": SHORT,
+    "choices": {**SHORT, "action": "discrete"},
+    "long decisions": {"name": "unity-reach", "horizon": 60, "decision_period": 5, "action": "movej"},
+    "next targets": {"name": "unity-reach", "horizon": 60, "decision_period": 5, "epsilon": 0.7},
+    "a goal that moves": {"name": "fd100-moving", "horizon": 12},
+    "worse": {**SHORT, "joint_noise": 0.02, "action_noise": 0.1, "action_delay": 2, "obstacle_count": 2, "variants": 2},
+}
+
+
+def everything(step):
+    """Every field of a step, and of what was before."""
+    before = step.before
+    return {
+        "reach": -step.distance + 0.3 * step.delta_distance * step.previous_distance - step.previous_best,
+        "effort": -0.01 * (step.action**2).sum(-1),
+        "jerk": -0.1 * ((step.action - before.action) ** 2).sum(-1),
+        "speed": abs(step.qvel).max(-1) + (step.qvel * before.qvel).sum(-1),
+        "bend": np.cos(step.qpos).sum(-1) - before.qpos[:, 1],
+        "way": ((step.end_effector - before.end_effector) ** 2).sum(-1) ** 0.5,
+        "goal": (step.target - before.target)[:, 2] + before.distance,
+        "ground": -0.5 * step.ground + 0.25 * before.ground,
+        "late": step.step / step.begin_distance,
+    }
+
+
+class Remembers(NegativeDistance):
+    """Pays the sum of all earlier efforts of an episode, and what the last step said of the ground."""
+
+    def initial_carry(self, begin_distance: Any) -> Carry:
+        """Nothing was done."""
+        return (0.0 * begin_distance,)
+
+    def __call__(self, carry: Carry, steps: Steps) -> tuple[Carry, Any]:
+        """One term more than one may need."""
+        done = carry[0] + abs(steps.action).sum(-1)
+        return (done,), {"done": -done, "before": 1.0 * steps.before.ground + steps.before.qvel[:, 0]}
+
+
+def build(kind: str, given: Any) -> Any:
+    """By its registered name."""
+    return choose(REGISTRY, kind, given).build(REGISTRY, kind)
+
+
+def record(path: Path, simulator: str, task: dict[str, Any], reward: Any, steps: int = 40, **options: Any) -> Trace:
+    """Three arms that go mostly down, by a reward that reads qvel."""
+    goal = build("tasks", task)
+    robot = harness.load_robot(goal.robot, REGISTRY)
+    env = ReachVectorEnv(build("simulators", simulator), robot, goal, reward, 3, records=("qvel",), **options)
+    env.action_space.seed(3)
+    with TraceWriter(path, robot.dof, env.episodes.action.shape[1], extras=env.episodes.extras) as env.recorder:
+        env.reset(seed=0)
+        for _ in range(steps):
+            action = env.action_space.sample()
+            env.step(action if action.dtype != np.float32 else np.clip(0.4 * action + 0.6, -1.0, 1.0))
+    env.close()
+    return read_trace(path)
+
+
+@pytest.mark.parametrize("task", TASKS)
+@pytest.mark.parametrize("simulator", ["kinematic", "mujoco", "pybullet", "dm_control"])
+def test_a_trace_is_paid_again_to_the_last_bit(tmp_path: Path, simulator: str, task: str):
+    """The pay and each term of it, in every step; and the pay is the sum of the recorded terms."""
+    if "variants" in TASKS[task] and simulator == "kinematic":
+        pytest.skip("arms do not vary without an engine")
+    reward = reward_class(everything)()
+    trace = record(tmp_path / "trace.parquet", simulator, TASKS[task], reward)
+    paid = pay_trace(reward, trace)
+    np.testing.assert_array_equal(paid.total, trace["reward"])
+    assert list(trace.terms) == list(paid.terms)
+    for name, values in trace.terms.items():
+        np.testing.assert_array_equal(paid.terms[name], values)
+    np.testing.assert_array_equal(reduce(add, trace.terms.values()), trace["reward"])
+    assert len(trace.last_rows) > 0
+
+
+def test_a_reward_that_remembers_is_paid_again_to_the_last_bit(tmp_path: Path):
+    """Step by step, with what was before each."""
+    trace = record(tmp_path / "trace.parquet", "kinematic", TASKS["next targets"], Remembers())
+    np.testing.assert_array_equal(score_trace(Remembers(), trace), trace["reward"])
+    assert trace["reached"].sum() > 0
+
+
+def test_what_was_before_a_first_step_is_the_start(make: Call):
+    """No action, no ground, the arm at rest where it starts."""
+    seen = []
+
+    def spy(step):
+        seen.append({name: np.array(getattr(step.before, name)) for name in ("action", "ground", "qpos", "distance")})
+        return -step.distance
+
+    env = make(2, reward=reward_class(spy)())
+    _, infos = env.reset(seed=0)
+    start, begun = env.episodes.qpos.copy(), infos["distance"].copy()
+    seen.clear()
+    env.step(np.full((2, 6), 0.5, np.float32))
+    np.testing.assert_array_equal(seen[0]["action"], np.zeros((2, 6)))
+    assert not seen[0]["ground"].any()
+    np.testing.assert_array_equal(seen[0]["qpos"], start)
+    np.testing.assert_array_equal(seen[0]["distance"], begun)
+
+
+def test_what_was_before_a_later_step_is_what_it_left(make: Call):
+    """Its action above all."""
+    seen = []
+
+    def spy(step):
+        seen.append((np.array(step.before.action), np.array(step.before.qvel), np.array(step.qvel)))
+        return -step.distance
+
+    env = make(2, reward=reward_class(spy)(), task=ReachTask(horizon=9))
+    env.reset(seed=0)
+    seen.clear()
+    first, second = np.full((2, 6), 0.5, np.float32), np.full((2, 6), -0.25, np.float32)
+    for action in (first, second, second):
+        env.step(action)
+    np.testing.assert_array_equal(seen[1][0], first)
+    np.testing.assert_array_equal(seen[2][0], second)
+    np.testing.assert_array_equal(seen[2][1], seen[1][2])
+
+
+def test_nobody_can_write_into_what_was_before(make: Call):
+    """It is the env's, as the step is."""
+
+    def spoils(step):
+        step.before.action[...] = 7.0
+        return -step.distance
+
+    class Spoils(NegativeDistance):
+        def __call__(self, carry: Any, steps: Any) -> Any:
+            return carry, spoils(steps)
+
+    env = make(1, reward=Spoils())
+    env.reset(seed=0)
+    with pytest.raises(ValueError, match="read-only"):
+        env.step(np.zeros((1, 6), np.float32))
+
+
+def test_a_trace_has_qvel_where_it_is_asked_for(make: Call):
+    """Traces of rewards that need no more stay as they were."""
+    assert "qvel" not in make().episodes.extras
+    assert make(records=("qvel",)).episodes.extras == {"qvel": 6}
+    assert make(reward=reward_class(everything)()).episodes.extras.keys() == {
+        f"{TERM}{name}" for name in ("reach", "effort", "jerk", "speed", "bend", "way", "goal", "ground", "late")
+    }
+
+
+def test_a_trace_without_qvel_pays_what_does_not_need_it(tmp_path: Path):
+    """And refuses the rest by name."""
+    trace = record(tmp_path / "trace.parquet", "kinematic", SHORT, build("rewards", "baseline"))
+    old = Trace({name: values for name, values in trace.columns.items() if name != "qvel"})
+
+    def calm(step):
+        return -abs(step.action).sum(-1)
+
+    assert score_trace(reward_class(calm)(), old).shape == (len(old),)
+    with pytest.raises(MissingField, match=r"has no 'qvel'\. It has: .*end_effector"):
+        score_trace(reward_class(everything)(), old)
+
+
+def test_a_field_that_is_read_late_is_found_in_the_trace(tmp_path: Path):
+    """Made-up steps do not show it: it is read in the fifth step of an episode."""
+
+    class Late(NegativeDistance):
+        def __call__(self, carry: Any, steps: Any) -> Any:
+            return carry, -abs(steps.qvel).sum(-1) if (steps.step > 4.5).any() else -steps.distance
+
+    trace = record(tmp_path / "trace.parquet", "kinematic", SHORT, build("rewards", "baseline"))
+    np.testing.assert_array_equal(score_trace(Late(), trace)[trace["step"] > 0][-1], -abs(trace["qvel"][-1]).sum(-1))
+
+
+def test_other_terms_than_at_first_end_the_run(make: Call):
+    """Their columns are those of the first step."""
+
+    class Fickle(NegativeDistance):
+        def __call__(self, carry: Any, steps: Any) -> Any:
+            return carry, {"a": steps.distance} if steps.step[0] > 1.5 else {"b": steps.distance}
+
+    env = make(1, reward=Fickle())
+    env.reset(seed=0)
+    with pytest.raises(UsageError, match="the terms a at first, and now b"):
+        env.step(np.zeros((1, 6), np.float32))
+
+
+def test_what_was_before_is_kept_with_the_state(make: Call):
+    """An env that goes on from another's state pays as that one does."""
+    reward = reward_class(everything)()
+    env, again = (make(2, reward=reward, task=ReachTask(horizon=9), resumable=True) for _ in range(2))
+    env.reset(seed=0)
+    rng = np.random.default_rng(0)
+    actions = rng.uniform(-1.0, 1.0, (12, 2, 6)).astype(np.float32)
+    for action in actions[:5]:
+        env.step(action)
+    again.restore(env.state())
+    for action in actions[5:]:
+        np.testing.assert_array_equal(env.step(action)[1], again.step(action)[1])
+
+
+def test_a_state_of_an_earlier_version_goes_on(make: Call):
+    """It does not tell what was before: rewards of its time did not read that."""
+    env, again = (make(2, task=ReachTask(horizon=9), resumable=True) for _ in range(2))
+    env.reset(seed=0)
+    action = np.full((2, 6), 0.5, np.float32)
+    env.step(action)
+    state = {name: value for name, value in env.state().items() if "before" not in name}
+    again.restore(state)
+    np.testing.assert_array_equal(env.step(action)[1], again.step(action)[1])
