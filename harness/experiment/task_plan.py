@@ -21,7 +21,7 @@ from harness.registry.step_functions import ARGUMENTS
 from harness.results.metrics import fields_needed, load_metrics, require_measures
 from harness.reward.forms import STEP
 from harness.reward.needs import needs_of
-from harness.reward.steps import BEFORE, NOT_RECORDED, MissingField
+from harness.reward.steps import BEFORE, NOT_RECORDED
 from harness.robot import Robot
 from harness.robot.load import load_robot
 from harness.simulator import require_drives
@@ -229,16 +229,10 @@ def _measures_of_arm(asked: Asked, registry: Registry) -> tuple[tuple[str, ...],
 
 
 def _needs(choice: Choice, task: Task, arm: Robot, registry: Registry) -> tuple[str, ...]:
-    """What a reward reads of a step of the arm.
-
-    Raises:
-        UsageError: A step of an arm has none of that.
-    """
+    """What a reward reads of a step of the arm; nothing of one that fails, which the trial before a run tells."""
     try:
         return needs_of(choice.build(registry, "rewards"), arm.dof, task.motion(arm).action_size).fields
-    except MissingField as error:
-        raise UsageError(f"Reward '{choice.label}': {error}") from error
-    except UsageError:  # it fails on made-up steps: the trial before a run tells whether it does in real ones
+    except UsageError:
         return ()
 
 

@@ -15,6 +15,7 @@ from harness.registry.members import require_members
 from harness.registry.parameters import build, parameters_of, resolved
 from harness.registry.registry import Registry
 from harness.registry.spec import Spec, blamed_on
+from harness.reward.forms import FAILED
 
 LONGEST = 10_000
 """Characters of a name with its parameters: a hundred times what a reward has."""
@@ -180,8 +181,11 @@ def _recorded(spec: Spec, typed: str) -> str:
 
 
 def _build(spec: Spec, params: Mapping[str, Any], noun: str, registry: Registry) -> Any:
+    target = spec.load()
+    if params and (failed := getattr(target, FAILED, "")):  # its parameters are not known
+        raise UsageError(failed)
     with blamed_on(spec, "it was built"):
-        built = build(spec.load(), params, noun, registry)
+        built = build(target, params, noun, registry)
     require_members(spec, built)
     return built
 

@@ -91,7 +91,7 @@ class Spec:
             if self.kind == "metrics" and is_measure_function(target):
                 return measure_class(target)
             return reward_class(target) if self.kind == "rewards" and is_function_of_steps(target) else target
-        except UsageError:
+        except UsageError:  # a function of steps that cannot measure
             raise
         except (Exception, SystemExit) as error:
             raise PluginError(

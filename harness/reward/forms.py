@@ -17,16 +17,18 @@ from pydantic import Field
 
 from harness.errors import UsageError
 from harness.reward.carry import Carry
-from harness.reward.needs import needs_of
+from harness.reward.needs import Needs, needs_of
 from harness.reward.reward import LARGEST_FACTOR, Reward
 from harness.reward.steps import Steps
 from harness.reward.terms import Paid, paid_of, sum_of
 
 STEP = "step"
 """What the one argument of a function of steps is called."""
+FAILED = "failed"
+"""The attribute of a reward's class that says why the function failed on made-up steps; empty if it did not."""
 PLAIN = {1.0}
 """Weights that change nothing."""
-MEMBERS = ("needs", "initial_carry")
+MEMBERS = ("needs", FAILED, "initial_carry")
 """What a reward has beside its parameters."""
 Weight = Annotated[
     float, Field(ge=-LARGEST_FACTOR, le=LARGEST_FACTOR, description="weight of the term: what it pays is times this")
@@ -62,21 +64,21 @@ def takes_step(found: Any) -> bool:
 def reward_class(function: Callable[[Steps], Any]) -> type[Reward]:
     """A frozen dataclass that is the reward of a function of steps. Its fields are the weights of the terms.
 
-    Args:
-        function: It returns what the steps are paid, or a dict of terms, or (total, dict). It is called once, on
-            made-up steps, to learn its terms.
+    To learn the terms it is called once, on made-up steps. One that fails there has no weights, and `FAILED` says why;
+    it fails again where it is to pay.
 
-    Raises:
-        UsageError: It fails, or reads what a step of an arm does not have.
+    Args:
+        function: It returns what the steps are paid, or a dict of terms, or (total, dict).
     """
     plain = dataclasses.make_dataclass("Plain", [], frozen=True, namespace=_members(function, _call_plain(function)))
+    needs, failed = Needs(), ""
     try:
         needs = needs_of(plain())
     except UsageError as error:
-        raise UsageError(f"Reward '{function.__name__}': {error}") from error
+        failed = f"Reward '{function.__name__}': {error}"
     fields = [(name, Weight, dataclasses.field(default=1.0)) for name in needs.terms if _can_be_weighted(name)]
     call = _call_weighted(function) if needs.terms else _call_plain(function)
-    members = {**_members(function, call), "needs": frozenset(needs.fields)}
+    members = {**_members(function, call), "needs": frozenset(needs.fields), FAILED: failed}
     made: type[Reward] = dataclasses.make_dataclass(function.__name__, fields, frozen=True, namespace=members)
     made.__module__, made.__qualname__ = function.__module__, function.__qualname__
     return made

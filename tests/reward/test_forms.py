@@ -1,6 +1,7 @@
 """A plain function of a step as a reward, and what one call of a reward shows."""
 
 import dataclasses
+import re
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ import pytest
 from harness.errors import UsageError
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
-from harness.reward.forms import is_function_of_steps, reward_class
+from harness.reward.forms import FAILED, is_function_of_steps, reward_class
 from harness.reward.needs import Needs, made_up, needs_of, terms_of
 from harness.reward.terms import pay
 from harness.testing.trainings import NegativeDistance
@@ -90,10 +91,13 @@ def test_a_function_for_an_arm_of_seven_joints_is_asked_with_seven():
         (lambda step: (step.distance, {"a": -step.distance}), "is not the sum"),
     ],
 )
-def test_a_function_that_cannot_pay_is_refused(function, told):
-    """Before anything runs."""
-    with pytest.raises(UsageError, match=told):
-        reward_class(function)
+def test_a_function_that_cannot_pay_says_why(function, told):
+    """To whoever asks for a weight of it; else it fails where it is to pay, so that other candidates go on."""
+    made = reward_class(function)
+    assert dataclasses.fields(made) == ()
+    assert re.search(told, getattr(made, FAILED))
+    with pytest.raises((UsageError, AttributeError)):
+        needs_of(made())
 
 
 def test_terms_of_a_reward_that_fails_are_told_by_its_first_real_step():
