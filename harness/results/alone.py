@@ -132,10 +132,11 @@ def alone_in(records: Records) -> tuple[Alone, ...]:
 def _alone(records: Records, group: Group, cells: Sequence[Cell]) -> Alone:
     ordered = sorted(cells, key=lambda cell: cell.seed)
     trainings = [_training(records, cell) for cell in ordered]
-    first = records.manifest(ordered[0])
+    manifest = records.manifest(ordered[0])
     random: Values = records.measured(ordered[0]).random
-    names = sorted(records.metrics, key=lambda name: DECIDING.index(name) if name in DECIDING else len(DECIDING))
-    measures = [measure_of(name, records.metrics[name], TRAINING, trainings[0].episodes[1], first) for name in names]
+    first = records.named or DECIDING
+    names = sorted(records.metrics, key=lambda name: first.index(name) if name in first else len(first))
+    measures = [measure_of(name, records.metrics[name], TRAINING, trainings[0].episodes[1], manifest) for name in names]
     found = [stages_of(measure, trainings, random.get(measure.name)) for measure in measures]
     pay = Quantity(PAID, "", NO_BETTER, TRAINING)
     curve = curve_of_training(records, group, ordered[0].reward.label, ordered)
