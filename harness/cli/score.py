@@ -81,8 +81,8 @@ def _score_recordings(
 ) -> int:
     """Give the actions of recorded trainings to new envs, and pay them; status 1 if one could not be paid.
 
-    With `every` and no name nothing is paid anew: what all rewards paid is recorded already. A reward with weights whose
-    terms are recorded is paid from these.
+    With `every` and no name nothing is paid anew: what all rewards paid is recorded already. A reward that stands in no
+    file and whose terms are recorded is paid from these.
     """
     from harness.experiment.environments.paid_again import PayAgain
     from harness.record.out_folder import refuse_links
@@ -90,7 +90,8 @@ def _score_recordings(
 
     refuse_links(folder)
     paths = recordings_of(folder)
-    weighted = {name: label for name in names if ":" in name and (label := recorded_weights(name, paths))}
+    functions = {it.name for it in registry.functions}
+    weighted = {it: label for it in names if it not in functions and (label := recorded_weights(it, paths))}
     called = [name for name in names if name not in weighted]
     again = PayAgain(registry, called, task).run(folder) if called or not (every or weighted) else ()
     told = []
@@ -119,7 +120,8 @@ def _paid_by_weights(paths: "Sequence[Path]", labels: "Sequence[str]") -> "Itera
     for path in paths:
         for label in labels:
             try:
-                yield Paid(path, (label,), pay_by_weights(path, label))
+                steps = pay_by_weights(path, label)
+                yield Paid(path, (label,), steps) if steps else Paid(path)
             except HarnessError as error:
                 yield Paid(path, refused=f"{label}: {error}")
             except OSError as error:

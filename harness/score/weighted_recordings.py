@@ -53,7 +53,7 @@ def pay_by_weights(path: Path, label: str) -> int:
         label: The reward, as `recorded_weights` tells it.
 
     Returns:
-        How many steps it has.
+        How many steps were paid; 0 if they were before.
 
     Raises:
         UsageError: Its terms are not recorded there, or a recorded weight is 0.
@@ -62,6 +62,8 @@ def pay_by_weights(path: Path, label: str) -> int:
     """
     read_recording(path, only=())  # raises an error if it is damaged
     recorders = [_Recorder.read(path, number) for number in recorder_numbers(path)]
+    if all(label in it.terms for it in recorders):
+        return 0
     found = [it.scored(label) for it in recorders]  # all of them before one is written
     for it, scores in zip(recorders, found, strict=True):
         place = path / scores_name(it.number)
