@@ -23,6 +23,7 @@ from harness.registry.choice import choose, parse
 from harness.registry.parameters import Parameter, parameters_of, values_of
 from harness.registry.registry import Registry
 from harness.registry.spec import Spec, blamed_on
+from harness.registry.step_functions import WHAT_ONE_TAKES
 from harness.reward import MissingField, Reward
 from harness.reward.needs import needs_of
 from harness.reward.steps import ARM
@@ -68,6 +69,8 @@ def describe_name(registry: Registry, kind: str, given: str, robot: str | None) 
         parts.append(_describe_parameters(type(thing), values_of(thing)))
         if kind == "algorithms":
             parts.append(_describe_in_environments(choice.label, choose(registry, kind, given, IN_ENVIRONMENTS).label))
+    own = next((it.own for it in registry.plugins if it.name == spec.plugin), ())
+    parts.append(f"{spec.plugin} also has {', '.join(own)}: {WHAT_ONE_TAKES}" if own else "")
     told = "\n\n".join(part for part in parts if part)
     return f"{told}\n\n{SOURCES}" if re.search(r"\b(NOTE|ARP)\b", told) else told
 

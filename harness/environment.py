@@ -8,11 +8,9 @@ import gymnasium
 from harness.arrays import Float
 from harness.errors import UsageError
 from harness.eta.interval import Bounds
+from harness.reward.given import Given
 
 AnyEnv: TypeAlias = gymnasium.Env[Any, Any]
-Measure: TypeAlias = Callable[[Any, Any, Any, Any], Any] | str
-"""A function of (observation, action, next_observation, info) that returns a finite number for the step, a key of
-``info``, or ``"own"`` for what the env itself pays; see `harness.RecordRewards` for all that it may be."""
 GoalReward: TypeAlias = Callable[[Float, Float], Float]
 """A function of (achieved goals, desired goals), both (n, goal_size), that returns what n steps are paid, (n,)."""
 SUCCESS = "success"
@@ -39,7 +37,7 @@ class Environment(Protocol):
         A training in which no episode ends has no returns; episodes of evaluations are cut at the cell's horizon.
         """
 
-    def rewards(self, env: AnyEnv) -> Mapping[str, Measure]:
+    def rewards(self, env: AnyEnv) -> Mapping[str, Given]:
         """The rewards of one env, by name, at least one. One of them pays a training; all of them are recorded.
 
         A function may read `env`, which is then in the state right after the step. It must change nothing there.
@@ -48,7 +46,7 @@ class Environment(Protocol):
             env: An env that `make` made. Functions get its observations as they are: nothing is flattened.
         """
 
-    def behaviour(self, env: AnyEnv) -> Mapping[str, Measure]:
+    def behaviour(self, env: AnyEnv) -> Mapping[str, Given]:
         """Measures of what the robot does, by name; see `rewards`. They should not depend on any reward.
 
         A measure's value in the last step of an episode is its value for the episode. The measure ``success`` decides
@@ -97,7 +95,7 @@ def examples_of(environment: Any) -> dict[str, tuple[str, ...]]:
     return {text: tuple(modules) for text, modules in ask().items()} if ask else {}
 
 
-def baseline_of(environment: Environment, rewards: Mapping[str, Measure]) -> str:
+def baseline_of(environment: Environment, rewards: Mapping[str, Given]) -> str:
     """The reward that the others are compared with: the environment's ``baseline``, or the first of its rewards."""
     return str(getattr(environment, "baseline", "") or next(iter(rewards)))
 
@@ -112,7 +110,7 @@ def goal_rewards(environment: Environment, env: AnyEnv) -> dict[str, GoalReward]
     return dict(ask(env)) if ask else {}
 
 
-def rewards_of(environment: Environment, env: AnyEnv) -> dict[str, Measure]:
+def rewards_of(environment: Environment, env: AnyEnv) -> dict[str, Given]:
     """The rewards.
 
     Raises:

@@ -39,6 +39,8 @@ TrainingState: TypeAlias = Mapping[str, Any]
 SUCCESS, RETURN, SPEED = "Training/Success Rate", "Training/Episode Return", "Training/Steps per Second"
 """What the harness itself reports of every training: the share of the last `LAST_EPISODES` episodes that reached the
 target, what these episodes were paid on average, and environment steps per second since the last report."""
+TERMS = "Reward Terms"
+"""The first part of the names of what the terms of the reward paid these episodes on average."""
 LAST_EPISODES = 100
 
 TOLD_EVERY = 100

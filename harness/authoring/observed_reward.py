@@ -40,7 +40,7 @@ class ObservedReward:
         steps = 1 if info.get("terminated") else self._steps
         distance = self._places.distances(after)[0]
         if not self._places.has_new_target(before, after)[0]:
-            return float(self._pay.pay(np.full(steps, distance)).sum())
-        paid = float(self._pay.pay(self._places.reached(before, after)).sum())
+            return float(self._pay.pay(np.full(steps, distance)).total.sum())
+        paid = float(self._pay.pay(self._places.reached(before, after)).total.sum())
         self._pay.begin(distance)
-        return paid + float(self._pay.pay(np.full(steps - 1, distance)).sum()) if steps > 1 else paid
+        return paid + float(self._pay.pay(np.full(steps - 1, distance)).total.sum()) if steps > 1 else paid

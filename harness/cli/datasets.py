@@ -81,8 +81,10 @@ def score_dataset(
     as_json: bool,
 ) -> int:
     """Write what rewards pay each step of a data set; status 1 where one could not pay."""
+    import numpy as np
+
     from harness.audit.dataset.paid_dataset import pay_dataset
-    from harness.audit.dataset.payers import payers_of, places_of
+    from harness.audit.dataset.rewards import places_of, rewards_of
     from harness.audit.dataset.scores_file import scores_place, write_dataset_scores
     from harness.record.dataset.open_dataset import open_dataset
     from harness.registry.given import read_given
@@ -90,13 +92,17 @@ def score_dataset(
 
     registry = load_registry(given=read_given(plugin))
     arm, opened = places_of(places, robot, registry), open_dataset(dataset, None, partial=partial)
-    paid = pay_dataset(opened, payers_of(opened, registry, rewards, arm), arm)
-    into = scores_place(opened.facts.path, out)
+    paid = pay_dataset(opened, rewards_of(opened, registry, rewards, arm), arm)
+    into, terms = scores_place(opened.facts.path, out), paid.terms
     write_dataset_scores(paid, into)
     if as_json:
-        say_json({"files": [{"file": dataset, "scores": str(into), "rewards": list(paid.paid)}]})
+        told = {"file": dataset, "scores": str(into), "rewards": list(paid.paid)}
+        say_json({"files": [{**told, **({"terms": {name: [*of] for name, of in terms.items()}} if terms else {})}]})
     else:
         say(f"{dataset} -> {into}")
+        for name, of in terms.items():
+            means = ", ".join(f"{term} {np.nanmean(values):.4g}" for term, values in of.items())
+            say(f"{name} pays a step on average {np.nanmean(paid.paid[name]):.4g}: {means}")
     for line in (*opened.facts.notes, *paid.notes):
         complain(line)
     for name, reason in paid.failed.items():

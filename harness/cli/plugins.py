@@ -34,6 +34,8 @@ def plugins(
     for plugin in found:
         say(f"{plugin.name}  {plugin.status}  {plugin.distribution} {plugin.version}  ({plugin.module})")
         say(f"  {plugin.reason or ', '.join(plugin.registered) or 'registers nothing'}")
+        if plugin.own:
+            say(f"  the file's own, no rewards: {', '.join(plugin.own)}")
         for remark in plugin.remarks:
             say(f"  {remark}")
     for line in conflicts:

@@ -32,7 +32,6 @@ from harness.errors import UsageError
 from harness.text import command_text
 
 if TYPE_CHECKING:
-    from harness.experiment.experiment import ExperimentRun
     from harness.experiment.plan import Experiment
     from harness.experiment.run_options import RunOptions
     from harness.registry.given import Given
@@ -62,7 +61,7 @@ AlgorithmNames = Annotated[
 Baseline = Annotated[
     str | None,
     typer.Option(
-        help="The reward to compare with.",
+        help="The reward to compare with; none: train one reward alone.",
         show_default="baseline",
         metavar="NAME",
         autocompletion=REWARDS,
@@ -274,9 +273,10 @@ def read_asked(path: Path | None, given: Mapping[str, Any]) -> "Experiment":
 def foresee_run(asked: "Experiment", options: "RunOptions", plugins: "Sequence[Given]", as_json: bool) -> int:
     """Say what would be run."""
     from harness.cli.foreseen import foreseen_lines
+    from harness.experiment.experiment import check
     from harness.experiment.foresee import foresee
 
-    ready = _checked(asked, options, plugins)
+    ready = check(asked, options, plugins)
     found = foresee(ready)
     for line in ready.plan.warnings:
         complain(line)
@@ -288,22 +288,14 @@ def foresee_run(asked: "Experiment", options: "RunOptions", plugins: "Sequence[G
     return 0
 
 
-def _checked(asked: "Experiment", options: "RunOptions", plugins: "Sequence[Given]") -> "ExperimentRun":
-    """What would be run, if there is something to compare; nothing is written."""
-    from harness.experiment.experiment import check
-
-    ready = check(asked, options, plugins)
-    ready.require_comparison()
-    return ready
-
-
 def train(asked: "Experiment", options: "RunOptions", plugins: "Sequence[Given]", quiet: bool) -> "tuple[Results, int]":
     """Run what is not done; what came of it, and status 1 where a cell failed."""
     from harness.cli.progress import LiveProgress
     from harness.cli.terminal import Terminal
+    from harness.experiment.experiment import check
     from harness.record.store import Store
 
-    ready = _checked(asked, options, plugins)
+    ready = check(asked, options, plugins)
     folder = ready.store.folder
     Store.claim(folder)
     for line in ready.plan.warnings:

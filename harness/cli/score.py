@@ -1,6 +1,7 @@
 """``harness score``: what other rewards would have paid the same runs."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterator, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,12 +16,10 @@ from harness.text import command_text
 
 if TYPE_CHECKING:
     from harness.experiment.environments.paid_again import Paid
-    from harness.registry.choice import Choice
     from harness.registry.registry import Registry
     from harness.results import Results
     from harness.results.return_matrix import ReturnMatrix
     from harness.results.score_matrix import ScoreMatrix
-    from harness.score.recording import Recording
 
 
 def score(
@@ -36,7 +35,7 @@ def score(
     as_json: AsJson = False,
 ) -> int:
     """Compute what other rewards would have paid for recorded runs. The recordings stay as they are."""
-    from harness.registry.choice import choose, split_list
+    from harness.registry.choice import split_list
     from harness.registry.given import read_given
     from harness.registry.registry import load_registry
 
@@ -57,14 +56,13 @@ def score(
         raise UsageError("--task goes with a folder of recorded trainings in an environment: leave it out")
     if not reward and not every:
         raise UsageError("No reward is named: give --reward NAME, or --all for those of the experiment")
-    registry = load_registry(given=read_given(plugin))
-    scoring = [choose(registry, "rewards", name) for name in split_list(reward or [])]
+    registry, names = load_registry(given=read_given(plugin)), split_list(reward or [])
     if folder is not None:
-        failed = _score_experiment(folder, scoring, every, registry, as_json)
+        failed = _score_experiment(folder, names, every, registry, as_json)
     elif every:
         raise UsageError("--all takes an experiment's folder: files do not say which rewards there are")
     else:
-        failed = _score_files(targets, scoring, out, registry, as_json)
+        failed = _score_files(targets, names, out, registry, as_json)
     for label, reason in failed.items():
         complain(f"reward {label}: n/a ({reason})")
     return 1 if failed else 0
@@ -83,14 +81,21 @@ def _score_recordings(
 ) -> int:
     """Give the actions of recorded trainings to new envs, and pay them; status 1 if one could not be paid.
 
-    With `every` and no name nothing is paid anew: what all rewards paid is recorded already.
+    With `every` and no name nothing is paid anew: what all rewards paid is recorded already. A reward that stands in no
+    file and whose terms are recorded is paid from these.
     """
     from harness.experiment.environments.paid_again import PayAgain
     from harness.record.out_folder import refuse_links
+    from harness.score.weighted_recordings import recorded_weights, recordings_of
 
     refuse_links(folder)
+    paths = recordings_of(folder)
+    functions = {it.name for it in registry.functions}
+    weighted = {it: label for it in names if it not in functions and (label := recorded_weights(it, paths))}
+    called = [name for name in names if name not in weighted]
+    again = PayAgain(registry, called, task).run(folder) if called or not (every or weighted) else ()
     told = []
-    for paid in PayAgain(registry, names, task).run(folder) if names or not every else ():
+    for paid in chain(_paid_by_weights(paths, list(weighted.values())), again):
         told.append(paid)
         if not as_json:
             say(f"{paid.folder}: {_what_was_paid(paid)}")
@@ -106,14 +111,28 @@ def _score_recordings(
     return 1 if any(paid.refused or paid.failed for paid in told) else 0
 
 
+def _paid_by_weights(paths: "Sequence[Path]", labels: "Sequence[str]") -> "Iterator[Paid]":
+    """Pay recordings from the columns of their terms."""
+    from harness.errors import HarnessError
+    from harness.experiment.environments.paid_again import Paid
+    from harness.score.weighted_recordings import pay_by_weights
+
+    for path in paths:
+        for label in labels:
+            try:
+                steps = pay_by_weights(path, label)
+                yield Paid(path, (label,), steps) if steps else Paid(path)
+            except HarnessError as error:
+                yield Paid(path, refused=f"{label}: {error}")
+            except OSError as error:
+                yield Paid(path, refused=f"'{path}' cannot be written: {error.strerror or error}")
+
+
 def _returns_of(folder: Path) -> "list[ReturnMatrix]":
     """What every reward paid, of each group of trainings in the manner that says most."""
     from harness.results import load_results
 
-    try:
-        matrices = load_results(folder).returns
-    except UsageError:  # one reward alone: that is no reason not to pay its recordings
-        return []
+    matrices = load_results(folder).returns
     return list({matrix.group: matrix for matrix in reversed(matrices)}.values())
 
 
@@ -133,37 +152,38 @@ def _what_was_paid(paid: "Paid") -> str:
 
 
 def _score_experiment(
-    folder: Path, scoring: "list[Choice]", every: bool, registry: "Registry", as_json: bool
+    folder: Path, names: "Sequence[str]", every: bool, registry: "Registry", as_json: bool
 ) -> dict[str, str]:
     from harness.record.folder import SCORES, TRACE
     from harness.record.out_folder import refuse_links
     from harness.results import load_results
     from harness.results.score_matrix import score_matrices
     from harness.score.open_recording import open_recording
+    from harness.score.rescore import scoring_choice
 
     results = load_results(folder)
     refuse_links(folder)
     if not results.done_cells:
         raise UsageError(f"'{folder}' has no finished cell to score")
+    cells = [results.store.cell_folder(cell) for cell in results.done_cells]
+    scoring = [
+        scoring_choice(name, registry, ((open_recording(it / TRACE), it / SCORES) for it in cells)) for name in names
+    ]
     trained = [cell.reward for cell in results.done_cells] if every else []
-    rewards = list(dict.fromkeys([*scoring, *trained]))
-    failed: dict[str, str] = {}
-    for cell in results.done_cells:
-        place = results.store.cell_folder(cell)
-        failed |= _write(open_recording(place / TRACE), rewards, place / SCORES, registry)
-    matrices = score_matrices(results, rewards, registry)
+    matrices = score_matrices(results, list({it.label: it for it in [*scoring, *trained]}.values()), registry)
     if as_json:
         say_json({"matrices": [matrix.to_json() for matrix in matrices]})
     else:
         _print_table(matrices, results)
-    return failed
+    return {label: reason for matrix in matrices for label, reason in matrix.failed.items()}
 
 
 def _score_files(
-    patterns: Sequence[str], scoring: "list[Choice]", out: Path | None, registry: "Registry", as_json: bool
+    patterns: Sequence[str], names: "Sequence[str]", out: Path | None, registry: "Registry", as_json: bool
 ) -> dict[str, str]:
     from harness.record.folder import SCORES
     from harness.score.open_recording import match_recordings
+    from harness.score.rescore import scoring_choice, write_scores
 
     recordings = match_recordings(patterns)
     places = [(out or recording.path.parent) / f"{recording.path.stem}.{SCORES}" for recording in recordings]
@@ -171,10 +191,13 @@ def _score_files(
         raise UsageError(
             f"Several files of one name cannot all be scored into '{out}': leave out --out, or rename the files"
         )
+    pairs = list(zip(recordings, places, strict=True))
+    scoring = [scoring_choice(name, registry, pairs) for name in names]
     written, failed = [], dict[str, str]()
-    for recording, into in zip(recordings, places, strict=True):
-        failed |= _write(recording, scoring, into, registry)
-        paid = [item.label for item in scoring if item.label not in failed]
+    for recording, into in pairs:
+        refused = write_scores(recording, scoring, into, registry)
+        failed |= refused
+        paid = [item.label for item in scoring if item.label not in refused]
         written.append({"file": str(recording.path), "scores": str(into), "rewards": paid})
     if as_json:
         say_json({"files": written})
@@ -182,20 +205,6 @@ def _score_files(
         for entry in written:
             say(f"{entry['file']} -> {entry['scores']}")
     return failed
-
-
-def _write(recording: "Recording", rewards: "Iterable[Choice]", into: Path, registry: "Registry") -> dict[str, str]:
-    """Write the scores; of each reward that cannot pay, or is not installed any more, the reason."""
-    from harness.errors import HarnessError
-    from harness.score.rescore import rescore
-
-    built, gone = {}, {}
-    for choice in rewards:
-        try:
-            built[choice.label] = choice.build(registry, "rewards")
-        except HarnessError as error:
-            gone[choice.label] = str(error)
-    return {**gone, **rescore(recording, built, into)}
 
 
 def _print_table(matrices: "Sequence[ScoreMatrix]", results: "Results") -> None:

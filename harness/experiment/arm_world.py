@@ -24,9 +24,9 @@ from harness.policy import Policy
 from harness.progress import TrainingState
 from harness.record.cell import Cell
 from harness.record.folder import SUFFIX, TRACE
-from harness.record.returns import mean_return
+from harness.record.returns import mean_over_episodes, mean_return
 from harness.record.scene import write_scene
-from harness.record.trace import Trace, read_trace
+from harness.record.trace import TERM, Trace, read_trace
 from harness.registry.registry import Registry
 from harness.robot.load import load_robot
 from harness.scene.scene import scene_of
@@ -66,7 +66,8 @@ class ArmWorld:
         try:
             sizes, facts = (env.robot.dof, env.episodes.action.shape[1]), facts_of(env.task, env.robot)
             with TraceParts(path, *sizes, facts, attempt.parts, env.episodes.extras) as self._parts:
-                env.recorder = self._learning = LearningSoFar(self._parts, attempt.begun_from)
+                terms = [name.removeprefix(TERM) for name in env.episodes.extras if name.startswith(TERM)]
+                env.recorder = self._learning = LearningSoFar(self._parts, attempt.begun_from, terms=terms)
                 self._watch.follow(env)
                 yield env
                 self._watch.enter("trace")
@@ -116,9 +117,10 @@ class ArmWorld:
 
 
 def evaluation_scalars(trace: Trace, registry: Registry) -> dict[str, float]:
-    """The return and all metrics, such as ``Evaluation/Success Rate``. Undefined or failed ones are left out."""
+    """The return and its terms, and all metrics, such as ``Evaluation/Success Rate``; what is not known is left out."""
     # Most runs have no tracker: their processes start without what reads results.
     from harness.results.measured import measure
     from harness.results.metrics import load_metrics
 
-    return named_scalars(mean_return(trace), measure(load_metrics(registry), trace))
+    terms = {name: mean_over_episodes(values, trace) for name, values in trace.terms.items()}
+    return named_scalars(mean_return(trace), measure(load_metrics(registry), trace), terms)

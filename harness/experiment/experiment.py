@@ -120,23 +120,6 @@ class ExperimentRun:
             self.store.add(self.plan)
             yield begun
 
-    def require_comparison(self) -> None:
-        """See that there will be something to compare, with what the folder holds already.
-
-        Raises:
-            UsageError: All cells train with one reward, and nothing trains with it again, as a null control.
-        """
-        earlier = self.store.read_plan().cells if Store.is_experiment(self.store.folder) else ()
-        cells = (*self.plan.cells, *(cell for cell, _ in self.plan.skipped), *earlier)
-        rewards = {cell.reward.label for cell in cells}
-        if len(rewards) == 1 and not self.plan.control:
-            (alone,) = rewards
-            raise UsageError(
-                f"Nothing to compare: everything would be trained with the reward '{alone}'. Name another beside it, "
-                f"--reward {alone},OTHER, give one by --plugin FILE, or train it twice to see what chance does: "
-                f"--reward {alone},{alone}"
-            )
-
     def look(self) -> "BegunRun":
         """What is done, and what will be run. Writes nothing; another run may be changing it.
 

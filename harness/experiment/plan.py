@@ -53,6 +53,8 @@ Steps: TypeAlias = Annotated[Number, Field(gt=0, le=MOST_STEPS)]
 Episodes: TypeAlias = Annotated[Number, Field(gt=0, le=MOST_EPISODES)]
 Seed: TypeAlias = Annotated[Number, Field(ge=0, le=LARGEST_SEED)]
 Interval: TypeAlias = Annotated[Number, Field(ge=0, le=MOST_STEPS)]
+NO_BASELINE = "none"
+"""In place of a baseline: one reward is trained alone."""
 LISTS = ("sim", "algo", "reward", "measure")
 
 
@@ -76,7 +78,9 @@ class Experiment:
         Annotated[list[Given], Field(max_length=MOST_NAMES)] | None,
         Field(description="proposed rewards; an empty list: only the baseline is trained"),
     ] = None
-    baseline: Annotated[Given | None, Field(description="reward that the proposed rewards are compared with")] = None
+    baseline: Annotated[
+        Given | None, Field(description="reward that the proposed rewards are compared with; none: one reward alone")
+    ] = None
     task: Annotated[
         Given | Annotated[list[Given], Field(min_length=1, max_length=MOST_NAMES)],
         Field(description="task, or an environment in its place; or a list of tasks, or of environments"),
@@ -216,6 +220,7 @@ def expand(experiment: Experiment, registry: Registry, begun: Begun = lambda pla
         PluginError: A plugin is broken, or raises; says whose it is.
     """
     _require_few_names(experiment)
+    experiment = _alone(experiment, registry)
     tasks = plan_tasks(experiment, experiment.tasks, registry)
     plain = [choose(registry, "algorithms", it) for it in experiment.algo]
     if not tasks[0].is_environment:
@@ -276,6 +281,19 @@ def _plan(experiment: Experiment, tasks: Sequence[TaskPlan], chosen: Iterable[Ch
         warnings=(*registry.broken_files(), *dict.fromkeys(line for it in tasks for line in it.warnings)),
         require_metrics=tasks[0].require_metrics if len(tasks) == 1 else _require_any(tasks),
     )
+
+
+def _alone(experiment: Experiment, registry: Registry) -> Experiment:
+    """An experiment whose baseline is `NO_BASELINE`: its one reward takes the place of the baseline, and is alone."""
+    if experiment.baseline != NO_BASELINE or NO_BASELINE in registry.names("rewards"):
+        return experiment
+    rewards = experiment.reward or []
+    if len(rewards) != 1:
+        raise UsageError(
+            f"baseline={NO_BASELINE} trains one reward alone, and {len(rewards)} are named: give one, --reward NAME, "
+            "or the baseline that they are compared with"
+        )
+    return replace(experiment, baseline=rewards[0], reward=[])
 
 
 def _product(

@@ -17,9 +17,9 @@ from harness.registry.measure_functions import EPISODE, SUCCESS
 from harness.registry.names import unknown_name
 from harness.registry.registry import Registry
 from harness.registry.spec import PLANNED, blamed_on
-from harness.registry.step_functions import ARGUMENTS
 from harness.results.metrics import fields_needed, load_metrics, require_measures
 from harness.reward.forms import STEP
+from harness.reward.given import ARGUMENTS
 from harness.reward.needs import needs_of
 from harness.reward.steps import BEFORE, NOT_RECORDED
 from harness.robot import Robot
@@ -268,7 +268,7 @@ def _in_environment(asked: Asked, given: Given, registry: Registry) -> TaskPlan:
     baseline, rewards = looked.rewards_asked(asked.baseline, asked.reward)
 
     def fit(algorithm: Choice, reward: Choice) -> Fit:
-        return Fit(task, why_not_in(looked, algorithm, reward.name, registry, asked.steps))
+        return Fit(task, why_not_in(looked, algorithm, reward.label, registry, asked.steps))
 
     def require(names: Sequence[str]) -> None:
         require_measures(split_list(names), looked.measures)
@@ -277,20 +277,16 @@ def _in_environment(asked: Asked, given: Given, registry: Registry) -> TaskPlan:
         task,
         (NO_SIMULATOR,),
         NO_ROBOT,
-        _named(baseline),
-        tuple(map(_named, rewards)),
+        baseline,
+        rewards,
         fit,
-        tell_reward=lambda reward: reward.name,
+        tell_reward=lambda reward: table_of(reward) if reward.params else reward.name,
         brought=("sim", "robot"),
         require_metrics=require,
         horizon=asked.evaluation_horizon or EVALUATION_HORIZON,
         warnings=() if looked.measures else (UNMEASURED,),
         measure=tuple(asked.measure),
     )
-
-
-def _named(reward: str) -> Choice:
-    return Choice(reward, (), reward)
 
 
 def _locate(robot: str, registry: Registry) -> str:

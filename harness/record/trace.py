@@ -317,12 +317,23 @@ class Trace:
     @cached_property
     def episodes(self) -> list[NDArray[np.int64]]:
         """Row numbers of each finished episode, its start row first, by env and in order."""
-        key = self["env"].astype(np.int64) << 32 | self["episode"]
-        order = np.argsort(key, kind="stable")
-        parts = np.split(order, np.flatnonzero(np.diff(key[order])) + 1)
-        ended = np.zeros(len(self), bool)
-        ended[self.last_rows] = True
-        return [rows for rows in parts if len(rows) and ended[rows[-1]]]
+        return episode_rows(self["env"], self["episode"], self["terminated"] | self["truncated"])
+
+
+def episode_rows(
+    env: NDArray[np.int32], episode: NDArray[np.int32], ended: NDArray[np.bool_]
+) -> list[NDArray[np.int64]]:
+    """Row numbers of each finished episode, by env and in order.
+
+    Args:
+        env: Of each row, (rows,).
+        episode: Counted from 0 in each env.
+        ended: Whether the row is the last of its episode.
+    """
+    key = env.astype(np.int64) << 32 | episode
+    order = np.argsort(key, kind="stable")
+    parts = np.split(order, np.flatnonzero(np.diff(key[order])) + 1)
+    return [rows for rows in parts if len(rows) and ended[rows[-1]]]
 
 
 def require_plausible(path: Path, most: int) -> None:
@@ -345,6 +356,17 @@ def require_plausible(path: Path, most: int) -> None:
             told = column.statistics
             if told is not None and told.has_min_max and isinstance(told.min, float):
                 _require_moderate(told.min, told.max, f"{path}: {column.path_in_schema}")
+
+
+def term_names(path: Path) -> tuple[str, ...]:
+    """The terms of the reward that a trace has columns of, in their order; its rows are not read.
+
+    Raises:
+        SchemaError: The file is damaged or is no Parquet file.
+    """
+    with reading(path, "trace"):
+        require_regular(path, TRACE_BYTES)
+        return tuple(name.removeprefix(TERM) for name in pq.read_schema(path).names if name.startswith(TERM))
 
 
 def read_trace(path: Path, columns: list[str] | None = None) -> Trace:

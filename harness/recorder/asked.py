@@ -8,8 +8,8 @@ from typing import Literal
 from harness.errors import UsageError
 from harness.eta.interval import Bounds, are_bounds
 from harness.record.recording.facts import ACTED, Acted
-from harness.recorder.column import OWN, Given
 from harness.recorder.env_facts import LEARNERS
+from harness.reward.given import OWN, Given
 
 OnError = Literal["warn", "raise"]
 

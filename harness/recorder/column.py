@@ -5,37 +5,53 @@ import hashlib
 import inspect
 import math
 import textwrap
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, is_dataclass
-from typing import Any, Protocol
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
+from harness.arrays import Float
 from harness.errors import UsageError
-from harness.record.recording.facts import BEHAVIOUR, MOST_NAMES, MOST_SOURCE, OWN_SOURCE, REWARD, Source
+from harness.record.recording.facts import (
+    BEHAVIOUR,
+    MOST_NAMES,
+    MOST_SOURCE,
+    OWN_SOURCE,
+    REWARD,
+    Source,
+    term_column,
+)
 from harness.recorder.computing import only_computes
 from harness.recorder.env_facts import plain
 from harness.recorder.own_copies import own_copies
 from harness.registry.plugin_module import file_behind
+from harness.reward import Paid, Steps
+from harness.reward.forms import takes_step
+from harness.reward.given import OWN, Given, Terms, arguments, opened
+from harness.reward.terms import paid_of, require_same, sum_of
 
-OWN = "own"
-"""What the env itself pays."""
-ARGUMENTS = "(observation, action, next_observation, info)"
 
+def as_number(value: object) -> float:
+    """One number, as a float.
 
-class Measure(Protocol):
-    """A reward, or a measure of behaviour, of one step. It depends on nothing else, and can write into nothing of it.
-
-    One with a memory is an object that also has ``reset()``, which is called when an episode starts. Each env of a
-    batch has a copy of its own, see `own_copies`.
+    Raises:
+        ValueError: It is of another shape, or not finite.
+        TypeError: It is no number.
     """
-
-    def __call__(self, observation: Any, action: Any, next_observation: Any, info: Any, /) -> Any:
-        """A finite number for the step that led from `observation` to `next_observation`."""
-
-
-Given = Measure | str
-"""A function, a key of ``info``, or ``"own"``."""
+    if isinstance(value, np.float64):  # what most envs pay: no array is made of it
+        return as_number(value.item())
+    if type(value) is not float:
+        array = np.asarray(value)
+        if array.shape != ():
+            raise ValueError(f"it is an array of shape {array.shape}, not one number")
+        if array.dtype.kind not in "biuf":
+            raise TypeError(f"it is {value!r}, no number")
+        return as_number(float(array))
+    if not math.isfinite(value):
+        raise ValueError(f"it is {value}")
+    return value
 
 
 @dataclass
@@ -45,22 +61,83 @@ class Column:
     Attributes:
         name: Of the column, ``reward_v1``.
         noun: What messages call it, ``reward 'v1'``.
-        given: What the user gave.
+        given: What the user gave; terms that were given by name as one function, `harness.reward.given.Terms`.
         batched: Whether it is called once with the whole batch.
         measures: Copies of `given` by env, or the one of the batch; empty if it is no function.
         is_watched: Whether it might draw random numbers, or not return.
         holds_env: Whether it has a memory and holds the env that is recorded, or a part of it.
         given_up: Whether it failed; it is NaN from then on.
+        terms: Of a reward, the terms that it pays, in their order; None before it was asked.
+        read: Makes a number of what was returned for one.
     """
 
     name: str
     noun: str
-    given: Given
+    given: Any
     batched: bool = False
-    measures: list[Measure] = field(default_factory=list)
+    measures: list[Any] = field(default_factory=list)
     is_watched: bool = False
     holds_env: bool = False
     given_up: bool = False
+    terms: tuple[str, ...] | None = None
+    read: Callable[[Any], float] = as_number
+
+    @cached_property
+    def takes_step(self) -> bool:
+        """Whether its functions take a step, and not four arguments."""
+        return takes_step(self.given)
+
+    def arguments(self, step: Steps) -> tuple[Any, ...]:
+        """What its functions are called with about a step."""
+        return arguments(step, self.takes_step)
+
+    def numbers(self, returned: Any) -> list[float]:
+        """What was returned for a step: one number, and of a reward those of its terms.
+
+        Raises:
+            ValueError: One is of another shape, or not finite.
+            TypeError: One is no number.
+            UsageError: The terms are no terms, or others than before.
+        """
+        if not self._has_terms(returned):
+            return [self.read(returned)]
+        paid = self._paid(returned)
+        terms = {name: _of_term(name, self.read, paid.terms[name]) for name in self.terms or ()}
+        return [self.read(sum_of(terms)), *terms.values()]
+
+    def batch(self, returned: Any, count: int) -> Float:
+        """The same of what was returned for a step of each env: (num_envs, 1 + terms).
+
+        Raises:
+            ValueError: It is of another shape.
+            UsageError: The terms are no terms, or others than before.
+        """
+        if not self._has_terms(returned):
+            return _of_shape(returned, count)[:, np.newaxis]
+        paid = self._paid(returned)
+        terms = {name: _of_term(name, _of_shape, paid.terms[name], count) for name in self.terms or ()}
+        return np.column_stack([sum_of(terms), *terms.values()])
+
+    def _has_terms(self, returned: Any) -> bool:
+        if isinstance(returned, dict | tuple) and self.name.startswith(REWARD):
+            return True
+        if self.terms:
+            require_same(self.terms, {})
+        return False
+
+    def _paid(self, returned: Any) -> Paid:
+        paid = paid_of(returned)
+        if not paid.terms:
+            raise TypeError(f"it is {returned!r}, no number")
+        if self.terms is None:
+            self.terms = tuple(paid.terms)
+        require_same(self.terms, paid.terms)
+        return paid
+
+    @property
+    def term_columns(self) -> list[str]:
+        """What the columns of its terms are called."""
+        return [term_column(self.name.removeprefix(REWARD), term) for term in self.terms or ()]
 
     @property
     def is_own(self) -> bool:
@@ -76,6 +153,12 @@ class Column:
     def may_be_untold(self) -> bool:
         """Whether ``info`` may lack it in steps that do not end an episode."""
         return self.name.startswith(BEHAVIOUR)
+
+    @property
+    def parts(self) -> Collection[Any]:
+        """The functions that it is made of."""
+        given = self.given.parts.values() if isinstance(self.given, Terms) else [self.given]
+        return [part for part in given if not isinstance(part, str)]
 
     @property
     def remembers(self) -> bool:
@@ -111,62 +194,47 @@ def columns_of(
 def _column(env: Any, prefix: str, noun: str, name: str, given: Given, copies: int, batched: bool) -> Column:
     if not isinstance(name, str) or not name.isprintable() or not 0 < len(name) <= MOST_NAMES:
         raise UsageError(f"{noun} {name!r}: a name is a text that can be printed, such as 'v1'")
-    column = Column(f"{prefix}{name}", f"{noun} {name!r}", given, batched)
+    noun = f"{noun} {name!r}"
+    column = Column(f"{prefix}{name}", noun, opened(given, noun), batched)
     if isinstance(given, str):
         return column
-    _require_callable(column)
-    column.is_watched = not only_computes(given)
+    if isinstance(given, Mapping) and prefix != REWARD:
+        raise UsageError(f"{noun} is {given!r}: a measure is one number, only rewards have terms")
+    column.is_watched = not all(map(only_computes, column.parts))
     if column.remembers:
-        column.measures, column.holds_env = own_copies(given, column.noun, env, copies)
+        column.measures, column.holds_env = own_copies(column.given, column.noun, env, copies)
     else:
-        column.measures = [given] * copies
+        column.measures = [column.given] * copies
     return column
 
 
-def _require_callable(column: Column) -> None:
-    given = column.given
-    if not callable(given) or isinstance(given, type):
-        raise UsageError(
-            f"{column.noun} is {given!r}: it has to be a function of {ARGUMENTS}, a key of info in quotes, or {OWN!r}"
-        )
+def _of_term(name: str, read: Callable[..., Any], *value: Any) -> Any:
     try:
-        signature = inspect.signature(given)
-    except (TypeError, ValueError):
-        return  # a built-in: Python does not know its arguments, and calls will tell
-    try:
-        signature.bind(None, None, None, None)
-    except TypeError:
-        raise UsageError(f"{column.noun} takes {signature}: it has to take {ARGUMENTS}") from None
+        return read(*value)
+    except (TypeError, ValueError) as error:
+        raise type(error)(f"its term '{name}': {error}") from None
 
 
-def as_number(value: object) -> float:
-    """One number, as a float.
-
-    Raises:
-        ValueError: It is of another shape, or not finite.
-        TypeError: It is no number.
-    """
-    if isinstance(value, np.float64):  # what most envs pay: no array is made of it
-        return as_number(value.item())
-    if type(value) is not float:
-        array = np.asarray(value)
-        if array.shape != ():
-            raise ValueError(f"it is an array of shape {array.shape}, not one number")
-        if array.dtype.kind not in "biuf":
-            raise TypeError(f"it is {value!r}, no number")
-        return as_number(float(array))
-    if not math.isfinite(value):
-        raise ValueError(f"it is {value}")
-    return value
+def _of_shape(values: Any, count: int) -> Float:
+    found = np.asarray(values, float)
+    if found.shape != (count,):
+        raise ValueError(f"it is an array of shape {found.shape}, not {(count,)}")
+    return found
 
 
-def source_of(given: Given) -> Source:
+def source_of(given: Any) -> Source:
     """The code of a reward or a measure, and its SHA-256 where Python can tell it.
 
     Of one in a plugin file that is the code of the whole file, followed by that of the files beside it that it imports.
     """
     if isinstance(given, str):
         return Source("", OWN_SOURCE if given == OWN else f"info key {given!r}")
+    if isinstance(given, Terms):
+        parts = {name: source_of(part) for name, part in given.parts.items()}
+        text = "".join(f"# {name}\n{part.text.rstrip()}\n" for name, part in parts.items())
+        text += f"# with {plain(given.weights)}\n" if given.weights else ""
+        is_known = all(part.sha256 or isinstance(given.parts[name], str) for name, part in parts.items())
+        return _hashed(text) if is_known else Source("", text[:MOST_SOURCE])
     if isinstance(given, functools.partial):
         inner = source_of(given.func)
         return _hashed(f"{inner.text}# with {plain(given.args)} {plain(given.keywords)}\n") if inner.sha256 else inner
@@ -183,10 +251,3 @@ def source_of(given: Given) -> Source:
 
 def _hashed(text: str) -> Source:
     return Source(hashlib.sha256(text.encode()).hexdigest(), text[:MOST_SOURCE])
-
-
-class Untold(KeyError):
-    """``info`` does not have a key."""
-
-    def __str__(self) -> str:
-        return f"info has no {self.args[0]!r}; it has {', '.join(map(repr, self.args[1])) or 'nothing'}"

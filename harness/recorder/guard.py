@@ -16,16 +16,16 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from harness.errors import one_line
+from harness.errors import HarnessError, one_line, reason_of
 from harness.recorder.chance import Chance
 from harness.recorder.sealed import Sealer, writable
+from harness.reward.given import STEP_PARTS, Untold
 
 LONGEST_CALL = 10.0
 """The longest that a function may take for one step, [s]."""
-NAMES = ("observation", "action", "next_observation", "info")
 Function: TypeAlias = Callable[..., Any]
-Step: TypeAlias = tuple[Any, ...]
-"""What a function is given, sealed: in the order of `NAMES`, or what a ``reset`` takes."""
+Asking: TypeAlias = tuple[Any, ...]
+"""The arguments of a call, sealed: see `harness.reward.given.arguments`; or what a ``reset`` takes."""
 
 
 class NoAnswer(BaseException):
@@ -59,7 +59,7 @@ class Guard:
     def ask(
         self,
         functions: Sequence[Function],
-        steps: Iterable[Step],
+        steps: Iterable[Asking],
         pays: Collection[int] = (),
         is_watched: bool = True,
     ) -> list[Any]:
@@ -102,7 +102,7 @@ class Guard:
             alarm.end()
         return answers
 
-    def answer(self, function: Function, step: Step, is_watched: bool = True) -> Any:
+    def answer(self, function: Function, step: Asking, is_watched: bool = True) -> Any:
         """What one function says of a step.
 
         Raises:
@@ -113,7 +113,7 @@ class Guard:
             raise found.error if isinstance(found.error, Exception) else _plain_error(found.error)
         return found
 
-    def reason(self, function: Function, step: Step, error: BaseException) -> str:
+    def reason(self, function: Function, step: Asking, error: BaseException) -> str:
         """Why it failed, in one line. If it writes into what it is given, that is the reason.
 
         Args:
@@ -123,18 +123,36 @@ class Guard:
         """
         if isinstance(error, NoAnswer):
             return one_line(_plain_error(error))
-        if not isinstance(error, TypeError | ValueError | AttributeError):
-            return one_line(error)
+        if isinstance(error, Untold):
+            return str(error)
+        if isinstance(error, HarnessError) or not isinstance(error, TypeError | ValueError | AttributeError):
+            return reason_of(error)
         given = tuple(map(writable, step))
         self.ask([lambda *_: function(*given)], [step])
-        for name, before, after in zip(NAMES, step, given, strict=True):
+        names, *both = _NAMES[len(step)], *map(_parts, (step, given))
+        for name, before, after in zip(names, *both, strict=True):
             if not same(before, after):
-                instead = "change a copy, `dict(info)`" if name == "info" else f"write `{name} / 2` for `{name} /= 2`"
+                instead = (
+                    f"change a copy, `dict({name})`"
+                    if name.endswith("info")
+                    else f"write `{name} / 2` for `{name} /= 2`"
+                )
                 return f"it writes into its {name}, which others read too: {instead} ({one_line(error)})"
         return one_line(error)
 
 
-def _answers(functions: Sequence[Function], steps: Iterable[Step]) -> list[Any]:
+_NAMES = {4: ("observation", "action", "next_observation", "info"), 1: STEP_PARTS}
+"""What the parts of a step are called, by the number of arguments that a function takes."""
+
+
+def _parts(step: Asking) -> tuple[Any, ...]:
+    if len(step) == 1:
+        (now,) = step
+        return *now[:-1], *now.before
+    return step
+
+
+def _answers(functions: Sequence[Function], steps: Iterable[Asking]) -> list[Any]:
     answers = list[Any]()
     for function, step in zip(functions, steps, strict=False):
         try:

@@ -2,7 +2,7 @@
 
 import os
 import weakref
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from itertools import repeat
 from math import isfinite
 from typing import Any, SupportsFloat, TypeVar
@@ -11,16 +11,17 @@ import gymnasium
 from gymnasium.envs.registration import EnvSpec
 from numpy import float64
 
-from harness.errors import one_line
+from harness.errors import reason_of
 from harness.eta.interval import Bounds
 from harness.record.recording.facts import Acted
 from harness.recorder.asked import Asked, OnError
 from harness.recorder.calls import CHECKED, action_facts
-from harness.recorder.column import Given, Measure, Untold, as_number
+from harness.recorder.column import as_number
 from harness.recorder.env_facts import LEARNERS
-from harness.recorder.guard import NoAnswer, Raised, Step
+from harness.recorder.guard import Asking, NoAnswer, Raised
 from harness.recorder.recorder import Recorder, differs
 from harness.recorder.trial import FIRST_STEPS
+from harness.reward.given import Before, Given, Now, Untold, told_under, zeros_of
 
 Observation = TypeVar("Observation")
 Action = TypeVar("Action")
@@ -36,13 +37,21 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
     The learner is paid by the env itself; with `pay`, by the reward that it is trained with, in its place. A reward, or
     a measure of behaviour, is one of these:
 
-    * a function of (observation, action, next_observation, info) that returns one finite number. `observation` is what
-      the env returned before the step. All that it is given are copies, which it cannot write into.
-    * an object that can be called so and has ``reset()``, for one with a memory: ``reset()`` is called when an episode
-      starts. The env gets a deep copy of its own.
-    * a key of `info`, as ``"distance"``. In a step that does not end an episode, a measure of behaviour may be missing
-      there; the step then has NaN.
+    * a function whose one argument is called ``step``. It reads ``step.observation`` after the step, ``step.action``
+      and ``step.info``, and under ``step.before`` what each was before: in the first step of an episode an action of
+      zeros, and the info of the reset. All that it is given are copies, which it cannot write into.
+    * a function of (observation, action, next_observation, info). `observation` is what the env returned before the
+      step.
+    * an object that can be called as one of these and has ``reset()``, for one with a memory: ``reset()`` is called
+      when an episode starts. The env gets a deep copy of its own.
+    * a key of `info`, as ``"distance"``, or ``"reward.forward"`` of a dict in it. In a step that does not end an
+      episode, a measure of behaviour may be missing there; the step then has NaN.
     * ``"own"``, what the env pays.
+
+    A function returns one finite number. That of a reward may also return a dict of terms, ``{"reach": 1.0, "effort":
+    -0.1}``, whose sum is paid, or (total, dict). A reward may be given as its terms, too: ``{"forward":
+    "reward_forward", "effort": function}``. Each term is recorded as ``reward/NAME/TERM``. A reward pays the same terms
+    in every step.
 
     One that raises, returns something else than a finite number, or whose key is missing is given up: one warning names
     it with episode and step, it is NaN from that step on, and everything else goes on.
@@ -123,7 +132,10 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         self._seal = self._guard.seal if self._recorder.looks else None
         self._find_asked()
         self._pays = None if self._recorder.pays is None else KEYS + self._recorder.pays
-        self._before: Any = None
+        self._before: Asking = (None, None, None)
+        self._now: Asking | None = None
+        self._has_terms = self._recorder.with_terms != ()
+        self._terms: dict[int, list[float]] = {}  # by index of a column, what its terms paid last
         self._tried = 0  # steps about which functions are asked again
         self._row: list[Any] = []
         self._time, self._episode, self._step = self._recorder.next_time, int(self._recorder.next_episodes[0]), 0
@@ -137,11 +149,12 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
     @property
     def recorded(self) -> dict[str, float]:
         """What was recorded of the last step, by column, as ``behaviour_success``; NaN where nothing was."""
-        names = [column.name for column in self._columns]
+        terms = [name for index in self._recorder.with_terms or () for name in self._columns[index].term_columns]
+        names = [*(column.name for column in self._columns), *terms]
         return dict(zip(names, self._row[KEYS:], strict=False)) if self._row else {}
 
     @property
-    def functions(self) -> dict[str, Measure]:
+    def functions(self) -> dict[str, Callable[..., Any]]:
         """The functions that this env is measured with, by name: its own copies of those with a memory, as they are.
 
         A reward that remembers something beyond its ``reset()``, as how many steps a training has had, goes on from
@@ -159,7 +172,8 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         if self._calls is not None:
             self._calls.note_reset(0, seed, options)
         self._end_episode()
-        self._before = self._seal(observation) if self._seal else None
+        if self._seal:
+            self._before = self._seal(observation), None, self._seal(info)
         self._episode, self._step = self._episode + (self._step > 0), 0
         for column in self._columns:
             if column.remembers and not column.given_up:
@@ -210,25 +224,29 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
     ) -> list[Any]:
         """Record a step; returns its row: `KEYS` numbers that say which step it is, a number for each column, flags."""
         seal, told = self._seal, [NAN] * len(self._columns)
-        given: Step = (None, action, observation, info)
-        if seal is not None:
-            given = self._before, seal(action), seal(observation), seal(info)
-        _, action, after, info = given  # functions cannot spoil them
+        given: Asking = ()
+        if seal is not None:  # functions cannot spoil what they are given
+            action, observation, info = seal(action), seal(observation), seal(info)
+            given = self._before[0], action, observation, info
         for index, key in self._read:  # before any function runs
-            value: Any = paid if key is None else info[key] if key in info else Raised(Untold(key, [*info]))
+            value: Any = paid if key is None else info[key] if key in info else _told_under(info, key)
             is_known = type(value) is float and isfinite(value)  # mostly a call less
             told[index] = value if is_known else self._number(index, value, given, terminated or truncated)
         if self._asked:
             self._ask(told, given)
+        if self._has_terms:
+            told += self._terms_of_step()
         row: list[Any] = [self._time, 0, self._episode, self._step, *told]
         trained = self._recorder.trained
         if trained is not None and differs(told[trained], paid):
             self._recorder.tell_paid_otherwise(told[trained], float(paid), (0, self._episode, self._step))
         row += (terminated, truncated)
         if self._calls is not None:
-            self._calls.note_step(0, action, after, terminated or truncated or self._step % CHECKED == 0)
+            self._calls.note_step(0, action, observation, terminated or truncated or self._step % CHECKED == 0)
         self._recorder.add(row)
-        self._before, self._time, self._step = after, self._time + 1, self._step + 1
+        if seal is not None:
+            self._before, self._now = (observation, action, info), None
+        self._time, self._step = self._time + 1, self._step + 1
         if self._recorder.trial is not None:
             self._tried += 1
             if self._tried == FIRST_STEPS:
@@ -238,35 +256,62 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
                 self._end_episode()
         return row
 
-    def _ask(self, told: list[Any], given: Step) -> None:
+    def _terms_of_step(self) -> list[float]:
+        """What the terms of all rewards have paid for the step; those of a reward that was given up are NaN."""
+        if self._recorder.with_terms is None:
+            self._recorder.learn_terms()
+        self._has_terms = bool(self._recorder.with_terms)
+        terms, found = self._terms, list[float]()
+        for index in self._recorder.with_terms or ():
+            column = self._columns[index]
+            found += [NAN] * len(column.terms or ()) if column.given_up else terms[index]
+        return found
+
+    def _ask(self, told: list[Any], given: Asking) -> None:
         """Ask the functions about a step, and put their numbers into their places."""
-        answers = self._guard.ask(self._functions, repeat(given), self._places_paid, self._is_watched)
+        steps = map(self._forms(given).__getitem__, self._of_step) if self._of_step else repeat(given)
+        answers = self._guard.ask(self._functions, steps, self._places_paid, self._is_watched)
         asked, drew, trial = self._asked, self._guard.drew, self._recorder.trial
+        terms = self._terms
         for index, value in zip(asked, answers, strict=True):
-            is_known = type(value) is float and isfinite(value)  # mostly a call less
+            is_known = type(value) is float and isfinite(value) and index not in terms  # mostly a call less
             told[index] = value if is_known else self._number(index, value, given)
         at = 0, self._episode, self._step
         for place, generator in drew.items():
             self._recorder.note_draw(self._columns[asked[place]], generator, at)
         for index in asked if trial is not None else ():
-            if not self._columns[index].given_up:
-                self._recorder.try_again(self._columns[index], given, told[index], at)
-            if self._columns[index].given_up:
+            column = self._columns[index]
+            if not column.given_up:
+                self._recorder.try_again(column, self._forms(given)[column.takes_step], told[index], at)
+            if column.given_up:
                 told[index] = NAN
                 self._find_asked()
 
-    def _number(self, index: int, value: Any, given: Step, is_needed: bool = True) -> float:
+    def _forms(self, given: Asking) -> tuple[Asking, Asking]:
+        """What functions of four arguments are given of a step, and what functions of a step are."""
+        if self._now is None:
+            _, action, observation, info = given
+            seen, last, told = self._before
+            before = Before._make((seen, last if self._step else zeros_of(action), told))
+            self._now = (Now._make((observation, action, info, before)),)
+        return given, self._now
+
+    def _number(self, index: int, value: Any, given: Asking, is_needed: bool = True) -> float:
         """A number that is finite; NaN for what is not, which is given up unless it need not be told."""
         try:
             if type(value) is float64:  # what most envs pay
                 value = value.item()
             if isinstance(value, Raised):
                 raise value.error
-            return as_number(value)
+            if not (isinstance(value, dict | tuple) or self._columns[index].terms):
+                return as_number(value)
+            number, *self._terms[index] = self._columns[index].numbers(value)
+            return number
         except (Exception, SystemExit, NoAnswer) as error:  # whatever rewards of users raise
             column = self._columns[index]
             if not isinstance(error, Untold) or is_needed or not column.may_be_untold:
-                reason = self._guard.reason(column.measures[0], given, error) if column.measures else one_line(error)
+                form = self._forms(given)[column.takes_step] if column.measures else ()
+                reason = self._guard.reason(column.measures[0], form, error) if form else reason_of(error)
                 self._recorder.give_up(column, (0, self._episode, self._step), reason, error)
                 self._find_asked()
         return NAN
@@ -283,6 +328,15 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         self._read = [(index, column.key) for index, column in left if not column.measures]
         self._asked = [index for index, column in left if column.measures]
         self._is_watched = any(column.is_watched for _, column in left)
-        self._functions: list[Measure] = [column.measures[0] for _, column in left if column.measures]
+        self._functions = [column.measures[0] for _, column in left if column.measures]
+        of_step = [column.takes_step for _, column in left if column.measures]
+        self._of_step = of_step if any(of_step) else []
         pays = self._recorder.pays
         self._places_paid = (self._asked.index(pays),) if pays in self._asked else ()
+
+
+def _told_under(info: Mapping[str, Any], key: str) -> Any:
+    try:
+        return told_under(info, key)
+    except Untold as error:
+        return Raised(error)

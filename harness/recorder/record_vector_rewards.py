@@ -3,6 +3,7 @@
 import os
 import weakref
 from collections.abc import Callable, Collection, Mapping, Sequence
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -11,16 +12,17 @@ from gymnasium.vector import AsyncVectorEnv, AutoresetMode, SyncVectorEnv, Vecto
 from numpy.typing import NDArray
 
 from harness.arrays import Float
-from harness.errors import UsageError, one_line
+from harness.errors import UsageError, reason_of
 from harness.eta.interval import Bounds
 from harness.record.recording.facts import ActionFacts
 from harness.recorder.asked import Asked, OnError
-from harness.recorder.batch import BatchStep, Mask
+from harness.recorder.batch import NOTHING_BEFORE, BatchBefore, BatchStep, Mask, infos_of
 from harness.recorder.calls import CHECKED, action_facts
-from harness.recorder.column import Column, Given, Untold, as_number
-from harness.recorder.guard import NoAnswer, Raised, Step
+from harness.recorder.column import Column, as_number
+from harness.recorder.guard import Asking, NoAnswer, Raised
 from harness.recorder.recorder import Recorder, differs
 from harness.recorder.trial import FIRST_STEPS
+from harness.reward.given import Given, Untold
 
 Array = NDArray[Any]
 RESET_MASK = "reset_mask"
@@ -37,9 +39,10 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
     A reward or a measure is what `harness.recorder.record_rewards.RecordRewards` takes: it is called for one env after
     the other, with that env's observations, action and info. An object with ``reset()`` is copied for each env.
 
-    Those named in `batched` are called once for all envs instead, with the batch of observations, actions and next
-    observations and the infos as the env returned them, and return numbers of shape (num_envs,). What they return for
-    an env that was only reset is ignored. Theirs is ``reset(mask)``, (num_envs,): the envs that start an episode.
+    Those named in `batched` are called once for all envs instead: the step that they are given has the batches of
+    observations and actions, and the infos as the env returned them. They return numbers of shape (num_envs,), or of a
+    reward terms of this shape. What they return for an env that was only reset is ignored. Theirs is ``reset(mask)``,
+    (num_envs,): the envs that start an episode.
     """
 
     def __init__(
@@ -96,10 +99,11 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         self._recorder = Recorder(env, asked, env.num_envs, _action_facts(env))
         self._guard = self._recorder.guard
         self._seal = self._guard.seal if self._recorder.looks else None
-        self._before: Any = None
+        self._before = NOTHING_BEFORE
         self._time = self._recorder.next_time
         self._episodes = self._recorder.next_episodes.copy()
         self._steps = np.zeros(env.num_envs, np.int64)
+        self._terms: dict[str, Float] = {}  # by column, what its terms paid in this step
         self._is_reset_next = np.zeros(env.num_envs, bool)
         weakref.finalize(self, self._recorder.close)
 
@@ -121,7 +125,10 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         self._begin(mask)
         if self._recorder.trial is not None:
             self._recorder.trial.begin(self._recorder.columns)
-        self._before = self._seal(observations) if self._seal else None
+        told, before = infos_of(infos), self._before.info
+        info = told if mask.all() else lambda env: told(env) if mask[env] else before(env)
+        actions = None if mask.all() else self._before.actions
+        self._before = BatchBefore(self._seal(observations) if self._seal else None, infos, info, actions)
         self._is_reset_next &= ~mask
         return observations, infos
 
@@ -153,7 +160,7 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         at_once = self._mode == AutoresetMode.SAME_STEP
         step = BatchStep(
             self.env, self._before, actions if self._seal is None else self._seal(actions), observations,
-            np.array(paid, float), ended, live, infos, at_once, self._seal,
+            np.array(paid, float), ended, live, infos, at_once, self._seal, self._steps == 0,
         )  # fmt: skip
         numbers = self._write(step, terminated, truncated)
         self._steps[live] += 1
@@ -162,7 +169,9 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         self._note_resets(started)
         self._begin(started)
         self._is_reset_next = ended & (self._mode == AutoresetMode.NEXT_STEP)
-        self._before = self._seal(observations) if self._seal else None
+        if self._seal:
+            self._before = BatchBefore(self._seal(observations), step.infos_told, step.told_last, step.actions)
+            step.before = NOTHING_BEFORE  # else every step would hold the one before it
         if self._time - self._recorder.next_time == FIRST_STEPS:
             self._recorder.end_trial(self._place(0))
         elif ended.any():
@@ -208,14 +217,19 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
             return numbers
         read = [it for it in enumerate(self._recorder.columns) if not it[1].measures]  # before any function runs
         asked = [it for it in enumerate(self._recorder.columns) if it[1].measures]
+        self._terms = {}
         for index, column in (*read, *asked):
             if not column.given_up:
                 self._measure(column, step, numbers[:, index])
+        if self._recorder.with_terms is None:
+            self._recorder.learn_terms()
+        terms = [self._terms_of(self._recorder.columns[index]) for index in self._recorder.with_terms or ()]
         if self._recorder.trained is not None:
             self._require_paid(numbers[:, self._recorder.trained], step)
         envs = np.arange(self.num_envs)
         time = np.full(self.num_envs, self._time)
-        rows = np.column_stack([time, envs, self._episodes, self._steps, numbers, terminated, truncated])[step.live]
+        told = [time, envs, self._episodes, self._steps, numbers, *terms, terminated, truncated]
+        rows = np.column_stack(told)[step.live]
         calls = self._recorder.calls
         if calls is not None:
             is_checked = (step.ended | (self._steps % CHECKED == 0)).tolist()
@@ -233,17 +247,19 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
             values, told, one = self._ways_to_measure(column, step)
             at_once = step.live & told & np.isfinite(values)
             numbers[at_once] = values[at_once]
-            for number in np.flatnonzero(step.live & ~at_once):
-                env = int(number)
+            for env in np.flatnonzero(step.live & ~at_once).tolist():
                 try:
-                    numbers[env] = as_number(one(env))
+                    value = one(env)
+                    is_known = type(value) is float and isfinite(value) and not column.terms  # mostly a call less
+                    numbers[env] = value if is_known else self._number(column, env, value)
                 except Untold:
                     if step.ended[env] or not column.may_be_untold:
                         raise
         except (Exception, SystemExit, NoAnswer) as error:  # whatever rewards of users raise
             numbers[env:] = np.nan
+            self._terms_of(column)[env:] = np.nan
             given = self._given(column, step, env)
-            reason = self._guard.reason(column.measures[0], given, error) if given else one_line(error)
+            reason = self._guard.reason(column.measures[0], given, error) if given else reason_of(error)
             self._recorder.give_up(column, self._place(env), reason, error)
         if (
             self._recorder.trial is not None
@@ -254,6 +270,21 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
             answer = numbers.copy() if column.batched else float(numbers[0])
             if not self._recorder.try_again(column, self._given(column, step, 0), answer, self._place(0)):
                 numbers[:] = np.nan
+                self._terms_of(column)[:] = np.nan
+
+    def _number(self, column: Column, env: int, returned: Any) -> float:
+        if not (isinstance(returned, dict | tuple) or column.terms):
+            return as_number(returned)
+        number, *terms = column.numbers(returned)
+        self._terms_of(column)[env] = terms
+        return number
+
+    def _terms_of(self, column: Column) -> Float:
+        """What its terms have paid in this step, (num_envs, terms)."""
+        shape = self.num_envs, len(column.terms or ())
+        if column.name not in self._terms or self._terms[column.name].shape != shape:
+            self._terms[column.name] = np.full(shape, np.nan)
+        return self._terms[column.name]
 
     def _ways_to_measure(self, column: Column, step: BatchStep) -> tuple[Float, Mask, Callable[[int], Any]]:
         """What a column says of all envs at once, of which of them it does, and how it is asked of a single one."""
@@ -265,29 +296,29 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
             return *step.told_numbers(key), lambda env: step.told(key, env)
         if column.batched:
             (answer,) = self._ask(column, column.measures, [self._given(column, step, 0)], [0])
-            values = np.asarray(_raised(answer), float)
-            if values.shape != (count,):
-                raise ValueError(f"it is an array of shape {values.shape}, not {(count,)}")
-            return values, step.live, values.__getitem__
+            values = column.batch(_raised(answer), count)
+            total, terms = values[:, 0], values[:, 1:]
+            self._terms_of(column)[:] = terms
+            whole = np.isfinite(values).all(axis=1)
+            return total, step.live & whole, lambda env: _named(column, terms[env]) if column.terms else total[env]
         envs = np.flatnonzero(step.live).tolist()
-        steps = [self._given(column, step, env) for env in envs]
+        each = step.of_each(column.takes_step)
+        steps = [each[env] for env in envs]
         answers = dict(zip(envs, self._ask(column, [column.measures[env] for env in envs], steps, envs), strict=True))
         return np.zeros(count), np.zeros(count, bool), lambda env: _raised(answers[env])
 
-    def _ask(self, column: Column, functions: list[Any], steps: list[Step], envs: list[int]) -> list[Any]:
+    def _ask(self, column: Column, functions: list[Any], steps: list[Asking], envs: list[int]) -> list[Any]:
         pays = self._recorder.pays is not None and column is self._recorder.columns[self._recorder.pays]
         answers = self._guard.ask(functions, steps, range(len(steps)) if pays else (), column.is_watched)
         for place, generator in self._guard.drew.items():
             self._recorder.note_draw(column, generator, self._place(envs[place]))
         return answers
 
-    def _given(self, column: Column, step: BatchStep, env: int) -> Step:
-        """What a function is given: of the whole batch, or of one env."""
+    def _given(self, column: Column, step: BatchStep, env: int) -> Asking:
+        """What a function is given: the step of the whole batch, or of one env."""
         if not column.measures:
             return ()
-        if column.batched:
-            return step.before, step.actions, step.after, step.sealed_infos
-        return step.each_before[env], step.each_action[env], step.each_after[env], step.sealed_info(env)
+        return column.arguments(step.whole) if column.batched else step.of_each(column.takes_step)[env]
 
     def _place(self, env: int) -> tuple[int, int, int]:
         return env, int(self._episodes[env]), int(self._steps[env])
@@ -304,6 +335,11 @@ def _raised(answer: Any) -> Any:
     if isinstance(answer, Raised):
         raise answer.error
     return answer
+
+
+def _named(column: Column, numbers: Float) -> dict[str, float]:
+    """Terms of one env as its function would have returned them."""
+    return dict(zip(column.terms or (), numbers.tolist(), strict=True))
 
 
 def _action_facts(env: VectorEnv[Any, Any, Any]) -> ActionFacts | None:

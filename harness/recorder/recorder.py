@@ -3,7 +3,7 @@
 import os
 import sys
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from time import monotonic
@@ -12,16 +12,17 @@ from typing import Any, TypeAlias
 import numpy as np
 from gymnasium.vector import VectorEnv
 
-from harness.errors import StorageError, UsageError, one_line
+from harness.errors import StorageError, UsageError, reason_of
 from harness.record.recording.facts import REWARD, ActionFacts, Failure, TrainingFacts
 from harness.record.recording.recording_writer import RecordingWriter, Rows
 from harness.recorder.asked import Asked
 from harness.recorder.calls import Calls, checksum
-from harness.recorder.column import OWN, Column, columns_of, source_of
+from harness.recorder.column import Column, columns_of, source_of
 from harness.recorder.env_facts import env_facts, normalises, versions_of
-from harness.recorder.guard import Guard, Raised, Step
+from harness.recorder.guard import Asking, Guard, Raised
 from harness.recorder.trial import Finding, Trial
 from harness.recorder.wrapped import tell_wrapped_pay
+from harness.reward.given import OWN
 from harness.text import visible
 
 Place: TypeAlias = tuple[int, int, int]
@@ -41,6 +42,8 @@ class Recorder:
         guard: Asks the functions.
         trial: Asks them more than once; None once that is over.
         calls: Notes what each env is told; None where its actions are not recorded.
+        with_terms: Indices of the columns that pay terms, whose numbers follow on those of all columns; None before the
+            first step, which tells them.
         next_time: Of the next step.
         next_episodes: Numbers of the next episodes, (num_envs,).
     """
@@ -104,6 +107,22 @@ class Recorder:
         for line in of_wrappers:
             self.note(line)
         self.next_time, self.next_episodes = self._writer.next_time, self._writer.next_episodes
+        self.with_terms: tuple[int, ...] | None = None
+        if self.next_time:
+            self._know_terms(self._writer.facts.terms)
+
+    def learn_terms(self) -> None:
+        """Note which terms the rewards have paid for the first step: they are those of all steps."""
+        found = {it.name.removeprefix(REWARD): it.terms for it in self.columns if it.terms}
+        self._know_terms(found)
+        if found:
+            self._writer.learn_terms(found)
+
+    def _know_terms(self, terms: Mapping[str, tuple[str, ...]]) -> None:
+        for column in self.columns:
+            is_reward = column.name.startswith(REWARD)
+            column.terms = terms.get(column.name.removeprefix(REWARD), ()) if is_reward else ()
+        self.with_terms = tuple(index for index, column in enumerate(self.columns) if column.terms)
 
     def note_seed(self, seed: Any) -> None:
         """Keep the first seed that the env was reset with."""
@@ -160,15 +179,15 @@ class Recorder:
 
     def restart(self, column: Column, place: int, at: Place, *given: Any) -> None:
         """Tell a function with a memory that an episode starts."""
-        (found,) = self.guard.ask([column.measures[place].reset], [given])  # type: ignore[attr-defined] # it remembers
+        (found,) = self.guard.ask([column.measures[place].reset], [given])
         if self.trial is not None and place == 0:
             self.trial.restarted(column, given)
         if self.guard.drew:
             self.note_draw(column, self.guard.drew[0], at)
         if isinstance(found, Raised):
-            self.give_up(column, at, one_line(found.error), found.error)
+            self.give_up(column, at, reason_of(found.error), found.error)
 
-    def try_again(self, column: Column, step: Step, answer: Any, at: Place) -> bool:
+    def try_again(self, column: Column, step: Asking, answer: Any, at: Place) -> bool:
         """Ask a function about one of the first steps again; returns whether it goes on, and was not given up."""
         assert self.trial is not None
         found = self.trial.note(column, step, answer, column.name in self._drew)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from harness.errors import UsageError, one_line
 from harness.files.sums import making
-from harness.record.recording.facts import BEHAVIOUR, REWARD, ActionFacts, TrainingFacts
+from harness.record.recording.facts import BEHAVIOUR, REWARD, ActionFacts, TrainingFacts, term_column
 from harness.record.recording.recorded_training import (
     action_columns,
     facts_name,
@@ -28,10 +28,10 @@ from harness.record.recording.recorded_training import (
 )
 from harness.record.recording.scores import Scores, read_scores, scores_name, write_scores
 from harness.recorder.calls import NO_SEED, UNCHECKED, action_of, checksum
-from harness.recorder.column import OWN, Given
 from harness.recorder.record_rewards import RecordRewards
 from harness.recorder.recorder import GivenUp, Noted
 from harness.recorder.walk import KeepWalks, Walk
+from harness.reward.given import OWN, Given
 
 Columns = Mapping[str, NDArray[Any]]
 Tell = Callable[[int], None]
@@ -170,15 +170,17 @@ class Retake:
                 finally:
                     again.finish()
             recording = read_recording(path)
+            terms = {name: recording.terms.get(name, {}) for name in later.rewards}
             columns = {
                 **{f"{REWARD}{name}": recording.rewards[name] for name in later.rewards},
+                **{term_column(name, term): values for name, of in terms.items() for term, values in of.items()},
                 **{f"{BEHAVIOUR}{name}": recording.behaviour[name] for name in later.behaviour},
             }
         told = recording.facts
         return Scores(
             columns,
             told.lower_is_better,
-            {name: told.sources[name] for name in columns},
+            {name: told.sources[name] for name in later.columns},
             tuple(replace(failure, env=number) for failure in told.failures),
         )
 

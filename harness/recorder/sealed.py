@@ -11,6 +11,8 @@ import numpy as np
 from gymnasium.vector import VectorEnv
 from numpy import ndarray
 
+from harness.reward.given import Untold
+
 CONSTANT = frozenset({float, int, bool, str, bytes, complex, type(None), np.float64, np.float32, np.int64, np.bool_})
 """The usual types of which a value never changes."""
 MAPPINGS = (dict, OrderedDict, MappingProxyType)
@@ -25,6 +27,9 @@ class ReadOnlyDict(dict[Any, Any]):
         raise TypeError("it is read-only: a function that looks on writes nothing into it")
 
     __setitem__ = __delitem__ = __ior__ = pop = popitem = clear = update = setdefault = _refuse
+
+    def __missing__(self, key: Any) -> Never:
+        raise Untold(key, self)
 
     def __deepcopy__(self, memo: dict[int, Any]) -> dict[Any, Any]:
         return {key: copy.deepcopy(value, memo) for key, value in self.items()}
@@ -99,6 +104,8 @@ class Sealer:
 
 def writable(value: Any) -> Any:
     """A copy that can be written into, also of something sealed; what cannot be copied itself."""
+    if isinstance(value, tuple) and hasattr(value, "_make"):  # a step: each of its parts for itself
+        return value._make(map(writable, value))
     try:
         return copy.deepcopy(value)
     except Exception:  # whatever objects of users raise

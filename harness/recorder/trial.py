@@ -8,17 +8,20 @@ import copy
 import math
 import pickle
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
-from harness.errors import UsageError, sentence
+from harness.errors import Unscored, UsageError, sentence
+from harness.record.recording.facts import REWARD
 from harness.recorder.column import Column, as_number
 from harness.recorder.computing import only_computes
-from harness.recorder.guard import Guard, Raised, Step
+from harness.recorder.guard import Asking, Guard, Raised
 from harness.recorder.own_copies import as_defined, uses_parts_of
+from harness.reward import Steps
+from harness.reward.given import Given, Untold, opened
 
 FIRST_STEPS = 100
 RESTART = "reset"
@@ -55,7 +58,7 @@ class Trial:
     env: Any
     guard: Guard
     has_looked: bool = False
-    _noted: dict[str, list[tuple[Step, Any]]] = field(default_factory=dict)
+    _noted: dict[str, list[tuple[Asking, Any]]] = field(default_factory=dict)
     _begun: dict[str, Any] = field(default_factory=dict)
 
     def begin(self, columns: Sequence[Column]) -> None:
@@ -64,7 +67,7 @@ class Trial:
             if column.measures and not column.holds_env and column.name not in self._begun:
                 self._begun[column.name] = _copy(column) if column.remembers else as_defined(column.measures[0])
 
-    def restarted(self, column: Column, given: Step) -> None:
+    def restarted(self, column: Column, given: Asking) -> None:
         """Note that a function with a memory was told that another episode starts.
 
         Args:
@@ -74,7 +77,7 @@ class Trial:
         if noted := self._noted.get(column.name):
             noted.append((given, RESTART))
 
-    def note(self, column: Column, step: Step, answer: Any, drew: bool) -> Finding | None:
+    def note(self, column: Column, step: Asking, answer: Any, drew: bool) -> Finding | None:
         """Take a step and the function's answer to it; one without ``reset()`` is asked at once again.
 
         Args:
@@ -87,11 +90,21 @@ class Trial:
         if drew:
             answer = math.nan  # not asked again
         elif not column.remembers:
-            (again,) = self.guard.ask([column.measures[0]], [step])
+            again = self._total(column, column.measures[0], step)
             if not _alike(answer, again):
                 return Finding(column, f"{_other(answer, again)} about the same step at once. {_what_is_wrong()}")
         noted.append((step, answer))
         return None
+
+    def _total(self, column: Column, function: Any, step: Asking) -> Any:
+        """What a function says of a step; of terms the sum, as it is recorded."""
+        (found,) = self.guard.ask([function], [step])
+        if not isinstance(found, dict | tuple):
+            return found
+        try:
+            return column.batch(found, self.env.num_envs)[:, 0] if column.batched else column.numbers(found)[0]
+        except (TypeError, ValueError, UsageError) as error:
+            return Raised(error)
 
     def look(self, columns: Sequence[Column]) -> Iterator[Finding]:
         """Ask all that were not given up about the noted steps again, from the first one on."""
@@ -119,7 +132,7 @@ class Trial:
         begun: Any = self._begun.get(column.name)
         noted = self._noted[column.name]
         for number, (step, answer) in reversed([*enumerate(noted)] if begun is not None else []):
-            (again,) = self.guard.ask([begun], [step])
+            again = self._total(column, begun, step)
             if not isinstance(again, Raised) and not _alike(answer, again):
                 return f"{_other(answer, again)} about step {number} before others"
         return ""
@@ -173,7 +186,7 @@ class Trial:
             number += 1
             if between is not None:
                 self.guard.ask([between], [next(others)])
-            (again,) = self.guard.ask([function], [step])
+            again = self._total(column, function, step)
             if not _alike(answer, again):
                 return f"{_other(answer, again)} about step {number} after others"
         return ""
@@ -242,37 +255,55 @@ def _alike(answer: Any, again: Any) -> bool:
 
 
 class Guarded:
-    """A function of a step that is asked again in its first steps, for what pays steps that were taken long ago.
+    """A reward that is asked again in its first steps, for what pays steps that were taken long ago.
 
-    It is called as the function is, and has ``reset()`` if that has one.
+    It has ``reset()`` if what was given has one.
     """
 
-    def __init__(self, function: Any, noun: str) -> None:
+    def __init__(self, given: Given, name: str, read: Callable[[Any], float] = as_number) -> None:
         """Ask nothing yet.
 
         Args:
-            function: It.
-            noun: What messages call it, ``reward 'v1'``.
+            given: A function, or terms by name.
+            name: Of the reward.
+            read: Makes a number of what was returned for one.
+
+        Raises:
+            UsageError: It is no function.
         """
-        self._column = Column(noun, noun, function, measures=[function])
-        self._guard, self._is_watched = Guard(), not only_computes(function)
+        noun = f"reward '{name}'"
+        self._column = Column(f"{REWARD}{name}", noun, opened(given, noun), read=read)
+        function = self._column.given
+        self._column.measures = [function]
+        self._guard, self._is_watched = Guard(), not all(map(only_computes, self._column.parts))
         self._trial, self._steps = Trial(None, self._guard), 0
         self._trial.begin([self._column] if not self._column.remembers else [])
         if self._column.remembers:
             self.reset = lambda: self._guard.answer(function.reset, ())
 
-    def __call__(self, *step: Any) -> Any:
-        """What the function says.
+    @property
+    def terms(self) -> tuple[str, ...]:
+        """The terms that it has paid so far; none of a reward that pays a plain number."""
+        return self._column.terms or ()
+
+    def __call__(self, step: Steps) -> list[float]:
+        """What the reward pays for a step, then each of its terms.
 
         Raises:
             UsageError: It remembers something that nobody restarts.
+            Unscored: It reads what the step does not have, or its terms are no terms.
+            Exception: Whatever it raises.
         """
-        answer = self._guard.answer(self._column.measures[0], step, self._is_watched)
+        asking = self._column.arguments(step)
+        try:
+            numbers = self._column.numbers(self._guard.answer(self._column.given, asking, self._is_watched))
+        except (UsageError, Untold) as error:
+            raise Unscored(str(error)) from error
         if self._steps < FIRST_STEPS and not self._column.remembers:
             self._steps += 1
-            found = self._trial.note(self._column, step, as_number(answer), bool(self._guard.drew))
+            found = self._trial.note(self._column, asking, numbers[0], bool(self._guard.drew))
             if self._steps == FIRST_STEPS:
                 found = found or next(self._trial.look([self._column]), None)
             if found is not None:
                 raise UsageError(f"{sentence(self._column.noun)}: {found.told}")
-        return answer
+        return numbers

@@ -160,6 +160,12 @@ def parse(text: str) -> tuple[str, dict[str, str]]:
     return name.strip(), params
 
 
+def label_of(name: str, changed: Mapping[str, Any]) -> str:
+    """What to call a choice: its name, and the parameters that differ from their defaults."""
+    text = ",".join(f"{key}={_text(value)}" for key, value in changed.items())
+    return f"{name}:{text}" if text else name
+
+
 def _require_short(text: str) -> None:
     if len(text) > LONGEST:
         raise UsageError(f"'{text[:20]}...' has {len(text):,} characters, {LONGEST:,} are allowed: {SYNTAX}")
@@ -183,10 +189,9 @@ def _choose_and_build(
         except UsageError as error:
             raise PluginError(f"{spec.title} does not take what its {defaults} declares: {error}") from error
     values, changed = resolved(target, built, noun)
-    text = ",".join(f"{key}={_text(value)}" for key, value in changed.items())
     later = set(getattr(target, "later", ())) - changed.keys()
     frozen = tuple((key, _frozen(value)) for key, value in values.items() if key not in later)
-    label = f"{name}:{text}" if text else name
+    label = label_of(name, changed)
     if not _is_line(label):
         raise UsageError(f"'{label}' has line breaks: {SYNTAX}")
     return Choice(name, frozen, label), built

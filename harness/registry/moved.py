@@ -1,4 +1,4 @@
-"""Names of version 0.1 that moved: they work for one more version, with a warning that says the new one.
+"""Names of versions 0.1 and 0.2 that moved: they work for one more version, with a warning that says the new one.
 
 `harness` calls `find_old_names` when it is imported. From then on ``from harness.kinematics import forward`` gives what
 ``from harness.authoring import forward`` gives, and a `DeprecationWarning`. docs/renamed.md shows the tables below.
@@ -90,6 +90,7 @@ NAMES: Mapping[str, str] = MappingProxyType(
         "harness.combination.Combination": "harness.results.comparison.Comparison",
         "harness.decompose.decompose": "harness.eta.decompose.decompose",
         "harness.env.Outcome": "harness.env.decisions.Outcome",
+        "harness.environment.Measure": "harness.reward.Given",
         "harness.eta.Comparison": "harness.score.compare.ComparedRuns",
         "harness.eta.compare_recordings": "harness.score.compare.compare_recordings",
         "harness.experiment.default_folder": "harness.experiment.experiment.default_folder",
@@ -154,7 +155,7 @@ REPLACED: Mapping[str, str] = MappingProxyType(
         "harness.manifest.source_hashes": "harness.registry.sources.source_hash",
         "harness.plain_urdf": "harness.robot.normal_urdf",
         "harness.robot_file": "harness.robot.settings",
-        "harness.scored_runs": "harness.score.scored_runs",
+        "harness.scored_runs": "harness.score.installed_reward",
         "harness.shapes.attach_shapes": "harness.robot.Robot.joint_shapes",
         "harness.shapes.read_shapes": "harness.robot.Robot.link_shapes",
         "harness.statistics": "harness.eta.interval",

@@ -21,7 +21,8 @@ from harness.registry.moved import old_names_in
 from harness.registry.names import unknown_name
 from harness.registry.plugin_module import class_of_file, import_file
 from harness.registry.spec import Spec, canonical
-from harness.registry.step_functions import ARGUMENTS, StepFunction, functions_of_file
+from harness.registry.step_functions import StepFunction, functions_of_file, own_functions, why_no_reward
+from harness.reward.given import ARGUMENTS
 
 MENTIONED = 2
 """Plugins that did not load, in the message about a name that is not there."""
@@ -44,6 +45,8 @@ class Plugin:
     registered: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
     """What its author should change although it works: names that moved, interfaces of an earlier version."""
+    own: tuple[str, ...] = ()
+    """Of a file of rewards or measures: the functions in it that are none, ``clip(x)``."""
 
     @property
     def is_at_fault(self) -> bool:
@@ -160,6 +163,11 @@ class Registry:
         advice = [sentence(line) for plugin in self.plugins for line in plugin.advice]
         return [*at_fault, *self.conflicts(), *self.notes, *advice]
 
+    def why_no_reward(self, name: str) -> str:
+        """Why a name is that of a function in a file and of no reward; empty if it is no such name."""
+        told = ((plugin.name, why_no_reward(name, plugin.own)) for plugin in self.plugins)
+        return next((f"In {file}, {why}" for file, why in told if why), "")
+
     def not_loaded(self, kind: str = "", name: str = "") -> str:
         """What may be the reason that a name is not there, to follow on a message; empty if nothing may."""
         function = self.functions_of("reward").get(name) if kind == "rewards" else None
@@ -168,6 +176,8 @@ class Registry:
                 f" {function.file.name} has a function of {ARGUMENTS}, which pays in environments: "
                 "--task gymnasium:id=... . The reward of an arm is a class"
             )
+        if kind == "rewards" and (own := self.why_no_reward(name)):
+            return f" {own}"
         at_fault = [plugin for plugin in self.plugins if plugin.is_at_fault]
         more = f" and {len(at_fault) - MENTIONED} more" if len(at_fault) > MENTIONED else ""
         told = "; ".join(plugin.complaint for plugin in at_fault[:MENTIONED])
@@ -302,8 +312,9 @@ def _load_file(file: PluginFile, manager: pluggy.PluginManager, registry: Regist
     registry.functions += functions
     told = (*_add(specs, registry), *(f"{it.noun} {it.name} of environments" for it in functions if not it.spec))
     plugin = _given_plugin(file, origin, file.module, told)
+    own = own_functions(file, module) if functions else ()
     remarks = [remark_on(module), *old_names_in(file.source)]
-    registry.plugins.append(replace(plugin, remarks=tuple(filter(None, remarks))))
+    registry.plugins.append(replace(plugin, remarks=tuple(filter(None, remarks)), own=own))
 
 
 def _given_plugin(given: Given, origin: Origin, module: str, registered: tuple[str, ...]) -> Plugin:

@@ -1,11 +1,11 @@
 """Functions in plugin files that say a number for a step: rewards, and measures of behaviour.
 
 A plugin file without hooks and without a plugin class may have plain functions of ``step``, for an arm or for any
-environment; measures that are plain functions of ``episode``, for an arm; plain functions of `ARGUMENTS`, for an
-environment, `functools.partial` ones, and objects that can be called so. A reward with a memory is a class with
-``reset()`` whose objects can be called so; each env gets an object of its own. Other classes, such as settings, and
-other functions are the file's own. If a file has one reward, the reward has the name of the file. If it has several,
-each has its own name.
+environment; measures that are plain functions of ``episode``, for an arm; and for environments functions of
+`ARGUMENTS`, `functools.partial` ones of either, and objects that can be called so. A reward with a memory is a class
+with ``reset()`` whose objects can be called so; each env gets an object of its own. Other classes, such as settings,
+and other functions are the file's own, see `own_functions`. If a file has one reward, the reward has the name of the
+file. If it has several, each has its own name.
 """
 
 import functools
@@ -28,13 +28,14 @@ from harness.registry.measure_functions import (
 from harness.registry.members import MEMBERS, missing_members
 from harness.registry.plugin_module import import_file, public_classes
 from harness.registry.spec import Spec
-from harness.reward.forms import STEP, is_function_of_steps
+from harness.reward.forms import STEP, is_function_of_steps, takes_step
+from harness.reward.given import ARGUMENTS, takes_arguments
 
-ARGUMENTS = "(observation, action, next_observation, info)"
 PLUGIN_METHODS = frozenset(
     name for of in MEMBERS.values() for name, count in of.items() if count is not None and name != "__call__"
 )
 """Names of methods that plugins of some kind must have."""
+WHAT_ONE_TAKES = f"a reward or a measure takes ({STEP}), or in an environment {ARGUMENTS}"
 
 
 @dataclass(frozen=True)
@@ -96,13 +97,9 @@ def functions_of_file(file: PluginFile, module: ModuleType) -> list[StepFunction
         if not name.startswith("_") and not isinstance(it, type) and _is_called(file, it)
     }
     classes = [it for it in classes if _has_steps(it) and not any(type(one) is it for one in objects.values())]
-    public = {
-        name: it
-        for name, it in vars(module).items()
-        if inspect.isfunction(it) and it.__module__ == file.module and not name.startswith("_")
-    }
+    public = _public_functions(file, module)
     of_episodes = [name for name, it in public.items() if file.measures and is_function_of_episodes(it)]
-    functions = [name for name, it in public.items() if is_function_of_steps(it) or _takes(it, 4)] + of_episodes
+    functions = [name for name, it in public.items() if _is_of_step(it)] + of_episodes
     if public and not (functions or objects or classes):
         raise UsageError(f"Plugin file '{file.path}': {_what_it_has(public)}")
     attributes = [
@@ -126,6 +123,29 @@ def functions_of_file(file: PluginFile, module: ModuleType) -> list[StepFunction
     ]
 
 
+def own_functions(file: PluginFile, module: ModuleType) -> tuple[str, ...]:
+    """Functions of a file that are no rewards and no measures, since they take something else: ``clip(x)``."""
+    return tuple(
+        _told(name, it)
+        for name, it in _public_functions(file, module).items()
+        if not (_is_of_step(it) or (file.measures and is_function_of_episodes(it)))
+    )
+
+
+def why_no_reward(name: str, functions: Iterable[str]) -> str:
+    """Why a name is that of no reward, where it is one of `own_functions`; empty if it is none."""
+    own = next((it for it in functions if it.partition("(")[0] == name), "")
+    return f"{own} is no reward: {WHAT_ONE_TAKES}" if own else ""
+
+
+def _public_functions(file: PluginFile, module: ModuleType) -> dict[str, Any]:
+    return {
+        name: it
+        for name, it in vars(module).items()
+        if inspect.isfunction(it) and it.__module__ == file.module and not name.startswith("_")
+    }
+
+
 def _is_plugin(found: type) -> bool:
     """Whether a class is meant for a plugin: it has a method that some kind of plugin must have."""
     return not _has_steps(found) and any(inspect.isfunction(getattr(found, name, None)) for name in PLUGIN_METHODS)
@@ -133,32 +153,33 @@ def _is_plugin(found: type) -> bool:
 
 def _has_steps(found: type) -> bool:
     """Whether objects of a class are called for each step."""
-    is_called = any("__call__" in vars(base) for base in found.__mro__) and _takes(found.__call__, 5)
-    return is_called and bool(missing_members("rewards", found))
+    own = next((vars(base)["__call__"] for base in found.__mro__ if "__call__" in vars(base)), None)
+    return own is not None and _is_of_step(functools.partial(own, None)) and bool(missing_members("rewards", found))
 
 
 def _is_called(file: PluginFile, found: Any) -> bool:
     """Whether something is a `functools.partial`, or an object of a class of the file, that is called for a step."""
     is_of_file = type(found).__module__ == file.module and callable(found)
-    return (is_of_file or isinstance(found, functools.partial)) and _takes(found, 4)
+    return (is_of_file or isinstance(found, functools.partial)) and _is_of_step(found)
+
+
+def _is_of_step(found: Any) -> bool:
+    """Whether something is called with a step, or with its parts."""
+    return takes_step(found) or takes_arguments(found)
 
 
 def _is_one_of(found: Any, classes: Iterable[type]) -> bool:
     return any(found is it for it in classes)
 
 
-def _takes(function: Any, count: int) -> bool:
-    try:
-        inspect.signature(function).bind(*[None] * count)
-    except TypeError:
-        return False
-    return True
-
-
 def _what_it_has(functions: Mapping[str, Any]) -> str:
     """Why none of the functions is a reward or a measure."""
-    named = ", ".join(f"{name}{inspect.signature(it)}" for name, it in functions.items())
-    return f"it has {named}, and a reward or a measure takes ({STEP}), or in an environment {ARGUMENTS}"
+    named = ", ".join(_told(name, it) for name, it in functions.items())
+    return f"it has {named}, and {WHAT_ONE_TAKES}"
+
+
+def _told(name: str, function: Any) -> str:
+    return f"{name}{inspect.signature(function)}"
 
 
 def _summary(found: Any) -> str:

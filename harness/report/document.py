@@ -28,6 +28,8 @@ def report_to_json(results: Results) -> dict[str, Any]:
     data["looks"] = standing and standing.to_json()
     transfers = load_transfers(results)
     told = {"transfer": transfers.to_json()} if transfers.matrices else {}
+    told |= {"reward_terms": [it.to_json() for it in results.terms]} if results.terms else {}
+    told |= {"alone": [it.to_json() for it in results.alone]} if results.alone else {}
     return {**data, **told, **results.older_keys()}
 
 

@@ -22,6 +22,7 @@ SCIENTIFIC = re.compile(BEFORE + r"(\d+(?:\.\d+)?)e([+-]?)0*(\d+)(?![\w.])")
 POWER = re.compile(r"(?<=[\w)])\^(-?\d+)\b")
 UNIT = re.compile(rf"(?<=\d)(?: ?(?=%)| (?=(?:{UNITS})(?![\w:=])))")
 SYMBOL = re.compile(r"\b(?:(eta|I)_([NP])|eta)\b(?![:=]\S)")
+NAME = re.compile(r"`([^`\s]+)`")
 
 
 class Piece(NamedTuple):
@@ -55,9 +56,10 @@ def pieces_of(text: str) -> list[Piece]:
 
 
 def to_html(text: str) -> str:
-    """The same as HTML: escaped, with ``<sub>``."""
+    """The same as HTML: escaped, with ``<sub>``, and with ``<code>`` where a name stands between backticks."""
     parts = ((html.escape(it.text), it.is_subscript) for it in pieces_of(text))
-    return "".join(f"<sub>{part}</sub>" if is_subscript else part for part, is_subscript in parts)
+    told = "".join(f"<sub>{part}</sub>" if is_subscript else part for part, is_subscript in parts)
+    return NAME.sub(r"<code>\1</code>", told)
 
 
 def _power_of_ten(found: re.Match[str]) -> str:

@@ -2,9 +2,10 @@
 
 import hashlib
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -16,16 +17,22 @@ from harness.record.cell_folder import is_named
 from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, TRACE, evaluation_files, other_manner
 from harness.record.manifest import Manifest
 from harness.record.returns import EVENTS, episode_sums, events_of, mean_over_episodes, mean_return
-from harness.record.trace import Trace, read_trace, require_plausible
+from harness.record.trace import Trace, read_trace, require_plausible, term_names
+from harness.results.by_term import ByTerm, by_term, part_of
 from harness.results.kept import Kept
 from harness.results.measured import DETERMINISTIC, STOCHASTIC, Measured, Moment, Values, value_of
 from harness.results.metrics import Unmeasurable
-from harness.score.scored_runs import Payer
+from harness.reward import Paid
+from harness.score.installed_reward import InstalledReward
 from harness.score.scorer import SCORED
 
 SLACK = 100_000
 """Rows that a trace may have beyond its training's budget, as the last decision of many envs may; and the steps that an
 episode of an evaluation may have, where the training was shorter than that."""
+START, END = " start", " end"
+"""The first and the last episodes of a training, see `harness.results.by_term.part_of`."""
+PAID = "return, as paid"
+"""What the pay of a reward's own trainings is called."""
 TO_PAY = [*SCORED, "episode", "reward", *EVENTS]
 """Columns that a reward is computed from, or a return."""
 
@@ -95,6 +102,14 @@ class CellResults:
         files = {**before, self.cell.steps: EVALUATION}
         return tuple(Moment(steps, self._measure(file)) for steps, file in files.items())
 
+    def ends(self) -> tuple[Values, Values, int]:
+        """Every metric, and the pay, of the first episodes of the training and of the last; how many these are each."""
+        paid = self.learned()[2]
+        count = min(part_of(len(paid)), len(paid))
+        start, end = (self._measure(TRACE, part) for part in (START, END))
+        start[PAID], end[PAID] = (float(part.mean()) if count else None for part in (paid[:count], paid[-count:]))
+        return start, end, count
+
     def learned(self) -> Float:
         """The finished episodes of the training, in the order in which they ended, (3, episodes).
 
@@ -119,26 +134,24 @@ class CellResults:
         what, made_of = f"{TRACE} reward", [self._kept.digest(TRACE)]
         return self._kept.array(what, made_of, lambda: self._training_with_reward()["reward"])
 
-    def paid_by(self, payer: Payer) -> Float:
+    def paid_by(self, reward: InstalledReward) -> Float:
         """What another reward pays for every row of the training, (rows,).
 
         Raises:
             Unscored: It cannot.
         """
-        made_of = [self._kept.digest(TRACE), payer.fingerprint]
         return self._kept.array(
-            payer.choice.label, made_of, lambda: payer.pay(self._trace(TRACE, whole=payer.reads_more))
+            reward.choice.label, self._made_of(TRACE, reward), lambda: self._paid(TRACE, reward).total
         )
 
-    def pays_recorded(self, payer: Payer, file: str = TRACE) -> bool:
-        """Whether the cell's own reward still pays what is recorded; see `Payer.pays_recorded`."""
-        made_of = [self._kept.digest(file), payer.fingerprint]
-        what = f"{file} is paid by {payer.choice.label}"
+    def pays_recorded(self, reward: InstalledReward, file: str = TRACE) -> bool:
+        """Whether the cell's own reward still pays what is recorded; see `InstalledReward.pays_recorded`."""
+        what, made_of = f"{file} is paid by {reward.choice.label}", self._made_of(file, reward)
         return bool(
-            self._kept.number(what, made_of, lambda: payer.pays_recorded(self._trace(file, whole=payer.reads_more)))
+            self._kept.number(what, made_of, lambda: reward.pays_recorded(self._trace(file, whole=reward.reads_more)))
         )
 
-    def evaluation_return(self, payer: Payer) -> float | None:
+    def evaluation_return(self, reward: InstalledReward) -> float | None:
         """What a reward pays for an episode of the final evaluation, mean; None without a finished one.
 
         Raises:
@@ -146,11 +159,38 @@ class CellResults:
         """
 
         def make() -> float | None:
-            trace = self._trace(EVALUATION, whole=payer.reads_more)
-            return mean_over_episodes(payer.pay(trace), trace)
+            paid = self._paid(EVALUATION, reward).total
+            return mean_over_episodes(paid, self._trace(EVALUATION, whole=reward.reads_more))
 
-        made_of = [self._kept.digest(EVALUATION), payer.fingerprint]
-        return self._kept.number(f"{EVALUATION} return {payer.choice.label}", made_of, make)
+        what = f"{EVALUATION} return {reward.choice.label}"
+        return self._kept.number(what, self._made_of(EVALUATION, reward), make)
+
+    def terms_paid(self, reward: InstalledReward, file: str) -> ByTerm:
+        """What each term of a reward paid in a file of the cell; without terms of a reward that has none.
+
+        Args:
+            reward: The reward.
+            file: `TRACE`, `EVALUATION` or `RANDOM`.
+
+        Raises:
+            Unscored: It cannot pay these steps.
+        """
+
+        def make() -> dict[str, Any]:
+            if reward.choice == self.cell.reward:  # which needs no code of it
+                trace = self._trace(file)
+                return by_term(trace.terms, trace.episodes, trace["step"] > 0).to_json()
+            paid, trace = self._paid(file, reward), self._trace(file, whole=reward.reads_more)
+            return by_term(paid.terms, trace.episodes, trace["step"] > 0).to_json()
+
+        own = [self._kept.digest(file)]
+        made_of = own if reward.choice == self.cell.reward else self._made_of(file, reward)
+        return ByTerm.from_json(self._kept.told(f"{file} terms {reward.choice.label}", made_of, make))
+
+    def recorded_return(self, file: str) -> float | None:
+        """What the cell's own reward paid an episode in a file, mean; None without a finished one."""
+        made_of = [self._kept.digest(file)]
+        return self._kept.number(f"{file} return", made_of, lambda: mean_return(self._trace(file), ("reward",)))
 
     def evaluation_events(self) -> float | None:
         """What the events of an episode of the final evaluation paid, mean; None without a finished one."""
@@ -162,7 +202,7 @@ class CellResults:
         what, made_of = f"{EVALUATION} paid", [self._kept.digest(EVALUATION)]
         return self._kept.number(what, made_of, lambda: mean_return(self._trace(EVALUATION, whole=False)))
 
-    def floor_returns(self, payer: Payer) -> Float:
+    def floor_returns(self, reward: InstalledReward) -> Float:
         """What a reward pays each episode of random actions that the cell evaluated, events included, (episodes,).
 
         Raises:
@@ -170,11 +210,15 @@ class CellResults:
         """
 
         def make() -> list[float]:
-            trace = self._trace(RANDOM, whole=False)
-            return episode_sums(payer.pay(trace) + events_of(trace), trace)
+            paid, trace = self._paid(RANDOM, reward).total, self._trace(RANDOM, whole=reward.reads_more)
+            return episode_sums(paid + events_of(trace), trace)
 
-        made_of = [self._kept.digest(RANDOM), payer.fingerprint]
-        return np.array(self._kept.told(f"{RANDOM} returns {payer.choice.label}", made_of, make), np.float64)
+        what = f"{RANDOM} returns {reward.choice.label}"
+        return np.array(self._kept.told(what, self._made_of(RANDOM, reward), make), np.float64)
+
+    def term_names(self) -> tuple[str, ...]:
+        """The terms of the cell's own reward that its training recorded."""
+        return term_names(self._files / TRACE)
 
     def motion(self) -> str:
         """A digest of every joint position in the final evaluation: equal where policies take the same steps."""
@@ -185,21 +229,30 @@ class CellResults:
 
         return str(self._kept.told(f"{EVALUATION} motion", [self._kept.digest(EVALUATION)], make))
 
-    def _measure(self, file: str) -> Values:
-        """Every metric of a trace. The reason of a failure is noted but not kept, because the metric may be mended."""
+    def _made_of(self, file: str, reward: InstalledReward) -> list[str]:
+        return [self._kept.digest(file), reward.fingerprint(self.cell.reward)]
+
+    def _paid(self, file: str, reward: InstalledReward) -> Paid:
+        return reward.pay(self._trace(file, whole=reward.reads_more), self.cell.reward)
+
+    def _measure(self, file: str, part: str = "") -> Values:
+        """Every metric of a trace, or of a part of it.
+
+        The reason of a failure is noted but not kept, because the metric may be mended.
+        """
         digest, values = self._kept.digest(file), Values()
         for name, (metric, fingerprint) in self._metrics().items():
-            values[name], make = None, partial(self._apply, metric, file)
+            values[name], make = None, partial(self._apply, metric, file, part)
             try:
-                values[name] = self._kept.number(f"{file} {name}", [digest, fingerprint], make)
+                values[name] = self._kept.number(f"{file}{part} {name}", [digest, fingerprint], make)
             except Unmeasured as error:
                 self._reasons.setdefault(name, str(error))
         return values
 
-    def _apply(self, metric: Measure, file: str) -> float | None:
+    def _apply(self, metric: Measure, file: str, part: str) -> float | None:
         if isinstance(metric, Unmeasurable):  # no trace has to be read for it
             raise Unmeasured(metric.reason)
-        return value_of(metric, self._trace(file))
+        return value_of(metric, _some(self._trace(file), part) if part else self._trace(file))
 
     def _episodes(self, file: str) -> int:
         """The finished episodes of a trace."""
@@ -232,3 +285,13 @@ class CellResults:
         """Keep the numbers and drop the traces, because a report asks for one cell after the other."""
         self._read.clear()
         self._kept.save()
+
+
+def _some(trace: Trace, part: str) -> Trace:
+    """The first or the last episodes of a trace; what is known of each env's only episode does not belong to them."""
+    episodes = sorted(trace.episodes, key=lambda rows: int(rows[-1]))
+    count = part_of(len(episodes))
+    chosen = episodes[:count] if part == START else episodes[-count:]
+    rows = np.sort(np.concatenate([np.empty(0, np.int64), *chosen]))
+    facts = replace(trace.facts, ik_steps=None, work=None)
+    return Trace({name: column[rows] for name, column in trace.columns.items()}, facts)

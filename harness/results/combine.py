@@ -115,11 +115,11 @@ class _Cells:
         own, cells = match.of(pair[0])[0], match.of(pair[1])
         if pair[0] == pair[1]:
             return self._records.curve(cells)
-        payer, taught = self._records.payer(own.reward), self._records.of(own)
-        is_unchanged = taught.pays_recorded(payer)
+        reward, taught = self._records.installed(own.reward), self._records.of(own)
+        is_unchanged = taught.pays_recorded(reward)
         taught.finish()
-        payer.require_unchanged(is_unchanged)
-        return self._records.curve_paid_by(payer, cells)
+        reward.require_unchanged(is_unchanged)
+        return self._records.curve_paid_by(reward, cells)
 
     def control(self, match: Match[Cell]) -> GroupCurve | None:
         """See `Trainings`."""
@@ -132,10 +132,10 @@ class _Cells:
     def returned(self, match: Match[Cell], pair: Pair, manner: str) -> list[float]:
         """See `Trainings`: of an episode, its events left out."""
         own, found = match.of(pair[0])[0], []
-        payer, taught = self._records.payer(own.reward), self._records.of(own)
-        payer.require_unchanged(taught.pays_recorded(payer, EVALUATION))
+        reward, taught = self._records.installed(own.reward), self._records.of(own)
+        reward.require_unchanged(taught.pays_recorded(reward, EVALUATION))
         for cell in match.of(pair[1]):
-            value = self._records.of(cell).evaluation_return(payer)
+            value = self._records.of(cell).evaluation_return(reward)
             self._records.of(cell).finish()
             if value is None:
                 raise Unscored(f"no episode ended in the evaluation of seed {cell.seed}")
@@ -145,15 +145,15 @@ class _Cells:
     def paid_beside_random(self, trainings: Sequence[Cell]) -> tuple[list[float], Float]:
         """See `Trainings`: of an episode, its events included, which the training maximised too."""
         first, paid = trainings[0], []
-        payer, taught = self._records.payer(first.reward), self._records.of(first)
-        payer.require_unchanged(taught.pays_recorded(payer, EVALUATION))
+        reward, taught = self._records.installed(first.reward), self._records.of(first)
+        reward.require_unchanged(taught.pays_recorded(reward, EVALUATION))
         for cell in trainings:
             value = self._records.of(cell).evaluation_paid()
             self._records.of(cell).finish()
             if value is None:
                 raise Unscored(f"no episode ended in the evaluation of seed {cell.seed}")
             paid.append(value)
-        return paid, self._records.floor_returns(first, payer)
+        return paid, self._records.floor_returns(first, reward)
 
     def same_steps(self, match: Match[Cell]) -> bool:
         """See `Trainings`; evaluations are read only if every measure of every seed is the same."""

@@ -1,13 +1,13 @@
 """The done cells of an experiment, and what rewards and metrics say of each."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from functools import cached_property, partial
 
 from harness.errors import Unscored
 from harness.measure import Measure
 from harness.record.cell import Cell
-from harness.record.folder import EVALUATION, TRACE
+from harness.record.folder import EVALUATION, RANDOM, TRACE
 from harness.record.manifest import Manifest
 from harness.record.store import Store
 from harness.registry.choice import Choice
@@ -18,7 +18,7 @@ from harness.results.kept import Kept
 from harness.results.measured import Values
 from harness.results.metrics import load_metrics, with_fingerprints
 from harness.results.table import Numbers, metric_columns, numbers_of
-from harness.score.scored_runs import Payer
+from harness.score.installed_reward import InstalledReward
 
 
 class DoneCells:
@@ -41,7 +41,7 @@ class DoneCells:
         """
         self._store, self._registry, self._named = store, registry, named
         self._chosen = None if metrics is None else load_metrics(registry, metrics, named)
-        self._payers: dict[Choice, Payer] = {}
+        self._rewards: dict[Choice, InstalledReward] = {}
 
     @cached_property
     def metrics(self) -> dict[str, Measure]:
@@ -74,11 +74,11 @@ class DoneCells:
         kept = Kept(self._store.folder, done.cell.id, files, done.files)
         return CellResults(done, files, lambda: self._fingerprinted, kept)
 
-    def payer(self, choice: Choice) -> Payer:
+    def installed(self, choice: Choice) -> InstalledReward:
         """What pays recorded runs again by a reward."""
-        if choice not in self._payers:
-            self._payers[choice] = Payer(choice, self._registry)
-        return self._payers[choice]
+        if choice not in self._rewards:
+            self._rewards[choice] = InstalledReward(choice, self._registry)
+        return self._rewards[choice]
 
     def keep(self, done: Manifest, compared: Iterable[Choice], scoring: Iterable[Choice]) -> None:
         """Compute what a report will ask of a cell, and keep it.
@@ -105,15 +105,25 @@ class DoneCells:
         found.motion()
         scoring = list(scoring)
         jobs: list[Callable[[], object]] = [
-            *(partial(found.pays_recorded, self.payer(cell.reward), file) for file in (TRACE, EVALUATION)),
-            *(partial(found.paid_by, self.payer(choice)) for choice in compared),
-            *(partial(found.evaluation_return, self.payer(choice)) for choice in scoring),
-            *(partial(found.floor_returns, self.payer(choice)) for choice in scoring if found.has_floor),
+            *(partial(found.pays_recorded, self.installed(cell.reward), file) for file in (TRACE, EVALUATION)),
+            *(partial(found.paid_by, self.installed(choice)) for choice in compared),
+            *(partial(found.evaluation_return, self.installed(choice)) for choice in scoring),
+            *(partial(found.floor_returns, self.installed(choice)) for choice in scoring if found.has_floor),
+            *(partial(found.terms_paid, reward, file) for reward, file in self._by_term(found, scoring)),
         ]
         for job in jobs:
             with suppress(Unscored):  # the report says so
                 job()
         found.finish()
+
+    def _by_term(self, found: CellResults, scoring: Iterable[Choice]) -> Iterator[tuple[InstalledReward, str]]:
+        """Which rewards with terms a report asks about a cell, and in which of its files."""
+        own = self.installed(found.cell.reward)
+        if found.term_names():
+            yield from ((own, file) for file in (TRACE, EVALUATION, *([RANDOM] if found.has_floor else ())))
+        for reward in map(self.installed, scoring):
+            if reward is not own and reward.has_terms:
+                yield from ((reward, file) for file in (EVALUATION, *([RANDOM] if found.has_floor else ())))
 
     @cached_property
     def _fingerprinted(self) -> dict[str, tuple[Measure, str]]:

@@ -11,7 +11,7 @@ from harness.record.manifest import Manifest
 from harness.record.store import Store
 from harness.results.cell_results import CellResults
 from harness.results.measured import Values
-from harness.score.scored_runs import Payer
+from harness.score.installed_reward import InstalledReward
 
 
 class Floors:
@@ -30,7 +30,7 @@ class Floors:
 
     def of(self, cell: Cell) -> Values:
         """Every metric of random actions in a done cell's simulator, task and robot; empty if no cell has them."""
-        owner = self._owner(cell)
+        owner = self.owner(cell)
         if owner is None:
             return {}
         if owner.id not in self._values:
@@ -39,20 +39,20 @@ class Floors:
             found.finish()
         return self._values[owner.id]
 
-    def returns(self, cell: Cell, payer: Payer) -> Float:
+    def returns(self, cell: Cell, installed: InstalledReward) -> Float:
         """What a reward pays each episode of these random actions, events included, (episodes,); empty without any.
 
         Raises:
             Unscored: It cannot.
         """
-        owner = self._owner(cell)
+        owner = self.owner(cell)
         if owner is None:
             return np.zeros(0)
         found = self._of(owner)
-        returns = found.floor_returns(payer)
+        returns = found.floor_returns(installed)
         found.finish()
         return returns
 
-    def _owner(self, cell: Cell) -> Cell | None:
-        """The cell that evaluated the random actions."""
+    def owner(self, cell: Cell) -> Cell | None:
+        """The cell that evaluated random actions in the place of a done cell; None if no cell did."""
         return cell if self._of(cell).has_floor else self._owners.get(Floor.of(cell))

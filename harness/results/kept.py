@@ -41,6 +41,7 @@ CODE = (
     "harness.eta.rescaling",
     "harness.measure",
     "harness.record",
+    "harness.results.by_term",
     "harness.results.cell_results",
     "harness.results.recordings",
     "harness.reward",

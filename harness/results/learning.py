@@ -12,14 +12,13 @@ from harness.eta.interval import SHARE, UNBOUNDED, Bounds
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
 from harness.measure import bounds_of, is_share
 from harness.record.cell import Cell
+from harness.results.cell_results import PAID
 from harness.results.comparison import Comparison, Group
 from harness.results.measured import Moment, Values, moments_by_due
 from harness.results.records import Records
 
 STRETCHES = 20
 """How many stretches a training has, each a point of its curve: the mean over the episodes that ended in it."""
-PAID = "return, as paid"
-"""What the curve of an arm's own reward is called."""
 
 
 @dataclass(frozen=True)
@@ -84,11 +83,6 @@ class Learning:
     proposed: LearningCurve
     random: Values
 
-    def last_step(self, metric: str) -> int:
-        """The step at which the longer of both curves of a metric ends; 1 if there is none."""
-        points = [*self.baseline.known(metric), *self.proposed.known(metric)]
-        return max((point.steps for point in points), default=1)
-
     def to_json(self) -> dict[str, Any]:
         """Plain data: the curves by metric, and the runs that they are means of."""
         sides = {"baseline": self.baseline, "proposed": self.proposed}
@@ -120,7 +114,10 @@ def learning_of(results: Records, combination: Comparison) -> Learning | None:
         if any(len(run.moments) > 1 for curve in (baseline, proposed) for run in curve.runs):
             random = {change.name: change.random for change in combination.changes_of(combination.own_manner)}
             return Learning(baseline, proposed, random)
-    baseline, proposed = (_curve_of_training(results, combination, *it) for it in sides)
+    baseline, proposed = (
+        curve_of_training(results, combination.group, label, _cells_of(results, combination.group, label, seeds))
+        for label, seeds in sides
+    )
     return Learning(baseline, proposed, dict.fromkeys(baseline.points))
 
 
@@ -164,14 +161,20 @@ def mean_point(
     return Point(end, mean_over_seeds(known, missing, episodes, bounds))
 
 
-def _curve_of_training(results: Records, combination: Comparison, label: str, seeds: Sequence[int]) -> LearningCurve:
-    """Success, and what the own reward paid, of the episodes that ended in each stretch of the training."""
-    cells = _cells_of(results, combination, label)
-    learned = [results.of(cells[seed]).learned() for seed in seeds]
-    for seed in seeds:
-        results.of(cells[seed]).finish()
+def curve_of_training(results: Records, group: Group, label: str, cells: Sequence[Cell]) -> LearningCurve:
+    """Success, and what the own reward paid, of the episodes that ended in each stretch of the training.
+
+    Args:
+        results: The records.
+        group: What the trainings share.
+        label: Of their reward.
+        cells: The trainings.
+    """
+    learned = [results.of(cell).learned() for cell in cells]
+    for cell in cells:
+        results.of(cell).finish()
     success, paid = [], []
-    for begin, end in stretches(combination.group.steps):
+    for begin, end in stretches(group.steps):
         ended = [it[1:, slice(*np.searchsorted(it[0], [begin, end]))] for it in learned]
         means = [it.mean(axis=1).tolist() if it.shape[1] else (None, None) for it in ended]
         fewest = min(it.shape[1] for it in ended)
@@ -188,8 +191,8 @@ def _point(moments: list[Moment], metric: str, seeds: int, episodes: int | None,
 
 
 def _curve(results: Records, combination: Comparison, label: str, seeds: Sequence[int]) -> LearningCurve:
-    cells = _cells_of(results, combination, label)
-    runs = tuple(LearningRun(seed, results.moments(cells[seed])) for seed in seeds)
+    cells = _cells_of(results, combination.group, label, seeds)
+    runs = tuple(LearningRun(cell.seed, results.moments(cell)) for cell in cells)
     points = {
         name: learning_points(runs, name, combination.group, is_share(metric), bounds_of(metric))
         for name, metric in results.metrics.items()
@@ -197,13 +200,10 @@ def _curve(results: Records, combination: Comparison, label: str, seeds: Sequenc
     return LearningCurve(label, runs, points)
 
 
-def _cells_of(results: Records, combination: Comparison, label: str) -> dict[int, Cell]:
-    """The done cells of a reward by seed."""
-    return {
-        cell.seed: cell
-        for cell in results.done_cells
-        if Group.of(cell) == combination.group and cell.reward.label == label
-    }
+def _cells_of(results: Records, group: Group, label: str, seeds: Sequence[int]) -> list[Cell]:
+    """The done cells of a reward with these seeds, in their order."""
+    found = {cell.seed: cell for cell in results.done_cells if Group.of(cell) == group and cell.reward.label == label}
+    return [found[seed] for seed in seeds]
 
 
 def _point_to_json(point: Point) -> dict[str, Any]:

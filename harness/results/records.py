@@ -26,7 +26,7 @@ from harness.results.done_cells import DoneCells
 from harness.results.floors import Floors
 from harness.results.measured import Measured, Moment, Values, measure
 from harness.results.metrics import named_measures
-from harness.score.scored_runs import Payer
+from harness.score.installed_reward import InstalledReward
 
 
 class Records:
@@ -182,9 +182,9 @@ class Records:
             found.finish()
         return self._measured[cell.id]
 
-    def floor_returns(self, cell: Cell, payer: Payer) -> Float:
+    def floor_returns(self, cell: Cell, reward: InstalledReward) -> Float:
         """What a reward pays each episode of random actions where a done cell trained, (episodes,); see `Floors`."""
-        return self._floors.returns(cell, payer)
+        return self._floors.returns(cell, reward)
 
     def moments(self, cell: Cell) -> tuple[Moment, ...]:
         """Every evaluation of a done cell during its training, and the one after it."""
@@ -203,9 +203,13 @@ class Records:
             self._found[cell.id] = self._cells.of(self._ended[cell.id])
         return self._found[cell.id]
 
-    def payer(self, choice: Choice) -> Payer:
+    def installed(self, choice: Choice) -> InstalledReward:
         """What pays recorded runs again by a reward."""
-        return self._cells.payer(choice)
+        return self._cells.installed(choice)
+
+    def floor_of(self, cell: Cell) -> Cell | None:
+        """The cell that evaluated random actions in the place of a done cell; None if no cell did."""
+        return self._floors.owner(cell)
 
     def curve(self, cells: Sequence[Cell]) -> GroupCurve:
         """The curve of done cells' trainings, as they were paid. It is kept, since many rewards share one baseline."""
@@ -214,13 +218,13 @@ class Records:
         self._curves = {**dict(list(self._curves.items())[-1:]), key: found}  # only the last two are kept
         return found
 
-    def curve_paid_by(self, payer: Payer, cells: Sequence[Cell]) -> GroupCurve:
+    def curve_paid_by(self, reward: InstalledReward, cells: Sequence[Cell]) -> GroupCurve:
         """The curve of done cells' trainings, as another reward would have paid them.
 
         Raises:
             Unscored: It cannot.
         """
-        return self._curve(cells, lambda of: of.paid_by(payer))
+        return self._curve(cells, lambda of: of.paid_by(reward))
 
     def _examine(self, cell: Cell) -> Manifest:
         """What there is to say of a cell. Files that are what was written may still hold what no cell can have done."""

@@ -14,6 +14,7 @@ from harness.errors import UsageError
 from harness.eta.equal import key_to_json
 from harness.record.cell import Cell
 from harness.record.manifest import Manifest
+from harness.results.alone import Alone, alone_in
 from harness.results.combine import combine
 from harness.results.comparison import Comparison, pools_of
 from harness.results.frames import Frames
@@ -24,6 +25,7 @@ from harness.results.records import Records
 from harness.results.return_matrix import ReturnMatrix, return_matrices
 from harness.results.rows import comparison_rows
 from harness.results.table import Numbers, cell_to_json, metric_columns, numbers_of, table_of, write_table
+from harness.results.terms_paid import TermsPaid, terms_of_cells
 
 FORMAT = 1
 """The version of what reports say as JSON; docs/json.md explains it."""
@@ -69,6 +71,24 @@ class Results(Records):
             SchemaError: A file is damaged or written by a newer version.
         """
         return tuple(return_matrices(self))
+
+    @cached_property
+    def terms(self) -> tuple[TermsPaid, ...]:
+        """What each term of each reward paid, of the rewards that have terms.
+
+        Raises:
+            SchemaError: A file is damaged or written by a newer version.
+        """
+        return terms_of_cells(self)
+
+    @cached_property
+    def alone(self) -> tuple[Alone, ...]:
+        """What each reward paid for that no other stands beside, so that nothing compares it.
+
+        Raises:
+            SchemaError: A file is damaged or written by a newer version.
+        """
+        return alone_in(self)
 
     def learning(self, combination: Comparison) -> Learning | None:
         """How the policies of a combination behaved while they learned; None if that is not known.

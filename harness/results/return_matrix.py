@@ -11,7 +11,7 @@ from harness.registry.choice import Choice
 from harness.results.cell_results import CellResults
 from harness.results.comparison import Group
 from harness.results.records import Records
-from harness.score.scored_runs import Payer
+from harness.score.installed_reward import InstalledReward
 
 UNFINISHED = "no finished episode in some seeds"
 
@@ -64,11 +64,11 @@ def return_matrices(results: Records) -> list[ReturnMatrix]:
 
 def _matrix(results: Records, group: Group, scoring: list[Choice], found: Trainings) -> ReturnMatrix:
     trainings = {choice: found[choice] for choice in scoring if choice in found}
-    payers = _unchanged_payers(results, scoring, trainings)
+    rewards = _unchanged(results, scoring, trainings)
     rows: dict[str, dict[str, SeedMean]] = {choice.label: {} for choice in scoring}
     events = {}
     for training, cells in trainings.items():
-        column = _Column(payers)
+        column = _Column(rewards)
         for cell in cells:
             column.add(cell)
             cell.finish()
@@ -78,46 +78,46 @@ def _matrix(results: Records, group: Group, scoring: list[Choice], found: Traini
     return ReturnMatrix(group, tuple(choice.label for choice in trainings), rows, events)
 
 
-Payers = Mapping[Choice, Payer | str]
+Scoring = Mapping[Choice, InstalledReward | str]
 """What pays again, by reward; the reason if a reward cannot pay any more."""
 
 
-def _unchanged_payers(results: Records, scoring: list[Choice], trainings: Trainings) -> Payers:
+def _unchanged(results: Records, scoring: list[Choice], trainings: Trainings) -> Scoring:
     """The rewards that still pay what they paid in the experiment. A reward without a done cell is not checked."""
-    payers: dict[Choice, Payer | str] = {}
+    rewards: dict[Choice, InstalledReward | str] = {}
     for choice in scoring:
-        payers[choice] = payer = results.payer(choice)
+        rewards[choice] = reward = results.installed(choice)
         try:
             if choice in trainings:
-                payer.require_unchanged(trainings[choice][0].pays_recorded(payer, EVALUATION))
+                reward.require_unchanged(trainings[choice][0].pays_recorded(reward, EVALUATION))
         except Unscored as unscored:
-            payers[choice] = str(unscored)
-    return payers
+            rewards[choice] = str(unscored)
+    return rewards
 
 
 class _Column:
     """One column of the matrix: the cells of one training under every reward."""
 
-    def __init__(self, payers: Payers) -> None:
-        self._payers = dict(payers)
-        self._returns: dict[Choice, list[float | None]] = {choice: [] for choice in payers}
+    def __init__(self, rewards: Scoring) -> None:
+        self._rewards = dict(rewards)
+        self._returns: dict[Choice, list[float | None]] = {choice: [] for choice in rewards}
         self.events: list[float | None] = []
 
     def add(self, cell: CellResults) -> None:
         """Add a cell under all rewards at once, so that its evaluation is read once."""
         self.events.append(cell.evaluation_events())
-        for choice, payer in self._payers.items():
-            if isinstance(payer, str):
+        for choice, reward in self._rewards.items():
+            if isinstance(reward, str):
                 continue
             try:
-                self._returns[choice].append(cell.evaluation_return(payer))
+                self._returns[choice].append(cell.evaluation_return(reward))
             except Unscored as unscored:
-                self._payers[choice] = str(unscored)
+                self._rewards[choice] = str(unscored)
 
     def mean(self, choice: Choice) -> SeedMean:
         """The mean over the cells, or the reason why there is none."""
-        payer = self._payers[choice]
-        return SeedMean(None, notes=(payer,)) if isinstance(payer, str) else _mean(self._returns[choice])
+        reward = self._rewards[choice]
+        return SeedMean(None, notes=(reward,)) if isinstance(reward, str) else _mean(self._returns[choice])
 
 
 def _mean(values: list[float | None]) -> SeedMean:

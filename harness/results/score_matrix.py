@@ -2,22 +2,24 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
-from harness.errors import Unscored
+import numpy as np
+import pyarrow.parquet as pq
+
+from harness.arrays import Float
 from harness.eta.curve import curve_of
 from harness.eta.index import Index
+from harness.files.bounded import reading
 from harness.record.cell import Cell
-from harness.record.folder import TRACE
-from harness.record.trace import Trace, read_trace
+from harness.record.folder import SCORES, TRACE
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.results.comparison import Group
 from harness.results.results import Results
-from harness.score.scored_runs import Payer
-from harness.score.scorer import SCORED
-
-COLUMNS = [*SCORED, "reward"]
+from harness.score.open_recording import open_recording
+from harness.score.rescore import write_scores
 
 
 @dataclass(frozen=True)
@@ -27,8 +29,9 @@ class ScoreMatrix:
     Attributes:
         group: What the runs share.
         seeds: The seeds of each training, by its label.
-        indices: By the label of the scoring reward, then that of the training reward.
-        failed: Why a reward could not score the runs, by the reward's label.
+        indices: By the label of the scoring reward, then that of the training reward; without those that could not be
+            scored.
+        failed: Why a reward could not score all runs, by the reward's label.
     """
 
     group: Group
@@ -50,7 +53,14 @@ class ScoreMatrix:
 
 
 def score_matrices(results: Results, scoring: Sequence[Choice], registry: Registry) -> list[ScoreMatrix]:
-    """One matrix per group of cells that are done. A reward that cannot score their runs loses only its own row."""
+    """Pay every done cell by every reward, into a file beside its trace; one matrix per group of cells.
+
+    A reward that cannot score a training leaves out that entry alone.
+
+    Raises:
+        UsageError: A file cannot be written.
+        SchemaError: A file is damaged or written by a newer version.
+    """
     groups: dict[Group, dict[str, list[Cell]]] = {}
     for cell in results.done_cells:
         groups.setdefault(Group.of(cell), {}).setdefault(cell.reward.label, []).append(cell)
@@ -60,29 +70,24 @@ def score_matrices(results: Results, scoring: Sequence[Choice], registry: Regist
 def _matrix(
     results: Results, group: Group, trainings: dict[str, list[Cell]], scoring: Sequence[Choice], registry: Registry
 ) -> ScoreMatrix:
-    payers = [Payer(choice, registry) for choice in scoring]
-    columns = None if any(map(_reads_more, payers)) else COLUMNS
-    traces = {label: [_read(results, cell, columns) for cell in cells] for label, cells in trainings.items()}
-    indices: dict[str, dict[str, Index]] = {}
+    indices: dict[str, dict[str, Index]] = {choice.label: {} for choice in scoring}
     failed: dict[str, str] = {}
-    for payer in payers:
-        choice = payer.choice
-        try:
-            curves = {label: curve_of([payer.pay(run) for run in runs]) for label, runs in traces.items()}
-        except Unscored as unscored:
-            failed[choice.label] = str(unscored)
-        else:
-            indices[choice.label] = {label: curve.index for label, curve in curves.items()}
+    for training, cells in trainings.items():
+        places = [results.store.cell_folder(cell) for cell in cells]
+        refused = [write_scores(open_recording(it / TRACE), scoring, it / SCORES, registry) for it in places]
+        for label, row in indices.items():
+            reasons = [told[label] for told in refused if label in told]
+            runs = [] if reasons else [_read(place / SCORES, label) for place in places]
+            if not all(np.isfinite(run).all() for run in runs):
+                reasons = [f"reward {label} is not finite on the runs of another reward"]
+            if reasons:
+                failed.setdefault(label, reasons[0])
+            else:
+                row[training] = curve_of(runs).index
     seeds = {label: tuple(sorted(cell.seed for cell in cells)) for label, cells in trainings.items()}
-    return ScoreMatrix(group, seeds, indices, failed)
+    return ScoreMatrix(group, seeds, {label: row for label, row in indices.items() if row}, failed)
 
 
-def _reads_more(payer: Payer) -> bool:
-    try:
-        return payer.reads_more
-    except Unscored:  # its own row will say so
-        return False
-
-
-def _read(results: Results, cell: Cell, columns: list[str] | None) -> Trace:
-    return read_trace(results.store.cell_folder(cell) / TRACE, columns)
+def _read(scores: Path, label: str) -> Float:
+    with reading(scores, "file of scores"):
+        return np.asarray(pq.read_table(scores, columns=[label]).column(label).to_numpy())

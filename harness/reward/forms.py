@@ -42,10 +42,22 @@ def is_function_of_steps(found: Any) -> bool:
 
 def takes_alone(found: Any, argument: str) -> bool:
     """Whether something is a plain function whose one argument without a default has this name."""
-    if not inspect.isfunction(found):
+    return inspect.isfunction(found) and needs_alone(found, argument)
+
+
+def needs_alone(found: Any, argument: str) -> bool:
+    """Whether something that can be called has one argument without a default, and that has this name."""
+    try:
+        known = inspect.signature(found).parameters.values()
+    except (TypeError, ValueError):  # a built-in: Python does not know its arguments
         return False
-    needed = [it for it in inspect.signature(found).parameters.values() if it.default is it.empty]
+    needed = [it for it in known if it.default is it.empty and it.kind not in (it.VAR_POSITIONAL, it.VAR_KEYWORD)]
     return len(needed) == 1 and needed[0].name == argument and needed[0].kind is not inspect.Parameter.KEYWORD_ONLY
+
+
+def takes_step(found: Any) -> bool:
+    """Whether something that can be called takes a step."""
+    return needs_alone(found, STEP)
 
 
 @cache

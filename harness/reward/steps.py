@@ -39,10 +39,14 @@ class MissingField(UsageError, AttributeError):
             where: What the steps are of, to begin the message with; ``A step`` without it.
         """
         self.field, names = field, list(there)
-        own = field.rpartition(".")[2]
-        near = difflib.get_close_matches(SYNONYMS.get(own, own), names, n=1)
-        guess = f" Did you mean '{near[0]}'?" if near else ""
-        super().__init__(f"{where or 'A step'} has no '{field}'. It has: {', '.join(names)}.{guess}")
+        guess = nearest(field.rpartition(".")[2], names)
+        super().__init__(f"{where or 'A step'} has no '{field}'. It has: {', '.join(names)}.{guess.lstrip('.')}")
+
+
+def nearest(name: str, there: Iterable[str]) -> str:
+    """The nearest of the names that there are, as the end of a sentence; empty if none is near."""
+    near = difflib.get_close_matches(SYNONYMS.get(name, name), list(there), n=1)
+    return f". Did you mean '{near[0]}'?" if near else ""
 
 
 SYNONYMS: Mapping[str, str] = MappingProxyType(

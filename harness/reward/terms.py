@@ -3,6 +3,7 @@
 A reward gives its terms as a dict, or as (total, dict). A total, also one under the key ``total``, has to be their sum.
 """
 
+import math
 from collections.abc import Mapping
 from functools import lru_cache
 from types import MappingProxyType
@@ -112,6 +113,8 @@ def _require_names(terms: tuple[Any, ...]) -> None:
 
 def _is_sum(total: Any, found: Any) -> bool:
     """Whether a total is the sum up to what another order of adding, or single precision, may change."""
+    if isinstance(total, float) and isinstance(found, float):  # of one step: a call of NumPy takes 30 microseconds
+        return abs(total - found) <= 1e-6 + 1e-5 * abs(found) or (math.isnan(total) and math.isnan(found))
     return bool(np.allclose(np.asarray(total, float), np.asarray(found, float), rtol=1e-5, atol=1e-6, equal_nan=True))
 
 

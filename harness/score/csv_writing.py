@@ -9,7 +9,7 @@ import pyarrow.csv
 
 from harness.arrays import Float
 from harness.files.whole_file import whole_file
-from harness.record.trace import read_trace
+from harness.record.trace import TERM, read_trace, term_names
 from harness.score.recording import EVENTS, ROWS
 
 Columns = Mapping[str, Float]
@@ -49,6 +49,8 @@ READ = (
 def write_csv(trace: Path, path: Path) -> None:
     """Write a trace to `path`, whole or not at all; a number has as many digits as it takes to read it back exactly.
 
+    What each term of the reward paid stands behind the other columns, as ``reward/TERM``.
+
     Args:
         trace: A ``trace.parquet``.
         path: A CSV file, in a folder that is there.
@@ -57,12 +59,14 @@ def write_csv(trace: Path, path: Path) -> None:
         SchemaError: The trace is damaged or written by a newer version.
         OSError: `path` cannot be written.
     """
-    run = read_trace(trace, list(READ))
-    schema = pa.schema([(name, pa.float64()) for name in COLUMNS])
+    terms = [f"{TERM}{name}" for name in term_names(trace)]
+    run = read_trace(trace, [*READ, *terms])
+    made = {**COLUMNS, **{name: _named(name) for name in terms}}
+    schema = pa.schema([(name, pa.float64()) for name in made])
     header = pa.csv.WriteOptions(include_header=False)  # Arrow's own would stand in quotation marks
     with whole_file(path) as partial, partial.open("wb") as file:
-        file.write(f"{','.join(COLUMNS)}\n".encode())
+        file.write(f"{','.join(made)}\n".encode())
         with pa.csv.CSVWriter(file, schema, write_options=header) as writer:
             for start in range(0, len(run), ROWS):
-                rows = {name: run[name][start : start + ROWS] for name in READ}
-                writer.write_batch(pa.record_batch([column(rows) for column in COLUMNS.values()], schema=schema))
+                rows = {name: run[name][start : start + ROWS] for name in (*READ, *terms)}
+                writer.write_batch(pa.record_batch([column(rows) for column in made.values()], schema=schema))

@@ -15,8 +15,9 @@ robots and no environments.
 """
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -24,8 +25,9 @@ import numpy as np
 from harness.arrays import Float, Mask
 from harness.errors import UsageError
 from harness.record.row_steps import Rows
-from harness.reward import Reward
-from harness.score.scorer import Scorer
+from harness.reward import Paid, Reward
+from harness.reward.needs import needs_of
+from harness.score.scorer import Scorer, fields_beside_distances
 
 END_EFFECTOR, TARGET, JOINTS, JOINTS_DEG = "end_effector", "target", "joints", "joints_deg"
 DISTANCE, RENEWED = "distance", "renewed"
@@ -33,6 +35,7 @@ ARM = (END_EFFECTOR, JOINTS, JOINTS_DEG)
 NAMES = (END_EFFECTOR, TARGET, JOINTS, JOINTS_DEG, DISTANCE, RENEWED)
 MOST_PLACE = 1_000_000
 EXAMPLE = "end_effector=0:3,target=3:6"
+NO_FIELDS: Mapping[str, Float] = MappingProxyType({})
 _PLACE = re.compile(r"(?:(?P<key>[^\[\]:/=,]+?)\s*(?:\[(?P<a>\d+):(?P<b>\d+)\])?|(?P<c>\d+):(?P<d>\d+))")
 
 Forward = Callable[[Float], Float]
@@ -133,6 +136,15 @@ class ArmPlaces:
             return told[:, 0]
         return distances(self.end_effector(vectors), self.target(vectors))
 
+    def fields(self, vectors: Any, names: Collection[str]) -> dict[str, Float]:
+        """Those of ``end_effector``, ``target``, ``qpos`` that are asked for and that the map tells, (n, size) each."""
+        ways = {END_EFFECTOR: self.end_effector, TARGET: self.target, "qpos": self._joints}
+        there = {END_EFFECTOR: TARGET in self.places, TARGET: TARGET in self.places, "qpos": JOINTS in self.places}
+        return {name: ways[name](vectors) for name in ways if name in names and there[name]}
+
+    def _joints(self, vectors: Any) -> Float:
+        return self.places[JOINTS].rows(vectors)
+
     def reached(self, before: Any, after: Any) -> Float:
         """How far the end effector is after steps from the targets before them, (n,), [m].
 
@@ -206,6 +218,14 @@ def distances(end_effector: Float, target: Float) -> Float:
     return far
 
 
+def fields_read(reward: Reward) -> tuple[str, ...]:
+    """What an arm's reward reads beside distances; nothing of one that fails on made-up steps."""
+    try:
+        return fields_beside_distances(needs_of(reward).fields)
+    except UsageError:
+        return ()
+
+
 class ArmPay:
     """Pays one episode after another by an arm's reward, as many steps at a time as one likes."""
 
@@ -214,21 +234,24 @@ class ArmPay:
         self._scorer = Scorer(reward)
         self._begin = self._best = float("nan")
 
-    def begin(self, distance: float) -> None:
-        """Start an episode at this distance, [m]."""
+    def begin(self, distance: float, more: Mapping[str, Float] = NO_FIELDS) -> None:
+        """Start an episode at this distance, [m], and with these other fields that the reward reads, (1, size) each."""
         self._scorer = Scorer(self._reward)
         self._begin = self._best = float(distance)
         start = np.full(1, self._begin)
-        self._scorer.pay(Rows(np.ones(1, bool), start, start, start))
+        self._scorer.pay(Rows(np.ones(1, bool), start, start, start, more=more))
 
-    def pay(self, after: Float) -> Float:
-        """What the next steps of the episode pay, (n,), by the distances after them, (n,), [m]."""
+    def pay(self, after: Float, more: Mapping[str, Float] = NO_FIELDS) -> Paid:
+        """What the next steps of the episode pay, (n,), by the distances after them, (n,), [m], and `more` of each.
+
+        Raises:
+            MissingField: The reward reads something else.
+        """
         after = np.asarray(after, np.float64)
         best = np.minimum.accumulate(np.concatenate([[self._best], after]))
         self._best = float(best[-1])
-        rows = Rows(np.zeros(len(after), bool), np.full(len(after), self._begin), best[:-1], after)
-        paid: Float = self._scorer.pay(rows).total
-        return paid
+        rows = Rows(np.zeros(len(after), bool), np.full(len(after), self._begin), best[:-1], after, more=more)
+        return self._scorer.pay(rows)
 
 
 def pay_episode(reward: Reward, end_effector: Float, target: Float) -> Float:
@@ -242,7 +265,8 @@ def pay_episode(reward: Reward, end_effector: Float, target: Float) -> Float:
     far = distances(end_effector, target)
     pay = ArmPay(reward)
     pay.begin(far[0])
-    return pay.pay(far[1:])
+    paid: Float = pay.pay(far[1:]).total
+    return paid
 
 
 def _constant(text: str) -> tuple[float, ...]:

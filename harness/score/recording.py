@@ -32,6 +32,7 @@ from harness.errors import UsageError
 from harness.files.bounded import reading
 from harness.record.row_steps import TOUCHED, targets_touched
 from harness.record.trace import FIELDS, to_numpy
+from harness.registry.choice import Choice
 
 Columns = dict[str, Float]
 
@@ -91,20 +92,26 @@ class Recording:
     Attributes:
         path: The file.
         columns: What it has of `COLUMNS`, those that are read; of a trace also `TOUCHED`.
-        declared_reward: What paid it, as `harness.registry.choice.choose` takes it, if the manifest beside it says
-            so.
+        taught_by: The reward that paid it, if the manifest beside it says so.
         seed: The run's seed, if the manifest says so.
         fields: Those of `harness.record.trace.FIELDS` that it has.
+        terms: Those of the reward that paid it of which it has a column, in their order.
     """
 
     path: Path
     columns: tuple[str, ...]
-    declared_reward: str | None
+    taught_by: Choice | None
     seed: int | None
     _batches: Callable[[Sequence[str]], Iterator[pa.RecordBatch]]
     _report: Callable[[str], UsageError]
     _first_line: int
     fields: tuple[str, ...] = ()
+    terms: tuple[str, ...] = ()
+
+    @property
+    def declared_reward(self) -> str | None:
+        """What paid it, as `harness.registry.choice.choose` takes it, if that is known."""
+        return self.taught_by.label if self.taught_by else None
 
     @property
     def has_distances(self) -> bool:

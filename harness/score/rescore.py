@@ -1,25 +1,32 @@
 """Pays recorded runs again: a column of rewards per reward, in a file of its own beside the recording."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
 from harness.arrays import Float
-from harness.errors import UsageError, one_line
+from harness.errors import HarnessError, UsageError, one_line
 from harness.files.bounded import reading, require_regular
 from harness.files.parquet import require_room
 from harness.files.sums import changed_since_made, note_made
 from harness.files.whole_file import whole_file
 from harness.record.folder import MANIFEST
 from harness.record.row_steps import Rows
+from harness.record.trace import TERM, read_trace, to_numpy
+from harness.registry.choice import Choice, choose, parse
+from harness.registry.names import unknown_name
+from harness.registry.registry import Registry
 from harness.reward import Paid, Reward
 from harness.reward.needs import needs_of
 from harness.score.recording import Chunk, Recording
-from harness.score.scorer import Scorer, fields_beside_distances
+from harness.score.scorer import Scorer, fields_beside_distances, joined
+from harness.score.weights import name_of, recorded_choice, reweighted, weighted_label
 
 MOST_BYTES = 2**35
 """Most that is read of a file of scores."""
@@ -51,18 +58,40 @@ class RecordingScorer:
         return Paid(total, terms)
 
 
-def rescore(recording: Recording, rewards: Mapping[str, Reward], into: Path) -> dict[str, str]:
+def rescore(
+    recording: Recording, rewards: Mapping[str, Reward], into: Path, weighted: Sequence[str] = ()
+) -> dict[str, str]:
     """Write what each of `rewards` would have paid, a column each named by its label, a row per recorded row.
 
     A term of a reward has a column ``LABEL/TERM`` behind it. Columns of other rewards that `into` holds already are
     kept. The recording is not touched. A reward that raises costs its own columns.
 
+    Args:
+        recording: The run.
+        rewards: By label.
+        into: The file of scores.
+        weighted: Rewards without their code, ``gentle:effort=0.05``: recorded columns of their terms pay, those of the
+            recording, or those that `into` holds from an earlier time.
+
     Returns:
-        By the label of each reward that raised, what it raised.
+        By the label of each reward that cannot pay, why.
 
     Raises:
         UsageError: The recording has no distances, `into` belongs to another recording or cannot be written.
     """
+    columns, failed = _columns_of_code(recording, rewards) if rewards else ({}, {})
+    for label in weighted:
+        try:
+            columns |= _columns_of_terms(label, recording, into)
+        except UsageError as error:
+            failed[label] = str(error)
+    if columns:
+        _write(into, columns)
+    return failed
+
+
+def _columns_of_code(recording: Recording, rewards: Mapping[str, Reward]) -> tuple[dict[str, Float], dict[str, str]]:
+    """The columns of rewards that are called, and why others cannot be."""
     if not recording.has_distances:
         raise UsageError(f"{recording.path} records no distances: no other reward can be computed from it")
     failed: dict[str, str] = {}
@@ -76,15 +105,103 @@ def rescore(recording: Recording, rewards: Mapping[str, Reward], into: Path) -> 
             if label not in failed:
                 with _noted(label, failed):
                     parts[label].append(scorer.pay(chunk))
-    columns = {
-        name: values
-        for label, paid in parts.items()
-        if label not in failed
-        for name, values in _columns_of(label, paid)
-    }
-    if columns:
-        _write(into, columns)
-    return failed
+    whole = {label: joined(paid) for label, paid in parts.items() if label not in failed}
+    return dict(column for label, paid in whole.items() for column in _columns_of(label, paid)), failed
+
+
+def _columns_of_terms(label: str, recording: Recording, into: Path) -> dict[str, Float]:
+    """The columns of a reward with other weights, from the first recorded columns of its terms that tell them."""
+    refused: UsageError | None = None
+    for found in recorded_terms(name_of(label), recording, into):
+        try:
+            return dict(_columns_of(label, reweighted(label, found.reward, found.read())))
+        except UsageError as error:  # a term was recorded with the weight 0, and elsewhere perhaps with another
+            refused = refused or error
+    if refused is not None:
+        raise refused
+    trained = f" trained with {recording.declared_reward}" if recording.taught_by else ""
+    raise UsageError(
+        f"a run{trained} has no columns of the terms of '{name_of(label)}': give its file, --plugin FILE, and it is "
+        "called"
+    )
+
+
+class RecordedTerms(NamedTuple):
+    """Columns of the terms of a reward."""
+
+    reward: Choice
+    """The reward, with the weights that it was recorded with."""
+    terms: tuple[str, ...]
+    read: Callable[[], dict[str, Float]]
+    """A function that reads them, by term, (rows,) each."""
+
+
+def recorded_terms(name: str, recording: Recording, into: Path) -> Iterator[RecordedTerms]:
+    """What is recorded of the terms of rewards of a name: by the run itself, then by a file of scores beside it."""
+    reward, terms = recording.taught_by, recording.terms
+    if reward is not None and terms and reward.name == name:
+        columns = [f"{TERM}{term}" for term in terms]
+        yield RecordedTerms(reward, terms, lambda: read_trace(recording.path, columns).terms)
+    if not into.exists() or into.name in changed_since_made(into.parent):
+        return
+    with reading(into, "file of scores", UsageError):
+        require_regular(into, MOST_BYTES)
+        names = pq.read_schema(into).names
+    for label in (it for it in names if name_of(it) == name):
+        begin = f"{label}/"
+        terms = tuple(it.removeprefix(begin) for it in names if it.startswith(begin) and "/" not in it[len(begin) :])
+        if terms:
+            yield RecordedTerms(recorded_choice(label), terms, partial(_read_terms, into, begin, terms))
+
+
+def _read_terms(scores: Path, begin: str, terms: Sequence[str]) -> dict[str, Float]:
+    with reading(scores, "file of scores", UsageError):
+        table = pq.read_table(scores, columns=[f"{begin}{term}" for term in terms])
+        return {term: to_numpy(table.column(f"{begin}{term}"), f"{scores}: {begin}{term}") for term in terms}
+
+
+def scoring_choice(text: str, registry: Registry, places: Iterable[tuple[Recording, Path]]) -> Choice:
+    """The reward that a user named; of one that is not installed, its name and its weights, if its terms are recorded.
+
+    Args:
+        text: What the user typed, ``gentle:effort=0.05``.
+        registry: The plugins.
+        places: The runs, each with the file that its scores are written into.
+
+    Raises:
+        UsageError: It is neither installed nor recorded, or it is malformed.
+    """
+    name = parse(text)[0]
+    if is_installed(registry, name):
+        return choose(registry, "rewards", text)
+    known: dict[str, None] = {}
+    for recording, into in places:
+        if found := next(recorded_terms(name, recording, into), None):
+            return recorded_choice(weighted_label(text, found.terms))
+        if recording.taught_by and recording.terms:
+            known[recording.taught_by.name] = None
+    if known:
+        raise UsageError(unknown_name("reward", name, [*registry.names("rewards"), *known]))
+    return choose(registry, "rewards", text)  # which says that there is none
+
+
+def is_installed(registry: Registry, reward: str) -> bool:
+    """Whether there is code for a reward of this name."""
+    return "rewards" in registry.kinds_of(reward)
+
+
+def write_scores(recording: Recording, scoring: Iterable[Choice], into: Path, registry: Registry) -> dict[str, str]:
+    """See `rescore`; rewards that are not installed are paid from columns."""
+    built, failed, weighted = dict[str, Reward](), dict[str, str](), list[str]()
+    for choice in scoring:
+        if not is_installed(registry, choice.name):
+            weighted.append(choice.label)
+            continue
+        try:
+            built[choice.label] = choice.build(registry, "rewards")
+        except HarnessError as error:
+            failed[choice.label] = str(error)
+    return {**failed, **rescore(recording, built, into, weighted)}
 
 
 @contextmanager
@@ -96,10 +213,9 @@ def _noted(label: str, failed: dict[str, str]) -> Iterator[None]:
         failed[label] = one_line(error)
 
 
-def _columns_of(label: str, paid: Sequence[Paid]) -> Iterator[tuple[str, Float]]:
-    yield label, np.concatenate([part.total for part in paid])
-    for name in paid[0].terms:
-        yield f"{label}/{name}", np.concatenate([part.terms[name] for part in paid])
+def _columns_of(label: str, paid: Paid) -> Iterator[tuple[str, Float]]:
+    yield label, paid.total
+    yield from ((f"{label}/{name}", values) for name, values in paid.terms.items())
 
 
 def _write(into: Path, columns: Mapping[str, Float]) -> None:

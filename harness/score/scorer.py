@@ -34,7 +34,7 @@ class Scorer:
         """
         count = len(rows.distance)
         parts = [self._pay_block(rows.part(slice(first, first + BLOCK))) for first in range(0, count, BLOCK)]
-        return parts[0] if len(parts) == 1 else _joined(parts)
+        return parts[0] if len(parts) == 1 else joined(parts)
 
     def _pay_block(self, rows: Rows) -> Paid:
         steps, restart = self._steps.of(rows)
@@ -97,7 +97,7 @@ def _pay_runs(reward: Reward, trace: Trace, fields: Collection[str]) -> Paid:
     rows, runs = trace.rows(fields), trace.runs
     if runs is None:
         return Scorer(reward).pay(rows)
-    paid = _joined([Scorer(reward).pay(rows.part(run)) for run in runs])
+    paid = joined([Scorer(reward).pay(rows.part(run)) for run in runs])
     back = np.argsort(np.concatenate(runs))
     return Paid(paid.total[back], {name: values[back] for name, values in paid.terms.items()})
 
@@ -106,7 +106,8 @@ def _map_paid(paid: Paid, function: Callable[[Array], Float]) -> tuple[Float, di
     return function(paid.total), {name: function(value) for name, value in paid.terms.items()}
 
 
-def _joined(parts: Sequence[Paid]) -> Paid:
+def joined(parts: Sequence[Paid]) -> Paid:
+    """What steps are paid, of parts one after the other."""
     if not parts:
         return Paid(np.empty(0), {})
     terms = {name: np.concatenate([part.terms[name] for part in parts]) for name in parts[0].terms}

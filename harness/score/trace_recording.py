@@ -14,7 +14,7 @@ from harness.record.cell import Cell
 from harness.record.folder import MANIFEST
 from harness.record.manifest import read_manifest
 from harness.record.row_steps import TOUCHED
-from harness.record.trace import FIELDS, FORMAT, FORMAT_KEY
+from harness.record.trace import FIELDS, FORMAT, FORMAT_KEY, term_names
 from harness.score.recording import COLUMNS, MOST_ROWS, ROWS, Recording, choose_columns
 from harness.text import shortened
 
@@ -44,10 +44,11 @@ def open_trace(path: Path) -> Recording:
     if "distance" in columns and set(TOUCHED) <= set(schema.names):
         columns = (*columns, *TOUCHED)
     cell = _read_cell(path.with_name(MANIFEST))
-    declared, seed = (cell.reward.label, cell.seed) if cell else (None, None)
+    reward, seed = (cell.reward, cell.seed) if cell else (None, None)
     report = partial(_report_trace, path)
     fields = tuple(name for name, needed in FIELDS.items() if set(needed) <= set(schema.names))
-    return Recording(path, columns, declared, seed, partial(_trace_batches, path, columns), report, 1, fields)
+    terms = term_names(path) if reward else ()
+    return Recording(path, columns, reward, seed, partial(_trace_batches, path, columns), report, 1, fields, terms)
 
 
 def _what_it_has(names: Sequence[str]) -> str:

@@ -19,7 +19,8 @@ from harness.experiment.environments.spaces import (
     goal_columns,
     kind_of_actions,
 )
-from harness.recorder.column import Column, as_number, columns_of
+from harness.recorder.column import Column, columns_of
+from harness.reward.given import Untold
 from harness.testing.violations import Check, check, raise_first, require, settings_are_frozen, settings_survive_json
 
 STEPS, LONGEST = 100, 20_000
@@ -88,8 +89,8 @@ def numbers_are_finite(environment: Environment) -> None:
                 where = f"step {step.number} of an episode{', its last,' * step.ended}"
                 require(value is not None, f"{column.noun} reads a key that info does not have after {where}")
                 try:
-                    as_number(value)
-                except (TypeError, ValueError) as error:
+                    column.numbers(value)
+                except (TypeError, ValueError, UsageError) as error:
                     raise AssertionError(f"{column.noun} after {where}: {error}") from error
             if ended and step.done >= STEPS:
                 return
@@ -133,8 +134,8 @@ def rewards_of_goals_pay_as_they_do(environment: Environment) -> None:
         paid, goals = list[list[Any]](), list[list[Any]]()
         columns = columns_of(env, {name: rewards[name] for name in by_goals}, {}, 1, frozenset())
         for step in random_steps(env, 0, STEPS, columns):
-            paid.append([value for _, value in _told(columns, step)])
-            goals.append([np.array(step.after[key], float) for key in (ACHIEVED, DESIRED)])
+            paid.append([column.numbers(value)[0] for column, value in _told(columns, step)])
+            goals.append([np.array(step.seen.observation[key], float) for key in (ACHIEVED, DESIRED)])
         achieved, desired = (np.array(each) for each in zip(*goals, strict=True))
         for (name, pay), right in zip(by_goals.items(), np.array(paid, float).T, strict=True):
             found = np.asarray(pay(achieved, desired))
@@ -156,23 +157,31 @@ def _columns(environment: Environment, env: AnyEnv) -> list[Column]:
 
 
 def _told(columns: Sequence[Column], step: RandomStep) -> list[tuple[Column, Any]]:
-    """What the rewards and measures say of a step."""
-    return [(column, value_of(column, step)) for column in columns]
+    """What the rewards and measures say of a step; None of a key that info does not have."""
+    told: list[tuple[Column, Any]] = []
+    for column in columns:
+        try:
+            told.append((column, value_of(column, step)))
+        except Untold:
+            if column.key is None:
+                raise
+            told.append((column, None))
+    return told
 
 
 def _rollout(environment: Environment, env: AnyEnv) -> list[Row]:
     """All numbers of some steps; NaN for what is not told, or is no number."""
     columns = _columns(environment, env)
     return [
-        [*step.numbers, *(_number_or_nan(value) for _, value in _told(columns, step))]
+        [*step.numbers, *(_number_or_nan(column, value) for column, value in _told(columns, step))]
         for step in random_steps(env, 0, STEPS, columns, cut_at=STEPS // 2)
     ]
 
 
-def _number_or_nan(value: Any) -> float:
+def _number_or_nan(column: Column, value: Any) -> float:
     try:
-        return as_number(value)
-    except (TypeError, ValueError):  # another check says so
+        return column.numbers(value)[0]
+    except (TypeError, ValueError, UsageError):  # another check says so
         return math.nan
 
 

@@ -11,9 +11,10 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from harness.arrays import Float
-from harness.environment import AnyEnv, GoalReward, Measure
+from harness.environment import AnyEnv, GoalReward
 from harness.errors import UsageError
 from harness.registry.allowed import require_allowed
+from harness.reward import Given
 
 EXAMPLES = {
     "CartPole-v1": (),
@@ -65,11 +66,11 @@ class AnyGymnasium:
         except (gymnasium.error.Error, ImportError, TypeError) as error:
             raise UsageError(f"gymnasium.make('{self.id}') fails: {error}{_remedy(self.id, error)}") from error
 
-    def rewards(self, env: AnyEnv) -> Mapping[str, Measure]:
+    def rewards(self, env: AnyEnv) -> Mapping[str, Given]:
         """See `harness.environment.Environment`."""
         return {OWN: OWN, **{key: key for key in _split(self.pays)}}
 
-    def behaviour(self, env: AnyEnv) -> Mapping[str, Measure]:
+    def behaviour(self, env: AnyEnv) -> Mapping[str, Given]:
         """See `harness.environment.Environment`."""
         return {key: key for key in _split(self.tells)}
 

@@ -10,8 +10,9 @@ import numpy as np
 from pydantic.dataclasses import dataclass
 
 from harness.arrays import Float
-from harness.environment import AnyEnv, GoalReward, Measure
+from harness.environment import AnyEnv, GoalReward
 from harness.errors import UsageError
+from harness.reward import Given
 
 REMEDY = "pip install 'fd100-harness[robotics]'"
 
@@ -41,7 +42,7 @@ class FetchReach:
             told = f"Gymnasium-Robotics cannot make FetchReach-v4 with mujoco {mujoco.__version__}: {error!r}"
             raise UsageError(f"{told}. Its versions up to 1.4 need mujoco below 3.12: {REMEDY}") from error
 
-    def rewards(self, env: AnyEnv) -> Mapping[str, Measure]:
+    def rewards(self, env: AnyEnv) -> Mapping[str, Given]:
         """See `harness.environment.Environment`."""
 
         def sparse(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
@@ -56,7 +57,7 @@ class FetchReach:
         """See `harness.environment.goal_rewards`: both rewards are functions of goals."""
         return {"sparse": partial(_paid, env, "sparse"), "dense": partial(_paid, env, "dense")}
 
-    def behaviour(self, env: AnyEnv) -> Mapping[str, Measure]:
+    def behaviour(self, env: AnyEnv) -> Mapping[str, Given]:
         """See `harness.environment.Environment`."""
         return {"success": "is_success", "distance": distance}
 

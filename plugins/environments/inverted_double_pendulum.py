@@ -7,7 +7,8 @@ from typing import Any, ClassVar
 import gymnasium
 from pydantic.dataclasses import dataclass
 
-from harness.environment import AnyEnv, Measure
+from harness.environment import AnyEnv
+from harness.reward import Given
 
 ALIVE = 10.0
 """Paid for each step. From version 5 on it is not paid for the step in which the pendulum falls."""
@@ -34,7 +35,7 @@ class InvertedDoublePendulum:
         """See `harness.environment.Environment`."""
         return gymnasium.make("InvertedDoublePendulum-v5")
 
-    def rewards(self, env: AnyEnv) -> Mapping[str, Measure]:
+    def rewards(self, env: AnyEnv) -> Mapping[str, Given]:
         """See `harness.environment.Environment`."""
         physics = env.unwrapped
 
@@ -46,7 +47,7 @@ class InvertedDoublePendulum:
 
         return {"v4": v4, "v5": v5}
 
-    def behaviour(self, env: AnyEnv) -> Mapping[str, Measure]:
+    def behaviour(self, env: AnyEnv) -> Mapping[str, Given]:
         """See `harness.environment.Environment`."""
         physics = env.unwrapped
 

@@ -8,9 +8,10 @@ import gymnasium
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.environment import AnyEnv, Measure
+from harness.environment import AnyEnv
 from harness.errors import UsageError
 from harness.registry.names import unknown_name
+from harness.reward import Given
 from harness.task import LONGEST_EPISODE
 
 OBSERVABLE = "-goal-observable"
@@ -56,7 +57,7 @@ class MetaWorld:
         env.max_path_length = self.episode_steps
         return Seeded(env)
 
-    def rewards(self, env: AnyEnv) -> Mapping[str, Measure]:
+    def rewards(self, env: AnyEnv) -> Mapping[str, Given]:
         """See `harness.environment.Environment`."""
 
         def v1(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
@@ -70,7 +71,7 @@ class MetaWorld:
 
         return {"v1": v1, "v2": v2, "v1-scaled": v1_scaled}
 
-    def behaviour(self, env: AnyEnv) -> Mapping[str, Measure]:
+    def behaviour(self, env: AnyEnv) -> Mapping[str, Given]:
         """See `harness.environment.Environment`."""
         return {"success": AnySuccess(), "success_at_end": "success", "distance": "obj_to_target"}
 

@@ -12,12 +12,12 @@ from pydantic import Field, ValidationInfo, model_validator
 from pydantic.dataclasses import dataclass
 
 from harness.authoring import ObservedReward
-from harness.environment import AnyEnv, Measure
+from harness.environment import AnyEnv
 from harness.errors import UsageError
 from harness.registry.allowed import require_program
 from harness.registry.choice import build_defaults
 from harness.registry.registry import load_registry
-from harness.reward import Reward
+from harness.reward import Given, Reward
 from harness.score.places import RENEWED, ArmPlaces, parse_places
 
 OWN = "own"
@@ -141,18 +141,18 @@ class Unity:
             raise
         return envs
 
-    def rewards(self, env: AnyEnv) -> Mapping[str, Measure]:
+    def rewards(self, env: AnyEnv) -> Mapping[str, Given]:
         """See `harness.environment.Environment`."""
         if not self.places:
             return {OWN: OWN}
         names = dict.fromkeys(filter(None, self.pays.split("+")))
         return {OWN: OWN, **{name: self._paid_by(name) for name in names}}
 
-    def behaviour(self, env: AnyEnv) -> Mapping[str, Measure]:
+    def behaviour(self, env: AnyEnv) -> Mapping[str, Given]:
         """See `harness.environment.Environment`."""
         if not self.places:
             return {}
-        measures: dict[str, Measure] = {}
+        measures: dict[str, Given] = {}
         if self.reached or (RENEWED in self._observed.places):
             measures["success"] = Followed(self._observed, lambda it: float(it.targets > 0 or it.best <= self.reached))
         if RENEWED in self._observed.places:
@@ -171,7 +171,7 @@ class Unity:
     def _observed(self) -> ArmPlaces:
         return parse_places(self._known.places)
 
-    def _paid_by(self, name: str) -> Measure:
+    def _paid_by(self, name: str) -> Given:
         rewards: Mapping[str, Reward] = vars(self)["_rewards"]
         _, own_pays, steps = self._known
         paid = ObservedReward(rewards[name], self._observed, steps)

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,13 +21,29 @@ from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.results import Results
 from harness.results.comparison import Group
-from harness.score.scorer import score_trace
+from harness.reward.needs import needs_of
+from harness.score.scorer import pay_trace
 from harness.text import file_stems
 
 TRAINING, EVALUATED = "training", "evaluation"
+TERMS = "harness_terms"
+"""The key of the metadata that tells, by column, which term of which reward it is."""
 PERIOD = 0.1
 """What the time between two steps is taken for where nobody tells it, [s]."""
 AXES = ("x", "y", "z")
+
+
+class Term(NamedTuple):
+    """A term of a reward."""
+
+    reward: str
+    """The label of the reward."""
+    name: str
+
+    @property
+    def title(self) -> str:
+        """What it is called, ``gentle/effort``."""
+        return f"{self.reward}/{self.name}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +55,7 @@ class Exported:
         actions: (steps, ...).
         rewards: What the learner was paid, (steps,).
         paid: By label, what rewards pay, (steps,).
+        terms: By `Source.terms`, what a term of a reward pays, (steps,).
         infos: By key, what was measured after each step, (steps,).
         success: Whether each step was a success, (steps,); None where nothing says it.
         terminated: Whether each step ended the episode, (steps,).
@@ -50,6 +67,7 @@ class Exported:
     actions: NDArray[Any]
     rewards: Float
     paid: Mapping[str, Float]
+    terms: Mapping[Term, Float]
     infos: Mapping[str, Float]
     success: Mask | None
     terminated: Mask
@@ -64,6 +82,7 @@ class Source:
     Attributes:
         name: What it is called, without the version.
         rewards: Labels of all rewards whose columns its episodes have, in order.
+        terms: The terms of these rewards, in order.
         robot: The robot, or the environment.
         names: By column, ``observation`` and ``action``, what its numbers are called; empty if nobody says it.
         period: Time between two steps, [s].
@@ -72,6 +91,7 @@ class Source:
 
     name: str
     rewards: tuple[str, ...]
+    terms: tuple[Term, ...]
     robot: str
     names: Mapping[str, tuple[str, ...]]
     period: float
@@ -101,6 +121,7 @@ def sources_of_runs(results: Results, registry: Registry) -> Iterator[Source]:
             yield Source(
                 f"{stem}/{kind}",
                 tuple(rewards),
+                tuple(Term(label, name) for label, reward in rewards.items() for name in needs_of(reward).terms),
                 group.labels["robot"].rsplit("/")[-1],
                 _names_of_arm(read_trace(first / file, ["qpos", "action"])),
                 facts.control_period or PERIOD,
@@ -144,7 +165,7 @@ def _of_trace(path: Path, cell: Cell, rewards: Mapping[str, Any]) -> Iterator[Ex
     trace = read_trace(path)
     positions = [trace[f"{what}_{axis}"][:, None] for what in ("end_effector", "target") for axis in AXES]
     seen = np.hstack([trace["qpos"], *positions])
-    paid = {label: score_trace(reward, trace) for label, reward in rewards.items()}
+    paid = {label: pay_trace(reward, trace) for label, reward in rewards.items()}
     events = trace["reward_ground"] + trace["reward_target"] + trace["reward_step"]
     whole = trace["reward"] + events
     for rows in _episodes_of(trace["env"], trace["episode"]):
@@ -155,7 +176,8 @@ def _of_trace(path: Path, cell: Cell, rewards: Mapping[str, Any]) -> Iterator[Ex
             seen[rows],
             trace["action"][steps],
             whole[steps],
-            {label: values[steps] for label, values in paid.items()},
+            {label: found.total[steps] for label, found in paid.items()},
+            {Term(label, name): it[steps] for label, found in paid.items() for name, it in found.terms.items()},
             {"reward_events": events[steps], "distance": trace["distance"][steps]},
             trace["reached"][steps],
             trace["terminated"][steps],
@@ -176,6 +198,9 @@ def _of_recordings(name: str, places: Sequence[tuple[Path, Cell | None]], again:
     rewards = tuple(dict.fromkeys(label for it in recordings for label in it.rewards if _is_known(recordings, label)))
     unknown = {label for it in recordings for label in it.rewards} - {*rewards}
     left_out = [f"reward {label} is left out: it is not known in every step" for label in sorted(unknown)]
+    first = recordings[0].facts.terms
+    alike = [label for label in rewards if all(it.facts.terms.get(label) == first.get(label) for it in recordings)]
+    terms = tuple(Term(label, name) for label in alike for name in first.get(label, ()))
 
     def episodes() -> Iterator[Exported]:
         for path, cell in places:
@@ -183,10 +208,10 @@ def _of_recordings(name: str, places: Sequence[tuple[Path, Cell | None]], again:
             task = None if cell is None else cell.task
             who = path.name if cell is None else f"{cell.reward.label} seed {cell.seed}"
             for env_number, walks in again.walks(path, task):
-                yield from _of_walks(recording, env_number, walks, rewards, who)
+                yield from _of_walks(recording, env_number, walks, rewards, terms, who)
 
     robot = env or str(recordings[0].facts.env.get("id", ""))
-    return Source(name, rewards, robot, {}, PERIOD, episodes, left_out)
+    return Source(name, rewards, terms, robot, {}, PERIOD, episodes, left_out)
 
 
 def _is_known(recordings: list[RecordedTraining], label: str) -> bool:
@@ -194,7 +219,12 @@ def _is_known(recordings: list[RecordedTraining], label: str) -> bool:
 
 
 def _of_walks(
-    recording: RecordedTraining, env: int, walks: list[Walk], rewards: tuple[str, ...], who: str
+    recording: RecordedTraining,
+    env: int,
+    walks: list[Walk],
+    rewards: tuple[str, ...],
+    terms: tuple[Term, ...],
+    who: str,
 ) -> Iterator[Exported]:
     of_env = np.flatnonzero(recording.env == env)
     parts = np.split(of_env, np.flatnonzero(np.diff(recording.episode[of_env])) + 1) if len(of_env) else []
@@ -206,6 +236,7 @@ def _of_walks(
             np.asarray(walk.actions),
             recording.rewards[recording.facts.trained_with][rows],
             {label: recording.rewards[label][rows] for label in rewards},
+            {term: recording.terms[term.reward][term.name][rows] for term in terms},
             {name: values[rows] for name, values in known.items()},
             None if success is None else success[rows] > 0.0,
             recording.terminated[rows],

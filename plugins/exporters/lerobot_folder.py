@@ -15,7 +15,7 @@ from harness.record.dataset.dataset import OPERATOR_KEYS, OWN_REWARDS, leaves
 from harness.record.dataset.lerobot_facts import ACTION, DATA_PATH, INFO, NEXT_STATE, REWARD, STATE
 from harness.text import file_stems
 
-from .episodes import Exported, Source
+from .episodes import TERMS, Exported, Source, Term
 
 VERSION = "v3.0"
 FILE = DATA_PATH.removeprefix("data/")
@@ -30,8 +30,9 @@ def write_lerobot(source: Source, folder: Path) -> int:
     """Write a data set into a folder of its own; how many episodes it has.
 
     A frame has what was seen before a step (``observation.state``), what was done (``action``), and what came of it:
-    ``next.observation.state``, ``next.reward`` (what the learner was paid), ``next.done``, ``next.success``, and
-    ``next.reward_...`` for each reward. The list of episodes says of each whose policy acted, as ``operator``.
+    ``next.observation.state``, ``next.reward`` (what the learner was paid), ``next.done``, ``next.success``,
+    ``next.reward_...`` for each reward, and ``next.reward_term_...`` for each term of one. The list of episodes says of
+    each whose policy acted, as ``operator``.
 
     Raises:
         OSError: The folder cannot be written.
@@ -39,14 +40,16 @@ def write_lerobot(source: Source, folder: Path) -> int:
     """
     stems = file_stems(source.rewards)
     columns = {label: f"{REWARD}_{stem}" for label, stem in zip(source.rewards, stems, strict=True)}
+    named = zip(source.terms, file_stems([it.title for it in source.terms]), strict=True)
+    terms = {term: f"{REWARD}_term_{stem}" for term, stem in named}
     (folder / INFO).parent.mkdir(parents=True)
     frames = _Frames(folder)
     for number, episode in enumerate(source.episodes()):
         frames.operators.append(episode.operator)
-        frames.append(_table(number, frames.rows, episode, columns, source.period))
+        frames.append(_table(number, frames.rows, episode, columns, terms, source.period))
     frames.close()
     _write_tables(folder, frames)
-    _write_info(folder, source, frames, columns)
+    _write_info(folder, source, frames, columns, terms)
     return len(frames.lengths)
 
 
@@ -122,7 +125,14 @@ def _rows_of(column: pa.ChunkedArray) -> Float:
     return np.asarray(whole.to_numpy(zero_copy_only=False), np.float64).reshape(len(whole), 1)
 
 
-def _table(number: int, begin: int, episode: Exported, columns: Mapping[str, str], period: float) -> pa.Table:
+def _table(
+    number: int,
+    begin: int,
+    episode: Exported,
+    columns: Mapping[str, str],
+    terms: Mapping[Term, str],
+    period: float,
+) -> pa.Table:
     steps = len(episode.rewards)
     state = _flat(episode.observations)
     frame = np.arange(steps)
@@ -132,6 +142,7 @@ def _table(number: int, begin: int, episode: Exported, columns: Mapping[str, str
         NEXT_STATE: _list(state[1:]),
         REWARD: episode.rewards.astype(np.float32),
         **{columns[label]: values.astype(np.float32) for label, values in episode.paid.items()},
+        **{terms[term]: values.astype(np.float32) for term, values in episode.terms.items()},
         "next.done": episode.terminated | episode.truncated,
     }
     if episode.success is not None:
@@ -204,7 +215,9 @@ def _stats(frames: _Frames) -> Iterator[tuple[str, dict[str, Any]]]:
         yield name, {**{key: values.tolist() for key, values in told.items()}, "count": [frames.rows]}
 
 
-def _write_info(folder: Path, source: Source, frames: _Frames, columns: Mapping[str, str]) -> None:
+def _write_info(
+    folder: Path, source: Source, frames: _Frames, columns: Mapping[str, str], terms: Mapping[Term, str]
+) -> None:
     data = DATA_PATH
     told = {
         "codebase_version": VERSION,
@@ -221,6 +234,7 @@ def _write_info(folder: Path, source: Source, frames: _Frames, columns: Mapping[
         "video_path": None,
         "features": dict(_features(source, frames)),
         OWN_REWARDS: {column: label for label, column in columns.items()},
+        **({TERMS: {column: term.title for term, column in terms.items()}} if terms else {}),
     }
     (folder / INFO).write_text(json.dumps(told, indent=1), encoding="utf-8")
 

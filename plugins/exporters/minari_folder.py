@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from harness.record.dataset.dataset import OWN_REWARDS, Nested
 from harness.record.dataset.minari_facts import MAIN, METADATA
 
-from .episodes import Exported, Source
+from .episodes import TERMS, Exported, Source, Term
 
 WRITTEN_AS = "0.5.4"
 """The version of Minari whose layout it is."""
@@ -22,7 +22,8 @@ def write_minari(source: Source, folder: Path) -> int:
     """Write a data set into a folder of its own; how many episodes it has.
 
     The rewards of an episode are what the learner was paid. What each reward pays by itself stands in its infos, as
-    ``reward_0``, ``reward_1`` and so on; the metadata has their names. All numbers are as they were recorded.
+    ``reward_0``, ``reward_1`` and so on, and what each term of it pays as ``reward_0_term_0``; the metadata has their
+    names. All numbers are as they were recorded.
 
     Raises:
         OSError: The folder cannot be written.
@@ -32,12 +33,14 @@ def write_minari(source: Source, folder: Path) -> int:
     count = steps = 0
     spaces: tuple[str, str] | None = None
     keys = {label: f"reward_{number}" for number, label in enumerate(source.rewards)}
+    places = {label: [it for it in source.terms if it.reward == label] for label in source.rewards}
+    terms = {it: f"{keys[label]}_term_{number}" for label, of in places.items() for number, it in enumerate(of)}
     with h5py.File(folder / MAIN, "w", track_order=True) as file:
         for episode in source.episodes():
             spaces = spaces or (json.dumps(_space(episode.observations)), json.dumps(_space(episode.actions)))
             group = file.create_group(f"episode_{count}")
             group.attrs.update({"id": count, "total_steps": len(episode.rewards), "operator": episode.operator})
-            _write_episode(group, episode, keys)
+            _write_episode(group, episode, keys, terms)
             count, steps = count + 1, steps + len(episode.rewards)
     observation, action = spaces or ("", "")
     told = {
@@ -54,15 +57,17 @@ def write_minari(source: Source, folder: Path) -> int:
         "robot": source.robot,
         "observation_names": list(source.names.get("observation", ())),
         OWN_REWARDS: {key: label for label, key in keys.items()},
+        **({TERMS: {key: term.title for term, key in terms.items()}} if terms else {}),
     }
     (folder / METADATA).write_text(json.dumps(told), encoding="utf-8")
     return count
 
 
-def _write_episode(group: Any, episode: Exported, keys: Mapping[str, str]) -> None:
+def _write_episode(group: Any, episode: Exported, keys: Mapping[str, str], terms: Mapping[Term, str]) -> None:
     infos: dict[str, NDArray[Any]] = {
         **episode.infos,
         **{keys[label]: values for label, values in episode.paid.items()},
+        **{terms[term]: values for term, values in episode.terms.items()},
     }
     if episode.success is not None:
         infos["success"] = episode.success

@@ -10,7 +10,8 @@ import gymnasium
 import numpy as np
 import pytest
 
-from harness.environment import AnyEnv, GoalReward, Measure
+from harness.environment import AnyEnv, GoalReward
+from harness.reward import Given
 from harness.testing import ENVIRONMENT_CHECKS, violations
 
 
@@ -49,10 +50,10 @@ class Sound:
     def make(self) -> AnyEnv:
         return Walk()
 
-    def rewards(self, env: AnyEnv) -> Mapping[str, Measure]:
+    def rewards(self, env: AnyEnv) -> Mapping[str, Given]:
         return {"own": "own", "near": lambda before, action, after, info: abs(env.unwrapped.at) < 1.0}
 
-    def behaviour(self, env: AnyEnv) -> Mapping[str, Measure]:
+    def behaviour(self, env: AnyEnv) -> Mapping[str, Given]:
         return {"distance": "distance"}
 
 
@@ -103,28 +104,28 @@ class NamesNoReward(Sound):
 class PaysNothingKnown(Sound):
     """A reward that is no number in the middle of an episode."""
 
-    def rewards(self, env: AnyEnv) -> Mapping[str, Measure]:
+    def rewards(self, env: AnyEnv) -> Mapping[str, Given]:
         return {"own": "own", "late": lambda before, action, after, info: np.inf if env.unwrapped.steps == 5 else 0.0}
 
 
 class TellsNothing(Sound):
     """Its measure is a key that info never has."""
 
-    def behaviour(self, env: AnyEnv) -> Mapping[str, Measure]:
+    def behaviour(self, env: AnyEnv) -> Mapping[str, Given]:
         return {"distance": "far"}
 
 
 class TellsARow(Sound):
     """Its measure is a row of one number, which is recorded as none."""
 
-    def behaviour(self, env: AnyEnv) -> Mapping[str, Measure]:
+    def behaviour(self, env: AnyEnv) -> Mapping[str, Given]:
         return {"distance": lambda before, action, after, info: np.abs(after)}
 
 
 class NamesANumber(Sound):
     """What stands under the name of its reward cannot be asked."""
 
-    def rewards(self, env: AnyEnv) -> Mapping[str, Measure]:
+    def rewards(self, env: AnyEnv) -> Mapping[str, Given]:
         return {"own": "own", "half": 0.5}  # type: ignore[dict-item]
 
 
@@ -136,7 +137,7 @@ class LosesTheNumbersInTime(Sound):
         env.lasts = 150
         return env
 
-    def behaviour(self, env: AnyEnv) -> Mapping[str, Measure]:
+    def behaviour(self, env: AnyEnv) -> Mapping[str, Given]:
         return {"distance": lambda before, action, after, info: np.nan if env.unwrapped.steps == 120 else 0.0}
 
 
@@ -156,10 +157,10 @@ class Remembers(Sound):
 
     farthest: ClassVar[Farthest] = Farthest()
 
-    def rewards(self, env: AnyEnv) -> Mapping[str, Measure]:
+    def rewards(self, env: AnyEnv) -> Mapping[str, Given]:
         return {"own": "own", "far": self.farthest}
 
-    def behaviour(self, env: AnyEnv) -> Mapping[str, Measure]:
+    def behaviour(self, env: AnyEnv) -> Mapping[str, Given]:
         return {"distance": self.farthest}
 
 
@@ -200,7 +201,7 @@ class SeededForOneEpisode(Sound):
 class Meddles(Sound):
     """Its reward moves what it looks at."""
 
-    def rewards(self, env: AnyEnv) -> Mapping[str, Measure]:
+    def rewards(self, env: AnyEnv) -> Mapping[str, Given]:
         def pushes(before: Any, action: Any, after: Any, info: Any) -> float:
             env.unwrapped.at += 0.1
             return 0.0
@@ -237,7 +238,7 @@ class SoundWithGoals(Sound):
     def make(self) -> AnyEnv:
         return WalkToGoal()
 
-    def rewards(self, env: AnyEnv) -> Mapping[str, Measure]:
+    def rewards(self, env: AnyEnv) -> Mapping[str, Given]:
         def near(before: Any, action: Any, after: Any, info: Any) -> float:
             return -abs(float(after["achieved_goal"][0]) - 1.0)
 
@@ -250,7 +251,7 @@ class SoundWithGoals(Sound):
 class RemembersGoals(SoundWithGoals):
     """Nothing is wrong with a reward of goals that begins with each episode."""
 
-    def rewards(self, env: AnyEnv) -> Mapping[str, Measure]:
+    def rewards(self, env: AnyEnv) -> Mapping[str, Given]:
         pay = super().rewards(env)["near"]
 
         class Counts:

@@ -21,7 +21,7 @@ from harness.registry.registry import Registry
 from harness.report.document import report_text
 from harness.report.summary.cells import write_cells
 from harness.results import Results
-from harness.score.scored_runs import Payer
+from harness.score.installed_reward import InstalledReward
 
 GIVEN = {
     "sim": "ideal", "algo": "narrate", "task": "fd100-reach:horizon=5", "seeds": 2, "steps": 12,
@@ -198,7 +198,7 @@ def test_new_metric_is_computed(ended: Results, reads: Reads):
 def test_changed_reward_pays_again(ended: Results, reads: Reads, monkeypatch: pytest.MonkeyPatch):
     """Its sources are others: training, evaluation and random actions are paid anew."""
     before = report_text(ended)
-    monkeypatch.setattr("harness.score.scored_runs.fingerprint", lambda reward: f"edited {reward}")
+    monkeypatch.setattr("harness.score.installed_reward.fingerprint", lambda reward: f"edited {reward}")
     assert report_text(fresh(ended)) == before
     assert set(reads.files) == {TRACE, EVALUATION, RANDOM}
 
@@ -218,7 +218,7 @@ def test_payer_of_a_reward_keeps_its_own(ended: Results):
     """Two rewards pay one training: neither takes the other's for its own."""
     cell = ended.done_cells[0]
     of = ended.of(cell)
-    paid = [of.paid_by(Payer(choice, ended.registry)) for choice in {it.reward: 0 for it in ended.done_cells}]
+    paid = [of.paid_by(InstalledReward(choice, ended.registry)) for choice in {it.reward: 0 for it in ended.done_cells}]
     assert len({tuple(rewards) for rewards in paid}) == 3
 
 
@@ -238,11 +238,11 @@ def test_own_pay_and_random_pay_are_those_of_whole_episodes(ended: Results):
     evaluated = [read_trace(ended.store.cell_folder(cell) / EVALUATION) for cell in cells]
     (path,) = ended.folder.glob(f"{CELLS}/*/{RANDOM}")
     at_random = read_trace(path)
-    payer = Payer(cells[0].reward, ended.registry)
+    payer = InstalledReward(cells[0].reward, ended.registry)
     found = comparison.paid[0]
     assert found.reward == comparison.baseline
     assert found.trained == pytest.approx([_paid(trace, trace["reward"]) for trace in evaluated])
-    assert found.at_random == pytest.approx(_paid(at_random, payer.pay(at_random)))
+    assert found.at_random == pytest.approx(_paid(at_random, payer.pay(at_random, cells[0].reward).total))
 
 
 def _paid(trace: Trace, shaped: Any) -> float:
@@ -254,7 +254,9 @@ def _paid(trace: Trace, shaped: Any) -> float:
 
 def test_a_reward_that_is_gone_has_no_pay_beside_random_actions(ended: Results, monkeypatch: pytest.MonkeyPatch):
     """Nothing is claimed of it, and the report goes on."""
-    pays = Payer.pays_recorded
-    monkeypatch.setattr(Payer, "pays_recorded", lambda payer, own: payer.choice.name == "arp" and pays(payer, own))
+    pays = InstalledReward.pays_recorded
+    monkeypatch.setattr(
+        InstalledReward, "pays_recorded", lambda payer, own: payer.choice.name == "arp" and pays(payer, own)
+    )
     remove_kept(ended)
     assert [it.reward for it in fresh(ended).combinations[0].paid] == ["arp"]

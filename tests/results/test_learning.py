@@ -10,8 +10,9 @@ from harness.experiment.plan import check_experiment, expand
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.results import Results
+from harness.results.cell_results import PAID
 from harness.results.comparison import Group
-from harness.results.learning import PAID, Learning, LearningCurve, LearningRun, Moment, learning_of, learning_points
+from harness.results.learning import Learning, LearningCurve, LearningRun, Moment, learning_of, learning_points
 from tests.report.conftest import build_results
 
 GROUP = Group("fd100", Choice("reach"), Choice("wander"), 100, 4, evaluate_every=30, simulator=Choice("ideal"))

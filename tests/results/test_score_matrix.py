@@ -33,11 +33,13 @@ def test_each_training_has_an_index_under_each_reward(experiment: Store, registr
     assert set(data["indices"]["arp"]) == {"baseline", "arp"}
 
 
-def test_a_reward_that_cannot_score_costs_its_own_row(experiment: Store, write_plugin: Callable[..., EntryPoint]):
-    """The others are there, and why it is not."""
+def test_a_reward_that_cannot_score_a_training_costs_its_own_entry(
+    experiment: Store, write_plugin: Callable[..., EntryPoint]
+):
+    """What it could score is there, and why it could not score the rest."""
     source = BROKEN.replace("DO", "raise ZeroDivisionError('by nothing')")
     registry = load_registry([*entry_points(group="harness"), write_plugin(source, "broken")])
     scoring = [choose(registry, "rewards", name) for name in ("broken", "baseline")]
     (matrix,) = score_matrices(Results(experiment.folder, registry), scoring, registry)
-    assert list(matrix.indices) == ["baseline"]
+    assert (list(matrix.indices["broken"]), list(matrix.indices["baseline"])) == (["arp"], ["baseline", "arp"])
     assert "ZeroDivisionError: by nothing" in matrix.failed["broken"]

@@ -116,7 +116,7 @@ def test_an_episode_is_paid_as_an_env_pays_it(name, far, cut):
         best = min(best, after)
     pay = ArmPay(reward)
     pay.begin(far[0])
-    parts = [pay.pay(np.array(part)) for part in (far[1 : 1 + cut], far[1 + cut :]) if part]
+    parts = [pay.pay(np.array(part)).total for part in (far[1 : 1 + cut], far[1 + cut :]) if part]
     assert pay_episode(reward, end_effector, target) == pytest.approx(expected)
     assert np.concatenate(parts) == pytest.approx(expected)
 

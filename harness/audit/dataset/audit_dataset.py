@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from harness.arrays import Float, Mask
 from harness.audit.dataset.dataset_audit import DatasetAudit, PaidStep, RewardAnswer, WrongPair
 from harness.audit.dataset.paid_dataset import Labels, PaidDataset, pay_dataset
-from harness.audit.dataset.payers import Payer, given_payers, payers_of, places_of
+from harness.audit.dataset.rewards import OfPiece, given_rewards, places_of, rewards_of
 from harness.audit.dataset.withheld import answer_that_holds, level_that_holds, lines_of, of_its_own_return
 from harness.audit.recorded.paid import Paid, compare_paid, pairs_of
 from harness.audit.recorded.pair import Pair, pair_of
@@ -72,7 +72,7 @@ def audit_dataset(
 
     Args:
         dataset: ``minari:NAME`` or ``lerobot:FOLDER``.
-        rewards: By name, functions of (observation, action, next_observation, info) or rewards of an arm; or names, as
+        rewards: By name, rewards of a step, see `harness.reward.given`, or rewards of an arm; or names, as
             ``harness audit --reward`` takes them. Without any: those that are recorded, and the functions of plugin
             files in `registry`.
         places: Where an arm's end effector and target stand in an observation, ``end_effector=0:3,target=3:6``.
@@ -102,13 +102,13 @@ def audit_dataset(
             f"--success-above needs a recorded reward, and {opened.facts.name} has none: give --labels FILE"
         )
 
-    def payers(of: Dataset) -> dict[str, Payer]:
+    def paying(of: Dataset) -> dict[str, OfPiece]:
         if isinstance(rewards, Mapping):
-            return given_payers(rewards, arm)
-        return payers_of(of, plugins, rewards, arm, labelled=outside is not None or beginner is not None)
+            return given_rewards(rewards, arm)
+        return rewards_of(of, plugins, rewards, arm, labelled=outside is not None or beginner is not None)
 
-    paid = pay_dataset(opened, payers(opened), arm, outside)
-    below = None if other is None else pay_dataset(other, payers(other), arm)
+    paid = pay_dataset(opened, paying(opened), arm, outside)
+    below = None if other is None else pay_dataset(other, paying(other), arm)
     found = judge(paid, below, arm, by_file)
     if outside is None:
         return found

@@ -1,7 +1,7 @@
 """A data set paid by several rewards: what is kept of each step and of each episode. Observations are not."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
 from harness.audit.dataset.movement import Movement
-from harness.audit.dataset.payers import Payer
-from harness.errors import HarnessError, SchemaError, one_line
+from harness.audit.dataset.rewards import OfPiece
+from harness.errors import HarnessError, SchemaError, Unscored, one_line
 from harness.record.dataset.dataset import RECORDED, Dataset, DatasetFacts, Piece
 from harness.record.dataset.identity import Fingerprint
 from harness.record.dataset.labels import FAILURE, SUCCESS, UNKNOWN
@@ -45,6 +45,7 @@ class PaidDataset:
         all_numbers: Of all episodes, also of those that are left out.
         notes: What was left out, a line each.
         by_return: Whether the recorded return says what succeeded.
+        terms: By reward that pays terms, what each term pays each step, (steps,); NaN where `paid` is.
     """
 
     facts: DatasetFacts
@@ -62,6 +63,7 @@ class PaidDataset:
     all_numbers: frozenset[int]
     notes: tuple[str, ...] = ()
     by_return: bool = False
+    terms: Mapping[str, Mapping[str, Float]] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.numbers)
@@ -158,7 +160,7 @@ class Labels:
 
 
 def pay_dataset(
-    dataset: Dataset, payers: Mapping[str, Payer], places: ArmPlaces | None = None, labels: Labels | None = None
+    dataset: Dataset, rewards: Mapping[str, OfPiece], places: ArmPlaces | None = None, labels: Labels | None = None
 ) -> PaidDataset:
     """Pay all steps of a data set, reading a piece at a time.
 
@@ -167,7 +169,7 @@ def pay_dataset(
 
     Args:
         dataset: It.
-        payers: By name.
+        rewards: By name.
         places: Where the end effector stands, by which a step is told from standing still; None to take all numbers of
             an observation.
         labels: What says which episodes succeeded; None where the data set does.
@@ -176,7 +178,7 @@ def pay_dataset(
         SchemaError: The data set is damaged, or has more than 20 million steps.
         UsageError: The places are none of this data set.
     """
-    kept = _Kept(payers)
+    kept = _Kept(rewards)
     movement = Movement(places)
     for piece in dataset.pieces():
         kept.take(piece)
@@ -204,9 +206,10 @@ class _Episode:
 class _Kept:
     """What is kept of the pieces."""
 
-    def __init__(self, payers: Mapping[str, Payer]) -> None:
-        self._payers = payers
-        self._paid: dict[str, list[Float]] = {name: [] for name in payers}
+    def __init__(self, rewards: Mapping[str, OfPiece]) -> None:
+        self._rewards = rewards
+        self._paid: dict[str, list[Float]] = {name: [] for name in rewards}
+        self._terms: dict[str, dict[str, list[Float]]] = {name: {} for name in rewards}
         self._failed: dict[str, str] = {}
         self._odd: dict[str, str] = {}
         self._told: list[NDArray[np.int8]] = []
@@ -227,15 +230,19 @@ class _Kept:
             episode.content.take(piece)
             own = piece.rewards.get(RECORDED, np.full(1, np.nan))
             episode.recorded, episode.last = episode.recorded + float(own.sum()), float(own[-1])
-        for name, payer in self._payers.items():
+        for name, reward in self._rewards.items():
             if name not in self._failed:
-                self._pay(name, payer, piece, episode)
+                self._pay(name, reward, piece, episode)
 
-    def _pay(self, name: str, payer: Payer, piece: Piece, episode: _Episode) -> None:
-        whole = np.full(len(piece), np.nan)
+    def _pay(self, name: str, reward: OfPiece, piece: Piece, episode: _Episode) -> None:
+        whole, terms = np.full(len(piece), np.nan), self._terms[name]
         if not episode.flaw:
             try:
-                paid = np.asarray(payer.pay(piece), np.float64)
+                found = reward(piece)
+                paid = np.asarray(found.total, np.float64)
+            except Unscored as error:
+                self._failed[name] = f"episode {piece.episode}: {error}"
+                return
             except HarnessError:
                 raise
             except (Exception, SystemExit) as error:  # a plugin may raise anything
@@ -246,7 +253,14 @@ class _Kept:
                 told = f"it pays a number that is not finite, or beyond {LARGEST_PAID:g}"
                 self._odd.setdefault(name, f"episode {piece.episode}: ValueError: {told}")
             whole[: len(paid)] = np.where(fits, paid, np.nan)
+            for term, values in found.terms.items():
+                before = [np.full_like(part, np.nan) for part in self._paid[name]]  # of episodes with a flaw
+                of_piece = np.full(len(piece), np.nan)
+                of_piece[: len(paid)] = np.where(fits, values, np.nan)
+                terms.setdefault(term, before).append(of_piece)
         self._paid[name].append(whole)
+        for parts in terms.values():
+            parts.extend([whole] * (len(self._paid[name]) - len(parts)))
 
     def end(self, facts: DatasetFacts, moved: Float, labels: Labels | None) -> PaidDataset:
         """All of them, without what is left out."""
@@ -280,11 +294,17 @@ class _Kept:
             frozenset(it.number for it in self._episodes),
             notes,
             labels is not None and labels.above is not None,
+            {
+                name: {term: np.concatenate(parts)[steps] for term, parts in of.items()}
+                for name, of in self._terms.items()
+                if of and name not in self._failed
+            },
         )
         without = {name for name, lost in found.lost.items() if lost.all()}
         return replace(
             found,
             paid={name: values for name, values in found.paid.items() if name not in without},
+            terms={name: of for name, of in found.terms.items() if name not in without},
             failed={**self._failed, **{name: self._odd[name] for name in found.paid if name in without}},
         )
 

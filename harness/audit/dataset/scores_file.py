@@ -20,6 +20,8 @@ def scores_place(folder: Path, out: Path | None) -> Path:
 def write_dataset_scores(paid: PaidDataset, path: Path) -> None:
     """Write a row for each step: ``episode``, ``step``, and a column for each reward, empty where it could not pay.
 
+    Each term of a reward has a column too, ``gentle/effort``.
+
     Raises:
         UsageError: No reward could pay, or the file cannot be written.
     """
@@ -29,7 +31,8 @@ def write_dataset_scores(paid: PaidDataset, path: Path) -> None:
     lengths = np.diff(paid.begins)
     steps = np.arange(paid.steps) - np.repeat(paid.begins[:-1], lengths)
     columns = {"episode": np.repeat(paid.numbers, lengths), "step": steps}
-    columns |= {name: pa.array(values, from_pandas=True) for name, values in paid.paid.items()}
+    terms = {f"{name}/{term}": values for name, of in paid.terms.items() for term, values in of.items()}
+    columns |= {name: pa.array(values, from_pandas=True) for name, values in {**paid.paid, **terms}.items()}
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with whole_file(path) as partial:

@@ -6,15 +6,17 @@ from typing import Any
 import numpy as np
 
 from harness.arrays import Float
-from harness.errors import one_line
-from harness.recorder.column import as_number
-from harness.recorder.computing import only_computes
+from harness.errors import reason_of
+from harness.recorder.column import columns_of
 from harness.recorder.guard import Guard
 from harness.recorder.recorder import differs
 from harness.recorder.walk import Walk
+from harness.reward import MissingField
+from harness.reward.steps import BEFORE, steps_type
 
-Pay = Callable[[Any, Any, Any], float]
+OfTransition = Callable[[Any, Any, Any], float]
 """R(s, a, s')."""
+_Now, _Before = steps_type(("observation", "action", "info", BEFORE)), steps_type(("observation",))
 
 
 class NoTransitionReward(Exception):
@@ -35,7 +37,7 @@ class _Closed(dict[str, Any]):
 _CLOSED = _Closed()
 
 
-def pay_of(name: str, given: Any) -> Pay:
+def of_transition(name: str, given: Any) -> OfTransition:
     """The reward as a function of a transition.
 
     Args:
@@ -48,27 +50,31 @@ def pay_of(name: str, given: Any) -> Pay:
     if isinstance(given, str):
         told = "what the env pays" if given == "own" else f"info key {given!r}"
         raise NoTransitionReward(f"it is {told}, which only a step that was taken has")
-    if callable(getattr(given, "reset", None)):
+    (column,) = columns_of(None, {name: given}, {}, 1, frozenset())
+    if column.remembers:
         raise NoTransitionReward("it has a memory, so that what it pays depends on more than one transition")
-
-    guard, is_watched = Guard(), not only_computes(given)
+    guard = Guard()
 
     def pay(state: Any, action: Any, following: Any) -> float:
+        step = _Now._make((following, action, _CLOSED, _Before._make((state,))))
         try:
-            return as_number(guard.answer(given, (state, action, following, _CLOSED), is_watched))
+            return column.numbers(guard.answer(column.given, column.arguments(step), column.is_watched))[0]
         except NoTransitionReward:
             raise
+        except MissingField as error:
+            told = f"it reads {BEFORE}.{error.field}"
+            raise NoTransitionReward(f"{told}, which only a step that was taken has") from error
         except Exception as error:  # whatever rewards of users raise
             raise NoTransitionReward(
-                f"asked about another step than the one taken, it fails: {one_line(error)}"
+                f"asked about another step than the one taken, it fails: {reason_of(error)}"
             ) from error
 
     return pay
 
 
-def pays_of(
+def of_transitions(
     rewards: Mapping[str, Any], walks: list[Walk], paid: Mapping[str, Float]
-) -> tuple[dict[str, Pay], dict[str, str]]:
+) -> tuple[dict[str, OfTransition], dict[str, str]]:
     """The rewards that are functions of a transition; and why the others are not.
 
     Args:
@@ -76,11 +82,11 @@ def pays_of(
         walks: Episodes.
         paid: What each reward paid for their steps when they were taken, in order, (steps,).
     """
-    pays: dict[str, Pay] = {}
+    pays: dict[str, OfTransition] = {}
     reasons: dict[str, str] = {}
     for name, given in rewards.items():
         try:
-            pay = pay_of(name, given)
+            pay = of_transition(name, given)
             _require_same(pay, walks, paid[name])
             pays[name] = pay
         except NoTransitionReward as error:
@@ -88,7 +94,7 @@ def pays_of(
     return pays, reasons
 
 
-def _require_same(pay: Pay, walks: list[Walk], paid: Float) -> None:
+def _require_same(pay: OfTransition, walks: list[Walk], paid: Float) -> None:
     """Asked again, it pays the same: it looks at nothing but the transition."""
     with np.errstate(all="ignore"):  # what is not finite is refused
         again = np.array(

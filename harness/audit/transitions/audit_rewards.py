@@ -14,17 +14,17 @@ from harness.audit.recorded.earned import Earned
 from harness.audit.recorded.paid import Paid, compare_paid, paid_in, pairs_of
 from harness.audit.recorded.pair import mean_within, pair_of
 from harness.audit.recorded.recordings import RANDOM
-from harness.audit.transitions.asked import pays_of
+from harness.audit.transitions.asked import of_transitions
 from harness.audit.transitions.form_distances import FORMS, FormVector, draw_coverages, form_distance, form_vector
 from harness.audit.transitions.reward_audit import FormsOfPair, RewardAudit
 from harness.errors import UsageError
 from harness.eta.rescaling import line_of
 from harness.eta.seed_mean import mean_over_seeds
 from harness.record.recording.recorded_training import read_recording
-from harness.recorder.column import OWN, Given
 from harness.recorder.record_rewards import RecordRewards
 from harness.recorder.walk import KeepWalks, Walk
 from harness.results.recordings.episodes import episodes_of
+from harness.reward.given import OWN, Given
 
 MEASUREMENTS = 5
 """Each has episodes and samples of its own; intervals are over them."""
@@ -211,7 +211,7 @@ class _Measured:
 
 
 def _measure(taken: _Taken, gamma: float) -> _Measured:
-    pays, reasons = pays_of(taken.rewards, taken.walks, taken.paid.steps)
+    pays, reasons = of_transitions(taken.rewards, taken.walks, taken.paid.steps)
     coverages = draw_coverages(taken.walks, taken.rng)
     vectors: dict[tuple[str, str], FormVector | str] = {
         (form, name): form_vector(pays[name], form, gamma, coverages) if name in pays else reasons[name]

@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from harness.arrays import Float
-from harness.audit.transitions.asked import Pay
+from harness.audit.transitions.asked import OfTransition
 from harness.recorder.walk import Walk
 
 NEAR = 5
@@ -47,13 +47,13 @@ class Coverage:
     states: Sequence[Any]
 
 
-def paid_by(pay: Pay, coverage: Coverage) -> Float:
+def paid_by(pay: OfTransition, coverage: Coverage) -> Float:
     """R itself of the compared transitions, (compared,)."""
     walk = coverage.walk
     return np.array([pay(walk.states[t], walk.actions[t], walk.states[t + 1]) for t in coverage.chosen])
 
 
-def epic_form(pay: Pay, gamma: float, coverage: Coverage) -> Float:
+def epic_form(pay: OfTransition, gamma: float, coverage: Coverage) -> Float:
     """EPIC's form of the compared transitions, but for its constant, (compared,)."""
     elsewhere: dict[int, float] = {}  # by the number of the state: a state ends one step and begins the next
     for t in coverage.chosen:
@@ -67,7 +67,7 @@ def epic_form(pay: Pay, gamma: float, coverage: Coverage) -> Float:
     return form
 
 
-def dard_form(pay: Pay, gamma: float, coverage: Coverage) -> Float:
+def dard_form(pay: OfTransition, gamma: float, coverage: Coverage) -> Float:
     """DARD's form of the compared transitions, (compared,)."""
     states, actions = coverage.walk.states, coverage.walk.actions
     last = len(actions)
@@ -84,7 +84,7 @@ def dard_form(pay: Pay, gamma: float, coverage: Coverage) -> Float:
     return form
 
 
-def starc_form(pay: Pay, gamma: float, coverage: Coverage) -> Float:
+def starc_form(pay: OfTransition, gamma: float, coverage: Coverage) -> Float:
     """STARC's form of the compared transitions, (compared,); gamma is below 1."""
     value = _values(pay, gamma, coverage.walk)
     chosen = np.asarray(coverage.chosen)
@@ -97,7 +97,7 @@ def near(t: int, steps: int) -> range:
     return range(min(max(0, t - NEAR), steps - 1), min(t + NEAR + 1, steps))
 
 
-def _values(pay: Pay, gamma: float, walk: Walk) -> Float:
+def _values(pay: OfTransition, gamma: float, walk: Walk) -> Float:
     """V of all states of an episode, (steps + 1,).
 
     A state depends on those near in time only: the matrix is banded, and its time grows with the episode's length.

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from harness.arrays import Float
-from harness.audit.transitions.asked import NoTransitionReward, Pay
+from harness.audit.transitions.asked import NoTransitionReward, OfTransition
 from harness.audit.transitions.canonical_forms import Coverage, dard_form, epic_form, paid_by, starc_form
 from harness.audit.unit_vectors import centred_unit, distance_between, unit
 from harness.recorder.walk import Walk
@@ -17,7 +17,11 @@ SAMPLES = 64
 """So many actions and states stand for EPIC's A and S'."""
 
 EPIC, DARD, STARC = FORMS = ("EPIC", "DARD", "STARC")
-_FORM: Mapping[str, Callable[[Pay, float, Coverage], Float]] = {EPIC: epic_form, DARD: dard_form, STARC: starc_form}
+_FORM: Mapping[str, Callable[[OfTransition, float, Coverage], Float]] = {
+    EPIC: epic_form,
+    DARD: dard_form,
+    STARC: starc_form,
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +52,7 @@ def draw_coverages(walks: Sequence[Walk], rng: np.random.Generator) -> list[Cove
     ]
 
 
-def form_vector(pay: Pay, form: str, gamma: float, coverages: Sequence[Coverage]) -> FormVector | str:
+def form_vector(pay: OfTransition, form: str, gamma: float, coverages: Sequence[Coverage]) -> FormVector | str:
     """A reward in one of `FORMS`; why there is none."""
     chosen = [coverage for coverage in coverages if coverage.chosen]
     try:

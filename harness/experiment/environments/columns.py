@@ -1,13 +1,12 @@
 """What is recorded of an env: the environment's own rewards and measures, and those that the user gave as files."""
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from harness.environment import (
     SUCCESS,
     AnyEnv,
     Environment,
-    Measure,
     bounds_of,
     lower_is_better,
     rewards_of,
@@ -18,6 +17,7 @@ from harness.registry.measure_functions import EPISODE
 from harness.registry.registry import Registry
 from harness.registry.step_functions import StepFunction
 from harness.reward.forms import STEP
+from harness.reward.given import Given, Terms, opened
 
 
 @dataclass(frozen=True)
@@ -31,8 +31,8 @@ class Columns:
         bounds: By name of a measure, the least and the greatest value that it can have.
     """
 
-    rewards: Mapping[str, Measure]
-    behaviour: Mapping[str, Measure]
+    rewards: Mapping[str, Given]
+    behaviour: Mapping[str, Given]
     lower_is_better: Collection[str]
     bounds: Mapping[str, Bounds] = field(default_factory=dict)
 
@@ -67,11 +67,19 @@ def columns_of(environment: Environment, env: AnyEnv, registry: Registry) -> Col
     )
 
 
-def _made(functions: Mapping[str, StepFunction]) -> dict[str, Measure]:
+def weighing(columns: Columns, name: str, label: str, weights: Mapping[str, float]) -> Columns:
+    """The same, and a reward of the name `label` that pays the terms of one of its rewards times weights."""
+    if not weights:
+        return columns
+    weighted = Terms({name: opened(columns.rewards[name], f"reward {name!r}")}, weights)
+    return replace(columns, rewards={**columns.rewards, label: weighted})
+
+
+def _made(functions: Mapping[str, StepFunction]) -> dict[str, Given]:
     return {name: it.make() for name, it in functions.items()}
 
 
-def _require_other_names(given: Mapping[str, StepFunction], own: Mapping[str, Measure]) -> None:
+def _require_other_names(given: Mapping[str, StepFunction], own: Mapping[str, Given]) -> None:
     for name in given.keys() & own.keys():
         it = given[name]
         raise UsageError(

@@ -8,7 +8,7 @@ from typing import Any
 
 import gymnasium
 
-from harness.environment import AnyEnv, Environment, Measure
+from harness.environment import AnyEnv, Environment
 from harness.errors import HarnessError, UsageError, one_line
 from harness.experiment.environments.columns import Columns, columns_of
 from harness.record.recording.facts import BEHAVIOUR, REWARD, TrainingFacts
@@ -27,6 +27,7 @@ from harness.registry.choice import Choice, choose
 from harness.registry.names import unknown_name
 from harness.registry.registry import Registry
 from harness.registry.spec import blamed_on
+from harness.reward.given import Given
 
 ID, CLASS, KWARGS, WRAPPERS, HORIZON = "id", "class", "kwargs", "wrappers", "max_episode_steps"
 """Keys of what a recording tells of its env."""
@@ -215,14 +216,14 @@ def _chosen(columns: Columns, rewards: Collection[str], behaviour: Collection[st
     )
 
 
-def _is_missing(facts: TrainingFacts, column: str, given: Measure | None) -> bool:
+def _is_missing(facts: TrainingFacts, column: str, given: Given | None) -> bool:
     if given is None:
         return False
     failed = any(failure.column == column for failure in facts.failures)
     return failed or column not in facts.numbers or _differs(facts, column, given)
 
 
-def _differs(facts: TrainingFacts, column: str, given: Measure | None) -> bool:
+def _differs(facts: TrainingFacts, column: str, given: Given | None) -> bool:
     """Whether a recorded column was computed by other code; False where that is not known."""
     if given is None or column not in facts.sources:
         return False

@@ -1,19 +1,24 @@
 """Looks at an environment before anything runs: its rewards, and which algorithms can train in it."""
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from harness.algorithm import ActionSpace, Algorithm, needs_arm, needs_goals
 from harness.environment import AnyEnv, Environment, baseline_of, goal_rewards
-from harness.errors import UsageError
+from harness.errors import UsageError, reason_of
 from harness.experiment.environments.columns import columns_of
+from harness.experiment.environments.random_steps import random_steps, value_of
 from harness.experiment.environments.spaces import flat_observations, goal_columns, kind_of_actions
+from harness.recorder.column import columns_of as made_columns
 from harness.registry.choice import Choice, parse
 from harness.registry.names import unknown_name
 from harness.registry.registry import Registry
 from harness.registry.spec import PLANNED, blamed_on
+from harness.reward import LARGEST_FACTOR
+from harness.reward.given import require_terms
 
 Given = str | Mapping[str, Any]
 PLACES = ("tasks", "environments")
@@ -33,6 +38,8 @@ class Looked:
         unusable: Why no algorithm can train in it; empty if some can.
         goal_rewards: Names of the rewards that are functions of goals alone.
         goalless: Why no reward can be paid again for other goals; empty if observations tell of goals.
+        terms_of: The terms that a reward pays, learned by one step of the env.
+        why_no_reward: Why a name is that of a function in a file and of no reward; empty if it is no such name.
     """
 
     label: str
@@ -43,6 +50,8 @@ class Looked:
     unusable: str = ""
     goal_rewards: frozenset[str] = frozenset()
     goalless: str = ""
+    terms_of: Callable[[str], tuple[str, ...]] = field(default=lambda name: (), compare=False)
+    why_no_reward: Callable[[str], str] = field(default=lambda name: "", compare=False)
 
     def why_not_in_hindsight(self, reward: str) -> str:
         """Why steps that are paid by a reward cannot be paid again for other goals; empty if they can."""
@@ -51,7 +60,9 @@ class Looked:
         others = f"; these are: {', '.join(sorted(self.goal_rewards))}" if self.goal_rewards else ""
         return f"the reward '{reward}' is not known to depend on the goals alone{others}"
 
-    def rewards_asked(self, baseline: Given | None, proposed: Sequence[Given] | None) -> tuple[str, tuple[str, ...]]:
+    def rewards_asked(
+        self, baseline: Given | None, proposed: Sequence[Given] | None
+    ) -> tuple[Choice, tuple[Choice, ...]]:
         """The baseline, and the rewards that are compared with it; by default each other one of the environment's.
 
         The baseline is compared with itself, the null control, if it is named as the baseline and as a proposed reward,
@@ -61,17 +72,37 @@ class Looked:
             UsageError: One is none of the environment's rewards.
         """
         names = [self._reward(it) for it in (self.rewards if proposed is None else proposed)]
-        first = self._reward(baseline) if baseline else self.baseline
+        first = self._reward(baseline or self.baseline)
         times = names.count(first) + bool(baseline and proposed)
         return first, tuple(dict.fromkeys(name for name in names if name != first or times > 1))
 
-    def _reward(self, given: Given) -> str:
-        name, params = parse(given) if isinstance(given, str) else (str(given.get("name")), {**given, "name": ""})
-        if any(params.values()):
-            raise UsageError(f"Reward '{name}' of '{self.label}' takes no parameters: give them to the environment")
+    def _reward(self, given: Given) -> Choice:
+        """One of the rewards, or one with the weights of its terms, ``gentle:effort=5``."""
+        name, params = parse(given) if isinstance(given, str) else (str(given.get("name")), {**given})
         if name not in self.rewards:
-            raise UsageError(f"{self.label}: {unknown_name('reward', name, self.rewards)}")
-        return name
+            own = self.why_no_reward(name)
+            raise UsageError(f"{self.label}: {own or unknown_name('reward', name, self.rewards)}")
+        weights = {term: _weight(name, term, value) for term, value in params.items() if term != "name"}
+        terms = self.terms_of(name) if weights else ()
+        if weights and not terms:
+            raise UsageError(
+                f"Reward '{name}' of '{self.label}' takes no parameters, since it pays no terms that could be weighed: "
+                "give them to the environment"
+            )
+        require_terms(name, weights, terms)
+        changed = {term: weights[term] for term in terms if weights.get(term, 1.0) != 1.0}
+        label = f"{name}:{','.join(f'{term}={weight:.17g}' for term, weight in changed.items())}" if changed else name
+        return Choice(name, tuple(changed.items()), label)
+
+
+def _weight(reward: str, term: str, given: Any) -> float:
+    try:
+        weight = float(given)
+    except (TypeError, ValueError):
+        weight = math.nan
+    if not abs(weight) <= LARGEST_FACTOR:
+        raise UsageError(f"Reward '{reward}': {term}={given} is no weight: give a number, as in {reward}:{term}=5")
+    return weight
 
 
 def kind_of_task(given: Given, registry: Registry) -> str:
@@ -137,7 +168,32 @@ def look_at(task: Choice, registry: Registry) -> Looked:
             raise UsageError(
                 f"{task.label}: goal_rewards names '{name}', which is none of its rewards {', '.join(names)}"
             )
-        return Looked(task.label, names, measures, baseline, *_actions_of(env), in_hindsight, _goalless(env))
+        actions, unusable = _actions_of(env)
+        return Looked(
+            task.label,
+            names,
+            measures,
+            baseline,
+            actions,
+            unusable,
+            in_hindsight,
+            _goalless(env),
+            lambda name: _terms_of(environment, name, registry),
+            registry.why_no_reward,
+        )
+
+
+def _terms_of(environment: Environment, name: str, registry: Registry) -> tuple[str, ...]:
+    """The terms that a reward pays for a step of random actions."""
+    with closing(environment.make()) as env:
+        given = columns_of(environment, env, registry).rewards[name]
+        (column,) = made_columns(env, {name: given}, {}, 1, frozenset())
+        for step in random_steps(env, 0, 1, [column]):
+            try:
+                column.numbers(value_of(column, step))
+            except (Exception, SystemExit) as error:  # whatever rewards of users raise
+                raise UsageError(f"Reward '{name}' fails in its first step: {reason_of(error)}") from error
+        return column.terms or ()
 
 
 def why_not_in(looked: Looked, algorithm: Choice, reward: str, registry: Registry, steps: int) -> str:

@@ -87,7 +87,7 @@ class PlayedAgain:
 
     def told(self, rows: NDArray[np.int_]) -> str:
         """What its own reward has paid so far, and the first measure of behaviour."""
-        told = [f"paid {self._recorded.rewards[self.cell.reward.name][rows].sum():.4g}"]
+        told = [f"paid {self._recorded.rewards[self.cell.reward.label][rows].sum():.4g}"]
         for name, values in list(self._recorded.behaviour.items())[:1]:
             if len(rows) and np.isfinite(values[rows[-1]]):
                 told.append(f"{name.replace('_', ' ')} {values[rows[-1]]:.3g}")

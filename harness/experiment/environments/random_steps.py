@@ -6,7 +6,9 @@ from typing import Any, NamedTuple
 from harness.environment import AnyEnv
 from harness.experiment.environments.spaces import flat_observation
 from harness.recorder.column import Column
-from harness.recorder.guard import Guard, Step
+from harness.recorder.guard import Guard
+from harness.reward import Steps
+from harness.reward.given import Before, Now, told_under, zeros_of
 
 
 class RandomStep(NamedTuple):
@@ -15,10 +17,7 @@ class RandomStep(NamedTuple):
     Attributes:
         done: Steps up to and with this one, in all episodes.
         number: Of this step in its episode, from 1.
-        before: The observation before it; this and the next three are copies that nobody can write into.
-        action: What was done.
-        after: The observation after it.
-        info: What the env told.
+        seen: It as functions are given it, `harness.reward.given.Now`: copies that nobody can write into.
         paid: What it paid.
         ended: Whether the episode ended with it.
         numbers: The observation in one row, and what the env paid.
@@ -27,19 +26,11 @@ class RandomStep(NamedTuple):
 
     done: int
     number: int
-    before: Any
-    action: Any
-    after: Any
-    info: Any
+    seen: Steps
     paid: Any
     ended: bool
     numbers: list[float]
     guard: Guard
-
-    @property
-    def given(self) -> Step:
-        """What functions are given of it."""
-        return self.before, self.action, self.after, self.info
 
 
 def random_steps(
@@ -62,28 +53,34 @@ def random_steps(
     for done in range(1, count + 1):
         action, number = env.action_space.sample(), number + 1
         observation, paid, terminated, truncated, info = env.step(action)
-        after, ended = guard.seal(observation), bool(terminated or truncated)
-        numbers = [*flat_observation(env.observation_space, after).tolist(), float(paid)]
-        seen = before, guard.seal(action), after, guard.seal(info)
-        yield RandomStep(done, number, *seen, paid, ended, numbers, guard)
-        before = after
+        ended, sealed = bool(terminated or truncated), map(guard.seal, (observation, action, info))
+        if number == 1:
+            before = before._replace(action=zeros_of(guard.seal(action)))
+        seen = Now._make((*sealed, before))
+        numbers = [*flat_observation(env.observation_space, seen.observation).tolist(), float(paid)]
+        yield RandomStep(done, number, seen, paid, ended, numbers, guard)
+        before = Before._make(seen[:-1])
         if ended or done == cut_at:
             before, number = _begin(env, columns, guard), 0
 
 
 def value_of(column: Column, step: RandomStep) -> Any:
-    """What a reward or a measure says of a step, as it says it; None of a key that info does not have."""
+    """What a reward or a measure says of a step, as it says it.
+
+    Raises:
+        Untold: It is a key that info does not have.
+    """
     if column.is_own:
         return step.paid
     if column.key is not None:
-        return step.info.get(column.key)
-    return step.guard.answer(column.measures[0], step.given)
+        return told_under(step.seen.info, column.key)
+    return step.guard.answer(column.measures[0], column.arguments(step.seen))
 
 
-def _begin(env: AnyEnv, columns: Sequence[Column], guard: Guard, seed: int | None = None) -> Any:
-    """Begin an episode; returns the first observation."""
-    observation, _ = env.reset(seed=seed)
+def _begin(env: AnyEnv, columns: Sequence[Column], guard: Guard, seed: int | None = None) -> Steps:
+    """Begin an episode; returns what there is before its first step, whose action is not known yet."""
+    observation, info = env.reset(seed=seed)
     for column in columns:
         if column.remembers:
-            guard.answer(column.measures[0].reset, ())  # type: ignore[attr-defined] # it remembers
-    return guard.seal(observation)
+            guard.answer(column.measures[0].reset, ())
+    return Before._make((guard.seal(observation), None, guard.seal(info)))

@@ -18,7 +18,7 @@ from harness.executor import NO_SCALARS, Word
 from harness.experiment.checkpoints.attempt import Attempt
 from harness.experiment.environments.acting import Acting
 from harness.experiment.environments.batch import EnvironmentBatch
-from harness.experiment.environments.columns import columns_of
+from harness.experiment.environments.columns import columns_of, weighing
 from harness.experiment.evaluation.scalars import named_scalars
 from harness.experiment.progress.beat import Beat
 from harness.experiment.progress.learning_so_far import TELL_EVERY
@@ -41,6 +41,7 @@ from harness.recorder.record_rewards import RecordRewards
 from harness.registry.registry import Registry
 from harness.registry.spec import blamed_on
 from harness.results.recordings.episodes import cut_text, episodes_of
+from harness.results.recordings.recording_results import terms_in
 
 NO_END = "no episode of the training ended: give the environment a time limit"
 
@@ -123,7 +124,7 @@ class EnvironmentWorld:
 
     def scalars(self, path: Path) -> dict[str, float]:
         """See `CellWorld`: what the reward paid, and all measures."""
-        return evaluation_scalars(read_recording(path), self._cell.reward.name)
+        return evaluation_scalars(read_recording(path), self._cell.reward.label)
 
     def finish(self, folder: Path) -> Sequence[str]:
         """See `CellWorld`."""
@@ -189,11 +190,9 @@ class EnvironmentWorld:
     def _columns(self, env: AnyEnv) -> Mapping[str, Any]:
         """What a recording says about an env."""
         with self._blamed("its rewards were named"):
-            return {
-                "trained_with": self._cell.reward.name,
-                "learners": self._learners,
-                **vars(columns_of(self._environment, env, self._registry)),
-            }
+            reward, columns = self._cell.reward, columns_of(self._environment, env, self._registry)
+            weighted = weighing(columns, reward.name, reward.label, dict(reward.params))
+            return {"trained_with": reward.label, "learners": self._learners, **vars(weighted)}
 
     def _blamed(self, doing: str) -> Any:
         return blamed_on(self._registry.get("environments", self._cell.task.name), doing)
@@ -238,6 +237,7 @@ def _given_up(recorded: Sequence[Path]) -> list[str]:
 
 
 def evaluation_scalars(evaluation: RecordedTraining, reward: str) -> dict[str, float]:
-    """What a recorded evaluation came to: what the reward paid, and all measures; see `named_scalars`."""
+    """What a recorded evaluation came to: what the reward and its terms paid, and all measures; see `named_scalars`."""
     part = episodes_of(evaluation).part(0, len(evaluation))
-    return named_scalars(part.returns[reward], part.behaviour)
+    terms = {name: means.whole for name, means in terms_in(evaluation, reward).terms.items()}
+    return named_scalars(part.returns[reward], part.behaviour, terms)

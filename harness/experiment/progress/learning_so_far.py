@@ -2,12 +2,13 @@
 
 import time
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
+from harness.arrays import Float
 from harness.executor import NO_SCALARS
-from harness.progress import LAST_EPISODES, RETURN, SPEED, SUCCESS
+from harness.progress import LAST_EPISODES, RETURN, SPEED, SUCCESS, TERMS
 from harness.record.returns import PAID
 from harness.record.trace import COLUMN, SCALARS, Recorder, Rows
 
@@ -27,28 +28,39 @@ class LearningSoFar:
 
     BLOCK = 4096
 
-    def __init__(self, recorder: Recorder, begun_from: int = 0, now: Callable[[], float] = time.monotonic) -> None:
+    def __init__(
+        self,
+        recorder: Recorder,
+        begun_from: int = 0,
+        now: Callable[[], float] = time.monotonic,
+        terms: Sequence[str] = (),
+    ) -> None:
         """Start before any episode has ended.
 
         Args:
             recorder: Gets the rows.
             begun_from: Environment steps that were done before.
             now: The time, [s].
+            terms: Of the reward, whose columns end each row.
         """
-        self._recorder, self._now = recorder, now
-        self._block, self._filled = np.empty((self.BLOCK, len(SCALARS))), 0
-        self._open: dict[int, tuple[int, float, bool]] = {}  # by env: episode, what it was paid, whether it reached
-        self._ended: deque[tuple[float, bool]] = deque(maxlen=LAST_EPISODES)
+        self._recorder, self._now, self._terms = recorder, now, [f"{TERMS}/{name}" for name in terms]
+        self._block, self._filled = np.empty((self.BLOCK, len(SCALARS) + len(terms))), 0
+        # By env: the episode, what it was paid, the total and then its terms, and whether it reached.
+        self._open: dict[int, tuple[int, Float, bool]] = {}
+        self._ended: deque[tuple[Float, bool]] = deque(maxlen=LAST_EPISODES)
         self._steps, self._told = begun_from, now()
 
     def append(self, rows: Rows) -> None:
         """See `harness.record.trace.Recorder`."""
         self._recorder.append(rows)
         for first in range(0, len(rows), self.BLOCK):
-            part = rows[first : first + self.BLOCK, : len(SCALARS)]
+            part = rows[first : first + self.BLOCK]
             if self._filled + len(part) > self.BLOCK:
                 self._add_up()
-            self._block[self._filled : self._filled + len(part)] = part
+            place = self._block[self._filled : self._filled + len(part)]
+            place[:, : len(SCALARS)] = part[:, : len(SCALARS)]
+            if self._terms:
+                place[:, len(SCALARS) :] = part[:, -len(self._terms) :]
             self._filled += len(part)
 
     def scalars_if_due(self, steps: int) -> Mapping[str, float]:
@@ -67,7 +79,8 @@ class LearningSoFar:
         self._steps, self._told = steps, now
         if self._ended:
             paid, reached = zip(*self._ended, strict=True)
-            found |= {SUCCESS: sum(reached) / len(reached), RETURN: sum(paid) / len(paid)}
+            total, *terms = (sum(paid) / len(paid)).tolist()
+            found |= {SUCCESS: sum(reached) / len(reached), RETURN: total, **dict(zip(self._terms, terms, strict=True))}
         return found
 
     def _add_up(self) -> None:
@@ -75,24 +88,25 @@ class LearningSoFar:
         self._filled = 0
         keys = rows[:, ENV].astype(np.int64) << 32 | rows[:, EPISODE].astype(np.int64)
         episodes, where = np.unique(keys, return_inverse=True)  # by env, and in order
-        paid = np.bincount(where, rows[:, PAYMENTS].sum(axis=1), len(episodes))
+        columns = (rows[:, PAYMENTS].sum(axis=1), *rows[:, len(SCALARS) :].T)
+        paid = np.stack([np.bincount(where, column, len(episodes)) for column in columns], axis=1)
         reached = np.bincount(where, rows[:, REACHED], len(episodes)) > 0
         begins = np.bincount(where, rows[:, STEP] == 0, len(episodes)) > 0
         last_rows = np.full(len(episodes), -1)
         ends = np.flatnonzero(rows[:, ENDS].any(axis=1))
         last_rows[where[ends]] = ends
-        ended = []
+        ended, nothing = list[tuple[int, tuple[Float, bool]]](), np.zeros(len(columns))
         for index, key in enumerate(episodes.tolist()):
             env, episode = divmod(key, 2**32)
             number, before, was_reached = (
-                (episode, 0.0, False) if begins[index] else self._open.get(env, (-1, 0.0, False))
+                (episode, nothing, False) if begins[index] else self._open.get(env, (-1, nothing, False))
             )
             if number != episode:
                 continue
-            total = episode, before + float(paid[index]), was_reached or bool(reached[index])
+            total = episode, before + paid[index], was_reached or bool(reached[index])
             if last_rows[index] < 0:
                 self._open[env] = total
             else:
                 self._open.pop(env, None)
-                ended.append((last_rows[index], total[1:]))
-        self._ended.extend(episode for _, episode in sorted(ended))
+                ended.append((int(last_rows[index]), total[1:]))
+        self._ended.extend(episode for _, episode in sorted(ended, key=lambda it: it[0]))

@@ -14,13 +14,14 @@ from harness.errors import one_line
 from harness.experiment.environments.columns import columns_of
 from harness.experiment.environments.random_steps import RandomStep, random_steps, value_of
 from harness.experiment.trials.tried import Fault, Tried, error_text, fault_of
-from harness.recorder.column import Column, as_number
+from harness.recorder.column import Column
 from harness.recorder.column import columns_of as made_columns
 from harness.recorder.guard import Guard
 from harness.recorder.trial import FIRST_STEPS, Finding, Trial
 from harness.registry.choice import Choice
 from harness.registry.names import unknown_name
 from harness.registry.registry import Registry
+from harness.reward.given import Untold
 
 MOST_STEPS, MOST_SECONDS = 2_000, 10.0
 """The most steps that are tried, and the most time that they take."""
@@ -93,7 +94,7 @@ class _Trial:
         self._tell("")
         for step in random_steps(env, 0, MOST_STEPS):
             rows += [step.numbers] if len(rows) < COMPARED else []
-            self._seen |= dict.fromkeys(map(str, step.info))
+            self._seen |= dict.fromkeys(map(str, step.seen.info))
             self._steps, self._has_ended = step.number, step.ended
             for column in asked:
                 if not column.given_up:
@@ -123,31 +124,31 @@ class _Trial:
     def _restart(self, column: Column) -> None:
         self._tell(column.name)
         try:
-            column.measures[0].reset()  # type: ignore[attr-defined] # it remembers
+            column.measures[0].reset()
         except (Exception, SystemExit) as error:  # whatever rewards of users raise
             self._give_up(column, f"fails in reset(): {error_text(error)}.")
 
     def _ask(self, column: Column, step: RandomStep, again: Trial) -> None:
         self._tell(column.name)
-        if column.key is not None and column.key not in step.info:
-            if not column.may_be_untold or step.ended:
-                last = ", the last of an episode" * step.ended
-                told = unknown_name("key of info", column.key, self._seen)
-                self._give_up(column, f"cannot be read in step {step.number - 1}{last}: {told}")
+        began, given = time.monotonic(), column.arguments(step.seen) if column.measures else ()
+        try:
+            answer = column.numbers(value_of(column, step))[0]
+        except (Exception, SystemExit) as error:
+            if isinstance(error, Untold) and not given:
+                if not column.may_be_untold or step.ended:
+                    last = ", the last of an episode" * step.ended
+                    told = unknown_name("key of info", str(column.key), self._seen)
+                    self._give_up(column, f"cannot be read in step {step.number - 1}{last}: {told}")
+                return
+            reason = error_text(error)
+            if given and (own := step.guard.reason(column.measures[0], given, error)) != one_line(error):
+                reason = own
+            self._give_up(column, f"fails in step {step.number - 1}: {reason.rstrip('.')}{'.' * (reason[-1:] != '?')}")
             return
         self._missing.discard(column.name)
-        began = time.monotonic()
-        try:
-            answer = as_number(value_of(column, step))
-        except (Exception, SystemExit) as error:
-            reason = error_text(error)
-            if column.measures and (own := step.guard.reason(column.measures[0], step.given, error)) != one_line(error):
-                reason = own
-            self._give_up(column, f"fails in step {step.number - 1}: {reason}.")
-            return
         if column.measures and step.number <= FIRST_STEPS and self._spent[column.name] <= MOST_AGAIN:
             self._tell(column.name)
-            self._take(again.note(column, step.given, answer, bool(step.guard.drew)))
+            self._take(again.note(column, given, answer, bool(step.guard.drew)))
             self._spent[column.name] += time.monotonic() - began
 
     def _take(self, finding: Finding | None) -> None:

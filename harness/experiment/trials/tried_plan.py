@@ -45,9 +45,7 @@ def try_plan(plan: Plan, registry: Registry) -> tuple[Plan, Registry]:
     for (task, _, _), fault in faults.items():
         _require_spared(task, fault, plan, registry)
     skipped = [
-        (cell, faults[key].sentence)
-        for cell in plan.cells
-        if (key := (cell.task, "reward", cell.reward.label)) in faults
+        (cell, faults[key].sentence) for cell in plan.cells if (key := (cell.task, "reward", _tried_as(cell))) in faults
     ]
     gone = {cell for cell, _ in skipped}
     cells = tuple(cell for cell in plan.cells if cell not in gone)
@@ -65,6 +63,11 @@ def try_plan(plan: Plan, registry: Registry) -> tuple[Plan, Registry]:
         warnings=(*plan.warnings, *left_out, *notes),
     )
     return plan, registry
+
+
+def _tried_as(cell: Cell) -> str:
+    """What the trial calls the reward of a cell: in an environment without the weights of its terms."""
+    return cell.reward.name if "environments" in cell.plugins else cell.reward.label
 
 
 def _to_try(cells: Sequence[Cell], registry: Registry) -> list[tuple[Cell, tuple[Choice, ...]]]:
@@ -87,7 +90,8 @@ def _require_spared(task: Choice, fault: Fault, plan: Plan, registry: Registry) 
     """Raise UsageError unless everything goes on without what failed."""
     file = _file_of(fault, registry)
     may_lack = plan.terms.race or (file is not None and file.optional)
-    is_spared = may_lack and fault.noun == "reward" and fault.name != plan.baseline
+    baseline = {plan.baseline, *(_tried_as(cell) for cell in plan.cells if cell.reward.label == plan.baseline)}
+    is_spared = may_lack and fault.noun == "reward" and fault.name not in baseline
     if not is_spared:
         where = f" ('{file.path}')" if file else ""
         raise UsageError(

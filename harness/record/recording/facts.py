@@ -29,16 +29,23 @@ OWN_SOURCE = "what the env pays"
 """The source of a reward that is no function."""
 REWARD, BEHAVIOUR = "reward_", "behaviour_"
 """What the columns of rewards and of measures begin with."""
+TERM = "reward/"
+"""What the columns of terms begin with."""
 Acted: TypeAlias = Literal["", "deterministic", "stochastic", "random"]
 """How the policy of an evaluation chose its actions: the best one, drawn, or without a policy; empty: nobody told."""
 ACTED: tuple[Acted, ...] = get_args(Acted)
 LATER: Mapping[str, Any] = MappingProxyType(
     {
         **{"pay": False, "bounds": {}, "horizon": 0, "cut": 0, "acted": "", "after": 0},
-        **{"notes": (), "steps_asked": 0, "episodes_asked": 0, "starts": 0},
+        **{"notes": (), "steps_asked": 0, "episodes_asked": 0, "starts": 0, "terms": {}},
     }
 )
 """Facts that the first recordings did not have. At these values they are left out of the file."""
+
+
+def term_column(reward: str, term: str) -> str:
+    """The column of a term of a reward."""
+    return f"{TERM}{reward}/{term}"
 
 
 @dataclass(frozen=True)
@@ -129,6 +136,7 @@ class TrainingFacts:
         episodes_asked: Of an evaluation: how many episodes it was to take; 0: nobody said.
         starts: Of an evaluation in a single env: a checksum of the first observations of its episodes, in order. It
             is 0 before the first episode, and where a wrapper normalises observations by those seen before.
+        terms: By name of a reward that pays terms: what they are called, in the order in which they are summed.
     """
 
     rewards: tuple[str, ...]
@@ -155,6 +163,14 @@ class TrainingFacts:
     steps_asked: int = 0
     episodes_asked: int = 0
     starts: int = 0
+    terms: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+    @property
+    def term_columns(self) -> dict[str, str]:
+        """By the column of each term, ``reward/gentle/effort``, the column of the reward that it is a term of."""
+        return {
+            term_column(name, term): f"{REWARD}{name}" for name in self.rewards for term in self.terms.get(name, ())
+        }
 
     @property
     def numbers(self) -> tuple[str, ...]:
@@ -203,7 +219,8 @@ class TrainingFacts:
         rewards, behaviour, seed = tuple(data["rewards"]), tuple(data["behaviour"]), data["seed"]
         if data["trained_with"] not in rewards:
             raise ValueError(f"it was trained with {data['trained_with']!r}, which is none of its rewards")
-        if len({*rewards}) < len(rewards) or len({*behaviour}) < len(behaviour):
+        terms = data.get("terms", {})
+        if any(len({*names}) < len(names) for names in (rewards, behaviour, *terms.values())):
             raise ValueError("a name stands twice")
         return cls(
             rewards=rewards,
@@ -230,6 +247,7 @@ class TrainingFacts:
             steps_asked=data.get("steps_asked", 0),
             episodes_asked=data.get("episodes_asked", 0),
             starts=data.get("starts", 0),
+            terms={name: tuple(terms) for name, terms in data.get("terms", {}).items()},
         )
 
 
@@ -303,6 +321,7 @@ class RecordingForm(TypedDict):
     steps_asked: NotRequired[Whole]
     episodes_asked: NotRequired[Whole]
     starts: NotRequired[Whole]
+    terms: NotRequired[dict[Name, Annotated[list[Name], Field(min_length=1, max_length=MOST_NAMES)]]]
 
 
 FORM: TypeAdapter[RecordingForm] = TypeAdapter(RecordingForm)

@@ -1,8 +1,8 @@
 """Reads the folder of a recorded training."""
 
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,11 +12,14 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from harness.arrays import Float
-from harness.errors import SchemaError
+from harness.errors import SchemaError, UsageError
 from harness.files.bounded import reading, require_regular
 from harness.files.parquet import MOST_NUMBERS, require_room
-from harness.record.recording.facts import BEHAVIOUR, REWARD, TrainingFacts
+from harness.record.recording.facts import BEHAVIOUR, REWARD, TrainingFacts, term_column
 from harness.record.recording.scores import read_scores, scores_name
+from harness.registry.choice import parse
+from harness.reward.forms import weighted
+from harness.reward.terms import sum_of
 
 PART_ROWS = 65_536
 """The rows of every part but a recorder's last."""
@@ -54,6 +57,8 @@ class RecordedTraining:
             steps that do not end an episode where the env told nothing.
         terminated: Whether the step ended the episode.
         truncated: Whether the episode was cut after the step.
+        terms: By name of a reward that pays terms, what each term pays for each step; their sum in this order is what
+            the reward pays, to the last bit.
     """
 
     facts: TrainingFacts
@@ -65,9 +70,32 @@ class RecordedTraining:
     behaviour: Mapping[str, Float]
     terminated: NDArray[np.bool_]
     truncated: NDArray[np.bool_]
+    terms: Mapping[str, Mapping[str, Float]] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.time)
+
+    def weighed(self, labels: Iterable[str]) -> "RecordedTraining":
+        """The same, and what rewards with other weights pay its steps, ``gentle:effort=5``, as far as terms tell it."""
+        rewards, failures = dict(self.rewards), list(self.facts.failures)
+        for label in labels:
+            name, weights = weights_of(label)
+            terms = self.terms.get(name, {})
+            if label not in rewards and weights and weights.keys() <= terms.keys():
+                rewards[label] = sum_of(weighted(terms, weights))
+                given_up = [it for it in failures if it.column == f"{REWARD}{name}"]
+                failures += [replace(it, column=f"{REWARD}{label}") for it in given_up]
+        names = tuple(dict.fromkeys([*self.facts.rewards, *rewards]))
+        return replace(self, rewards=rewards, facts=replace(self.facts, rewards=names, failures=tuple(failures)))
+
+
+def weights_of(label: str) -> tuple[str, dict[str, float]]:
+    """The reward and the weights of its terms that a label names; no weights of any other text."""
+    try:
+        name, params = parse(label)
+        return name, {term: float(weight) for term, weight in params.items()}
+    except (UsageError, ValueError):
+        return label, {}
 
 
 def is_recording(folder: Path) -> bool:
@@ -144,7 +172,7 @@ def part_name(number: int, part: int) -> str:
 def part_schema(facts: TrainingFacts) -> pa.Schema:
     """Columns and types of a part."""
     integers = [("time", pa.int64()), *((name, pa.int32()) for name in INTEGERS)]
-    numbers = [(name, pa.float64()) for name in facts.numbers]
+    numbers = [(name, pa.float64()) for name in (*facts.numbers, *facts.term_columns)]
     calls: list[tuple[str, pa.DataType]] = []
     if facts.actions is not None:
         calls = [*((name, pa.int64()) for name in CALLS), *((name, pa.float64()) for name in action_columns(facts))]
@@ -187,7 +215,8 @@ def read_steps(
 def _columns_read(facts: TrainingFacts, with_calls: bool, only: Collection[str] | None) -> list[str]:
     schema = part_schema(facts)
     names = schema.names if with_calls else schema.names[: schema.get_field_index(FLAGS[-1]) + 1]
-    return [name for name in names if only is None or name in only or name not in facts.numbers]
+    numbers = {*facts.numbers, *facts.term_columns}
+    return [name for name in names if only is None or name in only or name not in numbers]
 
 
 def _require_few(folder: Path, parts: int, columns: int) -> None:
@@ -239,11 +268,12 @@ def _require_sound(folder: Path, facts: TrainingFacts, columns: Mapping[str, NDA
     if min(columns["episode"].min(), columns["step"].min()) < 0:
         raise SchemaError(f"{folder} has a step or an episode below 0")
     _require_unbroken(folder, columns)
-    failed = {failure.column for failure in facts.failures}
-    for name in columns.keys() & {*facts.numbers}:
+    failed, terms = {failure.column for failure in facts.failures}, facts.term_columns
+    for name in columns.keys() & {*facts.numbers, *terms}:
         if np.isinf(columns[name]).any():
             raise SchemaError(f"{folder}: {name} is infinite")
-        if name.startswith(REWARD) and name not in failed and np.isnan(columns[name]).any():
+        reward = terms.get(name, name)
+        if reward.startswith(REWARD) and reward not in failed and np.isnan(columns[name]).any():
             raise SchemaError(f"{folder}: {name} has no value in some steps, and no failure of it is told")
 
 
@@ -273,8 +303,18 @@ def _require_alike(folder: Path, numbers: Sequence[int], facts: Sequence[Trainin
             )
 
 
+def _with_all(
+    table: Mapping[str, NDArray[Any]], facts: TrainingFacts, tables: Sequence[Mapping[str, NDArray[Any]]]
+) -> Mapping[str, NDArray[Any]]:
+    """The columns of a recorder, and NaN for terms that only others have: it has no step yet, or paid none."""
+    there = {name for name in facts.term_columns if any(name in other for other in tables)}
+    return {**table, **{name: np.full(len(table["env"]), np.nan) for name in there.difference(table)}}
+
+
 def _united(facts: Sequence[TrainingFacts], tables: Sequence[Mapping[str, NDArray[Any]]]) -> RecordedTraining:
     begins = np.cumsum([0, *(one.num_envs for one in facts)]).tolist()
+    terms = {name: names for one in reversed(facts) for name, names in one.terms.items()}
+    tables = [_with_all(table, replace(one, terms=terms), tables) for one, table in zip(facts, tables, strict=True)]
     env = np.concatenate([table["env"] + np.int32(begin) for begin, table in zip(begins, tables, strict=False)])
     columns = {name: np.concatenate([table[name] for table in tables]) for name in tables[0] if name != "env"}
     if len(tables) > 1:
@@ -284,6 +324,7 @@ def _united(facts: Sequence[TrainingFacts], tables: Sequence[Mapping[str, NDArra
     return RecordedTraining(
         facts=replace(
             first,
+            terms=terms,
             num_envs=begins[-1],
             failures=tuple(
                 replace(failure, env=failure.env + begin)
@@ -297,5 +338,9 @@ def _united(facts: Sequence[TrainingFacts], tables: Sequence[Mapping[str, NDArra
         env=env,
         rewards={name: columns[f"{REWARD}{name}"] for name in first.rewards if f"{REWARD}{name}" in columns},
         behaviour={name: columns[f"{BEHAVIOUR}{name}"] for name in first.behaviour if f"{BEHAVIOUR}{name}" in columns},
+        terms={
+            name: {term: columns[it] for term in of if (it := term_column(name, term)) in columns}
+            for name, of in terms.items()
+        },
         **{name: columns[name] for name in ("time", "episode", "step", *FLAGS)},
     )

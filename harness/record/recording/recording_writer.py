@@ -2,7 +2,7 @@
 
 import os
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from harness.arrays import Float
 from harness.errors import UsageError
 from harness.files.whole_file import whole_files
-from harness.record.recording.facts import BEHAVIOUR, REWARD, TrainingFacts
+from harness.record.recording.facts import BEHAVIOUR, REWARD, TrainingFacts, term_column
 from harness.record.recording.recorded_training import (
     FLAGS,
     INTEGERS,
@@ -92,6 +92,11 @@ class RecordingWriter:
             self._filled += count - begin
         if time.monotonic() >= self.due:
             self._write()
+
+    def learn_terms(self, terms: Mapping[str, tuple[str, ...]]) -> None:
+        """Make room for the terms of rewards, by name, before the first row; later ones have the same."""
+        self.facts = replace(self.facts, terms=terms)
+        self._make_room()
 
     @property
     def is_open(self) -> bool:
@@ -187,7 +192,9 @@ class RecordingWriter:
             column_encoding={
                 "time": "DELTA_BINARY_PACKED",
                 **dict.fromkeys(INTEGERS, "DELTA_BINARY_PACKED"),
-                **dict.fromkeys([*self.facts.numbers, *action_columns(self.facts)], "BYTE_STREAM_SPLIT"),
+                **dict.fromkeys(
+                    [*self.facts.numbers, *self.facts.term_columns, *action_columns(self.facts)], "BYTE_STREAM_SPLIT"
+                ),
             },
             write_page_checksum=True,
         )
@@ -203,6 +210,7 @@ def write_recording(folder: Path, training: RecordedTraining) -> None:
     numbers = {
         **{f"{REWARD}{name}": training.rewards[name] for name in training.facts.rewards},
         **{f"{BEHAVIOUR}{name}": training.behaviour[name] for name in training.facts.behaviour},
+        **{term_column(name, term): it for name, of in training.terms.items() for term, it in of.items()},
     }
     columns = {"time": training.time, **{name: getattr(training, name) for name in (*INTEGERS, *FLAGS)}, **numbers}
     facts = replace(training.facts, actions=None)

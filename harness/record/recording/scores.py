@@ -26,6 +26,7 @@ from harness.record.recording.facts import (
     BEHAVIOUR,
     MOST_NAMES,
     REWARD,
+    TERM,
     Failure,
     FailureForm,
     Source,
@@ -55,9 +56,20 @@ class Scores:
     sources: Mapping[str, Source]
     failures: tuple[Failure, ...] = ()
 
+    @property
+    def terms(self) -> dict[str, tuple[str, ...]]:
+        """By name of a reward that pays terms: what they are called, in order."""
+        found: dict[str, tuple[str, ...]] = {}
+        for column in self.columns:
+            if column.startswith(TERM):
+                name, _, term = column.removeprefix(TERM).rpartition("/")
+                found[name] = (*found.get(name, ()), term)
+        return found
+
     def told_in(self, facts: TrainingFacts) -> TrainingFacts:
         """The facts of a recording, with these columns in place of earlier ones of the same names."""
         kept = tuple(failure for failure in facts.failures if failure.column not in self.columns)
+        terms = {name: of for name, of in facts.terms.items() if f"{REWARD}{name}" not in self.columns}
         return replace(
             facts,
             rewards=_with(facts.rewards, self.columns, REWARD),
@@ -65,15 +77,16 @@ class Scores:
             lower_is_better=tuple(dict.fromkeys([*facts.lower_is_better, *self.lower_is_better])),
             sources={**facts.sources, **self.sources},
             failures=(*kept, *self.failures),
+            terms={**terms, **self.terms},
         )
 
     def with_earlier(self, earlier: "Scores") -> "Scores":
         """These columns, and those that only `earlier` has."""
-        kept = {name: values for name, values in earlier.columns.items() if name not in self.columns}
+        kept = {name: it for name, it in earlier.columns.items() if reward_column(name) not in self.columns}
         return Scores(
             {**kept, **self.columns},
             tuple(dict.fromkeys([*earlier.lower_is_better, *self.lower_is_better])),
-            {**{name: earlier.sources[name] for name in kept}, **self.sources},
+            {**{name: it for name, it in earlier.sources.items() if name in kept}, **self.sources},
             (*(failure for failure in earlier.failures if failure.column in kept), *self.failures),
         )
 
@@ -81,6 +94,11 @@ class Scores:
 def _with(names: tuple[str, ...], columns: Mapping[str, Float], prefix: str) -> tuple[str, ...]:
     added = [column.removeprefix(prefix) for column in columns if column.startswith(prefix)]
     return tuple(dict.fromkeys([*names, *added]))
+
+
+def reward_column(name: str) -> str:
+    """The column of the reward that a column of a term belongs to; of any other column itself."""
+    return f"{REWARD}{name.removeprefix(TERM).rpartition('/')[0]}" if name.startswith(TERM) else name
 
 
 def scores_name(number: int) -> str:
@@ -152,7 +170,7 @@ def _facts_of(path: Path, schema: pa.Schema) -> Mapping[str, Any]:
         raise NewerFormat(f"{path} has format {number}, this version reads up to {FORMAT}")
     require_form(FORM, facts)
     for field in schema:
-        known = field.name in facts["sources"] and field.name.startswith((REWARD, BEHAVIOUR))
+        known = reward_column(field.name) in facts["sources"] and field.name.startswith((REWARD, TERM, BEHAVIOUR))
         if not known or field.type != pa.float64():
             raise SchemaError(f"{path}: the column '{field.name}' is no column of scores")
     return facts

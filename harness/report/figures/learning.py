@@ -1,10 +1,15 @@
 """The figure of learning: a measure of behaviour over environment steps, under both rewards and by random actions."""
 
+from collections.abc import Sequence
+
 from harness.report.figures.chart import Area, Axis, Chart, Dots, Line, Shape, linear_axis, share_axis
 from harness.report.rows.behaviour import Text, percentage
 from harness.results.comparison import Comparison
 from harness.results.learning import Learning, LearningCurve, Point
 
+BASELINE: tuple[str, Shape] = ("baseline", "circle")
+PROPOSED: tuple[str, Shape] = ("proposed", "diamond")
+"""Colour and shape of the curves of either reward."""
 MOST = 8
 """Up to this many measures all are drawn; of more only the one that decides."""
 
@@ -48,11 +53,23 @@ def draw_learning(learning: Learning, metric: str, text: Text = percentage) -> C
         metric: Which measure; a share, such as the success rate, unless `text` says otherwise.
         text: How its values are written: `percentage`, or as any other number.
     """
-    curves: tuple[tuple[LearningCurve, str, Shape], ...] = (
-        (learning.baseline, "baseline", "circle"),
-        (learning.proposed, "proposed", "diamond"),
+    return _draw(
+        [(learning.baseline, *BASELINE), (learning.proposed, *PROPOSED)], learning.random[metric], metric, text
     )
-    last, floor = learning.last_step(metric), learning.random[metric]
+
+
+def draw_curve(curve: LearningCurve, random: float | None, metric: str, text: Text = percentage) -> Chart:
+    """The same of one reward alone."""
+    return _draw([(curve, *PROPOSED)], random, metric, text)
+
+
+def describe_curve(curve: LearningCurve, random: float | None, metric: str, text: Text = percentage) -> str:
+    """The same in words: where the curve begins and ends."""
+    return "; ".join([_told(curve, metric, text), *_floor(random, text)]) + "."
+
+
+def _draw(curves: Sequence[tuple[LearningCurve, str, Shape]], floor: float | None, metric: str, text: Text) -> Chart:
+    last = max((point.steps for curve, _, _ in curves for point in curve.known(metric)), default=1)
     bands = [_band(curve.band(metric), colour) for curve, colour, _ in curves]
     lines = [_line(curve.reward, curve.known(metric), colour) for curve, colour, _ in curves]
     dots = [_dots(curve.known(metric), colour, shape, text) for curve, colour, shape in curves]
@@ -67,8 +84,11 @@ def draw_learning(learning: Learning, metric: str, text: Text = percentage) -> C
 def describe_learning(learning: Learning, metric: str, text: Text = percentage) -> str:
     """The same in words: where each curve begins and ends."""
     told = [_told(curve, metric, text) for curve in (learning.baseline, learning.proposed)]
-    floor = learning.random[metric]
-    return "; ".join([*told, *([f"random actions {text(floor)}"] if floor is not None else [])]) + "."
+    return "; ".join([*told, *_floor(learning.random[metric], text)]) + "."
+
+
+def _floor(value: float | None, text: Text) -> list[str]:
+    return [] if value is None else [f"random actions {text(value)}"]
 
 
 def _number_axis(marks: list[Area | Line], title: str) -> Axis:

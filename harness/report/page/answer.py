@@ -18,7 +18,7 @@ from harness.eta.verdict.ruling import Ruling
 from harness.report.answers import badge_of, word_of
 from harness.report.figures.forest import draw_interval, draw_part
 from harness.report.rows.comparison import beside_answer
-from harness.report.rows.pay import Pay, pay_of
+from harness.report.rows.pay_sentence import PaySentence, pay_of
 from harness.results.comparison import Comparison, pools_of
 from harness.results.pool import Pool
 
@@ -148,7 +148,7 @@ AGAINST = {(Answer.HURTS, True): ", for worse behaviour", (Answer.HELPS, False):
 """What is added where the pay goes the other way than the behaviour."""
 
 
-def _with_pay(card: Card, pay: Pay, answer: Answer) -> Card:
+def _with_pay(card: Card, pay: PaySentence, answer: Answer) -> Card:
     farthest = max((abs(part.size) for part in pay.parts), default=0.0)
     parts = tuple(
         Row(it.name, NOTES[it.name], draw_part(it.size, farthest, it.name), it.text, it.name) for it in pay.parts

@@ -12,7 +12,14 @@ from harness.report.figures.accumulated import draw_panels
 from harness.report.figures.chart import Chart
 from harness.report.figures.draw import draw_chart
 from harness.report.figures.forest import draw_strip
-from harness.report.figures.learning import describe_learning, draw_learning, learning_heading, learning_names
+from harness.report.figures.learning import (
+    describe_curve,
+    describe_learning,
+    draw_curve,
+    draw_learning,
+    learning_heading,
+    learning_names,
+)
 from harness.report.figures.profile import describe_profile, draw_profile
 from harness.report.figures.split import draw_split
 from harness.report.figures.split_rows import describe_split
@@ -22,6 +29,7 @@ from harness.report.page.answer import card_of
 from harness.report.page.frames import frames_of
 from harness.report.page.outcomes import Bar, outcome_bars
 from harness.report.replay.links import BASELINE, PROPOSED, EpisodeLinks, Link
+from harness.report.rows.alone import alone_grid, setting_of, story
 from harness.report.rows.behaviour import (
     along_grid,
     behaviour_grids,
@@ -30,6 +38,7 @@ from harness.report.rows.behaviour import (
     percentage,
     seeds_grid,
     text_of,
+    text_of_measure,
 )
 from harness.report.rows.comparison import (
     Grid,
@@ -44,7 +53,9 @@ from harness.report.rows.comparison import (
 from harness.report.rows.numbers import number_grids
 from harness.report.rows.payoff import Audits, payoff_story
 from harness.report.rows.returns import READING, returns_grid
+from harness.report.rows.terms import changed_text, terms_grid, terms_of
 from harness.results import Results
+from harness.results.alone import Alone, Stages
 from harness.results.comparison import Comparison
 from harness.results.trajectories import trajectories_of
 
@@ -67,7 +78,9 @@ EMPTY: Mapping[str, Any] = MappingProxyType(
         **dict.fromkeys(("tests", "summary", "symbol"), ""),
         "has_number": False,
         "place": 1,
-        **dict.fromkeys(("mixtures", "full", "strips", "outcomes", "episodes", "endings", "showing", "learning"), ()),
+        **dict.fromkeys(
+            ("mixtures", "full", "strips", "outcomes", "episodes", "endings", "showing", "learning", "terms"), ()
+        ),
         **dict.fromkeys(("splits", "curves", "profiles", "other_behaviour", "numbers", "trajectories"), ()),
     }
 )
@@ -78,7 +91,7 @@ def comparison_section(
     results: Results, combination: Comparison, title: str, points: int, audits: Audits, links: EpisodeLinks | None
 ) -> dict[str, Any]:
     """What the template shows of a combination, with `points` points of each run."""
-    headline = combination.headline
+    headline, first = combination.headline, results.combinations[0]
     grids = behaviour_grids(combination)
     changes = [it for rows in (defined_changes, failed_changes) for it in rows(combination, combination.manner)]
     bars = outcome_bars(combination)
@@ -107,6 +120,10 @@ def comparison_section(
             for it in changes
         ],
         "learning": _learning_panels(results, combination),
+        "terms": [
+            terms_grid(it)._replace(title=it.reward)
+            for it in terms_of(results, combination, is_first=combination is first)
+        ],
         "splits": splits,
         "curves": curves,
         "payoffs": payoffs,
@@ -117,6 +134,27 @@ def comparison_section(
         "symbol": symbol_of(headline.answer),
         "trajectories": _trajectory_panels(results, combination),
     }
+
+
+def alone_section(results: Results, alone: Alone) -> dict[str, Any]:
+    """What the template shows of a reward that nothing is compared with."""
+    terms = [it for it in results.terms if (it.group, it.reward) == (alone.group, alone.reward)]
+    stages = {it.measure.name: it for it in (alone.paid, *alone.behaviour)}
+    return {
+        "title": alone.reward,
+        "setting": setting_of(alone) if len(results.alone) > 1 or results.combinations else "",
+        "grid": alone_grid(alone),
+        "story": [text for text in (story(alone), *map(changed_text, terms)) if text],
+        "learning": [_curve_panel(alone, name, stages.get(name)) for name in alone.shown],
+        "terms": [terms_grid(it)._replace(title="") for it in terms],
+    }
+
+
+def _curve_panel(alone: Alone, name: str, stages: Stages | None) -> Panel:
+    text = text_of_measure(stages.measure) if stages else format_number
+    random = stages.random if stages else None
+    chart, caption = draw_curve(alone.curve, random, name, text), describe_curve(alone.curve, random, name, text)
+    return _panel(learning_heading(name), chart, caption, "Over environment steps.")
 
 
 def title_of(combination: Comparison, place: str) -> str:

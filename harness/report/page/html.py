@@ -16,12 +16,14 @@ from harness.report.figures.forest import EXPLANATION as FOREST
 from harness.report.figures.points import points_of_a_run
 from harness.report.figures.race import draw_race
 from harness.report.page.answer import groups_of, pool_cards
-from harness.report.page.comparison import comparison_section, title_of
+from harness.report.page.comparison import alone_section, comparison_section, title_of
 from harness.report.page.download import Download, pack
 from harness.report.page.matrix import Matrix, comparisons_csv, matrix_of
 from harness.report.page.page import render_page, write_page
 from harness.report.replay.links import links_of
 from harness.report.replay.section import replay_of
+from harness.report.rows.alone import EXPLANATION as ALONE
+from harness.report.rows.alone import beside, setting_of
 from harness.report.rows.comparison import (
     PATHS,
     SPLIT,
@@ -47,6 +49,9 @@ from harness.report.rows.ranking import TITLE as RANKING_TITLE
 from harness.report.rows.returns import EXPLANATION as RETURNS
 from harness.report.rows.returns import MEAN, matrix_title, return_grid
 from harness.report.rows.returns import TITLE as RETURN_TITLE
+from harness.report.rows.terms import EXPLANATION as TERMS
+from harness.report.rows.terms import TITLE as TERMS_TITLE
+from harness.report.rows.terms import never_texts
 from harness.report.rows.transfer import EXPLANATION, TITLE, failure_lines, transfer_block
 from harness.results import Results
 from harness.results.comparison import Comparison, still_to_come
@@ -80,6 +85,9 @@ SHARED: Mapping[str, str] = MappingProxyType(
         "payoff_title": PAYOFF_TITLE,
         "returns": MEAN,
         "legend": LEGEND,
+        "terms": TERMS,
+        "alone": ALONE,
+        "terms_title": TERMS_TITLE,
         "promise": "",
         "bars": "",
         "is_curve_open": "",
@@ -98,8 +106,10 @@ OWN = "own"
 NO_SECTIONS: Mapping[str, Any] = MappingProxyType(
     {
         **dict.fromkeys(("matrix", "ranking", "returns", "replay", "transfer", "pools", "race")),
-        **dict.fromkeys(("success", "unfinished", "manifests", "facts", "downloads", "groups", "warnings"), ()),
-        **dict.fromkeys(("again", "experiment", "setting", "advice"), ""),
+        **dict.fromkeys(
+            ("success", "unfinished", "manifests", "facts", "downloads", "groups", "warnings", "never", "alone"), ()
+        ),
+        **dict.fromkeys(("again", "experiment", "setting", "advice", "beside"), ""),
         "pictured": False,
     }
 )
@@ -143,6 +153,9 @@ def _render(results: Results, audits: Audits) -> str:
         question=question(results),
         setting=_setting(results),
         warnings=_warnings(results),
+        never=never_texts(results),
+        alone=[alone_section(results, it) for it in results.alone],
+        beside=beside(results, results.alone),
         matrix=matrix,
         success=[found.success if found else {} for found in links],
         comparisons=sections,
@@ -177,6 +190,7 @@ def parts_of(sections: Sequence[Mapping[str, Any]], has_more: bool) -> dict[str,
     return {
         "behaviour": any(section["behaviour"] for section in sections),
         "learning": any(section["learning"] for section in sections),
+        "terms": any(section["terms"] for section in sections),
         "number": any(section["has_number"] for section in sections),
         "matrix": has_more or len(sections) > 1,
     }
@@ -186,7 +200,7 @@ def _setting(results: Results) -> str:
     """What all comparisons share, in a line."""
     combinations = results.combinations
     if not combinations:
-        return ""
+        return setting_of(results.alone[0]) if len(results.alone) == 1 else ""
     varying, first = varying_kinds(combinations), combinations[0]
     told = [f"{kind} {label}" for kind, label in first.group.shown.items() if kind not in varying]
     if "steps" not in varying:

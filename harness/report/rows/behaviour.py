@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import NamedTuple, TypeAlias
 
-from harness.eta.behaviour_change import Change
+from harness.eta.behaviour_change import Change, Quantity
 from harness.eta.headline import count_seeds
 from harness.eta.interval import SHARE
 from harness.eta.judge import p_text
@@ -137,13 +137,22 @@ def _moment_row(combination: Comparison, moment: StepChange) -> tuple[str, ...]:
 
 
 def _name(change: Change) -> str:
-    name, unit = change.measure.title or change.name.replace("_", " "), change.measure.unit
+    return measure_name(change.measure)
+
+
+def measure_name(measure: Quantity) -> str:
+    """The name of a measure, with its unit."""
+    name, unit = measure.title or measure.name.replace("_", " "), measure.unit
     return f"{name} [{unit}]" if unit and unit not in name.split() else name
 
 
 def text_of(change: Change) -> Text:
     """The function that writes values of a measure: as a percentage if it is a share, else as a number."""
-    measure = change.measure
+    return text_of_measure(change.measure)
+
+
+def text_of_measure(measure: Quantity) -> Text:
+    """See `text_of`."""
     is_share = not measure.unit and (measure.episodes is not None or measure.bounds == SHARE)
     return percentage if is_share else format_number
 

@@ -377,6 +377,8 @@ def _texts(index: Index) -> Iterator[str]:
 
 def question(results: Results) -> str:
     """What the report answers."""
+    if results.alone and not results.combinations:
+        return f"What did {' and '.join(dict.fromkeys(it.reward for it in results.alone))} pay for?"
     labels = dict.fromkeys(combination.proposed for combination in results.combinations)
     proposed = [label for label in labels if label != results.baseline]  # that would be A/A
     if results.plan.terms.race:

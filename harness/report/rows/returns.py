@@ -33,7 +33,7 @@ def returns_grid(comparison: Comparison) -> Grid:
         amounts = (split.returns[BB], split.returns[KK], *parts)
         rows.append((manner, *(format_number(it.mean) for it in amounts)))
         if any(it.low is not None for it in amounts):
-            rows.append(("  95% interval", *map(_interval, amounts)))
+            rows.append(("  95% interval", *map(interval_of_mean, amounts)))
     notes = [f"{manner}: {NOTHING}: {reason}" for manner, reason in comparison.missing.items()]
     reasons = dict.fromkeys(
         note
@@ -57,7 +57,7 @@ def return_grid(matrix: ReturnMatrix) -> Grid:
         means = [row[label] for label in matrix.trained_with]
         rows.append((name, *(format_number(mean.mean) for mean in means)))
         if any(mean.low is not None for mean in means):
-            rows.append(("  95% interval", *map(_interval, means)))
+            rows.append(("  95% interval", *map(interval_of_mean, means)))
     scored = f"return {matrix.manner}, scored by" if matrix.manner else SCORED_BY
     return Grid((scored, *matrix.trained_with), rows, _notes(matrix))
 
@@ -87,7 +87,8 @@ def _parts(mean: SeedMean) -> list[str]:
     return [f"{NOTHING}: {note}" for note in mean.notes] if mean.mean is None else list(mean.notes)
 
 
-def _interval(mean: SeedMean) -> str:
+def interval_of_mean(mean: SeedMean) -> str:
+    """The interval of a mean; empty where there is none."""
     if mean.low is None or mean.high is None:
         return ""
     return f"[{format_number(mean.low)}, {format_number(mean.high)}]"

@@ -8,9 +8,12 @@ from harness.eta.scored_sums import BB, KK
 from harness.eta.splits import Split
 from harness.record.plan_file import EXPERIMENT
 from harness.report.facts import Fact, shared_facts
+from harness.report.rows.alone import EXPLANATION as ALONE
+from harness.report.rows.alone import alone_grid, setting_of, story
 from harness.report.rows.behaviour import along_grid, behaviour_grids, behaviour_row
 from harness.report.rows.comparison import (
     SPLIT,
+    Grid,
     answer_text,
     basis_text,
     beside_answer,
@@ -32,9 +35,11 @@ from harness.report.rows.pools import pooled_answers
 from harness.report.rows.race import EXPLANATION as RACE
 from harness.report.rows.race import TITLE as RACE_TITLE
 from harness.report.rows.race import race_told
+from harness.report.rows.terms import terms_grid, terms_of
 from harness.report.summary.effort import duration_text, effort_of
 from harness.report.summary.missing import missing_text
 from harness.results import Results
+from harness.results.alone import Alone
 from harness.results.comparison import Comparison
 from harness.results.overview import NOTHING, overview_of
 from harness.text import visible
@@ -108,6 +113,8 @@ def what_it_took(results: Results) -> list[str]:
 
 def _overview(results: Results, picture: str) -> list[str]:
     combinations = results.combinations
+    if not combinations and results.alone:
+        return [part for it in results.alone for part in _alone(results, it)]
     if not combinations:
         return ["No combination: nothing is planned under a baseline and another reward."]
     has_returns = any(it.main for it in combinations)
@@ -156,9 +163,8 @@ def _section(results: Results, number: int, combination: Comparison, pictures: P
     title = f"## {number}. {combination.group.title}: {rewards_text(combination)}"
     headline = combination.headline
     numbers = number_grids(combination, results.kind, with_paths=True)
-    shown = (*behaviour_grids(combination), along_grid(combination), *numbers) if combination.has_trainings else ()
-    tables = [part for grid in shown if grid.rows for part in (grid.title, markdown_table(grid.headings, grid.rows))]
-    notes = [f"* {escape(note)}" for grid in shown for note in grid.notes]
+    grids = [*behaviour_grids(combination), along_grid(combination), *numbers] if combination.has_trainings else []
+    grids += map(terms_grid, terms_of(results, combination, is_first=number == 1))
     parts = [
         escape(title),
         *(f"**{escape(mixture.text)}.**" for mixture in combination.mixtures),
@@ -167,7 +173,21 @@ def _section(results: Results, number: int, combination: Comparison, pictures: P
         escape(basis_text(combination)),
         escape(headline.number and f"The number: {headline.number}"),
     ]
-    return [part for part in [*parts, *tables, "\n".join(notes), *pictures.values()] if part]
+    return [part for part in [*parts, *_tables(grids), *pictures.values()] if part]
+
+
+def _alone(results: Results, alone: Alone) -> list[str]:
+    """What a reward paid for that nothing is compared with."""
+    terms = [it for it in results.terms if (it.group, it.reward) == (alone.group, alone.reward)]
+    parts = [f"## {escape(alone.reward)}", escape(f"{setting_of(alone)}."), escape(story(alone))]
+    return [part for part in (*parts, *_tables([alone_grid(alone), *map(terms_grid, terms)]), ALONE) if part]
+
+
+def _tables(grids: Sequence[Grid]) -> list[str]:
+    """Grids, and below them all of their remarks."""
+    tables = [part for grid in grids if grid.rows for part in (grid.title, markdown_table(grid.headings, grid.rows))]
+    notes = [f"* {escape(note)}" for grid in grids for note in grid.notes]
+    return [*filter(None, tables), "\n".join(notes)]
 
 
 def _effort(results: Results) -> str:

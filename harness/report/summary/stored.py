@@ -12,8 +12,9 @@ from harness.eta.seed_mean import SeedMean
 from harness.eta.splits import Decomposition, Split, SplitPath, SumSplit
 from harness.record.cell import NO_ROBOT, NO_SIMULATOR
 from harness.registry.choice import Choice
+from harness.results.cell_results import PAID
 from harness.results.comparison import Comparison, Group
-from harness.results.learning import PAID, Learning, LearningCurve, Point
+from harness.results.learning import Learning, LearningCurve, Point
 
 WEAK = ": the ratio says little"
 """What follows the remark that an index is near zero."""

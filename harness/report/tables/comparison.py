@@ -21,6 +21,8 @@ from harness.report.rows.comparison import (
 )
 from harness.report.rows.numbers import number_grids
 from harness.report.rows.returns import EXPLANATION, READING, matrix_title, return_grid
+from harness.report.rows.terms import terms_grid, terms_of
+from harness.report.tables.alone import alone_lines
 from harness.report.tables.grid import show_grid, show_titled
 from harness.report.tables.overview import interim_lines, pooled_lines
 from harness.results import Results
@@ -33,7 +35,8 @@ def comparison_table(results: Results) -> RenderableType:
     combinations = results.combinations
     first = [*interim_lines(results), *pooled_lines(combinations)]
     blocks: list[RenderableType] = [*first, *([Text()] if first else [])]
-    blocks += [_combination_block(results, combination) for combination in combinations]
+    blocks += alone_lines(results, with_all=True)
+    blocks += [_combination_block(results, it, is_first=it is combinations[0]) for it in combinations]
     if any(combination.has_trainings for combination in combinations):
         is_split = any(combination.is_split for combination in combinations)
         read = [READING] if any(combination.main for combination in combinations) else []
@@ -51,7 +54,7 @@ def comparison_table(results: Results) -> RenderableType:
     return Group(*blocks, *map(Text, remarks_on_cells(results)))
 
 
-def _combination_block(results: Results, combination: Comparison) -> RenderableType:
+def _combination_block(results: Results, combination: Comparison, *, is_first: bool) -> RenderableType:
     """The two answers first, then what they rest on. The page shows more, which would fill many screens here."""
     headline = combination.headline
     parts: list[RenderableType] = [
@@ -67,7 +70,8 @@ def _combination_block(results: Results, combination: Comparison) -> RenderableT
     parts += [Text(line) for line in lines if line]
     parts += [Text("\nThe number", style="bold"), Text(headline.number)] if headline.number else []
     parts.append(Text(f"\n{claims_text(combination)}"))
-    for grid in (*behaviour_grids(combination), along_grid(combination), *number_grids(combination, results.kind)):
+    grids = [*behaviour_grids(combination), along_grid(combination), *number_grids(combination, results.kind)]
+    for grid in (*grids, *map(terms_grid, terms_of(results, combination, is_first=is_first))):
         parts += show_grid(grid)
     return Group(*parts, Text())
 

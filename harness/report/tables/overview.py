@@ -19,6 +19,8 @@ from harness.report.rows.comparison import (
 )
 from harness.report.rows.pools import TITLE, pooled_answers
 from harness.report.rows.returns import matrix_title, return_grid
+from harness.report.rows.terms import never_texts
+from harness.report.tables.alone import alone_lines
 from harness.report.tables.grid import divide_columns, show_grid
 from harness.report.tables.race import race_lines
 from harness.results import Results
@@ -45,13 +47,15 @@ def overview_table(results: Results, details: str) -> RenderableType:
         details: The command that shows everything behind the overview.
     """
     combinations = results.combinations
-    parts = race_lines(results) or _comparisons(results)
+    parts = race_lines(results) or _comparisons(results) or alone_lines(results, with_all=False)
     parts += map(Text, dict.fromkeys(mixture.text for it in combinations for mixture in it.mixtures))
     parts += [part for line in _not_split(combinations) for part in (Text(), Text(line))]
+    parts += [part for line in never_texts(results) for part in (Text(), Text(line))]
     for matrix in _with_others(results):
         parts += [Text(), Text(matrix_title(matrix), style="bold"), *show_grid(return_grid(matrix))]
     parts += [Text(), Text(count_cells(results), style="bold"), *map(Text, remarks_on_cells(results))]
-    return Together(*parts, *([Text(f"All numbers behind this: {details}")] if combinations else []))
+    told = [Text(f"All numbers behind this: {details}")] if combinations or results.alone else []
+    return Together(*parts, *told)
 
 
 def _comparisons(results: Results) -> list[RenderableType]:

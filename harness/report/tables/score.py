@@ -26,8 +26,13 @@ def score_grids(matrix: ScoreMatrix) -> list[Grid]:
 
 
 def _grid(name: str, matrix: ScoreMatrix, sums: Mapping[str, Mapping[str, float]]) -> Grid:
-    rows = [(scoring, *(f"{row[training]:,.1f}" for training in matrix.seeds)) for scoring, row in sums.items()]
-    failed = {scoring: f"n/a ({shortened(why, SHOWN)})" for scoring, why in matrix.failed.items()}
+    rows = [
+        (scoring, *(f"{row[training]:,.1f}" if training in row else NOTHING for training in matrix.seeds))
+        for scoring, row in sums.items()
+    ]
+    failed = {
+        scoring: f"n/a ({shortened(why, SHOWN)})" for scoring, why in matrix.failed.items() if scoring not in sums
+    }
     rows += [(scoring, told, *[NOTHING] * (len(matrix.seeds) - 1)) for scoring, told in failed.items()]
     return Grid((f"{name}, scored by \\ trained on", *matrix.seeds), rows, [])
 

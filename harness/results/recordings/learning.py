@@ -18,14 +18,15 @@ def learning_of(runs: Runs, comparison: Comparison) -> Learning | None:
     if not comparison.has_trainings:
         return None
     baseline, proposed = (
-        _curve(runs, reward, [runs.members[reward, seed] for seed in seeds])
+        curve_of(runs, reward, [runs.members[reward, seed] for seed in seeds])
         for reward, seeds in zip((comparison.baseline, comparison.proposed), comparison.trained, strict=True)
     )
     floor = runs.random.whole.behaviour if runs.random else {}
     return Learning(baseline, proposed, {name: floor.get(name) for name in baseline.points})
 
 
-def _curve(runs: Runs, reward: str, members: Sequence[Run]) -> LearningCurve:
+def curve_of(runs: Runs, reward: str, members: Sequence[Run]) -> LearningCurve:
+    """Every measure and every reward over the steps of the trainings by one reward."""
     parts = _evaluated(runs, members) or [
         (end, [run.episodes.part(begin, end) for run in members]) for begin, end in stretches(runs.steps)
     ]

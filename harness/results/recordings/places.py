@@ -108,10 +108,10 @@ def studies_of(results: Records, shown: Sequence[str] | None = None) -> tuple[Pl
 
 def _runs_of(results: Records, cells: Sequence[Cell], deciding: Sequence[str]) -> Runs | str:
     """The recorded trainings of cells; why there is nothing to compare where that is so."""
-    trained = list(dict.fromkeys(cell.reward.label for cell in cells))
-    control = results.plan.control
-    if len(trained) < 2 and not control:
-        return f"nothing to compare: all done cells were trained with {trained[0]}"
+    trained, control = {cell.reward.label for cell in cells}, results.plan.control
+    planned = {it.cell.reward.label for it in results.manifests if Group.of(it.cell) == Group.of(cells[0])}
+    if len(trained) < 2 and not control and planned > trained:
+        return f"nothing to compare: all done cells were trained with {cells[0].reward.label}"
     only = [path for cell in cells for path in _recordings_of(results, cell)]
     floor = floors_in(results.manifests, results.store).get(Floor.of(cells[0]))
     random = None if floor is None else results.store.cell_folder(floor) / recording_of(RANDOM)

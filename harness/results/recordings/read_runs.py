@@ -1,6 +1,7 @@
 """Reads the recorded trainings below a folder, and finds out what makes them one study."""
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
@@ -12,7 +13,7 @@ from harness.eta.rescaling import Rescaling
 from harness.record.cell import NO_ROBOT, NO_SIMULATOR, UNKNOWN_ALGORITHM
 from harness.record.plan_file import PLAN
 from harness.record.recording.facts import TrainingFacts
-from harness.record.recording.recorded_training import recordings_in
+from harness.record.recording.recorded_training import facts_name, recordings_in, weights_of
 from harness.record.store import MOST_NAMED
 from harness.registry.choice import Choice
 from harness.results.comparison import Group
@@ -49,7 +50,7 @@ def read_runs(
         control: By each seed the other seed that the baseline was trained with again, for the null control.
 
     Raises:
-        UsageError: There are none, or none that can be compared.
+        UsageError: There are none, or none has all of its steps.
     """
     everything, damaged = read_all(folder, only)
     if not everything:
@@ -67,12 +68,9 @@ def read_runs(
     named = _in_order(run.facts.rewards for run in members.values())
     rewards = tuple(sorted(named, key=lambda name: name != baseline))  # all others stay in their order
     trained = tuple(name for name in rewards if any(name == reward for reward, _ in members))
-    if len(trained) < 2 and not again:
-        told = f"all trainings in it were trained with {trained[0]}" if trained else "no training in it has a step"
-        raise UsageError(
-            f"'{folder}' has nothing to compare: {told}. Train with another of its rewards too, and record that beside"
-            + "".join(f". {line}" for line in short[:MOST_NAMED])
-        )
+    if not trained:
+        told = "".join(f". {line}" for line in short[:MOST_NAMED])
+        raise UsageError(f"'{folder}' has nothing to report: no training in it has a step, or all of its steps{told}")
     shortest = min(run.steps for run in members.values())
     notes = [*short, *env_notes, *seed_notes, *evaluation_notes, *empty, *notes_on(everything, trained, members)]
     equal = equal_trainings({key: run.likeness.digest for key, run in members.items()})
@@ -132,9 +130,11 @@ def read_all(folder: Path, only: Sequence[Path] | None = None) -> tuple[list[Run
     if only is None:
         _refuse_experiments(folder)
     runs, damaged = [], []
-    for path in sorted(recordings_in(folder)) if only is None else only:
+    paths = sorted(recordings_in(folder)) if only is None else only
+    weighed = _weighed(paths)
+    for path in paths:
         try:
-            runs.append(_read(folder, path))
+            runs.append(_read(folder, path, weighed))
         except SchemaError as error:
             damaged.append(str(error))
     paid = {(run.reward, run.seed) for run in runs if run.facts.pay}
@@ -176,8 +176,18 @@ def _refuse_experiments(folder: Path) -> None:
         )
 
 
-def _read(folder: Path, path: Path) -> Run:
-    recorded = RecordingResults(folder, path)
+def _weighed(paths: Sequence[Path]) -> list[str]:
+    """The rewards with weights of their terms that some of the recordings were trained with."""
+    found: dict[str, None] = {}
+    for path in paths:
+        with suppress(SchemaError):  # the next reader says so
+            label = TrainingFacts.read(path / facts_name(0)).trained_with
+            found |= {label: None} if weights_of(label)[1] else {}
+    return [*found]
+
+
+def _read(folder: Path, path: Path, weighed: Sequence[str] = ()) -> Run:
+    recorded = RecordingResults(folder, path, weighed)
     facts = recorded.facts
     seed = _seed_of(facts)
     run = Run(recorded, facts, -1 if seed is None else seed, recorded.steps, recorded.episodes, recorded.likeness)

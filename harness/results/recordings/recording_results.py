@@ -1,15 +1,20 @@
 """What follows from the files of one recording, each thing computed once; see `harness.results.kept`."""
 
+from collections.abc import Iterable
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from harness.arrays import Float
 from harness.files.bounded import reading
 from harness.record.folder import EVALUATION_RECORDING
-from harness.record.recording.facts import BEHAVIOUR, REWARD, TrainingFacts
+from harness.record.recording.facts import BEHAVIOUR, REWARD, TrainingFacts, term_column
 from harness.record.recording.recorded_training import RecordedTraining, read_recording, recording_files
 from harness.record.store import CELLS
+from harness.record.trace import episode_rows
+from harness.results.by_term import ByTerm, by_term
 from harness.results.kept import Kept
 from harness.results.recordings.alike import Likeness, likeness_of
 from harness.results.recordings.episodes import Episodes, Part, episodes_of
@@ -29,14 +34,16 @@ class RecordingResults:
         path: Its folder.
     """
 
-    def __init__(self, folder: Path, path: Path) -> None:
+    def __init__(self, folder: Path, path: Path, weighed: Iterable[str] = ()) -> None:
         """Read nothing yet but what is kept.
 
         Args:
             folder: The folder that holds recordings: what is kept lies there.
             path: The folder of this one.
+            weighed: Rewards with weights that other recordings were trained with, ``gentle:effort=5``: they pay this
+                one too, if it has the terms.
         """
-        self.path = path
+        self.path, self._weighed = path, tuple(weighed)
         self._kept = Kept(folder, _name_of(folder, path), path)
         self._held: RecordedTraining | None = None
 
@@ -66,10 +73,25 @@ class RecordingResults:
         """What a reward pays for each step, (steps,)."""
         return self._kept.array(f"paid by {reward}", self._made_of, lambda: self._column(reward))
 
+    def terms_paid(self, reward: str) -> ByTerm:
+        """What each term of a reward paid; without terms of one that has none, or was given up on the way."""
+        names = self.facts.terms.get(reward, ())
+        if not names:
+            return ByTerm({}, self.steps, len(self.episodes.last))
+
+        def make() -> dict[str, Any]:
+            columns = [term_column(reward, name) for name in names]
+            return terms_in(self._held or read_recording(self.path, only=columns), reward).to_json()
+
+        told = self._kept.told(f"terms {reward}", self._made_of, make)
+        self._kept.save()
+        return ByTerm.from_json(told)
+
     def keep(self) -> None:
         """Compute all of it, and keep it."""
         for reward in self.facts.rewards:
             self.paid_by(reward)
+            self.terms_paid(reward)
         self.finish()
 
     def finish(self) -> None:
@@ -90,20 +112,29 @@ class RecordingResults:
     @cached_property
     def _made_of(self) -> list[str]:
         with reading(self.path, "recording of a training"):
-            return [f"{name} {self._kept.digest(name)}" for name in recording_files(self.path)]
+            return [*(f"{name} {self._kept.digest(name)}" for name in recording_files(self.path)), *self._weighed]
 
     @property
     def _recording(self) -> RecordedTraining:
         if self._held is None:
-            self._held = read_recording(self.path)
+            self._held = read_recording(self.path).weighed(self._weighed)
         return self._held
 
     def _numbers_of_episodes(self) -> Float:
         return episodes_of(self._recording).numbers.ravel()
 
     def _column(self, reward: str) -> Float:
-        held = self._held or read_recording(self.path, only=[f"{REWARD}{reward}"])
-        return held.rewards[reward]
+        if self._held is None and reward not in self._weighed:
+            return read_recording(self.path, only=[f"{REWARD}{reward}"]).rewards[reward]
+        return self._recording.rewards[reward]
+
+
+def terms_in(recording: RecordedTraining, reward: str) -> ByTerm:
+    """What each term of a reward paid in a recording; without terms of one that was given up on the way."""
+    found = recording.terms.get(reward, {})
+    rows = episode_rows(recording.env, recording.episode, recording.terminated | recording.truncated)
+    is_known = not any(np.isnan(values).any() for values in found.values())
+    return by_term(found if is_known else {}, rows, np.ones(len(recording), bool))
 
 
 def numbers_in_environment(folder: Path, files: Path) -> Numbers:

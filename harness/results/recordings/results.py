@@ -14,10 +14,12 @@ from harness.record.folder import TRAINING_RECORDING
 from harness.record.store import Store
 from harness.registry.choice import split_list
 from harness.registry.registry import Registry
+from harness.results.alone import Alone
 from harness.results.comparison import Comparison
 from harness.results.frames import Frames, read_frames
 from harness.results.learning import Learning
 from harness.results.measured import Measured, Moment
+from harness.results.recordings.alone import alone_of
 from harness.results.recordings.learning import learning_of
 from harness.results.recordings.loose import LooseStore
 from harness.results.recordings.places import PlaceStudy, studies_of, study_of_loose
@@ -27,9 +29,11 @@ from harness.results.recordings.recording_results import (
     numbers_of_part,
 )
 from harness.results.recordings.runs import Run
+from harness.results.recordings.terms import terms_of_runs
 from harness.results.results import Results
 from harness.results.return_matrix import ReturnMatrix
 from harness.results.table import Numbers
+from harness.results.terms_paid import TermsPaid
 
 
 class RecordedResults(Results):
@@ -119,6 +123,17 @@ class RecordedResults(Results):
             if it.study
             for manner, table in it.study.tables.items()
         )
+
+    @cached_property
+    def terms(self) -> tuple[TermsPaid, ...]:
+        """See `Results`."""
+        return tuple(found for it in self.studies if it.study for found in terms_of_runs(it.study.runs))
+
+    @cached_property
+    def alone(self) -> tuple[Alone, ...]:
+        """See `Results`."""
+        found = (alone_of(it.study.runs) for it in self.studies if it.study)
+        return tuple(it for it in found if it is not None)
 
     def learning(self, combination: Comparison) -> Learning | None:
         """See `Results`."""

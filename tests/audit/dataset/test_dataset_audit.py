@@ -8,7 +8,7 @@ import pytest
 from harness.audit.dataset import paid_dataset
 from harness.audit.dataset.audit_dataset import audit_dataset
 from harness.audit.dataset.paid_dataset import pay_dataset
-from harness.audit.dataset.payers import OfArm, Recorded, Stepwise
+from harness.audit.dataset.rewards import as_recorded, of_arm, step_by_step
 from harness.errors import UsageError
 from harness.eta.auc import AGAINST, CANNOT_TELL, RANKS
 from harness.record.dataset import lerobot, minari
@@ -66,7 +66,7 @@ def test_the_arm_s_rewards_are_paid_by_a_map(reached: str):
     registry = load_registry()
     arp = choose(registry, "rewards", "arp").build(registry, "rewards")
     places = parse_places(PLACES)
-    paid = pay_dataset(open_dataset(reached), {"arp": OfArm(arp, places)}, places)
+    paid = pay_dataset(open_dataset(reached), {"arp": of_arm(arp, places)}, places)
     piece = next(iter(open_dataset(reached).pieces()))
     expected = pay_episode(arp, places.end_effector(piece.observations), places.target(piece.observations))
     assert paid.paid["arp"][:STEPS] == pytest.approx(expected)
@@ -81,7 +81,9 @@ def test_pieces_do_not_change_the_pay(reached: str, monkeypatch: pytest.MonkeyPa
     def paid():
         places = parse_places(PLACES)
         reward = choose(registry, "rewards", name).build(registry, "rewards")
-        return pay_dataset(open_dataset(reached), {"it": OfArm(reward, places), "near": Stepwise(near)}, places)
+        return pay_dataset(
+            open_dataset(reached), {"it": of_arm(reward, places), "near": step_by_step("it", near)}, places
+        )
 
     whole = paid()
     monkeypatch.setattr(minari, "ROWS", 5)
@@ -105,7 +107,7 @@ def test_a_function_with_a_memory_starts_anew_with_each_episode(reached: str):
             self.steps += 1
             return self.steps
 
-    paid = pay_dataset(open_dataset(reached), {"count": Stepwise(Count())})
+    paid = pay_dataset(open_dataset(reached), {"count": step_by_step("it", Count())})
     assert paid.paid["count"][: 2 * STEPS].tolist() == [*range(1, STEPS + 1)] * 2
 
 
@@ -113,8 +115,9 @@ def test_a_function_gets_what_was_recorded(tmp_path: Path):
     """The info after the step among it."""
     folder = write_minari(tmp_path / "d", [episode(3, 1, success=True)])
     seen = []
-    pay_dataset(open_dataset(f"minari:{folder}"), {"see": Stepwise(lambda *step: seen.append(step) or 0.0)})
+    pay_dataset(open_dataset(f"minari:{folder}"), {"see": step_by_step("it", lambda *step: seen.append(step) or 0.0)})
     one = episode(3, 1, success=True)
+    seen = seen[::2]  # each step is asked twice
     assert np.array_equal(seen[2][0], one["observations"][2])
     assert np.array_equal(seen[2][1], one["actions"][2])
     assert np.array_equal(seen[2][2], one["observations"][3])
@@ -219,7 +222,7 @@ def test_episodes_without_a_word_are_left_out(tmp_path: Path):
 def test_lerobot_s_last_frame_tells_a_success(tmp_path: Path):
     """And is paid."""
     folder = write_lerobot(tmp_path / "d", [reaching(0, True), reaching(1, False)])
-    paid = pay_dataset(open_dataset(f"lerobot:{folder}"), {"recorded": Recorded("recorded")})
+    paid = pay_dataset(open_dataset(f"lerobot:{folder}"), {"recorded": as_recorded("recorded")})
     assert paid.told.tolist() == [SUCCESS, FAILURE]
     assert paid.steps == 2 * STEPS
     assert paid.returns["recorded"].tolist() == [STEPS, -STEPS]
@@ -231,7 +234,7 @@ def test_lerobot_s_batches_do_not_change_the_pay(tmp_path: Path, monkeypatch: py
     folder = write_lerobot(tmp_path / "d", [reaching(number, number % 2 == 1) for number in range(5)])
 
     def paid():
-        return pay_dataset(open_dataset(f"lerobot:{folder}"), {"near": Stepwise(near)})
+        return pay_dataset(open_dataset(f"lerobot:{folder}"), {"near": step_by_step("it", near)})
 
     whole = paid()
     monkeypatch.setattr(lerobot, "ROWS", rows)
@@ -253,7 +256,7 @@ def test_joints_of_a_robot_give_the_end_effector(tmp_path: Path):
     found = pay_dataset(
         open_dataset(f"minari:{folder}"),
         {
-            "arp": OfArm(
+            "arp": of_arm(
                 choose(load_registry(), "rewards", "arp").build(load_registry(), "rewards"),
                 parse_places(f"joints=0:{dof},target={dof}:{dof + 3}", robot.end_effector),
             )
@@ -286,7 +289,7 @@ def test_too_many_steps_are_refused(reached: str, monkeypatch: pytest.MonkeyPatc
 def test_nothing_is_known_of_an_episode_without_success(tmp_path: Path):
     """It is no failure."""
     folder = write_minari(tmp_path / "d", [{**reaching(0, True), "infos": {}}])
-    assert pay_dataset(open_dataset(f"minari:{folder}"), {"near": Stepwise(near)}).told.tolist() == [UNKNOWN]
+    assert pay_dataset(open_dataset(f"minari:{folder}"), {"near": step_by_step("it", near)}).told.tolist() == [UNKNOWN]
 
 
 def test_json_has_finite_numbers_only(reached: str):

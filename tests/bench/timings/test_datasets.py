@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from harness.audit.dataset.paid_dataset import pay_dataset
-from harness.audit.dataset.payers import Stepwise
+from harness.audit.dataset.rewards import step_by_step
 from harness.record.dataset.open_dataset import open_dataset
 from tests.record.dataset.written import episode, write_minari
 
@@ -38,7 +38,7 @@ def test_a_data_set_beside_a_bare_loop(tmp_path, require_speed, amount):
                     paid.append(_far(observations[row], actions[row], observations[row + 1], info))
 
     def through_the_harness() -> None:
-        found = pay_dataset(open_dataset(f"minari:{folder}"), {"far": Stepwise(_far)})
+        found = pay_dataset(open_dataset(f"minari:{folder}"), {"far": step_by_step("it", _far)})
         assert found.paid["far"].tolist() == paid
 
     bare()

@@ -9,7 +9,8 @@ import numpy as np
 from gymnasium.spaces import Box, Dict
 
 from harness.arrays import Float
-from harness.environment import AnyEnv, GoalReward, Measure
+from harness.environment import AnyEnv, GoalReward
+from harness.reward import Given
 
 NEAR, LASTS = 0.2, 8
 
@@ -56,7 +57,7 @@ class GoalToy:
         """See `harness.environment.Environment`."""
         return _Square()
 
-    def rewards(self, env: AnyEnv) -> Mapping[str, Measure]:
+    def rewards(self, env: AnyEnv) -> Mapping[str, Given]:
         """See `harness.environment.Environment`."""
         return {"there": "own", "slow": lambda before, action, after, info: -float(np.abs(action).sum())}
 
@@ -65,6 +66,6 @@ class GoalToy:
         arm: Any = env.unwrapped
         return {"there": lambda achieved, desired: arm.compute_reward(achieved, desired, {}) - self.lies}
 
-    def behaviour(self, env: AnyEnv) -> Mapping[str, Measure]:
+    def behaviour(self, env: AnyEnv) -> Mapping[str, Given]:
         """See `harness.environment.Environment`."""
         return {"success": "success"}

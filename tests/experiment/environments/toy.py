@@ -7,7 +7,8 @@ from typing import Any, ClassVar
 import gymnasium
 import numpy as np
 
-from harness.environment import AnyEnv, Measure
+from harness.environment import AnyEnv
+from harness.reward import Given
 
 
 class _Line(gymnasium.Env[Any, Any]):
@@ -60,10 +61,10 @@ class Toy:
         """See `harness.environment.Environment`."""
         return _Line(self.discrete, self.endless)
 
-    def rewards(self, env: AnyEnv) -> Mapping[str, Measure]:
+    def rewards(self, env: AnyEnv) -> Mapping[str, Given]:
         """See `harness.environment.Environment`."""
         return {"near": "own", "right": lambda before, action, after, info: env.unwrapped.at}
 
-    def behaviour(self, env: AnyEnv) -> Mapping[str, Measure]:
+    def behaviour(self, env: AnyEnv) -> Mapping[str, Given]:
         """See `harness.environment.Environment`."""
         return {"distance": "distance", "success": lambda before, action, after, info: abs(env.unwrapped.at) < 0.5}

@@ -120,3 +120,23 @@ def test_batches_and_blocks_do_not_matter(episodes, num_envs, chunk, block):
     told = learning.scalars(len(rows))
     assert told[SUCCESS] == pytest.approx(np.mean([reached for _, reached in episodes]))
     assert told[RETURN] == pytest.approx(np.mean([length**2 for length, _ in episodes]))
+
+
+def test_terms_are_told_by_name(times):
+    """What each paid the last episodes on average; its columns end a row, behind those of the arm."""
+    learning = LearningSoFar(Kept(), now=times, terms=("reach", "effort"))
+    rows = np.concatenate([episode(0), episode(1)])
+    columns = np.zeros((len(rows), 2))
+    columns[1:4, 0], columns[5:8, 1] = 1.0, -0.5
+    learning.append(np.hstack([rows, columns])[:6])
+    learning.append(np.hstack([rows, columns])[6:])
+    found = learning.scalars(6)
+    assert (found["Reward Terms/reach"], found["Reward Terms/effort"]) == (1.5, -0.75)
+    assert found[RETURN] == 3.0
+
+
+def test_without_terms_there_are_no_names_of_them(times):
+    """As of any reward that pays a number."""
+    learning = LearningSoFar(Kept(), now=times)
+    learning.append(episode(0))
+    assert not [name for name in learning.scalars(3) if name.startswith("Reward Terms")]

@@ -11,7 +11,7 @@ import pytest
 import harness
 from harness.audit.dataset.audit_dataset import audit_dataset
 from harness.audit.dataset.paid_dataset import pay_dataset
-from harness.audit.dataset.payers import OfArm, Recorded, Stepwise
+from harness.audit.dataset.rewards import as_recorded, of_arm, step_by_step
 from harness.cli import main
 from harness.record.dataset.open_dataset import open_dataset
 from harness.record.folder import EVALUATION, TRACE
@@ -83,8 +83,8 @@ def test_rewards_paid_again_are_those_recorded(exported: Path, form: str, kind: 
     assert not names or names["observation_names"][-3:] == ["target_x", "target_y", "target_z"]
     places = parse_places(f"end_effector={width - 6}:{width - 3},target={width - 3}:{width}")
     registry = load_registry()
-    again = OfArm(choose(registry, "rewards", name).build(registry, "rewards"), places)
-    paid = pay_dataset(found, {"recorded": Recorded(name), "again": again}, places).paid
+    again = of_arm(choose(registry, "rewards", name).build(registry, "rewards"), places)
+    paid = pay_dataset(found, {"recorded": as_recorded(name), "again": again}, places).paid
     assert paid["again"] == pytest.approx(paid["recorded"], abs=FORMATS[form])
 
 
@@ -96,7 +96,7 @@ def test_success_is_a_reached_target(trained: Path, exported: Path, form: str):
     for cell in results.done_cells:
         trace = read_trace(results.store.cell_folder(cell) / EVALUATION)
         reached += sum(bool(trace["reached"][rows].any()) for rows in trace.episodes)
-    found = pay_dataset(_dataset(exported, form, "evaluation"), {"it": Recorded("recorded")})
+    found = pay_dataset(_dataset(exported, form, "evaluation"), {"it": as_recorded("recorded")})
     assert (found.told == 1).sum() == reached
 
 
@@ -207,7 +207,9 @@ def test_a_recording_in_an_environment_is_paid_again(recorded: Path, tmp_path: P
     found = _dataset(tmp_path / "out", form, "recorded")
     live = read_recording(recorded / "one")
     again = _near if form == "minari" else lambda o, a, n, i: -float(np.abs(n[:2]).max())
-    paid = pay_dataset(found, {"near": Recorded("near"), "own": Recorded("own"), "again": Stepwise(again)}).paid
+    paid = pay_dataset(
+        found, {"near": as_recorded("near"), "own": as_recorded("own"), "again": step_by_step("it", again)}
+    ).paid
     assert paid["own"] == pytest.approx(live.rewards["own"], abs=FORMATS[form])
     assert paid["near"] == pytest.approx(live.rewards["near"], abs=FORMATS[form])
     assert paid["again"] == pytest.approx(live.rewards["near"], abs=FORMATS[form])

@@ -84,10 +84,10 @@ def test_a_training_that_was_cut_off_is_not_compared(tmp_path: Path):
 
 
 def test_where_nothing_whole_is_left_the_reasons_are_told(tmp_path: Path):
-    """In the line that says that there is nothing to compare."""
+    """In the line that says that there is nothing to report."""
     record(tmp_path / "plain", "plain", 0, [0.1], closed=False, steps_asked=15)
-    record(tmp_path / "thrice", "thrice", 0, [0.1] * 3, steps_asked=15)
-    with pytest.raises(UsageError, match=r"nothing to compare.* it has 5 of 15 steps\. It ended early"):
+    record(tmp_path / "thrice", "thrice", 0, [0.1], steps_asked=15)
+    with pytest.raises(UsageError, match=r"nothing to report.* it has 5 of 15 steps\. It ended early"):
         read_runs(tmp_path)
 
 

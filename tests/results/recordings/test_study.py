@@ -314,11 +314,10 @@ def test_an_env_made_with_other_arguments_is_told(tmp_path):
     assert "different arguments: {'reward': 'plain'} and {}" in load_study(tmp_path).runs.notes[0]
 
 
-def test_one_reward_alone_is_refused(tmp_path):
-    """There is nothing to compare it with."""
+def test_one_reward_alone_is_compared_with_nothing(tmp_path):
+    """What it paid for is told elsewhere."""
     record(tmp_path / "one", "plain", 0, RISING)
-    with pytest.raises(UsageError, match="all trainings in it were trained with plain"):
-        load_study(tmp_path)
+    assert load_study(tmp_path).comparisons == ()
 
 
 def test_a_folder_without_recordings_is_refused(tmp_path):

@@ -25,7 +25,7 @@ class PayPart(NamedTuple):
     """Its logarithm, or its value: what its bar shows. Sizes of one change add up to all of it."""
 
 
-class Pay(NamedTuple):
+class PaySentence(NamedTuple):
     """How much an episode is paid under the proposed reward, beside the baseline."""
 
     told: str
@@ -46,7 +46,7 @@ class Pay(NamedTuple):
         return abs(behaviour) < ALL * abs(ruler + behaviour)
 
 
-def pay_of(comparison: Comparison) -> Pay | None:
+def pay_of(comparison: Comparison) -> PaySentence | None:
     """The pay of an episode in the manner that decides: a ratio where there is one, else a difference.
 
     Of an experiment whose returns are not known it is the number that they have, an index of the summed reward; None
@@ -64,15 +64,15 @@ def pay_of(comparison: Comparison) -> Pay | None:
     return next((it for it in of_index if it is not None), None)
 
 
-def _ratio(told: str, split: Split) -> Pay | None:
+def _ratio(told: str, split: Split) -> PaySentence | None:
     eta = split.eta
     if not _is_told(eta):
         return None
     told = told.format(format_number(eta.value))
     if not (_is_told(split.ruler) and _is_told(split.behaviour)):
-        return Pay(told, (), _reason(split.ruler.near_zero or split.ruler.note))
+        return PaySentence(told, (), _reason(split.ruler.near_zero or split.ruler.note))
     parts = (("ruler", split.ruler), ("behaviour", split.behaviour))
-    return Pay(
+    return PaySentence(
         told,
         tuple(PayPart(name, f"× {format_number(it.value)}", math.log(it.value or 1.0)) for name, it in parts),
         "",
@@ -83,16 +83,16 @@ def _is_told(ratio: Ratio) -> bool:
     return ratio.value is not None and ratio.value > 0.0 and ratio.near_zero is None
 
 
-def _difference(sides: str, split: ReturnSplit) -> Pay | None:
+def _difference(sides: str, split: ReturnSplit) -> PaySentence | None:
     total: SumSplit = split.total
     change = total.change.mean
     if change is None:
         return None
     told = f"{sides}: {format_number(abs(change))} {'more' if change >= 0.0 else 'less'}"
     if total.ruler.mean is None or total.behaviour.mean is None:
-        return Pay(told, (), _reason(total.ruler.note))
+        return PaySentence(told, (), _reason(total.ruler.note))
     parts = (("ruler", total.ruler.mean), ("behaviour", total.behaviour.mean))
-    return Pay(told, tuple(PayPart(name, _signed(value), value) for name, value in parts), "")
+    return PaySentence(told, tuple(PayPart(name, _signed(value), value) for name, value in parts), "")
 
 
 def _signed(value: float) -> str:

@@ -1,23 +1,23 @@
 """Pays recorded runs again by a reward of the experiment, or says why that is not possible any more."""
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cached_property
 
 import numpy as np
 
-from harness.arrays import Float
 from harness.errors import HarnessError, Unscored, one_line
 from harness.record.trace import Trace
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.registry.sources import fingerprint
-from harness.reward import Reward
-from harness.reward.needs import needs_of
-from harness.score.scorer import fields_beside_distances, score_trace
+from harness.reward import Paid, Reward
+from harness.reward.needs import Needs, needs_of
+from harness.score.scorer import fields_beside_distances, pay_trace
+from harness.score.weights import reweighted
 
 
-class Payer:
+class InstalledReward:
     """A reward of the experiment, as it is installed now.
 
     Attributes:
@@ -27,14 +27,20 @@ class Payer:
     def __init__(self, choice: Choice, registry: Registry) -> None:
         self.choice, self._registry = choice, registry
 
-    @cached_property
-    def fingerprint(self) -> str:
-        """The fingerprint of its parameters and sources; see `harness.registry.sources.fingerprint`.
+    def fingerprint(self, taught_by: Choice) -> str:
+        """What its pay of a run follows from beside the run: its parameters and sources, see `fingerprint`.
+
+        Where it is not installed, the columns of the run itself tell what it pays, as far as they are of its own terms.
+
+        Args:
+            taught_by: The reward that paid the run when it was recorded.
 
         Raises:
             Unscored: There is no such reward any more.
         """
         with self._told():
+            if self._is_recorded_by(taught_by):
+                return f"{self.choice.to_json()} as recorded by {taught_by.to_json()}"
             return f"{self.choice.to_json()} {fingerprint(self._reward)}"
 
     @cached_property
@@ -44,18 +50,28 @@ class Payer:
         Raises:
             Unscored: It cannot be asked.
         """
-        with self._told():
-            return bool(fields_beside_distances(needs_of(self._reward).fields))
+        return not self._is_installed or bool(fields_beside_distances(self._needs.fields))
 
-    def pay(self, run: Trace) -> Float:
-        """The shaped reward of every row of a run, (rows,).
+    @property
+    def has_terms(self) -> bool:
+        """Whether what it pays is made of terms; False where it cannot be asked."""
+        with suppress(Unscored):
+            return bool(self._needs.terms)
+        return False
+
+    def pay(self, run: Trace, taught_by: Choice) -> Paid:
+        """The shaped reward of every row of a run, and what each term of it paid, (rows,).
+
+        Args:
+            run: The run.
+            taught_by: The reward that paid it when it was recorded.
 
         Raises:
             Unscored: It cannot, or what it pays is not finite.
         """
         with self._told():
-            paid = score_trace(self._reward, run)
-            if not np.isfinite(paid).all():
+            paid = self._pay(run, taught_by)
+            if not np.isfinite(paid.total).all():
                 raise HarnessError(f"reward {self.choice.label} is not finite on the runs of another reward")
             return paid
 
@@ -69,7 +85,7 @@ class Payer:
             Unscored: It cannot pay at all.
         """
         with self._told():
-            return np.allclose(score_trace(self._reward, own), own["reward"], rtol=1e-9, atol=1e-12)
+            return np.allclose(self._pay(own, self.choice).total, own["reward"], rtol=1e-9, atol=1e-12)
 
     def require_unchanged(self, pays_recorded: bool) -> None:
         """Check `pays_recorded`. A reward that now pays its own steps differently is another reward.
@@ -80,9 +96,27 @@ class Payer:
         if not pays_recorded:
             raise Unscored(f"reward {self.choice.label} now pays its recorded steps differently: it has changed")
 
+    def _pay(self, run: Trace, taught_by: Choice) -> Paid:
+        if run.terms and self._is_recorded_by(taught_by):
+            return reweighted(self.choice.label, taught_by, run.terms)
+        return pay_trace(self._reward, run)
+
+    @property
+    def _is_installed(self) -> bool:
+        return ("rewards", self.choice.name) in self._registry.specs
+
+    def _is_recorded_by(self, taught_by: Choice) -> bool:
+        """Whether nothing but the columns of a run can tell what it pays, and these are of its own terms."""
+        return not self._is_installed and taught_by.name == self.choice.name
+
+    @cached_property
+    def _needs(self) -> Needs:
+        with self._told():
+            return needs_of(self._reward)
+
     @cached_property
     def _reward(self) -> Reward:
-        if ("rewards", self.choice.name) not in self._registry.specs:
+        if not self._is_installed:
             raise HarnessError(
                 f"No reward '{self.choice.name}' is installed. If it stands in a file, add --plugin FILE"
             )

@@ -7,7 +7,7 @@ from harness.errors import Unscored
 from harness.record.trace import Trace
 from harness.registry.choice import Choice, choose
 from harness.registry.registry import Registry, load_registry
-from harness.score.scored_runs import Payer
+from harness.score.installed_reward import InstalledReward
 from harness.score.scorer import score_trace
 
 
@@ -37,22 +37,25 @@ def _paid(run: Trace, reward: Choice, registry: Registry) -> Trace:
     return Trace({**run.columns, "reward": score_trace(reward.build(registry, "rewards"), run)})
 
 
+GONE = Choice("gone", (), "gone")
+
+
 @pytest.fixture(name="arp")
-def _arp(registry: Registry) -> Payer:
-    return Payer(choose(registry, "rewards", "arp"), registry)
+def _arp(registry: Registry) -> InstalledReward:
+    return InstalledReward(choose(registry, "rewards", "arp"), registry)
 
 
-def test_runs_are_paid(run: Trace, arp: Payer, registry: Registry):
+def test_runs_are_paid(run: Trace, arp: InstalledReward, registry: Registry):
     """As the reward pays them."""
-    np.testing.assert_array_equal(arp.pay(run), _paid(run, arp.choice, registry)["reward"])
+    np.testing.assert_array_equal(arp.pay(run, arp.choice).total, _paid(run, arp.choice, registry)["reward"])
 
 
-def test_reward_pays_what_it_paid(run: Trace, arp: Payer, registry: Registry):
+def test_reward_pays_what_it_paid(run: Trace, arp: InstalledReward, registry: Registry):
     """It has not changed since."""
     assert arp.pays_recorded(_paid(run, arp.choice, registry))
 
 
-def test_reward_that_has_changed_says_so(run: Trace, arp: Payer):
+def test_reward_that_has_changed_says_so(run: Trace, arp: InstalledReward):
     """It does not pay what is recorded."""
     pays = arp.pays_recorded(run)
     assert not pays
@@ -63,16 +66,32 @@ def test_reward_that_has_changed_says_so(run: Trace, arp: Payer):
 def test_reward_that_is_gone_says_so(run: Trace, registry: Registry):
     """With the message of the registry."""
     with pytest.raises(Unscored, match=r"^No reward 'gone'"):
-        Payer(Choice("gone", (), "gone"), registry).pay(run)
+        InstalledReward(GONE, registry).pay(run, GONE)
 
 
 def test_reward_that_is_gone_has_no_fingerprint(registry: Registry):
-    """Nothing that was kept can be looked for."""
+    """Nothing that was kept of runs by another reward can be looked for."""
     with pytest.raises(Unscored, match=r"^No reward 'gone'"):
-        _ = Payer(Choice("gone", (), "gone"), registry).fingerprint
+        InstalledReward(GONE, registry).fingerprint(Choice("arp", (), "arp"))
+
+
+def test_reward_that_is_gone_pays_its_own_run_from_columns(run: Trace, registry: Registry):
+    """What its terms paid is recorded, and other weights are a factor."""
+    own = Trace({**run.columns, "reward/near": np.array([0.0, 1.0, 2.0, 3.0]), "reward/calm": np.full(4, 0.5)})
+    heavier = InstalledReward(Choice("gone", (("near", 2.0), ("calm", 1.0)), "gone:near=2"), registry)
+    paid = heavier.pay(own, Choice("gone", (("near", 1.0), ("calm", 1.0)), "gone"))
+    np.testing.assert_array_equal(paid.terms["near"], [0.0, 2.0, 4.0, 6.0])
+    np.testing.assert_array_equal(paid.total, [0.5, 2.5, 4.5, 6.5])
+
+
+def test_reward_that_is_gone_does_not_pay_the_run_of_another(run: Trace, registry: Registry):
+    """Their columns are of other terms."""
+    own = Trace({**run.columns, "reward/near": np.ones(4)})
+    with pytest.raises(Unscored, match=r"^No reward 'gone'"):
+        InstalledReward(GONE, registry).pay(own, Choice("other", (), "other"))
 
 
 def test_parameters_are_in_the_fingerprint(registry: Registry):
     """`arp:k2=2` pays otherwise than `arp`."""
-    prints = {Payer(choose(registry, "rewards", text), registry).fingerprint for text in ("arp", "arp:k2=2")}
-    assert len(prints) == 2
+    rewards = [InstalledReward(choose(registry, "rewards", text), registry) for text in ("arp", "arp:k2=2")]
+    assert len({it.fingerprint(GONE) for it in rewards}) == 2

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from harness.report.rows.comparison import format_number
-from harness.report.rows.pay import Pay, PayPart, pay_of
+from harness.report.rows.pay_sentence import PayPart, PaySentence, pay_of
 from harness.results import load_results
 from tests.results.recordings.conftest import PAYS, record
 
@@ -70,5 +70,5 @@ def test_nothing_compared_has_no_pay(build):
 )
 def test_nearly_all_is_more_than_nine_tenths(ruler, behaviour, is_ruler):
     """Of the change, whichever way the behaviour goes."""
-    pay = Pay("", (PayPart("ruler", "", ruler), PayPart("behaviour", "", behaviour)), "")
+    pay = PaySentence("", (PayPart("ruler", "", ruler), PayPart("behaviour", "", behaviour)), "")
     assert pay.is_ruler is is_ruler

@@ -1,0 +1,72 @@
+"""What each term of a reward paid an episode of one training, or of its evaluations: sums over recorded columns."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.arrays import Float, Mask
+
+PART = 0.1
+"""The first and the last episodes of a training, as a share of them; at least one."""
+
+
+class TermMeans(NamedTuple):
+    """What one term paid an episode, means over episodes; None where no episode ended."""
+
+    start: float | None
+    """Over the first tenth of the episodes, in the order in which they ended."""
+    end: float | None
+    """Over the last tenth."""
+    whole: float | None
+    """Over all of them."""
+    pays: bool
+    """Whether it paid anything but 0 in any step, also of an episode that did not end."""
+
+
+class ByTerm(NamedTuple):
+    """What the terms of a reward paid in recorded steps."""
+
+    terms: Mapping[str, TermMeans]
+    """By term, in their order; none of a reward without terms."""
+    steps: int
+    """How many steps there are."""
+    episodes: int
+    """How many episodes ended."""
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data; `from_json` gives the same back."""
+        return {**self._asdict(), "terms": {name: list(means) for name, means in self.terms.items()}}
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> "ByTerm":
+        """What `to_json` told, also after a way through JSON."""
+        return cls({name: TermMeans(*means) for name, means in data["terms"].items()}, data["steps"], data["episodes"])
+
+
+def part_of(episodes: int) -> int:
+    """How many of so many episodes are the first of a training, and how many the last."""
+    return max(1, round(PART * episodes))
+
+
+def by_term(terms: Mapping[str, Float], episodes: Sequence[NDArray[np.int64]], paid: Mask) -> ByTerm:
+    """What terms paid.
+
+    Args:
+        terms: By name, what each paid in every row, (rows,).
+        episodes: Row numbers of each finished episode, in their order.
+        paid: Which rows are steps, (rows,), and no start of an episode.
+    """
+    ordered = sorted(episodes, key=lambda rows: int(rows[-1]))
+    return ByTerm({name: _means(values, ordered) for name, values in terms.items()}, int(paid.sum()), len(ordered))
+
+
+def _means(values: Float, episodes: Sequence[NDArray[np.int64]]) -> TermMeans:
+    pays = bool((values != 0.0).any())
+    if not episodes:
+        return TermMeans(None, None, None, pays)
+    begins = np.cumsum([0, *map(len, episodes[:-1])])
+    sums = np.add.reduceat(values[np.concatenate(episodes)], begins)
+    part = part_of(len(sums))
+    return TermMeans(float(sums[:part].mean()), float(sums[-part:].mean()), float(sums.mean()), pays)

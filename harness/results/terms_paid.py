@@ -1,0 +1,269 @@
+"""What each term of a reward paid: at the start of its trainings, at their end, in the evaluations, and beside others.
+
+Of the return of an episode, what a proposed reward's trainings are paid by it, minus what the baseline's trainings are
+paid by it, is the behaviour part of a change, on the path that takes the ruler on the baseline's runs. As the return is
+the sum of its terms, so is that part: here it is told term by term.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from harness.errors import Unscored
+from harness.eta.interval import difference_interval, variance_of, why_no_interval
+from harness.eta.seed_mean import SeedMean, mean_over_seeds
+from harness.record.cell import Cell
+from harness.record.folder import EVALUATION, RANDOM, TRACE
+from harness.registry.choice import Choice
+from harness.results.by_term import ByTerm
+from harness.results.comparison import Group
+from harness.results.records import Records
+
+PATH = "behaviour under {reward}, the ruler on the episodes of {baseline}'s trainings"
+NOTHING = SeedMean(None)
+
+
+class Trained(NamedTuple):
+    """What the terms of one reward paid one training."""
+
+    training: ByTerm | None
+    """In the training itself; None where it is not asked for."""
+    evaluation: ByTerm | None
+    """In the evaluation of its final policy; None where there is none."""
+
+    def final(self, term: str) -> float | None:
+        """What a term paid an episode of the evaluation, or where there is none of the end of the training."""
+        told = self.evaluation or self.training
+        found = told.terms.get(term) if told else None
+        return None if found is None else found.whole if self.evaluation else found.end
+
+
+@dataclass(frozen=True)
+class TermPaid:
+    """What one term paid an episode. Means over trainings, with their 95 % intervals.
+
+    Attributes:
+        name: Of the term.
+        start: Of the first tenth of the episodes of the reward's own trainings.
+        end: Of the last tenth.
+        evaluation: Of the evaluations of the final policies.
+        others: Of the evaluations of the policies that the baseline trained; where none are recorded of the end of
+            these trainings.
+        random: Of random actions; None where they are not recorded, or cannot be paid.
+        behaviour: `final` - `others`, the part that the term has in the behaviour part of the change.
+        ruler: What it pays the baseline's evaluations minus what the baseline's own term of this name pays them.
+        never: Whether it paid 0 in every recorded step of the reward's trainings.
+    """
+
+    name: str
+    start: SeedMean
+    end: SeedMean
+    evaluation: SeedMean
+    others: SeedMean = NOTHING
+    random: float | None = None
+    behaviour: SeedMean = NOTHING
+    ruler: SeedMean = NOTHING
+    never: bool = False
+
+    @property
+    def final(self) -> SeedMean:
+        """`evaluation`, or where there is none `end`."""
+        return self.evaluation if self.evaluation.mean is not None else self.end
+
+    @property
+    def over_training(self) -> float | None:
+        """How much the mean changed from the start of the trainings to their end."""
+        return None if self.start.mean is None or self.end.mean is None else self.end.mean - self.start.mean
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        return {name: value.to_json() if isinstance(value, SeedMean) else value for name, value in vars(self).items()}
+
+
+@dataclass(frozen=True)
+class TermsPaid:
+    """What each term of one reward paid, in one group of trainings.
+
+    Attributes:
+        group: What the trainings share.
+        reward: The label of the reward.
+        baseline: That of the reward that it is compared with; empty where it is that itself, or alone.
+        trainings: How many trainings it taught.
+        steps: How many steps they have together.
+        terms: In their order.
+        missing: Why it is not known what the terms pay the baseline's trainings; empty where it is.
+    """
+
+    group: Group
+    reward: str
+    baseline: str
+    trainings: int
+    steps: int
+    terms: tuple[TermPaid, ...]
+    missing: str = ""
+
+    @property
+    def path(self) -> str:
+        """On which of the two paths of a split the behaviour of the terms adds up; see `harness.eta.splits`."""
+        return PATH.format(reward=self.reward, baseline=self.baseline)
+
+    @property
+    def never(self) -> tuple[str, ...]:
+        """The terms that never paid."""
+        return tuple(it.name for it in self.terms if it.never)
+
+    @property
+    def is_compared(self) -> bool:
+        """Whether it is known what the terms pay the baseline's trainings."""
+        return any(it.behaviour.mean is not None for it in self.terms)
+
+    @property
+    def most_changed(self) -> TermPaid | None:
+        """The term that changed most: beside the baseline's trainings, else over its own; None where none changed."""
+        known = [(abs(change), it) for it in self.terms if (change := self._change_of(it))]
+        return max(known, key=lambda pair: pair[0])[1] if known else None
+
+    def _change_of(self, term: TermPaid) -> float | None:
+        return term.behaviour.mean if self.is_compared else term.over_training
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        most = self.most_changed
+        return {
+            **self.group.to_json(),
+            "reward": self.reward,
+            "baseline": self.baseline or None,
+            "trainings": self.trainings,
+            "training_steps": self.steps,
+            "terms": [it.to_json() for it in self.terms],
+            "path": self.path if self.is_compared else None,
+            "most_changed": most and most.name,
+            "never_paid": list(self.never),
+            "missing": self.missing,
+        }
+
+
+def terms_paid(
+    group: Group,
+    names: tuple[str, str],
+    own: Sequence[Trained],
+    others: Sequence[Trained] = (),
+    ours: Sequence[Trained] = (),
+    random: ByTerm | None = None,
+    missing: str = "",
+) -> TermsPaid | None:
+    """What each term of a reward paid; None of a reward without terms.
+
+    Args:
+        group: What the trainings share.
+        names: The label of the reward, and of the baseline; the latter empty where there is none.
+        own: What its terms paid each of its own trainings.
+        others: What its terms pay each of the baseline's trainings.
+        ours: What the baseline's own terms paid each of the baseline's trainings.
+        random: What its terms pay random actions.
+        missing: Why there are no `others`.
+    """
+    trained = [it.training for it in own if it.training is not None]
+    terms = list(dict.fromkeys(name for it in trained for name in it.terms))
+    if not terms:
+        return None
+    found = tuple(_term(name, own, others, ours, random) for name in terms)
+    return TermsPaid(group, *names, len(own), sum(it.steps for it in trained), found, missing)
+
+
+def _term(
+    name: str, own: Sequence[Trained], others: Sequence[Trained], ours: Sequence[Trained], random: ByTerm | None
+) -> TermPaid:
+    trained = [it.training.terms[name] for it in own if it.training is not None and name in it.training.terms]
+    mine, theirs, before = ([it.final(name) for it in side] for side in (own, others, ours))
+    acted = random.terms.get(name) if random is not None else None
+    return TermPaid(
+        name,
+        _mean([it.start for it in trained], len(own)),
+        _mean([it.end for it in trained], len(own)),
+        _mean(mine, len(own)) if all(it.evaluation for it in own) else NOTHING,
+        _mean(theirs, len(others)) if others else NOTHING,
+        acted.whole if acted is not None else None,
+        _difference(theirs, mine),
+        _difference(before, theirs),
+        not any(it.pays for it in trained),
+    )
+
+
+def _mean(values: Sequence[float | None], count: int) -> SeedMean:
+    known = [value for value in values if value is not None]
+    return mean_over_seeds(known, None if len(known) == count else f"{count - len(known)} of {count} have none")
+
+
+def _difference(less: Sequence[float | None], from_: Sequence[float | None]) -> SeedMean:
+    """The mean of one side minus that of another, which are not paired; none where a training has no value."""
+    one, other = ([value for value in side if value is not None] for side in (less, from_))
+    if not one or not other or (len(one), len(other)) != (len(less), len(from_)):
+        return NOTHING
+    mean, seeds = sum(other) / len(other) - sum(one) / len(one), min(len(one), len(other))
+    if notes := why_no_interval(seeds):
+        return SeedMean(mean, seeds=seeds, notes=notes)
+    return SeedMean(mean, *difference_interval(one, other, (variance_of(one), variance_of(other))), seeds)
+
+
+# The cells of an arm
+
+
+def terms_of_cells(records: Records) -> tuple[TermsPaid, ...]:
+    """What each term of each reward paid, of all groups of done cells.
+
+    Raises:
+        SchemaError: A file is damaged or written by a newer version.
+    """
+    return tuple(found for group, cells in records.groups.items() for found in _of_group(records, group, cells))
+
+
+def _of_group(records: Records, group: Group, cells: Sequence[Cell]) -> Iterator[TermsPaid]:
+    taught: dict[Choice, list[Cell]] = {}
+    for cell in sorted(cells, key=lambda cell: cell.seed):
+        if not records.is_control(cell):
+            taught.setdefault(cell.reward, []).append(cell)
+    baseline = next((choice for choice in taught if choice.label == records.baseline), None)
+    for choice, own in taught.items():
+        if not any(records.of(cell).term_names() for cell in own):
+            continue
+        pays = _Pays(records, choice)
+        beside = taught[baseline] if baseline is not None and baseline != choice else []
+        others, missing = pays.those(beside)
+        names = (choice.label, beside[0].reward.label if beside else "")
+        has_terms = beside and records.of(beside[0]).term_names()
+        ours = _Pays(records, beside[0].reward).those(beside)[0] if has_terms else []
+        yield from filter(None, [terms_paid(group, names, pays.own(own), others, ours, pays.random(own[0]), missing)])
+
+
+class _Pays:
+    """What the terms of one reward pay cells, one cell after the other in memory."""
+
+    def __init__(self, records: Records, choice: Choice) -> None:
+        self._records, self._reward = records, records.installed(choice)
+
+    def own(self, cells: Sequence[Cell]) -> list[Trained]:
+        """The trainings that it taught, and their evaluations."""
+        return [Trained(self._terms(cell, TRACE), self._terms(cell, EVALUATION)) for cell in cells]
+
+    def those(self, cells: Sequence[Cell]) -> tuple[list[Trained], str]:
+        """The evaluations of trainings that another reward taught; why they cannot be paid."""
+        try:
+            return [Trained(None, self._terms(cell, EVALUATION)) for cell in cells], ""
+        except Unscored as unscored:
+            return [], str(unscored)
+
+    def random(self, cell: Cell) -> ByTerm | None:
+        """Random actions in the same place; None where they are not recorded, or cannot be paid."""
+        owner = self._records.floor_of(cell)
+        try:
+            return None if owner is None else self._terms(owner, RANDOM)
+        except Unscored:
+            return None
+
+    def _terms(self, cell: Cell, file: str) -> ByTerm:
+        found = self._records.of(cell)
+        try:
+            return found.terms_paid(self._reward, file)
+        finally:
+            found.finish()
