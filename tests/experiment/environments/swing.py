@@ -7,7 +7,8 @@ from typing import Any
 import gymnasium
 import numpy as np
 
-from harness.environment import AnyEnv, Measure
+from harness.environment import AnyEnv
+from harness.reward import Given
 
 
 def _is_large(action: Any) -> float:
@@ -42,10 +43,10 @@ class Swing:
         """See `harness.environment.Environment`."""
         return _Swing()
 
-    def rewards(self, env: AnyEnv) -> Mapping[str, Measure]:
+    def rewards(self, env: AnyEnv) -> Mapping[str, Given]:
         """See `harness.environment.Environment`."""
         return {"large": "own", "small": lambda before, action, after, info: -_is_large(action)}
 
-    def behaviour(self, env: AnyEnv) -> Mapping[str, Measure]:
+    def behaviour(self, env: AnyEnv) -> Mapping[str, Given]:
         """See `harness.environment.Environment`."""
         return {"success": lambda before, action, after, info: env.unwrapped.at[0] > 0.0}
