@@ -21,6 +21,7 @@ def verdict_of(audit: Audit) -> list[str]:
         for name in (HOVER, CREEP)
         if payoffs[name].success > 0.0
     ]
+    lines += [f"The term '{name}' never paid in {audit.steps:,} steps." for name in audit.never_paid]
     return lines
 
 

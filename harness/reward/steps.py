@@ -6,7 +6,7 @@ Which fields there are depends on where the steps come from. One that is not the
 
 import difflib
 from collections import namedtuple
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from itertools import islice
@@ -85,8 +85,13 @@ class Sample(NamedTuple):
         return _missing(self, name)
 
 
+def _values(steps: Any) -> tuple[Any, ...]:
+    """All of them, as who copies or pickles steps takes them."""
+    return tuple(tuple.__iter__(steps))
+
+
 def _told(steps: Any) -> dict[str, Any]:
-    return dict(zip(steps._fields, tuple.__iter__(steps), strict=True))
+    return dict(zip(steps._fields, _values(steps), strict=True))
 
 
 def _replaced(steps: Any, **given: Any) -> Any:
@@ -104,6 +109,7 @@ def steps_type(fields: tuple[str, ...]) -> type[Any]:
     Who unpacks a step of an arm gets the distances of `Sample`, which were all that a reward once knew.
     """
     members: dict[str, Any] = {"__slots__": (), "__getattr__": _missing, "_asdict": _told, "_replace": _replaced}
+    members["__getnewargs__"] = _values
     if fields[: len(Sample._fields)] == Sample._fields:
         members["__iter__"] = _distances
     return type("Steps", (namedtuple("Steps", fields),), members)
@@ -114,10 +120,15 @@ def steps_of(fields: Mapping[str, Any]) -> Steps:
     return steps_type(tuple(fields))._make(fields.values())
 
 
+def map_steps(function: Callable[[Any], Any], steps: Steps) -> Steps:
+    """Steps with what a function makes of each of their arrays, and of those of what was before them."""
+    told = steps._asdict().values()
+    return type(steps)._make(map_steps(function, part) if isinstance(part, tuple) else function(part) for part in told)
+
+
 def rows_of(steps: Steps, rows: Any) -> Steps:
     """Some rows of steps, and of what was before them."""
-    told = steps._asdict().values()
-    return type(steps)._make(rows_of(part, rows) if isinstance(part, tuple) else part[rows] for part in told)
+    return map_steps(lambda array: array[rows], steps)
 
 
 @dataclass(frozen=True)
