@@ -23,9 +23,9 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float
 from harness.audit.rollout import Rollout
-from harness.audit.score import DISTANCE, paid_along, step_between
+from harness.audit.score import paid_along
 from harness.reward import Carry, Reward, Steps, pay
-from harness.reward.steps import rows_of
+from harness.reward.steps import DISTANCE, rows_of, step_between
 
 SAMPLES = 64
 """So many distances stand for EPIC's D."""

@@ -6,8 +6,9 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.audit.rollout import States
-from harness.audit.score import DISTANCE, Score, pay_along
+from harness.audit.score import Score, pay_along
 from harness.reward import MissingField, Reward
+from harness.reward.steps import DISTANCE
 
 EACH = 16
 """Episodes of each of the three kinds."""

@@ -10,26 +10,9 @@ import numpy as np
 from harness.arrays import Float, read_only
 from harness.audit.rollout import Rollout, States
 from harness.errors import SimulationDiverged
-from harness.reward import LARGEST_PAID, Carry, Paid, Reward, Sample, Steps, pay
-from harness.reward.steps import BEFORE, steps_of
+from harness.reward import LARGEST_PAID, Carry, Paid, Reward, Steps, pay
+from harness.reward.steps import DISTANCE, step_between
 from harness.reward.terms import require_same
-
-DISTANCE = "distance"
-
-
-def step_between(state: Mapping[str, Any], after: Mapping[str, Any], begin: Float, best: Float, step: Float) -> Steps:
-    """The step from one state to another, of n episodes.
-
-    Args:
-        state: The fields before the step, (n, ...) each; ``distance`` is among them.
-        after: The same after it; its action is that of the step.
-        begin: Begin distances, (n,), [m].
-        best: The smallest distances until the state, (n,), [m].
-        step: Numbers of the step, counted from 1, (n,).
-    """
-    distance = after[DISTANCE]
-    six = Sample(begin, best, state[DISTANCE], distance, distance - best, step)
-    return steps_of({**six._asdict(), **after, BEFORE: steps_of(state)})
 
 
 def steps_along(states: States) -> Iterator[Steps]:

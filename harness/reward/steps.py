@@ -17,6 +17,7 @@ from harness.errors import UsageError
 
 Steps: TypeAlias = Any
 """Steps, with the fields of `ARM` or some of them; of an environment those of `ENVIRONMENT`."""
+DISTANCE = "distance"
 BEFORE = "before"
 """The field whose fields tell what there was before the steps."""
 
@@ -118,6 +119,21 @@ def steps_type(fields: tuple[str, ...]) -> type[Any]:
 def steps_of(fields: Mapping[str, Any]) -> Steps:
     """Steps with these fields, in their order."""
     return steps_type(tuple(fields))._make(fields.values())
+
+
+def step_between(state: Mapping[str, Any], after: Mapping[str, Any], begin: Any, best: Any, step: Any) -> Steps:
+    """The step from one state to another, of n episodes.
+
+    Args:
+        state: The fields before the step, (n, ...) each; ``distance`` is among them.
+        after: The same after it; its action is that of the step.
+        begin: Begin distances, (n,), [m].
+        best: The smallest distances until the state, (n,), [m].
+        step: Numbers of the step, counted from 1, (n,).
+    """
+    distance = after[DISTANCE]
+    six = Sample(begin, best, state[DISTANCE], distance, distance - best, step)
+    return steps_of({**six._asdict(), **after, BEFORE: steps_of(state)})
 
 
 def map_steps(function: Callable[[Any], Any], steps: Steps) -> Steps:

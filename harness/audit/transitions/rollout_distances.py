@@ -21,12 +21,13 @@ from numpy.typing import NDArray
 from harness.arrays import Float, read_only
 from harness.audit.distance import Distance
 from harness.audit.rollout import Rollout, States
-from harness.audit.score import paid_along, step_between
+from harness.audit.score import paid_along
 from harness.audit.transitions.asked import NoTransitionReward
 from harness.audit.transitions.canonical_forms import Ask, Step
 from harness.audit.transitions.form_distances import FORMS, STARC, draw_coverages, form_distance, form_vector
 from harness.recorder.walk import Walk
 from harness.reward import Carry, Reward, pay, take
+from harness.reward.steps import step_between
 
 COMPARED = 2_000
 """So many of all recorded steps are compared, evenly spread."""
