@@ -23,7 +23,7 @@ MEANING = {
     DARD: "as EPIC, but each step is compared only with recorded steps that are near in time",
     STARC: "as EPIC, but less the value of a state, by recorded steps that are near in time",
 }
-"""Of distances that rest on recorded transitions."""
+"""What the distances say that rest on recorded transitions, by form; `MADE_UP` is that of made-up distances."""
 RECORDED = (
     "These distances were computed from recorded transitions, because a reward reads {}, and not distances alone: each "
     "was asked what a recorded action pays between two recorded states."
