@@ -97,8 +97,8 @@ def _record(env: ReachVectorEnv, script: str) -> Rollout:
     running, reached = np.ones(env.num_envs, bool), np.zeros(env.num_envs, bool)
     states, rows = [_state(env)], []
     for action in actions:
-        target = env.episodes.target.copy()  # a task that goes on sets the next one at the end of the step
         _, paid, terminated, truncated, infos = env.step(action)
+        target = env.episodes.steps.before.target.copy()  # that of the step; a task that goes on has set the next one
         states.append({**_state(env), "target": target, "distance": infos["distance"]})
         rows.append((np.where(running, paid, 0.0), running))
         reached |= running & infos["is_success"]

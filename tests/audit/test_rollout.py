@@ -16,9 +16,11 @@ from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 from harness.reward.forms import reward_class
 from harness.reward.steps import ARM_BEFORE
+from harness.robot.load import load_robot
 from harness.testing import IdealSimulator
 from harness_plugins.tasks.moving import Moving
 from harness_plugins.tasks.pose import Pose
+from harness_plugins.tasks.unity import UnityReach as Unity
 
 REGISTRY = load_registry()
 
@@ -110,3 +112,12 @@ def test_a_score_is_what_the_env_pays(robot, task, by_script, name, script):
         for term, column in score.terms.items():
             assert (column[step] == env.episodes.extra(f"{TERM}{term}")[:, 0])[running].all()
     env.close()
+
+
+@pytest.mark.parametrize("task", [ReachTask(horizon=40), Unity(action="movej", horizon=400)], ids=["fd100", "unity"])
+def test_the_target_of_a_state_is_that_of_its_distance(task):
+    """Also where a task sets the next one at the end of a step."""
+    for rollout in record_rollouts(IdealSimulator(), load_robot(task.robot), task, 6):
+        states = rollout.states
+        away = np.linalg.norm(states["target"] - states["end_effector"], axis=-1)
+        np.testing.assert_allclose(away, states["distance"], atol=1e-12)
