@@ -1,6 +1,13 @@
-import numpy as np
+import copy
+import pickle
 
-from harness.reward import put, replace_where, take
+import numpy as np
+import pytest
+
+from harness.reward import Sample, pay, put, replace_where, take
+from harness.reward.forms import is_plain_function, reward_class
+from harness.reward.needs import made_up, needs_of
+from harness.reward.steps import map_steps, rows_of, step_between
 
 CARRY = (np.array([1.0, 2.0, 3.0]), (np.arange(6).reshape(3, 2), ()))
 
@@ -32,3 +39,71 @@ def test_putting_leaves_the_carry_given_alone():
 def test_a_finer_type_is_kept():
     """A carry that starts as whole numbers may go on as fractions."""
     assert put(np.array([1, 2]), np.array([0]), np.array([0.5])).tolist() == [0.5, 2.0]
+
+
+def test_copied_steps_have_every_field():
+    """Who unpacks a step gets six distances; a copy is whole all the same."""
+    steps = made_up(6, 6)
+    for other in (copy.copy(steps), copy.deepcopy(steps)):
+        assert other._fields == steps._fields
+        assert (other.before.action == steps.before.action).all()
+    assert pickle.loads(pickle.dumps(Sample(*range(6)))) == Sample(*range(6))
+
+
+def test_steps_are_mapped_with_what_was_before():
+    """Arrays of both; rows are a case of it."""
+    steps = made_up(6, 6)
+    doubled = map_steps(lambda array: 2 * array, steps)
+    assert (doubled.before.qpos == 2 * steps.before.qpos).all()
+    assert rows_of(steps, slice(1, 2)).before.qpos.shape == (1, 6)
+
+
+def test_a_step_goes_from_one_state_to_another():
+    """Its previous distance is the one before; gains count from the best."""
+    states = [{"distance": np.array([0.4]), "action": np.array([[0.0]])}, {"distance": np.array([0.3])}]
+    step = step_between(states[0], {**states[1], "action": np.array([[1.0]])}, *map(np.array, ([0.5], [0.35], [2.0])))
+    assert (step.previous_distance, step.before.action[0, 0], step.action[0, 0]) == (0.4, 0.0, 1.0)
+    assert step.delta_distance == pytest.approx(-0.05)
+
+
+def test_who_unpacks_a_step_reads_distances():
+    """And not what else a step has: an audit may ask such a reward about distances alone."""
+
+    def unpacked(step):
+        begin, _, _, distance, *_ = step
+        return begin - distance
+
+    assert needs_of(reward_class(unpacked)()).fields == tuple(sorted(Sample._fields))
+
+
+def test_made_up_steps_cannot_be_spoilt():
+    """They are kept for the next reward."""
+    with pytest.raises(ValueError, match="read-only"):
+        made_up(6, 6).before.action[0] = 1.0
+
+
+def test_a_plain_function_is_known_as_one():
+    """A dataclass is none."""
+
+    def plain(step):
+        return -step.distance
+
+    assert is_plain_function(reward_class(plain)())
+    assert not is_plain_function(object())
+
+
+def test_a_total_of_another_library_is_taken_as_it_is():
+    """Its arrays may have no numbers yet, as while JAX compiles; numpy's are compared."""
+
+    class Opaque:
+        shape = (2,)
+
+        def __array__(self, *args, **kwargs):
+            raise TypeError("no numbers here")
+
+    class Fixed:
+        def __call__(self, carry, steps):
+            return carry, (Opaque(), {"reach": Opaque()})
+
+    opaque = pay(Fixed(), (), None)[1].terms["reach"]
+    assert isinstance(opaque, Opaque)

@@ -11,11 +11,23 @@ from harness.audit.audit import Audit
 from harness.audit.distance import Distance
 from harness.audit.number import number
 from harness.audit.payoff import Payoff
+from harness.audit.probe import why_not_asked
+from harness.audit.transitions.form_distances import DARD, EPIC, STARC
 from harness.audit.verdict import verdict_of
 from harness.audit.workspace import FACTOR
 
-EPIC = "0: the same up to scale, offset and shaping by a potential; 0.71: unrelated; 1: opposite"
-DARD = "as EPIC, but each step is compared only with steps that the arm can do from there"
+SAME = "0: the same up to scale, offset and shaping by a potential; 0.71: unrelated; 1: opposite"
+MADE_UP = {EPIC: SAME, DARD: "as EPIC, but each step is compared only with steps that the arm can do from there"}
+MEANING = {
+    EPIC: SAME,
+    DARD: "as EPIC, but each step is compared only with recorded steps that are near in time",
+    STARC: "as EPIC, but less the value of a state, by recorded steps that are near in time",
+}
+"""What the distances say that rest on recorded transitions, by form; `MADE_UP` is that of made-up distances."""
+RECORDED = (
+    "These distances were computed from recorded transitions, because a reward reads {}, and not distances alone: each "
+    "was asked what a recorded action pays between two recorded states."
+)
 
 
 def audit_table(audit: Audit, title: str, setting: str, against: str) -> RenderableType:
@@ -32,12 +44,28 @@ def audit_table(audit: Audit, title: str, setting: str, against: str) -> Rendera
         Text(title, style="bold"),
         Text(f"{setting}\n"),
         _payoff_grid(audit),
+        *_terms(audit),
         Text(f"\n{first}", style="bold"),
         *map(Text, others),
         Text(),
         _answer_grid(audit, against),
+        *_recorded(audit),
         *_rescaling(audit, title, against),
     )
+
+
+def _terms(audit: Audit) -> list[RenderableType]:
+    """What each term paid each policy; nothing for a reward without terms. Policies stand in the order of the table."""
+    terms = audit.payoffs[0].terms
+    if not terms:
+        return []
+    grid = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0))
+    grid.add_column("term", overflow="fold")
+    for payoff in audit.payoffs:
+        grid.add_column(Text(payoff.policy), justify="right", no_wrap=True)
+    for name in terms:
+        grid.add_row(Text(name), *(Text(number(payoff.terms[name])) for payoff in audit.payoffs))
+    return [Text("\nWhat each term paid in an episode, without discount:\n"), grid]
 
 
 def _rescaling(audit: Audit, title: str, against: str) -> list[Text]:
@@ -73,21 +101,40 @@ def _answer_grid(audit: Audit, against: str) -> Table:
     grid.add_column(overflow="fold")
     grid.add_column(no_wrap=True)
     grid.add_column(overflow="fold")
-    for answer in audit.properties:
-        grid.add_row(Text(answer.name), "yes" if answer.holds else "no", Text(answer.evidence))
-    ratios = [f"{policy} {'n/a' if ratio is None else number(ratio)}" for policy, ratio in audit.workspace.items()]
-    evidence = f"the shaped return grows by a factor: {', '.join(ratios)}; the event terms stay the same"
-    grid.add_row(Text(f"all distances times {FACTOR:g}"), "", Text(evidence))
-    for name, distance, terms in (("EPIC", audit.distance, EPIC), ("DARD", audit.reachable_distance, DARD)):
-        grid.add_row(Text(f"{name} distance to {against}"), _distance_value(distance), Text(_note(distance, terms)))
+    asked, larger = [answer.name for answer in audit.properties], f"all distances times {FACTOR:g}"
+    if audit.needed:
+        grid.add_row(Text("\n".join((*asked, larger))), "n/a", Text(why_not_asked(audit.needed)))
+    else:
+        for answer in audit.properties:
+            grid.add_row(Text(answer.name), "yes" if answer.holds else "no", Text(answer.evidence))
+        grid.add_row(Text(larger), "", Text(_workspace(audit)))
+    for name, distance in ((EPIC, audit.distance), (DARD, audit.reachable_distance), (STARC, audit.starc_distance)):
+        if distance is not None:
+            meaning = (MEANING if audit.recorded_because else MADE_UP)[name]
+            grid.add_row(
+                Text(f"{name} distance to {against}"), _distance_value(distance), Text(_note(distance, meaning))
+            )
     return grid
+
+
+def _workspace(audit: Audit) -> str:
+    ratios = [f"{policy} {'n/a' if ratio is None else number(ratio)}" for policy, ratio in audit.workspace.items()]
+    return f"the shaped return grows by a factor: {', '.join(ratios)}; the event terms stay the same"
+
+
+def _recorded(audit: Audit) -> list[Text]:
+    """Why the distances were computed in another way than those of rewards of distances."""
+    fields = ", ".join(audit.recorded_because)
+    return [Text(f"\n{RECORDED.format(fields)}")] if fields else []
 
 
 def _distance_value(distance: Distance) -> str:
     return "n/a" if distance.value is None else f"{distance.value:.3f}"
 
 
-def _note(distance: Distance, terms: str) -> str:
+def _note(distance: Distance, meaning: str) -> str:
     if distance.value is None:
-        return "not defined: one of the two rewards is only an offset and shaping by a potential"
-    return f"{terms}; {distance.transitions:,} recorded steps"
+        return (
+            f"not defined: {distance.reason or 'one of the two rewards is only an offset and shaping by a potential'}"
+        )
+    return f"{meaning}; {distance.transitions:,} recorded steps"

@@ -1,8 +1,9 @@
 """Rewards in a form that scale alone sets apart: offset and potential shaping are gone from it.
 
-A state is what a `harness.reward.Sample` and the reward need before a step: distance d, smallest distance so far,
-begin distance, step count and carry. The next state follows from the state and the next distance d' alone, so that a
-reward is a function R(s, d'). There are two forms:
+These forms are for rewards that read distances alone; see `harness.audit.transitions.of_rollouts` for the others. A
+state is what a step begins with: distance d, smallest distance so far, begin distance, step count and carry. The next
+state follows from the state and the next distance d' alone, so that a reward is a function R(s, d'). There are two
+forms:
 
     EPIC (Gleave et al. 2021)   C(s, s') = R(s, d') + gamma E[R(s', D)] - E[R(s, D)]
     DARD (Wulfe et al. 2022)    C(s, s') = R(s, d') + E[gamma R(s', D'') - R(s, D') - gamma R(S', D'')]
@@ -13,16 +14,18 @@ from s, and S' the state there; D'' is the distance after a step from s'. Both s
 steps from nearby did.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.arrays import Float
 from harness.audit.rollout import Rollout
-from harness.audit.score import samples_of
-from harness.reward import Carry, Reward, Sample
+from harness.audit.score import paid_along
+from harness.reward import Carry, Reward, Steps, pay
+from harness.reward.steps import DISTANCE, rows_of, step_between
 
 SAMPLES = 64
 """So many distances stand for EPIC's D."""
@@ -37,13 +40,13 @@ CHANGES = 16
 class Expectation(Protocol):
     """What steps other than the one taken would pay, on average."""
 
-    def __call__(self, reward: Reward, carry: Carry, sample: Sample) -> tuple[Float, Float]:
+    def __call__(self, reward: Reward, carry: Carry, step: Steps) -> tuple[Float, Float]:
         """E[R(s, D')], and E[R(S', D'')] where the form has that term, 0 where it has not; each (n,).
 
         Args:
             reward: R.
             carry: What is remembered in s.
-            sample: The step from s that was taken; it led to s'.
+            step: The one from s that was taken; it led to s'.
         """
 
 
@@ -57,11 +60,11 @@ class Anywhere:
 
     distances: Float
 
-    def __call__(self, reward: Reward, carry: Carry, sample: Sample) -> tuple[Float, Float]:
+    def __call__(self, reward: Reward, carry: Carry, step: Steps) -> tuple[Float, Float]:
         """The second is 0: EPIC's last term is a constant."""
-        count, size = len(self.distances), len(sample.distance)
-        _, value = reward(_repeated(carry, count), _leading_to(_repeated(sample, count), np.tile(self.distances, size)))
-        return _mean(value, count), np.zeros(size)
+        count, size = len(self.distances), len(step.distance)
+        led = _leading_to(rows_of(step, _each(size, count)), np.tile(self.distances, size))
+        return _mean(pay(reward, _repeated(carry, count), led)[1].total, count), np.zeros(size)
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,13 +84,13 @@ class Nearby:
     changes: Float
     lowest: float
 
-    def __call__(self, reward: Reward, carry: Carry, sample: Sample) -> tuple[Float, Float]:
+    def __call__(self, reward: Reward, carry: Carry, step: Steps) -> tuple[Float, Float]:
         """One step from s, and one from where it leads."""
-        near = self.after(sample.previous_distance).ravel()
-        first = _leading_to(_repeated(sample, CHANGES), near)
-        remembered, value = reward(_repeated(carry, CHANGES), first)
-        _, beyond = reward(remembered, _following(first, self.after(sample.distance).ravel()))
-        return _mean(value, CHANGES), _mean(beyond, CHANGES)
+        near = self.after(step.previous_distance).ravel()
+        first = _leading_to(rows_of(step, _each(len(step.distance), CHANGES)), near)
+        remembered, here = pay(reward, _repeated(carry, CHANGES), first)
+        _, beyond = pay(reward, remembered, _following(first, self.after(step.distance).ravel()))
+        return _mean(here.total, CHANGES), _mean(beyond.total, CHANGES)
 
     def after(self, distance: Float) -> Float:
         """Distances after a step from `distance`, (n,), one for each A, (n, CHANGES), [m]."""
@@ -132,23 +135,18 @@ def canonical_values(
 
 
 def _terms(reward: Reward, distances: Float, expectation: Expectation) -> tuple[Float, Float, Float]:
-    """R(s, d'), E[R(s, D')] and E[R(S', D'')] of every state, each (steps + 1, n)."""
-    with np.errstate(all="ignore"):
-        rows = [(value, *expectation(reward, carry, sample)) for carry, sample, value in _paid(reward, distances)]
-    paid, expected, beyond = zip(*rows, strict=True)
-    return np.stack(paid), np.stack(expected), np.stack(beyond)
-
-
-def _paid(reward: Reward, distances: Float) -> Iterator[tuple[Carry, Sample, Float]]:
-    """What is remembered before each step, the step, and what it pays.
+    """R(s, d'), E[R(s, D')] and E[R(S', D'')] of every state, each (steps + 1, n).
 
     The last state has no step of its own: a step on the spot stands in, whose pay is not looked at.
     """
-    carry = reward.initial_carry(distances[0])
-    for sample in samples_of(np.vstack([distances, distances[-1:]])):
-        remembered, value = reward(carry, sample)
-        yield carry, sample, np.asarray(value, np.float64)
-        carry = remembered
+    states = {DISTANCE: np.vstack([distances, distances[-1:]])}
+    with np.errstate(all="ignore"):
+        rows = [
+            (np.asarray(paid.total, np.float64), *expectation(reward, carry, step))
+            for carry, step, paid in paid_along(reward, states)
+        ]
+    here, expected, beyond = zip(*rows, strict=True)
+    return np.stack(here), np.stack(expected), np.stack(beyond)
 
 
 def _recorded(rollouts: Sequence[Rollout]) -> tuple[Float, Float]:
@@ -163,15 +161,16 @@ def _levels(count: int) -> Float:
     return levels
 
 
-def _leading_to(sample: Sample, distance: Float) -> Sample:
+def _leading_to(step: Steps, distance: Float) -> Steps:
     """The same step, but that it leads to `distance`."""
-    return sample._replace(distance=distance, delta_distance=distance - sample.previous_best)
+    return step._replace(distance=distance, delta_distance=distance - step.previous_best)
 
 
-def _following(sample: Sample, distance: Float) -> Sample:
+def _following(step: Steps, distance: Float) -> Steps:
     """The step after this one, leading to `distance`."""
-    best = np.minimum(sample.previous_best, sample.distance)
-    return Sample(sample.begin_distance, best, sample.distance, distance, distance - best, sample.step + 1.0)
+    best = np.minimum(step.previous_best, step.distance)
+    state, after = {DISTANCE: step.distance}, {DISTANCE: distance}
+    return step_between(state, after, step.begin_distance, best, step.step + 1.0)
 
 
 def _mean(value: Any, count: int) -> Float:
@@ -180,10 +179,13 @@ def _mean(value: Any, count: int) -> Float:
     return mean
 
 
-def _repeated(parts: Any, count: int) -> Any:
-    """Each env's entry `count` times; of a sample or of a carry."""
-    if isinstance(parts, Sample):
-        return Sample(*(np.repeat(part, count) for part in parts))
-    if isinstance(parts, tuple):
-        return tuple(_repeated(part, count) for part in parts)
-    return np.repeat(parts, count, axis=0)
+def _each(size: int, count: int) -> NDArray[np.int64]:
+    """The numbers of `size` envs, each `count` times."""
+    return np.repeat(np.arange(size), count)
+
+
+def _repeated(carry: Carry, count: int) -> Carry:
+    """Each env's entry `count` times."""
+    if isinstance(carry, tuple):
+        return tuple(_repeated(part, count) for part in carry)
+    return np.repeat(carry, count, axis=0)

@@ -1,7 +1,8 @@
 """How far apart two rewards are, apart from scale, offset and potential shaping."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
 from harness.audit.canonical import Coverage, canonical_values
 from harness.audit.rollout import Rollout
@@ -17,10 +18,16 @@ class Distance:
         value: sqrt((1 - rho) / 2), in [0, 1]: 0 the same but for scale, offset and potential shaping, 0.71
             unrelated, 1 opposite; None where exactly one of the two is nothing but an offset and potential shaping.
         transitions: How many recorded steps it rests on.
+        reason: Why there is no value, where it is another reason.
     """
 
     value: float | None
     transitions: int
+    reason: str = ""
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data; the reason is left out where there is none."""
+        return {name: value for name, value in asdict(self).items() if name != "reason" or value}
 
 
 def reward_distance(

@@ -1,10 +1,12 @@
 """What each scripted policy earns under a reward, and whether finishing is what pays."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 
+from harness.arrays import Float
 from harness.audit.score import Score, discounted_sum
 from harness.audit.scripted import FINISH, HOLD
 
@@ -24,6 +26,7 @@ class Payoff:
         total: The same with the event terms.
         shaped_discounted: The sum of gamma^t times the shaped reward.
         total_discounted: The same with the event terms.
+        terms: The sum of what each term of the reward paid in an episode, in their order; none if it has none.
     """
 
     policy: str
@@ -33,6 +36,11 @@ class Payoff:
     total: float
     shaped_discounted: float
     total_discounted: float
+    terms: Mapping[str, float]
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data; a reward without terms has none there."""
+        return {name: value for name, value in asdict(self).items() if name != "terms" or value}
 
 
 @dataclass(frozen=True)
@@ -62,8 +70,21 @@ class Temptation:
 def payoff_of(score: Score, gamma: float) -> Payoff:
     """The means of a scored rollout."""
     rollout = score.rollout
-    sums = [discounted_sum(values, rate).mean() for rate in (1.0, gamma) for values in (score.values, score.paid)]
-    return Payoff(rollout.script, float(rollout.reached.mean()), float(rollout.steps.mean()), *map(float, sums))
+    return Payoff(
+        rollout.script,
+        float(rollout.reached.mean()),
+        float(rollout.steps.mean()),
+        shaped=_mean_return(score.values, 1.0),
+        total=_mean_return(score.paid, 1.0),
+        shaped_discounted=_mean_return(score.values, gamma),
+        total_discounted=_mean_return(score.paid, gamma),
+        terms={name: _mean_return(values, 1.0) for name, values in score.terms.items()},
+    )
+
+
+def never_paid(scores: Sequence[Score]) -> tuple[str, ...]:
+    """The terms of a reward that paid 0 in every step of every script."""
+    return tuple(name for name in scores[0].terms if not any(score.terms[name].any() for score in scores))
 
 
 def temptations(scores: Sequence[Score], gamma: float) -> list[Temptation]:
@@ -85,3 +106,7 @@ def holding_pays(payoffs: Sequence[Payoff]) -> bool:
     largest = max(max(abs(payoff.shaped), abs(payoff.shaped_discounted)) for payoff in payoffs)
     hold = next(payoff for payoff in payoffs if payoff.policy == HOLD)
     return max(hold.shaped, hold.shaped_discounted) > 1e-3 * largest
+
+
+def _mean_return(values: Float, gamma: float) -> float:
+    return float(discounted_sum(values, gamma).mean())

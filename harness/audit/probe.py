@@ -1,8 +1,14 @@
-"""Made-up distances: what no scripted policy does, the reward is asked about as well."""
+"""Made-up distances: a reward is asked about what no scripted policy does as well, if it needs no more than them."""
+
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
 from harness.arrays import Float
+from harness.audit.rollout import States
+from harness.audit.score import Score, pay_along
+from harness.reward import MissingField, Reward
+from harness.reward.steps import DISTANCE
 
 EACH = 16
 """Episodes of each of the three kinds."""
@@ -23,3 +29,33 @@ def probe_distances(low: float, high: float, steps: int = 100) -> Float:
     parts = [jumps, folded, -np.sort(-approach, axis=0)]
     distances: Float = low * (high / low) ** np.concatenate(parts, axis=1)
     return distances
+
+
+def needed_beside_distances(reward: Reward, scores: Sequence[Score]) -> tuple[str, ...]:
+    """Fields without which a reward fails in recorded steps, or pays something else; none if distances are enough.
+
+    Args:
+        reward: What is asked.
+        scores: What it paid in the rollouts.
+    """
+    names = [name for name in scores[0].rollout.states if name != DISTANCE]
+    if _pays_the_same_without(names, reward, scores):
+        return ()
+    return tuple(name for name in names if not _pays_the_same_without([name], reward, scores))
+
+
+def why_not_asked(needed: Iterable[str]) -> str:
+    """Why a reward that needs these fields is not asked about made-up distances."""
+    return f"not asked: it reads {', '.join(needed)}, which made-up distances do not have"
+
+
+def _pays_the_same_without(names: Sequence[str], reward: Reward, scores: Sequence[Score]) -> bool:
+    def pays_the_same(score: Score) -> bool:
+        states: States = {name: values for name, values in score.rollout.states.items() if name not in names}
+        running = score.rollout.running
+        return np.array_equal(pay_along(reward, states).total[running], score.values[running])
+
+    try:
+        return all(map(pays_the_same, scores))
+    except MissingField:
+        return False

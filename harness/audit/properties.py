@@ -8,7 +8,7 @@ import numpy as np
 from harness.arrays import Float
 from harness.audit.number import number
 from harness.audit.potential import PotentialFit, fit_potential, waiting_at_target, worst_detour
-from harness.audit.probe import probe_distances
+from harness.audit.probe import probe_distances, why_not_asked
 from harness.audit.score import pay_distances
 from harness.reward import Reward
 
@@ -16,6 +16,7 @@ EQUAL = 1e-9
 """Values that differ by no more than this share of the largest are equal."""
 GROWN = 1.5
 """A largest value that grows by more than this factor over four decades, or tenfold length, has no bound."""
+BOUNDED, SCALE_FREE, POTENTIAL_BASED = "bounded", "scale-free", "potential-based"
 SCALES = (0.5, 2.0, 8.0)
 """Powers of two: scaling by them rounds nothing, so that what was equal stays equal."""
 
@@ -26,25 +27,30 @@ class Property:
 
     Attributes:
         name: What is asked.
-        holds: The answer.
+        holds: The answer; None where it cannot be asked, and the evidence says why.
         evidence: What it rests on, in words.
         gamma: The discount that it holds for; None where it does not hold, or for any.
     """
 
     name: str
-    holds: bool
+    holds: bool | None
     evidence: str
     gamma: float | None = None
 
 
-def properties_of(reward: Reward, recorded: Sequence[Float], gamma: float) -> tuple[Property, ...]:
+def properties_of(
+    reward: Reward, recorded: Sequence[Float], gamma: float, needed: Sequence[str] = ()
+) -> tuple[Property, ...]:
     """Bounded, scale-free, potential-based.
 
     Args:
         reward: The reward.
         recorded: Distances of recorded rollouts, each (steps + 1, n), [m].
         gamma: The learner's discount per step.
+        needed: Fields that it needs beside distances. If there are some, it is not asked.
     """
+    if needed:
+        return tuple(Property(name, None, why_not_asked(needed)) for name in (BOUNDED, SCALE_FREE, POTENTIAL_BASED))
     tried = [*recorded, probe_distances(0.05, 1.5)]
     return bounded(reward), scale_free(reward, tried), potential_based(reward, tried, gamma)
 
@@ -64,7 +70,7 @@ def bounded(reward: Reward) -> Property:
             found.append(f"|r| grows {_growth(before, after)} when {way}")
     count = sum(extreme[1:].size for _, extreme in ways.values())
     kept = f"no counter-example in {count:,} samples at 1e-8 to 1e7 m: |r| <= {number(largest)}"
-    return Property("bounded", not found, "; ".join(found) or kept)
+    return Property(BOUNDED, not found, "; ".join(found) or kept)
 
 
 def scale_free(reward: Reward, tried: Sequence[Float]) -> Property:
@@ -79,10 +85,10 @@ def scale_free(reward: Reward, tried: Sequence[Float]) -> Property:
             in_proportion = max(in_proportion, _largest(scaled - scale * one) / scale)
     count = len(SCALES) * sum(one.size for one in ones)
     if same <= EQUAL * size:
-        return Property("scale-free", True, f"no counter-example in {count:,} samples scaled by {_scales()}")
+        return Property(SCALE_FREE, True, f"no counter-example in {count:,} samples scaled by {_scales()}")
     if in_proportion <= EQUAL * size:
-        return Property("scale-free", False, "in proportion: distances c times as large are paid c times as much")
-    return Property("scale-free", False, f"neither unchanged nor in proportion: it differs by up to {number(same)}")
+        return Property(SCALE_FREE, False, "in proportion: distances c times as large are paid c times as much")
+    return Property(SCALE_FREE, False, f"neither unchanged nor in proportion: it differs by up to {number(same)}")
 
 
 def potential_based(reward: Reward, tried: Sequence[Float], gamma: float) -> Property:
@@ -98,16 +104,16 @@ def potential_based(reward: Reward, tried: Sequence[Float], gamma: float) -> Pro
     found = [fit for fit in fits if detours[fit.gamma] <= EQUAL]
     count = sum(distances[1:].size for distances in tried)
     if not found:
-        return Property("potential-based", False, _why_not(max(fits, key=lambda fit: fit.explained), detours))
+        return Property(POTENTIAL_BASED, False, _why_not(max(fits, key=lambda fit: fit.explained), detours))
     rest = waiting_at_target(reward)
     if not abs(rest) <= EQUAL:
         constant = f"except that each step at the target pays {number(rest)}, which matters because episodes end"
-        return Property("potential-based", False, f"{constant} (discount {found[0].gamma:g})")
+        return Property(POTENTIAL_BASED, False, f"{constant} (discount {found[0].gamma:g})")
     text = f"no counter-example in {count:,} samples at a discount of {found[0].gamma:g}: detours pay nothing"
     text += f"; {_explained(found[0])}"
     if found[0].gamma != gamma:
         text += f"; this does not hold for a learner that discounts by {gamma:g}"
-    return Property("potential-based", True, text, found[0].gamma)
+    return Property(POTENTIAL_BASED, True, text, found[0].gamma)
 
 
 def _why_not(fit: PotentialFit, detours: dict[float, float]) -> str:

@@ -1,35 +1,57 @@
-"""What a reward pays for given distances."""
+"""What a reward pays along given states: those of a rollout, or made-up distances."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from harness.arrays import Float, read_only
-from harness.audit.rollout import Rollout
+from harness.audit.rollout import Rollout, States
 from harness.errors import SimulationDiverged
-from harness.reward import LARGEST_PAID, Reward, Sample
+from harness.reward import LARGEST_PAID, Carry, Paid, Reward, Steps, pay
+from harness.reward.steps import DISTANCE, step_between
+from harness.reward.terms import require_same
 
 
-def samples_of(distances: Float) -> Iterator[Sample]:
-    """The samples of episodes with these distances, (steps + 1, n), [m]; as the env tracks them."""
+def steps_along(states: States) -> Iterator[Steps]:
+    """The steps of episodes that go through these states; as the env tracks them."""
+    distances = states[DISTANCE]
     best = np.minimum.accumulate(distances, axis=0)
+    rows = [{name: values[row] for name, values in states.items()} for row in range(len(distances))]
     for step in range(1, len(distances)):
-        before, distance = best[step - 1], distances[step]
         count = np.full(distances.shape[1], float(step))
-        yield Sample(distances[0], before, distances[step - 1], distance, distance - before, count)
+        yield step_between(rows[step - 1], rows[step], distances[0], best[step - 1], count)
+
+
+def paid_along(reward: Reward, states: States) -> Iterator[tuple[Carry, Steps, Paid]]:
+    """What is remembered before each step of episodes that go through these states, the step, and what it is paid.
+
+    Raises:
+        UsageError: The reward reads what the states do not have, or its terms change.
+    """
+    states = {name: read_only(values) for name, values in states.items()}  # other rewards are paid by them too
+    carry, names = reward.initial_carry(states[DISTANCE][0]), None
+    for step in steps_along(states):
+        with np.errstate(all="ignore"):  # a reward may divide by anything where it then takes another value
+            remembered, paid = pay(reward, carry, step)
+        names = tuple(paid.terms) if names is None else names
+        require_same(names, paid.terms)
+        yield carry, step, paid
+        carry = remembered
+
+
+def pay_along(reward: Reward, states: States) -> Paid:
+    """Shaped reward of every step and its terms, (steps, n); may hold NaN and infinities. See `paid_along`."""
+    totals, terms = zip(*(paid for _, _, paid in paid_along(reward, states)), strict=True)
+    return Paid(_stacked(totals), {name: _stacked([of[name] for of in terms]) for name in terms[0]})
 
 
 def pay_distances(reward: Reward, distances: Float) -> Float:
-    """Shaped reward of every step, (steps, n), for distances (steps + 1, n), [m]; may hold NaN and infinities."""
-    distances = read_only(distances)  # other rewards are paid by them too
-    carry, values = reward.initial_carry(distances[0]), []
-    with np.errstate(all="ignore"):  # a reward may divide by anything where it then takes another value
-        for sample in samples_of(distances):
-            carry, value = reward(carry, sample)
-            values.append(np.asarray(value, np.float64))
-    return np.stack(values)
+    """What a reward pays for made-up distances, (steps + 1, n), [m]; as `pay_along`."""
+    total: Float = pay_along(reward, {DISTANCE: distances}).total
+    return total
 
 
 def discounted_sum(values: Float, gamma: float) -> Float:
@@ -45,10 +67,12 @@ class Score:
     Attributes:
         rollout: What was done.
         values: Shaped reward, (steps, n); 0 after an episode's end.
+        terms: What each of its terms paid, the same.
     """
 
     rollout: Rollout
     values: Float
+    terms: Mapping[str, Float]
 
     @cached_property
     def paid(self) -> Float:
@@ -61,11 +85,18 @@ def score_rollout(reward: Reward, rollout: Rollout) -> Score:
 
     Raises:
         SimulationDiverged: It pays something that is not finite, or so much that nothing can be counted with it.
+        UsageError: It reads what no step of an arm has, or its terms are none.
     """
-    values = np.where(rollout.running, pay_distances(reward, rollout.distances), 0.0)
-    wrong = ~(np.abs(values) <= LARGEST_PAID)
-    if wrong.any():
-        step, episode = np.argwhere(wrong)[0]
-        told = f"more than {LARGEST_PAID:g}" if np.isfinite(values[step, episode]) else "a number that is not finite"
-        raise SimulationDiverged(f"the reward pays '{rollout.script}' {told} at step {step + 1}")
-    return Score(rollout, values)
+    paid = pay_along(reward, rollout.states)
+    *terms, values = (np.where(rollout.running, of, 0.0) for of in (*paid.terms.values(), paid.total))
+    for name, of in zip((*(f"the term '{name}'" for name in paid.terms), "the reward"), (*terms, values), strict=True):
+        wrong = ~(np.abs(of) <= LARGEST_PAID)
+        if wrong.any():
+            step, episode = np.argwhere(wrong)[0]
+            told = f"more than {LARGEST_PAID:g}" if np.isfinite(of[step, episode]) else "a number that is not finite"
+            raise SimulationDiverged(f"{name} pays '{rollout.script}' {told} at step {step + 1}")
+    return Score(rollout, values, dict(zip(paid.terms, terms, strict=True)))
+
+
+def _stacked(values: Any) -> Float:
+    return np.stack([np.asarray(value, np.float64) for value in values])

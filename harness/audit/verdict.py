@@ -1,6 +1,6 @@
 """What an audit says, in plain words."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from harness.audit.audit import Audit
 from harness.audit.number import number
@@ -21,7 +21,7 @@ def verdict_of(audit: Audit) -> list[str]:
         for name in (HOVER, CREEP)
         if payoffs[name].success > 0.0
     ]
-    return lines
+    return [*lines, *on_terms(audit.never_paid, audit.steps)]
 
 
 def on_finishing(
@@ -47,6 +47,11 @@ def on_finishing(
     others = [payoff for payoff in payoffs if payoff.success < finish.success]
     beside = f", {others[0].policy} {number(others[0].total)}" if others else ""
     return f"Finishing pays most: finish earns {number(finish.total)} per episode{beside}."
+
+
+def on_terms(never_paid: Iterable[str], steps: int) -> list[str]:
+    """A line for each term that paid nothing in all these steps of the scripted policies."""
+    return [f"The term '{name}' never paid in {steps:,} steps." for name in never_paid]
 
 
 def _on_holding(audit: Audit, hold: Payoff) -> str:

@@ -1,14 +1,20 @@
 """``harness audit``: what a reward pays for, what the rewards of recorded trainings paid, and rewards on data sets."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from harness.cli.datasets import audit_rewards_on, names_dataset, show_answer
 from harness.cli.flags import audit as flags
 from harness.cli.flags import dataset as of_dataset
 from harness.cli.flags.shared import AsJson, Names, PluginFiles, RecordedFolder, RobotName, TaskName
-from harness.cli.output import complain, say_json
+from harness.cli.output import complain, say, say_json
 from harness.errors import UsageError
+
+if TYPE_CHECKING:
+    from harness.registry.choice import Choice
+    from harness.registry.registry import Registry
 
 
 def audit(
@@ -32,7 +38,7 @@ def audit(
     plugin: PluginFiles = None,
     as_json: AsJson = False,
 ) -> int:
-    """Say what a reward pays for. The reward pays scripted movements and made-up episodes. Trains nothing.
+    """Say what a reward pays for. The reward and its terms pay scripted movements and made-up episodes. Trains nothing.
 
     With a FOLDER of recorded trainings: say how far apart the rewards are on the recorded steps, and what each trained
     behaviour earned under each reward.
@@ -80,7 +86,7 @@ def audit(
         raise UsageError("--random needs a FOLDER of recorded trainings: harness audit FOLDER --random RANDOM")
     if reward is None:
         raise UsageError("Missing option '--reward'; or name a folder of recorded trainings")
-    _audit_reward(
+    _audit_rewards(
         reward,
         "fd100-reach" if task is None else task,
         robot,
@@ -117,8 +123,8 @@ def _audit_folder(folder: Path, random: Path | None, as_json: bool) -> int:
     return 1 if found.damaged else 0
 
 
-def _audit_reward(
-    reward: str,
+def _audit_rewards(
+    rewards: str,
     task: str,
     robot: str | None,
     sim: str | None,
@@ -132,10 +138,9 @@ def _audit_reward(
     from harness.audit.rollout import record_rollouts
     from harness.audit.score import score_rollout
     from harness.env.ideal import IdealSimulator
-    from harness.registry.choice import choose
+    from harness.registry.choice import choose, split_list
     from harness.registry.given import read_given
     from harness.registry.registry import load_registry
-    from harness.registry.spec import blamed_on
     from harness.robot.load import load_robot
 
     if episodes < 1:
@@ -143,29 +148,47 @@ def _audit_reward(
     if not 0.0 < gamma <= 1.0:
         raise UsageError(f"--gamma {gamma:g}: must be above 0 and at most 1")
     registry = load_registry(given=read_given(plugin))
-    rewards = [choose(registry, "rewards", name) for name in (reward, against)]
+    *choices, compared = (choose(registry, "rewards", name) for name in (*split_list(rewards), against))
     chosen, where = choose(registry, "tasks", task), sim and choose(registry, "simulators", sim)
     engine = where.build(registry, "simulators") if where else IdealSimulator()
     label = where.label if where else "no simulator: joints move exactly as commanded"
     world = chosen.build(registry, "tasks")
     robot = robot or world.robot
     rollouts = record_rollouts(engine, load_robot(robot, registry), world, episodes)
-    judged, other = (choice.build(registry, "rewards") for choice in rewards)
-    specs = [registry.get("rewards", choice.name) for choice in rewards]
-    with blamed_on(specs[1], "it was audited"):
+    *judged, other = (choice.build(registry, "rewards") for choice in (*choices, compared))
+    with _named(compared, registry):
         score_rollout(other, rollouts[0])
-    with blamed_on(specs[0], "it was audited"):
-        found = audit_reward(judged, other, rollouts, gamma)
-    names = [choice.label for choice in rewards]
+    found = []
+    for choice, reward in zip(choices, judged, strict=True):
+        with _named(choice, registry):
+            found.append(audit_reward(reward, other, rollouts, gamma))
     if as_json:
         from harness.audit.verdict import verdict_of
 
         setting = {"simulator": label, "robot": robot, "task": chosen.label, "episodes": episodes}
-        shown = {"reward": names[0], "against": names[1], **setting, "verdict": verdict_of(found), **found.to_json()}
-        say_json(shown)
+        shown = [
+            {"reward": choice.label, "against": compared.label, **setting, "verdict": verdict_of(it), **it.to_json()}
+            for choice, it in zip(choices, found, strict=True)
+        ]
+        say_json(shown if len(shown) > 1 else shown[0])
         return
     from harness.audit.audit_table import audit_table
     from harness.cli.terminal import show
 
     text = f"{label} · {robot} · {chosen.label} · {episodes} episodes of at most {world.horizon} steps"
-    show(audit_table(found, names[0], text, names[1]))
+    for number, (choice, it) in enumerate(zip(choices, found, strict=True)):
+        if number:
+            say("")
+        show(audit_table(it, choice.label, text, compared.label))
+
+
+@contextmanager
+def _named(choice: "Choice", registry: "Registry") -> Iterator[None]:
+    """Whatever a reward raises in this block is said to be the reward's."""
+    from harness.registry.spec import blamed_on
+
+    try:
+        with blamed_on(registry.get("rewards", choice.name), "it was audited"):
+            yield
+    except UsageError as error:
+        raise UsageError(f"Reward '{choice.label}': {error}") from error

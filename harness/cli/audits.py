@@ -72,9 +72,9 @@ def _record(cell: "Cell", registry: "Registry") -> "tuple[Rollout, ...] | str":
 
 def _ask(cell: "Cell", registry: "Registry", rollouts: "tuple[Rollout, ...] | str") -> "Payoffs":
     """What the cell's reward pays in these rollouts."""
-    from harness.audit.payoff import payoff_of, temptations
+    from harness.audit.payoff import never_paid, payoff_of, temptations
     from harness.audit.score import score_rollout
-    from harness.audit.verdict import on_finishing
+    from harness.audit.verdict import on_finishing, on_terms
     from harness.errors import reason_of
     from harness.report.rows.payoff import Payoffs
 
@@ -87,8 +87,9 @@ def _ask(cell: "Cell", registry: "Registry", rollouts: "tuple[Rollout, ...] | st
         return Payoffs((f"Not known: {reason_of(error)}",), {}, {})
     payoffs = sorted((payoff_of(score, GAMMA) for score in scores), key=lambda payoff: -payoff.total)
     plain, discounted = (temptations(scores, gamma) for gamma in (1.0, GAMMA))
+    steps = sum(int(rollout.running.sum()) for rollout in rollouts)
     return Payoffs(
-        (on_finishing(GAMMA, payoffs, plain, discounted),),
+        (on_finishing(GAMMA, payoffs, plain, discounted), *on_terms(never_paid(scores), steps)),
         {payoff.policy: payoff.total for payoff in payoffs},
         {payoff.policy: payoff.success for payoff in payoffs},
     )

@@ -24,11 +24,12 @@ from harness.reward.terms import Paid, paid_of, sum_of
 
 STEP = "step"
 """What the one argument of a function of steps is called."""
+FUNCTION = "_function"
 FAILED = "failed"
 """The attribute of a reward's class that says why the function failed on made-up steps; empty if it did not."""
 PLAIN = {1.0}
 """Weights that change nothing."""
-MEMBERS = ("needs", FAILED, "initial_carry")
+MEMBERS = ("needs", FAILED, "initial_carry", FUNCTION)
 """What a reward has beside its parameters."""
 Weight = Annotated[
     float, Field(ge=-LARGEST_FACTOR, le=LARGEST_FACTOR, description="weight of the term: what it pays is times this")
@@ -84,6 +85,11 @@ def reward_class(function: Callable[[Steps], Any]) -> type[Reward]:
     return made
 
 
+def is_plain_function(reward: Any) -> bool:
+    """Whether a reward was written as a plain function of a step."""
+    return hasattr(type(reward), FUNCTION)
+
+
 def weighted(terms: Mapping[str, Any], weights: Mapping[str, float]) -> dict[str, Any]:
     """Terms times their weights; one of weight 1, or without a weight, stays what it is to the last bit."""
     return {
@@ -97,7 +103,8 @@ def _can_be_weighted(term: str) -> bool:
 
 
 def _members(function: Callable[..., Any], call: Callable[..., Any]) -> dict[str, Any]:
-    return {"__doc__": function.__doc__, "initial_carry": lambda self, begin_distance: (), "__call__": call}
+    own = {"__doc__": function.__doc__, FUNCTION: staticmethod(function)}
+    return {**own, "initial_carry": lambda self, begin_distance: (), "__call__": call}
 
 
 def _call_plain(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -7,9 +7,10 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from harness.arrays import read_only
 from harness.errors import HarnessError, UsageError, one_line
 from harness.reward.reward import Reward
-from harness.reward.steps import ARM_BEFORE, BEFORE, MissingField, Sample, Steps, steps_of
+from harness.reward.steps import ARM_BEFORE, BEFORE, MissingField, Sample, Steps, map_steps, steps_of
 from harness.reward.terms import Paid, pay
 
 ROWS = 2
@@ -51,8 +52,9 @@ class Noting:
         return value
 
     def __iter__(self) -> Iterator[Any]:
-        self._note_all()
-        return iter(self._steps)
+        values = tuple(self._steps)  # of an arm's step the distances alone, which come first
+        self._noted.update(f"{self._within}{name}" for name in self._steps._fields[: len(values)] if name != BEFORE)
+        return iter(values)
 
     def __getitem__(self, index: Any) -> Any:
         self._note_all()
@@ -128,7 +130,8 @@ def made_up(dof: int, action_size: int) -> Steps:
     )
     now = _arm(rng, dof, action_size, distance)
     before = {**_arm(rng, dof, action_size, np.array([0.4, 0.4])), "target": now["target"]}
-    return steps_of({**six._asdict(), **now, BEFORE: steps_of({name: before[name] for name in ARM_BEFORE})})
+    steps = steps_of({**six._asdict(), **now, BEFORE: steps_of({name: before[name] for name in ARM_BEFORE})})
+    return map_steps(read_only, steps)  # kept for the next reward, and an env's cannot be written into either
 
 
 def _arm(rng: np.random.Generator, dof: int, action_size: int, distance: Any) -> dict[str, Any]:

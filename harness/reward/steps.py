@@ -6,7 +6,7 @@ Which fields there are depends on where the steps come from. One that is not the
 
 import difflib
 from collections import namedtuple
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import islice
@@ -19,6 +19,7 @@ from harness.errors import UsageError
 
 Steps: TypeAlias = Any
 """Steps, with the fields of `ARM` or some of them; of an environment those of `ENVIRONMENT`."""
+DISTANCE = "distance"
 BEFORE = "before"
 """The field whose fields tell what there was before the steps."""
 
@@ -91,8 +92,13 @@ class Sample(NamedTuple):
         return _missing(self, name)
 
 
+def _values(steps: Any) -> tuple[Any, ...]:
+    """All of them, as who copies or pickles steps takes them."""
+    return tuple(tuple.__iter__(steps))
+
+
 def _told(steps: Any) -> dict[str, Any]:
-    return dict(zip(steps._fields, tuple.__iter__(steps), strict=True))
+    return dict(zip(steps._fields, _values(steps), strict=True))
 
 
 def _replaced(steps: Any, **given: Any) -> Any:
@@ -110,6 +116,7 @@ def steps_type(fields: tuple[str, ...]) -> type[Any]:
     Who unpacks a step of an arm gets the distances of `Sample`, which were all that a reward once knew.
     """
     members: dict[str, Any] = {"__slots__": (), "__getattr__": _missing, "_asdict": _told, "_replace": _replaced}
+    members["__getnewargs__"] = _values
     if fields[: len(Sample._fields)] == Sample._fields:
         members["__iter__"] = _distances
     return type("Steps", (namedtuple("Steps", fields),), members)
@@ -120,10 +127,30 @@ def steps_of(fields: Mapping[str, Any]) -> Steps:
     return steps_type(tuple(fields))._make(fields.values())
 
 
+def step_between(state: Mapping[str, Any], after: Mapping[str, Any], begin: Any, best: Any, step: Any) -> Steps:
+    """The step from one state to another, of n episodes.
+
+    Args:
+        state: The fields before the step, (n, ...) each; ``distance`` is among them.
+        after: The same after it; its action is that of the step.
+        begin: Begin distances, (n,), [m].
+        best: The smallest distances until the state, (n,), [m].
+        step: Numbers of the step, counted from 1, (n,).
+    """
+    distance = after[DISTANCE]
+    six = Sample(begin, best, state[DISTANCE], distance, distance - best, step)
+    return steps_of({**six._asdict(), **after, BEFORE: steps_of(state)})
+
+
+def map_steps(function: Callable[[Any], Any], steps: Steps) -> Steps:
+    """Steps with what a function makes of each of their arrays, and of those of what was before them."""
+    told = steps._asdict().values()
+    return type(steps)._make(map_steps(function, part) if isinstance(part, tuple) else function(part) for part in told)
+
+
 def rows_of(steps: Steps, rows: Any) -> Steps:
     """Some rows of steps, and of what was before them."""
-    told = steps._asdict().values()
-    return type(steps)._make(rows_of(part, rows) if isinstance(part, tuple) else part[rows] for part in told)
+    return map_steps(lambda array: array[rows], steps)
 
 
 def joined(parts: Sequence[Steps]) -> Steps:

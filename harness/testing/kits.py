@@ -9,7 +9,7 @@ from harness.testing.environments import ENVIRONMENT_CHECKS
 from harness.testing.executors.checks import EXECUTOR_CHECKS
 from harness.testing.exports import EXPORT_CHECKS
 from harness.testing.metrics.checks import METRIC_CHECKS
-from harness.testing.rewards.checks import REWARD_CHECKS
+from harness.testing.rewards.checks import REWARD_CHECKS, REWARD_WARNINGS
 from harness.testing.robots import ROBOT_CHECKS, ROBOT_WARNINGS, SIMULATED_ROBOT_CHECKS
 from harness.testing.simulators.checks import SIMULATOR_CHECKS, SIMULATOR_WARNINGS
 from harness.testing.simulators.long_runs import a_long_simulation_neither_drifts_nor_leaks
@@ -62,7 +62,7 @@ KITS: Mapping[str, Kit] = MappingProxyType(
             (a_long_simulation_neither_drifts_nor_leaks,),
         ),
         "algorithms": Kit(ALGORITHM_CHECKS, (*ALGORITHM_WARNINGS, a_training_is_quick), seconds=300.0),
-        "rewards": Kit(REWARD_CHECKS, (a_reward_is_quick,), seconds=15.0),
+        "rewards": Kit(REWARD_CHECKS, (*REWARD_WARNINGS, a_reward_is_quick), seconds=15.0),
         "metrics": Kit(METRIC_CHECKS, (a_metric_is_quick,), seconds=15.0),
         "tasks": Kit(TASK_CHECKS, (*TASK_WARNINGS, an_episode_is_drawn_quickly)),
         "robots": Kit((*ROBOT_CHECKS, *SIMULATED_ROBOT_CHECKS), ROBOT_WARNINGS, seconds=120.0),

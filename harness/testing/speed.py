@@ -14,7 +14,7 @@ from harness.simulator import Simulator
 from harness.task import Task
 from harness.testing.metrics.checks import ALL_ENDS
 from harness.testing.metrics.traces import recorded_trace
-from harness.testing.rewards.samples import pay, random_samples
+from harness.testing.rewards.samples import pay, samples_for
 from harness.testing.simulators.simulations import PERIOD, opened, ramps, start_at_home
 from harness.testing.trainings import steps_for, train_anew
 from harness.testing.violations import check, require
@@ -59,7 +59,7 @@ def a_training_is_quick(algorithm: Algorithm) -> None:
 @check("reward-slow", "warning")
 def a_reward_is_quick(reward: Reward) -> None:
     """A step is paid in less than 0.2 ms."""
-    samples = random_samples(0)
+    samples = samples_for(reward, 0)
     carry = reward.initial_carry(samples[0].begin_distance)
     seconds = median_seconds([partial(pay, reward, carry, sample) for sample in samples])
     require(seconds <= MOST_REWARD, f"a step is paid in {_told(seconds)}: {_training(seconds)} for the reward alone")

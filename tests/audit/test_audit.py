@@ -13,6 +13,7 @@ from harness.errors import SimulationDiverged
 from harness.eta.rescaling import Rescaling
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
+from harness.reward.forms import reward_class
 from harness_plugins.rewards.arp import Arp
 from harness_plugins.rewards.baseline import Baseline
 
@@ -72,7 +73,7 @@ def test_scripts_that_miss_their_aim_are_named(rollouts):
     """Where finish does not arrive, or hover does, the verdict says how often."""
     spoilt = {"finish": np.arange(12) < 6, "hover": np.arange(12) < 3}
     mixed = [
-        Rollout(run.script, run.distances, run.events, run.running, spoilt.get(run.script, run.reached))
+        Rollout(run.script, run.states, run.events, run.running, spoilt.get(run.script, run.reached))
         for run in rollouts
     ]
     lines = verdict_of(audit_reward(Baseline(), Baseline(), mixed, 0.95))
@@ -150,3 +151,48 @@ def test_another_reward_is_no_rescaling(judge):
     """ARP pays gains otherwise than losses."""
     assert judge(Arp()).rescaling is None
     assert judge(Arp()).to_json()["rescaled"] is None
+
+
+def test_a_reward_of_more_than_distances_is_told_in_plain_data(judge):
+    """Its terms, what never paid, and on which fields the distances rest; the others have no such words."""
+
+    def terms(step):
+        return {"reach": -step.distance, "effort": -(step.action**2).sum(-1), "none": 0.0 * step.distance}
+
+    data = json.loads(json.dumps(judge(reward_class(terms)()).to_json(), allow_nan=False))
+    assert data["policies"][0]["terms"].keys() == {"reach", "effort", "none"}
+    assert data["never_paid"] == ["none"]
+    assert data["recorded_transitions_because_of"] == ["action"]
+    assert 0.0 < data["starc_distance"]["value"] < 1.0
+    assert {answer["holds"] for answer in data["properties"].values()} == {None}
+    assert set(data["workspace_twice_as_large"].values()) == {None}
+    plain = judge(Arp()).to_json()
+    assert not {"never_paid", "starc_distance", "recorded_transitions_because_of"} & plain.keys()
+    assert "terms" not in plain["policies"][0]
+
+
+def test_a_reward_of_distances_with_terms_is_asked_about_made_up_ones(judge):
+    """As any other of its kind; and it is what the sum of its terms is."""
+
+    def two(step):
+        return {"begin": step.begin_distance, "now": -step.distance}
+
+    def one(step):
+        return step.begin_distance - step.distance
+
+    found, same = (judge(reward_class(function)()) for function in (two, one))
+    assert found.needed == found.recorded_because == ()
+    assert found.properties == same.properties
+    assert (found.distance, found.reachable_distance) == (same.distance, same.reachable_distance)
+
+
+def test_the_other_reward_may_read_more(rollouts):
+    """Then distances rest on recorded transitions, and properties are asked as ever."""
+
+    def action(step):
+        return -(step.action**2).sum(-1)
+
+    found = audit_reward(Baseline(), reward_class(action)(), rollouts, 0.95)
+    assert found.recorded_because == ("action",)
+    assert found.needed == ()
+    assert found.properties == audit_reward(Baseline(), Baseline(), rollouts, 0.95).properties

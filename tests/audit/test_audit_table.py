@@ -9,6 +9,7 @@ from rich.console import Console
 from harness.audit.audit import audit_reward
 from harness.audit.audit_table import audit_table
 from harness.audit.number import number
+from harness.reward.forms import reward_class
 from harness_plugins.rewards.arp import Arp
 from harness_plugins.rewards.baseline import Baseline
 
@@ -66,3 +67,56 @@ def test_a_reward_that_is_another_but_for_its_scale_is_told(found, rollouts):
     assert "twin pays the same as baseline, in all " in text
     assert text.endswith("Event terms are the task's, and stay as they are.")
     assert "Event terms" not in printed(found)
+
+
+def of_steps(step):
+    """Three terms, one of which never pays."""
+    effort = -0.01 * (step.action**2).sum(-1)
+    return {"reach": -step.distance, "effort": effort, "dock": 1.0 * (step.distance < -1.0)}
+
+
+@pytest.fixture(scope="module")
+def with_terms(rollouts):
+    """A function of steps beside the baseline."""
+    return audit_reward(reward_class(of_steps)(), Baseline(), rollouts, 0.95)
+
+
+@pytest.mark.parametrize("width", [60, 80])
+def test_each_term_has_a_row(with_terms, width):
+    """With what it paid each policy, in the order of the first table; a reward without terms has no such table."""
+    lines = [line.rstrip() for line in printed(with_terms, width).splitlines()]
+    head = lines.index("What each term paid in an episode, without discount:") + 2
+    assert lines[head].split() == ["term", *(payoff.policy for payoff in with_terms.payoffs)]
+    for row, term in enumerate(("reach", "effort", "dock"), head + 2):
+        assert lines[row].split() == [term, *(number(payoff.terms[term]) for payoff in with_terms.payoffs)]
+
+
+def test_a_reward_without_terms_has_no_table_of_them(found):
+    """It is printed as ever."""
+    assert "each term" not in printed(found)
+
+
+def test_a_term_that_never_paid_is_said(with_terms):
+    """With the number of steps."""
+    assert f"The term 'dock' never paid in {with_terms.steps:,} steps." in printed(with_terms)
+    assert "'effort' never" not in printed(with_terms)
+
+
+def test_what_cannot_be_asked_says_so_once(with_terms):
+    """The field is named, and no property is answered."""
+    text = printed(with_terms, 100)
+    assert text.count("not asked: it reads action, which made-up distances do not have") == 1
+    assert "potential-based             n/a" not in text
+    for name in ("bounded", "scale-free", "potential-based", "all distances times 2"):
+        assert name in text
+
+
+def test_distances_of_recorded_transitions_say_so(with_terms, found):
+    """EPIC, DARD and STARC have a line each, and a sentence says why; other rewards are not told of it."""
+    text = " ".join(printed(with_terms, 100).split())
+    for name, distance in (("EPIC", with_terms.distance), ("DARD", with_terms.reachable_distance)):
+        assert f"{name} distance to baseline {distance.value:.3f}" in text
+    assert f"STARC distance to baseline {with_terms.starc_distance.value:.3f}" in text
+    assert "computed from recorded transitions, because a reward reads action, and not distances alone" in text
+    assert "recorded transitions" not in printed(found)
+    assert "STARC" not in printed(found)

@@ -24,7 +24,7 @@ def wander(seed, episodes, steps, largest=0.02):
     distances = np.vstack([np.zeros(episodes), np.cumsum(changes, axis=0)]) + rng.uniform(0.4, 2.0, episodes)
     running = np.ones((steps, episodes), bool)
     running[steps // 2 :, ::3] = False
-    return Rollout("wander", distances, np.zeros((steps, episodes)), running, np.zeros(episodes, bool))
+    return Rollout("wander", {"distance": distances}, np.zeros((steps, episodes)), running, np.zeros(episodes, bool))
 
 
 class Slow:
@@ -139,7 +139,7 @@ def made_reach():
 def test_only_nearby_steps_count():
     """Steps from near that come nearer and steps from far that go away stay apart."""
     distances = np.array([[0.2, 0.3, 1.2, 1.3], [0.1, 0.2, 1.3, 1.4]])
-    made = Rollout("made", distances, np.zeros((1, 4)), np.ones((1, 4), bool), np.zeros(4, bool))
+    made = Rollout("made", {"distance": distances}, np.zeros((1, 4)), np.ones((1, 4), bool), np.zeros(4, bool))
     reach = nearby([made])
     assert reach.after(np.array([0.25])) == pytest.approx(0.15)
     assert reach.after(np.array([1.25])) == pytest.approx(1.35)
@@ -147,7 +147,9 @@ def test_only_nearby_steps_count():
 
 def test_a_lone_step_is_enough():
     """One recorded step, or many from the same distance, are a single group."""
-    made = Rollout("made", np.array([[0.5], [0.4]]), np.zeros((1, 1)), np.ones((1, 1), bool), np.zeros(1, bool))
+    made = Rollout(
+        "made", {"distance": np.array([[0.5], [0.4]])}, np.zeros((1, 1)), np.ones((1, 1), bool), np.zeros(1, bool)
+    )
     assert nearby([made]).after(np.array([0.2, 0.5, 0.9])) == pytest.approx(
         np.repeat([[0.4], [0.4], [0.8]], CHANGES, axis=1)
     )
@@ -157,7 +159,7 @@ def test_steps_after_an_episode_do_not_count():
     """Neither form takes anything from them."""
     made = wander(4, 6, 10)
     changed = np.where(np.vstack([np.ones(6, bool), made.running]), made.distances, 1e3)
-    other = Rollout("made", changed, made.events, made.running, made.reached)
+    other = Rollout("made", {"distance": changed}, made.events, made.running, made.reached)
     np.testing.assert_array_equal(anywhere([other]).distances, anywhere([made]).distances)
     for one, two in zip(vars(nearby([other])).values(), vars(nearby([made])).values(), strict=True):
         np.testing.assert_array_equal(one, two)

@@ -166,7 +166,7 @@ def test_dard_does_not_ask_about_steps_that_cannot_be_done(toolbox):
     rng = np.random.default_rng(0)
     changes = rng.uniform(-0.02, 0.02, (20, 40))
     distances = np.vstack([np.zeros(40), np.cumsum(changes, axis=0)]) + np.linspace(0.5, 2.0, 40)
-    made = [Rollout("made", distances, 0.0 * changes, np.ones(changes.shape, bool), np.zeros(40, bool))]
+    made = [Rollout("made", {"distance": distances}, 0.0 * changes, np.ones(changes.shape, bool), np.zeros(40, bool))]
     reward = toolbox.paying(jumping)
     assert reward_distance(reward, Baseline(), made, GAMMA, nearby).value == pytest.approx(0.0, abs=1e-9)
     assert reward_distance(reward, Baseline(), made, GAMMA, anywhere).value > 0.1

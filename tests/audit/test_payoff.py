@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.audit.payoff import holding_pays, payoff_of, temptations
+from harness.audit.payoff import holding_pays, never_paid, payoff_of, temptations
 from harness.audit.score import score_rollout
 from harness_plugins.rewards.arp import Arp
 from harness_plugins.rewards.baseline import Baseline
@@ -89,3 +89,28 @@ def test_scaling_the_reward_scales_the_shaped_return(scores, toolbox):
         first, second = payoff_of(one, 0.95), payoff_of(three, 0.95)
         assert second.shaped == pytest.approx(3.0 * first.shaped)
         assert second.total - second.shaped == pytest.approx(first.total - first.shaped)
+
+
+def test_terms_are_summed_over_an_episode(scores, toolbox):
+    """Their means add up to the shaped return; a reward without terms has none, in the plain data neither."""
+    reward = toolbox.paying(lambda step: {"reach": -step.distance, "bonus": 0.5 + 0.0 * step.distance})
+    payoff = payoff_of(scores(reward)[0], 0.95)
+    assert payoff.terms["bonus"] == pytest.approx(0.5 * payoff.steps)
+    assert sum(payoff.terms.values()) == pytest.approx(payoff.shaped)
+    assert payoff.to_json()["terms"] == payoff.terms
+    assert "terms" not in payoff_of(scores(Baseline())[0], 0.95).to_json()
+
+
+def test_a_term_that_never_pays_is_told(scores, toolbox):
+    """It pays 0 in every step of every script; one that pays in a single step does."""
+    by_script = {score.rollout.script: score for score in scores(Baseline())}
+    last = by_script["random"].rollout.distances.max()
+    reward = toolbox.paying(
+        lambda step: {
+            "reach": -step.distance,
+            "dock": 1.0 * (step.distance < -1.0),
+            "farthest": 1.0 * (step.distance == last),
+        }
+    )
+    assert never_paid(scores(reward)) == ("dock",)
+    assert never_paid(scores(Baseline())) == ()

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from harness.audit.potential import fit_potential, waiting_at_target, worst_detour
-from harness.audit.probe import probe_distances
+from harness.audit.probe import needed_beside_distances, probe_distances
 from harness.audit.properties import bounded, potential_based, properties_of, scale_free
+from harness.audit.score import score_rollout
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 from harness_plugins.rewards.arp import Arp
@@ -203,3 +204,32 @@ def test_descriptions_and_audit_agree(name, rollouts):
     reward = choose(REGISTRY, "rewards", name).build(REGISTRY, "rewards")
     bound, scale, potential = properties_of(reward, [rollout.distances for rollout in rollouts], 0.95)
     assert (bound.holds, scale.holds, potential.gamma) == KNOWN[name]
+
+
+def test_a_reward_that_needs_more_is_not_asked(toolbox, rollouts):
+    """Made-up distances have no action; each answer says so."""
+    reward = toolbox.paying(lambda step: -(step.action**2).sum(-1))
+    needed = needed_beside_distances(reward, [score_rollout(reward, rollout) for rollout in rollouts])
+    answers = properties_of(reward, [rollout.distances for rollout in rollouts], 0.95, needed)
+    assert [answer.name for answer in answers] == ["bounded", "scale-free", "potential-based"]
+    for answer in answers:
+        assert answer.holds is None
+        assert answer.evidence == "not asked: it reads action, which made-up distances do not have"
+
+
+READERS = {
+    "distances": (lambda step: step.distance - step.before.distance + step.previous_best, ()),
+    "unpacked": (lambda step: step[0] + sum(step), ()),
+    "copied": (lambda step: step._replace(distance=2.0 * step.distance).distance, ()),
+    "action before": (lambda step: step.distance - step.before.action[:, 0], ("action",)),
+    "in time": (lambda step: step.distance if step.step[0] < 30 else step.qvel[:, 2], ("qvel",)),
+    "if there": (lambda step: -getattr(step, "qpos", step.distance[:, None])[:, 0], ("qpos",)),
+    "two": (lambda step: step.end_effector[:, 2] - 1.0 * step.ground, ("end_effector", "ground")),
+}
+
+
+@pytest.mark.parametrize(("pays", "needed"), READERS.values(), ids=READERS)
+def test_what_a_reward_needs_beside_distances_is_found(toolbox, rollouts, pays, needed):
+    """By leaving it out: who unpacks or copies steps needs no more, and who looks late or with care does."""
+    reward = toolbox.paying(pays)
+    assert needed_beside_distances(reward, [score_rollout(reward, rollout) for rollout in rollouts]) == needed

@@ -11,11 +11,16 @@ from harness.env import ReachVectorEnv
 from harness.errors import UsageError
 from harness.experiment.evaluation.evaluate import EVALUATION_SEED
 from harness.reach import ReachTask
+from harness.record.trace import TERM
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
+from harness.reward.forms import reward_class
+from harness.reward.steps import ARM_BEFORE
+from harness.robot.load import load_robot
 from harness.testing import IdealSimulator
 from harness_plugins.tasks.moving import Moving
 from harness_plugins.tasks.pose import Pose
+from harness_plugins.tasks.unity import UnityReach as Unity
 
 REGISTRY = load_registry()
 
@@ -79,11 +84,22 @@ def test_a_task_that_asks_for_more_is_a_usage_error(robot, goal):
         record_rollouts(IdealSimulator(), robot, goal, 2)
 
 
-@pytest.mark.parametrize("name", REGISTRY.names("rewards"))
+def everything(step):
+    """All fields, each in a term of its own; those of before too."""
+    now = {name: _sum(getattr(step, name)) for name in ("step", "delta_distance", *ARM_BEFORE)}
+    return now | {f"before-{name}": 3.0 * _sum(getattr(step.before, name)) for name in ARM_BEFORE}
+
+
+def _sum(array):
+    return 1.0 * array.reshape(len(array), -1).sum(-1)
+
+
+@pytest.mark.parametrize("name", [*REGISTRY.names("rewards"), "everything"])
 @pytest.mark.parametrize("script", ["creep", "oscillate", "random"])
 def test_a_score_is_what_the_env_pays(robot, task, by_script, name, script):
-    """Scoring a rollout afterwards gives what a learner would have been paid, for every reward there is."""
-    reward = choose(REGISTRY, "rewards", name).build(REGISTRY, "rewards")
+    """Scoring a rollout afterwards gives what a learner would have been paid, for every reward and every field."""
+    is_all = name == "everything"
+    reward = reward_class(everything)() if is_all else choose(REGISTRY, "rewards", name).build(REGISTRY, "rewards")
     score = score_rollout(reward, by_script[script])
     env = ReachVectorEnv(IdealSimulator(), robot, task, reward, 12, autoreset_mode=AutoresetMode.DISABLED)
     env.reset(seed=EVALUATION_SEED)
@@ -93,4 +109,15 @@ def test_a_score_is_what_the_env_pays(robot, task, by_script, name, script):
     for step, running in enumerate(score.rollout.running):
         paid = env.step(actions[step])[1]
         assert score.paid[step][running] == pytest.approx(paid[running], rel=1e-12, abs=1e-12)
+        for term, column in score.terms.items():
+            assert (column[step] == env.episodes.extra(f"{TERM}{term}")[:, 0])[running].all()
     env.close()
+
+
+@pytest.mark.parametrize("task", [ReachTask(horizon=40), Unity(action="movej", horizon=400)], ids=["fd100", "unity"])
+def test_the_target_of_a_state_is_that_of_its_distance(task):
+    """Also where a task sets the next one at the end of a step."""
+    for rollout in record_rollouts(IdealSimulator(), load_robot(task.robot), task, 6):
+        states = rollout.states
+        away = np.linalg.norm(states["target"] - states["end_effector"], axis=-1)
+        np.testing.assert_allclose(away, states["distance"], atol=1e-12)

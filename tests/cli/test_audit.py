@@ -95,6 +95,65 @@ def test_a_scaled_reward_is_no_other(harness):
     assert data["reachable_distance"]["value"] == pytest.approx(0.0, abs=1e-9)
 
 
+GENTLE = """
+def gentle(step):
+    return {"reach": -step.distance, "effort": -0.01 * (step.action**2).sum(-1), "dock": 0.0 * step.distance}
+"""
+
+
+@pytest.fixture
+def gentle(tmp_path):
+    """The file of a reward with terms that reads the action."""
+    (tmp_path / "gentle.py").write_text(GENTLE)
+    return ("--plugin", "gentle.py", *FEW)
+
+
+def test_a_function_of_steps_is_audited_by_term(harness, gentle):
+    """What each term paid, what never paid, and what cannot be asked."""
+    answer = harness("audit", "--reward", "gentle", *gentle)
+    assert answer.status == 0
+    out = " ".join(answer.out.split())
+    assert "What each term paid in an episode" in out
+    assert "The term 'dock' never paid in " in out
+    assert "it reads action, which made-up distances do not have" in out
+    assert "computed from recorded transitions, because a reward reads action" in out
+
+
+def test_weights_of_terms_can_be_given(harness, gentle):
+    """Five times the weight, five times the pay of the term."""
+    answer = harness("audit", "--reward", "gentle,gentle:effort=5", "--json", *gentle)
+    one, five = ({row["policy"]: row["terms"] for row in data["policies"]} for data in json.loads(answer.out))
+    assert five["random"]["effort"] == pytest.approx(5.0 * one["random"]["effort"])
+    assert five["random"]["reach"] == one["random"]["reach"]
+
+
+def test_several_rewards_have_a_table_each(harness, gentle):
+    """In the order in which they were given, each against the same one."""
+    out = harness("audit", "--reward", "dense,gentle", "--against", "arp", *gentle).out
+    assert out.startswith("dense\n")
+    assert "\n\ngentle\n" in out
+    assert out.count("EPIC distance to arp") == 2
+
+
+@pytest.mark.parametrize(
+    ("returned", "status", "text"),
+    [
+        ("step.joint_speed", 2, "Reward 'bad': A step of an arm has no 'joint_speed'. It has: begin_distance"),
+        ("-step.distance if step.step[0] < 9 else step.joint_speed", 2, "Reward 'bad': A step has no 'joint_speed'"),
+        ("{'a' if step.step[0] < 3 else 'b': step.distance}", 2, "Reward 'bad': It paid the terms a at first, and now"),
+        ("(step.distance, {'a': step.distance, 'b': step.distance})", 2, "is not the sum of its terms"),
+        ("step.distance / (step.step != 4.0)", 1, "a number that is not finite at step 4"),
+        ("step.distance if step.step[0] < 9 else step[0][99]", 1, "raised IndexError"),
+    ],
+)
+def test_a_reward_that_fails_says_where(harness, tmp_path, returned, status, text):
+    """One line that names the reward, what it asked for and what there is."""
+    (tmp_path / "bad.py").write_text(f"def bad(step):\n    return {returned}\n")
+    answer = harness("audit", "--reward", "bad", "--plugin", "bad.py", *FEW)
+    assert (answer.status, answer.out) == (status, "")
+    assert text in answer.err
+
+
 @pytest.mark.parametrize(
     ("arguments", "text"),
     [

@@ -137,7 +137,32 @@ def test_a_sound_reward_passes(harness):
     assert found["target"] == ("ok", "")
     assert found["reward-no-event"] == ("ok", "")
     assert found["reward-long-run"] == ("ok", "")
-    assert answer.out.splitlines()[-1].startswith("reward arp: 16 ok, 0 warnings, 0 errors.")
+    assert answer.out.splitlines()[-1].startswith("reward arp: 19 ok, 0 warnings, 0 errors.")
+
+
+def test_a_plain_function_that_uses_numpy_is_warned_of(harness, tmp_path):
+    """Status 0: it trains; the sentence says what JAX needs instead."""
+    made = """
+        import numpy as np
+
+        def near(step):
+            return {"near": np.exp(-step.distance), "effort": -0.01 * (step.action**2).sum(-1)}
+    """
+    (tmp_path / "near.py").write_text(inspect.cleandoc(made))
+    answer = harness("check", "near", "--plugin", "near.py")
+    assert answer.status == 0, answer.out
+    verdict, sentence = rows(answer.out)["reward-numpy"]
+    assert verdict == "warning"
+    assert "xp = step.distance.__array_namespace__(), and xp.exp stands for np.exp" in sentence
+    assert answer.out.splitlines()[-1].startswith("reward near: 18 ok, 1 warning, 0 errors.")
+
+
+def test_a_term_that_is_no_float_is_an_error(harness, tmp_path):
+    """The sentence names the term."""
+    (tmp_path / "dock.py").write_text("def dock(step):\n    return {'reach': -step.distance, 'dock': step.ground}\n")
+    answer = harness("check", "dock", "--plugin", "dock.py")
+    assert answer.status == 1
+    assert rows(answer.out)["reward-terms-float"] == ("error", "the term 'dock' is bool, not a float")
 
 
 @pytest.mark.usefixtures("mine")
@@ -239,7 +264,7 @@ def test_a_single_file_is_checked(harness, tmp_path):
     (tmp_path / "nearer.py").write_text(inspect.cleandoc(made))
     answer = harness("check", "nearer", "--plugin", "nearer.py")
     assert answer.status == 0, answer.out
-    assert answer.out.splitlines()[-1].startswith("reward nearer: 16 ok")
+    assert answer.out.splitlines()[-1].startswith("reward nearer: 19 ok")
 
 
 def test_json_has_the_same(harness):

@@ -115,6 +115,22 @@ def test_scripted_movements_come_first(harness, quick, candidates: Path):
     assert "one: " in answer.err
 
 
+def test_functions_of_steps_are_screened_by_term(harness, quick, tmp_path):
+    """With their weights; a term that never pays is said."""
+    (tmp_path / "gentle.py").write_text(
+        "def gentle(step):\n"
+        "    effort = (step.action - step.before.action) ** 2\n"
+        "    return {'reach': -step.distance, 'effort': -effort.sum(-1), 'dock': 0.0 * step.distance}\n"
+    )
+    rewards = ["--plugin", "gentle.py", "--reward", "gentle,gentle:effort=0"]
+    answer = harness("choose", *rewards, *quick, "--looks", "2,4", "--out", "here", "--screen", "--dry-run")
+    assert answer.status == 0
+    (plain, light) = (line for line in answer.err.splitlines() if line.startswith("  gentle"))
+    assert "The term 'dock' never paid in " in plain
+    assert "'effort'" not in plain
+    assert "The term 'effort' never paid in " in light
+
+
 @pytest.mark.parametrize(
     ("flags", "told"),
     [

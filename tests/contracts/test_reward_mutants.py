@@ -9,7 +9,8 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
-from harness.reward import Array, Carry, Sample
+from harness.reward import Array, Carry, Sample, Steps
+from harness.reward.forms import reward_class
 from harness.testing import REWARD_CHECKS, violations
 from harness.testing.rewards import checks as rewards
 from harness.testing.trainings import NegativeDistance
@@ -209,6 +210,67 @@ class CarriesItsHistory(NegativeDistance):
         return sample.distance.__array_namespace__().concat([carry, sample.distance[:, None]], axis=1), -sample.distance
 
 
+class PaysAWholeTerm(NegativeDistance):
+    """A term is an integer; the sum of all terms is none."""
+
+    def __call__(self, carry: Carry, sample: Steps) -> tuple[Carry, dict[str, Array]]:
+        loss = sample.distance.__array_namespace__().where(sample.delta_distance > 0.0, -1, 0)
+        return carry, {"reach": -sample.distance, "loss": loss}
+
+
+class PaysAnotherTermToSixEnvs(NegativeDistance):
+    """Terms depend on the size of the batch."""
+
+    def __call__(self, carry: Carry, sample: Steps) -> tuple[Carry, dict[str, Array]]:
+        return carry, {"six" if sample.distance.shape[0] == 6 else "reach": -sample.distance}
+
+
+class SharesATerm(NegativeDistance):
+    """A term is the mean of the batch; another term takes it back, so that each env is paid for itself in all."""
+
+    def __call__(self, carry: Carry, sample: Steps) -> tuple[Carry, dict[str, Array]]:
+        mean = sample.distance.__array_namespace__().mean(sample.distance)
+        return carry, {"shared": mean, "own": -mean - sample.distance}
+
+
+class DividesByTheSpeed(NegativeDistance):
+    """A step in which no joint moves has no bound."""
+
+    def __call__(self, carry: Carry, sample: Steps) -> tuple[Carry, Array]:
+        return carry, sample.distance / (sample.qvel**2).sum(-1)
+
+
+class ChangesTheActionBefore(NegativeDistance):
+    """It writes into what was before the step."""
+
+    def __call__(self, carry: Carry, sample: Steps) -> tuple[Carry, Array]:
+        action = sample.before.action
+        action *= 0.5
+        return carry, -sample.distance
+
+
+class UsesNumpyOnTheAction(NegativeDistance):
+    """It computes with numpy in a term."""
+
+    def __call__(self, carry: Carry, sample: Steps) -> tuple[Carry, dict[str, Array]]:
+        return carry, {"reach": -sample.distance, "effort": -np.abs(sample.action).sum(-1)}
+
+
+class PaysATermAtTimes(NegativeDistance):
+    """A term comes late in an episode."""
+
+    def __call__(self, carry: Carry, sample: Steps) -> tuple[Carry, dict[str, Array]]:
+        late = {"late": 0.0 * sample.distance} if sample.step[0] > 3 else {}
+        return carry, {"reach": -sample.distance, **late}
+
+
+class PaysAnotherTotal(NegativeDistance):
+    """The total is not the sum of the terms."""
+
+    def __call__(self, carry: Carry, sample: Steps) -> tuple[Carry, tuple[Array, dict[str, Array]]]:
+        return carry, (sample.distance, {"reach": -sample.distance})
+
+
 class KeepsEverySample(NegativeDistance):
     """A history that nobody reads."""
 
@@ -264,13 +326,43 @@ MUTANTS = {
     UsesNamesOfNumpy: rewards.any_array_library_will_do,
     LooksBeforeItPays: rewards.any_array_library_will_do,
     PaysForTheTarget: rewards.no_event_is_paid,
+    PaysAWholeTerm: rewards.terms_have_one_float_per_env,
+    PaysAnotherTermToSixEnvs: rewards.terms_are_the_same_in_every_step,
+    SharesATerm: rewards.a_batch_is_paid_as_its_envs_alone,
+    DividesByTheSpeed: rewards.values_are_finite_at_the_edges,
+    ChangesTheActionBefore: rewards.arguments_are_left_alone,
+    UsesNumpyOnTheAction: rewards.any_array_library_will_do,
 }
 
 COARSE_MUTANTS = {
     RaisesInTime: rewards.values_are_finite,
     PaysTheBatch: rewards.values_have_one_float_per_env,
     DrawsItsPay: rewards.episodes_do_not_depend_on_one_another,
+    PaysATermAtTimes: rewards.terms_are_the_same_in_every_step,
+    PaysAnotherTotal: rewards.values_have_one_float_per_env,
 }
+
+
+def usual(step: Steps) -> dict[str, Array]:
+    """What people write: methods of arrays, and no numpy."""
+    jerk = ((step.action - step.before.action) ** 2).sum(-1)
+    return {"reach": -step.distance, "jerk": -0.1 * jerk, "low": -1.0 * step.ground, "high": step.qpos.max(axis=1)}
+
+
+def with_total(step: Steps) -> tuple[Array, dict[str, Array]]:
+    """A total beside its terms."""
+    terms = {"reach": -step.distance, "speed": -0.1 * (step.qvel**2).mean(-1)}
+    return terms["reach"] + terms["speed"], terms
+
+
+def with_numpy(step: Steps) -> Array:
+    """A function of numpy on an array of it."""
+    return np.exp(-step.distance)
+
+
+def of_seven_joints(step: Steps) -> Array:
+    """For an arm that has a seventh joint."""
+    return -(step.qpos[:, 6] ** 2)
 
 
 @pytest.fixture(autouse=True)
@@ -296,6 +388,27 @@ def test_mutant_fails_one_check(mutant: type, check: Callable[..., None]):
 def test_coarse_mutant_fails_its_check(mutant: type, check: Callable[..., None]):
     """A reward that is broken in many ways fails, among others, the check that is nearest."""
     assert check.name in failing(mutant)
+
+
+@pytest.mark.parametrize("function", [usual, with_total, of_seven_joints])
+def test_a_plain_function_keeps_the_contract(function: Callable[..., object]):
+    """And nothing warns of it."""
+    assert failing(reward_class(function)) == []
+    assert list(violations(rewards.REWARD_WARNINGS, reward_class(function)())) == []
+
+
+def test_numpy_in_a_plain_function_is_a_warning():
+    """It trains as it is; the sentence of the check says what JAX needs."""
+    reward = reward_class(with_numpy)
+    assert failing(reward) == []
+    (warning,) = violations(rewards.REWARD_WARNINGS, reward())
+    assert (warning.check, warning.level) == ("reward-numpy", "warning")
+    assert "__array_namespace__()" in rewards.a_plain_function_works_with_any_array_library.fact
+
+
+def test_numpy_in_a_class_is_no_warning():
+    """It is an error, see the mutants."""
+    assert list(violations(rewards.REWARD_WARNINGS, UsesNumpy())) == []
 
 
 def test_every_check_has_a_mutant():

@@ -15,6 +15,7 @@ from harness.audit.recorded.paid import Paid, compare_paid, paid_in, pairs_of
 from harness.audit.recorded.pair import mean_within, pair_of
 from harness.audit.recorded.recordings import RANDOM
 from harness.audit.transitions.asked import of_transitions
+from harness.audit.transitions.canonical_forms import one_by_one
 from harness.audit.transitions.form_distances import FORMS, FormVector, draw_coverages, form_distance, form_vector
 from harness.audit.transitions.reward_audit import FormsOfPair, RewardAudit
 from harness.errors import UsageError
@@ -214,7 +215,7 @@ def _measure(taken: _Taken, gamma: float) -> _Measured:
     pays, reasons = of_transitions(taken.rewards, taken.walks, taken.paid.steps)
     coverages = draw_coverages(taken.walks, taken.rng)
     vectors: dict[tuple[str, str], FormVector | str] = {
-        (form, name): form_vector(pays[name], form, gamma, coverages) if name in pays else reasons[name]
+        (form, name): form_vector(one_by_one(pays[name]), form, gamma, coverages) if name in pays else reasons[name]
         for form in FORMS
         for name in taken.names
     }

@@ -16,9 +16,9 @@ It is the form that the paper calls value-adjusted levelling, with the recorded 
 may follow a. Each of the three is unchanged to rounding when gamma phi(s') - phi(s) is added to R, whatever phi is.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -28,6 +28,16 @@ from harness.recorder.walk import Walk
 
 NEAR = 5
 """Steps that are at most so many before or after are near in time."""
+
+Step: TypeAlias = tuple[Any, Any, Any]
+"""State, action and next state, as a `Walk` has them."""
+Ask: TypeAlias = Callable[[Sequence[Step]], Float]
+"""R(s, a, s') of some steps, (steps,)."""
+
+
+def one_by_one(pay: OfTransition) -> Ask:
+    """Ask a reward of single transitions."""
+    return lambda steps: np.array([pay(*step) for step in steps])
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,48 +57,41 @@ class Coverage:
     states: Sequence[Any]
 
 
-def paid_by(pay: OfTransition, coverage: Coverage) -> Float:
+def paid_by(ask: Ask, coverage: Coverage) -> Float:
     """R itself of the compared transitions, (compared,)."""
     walk = coverage.walk
-    return np.array([pay(walk.states[t], walk.actions[t], walk.states[t + 1]) for t in coverage.chosen])
+    return ask([(walk.states[t], walk.actions[t], walk.states[t + 1]) for t in coverage.chosen])
 
 
-def epic_form(pay: OfTransition, gamma: float, coverage: Coverage) -> Float:
+def epic_form(ask: Ask, gamma: float, coverage: Coverage) -> Float:
     """EPIC's form of the compared transitions, but for its constant, (compared,)."""
-    elsewhere: dict[int, float] = {}  # by the number of the state: a state ends one step and begins the next
-    for t in coverage.chosen:
-        for number in (t, t + 1):
-            if number not in elsewhere:
-                steps = zip(coverage.actions, coverage.states, strict=True)
-                state = coverage.walk.states[number]
-                elsewhere[number] = float(np.mean([pay(state, action, following) for action, following in steps]))
+    numbers = sorted({number for t in coverage.chosen for number in (t, t + 1)})  # one step's end is another's begin
+    steps = list(zip(coverage.actions, coverage.states, strict=True))
+    states = (coverage.walk.states[number] for number in numbers)
+    elsewhere = dict(zip(numbers, _means(ask, ([(state, *step) for step in steps] for state in states)), strict=True))
     shaping = np.array([gamma * elsewhere[t + 1] - elsewhere[t] for t in coverage.chosen])
-    form: Float = paid_by(pay, coverage) + shaping
+    form: Float = paid_by(ask, coverage) + shaping
     return form
 
 
-def dard_form(pay: OfTransition, gamma: float, coverage: Coverage) -> Float:
+def dard_form(ask: Ask, gamma: float, coverage: Coverage) -> Float:
     """DARD's form of the compared transitions, (compared,)."""
     states, actions = coverage.walk.states, coverage.walk.actions
     last = len(actions)
-    shaping = []
-    for t in coverage.chosen:
-        terms = [
-            gamma * pay(states[t + 1], actions[k], states[min(k + 2, last)])
-            - pay(states[t], actions[k], states[k + 1])
-            - gamma * pay(states[k + 1], actions[k], states[min(k + 2, last)])
-            for k in near(t, last)
-        ]
-        shaping.append(np.mean(terms))
-    form: Float = paid_by(pay, coverage) + np.array(shaping)
+    beside = [near(t, last) for t in coverage.chosen]
+    pairs = [(t, k) for t, numbers in zip(coverage.chosen, beside, strict=True) for k in numbers]
+    after = ask([(states[t + 1], actions[k], states[min(k + 2, last)]) for t, k in pairs])
+    here = ask([(states[t], actions[k], states[k + 1]) for t, k in pairs])
+    beyond = ask([(states[k + 1], actions[k], states[min(k + 2, last)]) for t, k in pairs])
+    form: Float = paid_by(ask, coverage) + _mean_of_each(gamma * after - here - gamma * beyond, map(len, beside))
     return form
 
 
-def starc_form(pay: OfTransition, gamma: float, coverage: Coverage) -> Float:
+def starc_form(ask: Ask, gamma: float, coverage: Coverage) -> Float:
     """STARC's form of the compared transitions, (compared,); gamma is below 1."""
-    value = _values(pay, gamma, coverage.walk)
+    value = _values(ask, gamma, coverage.walk)
     chosen = np.asarray(coverage.chosen)
-    form: Float = paid_by(pay, coverage) + gamma * value[chosen + 1] - value[chosen]
+    form: Float = paid_by(ask, coverage) + gamma * value[chosen + 1] - value[chosen]
     return form
 
 
@@ -97,7 +100,7 @@ def near(t: int, steps: int) -> range:
     return range(min(max(0, t - NEAR), steps - 1), min(t + NEAR + 1, steps))
 
 
-def _values(pay: OfTransition, gamma: float, walk: Walk) -> Float:
+def _values(ask: Ask, gamma: float, walk: Walk) -> Float:
     """V of all states of an episode, (steps + 1,).
 
     A state depends on those near in time only: the matrix is banded, and its time grows with the episode's length.
@@ -106,12 +109,25 @@ def _values(pay: OfTransition, gamma: float, walk: Walk) -> Float:
 
     steps = len(walk.actions)
     below, above = NEAR, NEAR + 1
-    bands, paid = np.zeros((below + above + 1, steps + 1)), np.zeros(steps + 1)
+    bands = np.zeros((below + above + 1, steps + 1))
     bands[above] = 1.0
-    for t, state in enumerate(walk.states):
-        numbers = near(t, steps)
-        paid[t] = np.mean([pay(state, walk.actions[k], walk.states[k + 1]) for k in numbers])
+    beside = [near(t, steps) for t in range(steps + 1)]
+    for t, numbers in enumerate(beside):
         for k in numbers:
             bands[above + t - (k + 1), k + 1] -= gamma / len(numbers)
+    starts = zip(walk.states, beside, strict=True)
+    paid = _means(ask, ([(state, walk.actions[k], walk.states[k + 1]) for k in numbers] for state, numbers in starts))
     value: Float = solve_banded((below, above), bands, paid)
     return value
+
+
+def _means(ask: Ask, groups: Iterable[Sequence[Step]]) -> Float:
+    """The mean of what the steps of each group are paid, (groups,)."""
+    listed = list(groups)
+    return _mean_of_each(ask([step for group in listed for step in group]), map(len, listed))
+
+
+def _mean_of_each(values: Float, counts: Iterable[int]) -> Float:
+    """Means of so many values each, one after the other."""
+    ends = np.cumsum([*counts])
+    return np.array([part.mean() for part in np.split(values, ends[:-1])])

@@ -9,7 +9,9 @@ from harness.cli.flags.shared import REWARDS, SIMULATORS
 
 RewardName = Annotated[
     str | None,
-    typer.Option(help="The reward, such as arp:k2=2.", metavar="NAME", autocompletion=REWARDS, show_default=False),
+    typer.Option(
+        help="The reward, such as arp:k2=2, or several.", metavar="NAME,...", autocompletion=REWARDS, show_default=False
+    ),
 ]
 SimulatorName = Annotated[
     str | None,

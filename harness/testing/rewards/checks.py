@@ -5,9 +5,22 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from harness.reward import Array, Carry, Reward, Sample
+from harness.reward import Array, Carry, Paid, Reward, Steps
+from harness.reward.forms import is_plain_function
+from harness.reward.steps import map_steps, rows_of
 from harness.testing.rewards.long_episodes import a_long_episode_is_paid, nothing_is_kept_of_a_step
-from harness.testing.rewards.samples import HORIZON, NUM_ENVS, edge_samples, pay, play, random_samples, sample_of
+from harness.testing.rewards.samples import (
+    HORIZON,
+    NUM_ENVS,
+    edge_samples,
+    joints_of,
+    pay,
+    play,
+    sample_of,
+    samples_for,
+    state_at,
+    values_of,
+)
 from harness.testing.rewards.standard_array import StandardArray
 from harness.testing.violations import Check, check, raise_first, require, settings_are_frozen, settings_survive_json
 
@@ -28,34 +41,53 @@ def check_reward(reward: Reward) -> None:
 def values_have_one_float_per_env(reward: Reward) -> None:
     """The value of a step has the shape (num_envs,), also for one env, and is a float."""
     for num_envs in (1, NUM_ENVS):
-        for value in play(reward, random_samples(0, num_envs))[1]:
-            require(value.shape == (num_envs,), f"the value for {num_envs} envs has shape {value.shape}")
-            require(value.dtype.kind == "f", f"the value is {value.dtype}, not a float")
+        for paid in play(reward, samples_for(reward, 0, num_envs))[1]:
+            _require_floats("the value", paid.total, num_envs)
+
+
+@check("reward-terms-float")
+def terms_have_one_float_per_env(reward: Reward) -> None:
+    """So has each of its terms, if it has some; one that is a plain number is paid to every env."""
+    for num_envs in (1, NUM_ENVS):
+        for paid in play(reward, samples_for(reward, 0, num_envs))[1]:
+            for name, value in paid.terms.items():
+                _require_floats(f"the term '{name}'", value, num_envs)
+
+
+@check("reward-terms")
+def terms_are_the_same_in_every_step(reward: Reward) -> None:
+    """A reward pays the same terms, in the same order, in every step: each is recorded in a column."""
+    played = (samples_for(reward, 0, 1), samples_for(reward, 1, steps=HORIZON), edge_samples(joints_of(reward)))
+    names = [tuple(paid.terms) for samples in played for paid in play(reward, samples)[1]]
+    for other in names:
+        told, first = (", ".join(each) or "none" for each in (other, names[0]))
+        require(
+            other == names[0], f"a step pays the terms {told}, and the first one {first}: pay 0 where it is nothing"
+        )
 
 
 @check("reward-finite")
 def values_are_finite(reward: Reward) -> None:
     """No value is NaN or infinite in random episodes of 100 steps, which is as long as the default task's may be."""
     for seed in range(10):
-        _require_finite(reward, random_samples(seed, steps=HORIZON))
+        _require_finite(reward, samples_for(reward, seed, steps=HORIZON))
 
 
 @check("reward-finite-edges")
 def values_are_finite_at_the_edges(reward: Reward) -> None:
-    """No value is NaN or infinite where a distance or a gain is exactly 0."""
-    _require_finite(reward, edge_samples())
+    """No value is NaN or infinite where a distance or a gain is exactly 0, or nothing moves."""
+    _require_finite(reward, edge_samples(joints_of(reward)))
 
 
 @check("reward-arguments")
 def arguments_are_left_alone(reward: Reward) -> None:
-    """Neither the sample nor the carry is changed: the environment owns them and goes on with them."""
-    samples = random_samples(0)
-    untouched = copy.deepcopy(samples)
+    """Neither the steps nor the carry are changed: the environment owns them and goes on with them."""
+    samples = samples_for(reward, 0)
     carry = reward.initial_carry(samples[0].begin_distance)
-    for sample, before in zip(samples, untouched, strict=True):
-        carry_before = copy.deepcopy(carry)
-        after, _ = pay(reward, carry, sample)
-        for name, old, new in zip(Sample._fields, before, sample, strict=True):
+    for steps in samples:
+        steps_before, carry_before = map_steps(np.array, steps), copy.deepcopy(carry)
+        after, _ = pay(reward, carry, steps)
+        for (name, old), (_, new) in zip(_fields(steps_before), _fields(steps), strict=True):
             require(_equal(old, new), "{} was changed from {} to {}", name, old, new)
         require(_same(carry_before, carry), "the carry was changed in place from {} to {}", carry_before, carry)
         carry = after
@@ -64,27 +96,29 @@ def arguments_are_left_alone(reward: Reward) -> None:
 @check("reward-episodes")
 def episodes_do_not_depend_on_one_another(reward: Reward) -> None:
     """An episode is paid the same whatever was scored before: only the carry remembers anything."""
-    first = play(reward, random_samples(0))[1]
-    play(reward, random_samples(1, num_envs=2))
-    again = play(reward, random_samples(0))[1]
-    require(_equal(first, again), "the same episode was paid differently the second time")
+    samples = samples_for(reward, 0)
+    first = play(reward, samples)[1]
+    play(reward, samples_for(reward, 1, num_envs=2))
+    for known, again in zip(first, play(reward, samples)[1], strict=True):
+        require(_pays_equal(known, again), "the same episode was paid differently the second time")
 
 
 @check("reward-memory")
 def the_carry_is_all_that_is_remembered(reward: Reward) -> None:
-    """The same carry and sample are always paid the same, in whatever order they come."""
-    samples = random_samples(0)
-    carries, values = play(reward, samples)
+    """The same carry and steps are always paid the same, in whatever order they come."""
+    samples = samples_for(reward, 0)
+    carries, paid = play(reward, samples)
     for step in reversed(range(len(samples))):
-        _, value = pay(reward, carries[step], samples[step])
-        require(_equal(value, values[step]), "step {} is paid {} when asked again, not {}", step, value, values[step])
+        _, again = pay(reward, carries[step], samples[step])
+        told = "step {} is paid {} when asked again, not {}"
+        require(_pays_equal(again, paid[step]), told, step, again.total, paid[step].total)
 
 
 @check("reward-carry-shape")
 def the_carry_has_one_entry_per_env(reward: Reward) -> None:
     """The carry is an array with a leading num_envs axis, or a tuple of such, or ``()``, at every step."""
     for num_envs in (1, NUM_ENVS):
-        for carry in play(reward, random_samples(0, num_envs))[0]:
+        for carry in play(reward, samples_for(reward, 0, num_envs))[0]:
             for array in _arrays(carry):
                 shape = getattr(array, "shape", None)
                 require(shape and shape[0] == num_envs, f"the carry of {num_envs} envs has a part of shape {shape}")
@@ -92,35 +126,33 @@ def the_carry_has_one_entry_per_env(reward: Reward) -> None:
 
 @check("reward-batch-as-alone")
 def a_batch_is_paid_as_its_envs_alone(reward: Reward) -> None:
-    """Each env of a batch is paid as if it were alone."""
-    samples = random_samples(0)
-    alone, batch = copy.deepcopy(reward), np.stack(play(reward, samples)[1], axis=-1)
+    """Each env of a batch is paid as if it were alone, by every term."""
+    samples = samples_for(reward, 0)
+    alone, batch = copy.deepcopy(reward), play(reward, samples)[1]
     for env in range(NUM_ENVS):
-        one = [Sample(*(part[env : env + 1] for part in sample)) for sample in samples]
-        values = np.concatenate(play(copy.deepcopy(alone), one)[1])
-        require(
-            np.allclose(values, batch[env], rtol=1e-12, equal_nan=True),
-            "env {} is paid {}, alone {}",
-            env,
-            batch[env],
-            values,
-        )
+        one = play(copy.deepcopy(alone), [rows_of(steps, slice(env, env + 1)) for steps in samples])[1]
+        for together, apart in zip(batch, one, strict=True):
+            for name, value in values_of(apart).items():
+                of_batch = values_of(together)[name][env]
+                told = "{} of env {} is {}, alone {}"
+                require(_near(value[0], of_batch), told, name, env, of_batch, value[0])
 
 
 @check("reward-array-library")
 def any_array_library_will_do(reward: Reward) -> None:
     """Arrays of another library give the same values: the reward uses their namespace and the standard's names."""
-    samples = random_samples(0)
-    expected = play(copy.deepcopy(reward), samples)[1]
-    values = play(reward, [Sample(*map(StandardArray, sample)) for sample in samples])[1]
-    for value, known in zip(values, expected, strict=True):
-        require(isinstance(value, StandardArray), f"the value is a {type(value).__name__}, not an array as was given")
-        require(
-            np.allclose(value.values, known, rtol=1e-12, equal_nan=True),
-            "the value is {}, with numpy {}",
-            value.values,
-            known,
-        )
+    if not is_plain_function(reward):
+        _require_any_library(reward)
+
+
+@check("reward-numpy", "warning")
+def a_plain_function_works_with_any_array_library(reward: Reward) -> None:
+    """A plain function works with JAX if xp = step.distance.__array_namespace__(), and xp.exp stands for np.exp.
+
+    Training and scores need numpy alone, so this is a warning.
+    """
+    if is_plain_function(reward):
+        _require_any_library(reward)
 
 
 @check("reward-no-event")
@@ -137,6 +169,8 @@ REWARD_CHECKS: tuple[Check, ...] = (
     settings_are_frozen,
     settings_survive_json,
     values_have_one_float_per_env,
+    terms_have_one_float_per_env,
+    terms_are_the_same_in_every_step,
     values_are_finite,
     values_are_finite_at_the_edges,
     arguments_are_left_alone,
@@ -146,20 +180,41 @@ REWARD_CHECKS: tuple[Check, ...] = (
     a_batch_is_paid_as_its_envs_alone,
     any_array_library_will_do,
     no_event_is_paid,
-    a_long_episode_is_paid,
     nothing_is_kept_of_a_step,
+    a_long_episode_is_paid,
 )
+REWARD_WARNINGS: tuple[Check, ...] = (a_plain_function_works_with_any_array_library,)
 
 
-def _require_finite(reward: Reward, samples: list[Sample]) -> None:
-    for step, (sample, value) in enumerate(zip(samples, play(reward, samples)[1], strict=True), 1):
-        require(np.isfinite(value).all(), "the value is {} at distances {} m, step {}", value, sample.distance, step)
+def _require_floats(name: str, value: Array, num_envs: int) -> None:
+    require(np.shape(value) == (num_envs,), f"{name} for {num_envs} envs has shape {np.shape(value)}")
+    require(value.dtype.kind == "f", f"{name} is {value.dtype}, not a float")
+
+
+def _require_finite(reward: Reward, samples: list[Steps]) -> None:
+    for step, (sample, paid) in enumerate(zip(samples, play(reward, samples)[1], strict=True), 1):
+        for name, value in values_of(paid).items():
+            told = "{} is {} at distances {} m, step {}"
+            require(np.isfinite(value).all(), told, name, value, sample.distance, step)
+
+
+def _require_any_library(reward: Reward) -> None:
+    samples = samples_for(reward, 0)
+    expected = play(copy.deepcopy(reward), samples)[1]
+    found = play(reward, [map_steps(StandardArray, steps) for steps in samples])[1]
+    for paid, known in zip(found, expected, strict=True):
+        for name, value in values_of(paid).items():
+            told = f"{name} is a {type(value).__name__}, not an array as was given"
+            require(isinstance(value, StandardArray), told)
+            wanted = values_of(known)[name]
+            require(_near(value.values, wanted), "{} is {}, with numpy {}", name, value.values, wanted)
 
 
 def _values_at(reward: Reward, distances: Array) -> Array:
     """What the first step of an episode pays that begins at 0.5 m and ends at `distances`, nearer than that."""
-    begin = np.full(len(distances), 0.5)
-    return play(reward, [sample_of(begin, begin, begin, distances, 1)])[1][0]
+    begin, joints = np.full(len(distances), 0.5), joints_of(reward)
+    states = state_at(begin, joints, speed=1.0), state_at(distances, joints, speed=1.0)
+    return play(reward, [sample_of(*states, begin, begin, 1)])[1][0].total
 
 
 def _jump_between(reward: Reward, low: float, high: float) -> float:
@@ -178,6 +233,24 @@ def _arrays(carry: Carry) -> Iterator[Array]:
             yield from _arrays(part)
     else:
         yield carry
+
+
+def _fields(steps: Steps) -> Iterator[tuple[str, Array]]:
+    """Names and arrays of the fields of steps, and of those of what was before."""
+    for name, value in steps._asdict().items():
+        if isinstance(value, tuple):
+            yield from ((f"{name}.{field}", array) for field, array in _fields(value))
+        else:
+            yield name, value
+
+
+def _pays_equal(one: Paid, other: Paid) -> bool:
+    first, second = values_of(one), values_of(other)
+    return first.keys() == second.keys() and all(_equal(value, second[name]) for name, value in first.items())
+
+
+def _near(value: Array, known: Array) -> bool:
+    return np.allclose(value, known, rtol=1e-12, equal_nan=True)
 
 
 def _same(first: Carry, second: Carry) -> bool:

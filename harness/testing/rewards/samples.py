@@ -1,52 +1,127 @@
 """What the reward checks hand to a reward."""
 
+import copy
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 
-from harness.reward import Array, Carry, Reward, Sample
+from harness.arrays import Float
+from harness.reward import Array, Carry, Paid, Reward, Steps
+from harness.reward.needs import SIZES, call_noted, made_up
+from harness.reward.steps import DISTANCE, map_steps, step_between
+from harness.reward.terms import pay as pay_aloud
 
 STEPS, NUM_ENVS = 20, 4
 HORIZON = 100
 """Steps of a whole episode of the default task, ``fd100-reach``."""
+PERIOD = 0.1
+"""Seconds of its control period."""
 
 
-def random_samples(seed: int, num_envs: int = NUM_ENVS, steps: int = STEPS) -> list[Sample]:
-    """The samples of an episode of each env whose distance goes up and down at random; one per step."""
+def random_samples(seed: int, num_envs: int = NUM_ENVS, steps: int = STEPS, joints: int = SIZES[0]) -> list[Steps]:
+    """The steps of an episode of each env, with the fields of `harness.reward.steps.ARM`; one per step.
+
+    The distance goes up and down at random, and the end effector is so far from the target. The joints move as fast as
+    the action says.
+    """
     rng = np.random.default_rng(seed)
     begin = rng.uniform(0.2, 1.0, num_envs)
-    best, previous, samples = begin, begin, []
-    for step in range(1, steps + 1):
-        distance = np.abs(previous + rng.uniform(-0.2, 0.18, num_envs))
-        samples.append(sample_of(begin, best, previous, distance, step))
-        best, previous = np.minimum(best, distance), distance
-    return samples
+    distances = [begin]
+    for _ in range(steps):
+        distances.append(np.abs(distances[-1] + rng.uniform(-0.2, 0.18, num_envs)))
+    states = _wandering(np.stack(distances), joints, np.random.default_rng([seed, 1]))
+    best = np.minimum.accumulate(states[DISTANCE], axis=0)
+    rows = [{name: values[row] for name, values in states.items()} for row in range(steps + 1)]
+    return [sample_of(rows[step - 1], rows[step], begin, best[step - 1], step) for step in range(1, steps + 1)]
 
 
-def edge_samples() -> list[Sample]:
-    """The corners: on the target, come onto it, gone from it, standing still, back at the best, back at the start."""
+def samples_for(reward: Reward, seed: int, num_envs: int = NUM_ENVS, steps: int = STEPS) -> list[Steps]:
+    """The same of an arm with as many joints as the reward is for."""
+    return random_samples(seed, num_envs, steps, joints_of(reward))
+
+
+def edge_samples(joints: int = SIZES[0]) -> list[Steps]:
+    """The corners: on the target, come onto it, gone from it, standing still, back at the best, back at the start.
+
+    In the first step nothing moves, and all else is 0; in the second one everything moves at once.
+    """
     begin = np.array([0.5, 0.5, 0.5, 0.5, 0.5, 0.5])
     best = np.array([0.0, 0.3, 0.0, 0.3, 0.3, 0.5])
     previous = np.array([0.0, 0.3, 0.0, 0.3, 0.4, 0.6])
     distance = np.array([0.0, 0.0, 0.2, 0.3, 0.3, 0.5])
-    return [sample_of(begin, best, previous, distance, step) for step in (1, 2)]
+    before, still = state_at(previous, joints), state_at(distance, joints)
+    moving = {**state_at(distance, joints, speed=1.0), "ground": np.ones(len(begin), bool)}
+    return [sample_of(before, after, begin, best, step) for step, after in enumerate((still, moving), 1)]
 
 
-def sample_of(begin: Array, best: Array, previous: Array, distance: Array, step: int) -> Sample:
-    """A sample in arrays of its own."""
-    delta = distance - best
-    return Sample(*(np.array(part) for part in (begin, best, previous, distance, delta, np.full(len(begin), step))))
+def state_at(distance: Array, joints: int, speed: float = 0.0) -> dict[str, Any]:
+    """The state of arms whose targets at the origin are `distance` away, (n,).
+
+    All joints were told to move from 0 at `speed`, [rad/s], and did so for a step.
+    """
+    count = len(distance)
+    speeds = np.full((count, joints), speed)
+    end_effector = np.stack([distance, np.zeros(count), np.zeros(count)], axis=1)
+    moved = {"qpos": PERIOD * speeds, "qvel": speeds, "action": speeds}
+    places = {"end_effector": end_effector, "target": np.zeros((count, 3))}
+    return {DISTANCE: distance, **moved, **places, "ground": np.zeros(count, bool)}
 
 
-def pay(reward: Reward, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
+def sample_of(state: Mapping[str, Any], after: Mapping[str, Any], begin: Array, best: Array, step: int) -> Steps:
+    """The step from one state to another, in arrays of its own."""
+    return map_steps(np.array, step_between(state, after, begin, best, np.full(len(begin), step)))
+
+
+def joints_of(reward: Reward) -> int:
+    """How many joints the arm may have that a reward is for: the first of `SIZES` whose made-up steps it pays."""
+    asked = copy.deepcopy(reward)  # what it may keep is no matter of the checks
+    for size in SIZES:
+        try:
+            call_noted(asked, made_up(size, size))
+        except Exception:  # as an index beyond the joints; a check says it of a reward that fails with all
+            continue
+        return size
+    return SIZES[0]
+
+
+def pay(reward: Reward, carry: Carry, steps: Steps) -> tuple[Carry, Paid]:
     """What the reward pays, numpy's warnings off: it may divide by anything where it then takes another value."""
     with np.errstate(all="ignore"):
-        return reward(carry, sample)
+        return pay_aloud(reward, carry, steps)
 
 
-def play(reward: Reward, samples: list[Sample]) -> tuple[list[Carry], list[Array]]:
-    """An episode: the carry before each step and after the last one, and the values."""
-    carries, values = [reward.initial_carry(samples[0].begin_distance)], []
+def play(reward: Reward, samples: list[Steps]) -> tuple[list[Carry], list[Paid]]:
+    """An episode: the carry before each step and after the last one, and what each step is paid."""
+    carries, paid = [reward.initial_carry(samples[0].begin_distance)], []
     for sample in samples:
         carry, value = pay(reward, carries[-1], sample)
         carries.append(carry)
-        values.append(value)
-    return carries, values
+        paid.append(value)
+    return carries, paid
+
+
+def values_of(paid: Paid) -> dict[str, Array]:
+    """What a step is paid in all, and in each term, by what sentences call it."""
+    return {"the value": paid.total, **{f"the term '{name}'": value for name, value in paid.terms.items()}}
+
+
+def _wandering(distances: Float, joints: int, rng: np.random.Generator) -> dict[str, Any]:
+    """States, (steps + 1, num_envs, ...), of arms that start at rest and are told to move at random."""
+    count, num_envs = distances.shape
+    action = rng.uniform(-1.0, 1.0, (count, num_envs, joints))
+    action[0] = 0.0
+    direction = np.cumsum(rng.normal(0.0, 0.1, (count, num_envs, 3)), axis=0) + rng.normal(size=(num_envs, 3))
+    direction /= np.linalg.norm(direction, axis=-1, keepdims=True)
+    target = np.broadcast_to(rng.uniform(0.1, 0.5, (num_envs, 3)), (count, num_envs, 3))
+    ground = rng.uniform(size=distances.shape) < 0.05
+    ground[0] = False
+    return {
+        DISTANCE: distances,
+        "qpos": rng.uniform(-0.5, 0.5, (num_envs, joints)) + PERIOD * np.cumsum(action, axis=0),
+        "qvel": action.copy(),
+        "action": action,
+        "end_effector": target + distances[..., None] * direction,
+        "target": target,
+        "ground": ground,
+    }

@@ -17,13 +17,19 @@ sort sqrt square squeeze stack std subtract sum take tan tanh tile trunc unstack
 """
 STANDARD = frozenset(NAMES.split())
 """The names of the Python array API standard that a reward may need."""
+REDUCTIONS = ("sum", "mean", "max", "min", "prod", "any", "all")
+"""Methods that an array has too, so that ``(step.action**2).sum(-1)``, which everybody writes, is allowed.
+
+The standard has them as functions only. But numpy's and JAX's arrays have all of these methods. Torch's have them too,
+except that ``max`` and ``min`` along an axis return the places as well.
+"""
 
 
 class StandardArray:
     """An array of which nothing is known but the Python array API standard: not numpy's, not to be changed.
 
-    It has arithmetic, comparisons, indexing, shape and dtype; the rest is in its namespace. It gives away no truth
-    value and no numpy array, like an array inside a compiled JAX function.
+    It has arithmetic, comparisons, indexing, shape, dtype and `REDUCTIONS`; the rest is in its namespace. It gives away
+    no truth value and no numpy array, like an array inside a compiled JAX function.
     """
 
     __array_ufunc__ = None
@@ -76,6 +82,17 @@ for _name in ("add", "sub", "mul", "truediv", "floordiv", "mod", "pow", "and", "
     setattr(StandardArray, f"__r{_name}__", _operator(_function, swapped=True))
 for _name in ("lt", "le", "gt", "ge", "eq", "ne", "neg", "pos", "abs", "invert"):
     setattr(StandardArray, f"__{_name}__", _operator(getattr(operator, f"__{_name}__")))
+
+
+def _reduction(name: str) -> Callable[..., StandardArray]:
+    def reduce(self: StandardArray, axis: Any = None, keepdims: bool = False) -> StandardArray:
+        return StandardArray(getattr(np, name)(self.values, axis=axis, keepdims=keepdims))
+
+    return reduce
+
+
+for _name in REDUCTIONS:
+    setattr(StandardArray, _name, _reduction(_name))
 
 
 class StandardNamespace:

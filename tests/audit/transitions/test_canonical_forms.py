@@ -7,7 +7,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from harness.audit.transitions.canonical_forms import NEAR, Coverage, dard_form, epic_form, near, starc_form
+from harness.audit.transitions.canonical_forms import (
+    NEAR,
+    Coverage,
+    dard_form,
+    epic_form,
+    near,
+    one_by_one,
+    starc_form,
+)
 from harness.audit.transitions.form_distances import EPIC, FORMS, STARC, draw_coverages, form_distance, form_vector
 from harness.audit.unit_vectors import centred_unit, distance_between
 from harness.recorder.walk import Walk
@@ -26,7 +34,7 @@ def table(seed):
 
 def asked(values):
     """The reward as a function."""
-    return lambda state, action, following: float(values[state, action, following])
+    return one_by_one(lambda state, action, following: float(values[state, action, following]))
 
 
 def walks(seed, lengths=(1, 2, 30)):
@@ -107,12 +115,15 @@ def test_starc_takes_the_value_away():
 def test_dard_sets_a_step_beside_those_near_in_time():
     """An episode of two steps, written out."""
     values, walk, gamma = table(1), Walk([0, 1, 2], [0, 1]), 0.5
-    reward = asked(values)
+
+    def reward(*step):
+        return values[step]
+
     terms = [
         gamma * reward(1, 0, 2) - reward(0, 0, 1) - gamma * reward(1, 0, 2),
         gamma * reward(1, 1, 2) - reward(0, 1, 2) - gamma * reward(2, 1, 2),
     ]
-    found = dard_form(reward, gamma, Coverage(walk, [0], [], []))
+    found = dard_form(asked(values), gamma, Coverage(walk, [0], [], []))
     assert found == pytest.approx([reward(0, 0, 1) + np.mean(terms)])
 
 
@@ -120,7 +131,9 @@ def test_only_steps_near_in_time_count():
     """A reward that is another one far away changes nothing here."""
     walk = Walk(list(range(60)), [0] * 59)
     plain, far = (lambda s, a, n: float(s * n)), (lambda s, a, n: float(s * n) if n < 40 else 1e9)
-    assert dard_form(plain, 0.9, Coverage(walk, [3], [], [])) == dard_form(far, 0.9, Coverage(walk, [3], [], []))
+    assert dard_form(one_by_one(plain), 0.9, Coverage(walk, [3], [], [])) == dard_form(
+        one_by_one(far), 0.9, Coverage(walk, [3], [], [])
+    )
     assert list(near(3, 59)) == list(range(9))
     assert list(near(59, 59)) == list(range(59 - NEAR, 59))
 
@@ -139,7 +152,7 @@ def test_starc_keeps_the_mean_and_epic_does_not():
     def pay(state, action, following):
         return float(action == 2)
 
-    epic, starc = (form_vector(pay, form, 0.9, coverages(0)).unit for form in (EPIC, STARC))
+    epic, starc = (form_vector(one_by_one(pay), form, 0.9, coverages(0)).unit for form in (EPIC, STARC))
     assert epic.mean() == pytest.approx(0.0, abs=1e-12)
     assert abs(starc.mean()) > 1e-3
 
