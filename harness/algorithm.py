@@ -16,6 +16,14 @@ if TYPE_CHECKING:
 
 ActionSpace: TypeAlias = Literal["continuous", "discrete"]
 
+IN_ENVIRONMENTS = "in_environments"
+"""The class variable in which an algorithm may declare other defaults for a `harness.environment.Environment`.
+
+It is a mapping from parameters to values, such as ``{"gamma": 0.99}``. Where a user chose nothing, such a value is
+written into the cell as if the user had chosen it: the algorithm is then called ``ppo:gamma=0.99``. A value that a
+preset of the algorithm brings stays. On an arm, the defaults of the fields hold.
+"""
+
 
 @dataclass(frozen=True, eq=False)
 class Goals:
@@ -97,6 +105,7 @@ class Algorithm(Protocol):
     * ``needs_arm``: True if it computes with the arm of the task. It then cannot train in other people's Gymnasium
       environments, see `needs_arm`.
     * ``needs_goals``: True if it pays recorded steps again for other goals, see `needs_goals`.
+    * ``in_environments``: defaults for other people's Gymnasium environments, see `IN_ENVIRONMENTS`.
     * ``why_not(task, robot)``: says why it cannot do a task although it takes the task's actions, see `why_not`.
     * ``sources``: the modules that it works in, see `harness.registry.sources.source_files`.
     """

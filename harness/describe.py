@@ -9,6 +9,7 @@ from typing import Any, get_args
 
 import numpy as np
 
+from harness.algorithm import IN_ENVIRONMENTS
 from harness.conditions import Conditions, conditions_of
 from harness.env.arm_observation import ArmObservation
 from harness.env.goal_observation import GoalObservation
@@ -66,6 +67,8 @@ def describe_name(registry: Registry, kind: str, given: str, robot: str | None) 
         if kind == "tasks":
             parts += [describe_task(thing, load_robot(robot or thing.robot, registry)), _steps_of_arms()]
         parts.append(_describe_parameters(type(thing), values_of(thing)))
+        if kind == "algorithms":
+            parts.append(_describe_in_environments(choice.label, choose(registry, kind, given, IN_ENVIRONMENTS).label))
     own = next((it.own for it in registry.plugins if it.name == spec.plugin), ())
     parts.append(f"{spec.plugin} also has {', '.join(own)}: {WHAT_ONE_TAKES}" if own else "")
     told = "\n\n".join(part for part in parts if part)
@@ -297,6 +300,11 @@ def _describe_drives(robot: Robot) -> str:
     weight = "compensated" if servo.gravity_compensated else "not compensated"
     told = f"Drives for drive=servo, in N m, rad, kg m^2 and s, where a joint slides in N, m, kg and s; {FILE}"
     return f"{told}\n{_table([head, *rows])}\n  latency {servo.latency:g} s, weight {weight}"
+
+
+def _describe_in_environments(on_arm: str, elsewhere: str) -> str:
+    """What else an algorithm's name stands for in somebody's environment; empty if it is the same."""
+    return f"In an environment, {on_arm} stands for {elsewhere}." if on_arm != elsewhere else ""
 
 
 def _default(parameter: Parameter) -> Any:

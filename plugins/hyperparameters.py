@@ -1,11 +1,20 @@
 """Hyperparameters that several algorithms have, with what they mean."""
 
-from typing import Annotated, Literal, TypeAlias
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field
 
 MOST_ENVS = 10_000
 """The most environments of a training. All are in memory, and no algorithm here learns better from more."""
+
+IN_ENVIRONMENTS: Mapping[str, Any] = MappingProxyType({"gamma": 0.99})
+"""Defaults in other people's environments: the discount that the field uses there.
+
+An algorithm's own default was found on the FD100, whose episodes are short. With it, a policy in a longer episode does
+not see what its actions lead to.
+"""
 
 LearningRate: TypeAlias = Annotated[float, Field(gt=0, description="step size of the optimiser")]
 Gamma: TypeAlias = Annotated[float, Field(ge=0, le=1, description="discount factor per decision, 0 to 1, NOTE eq. 12")]

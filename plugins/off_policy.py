@@ -1,8 +1,12 @@
 """The hyperparameters of algorithms that learn from a replay buffer."""
 
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
 from pydantic.dataclasses import dataclass
 
 from .hyperparameters import (
+    IN_ENVIRONMENTS,
     Activation,
     BatchSize,
     BufferSize,
@@ -32,3 +36,5 @@ class OffPolicy:
     tau: Tau = 0.005
     activation: Activation = "relu"
     num_envs: NumEnvs = 1
+
+    in_environments: ClassVar[Mapping[str, Any]] = IN_ENVIRONMENTS

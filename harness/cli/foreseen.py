@@ -48,7 +48,7 @@ def _by_combination(cells: Sequence["Cell"], *, lists_seeds: bool) -> Iterator[s
     """A line for each simulator, algorithm and reward, with its seeds: which, or how many."""
     seeds: dict[str, list[int]] = {}
     for cell in cells:
-        title = " · ".join((cell.place.label, cell.algorithm.label, cell.reward.label))
+        title = " · ".join((cell.place.label, cell.learner, cell.reward.label))
         seeds.setdefault(title, []).append(cell.seed)
     for title, these in seeds.items():
         if not lists_seeds:

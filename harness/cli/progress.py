@@ -207,7 +207,7 @@ def _left(task: Task) -> str:
 
 
 def _parts(cell: Cell) -> tuple[str, ...]:
-    return cell.place.label, cell.algorithm.label, cell.reward.label, str(cell.seed)
+    return cell.place.label, cell.learner, cell.reward.label, str(cell.seed)
 
 
 def _differing_parts(cells: Sequence[Cell]) -> list[int]:

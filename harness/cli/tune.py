@@ -54,8 +54,7 @@ def tune(
     from harness.experiment.run_options import RunOptions
     from harness.registry.given import read_given, split_measures
     from harness.registry.registry import load_registry
-    from harness.tune.tune import default_folder, run_searches
-    from harness.tune.tuning import resolve
+    from harness.tune.tune import resolve_in, run_searches
 
     measures, files = split_measures(measure or ())
     options = RunOptions(jobs=jobs, executor=executor)
@@ -66,8 +65,8 @@ def tune(
         "seed": seed, "measure": measures or None,
     }  # fmt: skip
     registry = load_registry(given=read_given(plugin, files))
-    setup = resolve(_read(file, {key: value for key, value in given.items() if value is not None}), registry)
-    folder = out or default_folder(setup)
+    tuning = _read(file, {key: value for key, value in given.items() if value is not None})
+    setup, folder = resolve_in(out, tuning, registry)
     with kept_when_interrupted("finished cells are kept", folder):
         tuned = run_searches(setup, folder, registry, options, _watch(setup.tuning.trials))
     _show(tuned, as_json)

@@ -6,6 +6,7 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, fields, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, Unpack
 
@@ -30,6 +31,7 @@ from harness.record.running import read_left
 from harness.record.store import Store
 from harness.record.united_plan import refuse_mixed
 from harness.registry.allowed import allow_typed
+from harness.registry.choice import Choice
 from harness.registry.given import Given as Plugins
 from harness.registry.given import read_given, require_given, split_measures
 from harness.registry.registry import Registry, load_registry
@@ -269,7 +271,7 @@ def check(experiment: Experiment, options: RunOptions = DEFAULTS, given: Sequenc
     require_given(experiment.plugins, given)
     registry = load_registry(given=given)
     executor, trackers = options.build_executor(registry), build_trackers(options.tracker, registry)
-    plan = expand(experiment, registry)
+    plan = expand(experiment, registry, partial(_begun_with, options))
     if not plan.cells:
         reasons = dict.fromkeys(reason for _, reason in plan.skipped)
         raise UsageError(f"Nothing can be run: {'; '.join(reasons)}")
@@ -277,7 +279,7 @@ def check(experiment: Experiment, options: RunOptions = DEFAULTS, given: Sequenc
         plan.require_metrics([options.metrics] if isinstance(options.metrics, str) else options.metrics)
     if options.only is not None:
         select(plan.cells, options.only)
-    store = Store.at(Path(options.out) if options.out else default_folder(plan))
+    store = _store_of(options, plan)
     if Store.is_experiment(store.folder):
         asked = (*plan.cells, *(cell for cell, _ in plan.skipped))
         earlier = store.read_plan()
@@ -287,6 +289,17 @@ def check(experiment: Experiment, options: RunOptions = DEFAULTS, given: Sequenc
     if any(store.examine(cell).status != "done" for cell in plan.cells):
         plan, registry = try_plan(plan, registry)
     return ExperimentRun(plan, store, registry, executor, options, trackers)
+
+
+def _store_of(options: RunOptions, plan: Plan) -> Store:
+    return Store.at(Path(options.out) if options.out else default_folder(plan))
+
+
+def _begun_with(options: RunOptions, plan: Plan) -> frozenset[Choice]:
+    """The algorithms of the experiment that a plan's folder holds; see `harness.experiment.plan.Begun`."""
+    store = _store_of(options, plan)
+    cells = store.read_plan().cells if Store.is_experiment(store.folder) else ()
+    return frozenset(cell.algorithm for cell in cells)
 
 
 def default_folder(plan: Plan) -> Path:

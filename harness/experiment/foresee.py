@@ -137,7 +137,7 @@ def _size(manifest: Manifest, store: Store) -> int:
 
 
 def _kind(cell: Cell) -> Kind:
-    return cell.place.label, cell.algorithm.label
+    return cell.place.label, cell.learner
 
 
 def _cell_to_json(cell: Cell) -> dict[str, str]:

@@ -3,7 +3,7 @@
 import hashlib
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeAlias
@@ -11,16 +11,17 @@ from typing import Annotated, Any, Literal, TypeAlias
 from pydantic import BeforeValidator, Field
 from pydantic.dataclasses import dataclass as checked_dataclass
 
+from harness.algorithm import IN_ENVIRONMENTS
 from harness.errors import UsageError
 from harness.eta.verdict.looks import MARGIN
 from harness.experiment.looks import own_seed, terms_of
-from harness.experiment.task_plan import Given, TaskPlan, choose_each, plan_tasks, table_of, unnamed
+from harness.experiment.task_plan import Given, TaskPlan, plan_tasks, table_of, unnamed
 from harness.record.cell import EVALUATION_HORIZON as HORIZON
 from harness.record.cell import NO_SIMULATOR, Cell
 from harness.record.file_forms import MOST_CELLS, MOST_SEEDS
 from harness.record.plan_file import control_seeds
 from harness.record.terms import NEW, Terms
-from harness.registry.choice import Choice, split_list
+from harness.registry.choice import Choice, choose, split_list
 from harness.registry.parameters import build
 from harness.registry.registry import Registry
 from harness.registry.toml_file import read_toml
@@ -197,10 +198,21 @@ def check_experiment(data: Mapping[str, Any], noun: str = "experiment") -> Exper
     return experiment
 
 
-def expand(experiment: Experiment, registry: Registry) -> Plan:
+Begun: TypeAlias = Callable[[Plan], Collection[Choice]]
+"""A function that tells which algorithms a plan's folder holds already; none if the folder is not there yet."""
+
+
+def expand(experiment: Experiment, registry: Registry, begun: Begun = lambda plan: ()) -> Plan:
     """All cells of an experiment: task x simulator x algorithm x reward x seed; an environment has no simulator.
 
-    An algorithm that takes discrete actions only gets a task with continuous ones in its discrete form.
+    An algorithm that takes discrete actions only gets a task with continuous ones in its discrete form. In an
+    environment an algorithm has the defaults that it declares for environments. Version 0.2 did not know these: a
+    folder that was begun without them goes on without them.
+
+    Args:
+        experiment: What a user wrote.
+        registry: The plugins.
+        begun: Tells what the folder holds that the plan goes into.
 
     Raises:
         UsageError: A name or parameter is unknown, a library is missing, the robot cannot do the task or has no drives
@@ -210,7 +222,32 @@ def expand(experiment: Experiment, registry: Registry) -> Plan:
     _require_few_names(experiment)
     experiment = _alone(experiment, registry)
     tasks = plan_tasks(experiment, experiment.tasks, registry)
-    algorithms = choose_each(registry, "algorithms", experiment.algo)
+    plain = [choose(registry, "algorithms", it) for it in experiment.algo]
+    if not tasks[0].is_environment:
+        return _plan(experiment, tasks, plain, registry)
+    fitted = [choose(registry, "algorithms", it, IN_ENVIRONMENTS) for it in experiment.algo]
+    plan = _plan(experiment, tasks, fitted, registry)
+    if fitted == plain:
+        return plan
+    there = begun(plan) or begun(_plan(experiment, tasks, plain, registry))
+    kept = [old if old in there and new not in there else new for old, new in zip(plain, fitted, strict=True)]
+    if kept == fitted:
+        return plan
+    told = [_goes_on(old, new) for old, new in zip(kept, fitted, strict=True) if old != new]
+    plan = _plan(experiment, tasks, kept, registry)
+    return replace(plan, warnings=(*plan.warnings, *dict.fromkeys(told)))
+
+
+def _goes_on(old: Choice, new: Choice) -> str:
+    """The line that an algorithm keeps the defaults with which a folder was begun."""
+    then = dict(old.params)
+    values = [f"{key}={then.get(key, 'default')}" for key, value in new.params if then.get(key) != value]
+    return f"the folder was begun with {old.name}:{','.join(values)} and goes on so; in a new folder it is {new.label}"
+
+
+def _plan(experiment: Experiment, tasks: Sequence[TaskPlan], chosen: Iterable[Choice], registry: Registry) -> Plan:
+    """The cells of tasks that were looked at, with each of the chosen algorithms once."""
+    algorithms = tuple(dict.fromkeys(chosen))
     terms = terms_of(experiment, tasks, algorithms) if experiment.until else NEW
     seeds = list(range(terms.looks[-1])) if terms.looks else experiment.seed_list
     _require_few(len(seeds), tasks, len(algorithms))

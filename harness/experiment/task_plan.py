@@ -17,9 +17,9 @@ from harness.registry.measure_functions import EPISODE, SUCCESS
 from harness.registry.names import unknown_name
 from harness.registry.registry import Registry
 from harness.registry.spec import PLANNED, blamed_on
-from harness.registry.step_functions import ARGUMENTS
 from harness.results.metrics import fields_needed, load_metrics, require_measures
 from harness.reward.forms import STEP
+from harness.reward.given import ARGUMENTS
 from harness.reward.needs import needs_of
 from harness.reward.steps import BEFORE, NOT_RECORDED
 from harness.robot import Robot
@@ -119,6 +119,11 @@ class TaskPlan:
     warnings: tuple[str, ...] = ()
     records: tuple[str, ...] = ()
     measure: tuple[str, ...] = ()
+
+    @property
+    def is_environment(self) -> bool:
+        """Whether the task is an environment, and no task of an arm."""
+        return self.robot == NO_ROBOT
 
     @property
     def has_control(self) -> bool:

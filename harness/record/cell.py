@@ -17,6 +17,8 @@ UNKNOWN_ALGORITHM = Choice("unknown", (), "unknown")
 """In place of the algorithm of a training that no experiment made: nobody recorded it."""
 EVALUATION_HORIZON = 10_000
 """Environment steps after which an episode of an evaluation in an environment is cut: ten times what most allow."""
+DISCOUNT = "gamma"
+"""The parameter of an algorithm that people are told beside its name, of a cell in an environment."""
 LATER = {"evaluate_every": 0, "deterministic": True, "evaluation_horizon": EVALUATION_HORIZON, "records": ()}
 """Fields that the first version did not have. At these values they are left out, and ids stay what they were."""
 
@@ -74,9 +76,14 @@ class Cell:
         return self.task if self.is_in_environment else self.simulator
 
     @property
+    def learner(self) -> str:
+        """For people: the algorithm; in an environment with its discount, though that may be a default."""
+        return self.algorithm.label_with(DISCOUNT) if self.is_in_environment else self.algorithm.label
+
+    @property
     def title(self) -> str:
         """For people: the combination and the seed."""
-        return f"{self.place.label} · {self.algorithm.label} · {self.reward.label} · seed {self.seed}"
+        return f"{self.place.label} · {self.learner} · {self.reward.label} · seed {self.seed}"
 
     @property
     def plugins(self) -> dict[str, str]:

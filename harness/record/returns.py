@@ -18,5 +18,16 @@ def mean_return(trace: Trace, columns: tuple[str, ...] = PAID) -> float | None:
 
 def mean_over_episodes(values: Float, trace: Trace) -> float | None:
     """The sum of `values`, one per row, over a finished episode, mean over the episodes; None without one."""
-    sums = [float(values[rows].sum()) for rows in trace.episodes]
+    sums = episode_sums(values, trace)
     return sum(sums) / len(sums) if sums else None
+
+
+def episode_sums(values: Float, trace: Trace) -> list[float]:
+    """The sum of `values`, one per row, over each finished episode."""
+    return [float(values[rows].sum()) for rows in trace.episodes]
+
+
+def events_of(trace: Trace) -> Float:
+    """What all events together paid in each row, (rows,)."""
+    paid: Float = np.sum([trace[name] for name in EVENTS], axis=0)
+    return paid

@@ -9,10 +9,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from harness.errors import UsageError, sentence
+from harness.errors import PluginError, UsageError, sentence
 from harness.hookspecs import NOUNS
 from harness.registry.members import require_members
-from harness.registry.parameters import build, parameters_of, resolved
+from harness.registry.parameters import build, parameters_of, resolved, values_of
 from harness.registry.registry import Registry
 from harness.registry.spec import Spec, blamed_on
 from harness.reward.forms import FAILED
@@ -55,19 +55,33 @@ class Choice:
         params = tuple((key, _frozen(value)) for key, value in data["params"].items())
         return cls(data["name"], params, data["label"])
 
+    def label_with(self, name: str) -> str:
+        """The label with a numeric parameter that it leaves out at its default; the label alone without such a one."""
+        value = dict(self.params).get(name)
+        if isinstance(value, bool) or not isinstance(value, int | float) or re.search(rf"[:,]{name}=", self.label):
+            return self.label
+        return f"{self.label}{',' if ':' in self.label else ':'}{name}={_text(value)}"
+
     def build(self, registry: Registry, kind: str) -> Any:
         """The chosen thing: the registered target, with these parameters."""
         return _build(registry.get(kind, self.name), dict(self.params), f"{NOUNS[kind]} '{self.name}'", registry)
 
 
-def choose(registry: Registry, kind: str, given: str | Mapping[str, Any]) -> Choice:
+def choose(registry: Registry, kind: str, given: str | Mapping[str, Any], defaults: str = "") -> Choice:
     """Resolve what a user gave: ``"arp:k2=2"`` or ``{"name": "arp", "k2": 2}``.
+
+    Args:
+        registry: The plugins.
+        kind: Of what is named.
+        given: The name, with the parameters that the user chose.
+        defaults: The name of a class variable of the target, such as ``in_environments``. It holds values that take the
+            place of the target's defaults. The choice is then the same as if the user had written them.
 
     Raises:
         UsageError: Unknown name, malformed text, unknown parameter, wrong type or value out of range.
-        PluginError: The plugin behind the name is broken; says whose it is.
+        PluginError: The plugin behind the name is broken, or declares defaults that it does not take; says whose it is.
     """
-    return _choose_and_build(registry, kind, given)[0]
+    return _choose_and_build(registry, kind, given, defaults)[0]
 
 
 def build_defaults(registry: Registry, kind: str, names: Iterable[str] | None = None) -> dict[str, Any]:
@@ -157,7 +171,9 @@ def _require_short(text: str) -> None:
         raise UsageError(f"'{text[:20]}...' has {len(text):,} characters, {LONGEST:,} are allowed: {SYNTAX}")
 
 
-def _choose_and_build(registry: Registry, kind: str, given: str | Mapping[str, Any]) -> tuple[Choice, Any]:
+def _choose_and_build(
+    registry: Registry, kind: str, given: str | Mapping[str, Any], defaults: str = ""
+) -> tuple[Choice, Any]:
     """The choice, and what was built to check it: a name inside a name costs no second one."""
     name, params = parse(given) if isinstance(given, str) else _name_and_params(given)
     noun = f"{NOUNS[kind]} '{name}'"
@@ -166,6 +182,12 @@ def _choose_and_build(registry: Registry, kind: str, given: str | Mapping[str, A
     if isinstance(given, str):
         params = _hand_inwards(params, {parameter.name for parameter in parameters_of(target)})
     built = _build(spec, params, noun, registry)
+    declared = _not_chosen(target, built, params, defaults)
+    if declared:
+        try:
+            built = _build(spec, {**params, **declared}, noun, registry)
+        except UsageError as error:
+            raise PluginError(f"{spec.title} does not take what its {defaults} declares: {error}") from error
     values, changed = resolved(target, built, noun)
     later = set(getattr(target, "later", ())) - changed.keys()
     frozen = tuple((key, _frozen(value)) for key, value in values.items() if key not in later)
@@ -173,6 +195,13 @@ def _choose_and_build(registry: Registry, kind: str, given: str | Mapping[str, A
     if not _is_line(label):
         raise UsageError(f"'{label}' has line breaks: {SYNTAX}")
     return Choice(name, frozen, label), built
+
+
+def _not_chosen(target: Any, built: Any, params: Mapping[str, Any], defaults: str) -> dict[str, Any]:
+    """What a class variable of the target declares, but for what was given, or brought by a preset that was."""
+    declared: Mapping[str, Any] = getattr(target, defaults, {}) if defaults else {}
+    brought = target.defaults_with(values_of(built)) if declared and hasattr(target, "defaults_with") else {}
+    return {key: value for key, value in declared.items() if key not in params and key not in brought}
 
 
 def _recorded(spec: Spec, typed: str) -> str:

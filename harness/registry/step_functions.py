@@ -3,9 +3,9 @@
 A plugin file without hooks and without a plugin class may have plain functions of ``step``, for an arm or for any
 environment; measures that are plain functions of ``episode``, for an arm; and for environments functions of
 `ARGUMENTS`, `functools.partial` ones of either, and objects that can be called so. A reward with a memory is a class
-with ``reset()`` whose objects can be called so; each env gets an object of its own. Other classes, such as settings, and
-other functions are the file's own, see `own_functions`. If a file has one reward, the reward has the name of the file.
-If it has several, each has its own name.
+with ``reset()`` whose objects can be called so; each env gets an object of its own. Other classes, such as settings,
+and other functions are the file's own, see `own_functions`. If a file has one reward, the reward has the name of the
+file. If it has several, each has its own name.
 """
 
 import functools

@@ -16,7 +16,7 @@ from harness.measure import Measure
 from harness.record.cell_folder import is_named
 from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, TRACE, evaluation_files, other_manner
 from harness.record.manifest import Manifest
-from harness.record.returns import EVENTS, mean_over_episodes, mean_return
+from harness.record.returns import EVENTS, episode_sums, events_of, mean_over_episodes, mean_return
 from harness.record.trace import Trace, read_trace, require_plausible, term_names
 from harness.results.by_term import ByTerm, by_term, part_of
 from harness.results.kept import Kept
@@ -196,6 +196,25 @@ class CellResults:
         """What the events of an episode of the final evaluation paid, mean; None without a finished one."""
         what, made_of = f"{EVALUATION} events", [self._kept.digest(EVALUATION)]
         return self._kept.number(what, made_of, lambda: mean_return(self._trace(EVALUATION, whole=False), EVENTS))
+
+    def evaluation_paid(self) -> float | None:
+        """What an episode of the final evaluation was paid, its events included, mean; None without a finished one."""
+        what, made_of = f"{EVALUATION} paid", [self._kept.digest(EVALUATION)]
+        return self._kept.number(what, made_of, lambda: mean_return(self._trace(EVALUATION, whole=False)))
+
+    def floor_returns(self, reward: InstalledReward) -> Float:
+        """What a reward pays each episode of random actions that the cell evaluated, events included, (episodes,).
+
+        Raises:
+            Unscored: It cannot.
+        """
+
+        def make() -> list[float]:
+            paid, trace = self._paid(RANDOM, reward).total, self._trace(RANDOM, whole=reward.reads_more)
+            return episode_sums(paid + events_of(trace), trace)
+
+        what = f"{RANDOM} returns {reward.choice.label}"
+        return np.array(self._kept.told(what, self._made_of(RANDOM, reward), make), np.float64)
 
     def term_names(self) -> tuple[str, ...]:
         """The terms of the cell's own reward that its training recorded."""

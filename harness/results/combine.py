@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from itertools import combinations
 from typing import Literal
 
+from harness.arrays import Float
 from harness.errors import Unscored
 from harness.eta.behaviour_change import TRAINING, Quantity
 from harness.eta.curve import GroupCurve
@@ -140,6 +141,19 @@ class _Cells:
                 raise Unscored(f"no episode ended in the evaluation of seed {cell.seed}")
             found.append(value)
         return found
+
+    def paid_beside_random(self, trainings: Sequence[Cell]) -> tuple[list[float], Float]:
+        """See `Trainings`: of an episode, its events included, which the training maximised too."""
+        first, paid = trainings[0], []
+        reward, taught = self._records.installed(first.reward), self._records.of(first)
+        reward.require_unchanged(taught.pays_recorded(reward, EVALUATION))
+        for cell in trainings:
+            value = self._records.of(cell).evaluation_paid()
+            self._records.of(cell).finish()
+            if value is None:
+                raise Unscored(f"no episode ended in the evaluation of seed {cell.seed}")
+            paid.append(value)
+        return paid, self._records.floor_returns(first, reward)
 
     def same_steps(self, match: Match[Cell]) -> bool:
         """See `Trainings`; evaluations are read only if every measure of every seed is the same."""

@@ -1,14 +1,17 @@
 """Two rewards that trained in one group of cells, compared: the same for traces of an arm and for recordings."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Generic, Literal, Protocol, Self, TypeVar
 
+from harness.arrays import Float
 from harness.errors import Unscored
 from harness.eta.behaviour_change import Change, Quantity, change_of
 from harness.eta.curve import GroupCurve
 from harness.eta.decompose import decompose
+from harness.eta.paid_at_random import PaidAtRandom, paid_at_random
 from harness.eta.return_split import ReturnSplit, split_returns
 from harness.eta.scored_sums import BB, BK, KB, KK, Pair
 from harness.eta.splits import Decomposition
@@ -161,6 +164,19 @@ class Trainings(Protocol[Training]):
             Unscored: It is not known.
         """
 
+    def paid_beside_random(self, trainings: Sequence[Training]) -> tuple[list[float], Float]:
+        """What one reward paid in the evaluation of each of its trainings, and what it pays random actions.
+
+        Args:
+            trainings: At least one; all by one reward.
+
+        Returns:
+            The mean return of an episode, of each training; the returns of random actions, (episodes,).
+
+        Raises:
+            Unscored: It is not known.
+        """
+
     def same_steps(self, match: Match[Training]) -> bool:
         """Whether both rewards taught the same steps: every step of each evaluation of every seed, bit for bit."""
 
@@ -193,7 +209,13 @@ def compare(trainings: Trainings[Training], match: Match[Training], swaps: Swaps
     )
     if not all(match.seeds_of):
         return empty
-    behaviour = replace(empty, changes=comparer.changes(), along=comparer.along(), mixtures=trainings.mixtures(match))
+    behaviour = replace(
+        empty,
+        changes=comparer.changes(),
+        along=comparer.along(),
+        mixtures=trainings.mixtures(match),
+        paid=tuple(comparer.paid_at_random()),
+    )
     if not match.seeds:
         return behaviour
     decomposition, pairs = comparer.indices()
@@ -272,6 +294,15 @@ class _Comparer(Generic[Training]):
             except Unscored as unscored:
                 reasons[pair] = str(unscored)
         return values, reasons
+
+    def paid_at_random(self) -> Iterator[PaidAtRandom]:
+        """What each reward pays its own policies and random actions, as far as it is known."""
+        sides = dict(zip((self._match.proposed, self._match.baseline), reversed(self._match.sides), strict=True))
+        for reward in dict.fromkeys((self._match.baseline, self._match.proposed)):
+            with suppress(Unscored):
+                found = paid_at_random(reward, *self._trainings.paid_beside_random(sides[reward]))
+                if found is not None:
+                    yield found
 
     def changes(self) -> tuple[Change, ...]:
         """The measures of the trained policies in each manner, of the trainings, and of how fast they learned."""

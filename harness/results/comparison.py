@@ -15,6 +15,7 @@ from harness.eta.index import Index, Ratio
 from harness.eta.judge import judge
 from harness.eta.lead import lead_of
 from harness.eta.number import number_sentence, return_sentence
+from harness.eta.paid_at_random import PaidAtRandom
 from harness.eta.rescaling import Rescaling
 from harness.eta.return_split import ReturnSplit
 from harness.eta.scored_sums import Pair
@@ -22,7 +23,7 @@ from harness.eta.splits import Decomposition, Splits, no_splits, splits_to_json
 from harness.eta.swaps import corrected_where_known
 from harness.eta.verdict.deals import smallest_p
 from harness.eta.verdict.ruling import Ruling
-from harness.record.cell import EVALUATION_HORIZON, NO_ROBOT, NO_SIMULATOR, UNKNOWN_ALGORITHM, Cell
+from harness.record.cell import DISCOUNT, EVALUATION_HORIZON, NO_ROBOT, NO_SIMULATOR, UNKNOWN_ALGORITHM, Cell
 from harness.registry.choice import Choice
 from harness.results.measured import DETERMINISTIC, LAST, STOCHASTIC
 from harness.results.mixture import Mixture
@@ -67,6 +68,14 @@ class Group(NamedTuple):
         return {**labels, **robot, "task": self.task.label}
 
     @property
+    def shown(self) -> dict[str, str]:
+        """The labels for people: the algorithm as `harness.record.cell.Cell.learner`."""
+        labels = self.labels
+        if self.simulator == NO_SIMULATOR and "algorithm" in labels:
+            labels["algorithm"] = self.algorithm.label_with(DISCOUNT)
+        return labels
+
+    @property
     def subject(self) -> str:
         """What behaves: an arm is a ``robot``, whatever acts in an environment an ``agent``."""
         return "robot" if "robot" in self.labels else "agent"
@@ -78,8 +87,8 @@ class Group(NamedTuple):
 
     @property
     def title(self) -> str:
-        """All labels in a line."""
-        return " · ".join(self.labels.values())
+        """All labels in a line, for people."""
+        return " · ".join(self.shown.values())
 
     @property
     def manner(self) -> str:
@@ -144,6 +153,7 @@ class Comparison:
         asked: Names and manners of the measures that the ruling is about, as another place may lack some; None before.
         same_steps: Whether the policies of both rewards take the same steps in every evaluation, bit for bit.
         rescaling: What the proposed reward is, if it is the baseline but for scale and offset; else None.
+        paid: What each of both rewards pays its own policies and random actions, as far as that is known.
         same_starts: Whether policies met the same episodes in their evaluations, as far as that is known.
     """
 
@@ -170,6 +180,7 @@ class Comparison:
     rescaling: Rescaling | None = None
     same_starts: bool = True
     trained: tuple[tuple[int, ...], tuple[int, ...]] = ((), ())
+    paid: tuple[PaidAtRandom, ...] = ()
 
     @property
     def place_key(self) -> tuple[Group, str, str]:
@@ -367,6 +378,12 @@ class Comparison:
         found, ruling = self.headline, self.ruling or Ruling()
         return lead_of(found, self.decisive_changes, ruling, self.group.subject, same_steps=self.same_steps)
 
+    @property
+    def not_maximised(self) -> tuple[str, ...]:
+        """A sentence for each reward that pays random actions more than its policies; none before all have trained."""
+        is_interim = self.ruling is not None and self.ruling.missing
+        return () if is_interim else tuple(it.told for it in self.paid if it.told)
+
     def hint_at(self, moment: StepChange) -> str:
         """What an evaluation on the way hints at: ``better``, ``worse`` or ``cannot tell``. It decides nothing."""
         return next((change.direction for change in moment.changes if change.direction), Answer.CANNOT_TELL.value)
@@ -399,6 +416,8 @@ class Comparison:
             "deciding": list(self.deciding),
             "decided_in": self.answered_in,
             "same_steps": self.same_steps,
+            "paid_at_random": [it.to_json() for it in self.paid],
+            "not_maximised": list(self.not_maximised),
             "returns": {manner: split.to_json() for manner, split in self.returns.items()},
             "returns_missing": dict(self.missing),
             **splits_to_json(self.splits),

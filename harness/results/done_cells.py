@@ -86,7 +86,7 @@ class DoneCells:
         Args:
             done: What a done cell says of itself.
             compared: The rewards that its training is paid by.
-            scoring: The rewards that its evaluation is paid by.
+            scoring: The rewards that its evaluation is paid by, and its random actions.
 
         Raises:
             SchemaError: A file of the cell is damaged.
@@ -101,11 +101,14 @@ class DoneCells:
         found.recorded()
         found.rows()
         found.evaluation_events()
+        found.evaluation_paid()
         found.motion()
+        scoring = list(scoring)
         jobs: list[Callable[[], object]] = [
             *(partial(found.pays_recorded, self.installed(cell.reward), file) for file in (TRACE, EVALUATION)),
             *(partial(found.paid_by, self.installed(choice)) for choice in compared),
             *(partial(found.evaluation_return, self.installed(choice)) for choice in scoring),
+            *(partial(found.floor_returns, self.installed(choice)) for choice in scoring if found.has_floor),
             *(partial(found.terms_paid, reward, file) for reward, file in self._by_term(found, scoring)),
         ]
         for job in jobs:

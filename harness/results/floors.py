@@ -1,13 +1,17 @@
-"""The metrics of random actions, called floors. Each floor is measured once for all cells that share it."""
+"""The metrics and returns of random actions, called floors. Each floor is measured once for all cells that share it."""
 
 from collections.abc import Callable, Iterable
 
+import numpy as np
+
+from harness.arrays import Float
 from harness.record.cell import Cell
 from harness.record.floor import Floor, floors_in
 from harness.record.manifest import Manifest
 from harness.record.store import Store
 from harness.results.cell_results import CellResults
 from harness.results.measured import Values
+from harness.score.installed_reward import InstalledReward
 
 
 class Floors:
@@ -34,6 +38,20 @@ class Floors:
             self._values[owner.id] = found.floor()
             found.finish()
         return self._values[owner.id]
+
+    def returns(self, cell: Cell, installed: InstalledReward) -> Float:
+        """What a reward pays each episode of these random actions, events included, (episodes,); empty without any.
+
+        Raises:
+            Unscored: It cannot.
+        """
+        owner = self.owner(cell)
+        if owner is None:
+            return np.zeros(0)
+        found = self._of(owner)
+        returns = found.floor_returns(installed)
+        found.finish()
+        return returns
 
     def owner(self, cell: Cell) -> Cell | None:
         """The cell that evaluated random actions in the place of a done cell; None if no cell did."""

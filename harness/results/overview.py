@@ -78,7 +78,7 @@ def overview_of(combinations: Sequence[Comparison]) -> Overview:
 def shared_text(combinations: Sequence[Comparison], *, with_seeds: bool = True) -> str:
     """What is the same in all combinations, of which there must be at least one."""
     varying = varying_kinds(combinations)
-    told = [label for kind, label in combinations[0].group.labels.items() if kind not in varying]
+    told = [label for kind, label in combinations[0].group.shown.items() if kind not in varying]
     rewards, baselines = ({getattr(it, name) for it in combinations} for name in ("proposed", "baseline"))
     if varying and len(rewards) == 1:
         told += rewards
@@ -115,7 +115,7 @@ def varying_kinds(combinations: Sequence[Comparison]) -> list[str]:
 
 def group_name(combination: Comparison, varying: Sequence[str]) -> str:
     """The name of a combination's group: its labels of the kinds that differ."""
-    told = {**combination.group.labels, "steps": f"{combination.group.steps:,} steps"}
+    told = {**combination.group.shown, "steps": f"{combination.group.steps:,} steps"}
     return " · ".join(told[kind] for kind in varying)
 
 

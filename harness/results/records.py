@@ -182,6 +182,10 @@ class Records:
             found.finish()
         return self._measured[cell.id]
 
+    def floor_returns(self, cell: Cell, reward: InstalledReward) -> Float:
+        """What a reward pays each episode of random actions where a done cell trained, (episodes,); see `Floors`."""
+        return self._floors.returns(cell, reward)
+
     def moments(self, cell: Cell) -> tuple[Moment, ...]:
         """Every evaluation of a done cell during its training, and the one after it."""
         if cell.id not in self._moments:

@@ -119,7 +119,7 @@ def _pooled(asked: Asked, whole: Ruling) -> tuple[Pool, Sequence[Ruling]]:
     pool = Pool(
         first.names,
         asked.key.steps,
-        tuple(member.group.title for member in asked.members),
+        tuple(" · ".join(member.group.labels.values()) for member in asked.members),
         whole,
         asked.together(),
         better_in(question, whole) if is_tested else 0,

@@ -18,6 +18,8 @@ import tomli_w
 from harness.errors import UsageError
 from harness.files.whole_file import is_partial, write_whole
 from harness.record.out_folder import folder_lock, make_folder, refuse_links, storage_errors
+from harness.registry.choice import Choice, choose
+from harness.registry.registry import Registry
 from harness.registry.toml_file import read_toml
 from harness.text import shortened
 from harness.tune.tuning import Setup
@@ -40,6 +42,17 @@ def tuning_folder(folder: Path, setup: Setup) -> Iterator[None]:
     with storage_errors(folder), folder_lock(folder / LOCK, f"Another search is using '{folder}'"):
         write_whole(folder / TUNING, tomli_w.dumps({**setup.keys, "trials": setup.tuning.trials}))
         yield
+
+
+def begun_with(folder: Path, registry: Registry) -> list[Choice]:
+    """The algorithm of the search that a folder holds; nothing if it holds none.
+
+    Raises:
+        UsageError: The search cannot be read.
+    """
+    if not (folder / TUNING).is_file():
+        return []
+    return [choose(registry, "algorithms", it) for it in read_toml(folder / TUNING, "tuning file").get("algo", [])]
 
 
 def _require_same(folder: Path, setup: Setup) -> None:

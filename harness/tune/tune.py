@@ -13,14 +13,14 @@ from harness.record.cell import Cell
 from harness.registry.choice import Choice
 from harness.registry.given import read_given
 from harness.registry.registry import Registry, load_registry
-from harness.tune.folder import tuning_folder
+from harness.tune.folder import begun_with, tuning_folder
 from harness.tune.outcome import JUDGES
 from harness.tune.outcomes import Follow, TrainedOutcomes
 from harness.tune.search import Searcher
 from harness.tune.study import Study, open_storage, require_optuna
 from harness.tune.trial import Search, TrialRecord, Tuned
 from harness.tune.tuned_file import write_tuned
-from harness.tune.tuning import Setup, check_tuning, resolve
+from harness.tune.tuning import Setup, Tuning, check_tuning, resolve
 
 OnTrial: TypeAlias = Callable[[tuple[str, ...], TrialRecord], None]
 """A function that is told the rewards of the search and each trial that has ended."""
@@ -61,8 +61,22 @@ def tune(
         UsageError: Something given cannot be used, or Optuna is missing; nothing is written.
     """
     options, registry = RunOptions(jobs=jobs, executor=executor), load_registry(given=read_given(plugins))
-    setup = resolve(check_tuning(tuning), registry)
-    return run_searches(setup, Path(out) if out else default_folder(setup), registry, options)
+    setup, folder = resolve_in(out, check_tuning(tuning), registry)
+    return run_searches(setup, folder, registry, options)
+
+
+def resolve_in(out: str | Path | None, tuning: Tuning, registry: Registry) -> tuple[Setup, Path]:
+    """A resolved search, and its folder. A folder that was begun goes on with the defaults that it was begun with.
+
+    Raises:
+        UsageError: As `resolve`, or what the folder holds cannot be read.
+    """
+
+    def folder_of(setup: Setup) -> Path:
+        return Path(out) if out else default_folder(setup)
+
+    setup = resolve(tuning, registry, lambda setup: begun_with(folder_of(setup), registry))
+    return setup, folder_of(setup)
 
 
 def default_folder(setup: Setup) -> Path:

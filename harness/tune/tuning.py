@@ -3,7 +3,7 @@
 import hashlib
 import json
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeAlias
@@ -164,15 +164,27 @@ def _require_table(search: Any, noun: str) -> None:
             raise UsageError(f"{sentence(noun)}: {why_no_range(name, given)}")
 
 
-def resolve(tuning: Tuning, registry: Registry) -> Setup:
+def resolve(
+    tuning: Tuning, registry: Registry, begun: Callable[[Setup], Collection[Choice]] = lambda setup: ()
+) -> Setup:
     """Everything that the search needs, checked.
+
+    Args:
+        tuning: What a user wrote.
+        registry: The plugins.
+        begun: A function that tells with which algorithm the folder of a search was begun; nothing of a new folder.
 
     Raises:
         UsageError: A name or parameter is unknown, a library is missing, or the algorithm cannot do the task.
     """
     names = ("sim", "algo", "reward", "baseline", "task", "robot", "steps", "measure")
     given = {key: value for key in names if (value := getattr(tuning, key)) is not None}
-    plan = expand(check_experiment(given, NOUN), registry)
+    experiment = check_experiment(given, NOUN)
+    plan = expand(experiment, registry, lambda plan: begun(_setup(tuning, plan, registry)))
+    return _setup(tuning, plan, registry)
+
+
+def _setup(tuning: Tuning, plan: Plan, registry: Registry) -> Setup:
     for _, reason in plan.skipped:
         raise UsageError(f"Nothing to search: {reason}")
     for key, noun, found in (

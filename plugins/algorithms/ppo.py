@@ -11,7 +11,7 @@ from harness.algorithm import ActionSpace, TrainingEnv
 from harness.policy import Policy
 from harness.progress import Progress
 
-from ..hyperparameters import Activation, BatchSize, Gamma, Layers, LearningRate, NumEnvs
+from ..hyperparameters import IN_ENVIRONMENTS, Activation, BatchSize, Gamma, Layers, LearningRate, NumEnvs
 from ..sb3 import SOURCES
 
 Share = Annotated[float, Field(ge=0, le=1)]
@@ -84,6 +84,7 @@ class Ppo:
     num_envs: NumEnvs = 8
 
     sources: ClassVar[tuple[str, ...]] = SOURCES
+    in_environments: ClassVar[Mapping[str, Any]] = IN_ENVIRONMENTS
     action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"continuous", "discrete"})
 
     @classmethod

@@ -23,7 +23,7 @@ from harness.authoring.generator_state import pack_generator, restore_generator
 from harness.policy import Gaussian
 from harness.progress import Progress, TrainingState, as_state, prefixed, under
 
-from ..hyperparameters import NumEnvs
+from ..hyperparameters import IN_ENVIRONMENTS, NumEnvs
 from ..torch_state import pack_optimizer, pack_tensors, restore_optimizer, restore_tensors
 
 if TYPE_CHECKING:
@@ -182,6 +182,7 @@ class Spg:
     num_envs: NumEnvs = 16
 
     sources: ClassVar[tuple[str, ...]] = ("harness_plugins.torch_state",)
+    in_environments: ClassVar[Mapping[str, Any]] = IN_ENVIRONMENTS
     action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"continuous"})
 
     def train(self, env: TrainingEnv, steps: int, seed: int, progress: Progress) -> Gaussian:

@@ -158,3 +158,10 @@ def test_another_parameter_alone_is_not_enough(harness):
     answer = harness("describe", "gymnasium:pays=reward_ctrl")
     assert (answer.status, answer.out) == (2, "")
     assert "id has to be given" in answer.err
+
+
+def test_an_algorithm_tells_what_it_is_in_an_environment(harness):
+    """Where a default differs there; nothing where the user chose, or where none differs."""
+    assert "In an environment, ppo stands for ppo:gamma=0.99." in harness("describe", "ppo").out
+    for name in ("ppo:gamma=0.9", "ppo:preset=unity", "random"):
+        assert "In an environment" not in harness("describe", name).out

@@ -3,6 +3,9 @@
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
+from harness.algorithm import IN_ENVIRONMENTS
+from harness.registry.parameters import parameters_of
+from harness.registry.registry import load_registry
 from harness_plugins.hyperparameters import MOST_ENVS, NumEnvs
 
 
@@ -12,3 +15,11 @@ def test_so_many_envs_train_at_most():
     assert envs.validate_python(MOST_ENVS) == 10_000
     with pytest.raises(ValidationError):
         envs.validate_python(MOST_ENVS + 1)
+
+
+@pytest.mark.parametrize("name", load_registry().names("algorithms"))
+def test_every_algorithm_with_a_discount_has_the_fields_in_an_environment(name: str):
+    """And declares nothing else: all other defaults are the same everywhere."""
+    target = load_registry().get("algorithms", name).load()
+    has_discount = "gamma" in {parameter.name for parameter in parameters_of(target)}
+    assert dict(getattr(target, IN_ENVIRONMENTS, {})) == ({"gamma": 0.99} if has_discount else {})

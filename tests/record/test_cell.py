@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.record.cell import Cell
+from harness.record.cell import NO_SIMULATOR, Cell
 from harness.registry.choice import Choice
 
 CHANGED: dict[str, Any] = {
@@ -103,3 +103,29 @@ def test_cell_cannot_be_changed(make_cell: Callable[..., Cell]):
 def test_title_is_for_people(make_cell: Callable[..., Cell]):
     """The combination and the seed, in one line."""
     assert make_cell().title == "ideal · wander · baseline · seed 0"
+
+
+IN_ENVIRONMENT = Choice("walk", (), "walk")
+
+
+@pytest.mark.parametrize(
+    ("params", "label", "told"),
+    [
+        ({"gamma": 0.8}, "ppo", "ppo:gamma=0.8"),
+        ({"gamma": 0.8, "depth": 2}, "ppo:depth=2", "ppo:depth=2,gamma=0.8"),
+        ({"gamma": 0.99}, "ppo:gamma=0.99", "ppo:gamma=0.99"),
+        ({"depth": 2}, "ppo:depth=2", "ppo:depth=2"),
+        ({"gamma": "x\ny"}, "ppo", "ppo"),
+        ({"gamma": True}, "ppo", "ppo"),
+    ],
+)
+def test_people_are_told_the_discount_in_an_environment(
+    make_cell: Callable[..., Cell], params: dict[str, Any], label: str, told: str
+):
+    """Beside the algorithm, as one would type it, where the algorithm has a discount that its label leaves out."""
+    algorithm = Choice("ppo", tuple(params.items()), label)
+    assert make_cell(algorithm=algorithm).learner == label
+    cell = make_cell(algorithm=algorithm, simulator=NO_SIMULATOR, task=IN_ENVIRONMENT)
+    assert cell.learner == told
+    assert cell.title == f"walk · {told} · baseline · seed 0"
+    assert cell.to_json()["algorithm"]["label"] == label

@@ -12,8 +12,8 @@ import harness
 from harness.errors import UsageError
 from harness.record.recording.recorded_training import RecordedTraining, read_recording
 from harness.record.recording.scores import scores_name
-from harness.recorder.column import Given
 from harness.recorder.retake import Later, Retake
+from harness.reward import Given
 
 
 def low(observation: Any, action: Any, next_observation: Any, info: Any) -> float:

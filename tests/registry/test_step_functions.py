@@ -182,3 +182,32 @@ def test_measures_are_names_and_files():
     """As a command line or a program gives them."""
     assert split_measures("height, my/measures.py,effort") == (["height", "effort"], ["my/measures.py"])
     assert split_measures([Path("a.py"), "b"]) == (["b"], ["a.py"])
+
+
+HELPERS = "def calm(step):\n    return clip(step.observation[0], 1)\n\n\ndef clip(x, most=1):\n    return x\n"
+
+
+def test_helper_function_is_no_reward(lay: Lay):
+    """The file's own: told where somebody names it."""
+    registry = _registry(lay("rewards.py", HELPERS))
+    assert [it.name for it in registry.functions] == ["rewards"]
+    assert registry.plugins[0].own == ("clip(x, most=1)",)
+    with pytest.raises(
+        UsageError, match=r"In rewards\.py, clip\(x, most=1\) is no reward: a reward or a measure takes"
+    ):
+        registry.get("rewards", "clip")
+
+
+STEPS = (
+    "class Weighed:\n    def __call__(self, step):\n        return 2.0\n",
+    "from functools import partial\ndef _pay(step, weight):\n    return weight\nit = partial(_pay, weight=2.0)",
+    "def pays(step, weight=2.0):\n    return weight\n",
+    "class effort:\n    def reset(self): ...\n    def __call__(self, step):\n        return 2.0\n",
+)
+
+
+@pytest.mark.parametrize("source", STEPS)
+def test_what_takes_a_step_is_a_reward(lay: Lay, source: str):
+    """A class, with a memory or without, a partial, a function with a default."""
+    (found,) = _registry(lay("calm.py", source)).functions
+    assert (found.name, found.make()(None)) == ("calm", 2.0)

@@ -6,13 +6,15 @@ from pathlib import Path
 from typing import Any
 from weakref import WeakSet
 
+import numpy as np
 import pytest
 
 import harness.results.cell_results as module
 from harness.experiment.plan import Plan, check_experiment, expand
-from harness.record.folder import DERIVED, EVALUATION, SCORES, TRACE
+from harness.record.folder import DERIVED, EVALUATION, RANDOM, SCORES, TRACE
 from harness.record.manifest import read_manifest
 from harness.record.merge import merge
+from harness.record.returns import EVENTS
 from harness.record.store import CELLS
 from harness.record.trace import Trace, read_trace
 from harness.registry.registry import Registry
@@ -194,11 +196,11 @@ def test_new_metric_is_computed(ended: Results, reads: Reads):
 
 
 def test_changed_reward_pays_again(ended: Results, reads: Reads, monkeypatch: pytest.MonkeyPatch):
-    """Its sources are others: training and evaluation are paid anew."""
+    """Its sources are others: training, evaluation and random actions are paid anew."""
     before = report_text(ended)
     monkeypatch.setattr("harness.score.installed_reward.fingerprint", lambda reward: f"edited {reward}")
     assert report_text(fresh(ended)) == before
-    assert set(reads.files) == {TRACE, EVALUATION}
+    assert set(reads.files) == {TRACE, EVALUATION, RANDOM}
 
 
 def test_null_control_finds_what_it_needs(
@@ -227,3 +229,34 @@ class _Half:
 
     def __call__(self, trace: Any) -> float:
         return 0.5
+
+
+def test_own_pay_and_random_pay_are_those_of_whole_episodes(ended: Results):
+    """With the events, which a training maximises too; random actions are paid again by each reward."""
+    comparison = ended.combinations[0]
+    cells = [cell for cell in ended.done_cells if cell.reward.label == comparison.baseline]
+    evaluated = [read_trace(ended.store.cell_folder(cell) / EVALUATION) for cell in cells]
+    (path,) = ended.folder.glob(f"{CELLS}/*/{RANDOM}")
+    at_random = read_trace(path)
+    payer = InstalledReward(cells[0].reward, ended.registry)
+    found = comparison.paid[0]
+    assert found.reward == comparison.baseline
+    assert found.trained == pytest.approx([_paid(trace, trace["reward"]) for trace in evaluated])
+    assert found.at_random == pytest.approx(_paid(at_random, payer.pay(at_random, cells[0].reward).total))
+
+
+def _paid(trace: Trace, shaped: Any) -> float:
+    """What a finished episode was paid, mean."""
+    events = sum(trace[name] for name in EVENTS)
+    assert any(events != 0.0)
+    return float(np.mean([(shaped + events)[rows].sum() for rows in trace.episodes]))
+
+
+def test_a_reward_that_is_gone_has_no_pay_beside_random_actions(ended: Results, monkeypatch: pytest.MonkeyPatch):
+    """Nothing is claimed of it, and the report goes on."""
+    pays = InstalledReward.pays_recorded
+    monkeypatch.setattr(
+        InstalledReward, "pays_recorded", lambda payer, own: payer.choice.name == "arp" and pays(payer, own)
+    )
+    remove_kept(ended)
+    assert [it.reward for it in fresh(ended).combinations[0].paid] == ["arp"]

@@ -94,7 +94,8 @@ def test_a_notebook_sees_no_table_of_nothing():
 
 def _comparison(simulator: str, steps: int, counts: tuple[int, int] = (2, 2)) -> SimpleNamespace:
     """As far as what is shared looks at it."""
-    group = SimpleNamespace(labels={"simulator": simulator, "task": "reach"}, steps=steps)
+    labels = {"simulator": simulator, "task": "reach"}
+    group = SimpleNamespace(labels=labels, shown=labels, steps=steps)
     return SimpleNamespace(group=group, proposed="arp", baseline="baseline", counts=counts)
 
 

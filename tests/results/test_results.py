@@ -40,6 +40,7 @@ def test_json_has_the_promised_keys(experiment: Store, registry: Registry):
         *("seeds", "trained", "mixtures", "headline", "eta_N", "eta_P", "total", "baseline_index", "proposed_index"),
         *("claims", "smallest_p", "episodes", "behaviour", "along_the_budget"),
         *("deciding", "decided_in", "returns", "returns_missing", "test", "same_steps"),
+        *("paid_at_random", "not_maximised"),
     }
     assert set(combination["headline"]) == {"answer", "behaviour", "robot", "number", "decided_by", "seeds_to_decide"}
     ratios = {"eta", "per_seed", "ruler", "behaviour", "interaction", "noise"}

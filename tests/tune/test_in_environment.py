@@ -1,5 +1,6 @@
 """A search in an environment: judged by the measure that decides there."""
 
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ from harness.experiment.plan import expand, read_experiment
 from harness.record.recording.recorded_training import read_recording
 from harness.registry.given import read_given
 from harness.registry.registry import load_registry
+from harness.tune.folder import TUNING
 from harness.tune.outcome import Outcome, mean_outcome, score
 from harness.tune.trial import Tuned
 from harness.tune.tune import tune
@@ -76,3 +78,14 @@ def test_simulator_does_not_go_with_an_environment(tmp_path: Path):
     """It brings its own."""
     with pytest.raises(UsageError, match="--sim does not go with an environment"):
         _tune(tmp_path / "out", sim="kinematic")
+
+
+def test_a_search_that_was_begun_goes_on_with_its_defaults(tuned: Tuned, tmp_path: Path):
+    """Version 0.2 wrote another discount into its file. The same call does no trial again."""
+    out = tmp_path / "old"
+    shutil.copytree(tuned.folder, out)
+    text = (out / TUNING).read_text()
+    assert "gamma = 0.99" in text
+    (out / TUNING).write_text(text.replace("gamma = 0.99", "gamma = 0.95"))
+    assert [trial.value for trial in _tune(out).searches[0].trials] == [it.value for it in tuned.searches[0].trials]
+    assert "gamma = 0.95" in (out / TUNING).read_text()

@@ -142,12 +142,12 @@ def of_arm(reward: Reward, places: ArmPlaces) -> OfPiece:
         if "action" in needed and isinstance(piece.actions, np.ndarray):
             acted = np.asarray(piece.actions[:seen], np.float64).reshape(seen, -1)
             more["action"] = np.concatenate([np.zeros((1, acted.shape[1])), acted])
-        if piece.first == 0:
-            pay.begin(far[0], {name: values[:1] for name, values in more.items()})
-        if not seen:
-            return Paid(np.empty(0))
         with np.errstate(all="ignore"):  # what is not finite is refused by whoever asked
             try:
+                if piece.first == 0:
+                    pay.begin(far[0], {name: values[:1] for name, values in more.items()})
+                if not seen:
+                    return Paid(np.empty(0))
                 return pay.pay(far[1:], {name: values[1:] for name, values in more.items()})
             except MissingField as error:
                 raise Unscored(str(error)) from error

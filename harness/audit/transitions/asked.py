@@ -12,6 +12,7 @@ from harness.recorder.guard import Guard
 from harness.recorder.recorder import differs
 from harness.recorder.walk import Walk
 from harness.reward import MissingField
+from harness.reward.given import FIELDS
 from harness.reward.steps import BEFORE, steps_type
 
 OfTransition = Callable[[Any, Any, Any], float]
@@ -62,6 +63,8 @@ def of_transition(name: str, given: Any) -> OfTransition:
         except NoTransitionReward:
             raise
         except MissingField as error:
+            if error.field not in FIELDS:
+                raise NoTransitionReward(str(error)) from error
             told = f"it reads {BEFORE}.{error.field}"
             raise NoTransitionReward(f"{told}, which only a step that was taken has") from error
         except Exception as error:  # whatever rewards of users raise

@@ -173,7 +173,7 @@ def describe_comparison(combination: Comparison) -> str:
         if combination.is_control
         else f"trained twice, once paid by {combination.baseline}, once by {combination.proposed}"
     )
-    what = ", ".join(f"{kind} {label}" for kind, label in group.labels.items())
+    what = ", ".join(f"{kind} {label}" for kind, label in group.shown.items())
     told = f"{capitalised(what)}. {capitalised(compared_text(combination))}, {group.steps:,} steps each: {paid}."
     scales = scales_text(group.subject)
     return f"{told} {READING} {scales}" if combination.main else f"{told} {scales}"

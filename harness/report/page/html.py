@@ -202,7 +202,7 @@ def _setting(results: Results) -> str:
     if not combinations:
         return setting_of(results.alone[0]) if len(results.alone) == 1 else ""
     varying, first = varying_kinds(combinations), combinations[0]
-    told = [f"{kind} {label}" for kind, label in first.group.labels.items() if kind not in varying]
+    told = [f"{kind} {label}" for kind, label in first.group.shown.items() if kind not in varying]
     if "steps" not in varying:
         told.append(f"{first.group.steps:,} steps of training")
     if len({it.baseline for it in combinations}) == 1:
@@ -245,7 +245,8 @@ def _race(results: Results) -> dict[str, Any] | None:
     if told is None:
         return None
     figure = draw_chart(draw_race(told), told.sentence)
-    return {"title": RACE_TITLE, "explanation": RACE, "told": told.sentence, "grid": told.grid, "figure": figure}
+    texts = {"title": RACE_TITLE, "explanation": RACE, "told": told.sentence, "beside": told.beside}
+    return {**texts, "grid": told.grid, "figure": figure}
 
 
 def _pools(results: Results) -> dict[str, Any] | None:

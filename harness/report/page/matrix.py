@@ -151,7 +151,7 @@ def comparisons_csv(combinations: Sequence[Comparison]) -> str:
 
 def _describe(group: Group) -> tuple[str, ...]:
     evaluated = [f"evaluated {group.manner}"] if group.evaluation_episodes else []
-    return (*group.labels.values(), f"{group.steps:,} steps", *evaluated)
+    return (*group.shown.values(), f"{group.steps:,} steps", *evaluated)
 
 
 def _entry(number: int, place: str, combination: Comparison, kinds: _Kinds) -> Entry:

@@ -109,7 +109,7 @@ def interim_line(missing: int) -> str:
 def beside_answer(comparison: Comparison) -> list[str]:
     """What a reader of the answer has to know at once, a sentence or two each."""
     starts = "" if comparison.same_starts else UNLIKE_STARTS
-    return [line for line in (scale_text(comparison), starts) if line]
+    return [line for line in (*comparison.not_maximised, scale_text(comparison), starts) if line]
 
 
 def scale_text(comparison: Comparison) -> str:

@@ -35,6 +35,8 @@ class RaceTold(NamedTuple):
     """Who can still be the best."""
     measure: str
     is_share: bool
+    beside: tuple[str, ...] = ()
+    """What has to be known at once of the rewards, a sentence or two each."""
 
 
 def race_told(results: Results) -> RaceTold | None:
@@ -53,7 +55,8 @@ def race_told(results: Results) -> RaceTold | None:
     paid = {it.proposed: it for it in results.combinations}
     rows = [_row(standing, name, points[name], is_share, paid.get(name)) for name in order]
     headings = tuple(it.format(measure=measure) for it in HEADINGS)
-    return RaceTold(race_sentence(standing), Grid(headings, rows, []), points, race.living, measure, is_share)
+    beside = tuple(dict.fromkeys(line for it in results.combinations for line in it.not_maximised))
+    return RaceTold(race_sentence(standing), Grid(headings, rows, []), points, race.living, measure, is_share, beside)
 
 
 def race_sentence(standing: Standing) -> str:

@@ -20,6 +20,8 @@ from harness.text import file_stems
 DRAWN = "figures.json"
 FORMAT = 1
 FIGURES = "figures"
+NOT_DRAWN = ("grid", "beside")
+"""What no figure shows of a race."""
 OVERVIEW, RACE = f"{FIGURES}/overview.svg", f"{FIGURES}/race.svg"
 READ_BACK = "The curves were read back from the figure of an earlier version, to a tenth of a pixel."
 
@@ -49,7 +51,7 @@ def figures_text(results: Results, race: RaceTold | None) -> str:
         }
         for it in results.combinations
     ]
-    told = race and {name: value for name, value in race._asdict().items() if name != "grid"}
+    told = race and {name: value for name, value in race._asdict().items() if name not in NOT_DRAWN}
     data = {"format": FORMAT, "read_back": False, "combinations": combinations, "race": told}
     return json.dumps(data, indent=1, allow_nan=False) + "\n"
 

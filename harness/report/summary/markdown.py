@@ -16,6 +16,7 @@ from harness.report.rows.comparison import (
     Grid,
     answer_text,
     basis_text,
+    beside_answer,
     count_cells,
     format_number,
     interim_text,
@@ -168,6 +169,7 @@ def _section(results: Results, number: int, combination: Comparison, pictures: P
         escape(title),
         *(f"**{escape(mixture.text)}.**" for mixture in combination.mixtures),
         f"**The {combination.group.subject}: {answer_text(headline)}.** {escape(headline.robot)}",
+        *map(escape, beside_answer(combination)),
         escape(basis_text(combination)),
         escape(headline.number and f"The number: {headline.number}"),
     ]

@@ -18,6 +18,7 @@ def race_lines(results: Results) -> list[RenderableType]:
         Text(told.sentence, style="bold"),
         Text(),
         *show_grid(told.grid),
+        *(part for line in told.beside for part in (Text(), Text(line))),
         Text(),
         Text(EXPLANATION, style="dim"),
     ]

@@ -4,6 +4,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Literal
 
+import numpy as np
+
+from harness.arrays import Float
 from harness.errors import Unscored
 from harness.eta.behaviour_change import Quantity
 from harness.eta.curve import GroupCurve, Kind, stream_curve
@@ -108,6 +111,16 @@ class _Recorded:
                 raise Unscored(_why(payer, run, part.reasons))
             found.append(value)
         return found
+
+    def paid_beside_random(self, trainings: Sequence[Run]) -> tuple[list[float], Float]:
+        """See `Trainings`."""
+        reward, random = trainings[0].reward, self._runs.random
+        evaluated = [None if run.evaluation is None else run.evaluation.whole.returns.get(reward) for run in trainings]
+        paid = [value for value in evaluated if value is not None]
+        at_random = None if random is None else random.episodes.returns.get(reward)
+        if len(paid) < len(trainings) or at_random is None or np.isnan(at_random).any():
+            raise Unscored(UNKNOWN)
+        return paid, at_random
 
     def same_steps(self, match: Match[Run]) -> bool:
         """See `Trainings`: a recording need not hold the actions."""

@@ -3,12 +3,14 @@
 from pathlib import Path
 
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
 
 from harness.audit.dataset import paid_dataset
 from harness.audit.dataset.audit_dataset import audit_dataset
 from harness.audit.dataset.paid_dataset import pay_dataset
 from harness.audit.dataset.rewards import as_recorded, of_arm, step_by_step
+from harness.audit.dataset.scores_file import write_dataset_scores
 from harness.errors import UsageError
 from harness.eta.auc import AGAINST, CANNOT_TELL, RANKS
 from harness.record.dataset import lerobot, minari
@@ -16,6 +18,8 @@ from harness.record.dataset.labels import FAILURE, SUCCESS, UNKNOWN
 from harness.record.dataset.open_dataset import open_dataset
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
+from harness.reward.forms import reward_class
+from harness.reward.terms import sum_of
 from harness.score.places import parse_places, pay_episode
 from tests.record.dataset.written import episode, write_lerobot, write_minari
 
@@ -307,3 +311,81 @@ def test_the_text_tells_the_answers(reached: str):
     assert "RANKS AS SUCCESS DOES: a success is paid more than a failure with a chance of 1.000" in text
     assert "RANKS AGAINST IT" in text
     assert "shown, never run" in text
+
+
+def gentle(step):
+    """Terms of what there was before and after."""
+    return {
+        "near": -float(step.observation[0]),
+        "went": float(step.before.observation[0] - step.observation[0]),
+        "jerk": -float(np.square(step.action - step.before.action).sum()),
+    }
+
+
+def test_terms_of_a_data_set_add_up_to_the_pay(reached: str, monkeypatch: pytest.MonkeyPatch):
+    """To the last bit of every step, also where an episode comes in pieces; the first action before is 0."""
+    whole = pay_dataset(open_dataset(reached), {"gentle": step_by_step("gentle", gentle)})
+    assert np.array_equal(sum_of(whole.terms["gentle"]), whole.paid["gentle"])
+    monkeypatch.setattr(minari, "ROWS", 5)
+    pieces = pay_dataset(open_dataset(reached), {"gentle": step_by_step("gentle", gentle)})
+    for name, values in whole.terms["gentle"].items():
+        assert np.array_equal(values, pieces.terms["gentle"][name])
+    action = reaching(0, False)["actions"][0]
+    assert whole.terms["gentle"]["jerk"][0] == -float(np.square(action).sum())
+
+
+def test_terms_stand_in_the_file_of_scores(reached: str, tmp_path: Path):
+    """In columns of their own."""
+    write_dataset_scores(pay_dataset(open_dataset(reached), {"gentle": step_by_step("gentle", gentle)}), tmp_path / "s")
+    columns = pq.read_table(tmp_path / "s").column_names
+    assert columns == ["episode", "step", "gentle", "gentle/near", "gentle/went", "gentle/jerk"]
+
+
+NOT_THERE = {
+    "a field": (lambda step: step.distance, "episode 0: A step has no 'distance'. It has: observation, action"),
+    "a key": (lambda step: step.info["lost"], "episode 0: info has no 'lost'; it has 'success'"),
+    "a key, of four arguments": (lambda o, a, n, i: i["lost"], "episode 0: info has no 'lost'"),
+    "the info of the reset": (
+        lambda step: float(len(step.before.info)),
+        "A step has no 'info'. It has: observation, a",
+    ),
+    "a sum": (lambda step: (5.0, {"a": 1.0, "b": 2.0}), "The total 5 is not the sum of its terms"),
+}
+
+
+@pytest.mark.parametrize(("reward", "told"), NOT_THERE.values(), ids=NOT_THERE)
+def test_what_a_data_set_does_not_have_is_told_by_name(reached: str, reward, told: str):
+    """The other rewards go on."""
+    paid = pay_dataset(open_dataset(reached), {"it": step_by_step("it", reward), "near": step_by_step("near", near)})
+    assert (list(paid.paid), list(paid.failed)) == (["near"], ["it"])
+    assert told in paid.failed["it"]
+
+
+def test_function_of_a_step_may_not_need_the_next_observation(tmp_path: Path):
+    """Of the last step nothing is known of that: one that looks is not paid there, the other one is."""
+    folder = write_lerobot(tmp_path / "d", [reaching(number, number % 2 == 1) for number in range(5)])
+    rewards = {"looks": lambda step: {"it": float(step.observation[0])}, "acts": lambda step: float(step.action[0])}
+    paid = pay_dataset(open_dataset(f"lerobot:{folder}"), {n: step_by_step(n, it) for n, it in rewards.items()})
+    last = paid.begins[1:] - 1
+    assert np.isnan(paid.paid["looks"][last]).all()
+    assert np.isnan(paid.terms["looks"]["it"][last]).all()
+    assert np.isfinite(paid.paid["acts"]).all()
+
+
+def test_an_arm_s_reward_reads_what_a_data_set_has(reached: str):
+    """The action, and before the first step zeros; not speeds, which it does not have."""
+
+    def effort(step):
+        return {"near": -step.distance, "jerk": -((step.action - step.before.action) ** 2).sum(-1)}
+
+    def speeds(step):
+        return -(step.qvel**2).sum(-1)
+
+    places = parse_places(PLACES)
+    rewards = {it.__name__: of_arm(reward_class(it)(), places) for it in (effort, speeds)}
+    paid = pay_dataset(open_dataset(reached), rewards, places)
+    assert np.array_equal(sum_of(paid.terms["effort"]), paid.paid["effort"])
+    action = np.asarray(reaching(0, False)["actions"], float)
+    expected = -np.square(np.diff(action, axis=0, prepend=0.0 * action[:1])).sum(axis=1)
+    assert paid.terms["effort"]["jerk"][:STEPS] == pytest.approx(expected)
+    assert "has no 'qvel'" in paid.failed["speeds"]

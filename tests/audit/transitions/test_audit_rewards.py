@@ -250,3 +250,28 @@ def test_a_reward_that_is_another_but_for_its_scale_is_told():
     assert rescaled["double", "first"].steps == found.steps
     told = "double is 2 x first - 1, in all 200 steps, for which first paid 17 different numbers."
     assert told in " ".join(str(found).split())
+
+
+def test_functions_of_a_step_are_asked_as_those_of_four_arguments():
+    """They are the same rewards, and terms are summed."""
+
+    def of_step(step):
+        return {"half": 0.5 * first(step.before.observation, step.action, step.observation, {}), "rest": 0.0}
+
+    audit = harness.audit_rewards(Anywhere, {"first": first, "half": of_step}, episodes=2)
+    pair = next(it for it in audit.pairs if {it.pair.one, it.pair.other} == {"first", "half"})
+    assert all(it.mean == pytest.approx(0.0, abs=1e-6) for it in pair.distances.values())
+
+
+@pytest.mark.parametrize(
+    ("reward", "why"),
+    [
+        (lambda step: float(step.info["left"]), "it reads info, which only a step that was taken has"),
+        (lambda step: float(step.before.action), "it reads before.action, which only a step that was taken has"),
+    ],
+)
+def test_what_only_a_taken_step_has_is_told(reward, why: str):
+    """And the reward is compared in the steps that were taken."""
+    audit = harness.audit_rewards(Anywhere, {"first": first, "other": reward}, episodes=2)
+    pair = next(it for it in audit.pairs if {it.pair.one, it.pair.other} == {"first", "other"})
+    assert set(pair.reasons.values()) == {f"other: {why}"}

@@ -1,0 +1,132 @@
+"""A reward of terms in an environment: planned, tried, trained with weights, compared by its columns."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import harness
+from harness.errors import UsageError
+from harness.experiment.plan import Plan, check_experiment, expand
+from harness.experiment.trials.tried_plan import try_plan
+from harness.record.folder import EVALUATION_RECORDING, TRAINING_RECORDING
+from harness.record.recording.recorded_training import read_recording
+from harness.registry.given import read_given
+from harness.registry.registry import load_registry
+from harness.results import load_results
+from harness.reward.terms import sum_of
+
+PENDULUM = "gymnasium:id=Pendulum-v1"
+GENTLE = """
+def gentle(step):
+    \"\"\"Stand upright, and push little.\"\"\"
+    push = clip(step.action) - step.before.action
+    return {"upright": step.observation[0], "effort": -0.1 * (step.action**2).sum(-1), "jerk": -0.1 * abs(push[0])}
+
+
+def clip(x):
+    return x.clip(-1.0, 1.0)
+"""
+
+
+@pytest.fixture
+def gentle(tmp_path: Path) -> Path:
+    """A file with the reward and a helper function."""
+    (tmp_path / "gentle.py").write_text(GENTLE)
+    return tmp_path / "gentle.py"
+
+
+def _plan(path: Path, **keys: Any) -> Plan:
+    asked = {"task": PENDULUM, "algo": "random", "seeds": 1, "steps": 10, **keys}
+    return expand(check_experiment(asked), load_registry(given=read_given([path])))
+
+
+def test_weights_of_terms_make_rewards(gentle: Path):
+    """Several in a list; a weight of 1 changes nothing, and terms stand in their own order."""
+    plan = _plan(gentle, reward="gentle,gentle:jerk=2,effort=5,gentle:effort=1", baseline="own")
+    assert [cell.reward.label for cell in plan.cells] == ["own", "gentle", "gentle:effort=5,jerk=2"]
+    assert plan.cells[2].reward.params == (("effort", 5.0), ("jerk", 2.0))
+    assert plan.resolved["reward"] == ["gentle", {"name": "gentle", "effort": 5.0, "jerk": 2.0}]
+    assert _plan(gentle, **{key: plan.resolved[key] for key in ("reward", "baseline")}).cells == plan.cells
+
+
+REFUSED = {
+    "a term that is none": (
+        "gentle:efort=5",
+        "has no term 'efort' to weigh. It has: upright, effort, jerk. Did you me",
+    ),
+    "no number": ("gentle:effort=much", "effort=much is no weight: give a number, as in gentle:effort=5"),
+    "what is infinite": ("gentle:effort=inf", "is no weight"),
+    "a reward without terms": ("own:effort=5", "takes no parameters, since it pays no terms"),
+    "a helper function": ("clip", "In gentle.py, clip(x) is no reward: a reward or a measure takes (step)"),
+}
+
+
+@pytest.mark.parametrize(("reward", "told"), REFUSED.values(), ids=REFUSED)
+def test_what_cannot_be_weighed_is_refused(gentle: Path, reward: str, told: str):
+    """With what there is."""
+    with pytest.raises(UsageError) as error:
+        _plan(gentle, reward=reward)
+    assert told in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("body", "told"),
+    [
+        (
+            "-step.distance",
+            "fails in step 0: A step has no 'distance'. It has: observation, action, info, before. Noth",
+        ),
+        ("step.info['x_pos']", "fails in step 0: info has no 'x_pos'; it has nothing. Nothing"),
+        ("step.before.info['x_pos']", "info has no 'x_pos'"),
+    ],
+)
+def test_what_is_not_there_is_told_before_a_run(tmp_path: Path, body: str, told: str):
+    """By its name, with what there is."""
+    (tmp_path / "far.py").write_text(f"def far(step):\n    return {body}\n")
+    plan = _plan(tmp_path / "far.py", reward="far", baseline="own")
+    with pytest.raises(UsageError) as error:
+        try_plan(plan, load_registry(given=read_given([tmp_path / "far.py"])))
+    assert told in str(error.value)
+
+
+@pytest.fixture(scope="module")
+def trained(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """An experiment with and without weights."""
+    folder = tmp_path_factory.mktemp("trained")
+    (folder / "gentle.py").write_text(GENTLE)
+    harness.run(
+        task=PENDULUM, algo="random", plugins=[folder / "gentle.py"], seeds=2, steps=210, evaluation_episodes=1,
+        reward="gentle,gentle:effort=5", baseline="own", out=folder / "runs", jobs=1,
+    )  # fmt: skip
+    return folder / "runs"
+
+
+def test_trainings_and_evaluations_have_terms(trained: Path):
+    """Whoever was trained: their sum is the pay, to the last bit."""
+    results = load_results(trained)
+    for cell in results.done_cells:
+        for name in (TRAINING_RECORDING, EVALUATION_RECORDING):
+            found = read_recording(results.store.cell_folder(cell) / name)
+            assert np.array_equal(sum_of(found.terms["gentle"]), found.rewards["gentle"])
+            assert found.facts.trained_with == cell.reward.label
+
+
+def test_columns_pay_what_other_weights_pay(trained: Path):
+    """In the run that was trained so, and in the others, by which they are compared."""
+    results = load_results(trained)
+    label = "gentle:effort=5"
+    for cell in results.done_cells:
+        found = read_recording(results.store.cell_folder(cell) / TRAINING_RECORDING)
+        terms = found.terms["gentle"]
+        weighed = terms["upright"] + 5.0 * terms["effort"] + terms["jerk"]
+        recorded = found.rewards if cell.reward.label == label else found.weighed([label]).rewards
+        assert np.abs(recorded[label] - weighed).max() <= 1e-12
+    (study,) = (it.study for it in results.studies)
+    assert study is not None
+    assert set(study.runs.rewards) == {"own", "gentle", label}
+    assert all(run.episodes.knows(label) for run in study.runs.members.values())
+    assert [it.proposed for it in study.comparisons] == ["gentle", label]
+    trained = {(payer, by): value for table in study.tables.values() for (payer, by), value in table.items()}
+    assert {trained[label, by] is None for by in ("own", "gentle", label)} == {False}

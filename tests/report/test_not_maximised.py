@@ -1,0 +1,108 @@
+"""A reward that pays random actions more than its own policies is said not to have been maximised, wherever one reads.
+
+The toy pays for large actions. Its policies have not learned, and act near 0.
+"""
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from io import StringIO
+from pathlib import Path
+
+import pytest
+from rich.console import Console, RenderableType
+
+from harness.eta.verdict.ruling import Ruling
+from harness.executor import CellOptions
+from harness.experiment.plan import check_experiment, expand
+from harness.experiment.run_cell import run_cell
+from harness.record.folder import RANDOM, recording_of
+from harness.record.recording.recorded_training import read_recording
+from harness.record.store import Store
+from harness.registry.given import read_given
+from harness.registry.registry import load_registry
+from harness.report.document import report_text
+from harness.report.page.html import write_html
+from harness.report.rows.race import race_told
+from harness.report.summary.summary import write_summary
+from harness.report.tables.comparison import comparison_table
+from harness.report.tables.overview import overview_table
+from harness.results import Results, load_results
+
+SWING = Path(__file__).parents[1] / "experiment" / "environments" / "swing.py"
+TOLD = "large was not maximised: it pays random actions more than the policies of all 5 trainings"
+
+
+@pytest.fixture(scope="module", name="results")
+def _results(tmp_path_factory: pytest.TempPathFactory) -> Results:
+    return _done(tmp_path_factory.mktemp("swing"), seeds=5)
+
+
+def _done(folder: Path, **keys: object) -> Results:
+    """Trainings that are over before the first update."""
+    given = read_given([SWING])
+    algo = "sac-fast:net_arch=4,learning_starts=16,batch_size=4"
+    asked = {"task": "swing", "algo": algo, "steps": 16, "evaluation_episodes": 40, **keys}
+    plan = expand(check_experiment(asked), load_registry(given=given))
+    store = Store.create(folder / "out", plan)
+    for cell in plan.cells:
+        assert run_cell(cell, store.cell_folder(cell), lambda word: None, CellOptions(plugins=given)).status == "done"
+    return load_results(store.folder, plugins=[SWING])
+
+
+def _words(text: str) -> str:
+    return " ".join(text.split())
+
+
+def test_what_is_paid_is_what_was_recorded(results: Results):
+    """By the reward that trained, in the evaluations; beside the mean over the episodes of random actions."""
+    (comparison,) = results.combinations
+    large, small = comparison.paid
+    path, *_ = results.folder.glob(f"cells/*/{recording_of(RANDOM)}")
+    assert large.at_random == pytest.approx(float(read_recording(path).rewards["large"].sum()) / 40)
+    assert (large.reward, large.trained) == ("large", (0.0,) * 5)
+    assert (small.reward, small.at_random) == ("small", -large.at_random)
+
+
+def test_the_reward_that_random_actions_please_more_is_named(results: Results):
+    """And not the other one, which pays its policies more."""
+    (comparison,) = results.combinations
+    (told,) = comparison.not_maximised
+    assert told.startswith(TOLD)
+
+
+def test_json_says_it(results: Results):
+    """With the numbers behind it."""
+    (comparison,) = json.loads(report_text(results))["combinations"]
+    assert [told.startswith(TOLD) for told in comparison["not_maximised"]] == [True]
+    assert [it["below"] for it in comparison["paid_at_random"]] == [5, 0]
+
+
+@pytest.mark.parametrize("table", [lambda results: overview_table(results, "more"), comparison_table])
+def test_the_terminal_says_it(results: Results, table: Callable[[Results], RenderableType]):
+    """At a glance, and with all details."""
+    output = StringIO()
+    Console(file=output, width=80).print(table(results))
+    assert _words(output.getvalue()).count(TOLD) == 1
+
+
+def test_page_and_summary_say_it(results: Results, tmp_path: Path):
+    """Beside the answer."""
+    write_html(results, tmp_path / "report.html")
+    assert TOLD in _words((tmp_path / "report.html").read_text())
+    write_summary(results, tmp_path / "summary")
+    assert TOLD in (tmp_path / "summary" / "summary.md").read_text()
+
+
+def test_nothing_is_claimed_while_trainings_are_to_come(results: Results):
+    """Who looks again and again would find something."""
+    (comparison,) = results.combinations
+    assert replace(comparison, ruling=Ruling(missing=2)).not_maximised == ()
+
+
+def test_a_race_says_it_once(tmp_path: Path):
+    """As `harness choose` prints it."""
+    results = _done(tmp_path, until="best", looks=[4, 5], algo="sac-fast:net_arch=4,learning_starts=16,batch_size=4")
+    told = race_told(results)
+    assert told is not None
+    assert [line.startswith("large was not maximised") for line in told.beside] == [True]
