@@ -46,7 +46,7 @@ class Plugin:
     remarks: tuple[str, ...] = ()
     """What its author should change although it works: names that moved, interfaces of an earlier version."""
     own: tuple[str, ...] = ()
-    """Functions in a file of rewards or measures that are none, ``clip(x)``."""
+    """In a file of rewards or measures: the functions that are none, ``clip(x)``."""
 
     @property
     def is_at_fault(self) -> bool:

@@ -29,9 +29,9 @@ class Stages(NamedTuple):
     end: SeedMean
     """Over the last tenth."""
     evaluation: SeedMean
-    """Of the final policies."""
+    """Over the evaluations of the final policies."""
     random: float | None
-    """Of random actions; None where it is not known."""
+    """What random actions come to; None where it is not known."""
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
