@@ -1,9 +1,9 @@
 """Rewards in a form that scale alone sets apart: offset and potential shaping are gone from it.
 
-These forms are for rewards that read distances alone; see `harness.audit.transitions.of_rollouts` for the others. A
-state is what a step begins with: distance d, smallest distance so far, begin distance, step count and carry. The next
-state follows from the state and the next distance d' alone, so that a reward is a function R(s, d'). There are two
-forms:
+These forms are for rewards that read distances alone; see `harness.audit.transitions.rollout_distances` for the
+others. A state is what a step begins with: distance d, smallest distance so far, begin distance, step count and carry.
+The next state follows from the state and the next distance d' alone, so that a reward is a function R(s, d'). There are
+two forms:
 
     EPIC (Gleave et al. 2021)   C(s, s') = R(s, d') + gamma E[R(s', D)] - E[R(s, D)]
     DARD (Wulfe et al. 2022)    C(s, s') = R(s, d') + E[gamma R(s', D'') - R(s, D') - gamma R(S', D'')]

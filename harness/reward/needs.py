@@ -10,7 +10,7 @@ import numpy as np
 from harness.arrays import read_only
 from harness.errors import HarnessError, UsageError, one_line
 from harness.reward.reward import Reward
-from harness.reward.steps import ARM_BEFORE, BEFORE, MissingField, Sample, Steps, map_steps, steps_of
+from harness.reward.steps import ARM, ARM_BEFORE, BEFORE, MissingField, Sample, Steps, map_steps, steps_of
 from harness.reward.terms import Paid, pay
 
 ROWS = 2
@@ -100,6 +100,16 @@ def of_made_up(call: Callable[[Steps], Answer], dof: int | None = None, action_s
             failed = failed or error
     assert failed is not None
     raise UsageError(f"It fails on made-up steps of {ROWS} arms: {one_line(failed)}") from failed
+
+
+def reads_of(reward: Reward, dof: int | None = None, action_size: int | None = None) -> tuple[str, ...]:
+    """What a reward reads, as `needs_of`; every field of one that fails on made-up steps, as what JAX compiled does."""
+    try:
+        return needs_of(reward, dof, action_size).fields
+    except MissingField:
+        raise
+    except UsageError:
+        return (*(field.name for field in ARM), *(f"{BEFORE}.{name}" for name in ARM_BEFORE))
 
 
 def terms_of(reward: Reward, dof: int, action_size: int) -> tuple[str, ...]:

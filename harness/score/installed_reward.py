@@ -12,7 +12,7 @@ from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.registry.sources import fingerprint
 from harness.reward import Paid, Reward
-from harness.reward.needs import Needs, needs_of
+from harness.reward.needs import Needs, needs_of, reads_of
 from harness.score.scorer import fields_beside_distances, pay_trace
 from harness.score.weights import reweighted
 
@@ -50,7 +50,8 @@ class InstalledReward:
         Raises:
             Unscored: It cannot be asked.
         """
-        return not self._is_installed or bool(fields_beside_distances(self._needs.fields))
+        with self._told():
+            return not self._is_installed or bool(fields_beside_distances(reads_of(self._reward)))
 
     @property
     def has_terms(self) -> bool:

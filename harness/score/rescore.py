@@ -23,7 +23,7 @@ from harness.registry.choice import Choice, choose, parse
 from harness.registry.names import unknown_name
 from harness.registry.registry import Registry
 from harness.reward import Paid, Reward
-from harness.reward.needs import needs_of
+from harness.reward.needs import reads_of
 from harness.score.recording import Chunk, Recording
 from harness.score.scorer import Scorer, fields_beside_distances, joined
 from harness.score.weights import name_of, recorded_choice, reweighted, weighted_label
@@ -42,7 +42,7 @@ class RecordingScorer:
     def __init__(self, reward: Reward) -> None:
         self._reward = reward
         self._scorers: dict[int, Scorer] = {}
-        self.fields = fields_beside_distances(needs_of(reward).fields)
+        self.fields = fields_beside_distances(reads_of(reward))
 
     def pay(self, chunk: Chunk) -> Paid:
         """Shaped reward of the chunk's rows and its terms, (rows,)."""

@@ -8,7 +8,7 @@ from harness.arrays import Float, Mask
 from harness.record.row_steps import TOUCHED, Rows, RowSteps
 from harness.record.trace import FIELDS, Trace
 from harness.reward import Array, Carry, MissingField, Paid, Reward, Steps, pay, put, take
-from harness.reward.needs import needs_of
+from harness.reward.needs import reads_of
 from harness.reward.steps import BEFORE, rows_of
 
 SCORED = ("env", "step", "begin_distance", "previous_best", "distance", *TOUCHED)
@@ -78,7 +78,7 @@ def pay_trace(reward: Reward, trace: Trace) -> Paid:
         MissingField: The reward reads what the trace does not have.
     """
     dof, size = (trace[name].shape[1] if name in trace.columns else None for name in ("qpos", "action"))
-    fields = fields_beside_distances(needs_of(reward, dof, size).fields)
+    fields = fields_beside_distances(reads_of(reward, dof, size))
     try:
         return _pay_runs(reward, trace, fields)
     except MissingField:  # one that it reads in some steps alone, and not in made-up ones

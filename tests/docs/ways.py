@@ -29,6 +29,7 @@ NEEDS: Mapping[str, str] = MappingProxyType(
         "--cells": "names cells of the reader's",
         "tuned.toml|tuning.toml": "takes a finished search; tests/tune",
         "score pendulum|report pendulum": "takes a training; tests/experiment/environments/test_reward_files.py",
+        "score own": "takes a training; tests/cli/test_score.py",
         "recorded|report runs": "takes the reader's recordings; tests/cli/test_eta.py, tests/results/recordings",
     }
 )

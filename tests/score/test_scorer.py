@@ -410,3 +410,16 @@ def sample_at(rows: Rows, row: int) -> Sample:
         getattr(rows, name)[row : row + 1] for name in ("begin_distance", "previous_best", "distance")
     )
     return Sample(begin, best, begin, distance, distance - best, np.ones(1))
+
+
+def test_a_reward_that_takes_no_made_up_steps_is_paid():
+    """Compiled by JAX, it takes arrays alone, and not what notes which of them it reads."""
+
+    class Compiled(Shows):
+        def __call__(self, carry: Any, sample: Any) -> tuple[Any, Any]:
+            if not isinstance(sample, tuple):
+                raise TypeError("no valid JAX type")
+            return super().__call__(carry, sample)
+
+    trace = record("baseline")
+    np.testing.assert_array_equal(score_trace(Compiled("distance"), trace), score_trace(Shows("distance"), trace))
