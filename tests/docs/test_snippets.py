@@ -87,7 +87,7 @@ def folder(recorded: Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     (tmp_path / "gentle.py").write_text(own.text, encoding="utf-8")
     (whole,) = (it for it in BLOCKS if it.page == "docs/writing/reward.md" and "class MyReward" in it.text)
     (tmp_path / "my_reward.py").write_text(whole.text, encoding="utf-8")
-    (metric,) = (it for it in BLOCKS if it.page == "docs/how-to/own-metric.md" and it.language == "python")
+    (metric,) = (it for it in BLOCKS if it.page == "docs/how-to/own-metric.md" and "class LowestPoint" in it.text)
     (tmp_path / "my_metric.py").write_text(metric.text, encoding="utf-8")
     for page, of_page in (("reward-files", "rewards"), ("language-model-rewards", "candidates")):
         (tmp_path / of_page).mkdir()
