@@ -26,7 +26,7 @@ from harness.registry.spec import Spec, blamed_on
 from harness.registry.step_functions import WHAT_ONE_TAKES
 from harness.reward import MissingField, Reward
 from harness.reward.needs import needs_of
-from harness.reward.steps import ARM
+from harness.reward.steps import ARM, ENVIRONMENT
 from harness.robot import Robot
 from harness.robot.load import load_robot
 from harness.robot.servo import Part
@@ -34,6 +34,8 @@ from harness.robot.settings import FILE, SERVO
 from harness.simulator import family_of
 from harness.task import Task, goal_of
 
+OF_ENVIRONMENTS = {field.name for field in ENVIRONMENT} - {field.name for field in ARM}
+"""Fields of steps of environments that steps of an arm do not have."""
 SOURCES = "NOTE and ARP are the sources that docs/sources.md names."
 
 
@@ -79,7 +81,12 @@ def _describe_reading(reward: Reward) -> str:
     """What a reward reads and pays, found by one call, and what it could read."""
     try:
         found = needs_of(reward)
-    except MissingField:
+    except MissingField as error:
+        if error.field.rpartition(".")[2] in OF_ENVIRONMENTS:
+            return (
+                f"It reads step.{error.field}: it pays steps of environments, and no arm. `harness describe "
+                "gymnasium:id=NAME` prints what these have."
+            )
         raise
     except UsageError as error:  # one that needs an arm of its own, or real steps
         return f"What it reads is not known: {error}"

@@ -11,7 +11,7 @@ from harness.record.trace import Trace
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.registry.sources import fingerprint
-from harness.reward import Paid, Reward
+from harness.reward import MissingField, Paid, Reward
 from harness.reward.needs import Needs, needs_of, reads_of
 from harness.score.scorer import fields_beside_distances, pay_trace
 from harness.score.weights import reweighted
@@ -129,6 +129,9 @@ class InstalledReward:
         """Turn any error of a reward into a reason, so that the rest can still be reported."""
         try:
             yield
+        except MissingField as error:
+            told = f"reward {self.choice.label} reads {error.field}, which these trainings did not record"
+            raise Unscored(f"{told}; new ones with it do") from error
         except HarnessError as error:  # one that is not installed any more
             raise Unscored(str(error)) from error
         except (Exception, SystemExit) as error:  # one that is, and cannot any more: a plugin may raise anything

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 import harness_robots
+from harness.reward.steps import ARM
 from tests.robot.brought_arms import JAW, changed
 
 SPEEDS = "max_speed_deg_s = [90, 90, 90, 90]"
@@ -165,3 +166,53 @@ def test_an_algorithm_tells_what_it_is_in_an_environment(harness):
     assert "In an environment, ppo stands for ppo:gamma=0.99." in harness("describe", "ppo").out
     for name in ("ppo:gamma=0.9", "ppo:preset=unity", "random"):
         assert "In an environment" not in harness("describe", name).out
+
+
+GENTLE = '''
+def gentle(step):
+    """Reach the target, and move little."""
+    return {"reach": -step.distance, "jerk": -0.1 * ((step.action - step.before.action) ** 2).sum(-1)}
+'''
+
+
+def test_a_reward_tells_what_it_reads_and_could_read(harness, tmp_path):
+    """Found by a call; its terms are its parameters."""
+    (tmp_path / "gentle.py").write_text(GENTLE)
+    out = harness("describe", "gentle", "--plugin", str(tmp_path / "gentle.py")).out
+    assert (
+        "It pays the sum of its terms: reach, jerk.\nIt reads step.action, step.before.action, step.distance.\n" in out
+    )
+    for field in ARM:
+        assert re.search(rf"^  {field.name} +{re.escape(f'{field.shape} {field.unit}'.strip())} ", out, re.MULTILINE)
+    assert re.search(r"^  jerk +float +1\.0 +weight of the term", out, re.MULTILINE)
+
+
+def test_a_field_that_is_not_there_is_refused_by_its_name(harness, tmp_path):
+    """Before anything runs, with the nearest one."""
+    (tmp_path / "gentle.py").write_text(GENTLE.replace("step.distance", "step.joint_speed"))
+    answer = harness("describe", "gentle", "--plugin", str(tmp_path / "gentle.py"))
+    assert (answer.status, answer.out) == (2, "")
+    assert "has no 'joint_speed'. It has: begin_distance" in answer.err
+    assert "Did you mean 'qvel'?" in answer.err
+
+
+def test_a_reward_of_environments_is_told_apart(harness, tmp_path):
+    """It reads what no arm has."""
+    (tmp_path / "calm.py").write_text("def calm(step):\n    return -abs(step.observation[2])\n")
+    answer = harness("describe", "calm", "--plugin", str(tmp_path / "calm.py"))
+    assert answer.status == 0
+    assert "It reads step.observation: it pays steps of environments, and no arm." in answer.out
+
+
+def test_an_environment_tells_what_a_step_of_it_has(harness):
+    """One env is made and stepped once."""
+    out = harness("describe", "gymnasium:id=CartPole-v1").out
+    assert re.search(r"^  observation +Box\(.*\(4,\), float32\) +what the env observed", out, re.MULTILINE)
+    assert re.search(r"^  action +Discrete\(2\) +what the policy did", out, re.MULTILINE)
+
+
+def test_an_environment_that_cannot_be_made_is_described_without_it(harness):
+    """And says why."""
+    answer = harness("describe", "gymnasium:id=No-Such-v0")
+    assert answer.status == 0
+    assert "What a reward may read is not known: gymnasium.make('No-Such-v0') fails" in answer.out
