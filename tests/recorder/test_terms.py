@@ -357,6 +357,9 @@ def test_weights_pay_what_a_reward_with_these_weights_pays(tmp_path: Path):
     own = found.rewards["gentle:effort=5"]
     without = _recorded(tmp_path / "other", 250, rewards={"gentle": gentle}).weighed(["gentle:effort=5"])
     assert np.array_equal(without.rewards["gentle:effort=5"], own)
+    assert without.facts.terms["gentle:effort=5"] == ("upright", "effort", "jerk")
+    for term, values in found.terms["gentle:effort=5"].items():
+        assert np.array_equal(without.terms["gentle:effort=5"][term], values)
     assert not np.allclose(own, found.rewards["gentle"])
     assert "gentle:mass=5" not in found.weighed(["gentle:mass=5"]).rewards
 
