@@ -130,3 +130,6 @@ def test_columns_pay_what_other_weights_pay(trained: Path):
     assert [it.proposed for it in study.comparisons] == ["gentle", label]
     trained = {(payer, by): value for table in study.tables.values() for (payer, by), value in table.items()}
     assert {trained[label, by] is None for by in ("own", "gentle", label)} == {False}
+    heavy = next(it for it in results.terms if it.reward == label)
+    assert [it.name for it in heavy.terms] == ["upright", "effort", "jerk"]
+    assert all(it.others.mean is not None and it.random is not None for it in heavy.terms)
