@@ -230,7 +230,7 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
             given = self._before[0], action, observation, info
         for index, key in self._read:  # before any function runs
             value: Any = paid if key is None else info[key] if key in info else _told_under(info, key)
-            is_known = type(value) is float and isfinite(value)  # mostly a call less
+            is_known = type(value) is float and isfinite(value) and index not in self._terms  # mostly a call less
             told[index] = value if is_known else self._number(index, value, given, terminated or truncated)
         if self._asked:
             self._ask(told, given)

@@ -293,7 +293,8 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
             return step.paid, step.live, step.paid.__getitem__
         if column.key is not None:
             key = column.key
-            return *step.told_numbers(key), lambda env: step.told(key, env)
+            numbers, told = step.told_numbers(key)
+            return numbers, told & (not column.terms), lambda env: step.told(key, env)
         if column.batched:
             (answer,) = self._ask(column, column.measures, [self._given(column, step, 0)], [0])
             values = column.batch(_raised(answer), count)

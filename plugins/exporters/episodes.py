@@ -150,7 +150,7 @@ def _built(choices: Mapping[Choice, None], registry: Registry, left_out: list[st
         try:
             yield choice.label, choice.build(registry, "rewards")
         except HarnessError as error:  # one that is not installed any more
-            left_out.append(f"reward {choice.label} is left out: {error}")
+            left_out.append(f"reward {choice.label} is left out: {error} If it stands in a file, add --plugin FILE")
 
 
 def _names_of_arm(trace: Trace) -> dict[str, tuple[str, ...]]:

@@ -43,6 +43,13 @@ def _act(env: Any, steps: int, seed: int = 0) -> None:
             env.reset()
 
 
+def _act_batch(env: Any, steps: int) -> None:
+    env.action_space.seed(0)
+    env.reset(seed=0)
+    for _ in range(steps):
+        env.step(env.action_space.sample())
+
+
 def _recorded(folder: Path, steps: int, name: str = "Pendulum-v1", **given: Any) -> RecordedTraining:
     env = harness.RecordRewards(gymnasium.make(name), folder, **{"trained_with": "own", "rewards": {}, **given})
     _act(env, steps)
@@ -198,6 +205,38 @@ def test_terms_may_be_given_by_name(counting: Callable[..., Any], tmp_path: Path
         "went": [1.0] * 6,
     }
     assert found.facts.sources["reward_it"].text.startswith("# left\ninfo key 'left'\n# count\n")
+
+
+class Parts(gymnasium.Env[Any, Any]):
+    """Tells what its reward is made of, and after two steps only how much it is."""
+
+    observation_space = action_space = gymnasium.spaces.Box(-1.0, 1.0, (1,))
+
+    def reset(self, **given: Any) -> Any:
+        """Count from 0."""
+        super().reset(**given)
+        self.count = 0
+        return np.zeros(1, np.float32), {}
+
+    def step(self, action: Any) -> Any:
+        """Count on."""
+        self.count += 1
+        told = {"near": 1.0, "far": 2.0} if self.count < 3 else 5.0
+        return np.zeros(1, np.float32), 3.0, False, self.count == 5, {"parts": told}
+
+
+@pytest.mark.parametrize("is_batch", [False, True])
+def test_key_that_told_terms_has_to_tell_them_in_every_step(is_batch: bool, tmp_path: Path):
+    """The terms of the step before are not those of a step that told a number."""
+    asked = {"trained_with": "own", "rewards": {"own": "own", "it": "parts"}}
+    one = harness.RecordRewards(Parts(), tmp_path / "run", **asked) if not is_batch else None
+    env = one or harness.RecordVectorRewards(SyncVectorEnv([Parts]), tmp_path / "run", **asked)
+    with pytest.warns(GivenUp, match="step 2: It paid the terms near, far at first, and now none"):
+        _act_batch(env, 5) if is_batch else _act(env, 5)
+    env.close()
+    found = read_recording(tmp_path / "run")
+    assert np.array_equal(found.rewards["it"], [3.0, 3.0, np.nan, np.nan, np.nan], equal_nan=True)
+    assert np.array_equal(found.terms["it"]["far"], [2.0, 2.0, np.nan, np.nan, np.nan], equal_nan=True)
 
 
 def test_measure_is_one_number(counting: Callable[..., Any], tmp_path: Path):
@@ -357,6 +396,9 @@ def test_weights_pay_what_a_reward_with_these_weights_pays(tmp_path: Path):
     own = found.rewards["gentle:effort=5"]
     without = _recorded(tmp_path / "other", 250, rewards={"gentle": gentle}).weighed(["gentle:effort=5"])
     assert np.array_equal(without.rewards["gentle:effort=5"], own)
+    assert without.facts.terms["gentle:effort=5"] == ("upright", "effort", "jerk")
+    for term, values in found.terms["gentle:effort=5"].items():
+        assert np.array_equal(without.terms["gentle:effort=5"][term], values)
     assert not np.allclose(own, found.rewards["gentle"])
     assert "gentle:mass=5" not in found.weighed(["gentle:mass=5"]).rewards
 

@@ -2,6 +2,7 @@
 
 from functools import reduce
 from operator import add
+from typing import Any
 
 import numpy as np
 import pytest
@@ -54,6 +55,17 @@ def test_masks_are_added_as_numbers():
     """Numpy adds two masks to a mask."""
     mask = np.array([True, False])
     np.testing.assert_array_equal(paid_of({"a": mask, "b": mask}).total, [2.0, 0.0])
+
+
+@pytest.mark.parametrize("kind", [float, np.float32, lambda value: np.full(2, value, np.float32)])
+def test_a_total_of_terms_that_cancel_out_may_be_added_in_another_order(kind: Any):
+    """In single precision the error is that of the largest term."""
+    near, far, back = np.float32(0.1), np.float32(1000.0), np.float32(-1000.0)
+    terms = {"near": kind(near), "far": kind(far), "back": kind(back)}
+    assert abs((near + far + back) - (far + back + near)) > 1e-5
+    paid_of((kind(far + back + near), terms))
+    with pytest.raises(UsageError, match="is not the sum"):
+        paid_of((kind(np.float32(0.105)), terms))
 
 
 def test_a_single_term_called_total_is_a_term():

@@ -123,7 +123,7 @@ def _pairs(folder: Path, runs: Sequence[Run], rewards: tuple[str, ...]) -> tuple
     largest: dict[tuple[str, str], list[StepApart]] = {pair: [] for pair in each}
     notes: list[str] = []
     for run in runs:
-        recording = read_recording(run.path)
+        recording = read_recording(run.path).weighed(rewards)
         paid = paid_in(recording, run.episodes)
         notes += _unknown(_name(folder, run), paid, rewards)
         for pair, found in each.items():

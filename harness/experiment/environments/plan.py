@@ -13,7 +13,7 @@ from harness.experiment.environments.columns import columns_of
 from harness.experiment.environments.random_steps import random_steps, value_of
 from harness.experiment.environments.spaces import flat_observations, goal_columns, kind_of_actions
 from harness.recorder.column import columns_of as made_columns
-from harness.registry.choice import Choice, parse
+from harness.registry.choice import Choice, label_of, parse
 from harness.registry.names import unknown_name
 from harness.registry.registry import Registry
 from harness.registry.spec import PLANNED, blamed_on
@@ -91,8 +91,7 @@ class Looked:
             )
         require_terms(name, weights, terms)
         changed = {term: weights[term] for term in terms if weights.get(term, 1.0) != 1.0}
-        label = f"{name}:{','.join(f'{term}={weight:.17g}' for term, weight in changed.items())}" if changed else name
-        return Choice(name, tuple(changed.items()), label)
+        return Choice(name, tuple(changed.items()), label_of(name, changed))
 
 
 def _weight(reward: str, term: str, given: Any) -> float:

@@ -77,16 +77,22 @@ class RecordedTraining:
 
     def weighed(self, labels: Iterable[str]) -> "RecordedTraining":
         """The same, and what rewards with other weights pay its steps, ``gentle:effort=5``, as far as terms tell it."""
-        rewards, failures = dict(self.rewards), list(self.facts.failures)
+        rewards, paid, failures = dict(self.rewards), dict(self.terms), list(self.facts.failures)
         for label in labels:
             name, weights = weights_of(label)
             terms = self.terms.get(name, {})
             if label not in rewards and weights and weights.keys() <= terms.keys():
-                rewards[label] = sum_of(weighted(terms, weights))
+                paid[label] = weighted(terms, weights)
+                rewards[label] = sum_of(paid[label])
                 given_up = [it for it in failures if it.column == f"{REWARD}{name}"]
                 failures += [replace(it, column=f"{REWARD}{label}") for it in given_up]
-        names = tuple(dict.fromkeys([*self.facts.rewards, *rewards]))
-        return replace(self, rewards=rewards, facts=replace(self.facts, rewards=names, failures=tuple(failures)))
+        facts = replace(
+            self.facts,
+            rewards=tuple(dict.fromkeys([*self.facts.rewards, *rewards])),
+            failures=tuple(failures),
+            terms={**self.facts.terms, **{label: tuple(of) for label, of in paid.items() if label not in self.terms}},
+        )
+        return replace(self, rewards=rewards, terms=paid, facts=facts)
 
 
 def weights_of(label: str) -> tuple[str, dict[str, float]]:

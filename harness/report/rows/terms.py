@@ -83,9 +83,11 @@ def _notes(found: TermsPaid) -> Iterator[str]:
 
 def _never(found: TermsPaid) -> Iterator[str]:
     weights = parse(found.reward)[1]
-    for name in found.never:
-        off = ": its weight is 0" if weights.get(name) in ("0", "-0") else ""
-        yield f"`{name}` never paid in {found.steps:,} steps{off}."
+    for term in found.terms:
+        if term.never:
+            off = ": its weight is 0" if weights.get(term.name) in ("0", "-0") else ""
+            later = " of training, only in the evaluations" if term.evaluation.mean else ""
+            yield f"`{term.name}` never paid in {found.steps:,} steps{later}{off}."
 
 
 def _values(term: TermPaid) -> tuple[SeedMean | float | None, ...]:

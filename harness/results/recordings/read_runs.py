@@ -78,6 +78,9 @@ def read_runs(
     notes += [*equal_sentences(equal), *(it.sentence(name, other) for (name, other), it in rescaled.items())]
     notes += [f"{run.path}: {run.facts.paid_otherwise}" for run in members.values() if run.facts.paid_otherwise]
     notes += _told_notes(everything)
+    at_random = next((it for it in evaluated if it.facts.acted == RANDOM), None)
+    if random:
+        at_random = _read(folder, random, _weighed([it.path for it in everything]))
     return Runs(
         group or _group_of(env, shortest),
         rewards,
@@ -90,7 +93,7 @@ def read_runs(
         tuple(damaged),
         equal,
         rescaled,
-        _read(folder, random) if random else next((it for it in evaluated if it.facts.acted == RANDOM), None),
+        at_random,
         again,
     )
 

@@ -81,7 +81,8 @@ class RecordingResults:
 
         def make() -> dict[str, Any]:
             columns = [term_column(reward, name) for name in names]
-            return terms_in(self._held or read_recording(self.path, only=columns), reward).to_json()
+            is_held = self._held is not None or reward in self._weighed
+            return terms_in(self._recording if is_held else read_recording(self.path, only=columns), reward).to_json()
 
         told = self._kept.told(f"terms {reward}", self._made_of, make)
         self._kept.save()

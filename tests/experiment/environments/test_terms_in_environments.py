@@ -44,10 +44,12 @@ def _plan(path: Path, **keys: Any) -> Plan:
 
 def test_weights_of_terms_make_rewards(gentle: Path):
     """Several in a list; a weight of 1 changes nothing, and terms stand in their own order."""
-    plan = _plan(gentle, reward="gentle,gentle:jerk=2,effort=5,gentle:effort=1", baseline="own")
-    assert [cell.reward.label for cell in plan.cells] == ["own", "gentle", "gentle:effort=5,jerk=2"]
+    plan = _plan(gentle, reward="gentle,gentle:jerk=2,effort=5,gentle:effort=1,gentle:effort=0.05", baseline="own")
+    labels = ["own", "gentle", "gentle:effort=5,jerk=2", "gentle:effort=0.05"]
+    assert [cell.reward.label for cell in plan.cells] == labels
     assert plan.cells[2].reward.params == (("effort", 5.0), ("jerk", 2.0))
-    assert plan.resolved["reward"] == ["gentle", {"name": "gentle", "effort": 5.0, "jerk": 2.0}]
+    others = [{"name": "gentle", "effort": 5.0, "jerk": 2.0}, {"name": "gentle", "effort": 0.05}]
+    assert plan.resolved["reward"] == ["gentle", *others]
     assert _plan(gentle, **{key: plan.resolved[key] for key in ("reward", "baseline")}).cells == plan.cells
 
 
@@ -130,3 +132,6 @@ def test_columns_pay_what_other_weights_pay(trained: Path):
     assert [it.proposed for it in study.comparisons] == ["gentle", label]
     trained = {(payer, by): value for table in study.tables.values() for (payer, by), value in table.items()}
     assert {trained[label, by] is None for by in ("own", "gentle", label)} == {False}
+    heavy = next(it for it in results.terms if it.reward == label)
+    assert [it.name for it in heavy.terms] == ["upright", "effort", "jerk"]
+    assert all(it.others.mean is not None and it.random is not None for it in heavy.terms)

@@ -53,6 +53,15 @@ def test_minari_has_a_column_of_infos_for_each_term(ran: Path, recorded: dict[st
         np.testing.assert_allclose(sum(infos[f"reward_0_term_{place}"][:] for place in range(3)), infos["reward_0"][:])
 
 
+def test_a_reward_whose_file_is_missing_is_left_out(ran: Path, capsys: pytest.CaptureFixture[str]):
+    """What to do about it is said."""
+    with pytest.raises(SystemExit):
+        main(["export", str(ran), "--minari", str(ran.parent / "without")])
+    told = " ".join(capsys.readouterr().err.split())
+    assert "reward gentle is left out: No reward 'gentle'." in told
+    assert "If it stands in a file, add --plugin FILE" in told
+
+
 def test_lerobot_has_a_feature_for_each_term(ran: Path, recorded: dict[str, np.ndarray]):
     """In float32, as all of its numbers."""
     _export(ran, "--lerobot", ran.parent / "lerobot")

@@ -50,6 +50,13 @@ def test_a_term_that_never_paid_is_said(alone: TermsPaid):
     assert never_texts(SimpleNamespace(terms=[alone])) == ["gentle: `dock` never paid in 30,720 steps."]
 
 
+def test_a_term_that_pays_in_the_evaluations_alone_is_said_so(alone: TermsPaid):
+    """No training had it, but the table beside the sentence has a number."""
+    reach, dock = alone.terms
+    found = replace(alone, terms=(reach, replace(dock, evaluation=_mean(0.0, 1.0))))
+    assert "`dock` never paid in 30,720 steps of training, only in the evaluations." in terms_grid(found).notes
+
+
 def test_a_term_of_weight_0_has_a_reason(alone: TermsPaid):
     """It cannot pay."""
     found = replace(alone, reward="gentle:dock=0")

@@ -69,6 +69,22 @@ def test_stages_are_those_of_the_columns(results: Results):
     assert near.evaluation.mean == pytest.approx(PULLS * ends.mean())
 
 
+def test_a_reward_with_weights_is_compared_by_term(folder: Path):
+    """The baseline's recordings have the terms, but no column of the reward with these weights."""
+    for path in [*folder.glob("calm-*/evaluation"), *folder.glob("calm-?")]:
+        found = read_recording(path)
+        label = "calm:calm=3"
+        weighed = replace(found.weighed([label]), facts=replace(found.weighed([label]).facts, trained_with=label))
+        for file in [it for it in path.iterdir() if it.is_file()]:
+            file.unlink()
+        write_recording(path, weighed)
+    (_, heavy) = load_results(folder).terms
+    own, others = PULLS * 0.81, PULLS * 0.41
+    assert heavy.reward == "calm:calm=3"
+    assert [it.others.mean for it in heavy.terms] == pytest.approx([others, -1.5 * others, 0.0])
+    assert [it.behaviour.mean for it in heavy.terms] == pytest.approx([own - others, -1.5 * (own - others), 0.0])
+
+
 def test_behaviour_and_ruler_by_term_add_up(results: Results):
     """To what the evaluations of both rewards are paid."""
     calm = results.terms[1]
