@@ -11,7 +11,7 @@ from harness.arrays import read_only
 from harness.errors import HarnessError, UsageError, one_line
 from harness.reward.reward import Reward
 from harness.reward.steps import ARM_BEFORE, BEFORE, MissingField, Sample, Steps, map_steps, steps_of
-from harness.reward.terms import Paid, pay
+from harness.reward.terms import Paid, pay, require_one_each
 
 ROWS = 2
 Answer = TypeVar("Answer")
@@ -117,7 +117,9 @@ def call_noted(reward: Reward, steps: Steps) -> tuple[set[str], Paid]:
     noted: set[str] = set()
     with np.errstate(all="ignore"):
         carry = reward.initial_carry(np.array(steps.begin_distance))
-        return noted, pay(reward, carry, Noting(steps, noted))[1]
+        paid = pay(reward, carry, Noting(steps, noted))[1]
+    require_one_each(paid, len(steps.begin_distance))
+    return noted, paid
 
 
 @cache

@@ -11,7 +11,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from harness.arrays import Float
-from harness.errors import HarnessError, UsageError, one_line
+from harness.errors import HarnessError, UsageError, reason_of
 from harness.files.bounded import reading, require_regular
 from harness.files.parquet import require_room
 from harness.files.sums import changed_since_made, note_made
@@ -25,7 +25,7 @@ from harness.registry.registry import Registry
 from harness.reward import Paid, Reward
 from harness.reward.needs import needs_of
 from harness.score.recording import Chunk, Recording
-from harness.score.scorer import Scorer, fields_beside_distances, joined
+from harness.score.scorer import Scorer, fields_beside_distances, joined, require_recorded
 from harness.score.weights import name_of, recorded_choice, reweighted, weighted_label
 
 MOST_BYTES = 2**35
@@ -98,7 +98,9 @@ def _columns_of_code(recording: Recording, rewards: Mapping[str, Reward]) -> tup
     scorers: dict[str, RecordingScorer] = {}
     for label, reward in rewards.items():
         with _noted(label, failed):
-            scorers[label] = RecordingScorer(reward)
+            scorer = RecordingScorer(reward)
+            require_recorded(scorer.fields, recording.fields)
+            scorers[label] = scorer
     parts: dict[str, list[Paid]] = {label: [] for label in rewards}
     for chunk in recording.chunks(fields={field for it in scorers.values() for field in it.fields}):
         for label, scorer in scorers.items():
@@ -210,7 +212,7 @@ def _noted(label: str, failed: dict[str, str]) -> Iterator[None]:
     try:
         yield
     except (Exception, SystemExit) as error:
-        failed[label] = one_line(error)
+        failed[label] = reason_of(error)
 
 
 def _columns_of(label: str, paid: Paid) -> Iterator[tuple[str, Float]]:
