@@ -34,14 +34,17 @@ def probe_distances(low: float, high: float, steps: int = 100) -> Float:
 def needed_beside_distances(reward: Reward, scores: Sequence[Score]) -> tuple[str, ...]:
     """Fields without which a reward fails in recorded steps, or pays something else; none if distances are enough.
 
+    Of one that pays something else whenever it is asked, only those without which it fails.
+
     Args:
         reward: What is asked.
         scores: What it paid in the rollouts.
     """
     names = [name for name in scores[0].rollout.states if name != DISTANCE]
-    if _pays_the_same_without(names, reward, scores):
+    is_function = _pays_without([], reward, scores, alike=True)
+    if _pays_without(names, reward, scores, alike=is_function):
         return ()
-    return tuple(name for name in names if not _pays_the_same_without([name], reward, scores))
+    return tuple(name for name in names if not _pays_without([name], reward, scores, alike=is_function))
 
 
 def why_not_asked(needed: Iterable[str]) -> str:
@@ -49,13 +52,15 @@ def why_not_asked(needed: Iterable[str]) -> str:
     return f"not asked: it reads {', '.join(needed)}, which made-up distances do not have"
 
 
-def _pays_the_same_without(names: Sequence[str], reward: Reward, scores: Sequence[Score]) -> bool:
-    def pays_the_same(score: Score) -> bool:
+def _pays_without(names: Sequence[str], reward: Reward, scores: Sequence[Score], *, alike: bool) -> bool:
+    """Whether a reward pays without these fields; if `alike`, what it paid with them."""
+
+    def pays(score: Score) -> bool:
         states: States = {name: values for name, values in score.rollout.states.items() if name not in names}
-        running = score.rollout.running
-        return np.array_equal(pay_along(reward, states).total[running], score.values[running])
+        paid, running = pay_along(reward, states).total, score.rollout.running
+        return not alike or np.array_equal(paid[running], score.values[running])
 
     try:
-        return all(map(pays_the_same, scores))
+        return all(map(pays, scores))
     except MissingField:
         return False

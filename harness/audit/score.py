@@ -12,7 +12,7 @@ from harness.audit.rollout import Rollout, States
 from harness.errors import SimulationDiverged
 from harness.reward import LARGEST_PAID, Carry, Paid, Reward, Steps, pay
 from harness.reward.steps import DISTANCE, step_between
-from harness.reward.terms import require_same
+from harness.reward.terms import require_one_each, require_same
 
 
 def steps_along(states: States) -> Iterator[Steps]:
@@ -29,13 +29,14 @@ def paid_along(reward: Reward, states: States) -> Iterator[tuple[Carry, Steps, P
     """What is remembered before each step of episodes that go through these states, the step, and what it is paid.
 
     Raises:
-        UsageError: The reward reads what the states do not have, or its terms change.
+        UsageError: The reward reads what the states do not have, pays no number an arm, or its terms change.
     """
     states = {name: read_only(values) for name, values in states.items()}  # other rewards are paid by them too
     carry, names = reward.initial_carry(states[DISTANCE][0]), None
     for step in steps_along(states):
         with np.errstate(all="ignore"):  # a reward may divide by anything where it then takes another value
             remembered, paid = pay(reward, carry, step)
+        require_one_each(paid, len(step.begin_distance))
         names = tuple(paid.terms) if names is None else names
         require_same(names, paid.terms)
         yield carry, step, paid

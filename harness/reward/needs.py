@@ -1,6 +1,6 @@
 """What a reward reads and what terms it pays, found by one call on made-up steps that note what they are asked for."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 from functools import cache, partial
 from typing import Any, TypeVar
@@ -10,8 +10,8 @@ import numpy as np
 from harness.arrays import read_only
 from harness.errors import HarnessError, UsageError, one_line
 from harness.reward.reward import Reward
-from harness.reward.steps import ARM, ARM_BEFORE, BEFORE, MissingField, Sample, Steps, map_steps, steps_of
-from harness.reward.terms import Paid, pay
+from harness.reward.steps import ARM_BEFORE, BEFORE, MissingField, Sample, Steps, map_steps, steps_of
+from harness.reward.terms import Paid, pay, require_one_each
 
 ROWS = 2
 Answer = TypeVar("Answer")
@@ -102,14 +102,19 @@ def of_made_up(call: Callable[[Steps], Answer], dof: int | None = None, action_s
     raise UsageError(f"It fails on made-up steps of {ROWS} arms: {one_line(failed)}") from failed
 
 
-def reads_of(reward: Reward, dof: int | None = None, action_size: int | None = None) -> tuple[str, ...]:
-    """What a reward reads, as `needs_of`; every field of one that fails on made-up steps, as what JAX compiled does."""
+def reads_of(
+    reward: Reward, there: Collection[str], dof: int | None = None, action_size: int | None = None
+) -> tuple[str, ...]:
+    """What a reward reads, as `needs_of`; all that is there, of one that fails on made-up steps.
+
+    So does code that JAX compiled, which takes arrays alone and not what notes that they are read.
+    """
     try:
         return needs_of(reward, dof, action_size).fields
     except MissingField:
         raise
     except UsageError:
-        return (*(field.name for field in ARM), *(f"{BEFORE}.{name}" for name in ARM_BEFORE))
+        return (*there, *(f"{BEFORE}.{name}" for name in there))
 
 
 def terms_of(reward: Reward, dof: int, action_size: int) -> tuple[str, ...]:
@@ -127,7 +132,9 @@ def call_noted(reward: Reward, steps: Steps) -> tuple[set[str], Paid]:
     noted: set[str] = set()
     with np.errstate(all="ignore"):
         carry = reward.initial_carry(np.array(steps.begin_distance))
-        return noted, pay(reward, carry, Noting(steps, noted))[1]
+        paid = pay(reward, carry, Noting(steps, noted))[1]
+    require_one_each(paid, len(steps.begin_distance))
+    return noted, paid
 
 
 @cache

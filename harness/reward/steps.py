@@ -31,17 +31,20 @@ class MissingField(UsageError, AttributeError):
         field: Its name.
     """
 
-    def __init__(self, field: str, there: Iterable[str], where: str = "") -> None:
+    def __init__(self, field: str, there: Iterable[str], where: str = "", told: str = "") -> None:
         """Say what there is.
 
         Args:
             field: What was asked for, ``joint_speed`` or ``before.joint_speed``.
             there: Names of the fields that there are.
             where: What the steps are of, to begin the message with; ``A step`` without it.
+            told: A last sentence.
         """
         self.field, names = field, list(there)
         guess = nearest(field.rpartition(".")[2], names)
-        super().__init__(f"{where or 'A step'} has no '{field}'. It has: {', '.join(names)}.{guess.lstrip('.')}")
+        super().__init__(
+            f"{where or 'A step'} has no '{field}'. It has: {', '.join(names)}.{guess.lstrip('.')}{told and f' {told}'}"
+        )
 
 
 def nearest(name: str, there: Iterable[str]) -> str:

@@ -78,6 +78,27 @@ def _summed(terms: Mapping[str, Any], total: Any) -> Paid:
     return Paid(found, terms)
 
 
+def require_one_each(paid: Paid, count: int) -> None:
+    """See that a reward pays one number an arm.
+
+    Args:
+        paid: What it pays.
+        count: How many arms there are.
+
+    Raises:
+        UsageError: It pays something else, such as a number for each joint, or nothing.
+    """
+    shape = np.shape(paid.total)
+    if shape != (count,):
+        told = f"values of shape {shape}" if shape else repr(paid.total)
+        raise UsageError(f"It returned {told} for {count} arms: {one_each(count)}")
+
+
+def one_each(count: int) -> str:
+    """What a reward is to return for so many arms."""
+    return f"return one number an arm, an array of shape ({count},); `.sum(-1)` adds up the joints of each"
+
+
 def sum_of(terms: Mapping[str, Array]) -> Array:
     """The sum of terms in their order: the same to the last bit wherever it is computed."""
     total: Array = 0.0  # to begin with: two masks are not added as numbers

@@ -29,7 +29,7 @@ class ComparedRows:
     def __init__(self, group: Sequence[Recording], other: Reward | None, kind: Kind, with_events: bool) -> None:
         self.group, self._with_events = group, with_events
         self.own, self._scored = GroupCurve(len(group), kind), GroupCurve(len(group), kind)
-        self._scorers = [RecordingScorer(other) for _ in group] if other is not None else []
+        self._scorers = [RecordingScorer(other, run.fields) for run in group] if other is not None else []
         self._finite, self.left_out = True, 0
         self.rows = [0] * len(group)
         self._digests = [hashlib.sha256() for _ in group]

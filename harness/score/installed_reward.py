@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from harness.errors import HarnessError, Unscored, one_line
-from harness.record.trace import Trace
+from harness.record.trace import FIELDS, Trace
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.registry.sources import fingerprint
@@ -51,7 +51,7 @@ class InstalledReward:
             Unscored: It cannot be asked.
         """
         with self._told():
-            return not self._is_installed or bool(fields_beside_distances(reads_of(self._reward)))
+            return not self._is_installed or bool(fields_beside_distances(reads_of(self._reward, FIELDS)))
 
     @property
     def has_terms(self) -> bool:

@@ -1,6 +1,6 @@
 """Pays recorded runs again: a column of rewards per reward, in a file of its own beside the recording."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
@@ -11,7 +11,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from harness.arrays import Float
-from harness.errors import HarnessError, UsageError, one_line
+from harness.errors import HarnessError, UsageError, reason_of
 from harness.files.bounded import reading, require_regular
 from harness.files.parquet import require_room
 from harness.files.sums import changed_since_made, note_made
@@ -25,7 +25,7 @@ from harness.registry.registry import Registry
 from harness.reward import Paid, Reward
 from harness.reward.needs import reads_of
 from harness.score.recording import Chunk, Recording
-from harness.score.scorer import Scorer, fields_beside_distances, joined
+from harness.score.scorer import Scorer, fields_beside_distances, joined, require_recorded
 from harness.score.weights import name_of, recorded_choice, reweighted, weighted_label
 
 MOST_BYTES = 2**35
@@ -39,10 +39,11 @@ class RecordingScorer:
         fields: What chunks have to have beside distances, see `harness.score.recording.Recording.chunks`.
     """
 
-    def __init__(self, reward: Reward) -> None:
+    def __init__(self, reward: Reward, there: Collection[str]) -> None:
+        """Score nothing yet; `there` are the fields beside distances that the recording has."""
         self._reward = reward
         self._scorers: dict[int, Scorer] = {}
-        self.fields = fields_beside_distances(reads_of(reward))
+        self.fields = fields_beside_distances(reads_of(reward, there))
 
     def pay(self, chunk: Chunk) -> Paid:
         """Shaped reward of the chunk's rows and its terms, (rows,)."""
@@ -98,7 +99,9 @@ def _columns_of_code(recording: Recording, rewards: Mapping[str, Reward]) -> tup
     scorers: dict[str, RecordingScorer] = {}
     for label, reward in rewards.items():
         with _noted(label, failed):
-            scorers[label] = RecordingScorer(reward)
+            scorer = RecordingScorer(reward, recording.fields)
+            require_recorded(scorer.fields, recording.fields)
+            scorers[label] = scorer
     parts: dict[str, list[Paid]] = {label: [] for label in rewards}
     for chunk in recording.chunks(fields={field for it in scorers.values() for field in it.fields}):
         for label, scorer in scorers.items():
@@ -210,7 +213,7 @@ def _noted(label: str, failed: dict[str, str]) -> Iterator[None]:
     try:
         yield
     except (Exception, SystemExit) as error:
-        failed[label] = one_line(error)
+        failed[label] = reason_of(error)
 
 
 def _columns_of(label: str, paid: Paid) -> Iterator[tuple[str, Float]]:

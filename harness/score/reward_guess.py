@@ -92,7 +92,7 @@ def _gain(value: Float, metres: Float, rows: Mask) -> float | None:
 def _misfit_of(text: str, head: Chunk, registry: Registry) -> str | None:
     """The first row that the reward pays otherwise; None if there is none."""
     choice = choose(registry, "rewards", text)
-    scorer = RecordingScorer(choice.build(registry, "rewards"))
+    scorer = RecordingScorer(choice.build(registry, "rewards"), tuple(head.more))
     if missing := [field for field in scorer.fields if field not in head.more]:
         return f"no column tells {', '.join(missing)}, which {choice.label} reads"
     with np.errstate(all="ignore"):  # a reward may divide by anything where it then takes another value

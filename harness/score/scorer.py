@@ -7,9 +7,9 @@ import numpy as np
 from harness.arrays import Float, Mask
 from harness.record.row_steps import TOUCHED, Rows, RowSteps
 from harness.record.trace import FIELDS, Trace
-from harness.reward import Array, Carry, MissingField, Paid, Reward, Steps, pay, put, take
+from harness.reward import Array, Carry, MissingField, Paid, Reward, Sample, Steps, pay, put, take
 from harness.reward.needs import reads_of
-from harness.reward.steps import BEFORE, rows_of
+from harness.reward.steps import BEFORE, NOT_RECORDED, rows_of
 
 SCORED = ("env", "step", "begin_distance", "previous_best", "distance", *TOUCHED)
 """Columns that a trace is scored from."""
@@ -78,7 +78,9 @@ def pay_trace(reward: Reward, trace: Trace) -> Paid:
         MissingField: The reward reads what the trace does not have.
     """
     dof, size = (trace[name].shape[1] if name in trace.columns else None for name in ("qpos", "action"))
-    fields = fields_beside_distances(reads_of(reward, dof, size))
+    there = tuple(filter(trace.has_field, FIELDS))
+    fields = fields_beside_distances(reads_of(reward, there, dof, size))
+    require_recorded(fields, there)
     try:
         return _pay_runs(reward, trace, fields)
     except MissingField:  # one that it reads in some steps alone, and not in made-up ones
@@ -91,6 +93,27 @@ def fields_beside_distances(needs: Iterable[str]) -> tuple[str, ...]:
     """Which of `FIELDS` are among what a reward reads; for one of the step before its own name."""
     read = {name.removeprefix(f"{BEFORE}.") for name in needs}
     return tuple(name for name in FIELDS if name in read)
+
+
+def require_recorded(fields: Iterable[str], recorded: Iterable[str]) -> None:
+    """See that a run has what a reward reads beside distances.
+
+    Args:
+        fields: What it reads.
+        recorded: Those of `FIELDS` that the run has.
+
+    Raises:
+        MissingField: The run lacks one.
+    """
+    there = tuple(recorded)
+    for name in fields:
+        if name not in there:
+            told = (
+                f"{name} is recorded where a reward of the experiment reads it: train in a new folder beside this one"
+            )
+            raise MissingField(
+                name, (*Sample._fields, *there), "The recorded run", told if name in NOT_RECORDED else ""
+            )
 
 
 def _pay_runs(reward: Reward, trace: Trace, fields: Collection[str]) -> Paid:

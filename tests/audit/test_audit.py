@@ -7,7 +7,9 @@ import pytest
 
 from harness.audit.audit import audit_reward
 from harness.audit.number import number
+from harness.audit.probe import needed_beside_distances
 from harness.audit.rollout import Rollout
+from harness.audit.score import score_rollout
 from harness.audit.verdict import verdict_of
 from harness.errors import SimulationDiverged
 from harness.eta.rescaling import Rescaling
@@ -196,3 +198,15 @@ def test_the_other_reward_may_read_more(rollouts):
     assert found.recorded_because == ("action",)
     assert found.needed == ()
     assert found.properties == audit_reward(Baseline(), Baseline(), rollouts, 0.95).properties
+
+
+@pytest.mark.parametrize(("more", "needed"), [(0.0, ()), (1.0, ("action",))])
+def test_a_reward_that_draws_numbers_needs_no_more_than_it_reads(rollouts, more, needed):
+    """It pays something else whatever is left out, which says nothing of what it reads."""
+    rng = np.random.default_rng(0)
+
+    def noisy(step):
+        return rng.normal(size=step.distance.shape) - (more * step.action[:, 0] if more else step.distance)
+
+    reward = reward_class(noisy)()
+    assert needed_beside_distances(reward, [score_rollout(reward, it) for it in rollouts]) == needed

@@ -105,3 +105,9 @@ def test_what_nothing_can_be_counted_with_is_an_error(toolbox, by_script):
     huge = toolbox.paying(lambda sample: np.full(len(sample.step), 1e200))
     with pytest.raises(SimulationDiverged, match=r"'hover' more than 1e\+150 at step 1"):
         score_rollout(huge, by_script["hover"])
+
+
+def test_numbers_for_each_joint_are_an_error(toolbox, by_script):
+    """One an arm is what a reward pays."""
+    with pytest.raises(UsageError, match="return one number an arm"):
+        score_rollout(toolbox.paying(lambda step: -(step.action**2)), by_script["finish"])

@@ -139,3 +139,19 @@ def test_a_term_without_a_name_of_a_parameter_has_no_weight():
     made = reward_class(odd)
     assert [it.name for it in dataclasses.fields(made)] == ["c"]
     assert needs_of(made()).terms == ("in", "needs", "a.b", "c")
+
+
+@pytest.mark.parametrize(
+    ("returned", "told"),
+    [
+        (lambda step: -(step.action**2), r"values of shape \(2, 6\) for 2 arms: return one number an arm"),
+        (lambda step: -step.distance[:, None], r"values of shape \(2, 1\) for 2 arms"),
+        (lambda step: (step.distance, step.distance), r"values of shape \(2, 2\) for 2 arms"),
+        (lambda step: None, "None for 2 arms"),
+        (lambda step: -1.0, "-1.0 for 2 arms"),
+    ],
+)
+def test_what_is_no_number_an_arm_is_said_before_a_run(returned, told):
+    """By the shape, and what to return instead."""
+    with pytest.raises(UsageError, match=told):
+        needs_of(reward_class(returned)())

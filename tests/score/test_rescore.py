@@ -5,6 +5,7 @@ import pytest
 from harness.errors import UsageError
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
+from harness.reward.forms import reward_class
 from harness.score.open_recording import open_recording
 from harness.score.rescore import rescore
 
@@ -76,3 +77,16 @@ def test_a_place_that_cannot_be_written_is_told(recorded, tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(UsageError, match="cannot be written"):
         rescore(recorded, rewards("arp"), tmp_path / "file" / "s.parquet")
+
+
+def test_what_a_run_does_not_have_is_said_with_what_to_do(recorded, tmp_path):
+    """Joint speeds are recorded where a reward reads them."""
+
+    def swift(step):
+        return -(step.qvel**2).sum(-1)
+
+    failed = rescore(recorded, {"swift": reward_class(swift)()}, tmp_path / "s.parquet")
+    assert failed["swift"].startswith("The recorded run has no 'qvel'. It has: begin_distance, ")
+    assert failed["swift"].endswith(
+        "qvel is recorded where a reward of the experiment reads it: train in a new folder beside this one"
+    )

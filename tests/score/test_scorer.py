@@ -209,7 +209,7 @@ def test_recording_of_next_targets_is_scored_as_it_was_paid(text: str, tmp_path:
     columns = {name: trace[name] for name in ("env", "step", "begin_distance", "previous_best", "distance", "reward")}
     table = pa.table({**columns, **{name: trace[name] for name in TOUCHED}})
     pq.write_table(table.replace_schema_metadata({FORMAT_KEY: str(FORMAT).encode()}), path)
-    scorer = RecordingScorer(reward_of(text))
+    scorer = RecordingScorer(reward_of(text), ())
     scored = [scorer.pay(chunk).total for chunk in open_recording(path).chunks(37)]
     np.testing.assert_array_equal(np.concatenate(scored), trace["reward"])
 

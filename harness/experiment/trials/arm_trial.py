@@ -18,6 +18,7 @@ from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.reward import Array, Carry, Reward, Steps, pay
 from harness.reward.steps import NOT_RECORDED
+from harness.reward.terms import one_each
 from harness.robot import Robot
 from harness.robot.load import load_robot
 from harness.task import Task
@@ -136,7 +137,7 @@ class _Watched:
             after, paid = pay(self._reward, carry, steps)
             for value in (paid.total, *paid.terms.values()):
                 if np.shape(value) != (ARMS,) or not np.isfinite(value).all():
-                    raise ValueError(f"it pays {ARMS} arms {value!r}")
+                    raise ValueError(f"it pays {ARMS} arms {value!r}; {one_each(ARMS)}, each of them finite")
         except (Exception, SystemExit) as error:
             self.reason = f"fails in step {self._step}: {error_text(error)}."
             raise
