@@ -22,7 +22,7 @@ from harness.record.trace import TERM, read_trace, to_numpy
 from harness.registry.choice import Choice, choose, parse
 from harness.registry.names import unknown_name
 from harness.registry.registry import Registry
-from harness.reward import Paid, Reward
+from harness.reward import MissingField, Paid, Reward
 from harness.reward.needs import reads_of
 from harness.score.recording import Chunk, Recording
 from harness.score.scorer import Scorer, fields_beside_distances, joined, require_recorded
@@ -39,11 +39,17 @@ class RecordingScorer:
         fields: What chunks have to have beside distances, see `harness.score.recording.Recording.chunks`.
     """
 
-    def __init__(self, reward: Reward, there: Collection[str]) -> None:
-        """Score nothing yet; `there` are the fields beside distances that the recording has."""
+    def __init__(self, reward: Reward, there: Collection[str], *, with_all: bool = False) -> None:
+        """Score nothing yet.
+
+        Args:
+            reward: The reward.
+            there: The fields beside distances that the recording has.
+            with_all: Whether the reward is given all of them, whatever it was seen to read.
+        """
         self._reward = reward
         self._scorers: dict[int, Scorer] = {}
-        self.fields = fields_beside_distances(reads_of(reward, there))
+        self.fields = tuple(there) if with_all else fields_beside_distances(reads_of(reward, there))
 
     def pay(self, chunk: Chunk) -> Paid:
         """Shaped reward of the chunk's rows and its terms, (rows,)."""
@@ -91,15 +97,21 @@ def rescore(
     return failed
 
 
-def _columns_of_code(recording: Recording, rewards: Mapping[str, Reward]) -> tuple[dict[str, Float], dict[str, str]]:
-    """The columns of rewards that are called, and why others cannot be."""
+def _columns_of_code(
+    recording: Recording, rewards: Mapping[str, Reward], *, with_all: bool = False
+) -> tuple[dict[str, Float], dict[str, str]]:
+    """The columns of rewards that are called, and why others cannot be.
+
+    One that reads more in some steps than in made-up ones is called again `with_all` fields.
+    """
     if not recording.has_distances:
         raise UsageError(f"{recording.path} records no distances: no other reward can be computed from it")
     failed: dict[str, str] = {}
+    late: dict[str, Reward] = {}
     scorers: dict[str, RecordingScorer] = {}
     for label, reward in rewards.items():
         with _noted(label, failed):
-            scorer = RecordingScorer(reward, recording.fields)
+            scorer = RecordingScorer(reward, recording.fields, with_all=with_all)
             require_recorded(scorer.fields, recording.fields)
             scorers[label] = scorer
     parts: dict[str, list[Paid]] = {label: [] for label in rewards}
@@ -107,9 +119,17 @@ def _columns_of_code(recording: Recording, rewards: Mapping[str, Reward]) -> tup
         for label, scorer in scorers.items():
             if label not in failed:
                 with _noted(label, failed):
-                    parts[label].append(scorer.pay(chunk))
+                    try:
+                        parts[label].append(scorer.pay(chunk))
+                    except MissingField:
+                        late[label] = rewards[label]
+                        raise
     whole = {label: joined(paid) for label, paid in parts.items() if label not in failed}
-    return dict(column for label, paid in whole.items() for column in _columns_of(label, paid)), failed
+    columns = dict(column for label, paid in whole.items() for column in _columns_of(label, paid))
+    if with_all or not late:
+        return columns, failed
+    more, still = _columns_of_code(recording, late, with_all=True)
+    return {**columns, **more}, {**{label: why for label, why in failed.items() if label not in late}, **still}
 
 
 def _columns_of_terms(label: str, recording: Recording, into: Path) -> dict[str, Float]:

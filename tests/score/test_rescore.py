@@ -2,12 +2,18 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
+from harness import load_robot
+from harness.env import ReachVectorEnv
 from harness.errors import UsageError
+from harness.reach import ReachTask
+from harness.record.trace import TraceWriter
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 from harness.reward.forms import reward_class
 from harness.score.open_recording import open_recording
 from harness.score.rescore import rescore
+from harness.testing import IdealSimulator
+from harness.testing.trainings import NegativeDistance
 
 HEADER = "t,beginDistance,prevBest,distance,delta_distance,reward"
 ROWS = [
@@ -90,3 +96,21 @@ def test_what_a_run_does_not_have_is_said_with_what_to_do(recorded, tmp_path):
     assert failed["swift"].endswith(
         "qvel is recorded where a reward of the experiment reads it: train in a new folder beside this one"
     )
+
+
+def test_a_field_that_is_read_in_some_steps_alone_is_found(tmp_path):
+    """Made-up steps do not show it: the reward is called again with all that the run has."""
+
+    def late(step):
+        return -abs(step.action).sum(-1) if (step.step > 3.5).any() else -step.distance
+
+    path = tmp_path / "trace.parquet"
+    with TraceWriter(path, 6, 6) as recorder:
+        env = ReachVectorEnv(
+            IdealSimulator(), load_robot("fd100"), ReachTask(horizon=9), NegativeDistance(), recorder=recorder
+        )
+        env.reset(seed=0)
+        for _ in range(9):
+            env.step(np.full((1, 6), 0.5, np.float32))
+    assert rescore(open_recording(path), {"late": reward_class(late)()}, tmp_path / "s.parquet") == {}
+    np.testing.assert_allclose(pq.read_table(tmp_path / "s.parquet")["late"].to_numpy()[1:], -3.0)
