@@ -138,7 +138,7 @@ def test_several_rewards_have_a_table_each(harness, gentle):
 @pytest.mark.parametrize(
     ("returned", "status", "text"),
     [
-        ("step.joint_speed", 2, "Reward 'bad': A step of an arm has no 'joint_speed'. It has: begin_distance"),
+        ("step.joint_speed", 2, "Reward 'bad': A step has no 'joint_speed'. It has: begin_distance"),
         ("-step.distance if step.step[0] < 9 else step.joint_speed", 2, "Reward 'bad': A step has no 'joint_speed'"),
         ("{'a' if step.step[0] < 3 else 'b': step.distance}", 2, "Reward 'bad': It paid the terms a at first, and now"),
         ("(step.distance, {'a': step.distance, 'b': step.distance})", 2, "is not the sum of its terms"),

@@ -92,7 +92,7 @@ def test_pieces_beside_the_formula(require_speed, score_bare, rows, pieces, rewa
 
     def score() -> list[Float]:
         scorer = Scorer(reward)
-        return [scorer.score(piece) for piece in pieces]
+        return [scorer.pay(piece).total for piece in pieces]
 
     require_speed(score_bare, score, AT_LEAST)
     require_paid(np.concatenate(score()), rows)
@@ -100,8 +100,8 @@ def test_pieces_beside_the_formula(require_speed, score_bare, rows, pieces, rewa
 
 def test_whole_runs_beside_the_formula(require_speed, score_bare, rows, reward):
     """One core, all rows at once."""
-    require_speed(score_bare, lambda: Scorer(reward).score(rows), AT_LEAST)
-    require_paid(Scorer(reward).score(rows), rows)
+    require_speed(score_bare, lambda: Scorer(reward).pay(rows), AT_LEAST)
+    require_paid(Scorer(reward).pay(rows).total, rows)
 
 
 def test_traces_beside_the_formula(require_speed, score_bare, rows, reward):
