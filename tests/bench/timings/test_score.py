@@ -1,12 +1,12 @@
 """How fast recorded runs are scored again."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
 
 import numpy as np
 import pytest
 
-from harness.arrays import Float, Mask
+from harness.arrays import Float
+from harness.record.row_steps import Rows
 from harness.record.trace import Trace
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
@@ -20,24 +20,6 @@ pytestmark = [
 EPISODE = 101
 AT_LEAST = 0.15
 """Of the speed of the formula alone; 0.22 to 0.32 was measured, some 100 million rows per second."""
-
-
-@dataclass
-class Rows:
-    """Consecutive rows of one run, see `harness.score.scorer.Rows`."""
-
-    start: Mask
-    begin_distance: Float
-    previous_best: Float
-    distance: Float
-    touched: Mask
-
-    def __len__(self) -> int:
-        return len(self.distance)
-
-    def part(self, first: int) -> "Rows":
-        """The block of rows that begins there."""
-        return Rows(*(getattr(self, field.name)[first : first + BLOCK] for field in fields(self)))
 
 
 @pytest.fixture(scope="module", name="rows")
@@ -57,7 +39,7 @@ def _rows(amount: Callable[[int, int], int]) -> Rows:
 @pytest.fixture
 def pieces(rows: Rows) -> list[Rows]:
     """The same run in blocks, as files are read."""
-    return [rows.part(first) for first in range(0, len(rows), BLOCK)]
+    return [rows.part(slice(first, first + BLOCK)) for first in range(0, len(rows.start), BLOCK)]
 
 
 @pytest.fixture
@@ -106,7 +88,7 @@ def test_whole_runs_beside_the_formula(require_speed, score_bare, rows, reward):
 
 def test_traces_beside_the_formula(require_speed, score_bare, rows, reward):
     """One core, a trace in memory, recorded in one env."""
-    step = np.tile(np.arange(EPISODE, dtype=np.int32), len(rows) // EPISODE)
+    step = np.tile(np.arange(EPISODE, dtype=np.int32), len(rows.start) // EPISODE)
     flags = dict.fromkeys(("reached", "terminated", "truncated"), rows.touched)
     columns = {"env": np.zeros_like(step), "step": step, "reward": rows.distance, **vars(rows), **flags}
     require_speed(score_bare, lambda: score_trace(reward, Trace(columns)), AT_LEAST)
