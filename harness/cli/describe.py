@@ -41,5 +41,6 @@ def describe(
     registry = load_registry(given=read_given(plugin))
     kinds = registry.kinds_of(name.partition(":")[0]) or (["robots"] if is_path(name) else [])
     if not kinds:
-        raise UsageError(unknown_name("name", parse(name)[0], registry.all_names()))
+        asked = parse(name)[0]
+        raise UsageError(unknown_name("name", asked, registry.all_names()) + registry.not_loaded("rewards", asked))
     say("\n\n".join(describe_name(registry, kind, name, robot) for kind in kinds))

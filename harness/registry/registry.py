@@ -22,7 +22,6 @@ from harness.registry.names import unknown_name
 from harness.registry.plugin_module import class_of_file, import_file
 from harness.registry.spec import Spec, canonical
 from harness.registry.step_functions import StepFunction, functions_of_file, own_functions, why_no_reward
-from harness.reward.given import ARGUMENTS
 
 MENTIONED = 2
 """Plugins that did not load, in the message about a name that is not there."""
@@ -173,9 +172,12 @@ class Registry:
         function = self.functions_of("reward").get(name) if kind == "rewards" else None
         if function is not None:
             return (
-                f" {function.file.name} has a function of {ARGUMENTS}, which pays in environments: "
-                "--task gymnasium:id=... . The reward of an arm is a class"
+                f" {function.told} pays in environments: --task gymnasium:id=... . The reward of an arm is a function of "
+                "step, or a frozen dataclass with initial_carry"
             )
+        called = next((it for it in self.functions if it.attribute == name and kind == "rewards"), None)
+        if called is not None:
+            return f" In {called.file.name}, {called.attribute} is called '{called.name}', as its file"
         if kind == "rewards" and (own := self.why_no_reward(name)):
             return f" {own}"
         at_fault = [plugin for plugin in self.plugins if plugin.is_at_fault]

@@ -68,6 +68,13 @@ class StepFunction:
         return "measure" if self.file.measures else "reward"
 
     @property
+    def told(self) -> str:
+        """For people, to begin a sentence with: the file, and what it is there."""
+        is_class = inspect.isclass(getattr(import_file(self.file), self.attribute))
+        what = f"the class {self.attribute}" if is_class else f"{self.attribute}{ARGUMENTS}"
+        return f"In {self.file.name}, {what}"
+
+    @property
     def spec(self) -> Spec | None:
         """The reward or the metric that it is for an arm; None if it is none."""
         if not (self.is_of_steps or self.is_of_episodes):

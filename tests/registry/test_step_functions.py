@@ -1,5 +1,6 @@
 """Functions in plugin files: rewards and measures for the steps of any environment."""
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -173,8 +174,8 @@ def test_pattern_that_finds_nothing_is_refused(tmp_path: Path):
 
 
 def test_reward_of_an_arm_is_told_from_one_of_environments(lay: Lay):
-    """A function cannot pay an arm."""
-    with pytest.raises(UsageError, match=r"No reward 'calm'.*calm\.py has a function of .*, which pays in environmen"):
+    """A function of an observation cannot pay an arm."""
+    with pytest.raises(UsageError, match=r"No reward 'calm'.*In calm\.py, pays\(observ.*\) pays in environments"):
         _registry(lay("calm.py", ONE)).get("rewards", "calm")
 
 
@@ -211,3 +212,22 @@ def test_what_takes_a_step_is_a_reward(lay: Lay, source: str):
     """A class, with a memory or without, a partial, a function with a default."""
     (found,) = _registry(lay("calm.py", source)).functions
     assert (found.name, found.make()(None)) == ("calm", 2.0)
+
+
+@pytest.mark.parametrize(
+    ("source", "asked", "told"),
+    [
+        ("def calm(observation, action, next_observation, info):\n    return 0.0\n", "calm",
+         "In calm.py, calm(observation, action, next_observation, info) pays in environments"),
+        ("class Calm:\n    def __call__(self, step):\n        return 0.0\n", "calm",
+         "In calm.py, the class Calm pays in environments"),
+        ("def compute_reward(step):\n    return -step.distance\n", "compute_reward",
+         "In calm.py, compute_reward is called 'calm', as its file"),
+    ],
+)  # fmt: skip
+def test_a_function_that_is_no_reward_of_the_name_is_told(tmp_path: Path, source: str, asked: str, told: str):
+    """Who asks an arm for what pays environments alone, or for a function by its name in the file."""
+    (tmp_path / "calm.py").write_text(source)
+    registry = load_registry(given=read_given([tmp_path / "calm.py"]))
+    with pytest.raises(UsageError, match=re.escape(told)):
+        registry.get("rewards", asked)
