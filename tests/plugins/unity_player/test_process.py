@@ -92,7 +92,7 @@ def test_a_player_ends_with_a_killed_guard(tmp_path: Path):
     assert wait_for(lambda: pids.exists() and pids.read_text().strip())
     process._guard.kill()
     assert wait_for(lambda: not is_alive(int(pids.read_text())))
-    assert process.ending()
+    assert wait_for(process.ending)  # which the system tells of the guard a moment later
     process.end()
 
 
