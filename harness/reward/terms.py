@@ -27,7 +27,7 @@ class Paid(NamedTuple):
     """What steps are paid."""
 
     total: Array
-    """Shape (num_envs,): the sum of the terms in their order, where there are terms."""
+    """What is paid, (num_envs,). Where there are terms it is their sum, in their order."""
     terms: Mapping[str, Array] = NO_TERMS
     """By name, shape (num_envs,) each; none of a reward that returned a plain array."""
 
