@@ -126,7 +126,7 @@ def test_rewards_are_paid_again_from_the_exported_file(player, start, tmp_path: 
     from harness.registry.choice import choose
     from harness.registry.registry import load_registry
     from harness.score.open_recording import open_recording
-    from harness.score.scorer import Scorer
+    from harness.score.rescore import RecordingScorer
     from harness_plugins.environments.unity import Unity
 
     places = "end_effector=19:22,target=22:25,renewed=22:25"
@@ -152,8 +152,8 @@ def test_rewards_are_paid_again_from_the_exported_file(player, start, tmp_path: 
         )
         reward = choose(registry, "rewards", name).build(registry, "rewards")
         recording = open_recording(path)
-        scorer = Scorer(reward)
-        scored = np.concatenate([scorer.score(part) for part in recording.chunks()])
+        scorer = RecordingScorer(reward, recording.fields)
+        scored = np.concatenate([scorer.pay(part).total for part in recording.chunks()])
         np.testing.assert_allclose(scored, [row[4][name] for row in rows], atol=1e-6)
 
 
