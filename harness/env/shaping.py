@@ -20,13 +20,18 @@ class Shaping:
     Attributes:
         reward: What pays.
         carry: What it remembers; None before the first episode.
-        terms: Where what each of its terms pays is written, (num_envs, 1) each, by name.
     """
 
     carry: Carry
 
     def __init__(self, reward: Reward, terms: Mapping[str, Float]) -> None:
-        self.reward, self.carry, self.terms = reward, None, terms
+        """Begin no episode yet.
+
+        Args:
+            reward: What pays.
+            terms: By name, where what each of its terms pays is written, (num_envs, 1).
+        """
+        self.reward, self.carry = reward, None
         self._names = tuple(terms)
         self._columns = [(name, column[:, 0]) for name, column in terms.items()]
 
