@@ -69,6 +69,10 @@ class Hooks:
         """Targets: a frozen dataclass that is a `harness.tracker.Tracker`."""
 
     @hookspec
+    def register_logs(self, register: Register) -> None:
+        """Targets: a frozen dataclass that is a `harness.log.LogFormat`."""
+
+    @hookspec
     def register_commands(self, register: Register) -> None:
         """Targets: a function that becomes ``harness NAME``; typer turns its typed parameters into options."""
 
@@ -83,6 +87,7 @@ NOUNS = {
     "environments": "environment",
     "executors": "executor",
     "trackers": "tracker",
+    "logs": "log format",
     "commands": "command",
 }
 """Every kind of plugin, and the noun for one of it. Each kind has a hook, ``register_simulators`` and so on."""

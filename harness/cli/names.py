@@ -25,6 +25,7 @@ EXPLAINED: Mapping[str, str] = MappingProxyType(
         "environments": "worlds of other libraries, in place of simulator, robot and task (--task)",
         "executors": "where trainings run (--executor)",
         "trackers": "where learning curves are sent (--tracker)",
+        "logs": "logs of other programs that report, eta and audit read (--as)",
         "commands": "commands that plugins add: harness NAME",
     }
 )

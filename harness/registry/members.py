@@ -34,6 +34,7 @@ MEMBERS: Mapping[str, Mapping[str, int | None]] = MappingProxyType(
         "environments": {"make": 0, "rewards": 1, "behaviour": 1},
         "executors": {"run": 3},
         "trackers": {"why_not": 0, "begin": 1},
+        "logs": {"recognises": 2, "read": 1, "write_example": 1},
     }
 )
 """What a target of each kind must have: of a method how many arguments it is called with, of a value None."""

@@ -87,6 +87,11 @@ def test_register_trackers(write_plugin: Write):
     _assert_hook_registers("trackers", write_plugin)
 
 
+def test_register_logs(write_plugin: Write):
+    """A name that is registered as a format of logs is found among those alone."""
+    _assert_hook_registers("logs", write_plugin)
+
+
 def test_register_environments(write_plugin: Write):
     """A name that is registered as an environment is found among the environments alone."""
     _assert_hook_registers("environments", write_plugin)

@@ -12,6 +12,7 @@ from harness.algorithm import Algorithm
 from harness.errors import PluginError
 from harness.executor import Executor
 from harness.hookspecs import KINDS
+from harness.log import LogFormat
 from harness.measure import Measure
 from harness.registry.members import MEMBERS, missing_members, require_members
 from harness.registry.registry import Registry, load_registry
@@ -24,7 +25,7 @@ from harness.tracker import Tracker
 
 PROTOCOLS = {
     "simulators": Simulator, "algorithms": Algorithm, "rewards": Reward, "metrics": Measure, "tasks": Task,
-    "executors": Executor, "trackers": Tracker,
+    "executors": Executor, "trackers": Tracker, "logs": LogFormat,
 }  # fmt: skip
 
 

@@ -1,0 +1,11 @@
+"""One type for everything that was kept of a training: what a reader of logs gives, and what an author of one imports.
+
+A `Log` is facts and named columns of rows. A row is a step, an episode, or a point of a curve. `LogFormat` is the
+interface that a reader fills; `harness.log.open_log` finds the reader of a file or a folder.
+"""
+
+from harness.log.facts import Failed, LogFacts, Unit
+from harness.log.format import LogFormat
+from harness.log.log import Log, Rows, in_memory
+
+__all__ = ["Failed", "Log", "LogFacts", "LogFormat", "Rows", "Unit", "in_memory"]

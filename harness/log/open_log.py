@@ -1,0 +1,134 @@
+"""Finds the reader of a file or a folder among the registered formats, and all logs below a folder."""
+
+import os
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+from harness.errors import HarnessError, SchemaError, UsageError, reason_of
+from harness.files.bounded import open_regular
+from harness.log.format import HEAD, LogFormat
+from harness.log.log import Log
+from harness.registry.choice import choose
+from harness.registry.registry import Registry
+from harness.registry.spec import blamed_on
+
+LOGS = "logs"
+MOST_FILES = 100_000
+"""Files and folders that are looked at below a folder."""
+MOST_BYTES = 2**35
+
+
+class Found(NamedTuple):
+    """What lies below a folder."""
+
+    logs: tuple[Log, ...]
+    """By path."""
+    left_out: tuple[tuple[Path, str], ...]
+    """What is a log and cannot be read, and why."""
+
+
+def open_logs(path: Path, registry: Registry, named: str = "") -> tuple[Log, ...]:
+    """The logs in one file, or in one folder that is a log itself.
+
+    Args:
+        path: The file or the folder.
+        registry: Has the formats.
+        named: The format with its settings, ``rosbag:topic=/pay``; found by what the file is if empty.
+
+    Raises:
+        UsageError: It is not there, no format recognises it, or several do.
+        SchemaError: It is damaged.
+    """
+    if not path.exists():
+        raise UsageError(f"There is no '{path}'")
+    if named:
+        return _read(path, named, registry)
+    names = _recognised(path, formats_of(registry))
+    if len(names) > 1:
+        told = " or ".join(f"--as {name}" for name in names)
+        raise UsageError(f"'{path}' could be a log of several formats: say which, {told}")
+    if not names:
+        raise UsageError(f"'{path}' is no log that is read: harness list logs tells which are")
+    return _read(path, names[0], registry)
+
+
+def find_logs(path: Path, registry: Registry, named: str = "") -> Found:
+    """All logs in a file or below a folder, at any depth.
+
+    A format that recognises a folder reads it as one log; formats of files still see the files in it, unless the
+    format says that it is all of the folder, by the class attribute ``takes_all = True``.
+
+    Raises:
+        UsageError: It is not there, or has more files than are looked at.
+    """
+    if not path.exists():
+        raise UsageError(f"There is no '{path}'")
+    formats = formats_of(registry) if not named else {named: _built(named, registry)}
+    logs: list[Log] = []
+    left_out: list[tuple[Path, str]] = []
+    for place, name in _places(path, formats):
+        try:
+            logs += _read(place, name, registry)
+        except HarnessError as error:
+            left_out.append((place, str(error)))
+    return Found(tuple(logs), tuple(left_out))
+
+
+def formats_of(registry: Registry) -> dict[str, LogFormat]:
+    """Every registered format whose libraries are installed, by name, with its default settings."""
+    specs = (registry.get(LOGS, name) for name in registry.names(LOGS))
+    return {spec.name: _built(spec.name, registry) for spec in specs if not spec.missing}
+
+
+def _built(name: str, registry: Registry) -> LogFormat:
+    built: LogFormat = choose(registry, LOGS, name).build(registry, LOGS)
+    return built
+
+
+def _places(path: Path, formats: Mapping[str, LogFormat]) -> Iterator[tuple[Path, str]]:
+    """Each place and the format that reads it. A file that several formats recognise is offered to each of them."""
+    if path.is_file():
+        yield from ((path, name) for name in _recognised(path, formats))
+        return
+    seen = 0
+    for folder, inner, files in os.walk(path):
+        inner.sort()
+        seen += 1 + len(files)
+        if seen > MOST_FILES:
+            raise UsageError(f"'{path}' has more than {MOST_FILES:,} files: name a smaller folder")
+        place = Path(folder)
+        taken = _recognised(place, formats)
+        yield from ((place, name) for name in taken)
+        if any(getattr(formats[name], "takes_all", False) for name in taken):
+            inner.clear()
+            continue
+        others = {name: it for name, it in formats.items() if name not in taken}
+        for file in sorted(files):
+            yield from ((place / file, name) for name in _recognised(place / file, others))
+
+
+def _recognised(path: Path, formats: Mapping[str, LogFormat]) -> list[str]:
+    head = b""
+    if not path.is_dir():
+        try:
+            with open_regular(path, MOST_BYTES) as file:
+                head = file.read(HEAD)
+        except OSError:
+            return []
+    return [name for name, it in formats.items() if it.recognises(path, head)]
+
+
+def _read(path: Path, name: str, registry: Registry) -> tuple[Log, ...]:
+    chosen = choose(registry, LOGS, name)
+    spec = registry.get(LOGS, chosen.name)
+    with blamed_on(spec, "it read a log"):
+        try:
+            logs = tuple(chosen.build(registry, LOGS).read(path))
+        except HarnessError:
+            raise
+        except (OSError, ValueError) as error:
+            raise SchemaError(f"{path} cannot be read as {name}: {reason_of(error)}") from error
+    if not logs:
+        raise SchemaError(f"{path} holds no training")
+    return logs

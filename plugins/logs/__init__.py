@@ -1,0 +1,13 @@
+"""Built-in formats of logs."""
+
+import harness
+
+
+@harness.hookimpl
+def register_logs(register: harness.Register) -> None:
+    """Announce the built-in formats."""
+    register(
+        "monitor",
+        "harness_plugins.logs.monitor:Monitor",
+        summary="stable-baselines3's Monitor and Gymnasium's old one: monitor.csv, a row is an episode",
+    )
