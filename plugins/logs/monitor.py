@@ -15,6 +15,8 @@ from harness.log import Log, LogFacts, in_memory
 from harness.log.log import BEHAVIOUR, RECORDED, REWARD, SUCCESS, Columns
 from harness.log.text_table import TextTable, read_table, require_columns
 
+from ..zoo_settings import zoo_settings
+
 SUCCESS_KEYS = ("is_success", "success")
 OWN = ("r", "l", "t")
 """Return, length and seconds since the file was begun: the first columns of every such file, in this order."""
@@ -64,11 +66,16 @@ class Monitor:
         success = self.success or next((name for name in SUCCESS_KEYS if name in table.names), "")
         columns, notes = _columns(table, success)
         started = headers[0].get("t_start") if headers else None
+        env = "" if envs in ([], ["None"]) else envs[0]
+        zoo = zoo_settings(path, env)
         facts = LogFacts(
             path=path,
             format="Monitor of stable-baselines3",
             unit="episode",
-            env="" if envs in ([], ["None"]) else envs[0],
+            env=env or zoo.env,
+            algorithm=zoo.algorithm,
+            seed=zoo.seed,
+            asked=zoo.asked,
             started=float(started) if isinstance(started, int | float) else None,
             bounds={SUCCESS: (0.0, 1.0)} if success else {},
             notes=(*notes, *table.notes, *_clock(table)),
