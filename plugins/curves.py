@@ -226,9 +226,12 @@ def curve_log(facts: LogFacts, curve: Curve, names: Sequence[str], columns: Mapp
         per_step: See `CurveSettings`.
 
     Raises:
+        UsageError: The log tells environment steps itself, and a user says how many one of its steps is.
         SchemaError: No point has all of its values, one is beyond what it can be, or its steps go back too often.
     """
     counter = _counter(curve, columns)
+    if per_step and counter != "step":
+        raise UsageError(f"{facts.path} counts environment steps in '{counter}': leave per_step out")
     is_time = counter != "step" or curve.counts == ENV_STEPS or per_step > 0
     axis = TIME if is_time else ITERATION
     read = {axis: counter, **_read(curve, columns)}
@@ -238,7 +241,7 @@ def curve_log(facts: LogFacts, curve: Curve, names: Sequence[str], columns: Mapp
     if not len(rows):
         raise SchemaError(f"{facts.path} has no point of {', '.join(curve.columns.values())} yet")
     found = {column: columns[name][rows] for column, name in read.items()}
-    if counter == "step" and per_step:
+    if per_step:
         found[axis] = found[axis] * per_step
     _require_possible(facts.path, found)
     told = ", ".join(f"{column} from '{name}'" for column, name in read.items() if column != axis)

@@ -18,7 +18,8 @@ from harness.log.log import LARGEST
 from harness.reward.steps import nearest
 from harness.text import shortened
 
-MOST_BYTES = 2**28
+MOST_BYTES = 2**27
+"""The most bytes that a table may have: some four million episodes."""
 LONGEST_LINE = 2**20
 TRUTH = {"true": 1.0, "false": 0.0}
 
@@ -173,6 +174,16 @@ def parse_table(
     return TextTable(path, known, cells, lines, tuple(comments), tuple(headers), cut)
 
 
+def first_line(path: Path) -> bytes:
+    """The first line of a regular file, or as much of it as is looked at.
+
+    Raises:
+        SchemaError: The file cannot be read.
+    """
+    with reading(path, "table"), open_regular(path, sys.maxsize) as file:
+        return file.readline(LONGEST_LINE)
+
+
 def header_of(path: Path, head: bytes, separator: str = ",") -> tuple[str, ...]:
     """Names of the columns of a file's first line; empty of a folder, and of what is no text in UTF-8.
 
@@ -183,11 +194,10 @@ def header_of(path: Path, head: bytes, separator: str = ",") -> tuple[str, ...]:
     """
     try:
         if b"\n" not in head and len(head) >= HEAD:
-            with open_regular(path, sys.maxsize) as file:
-                head = file.readline(LONGEST_LINE)
+            head = first_line(path)
         first = head.decode("utf-8-sig", "ignore").splitlines()[:1]
         [names] = csv.reader(first, delimiter=separator)
-    except (OSError, csv.Error, ValueError):
+    except (SchemaError, csv.Error, ValueError):
         return ()
     return tuple(name.strip() for name in names)
 

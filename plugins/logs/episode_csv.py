@@ -11,7 +11,7 @@ from harness.arrays import Float, Ints
 from harness.errors import SchemaError, UsageError
 from harness.log import Log, LogFacts, in_memory
 from harness.log.log import BEHAVIOUR, RECORDED, REWARD, SUCCESS
-from harness.log.text_table import TextTable, parse_table, read_table, require_columns
+from harness.log.text_table import TextTable, first_line, parse_table, read_table, require_columns
 from harness.score.row_meaning import ACROSS_EPISODES, COUNTER, ENV, EPISODE, INDEX, LENGTH, RUN, SEED
 from harness.text import shortened
 
@@ -86,9 +86,7 @@ class EpisodeCsv:
             UsageError: A column that was named is not there, or none of returns or success is known.
             SchemaError: It is damaged, or its rows are no episodes; names the line.
         """
-        with path.open("rb") as file:
-            first = file.readline(2**20).decode("utf-8", "ignore")
-        table = read_table(path, separator=_separator(first))
+        table = read_table(path, separator=_separator(first_line(path).decode("utf-8", "ignore")))
         require_columns(path, table.names, self.reward, self.length, self.success, self.measure)
         roles = self._roles(table.names)
         if not {"reward", "success"} & roles.keys():

@@ -13,7 +13,7 @@ from harness.arrays import Float
 from harness.errors import SchemaError
 from harness.log import Log, LogFacts, in_memory
 from harness.log.log import BEHAVIOUR, RECORDED, REWARD, SUCCESS, Columns
-from harness.log.text_table import TextTable, read_table, require_columns
+from harness.log.text_table import TextTable, first_line, read_table, require_columns
 
 from ..zoo_settings import zoo_settings
 
@@ -104,8 +104,7 @@ class Monitor:
 
 def _names_of_a_bare_file(path: Path) -> Sequence[str]:
     """Names of the columns of a file without a header; empty of one that has it."""
-    with path.open("rb") as file:
-        first = file.readline(1 << 16)
+    first = first_line(path)
     if BARE_ROW.match(first) is None:
         return ()
     return (*OWN, *(f"{NAMELESS}{number}" for number in range(4, first.count(b",") + 2)))

@@ -1,6 +1,6 @@
 """``progress.csv`` of RLlib, stable-baselines3, baselines and garage, ``progress.txt`` of Spinning Up."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -9,9 +9,9 @@ import numpy as np
 
 from harness.files.bounded import read_json
 from harness.log import Log, LogFacts
-from harness.log.text_table import header_of, read_table
+from harness.log.text_table import first_line, header_of, read_table
 
-from ..curves import CurveSettings, curve_log, is_history, is_known
+from ..curves import Curve, CurveSettings, curve_log, is_history, is_known
 
 ITERATIONS = ("training_iteration", "time/iterations", "Epoch", "Iteration", "iteration")
 """Columns that count rows."""
@@ -35,14 +35,11 @@ class ProgressCsv(CurveSettings):
             UsageError: A column that was named is not there, or none is known.
             SchemaError: It is damaged, or its values do not stand under their names; names the line.
         """
-        with path.open("rb") as file:
-            separator = _separator(file.readline(2**20))
-        table = read_table(path, separator=separator)
+        separator = _separator(first_line(path))
+        table = read_table(path, wanted=lambda names: self._wanted(path, names), separator=separator)
         curve = self.chosen(path, table.names)._replace(counts="reports of the training")
         columns = {name: table.numbers(name, may_lack=True) for name in curve.columns.values()}
-        columns |= {
-            name: table.counts(name, may_lack=True) for name in (*curve.time, *ITERATIONS) if name in table.names
-        }
+        columns |= {name: table.counts(name, may_lack=True) for name in _counters(curve, table.names)}
         step = next((columns[name] for name in ITERATIONS if name in columns), np.arange(1.0, len(table) + 1.0))
         told = _settings_beside(path)
         seed = told.get("seed")
@@ -73,6 +70,15 @@ class ProgressCsv(CurveSettings):
             writer.write(dict(zip(names, row, strict=True)), dict.fromkeys(names, ()))
         writer.close()
         return path
+
+    def _wanted(self, path: Path, names: Sequence[str]) -> list[str]:
+        """Few of the columns: RLlib's tables have hundreds."""
+        curve = self.chosen(path, names)
+        return [*curve.columns.values(), *_counters(curve, names)]
+
+
+def _counters(curve: Curve, names: Sequence[str]) -> list[str]:
+    return [name for name in (*curve.time, *ITERATIONS) if name in names]
 
 
 def _separator(head: bytes) -> str:

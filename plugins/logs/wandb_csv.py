@@ -9,7 +9,7 @@ import numpy as np
 
 from harness.errors import SchemaError
 from harness.log import Log, LogFacts
-from harness.log.text_table import TextTable, header_of, read_table
+from harness.log.text_table import TextTable, first_line, header_of, read_table
 
 from ..curves import CLEANRL_RUN, CurveSettings, curve_log, is_history
 
@@ -40,8 +40,7 @@ class WandBCsv(CurveSettings):
             UsageError: A curve that was named is not there, or none is known.
             SchemaError: It is damaged; names the line.
         """
-        with path.open("rb") as file:
-            is_quoted = file.read(1) == b'"'
+        is_quoted = first_line(path).startswith(b'"')
         table = read_table(path, ends_open=is_quoted)
         if is_history(table.names):
             named = {name: name for name in table.names}

@@ -1,5 +1,6 @@
 """What holds for all registered formats of logs."""
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -63,6 +64,15 @@ def test_a_cut_file_is_refused_or_has_the_first_rows(tmp_path: Path, name: str):
             if not any("left out" in note for note in log.facts.notes):
                 assert end > silent[-1] + STRIDE
                 silent.append(end)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no named pipes")
+@pytest.mark.parametrize("name", FOREIGN)
+def test_a_pipe_that_nobody_writes_to_holds_nobody_up(tmp_path: Path, name: str):
+    """Whatever it is called."""
+    path = tmp_path / "events.out.tfevents.1.csv"
+    os.mkfifo(path)
+    assert not read_or_refused(name, path)
 
 
 @pytest.mark.parametrize("name", FOREIGN)

@@ -256,6 +256,8 @@ def test_rllib_counts_environment_steps_by_a_tag_of_its_own(tmp_path: Path):
     }
     write(tmp_path, tags)
     assert read(tmp_path)["time"].tolist() == [4000, 8000]
+    with pytest.raises(UsageError, match=r"counts environment steps in .*: leave per_step out"):
+        read(tmp_path, per_step=4000)
 
 
 def test_a_curve_with_success_goes_before_one_without(tmp_path: Path):
