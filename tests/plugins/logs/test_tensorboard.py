@@ -123,6 +123,13 @@ def test_files_that_each_begin_anew_are_trainings_of_their_own(tmp_path: Path):
     assert all("holds 3 trainings" in note for log in logs for note in log.facts.notes if "folder" in note)
 
 
+def test_steps_that_go_back_inside_a_file_are_refused(tmp_path: Path):
+    """Two seeds that one writer logged are not one training; a restart would have begun a file of its own."""
+    write(tmp_path, {REWARD: [*curve(0, 50), *curve(10, 60)]})
+    with pytest.raises(SchemaError, match="go from 40 to 10: several trainings log into one file"):
+        read(tmp_path)
+
+
 def test_two_writers_of_one_training_are_one_log(tmp_path: Path):
     """One logs returns and another success, into files of their own."""
     write(tmp_path, {REWARD: curve(0, 50)}, stamp=1)
