@@ -19,7 +19,11 @@ before/NAME                    any of these before the step, such as before/obse
 state/NAME                     what the simulator told after the step
 =============================  =====================================================================================
 
-A cell's trace has columns of its own names, see `harness.record.trace`.
+A log of steps has ``env``, ``episode``, ``step``, ``terminated`` and ``truncated``, a log of episodes ``length`` or
+``time``, a log of points ``time``. Each has a ``reward/NAME`` or a ``behaviour/NAME``. Rows are in order of time.
+Episodes count up by one in each env. ``terminated`` or ``truncated`` is true in the last row of each, and nowhere else;
+only the last episode of an env may be unfinished. A cell's trace has columns of its own names, see
+`harness.record.trace`.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
