@@ -206,7 +206,7 @@ def built_in_page(registry: Registry) -> str:
         "Every plugin of this version with its parameters, as `harness describe NAME` tells.",
     ]
     for kind in KINDS:
-        parts.append(f"## {kind.capitalize()}")
+        parts.append(f"## {NOUNS[kind].capitalize()}s")
         for name in registry.names(kind):
             parts += _plugin(kind, name, registry)
     return _joined(parts)
@@ -229,7 +229,7 @@ def _plugin(kind: str, name: str, registry: Registry) -> Iterator[str]:
 def checks_page() -> str:
     """Every check of the contract kit, from the first paragraph of its docstring."""
     parts = ["# Checks of the contract kit", "[The contract kit](../contracts.md) says how to run them."]
-    named = [*((kind.capitalize(), kit) for kind, kit in KITS.items()), ("Exported policies", EXPORTS)]
+    named = [*((f"{NOUNS[kind].capitalize()}s", kit) for kind, kit in KITS.items()), ("Exported policies", EXPORTS)]
     for title, kit in named:
         rows = [(f"`{it.name}`", it.level, _as_markdown_text(it.fact)) for it in kit.checks]
         parts += [f"## {title}", _table(("check", "level", "what holds"), rows)]

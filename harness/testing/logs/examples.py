@@ -36,10 +36,26 @@ def read_example(reader: LogFormat, folder: Path) -> tuple[Log, ...]:
 
 
 def read_logs(reader: LogFormat, path: Path) -> tuple[Log, ...]:
-    """The logs of a file or a folder; at least one.
+    """The logs of the example, whose rows can be read.
+
+    Raises:
+        AssertionError: They cannot; the check `log-example` says why.
+    """
+    try:
+        logs = read_at_first(reader, path)
+        for log in logs:
+            log.rows()
+    except Exception as error:  # a plugin may raise anything
+        raise AssertionError("the example cannot be read: see log-example") from error
+    return logs
+
+
+def read_at_first(reader: LogFormat, path: Path) -> tuple[Log, ...]:
+    """The logs of the example; at least one.
 
     Raises:
         AssertionError: There is none, or something else.
+        Exception: Whatever the reader raises.
     """
     logs = reader.read(path)
     require(isinstance(logs, Sequence), f"read returned {type(logs).__name__}, not a list or a tuple of logs")
