@@ -13,6 +13,7 @@ from harness.errors import UsageError
 from harness.log import LogFormat
 from harness.log.log import BEHAVIOUR, LARGEST, REWARD
 from harness.testing.logs.damage import (
+    AT_ENDS,
     changed_copies,
     cut_copies,
     is_silent,
@@ -294,14 +295,14 @@ def a_cut_file_gives_no_other_numbers(reader: LogFormat, folder: Path) -> None:
     """
     example = write_example(reader, folder)
     whole = whole_of(read_logs(reader, example))
-    silent: dict[tuple[str, int], bool] = {}
+    silent: dict[tuple[Path, int], bool] = {}
     for copy, file, length in cut_copies(example, folder):
         what = f"of {file.name}, cut to {length:,} bytes,"
         damaged = read_damaged(reader, copy, what)
         require_beginnings(damaged, whole)
-        silent[file.name, length] = is_silent(damaged, whole)
-        twice = silent[file.name, length] and silent.get((file.name, length - 1))  # one of both is within a row
-        require(not twice, f"{what} rows are missing, and neither notes nor thinned say so")
+        silent[file, length] = is_silent(damaged, whole)
+        neighbours = (silent.get((file, length - less)) for less in range(AT_ENDS + 1))
+        require(not all(neighbours), f"{what} rows are missing, and neither notes nor thinned say so")
 
 
 @check("log-changed")
@@ -312,10 +313,10 @@ def a_changed_file_gives_no_other_numbers(reader: LogFormat, folder: Path) -> No
     """
     example = write_example(reader, folder)
     whole = whole_of(read_logs(reader, example))
-    texts = {file.name for file in files_of(example) if is_text(file)}
+    texts = {file.relative_to(example) for file in files_of(example) if is_text(file)}
     for copy, file, begin in changed_copies(example, folder):
         damaged = read_damaged(reader, copy, f"of {file.name}, with other bytes from {begin:,} on,")
-        if file.name not in texts:
+        if file.relative_to(copy) not in texts:
             require_finite(damaged)
         else:
             require_beginnings(damaged, whole)

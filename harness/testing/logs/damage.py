@@ -14,6 +14,8 @@ from harness.testing.violations import require
 
 CUTS = 8
 """A file is cut to nothing, to one eighth of its bytes, and so on."""
+AT_ENDS = 2
+"""Neighbouring lengths at which a row has just ended: before and after the second byte of a line's end."""
 LAST = 64
 """Bytes of the end of a file, where it is cut at each."""
 CHANGES = 16
@@ -136,9 +138,9 @@ def is_text(file: Path) -> bool:
 
 
 def _cuts(size: int) -> list[int]:
-    """Lengths to cut a file of `size` bytes to: pairs of neighbours, and all that fall into its last rows."""
-    pairs = {size * part // CUTS + more for part in range(CUTS) for more in (0, 1)}
-    return sorted(length for length in pairs | {*range(size - LAST, size)} if 0 <= length < size)
+    """Lengths to cut a file of `size` bytes to: neighbours, `AT_ENDS` + 1 of them, and all of its last rows."""
+    neighbours = {size * part // CUTS + more for part in range(CUTS) for more in range(AT_ENDS + 1)}
+    return sorted(length for length in neighbours | {*range(size - LAST, size)} if 0 <= length < size)
 
 
 def _copied(example: Path, place: Path) -> tuple[Path, list[Path]]:
