@@ -39,9 +39,9 @@ RECORD = re.compile(r"results/reference/([\w/-]+)/summary\.md")
 ROBOT = re.compile(r"robots/(\w+)/README\.md")
 MODULES = (
     "harness", "harness.simulator", "harness.task", "harness.goal", "harness.environment", "harness.reward",
-    "harness.algorithm", "harness.measure", "harness.executor", "harness.tracker", "harness.progress", "harness.reach",
-    "harness.robot", "harness.policy", "harness.results", "harness.errors", "harness.hookspecs", "harness.authoring",
-    "harness.testing", "harness.pytest_plugin", "harness_plugins.sb3",
+    "harness.algorithm", "harness.measure", "harness.executor", "harness.tracker", "harness.log", "harness.log.log",
+    "harness.progress", "harness.reach", "harness.robot", "harness.policy", "harness.results", "harness.errors",
+    "harness.hookspecs", "harness.authoring", "harness.testing", "harness.pytest_plugin", "harness_plugins.sb3",
 )  # fmt: skip
 """Modules that people import; each has a page."""
 SECTION = re.compile(r"^## (.+)$", re.MULTILINE)

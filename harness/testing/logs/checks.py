@@ -3,15 +3,15 @@
 All of them look at the log that the format writes itself, `harness.log.LogFormat.write_example`.
 """
 
-import os
 import tempfile
 from pathlib import Path
 
 import numpy as np
 
 from harness.errors import UsageError
-from harness.log import LogFormat
+from harness.log import LogFacts, LogFormat
 from harness.log.log import BEHAVIOUR, LARGEST, REWARD
+from harness.testing.logs.columns import NEEDED, STEPS, broken_types, require_order_of_steps
 from harness.testing.logs.damage import (
     AT_ENDS,
     changed_copies,
@@ -29,6 +29,7 @@ from harness.testing.logs.examples import (
     head_of,
     odd_places,
     quietly,
+    random_bytes,
     read_at_first,
     read_example,
     read_logs,
@@ -37,8 +38,7 @@ from harness.testing.logs.examples import (
     without_code,
     write_example,
 )
-from harness.testing.logs.order import NEEDED, STEPS, broken_types, require_order_of_steps
-from harness.testing.logs.told import counts_of, faults_of
+from harness.testing.logs.facts import counts_of, faults_of
 from harness.testing.violations import Check, check, raise_first, require, settings_are_frozen, settings_survive_json
 
 LEAST_ROWS = {"step": 2, "episode": 2, "point": 3}
@@ -81,7 +81,7 @@ def the_example_is_recognised(reader: LogFormat, folder: Path) -> None:
     """The format recognises its own example, and no empty file, no random bytes and no empty folder."""
     path = write_example(reader, folder)
     require(_recognised(reader, path), "it does not recognise the example that it wrote itself")
-    for name, content in {"empty": b"", "random.bin": np.random.default_rng(0).bytes(5000)}.items():
+    for name, content in {"empty": b"", "random.bin": random_bytes(5000)}.items():
         (folder / name).write_bytes(content)
         require(not _recognised(reader, folder / name), f"it takes a file of {len(content)} random bytes for its own")
     (folder / "none").mkdir()
@@ -101,8 +101,8 @@ def recognising_raises_nothing(reader: LogFormat, folder: Path) -> None:
         _recognised(reader, place)
     for length in HEADS:
         _recognised(reader, path, head[:length])
-        _recognised(reader, path, os.urandom(length))
-        _recognised(reader, path, head[: length // 2] + os.urandom(length // 2))
+        _recognised(reader, path, random_bytes(length))
+        _recognised(reader, path, head[: length // 2] + random_bytes(length // 2))
 
 
 @check("log-facts")
@@ -116,6 +116,7 @@ def facts_are_sensible(reader: LogFormat, folder: Path) -> None:
     runs = [log.facts.run for log in logs]
     require(len(set(runs)) == len(runs), f"the logs of one file are called {runs}: give each a name of its own")
     for log in logs:
+        require(isinstance(log.facts, LogFacts), f"facts are a {type(log.facts).__name__}, not harness.log.LogFacts")
         for fault in faults_of(log, path):
             raise AssertionError(fault)
 

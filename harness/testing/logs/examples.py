@@ -136,10 +136,10 @@ def without_code() -> Iterator[None]:
 
         return refuse
 
-    def load_arrays(*given: Any, allow_pickle: bool = False, **named: Any) -> Any:
+    def load_arrays(file: Any, mmap_mode: Any = None, allow_pickle: bool = False, **named: Any) -> Any:
         if allow_pickle:
             refusing("numpy.load(allow_pickle=True)")()
-        return load(*given, allow_pickle=False, **named)
+        return load(file, mmap_mode, allow_pickle=False, **named)
 
     try:
         with contextlib.ExitStack() as stack:
@@ -149,6 +149,11 @@ def without_code() -> Iterator[None]:
             yield
     finally:
         require(not tried, f"it read with {', '.join(tried)}: who wrote the file could run anything on this machine")
+
+
+def random_bytes(count: int) -> bytes:
+    """The same ones each time."""
+    return np.random.default_rng(count).bytes(count)
 
 
 def odd_places(folder: Path) -> list[Path]:
@@ -168,5 +173,5 @@ def odd_places(folder: Path) -> list[Path]:
     files = [folder / name for name in names]
     files.append(folder / os.fsdecode(b"\xff\xfe.csv"))
     for file in files:
-        file.write_bytes(b"" if file.name == "nothing.csv" else os.urandom(300))
+        file.write_bytes(b"" if file.name == "nothing.csv" else random_bytes(300))
     return [folder, folder / "empty", folder / "nowhere", folder / "gone", *files]

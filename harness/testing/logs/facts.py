@@ -18,9 +18,6 @@ def faults_of(log: Log, path: Path) -> Iterator[str]:
         log: One of the logs of the example.
         path: What was read.
     """
-    if not isinstance(log.facts, LogFacts):
-        yield f"facts are a {type(log.facts).__name__}, not harness.log.LogFacts"
-        return
     if not log.facts.path.is_relative_to(path):
         yield f"facts.path is '{log.facts.path}', and '{path}' was read"
     if log.facts.unit not in get_args(Unit):
