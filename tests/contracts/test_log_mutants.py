@@ -231,11 +231,11 @@ class CountsStepsOfOneEnv(Sound):
         return {"steps": int((table[:, 0] == 0).sum())}
 
 
-class LeavesOutEnds(Sound):
-    """Nobody knows which episodes were cut."""
+class LeavesOutEpisodes(Sound):
+    """Nobody knows where one ends."""
 
     def logs(self, facts, names):
-        return super().logs(facts, tuple(name for name in names if name != "truncated"))
+        return super().logs(facts, tuple(name for name in names if name != "episode"))
 
 
 class PaysNothing(Sound):
@@ -354,11 +354,18 @@ class EndsEveryStep(Sound):
 
 
 class MeasuresNothing(Sound):
-    """NaN stands where nothing was measured, and nobody says why."""
+    """A measure is NaN everywhere, and nobody says why."""
 
     def changed(self, columns, begin):
-        heights = columns["behaviour/height"]
-        return {**columns, "behaviour/height": np.where(heights == 0.5, np.nan, heights)}
+        return {**columns, "behaviour/height": columns["behaviour/height"] * np.nan}
+
+
+class PaysNobodyKnowsWhat(Sound):
+    """The pay of a step is NaN, and nobody says that the reward failed."""
+
+    def changed(self, columns, begin):
+        paid = {name: np.where(columns["step"] == 4, np.nan, columns[name]) for name in ("reward/a", "reward/a/y")}
+        return {**columns, **paid}
 
 
 class MeasuresInfinity(Sound):
@@ -561,7 +568,7 @@ MUTANTS = {
     NamesNoRuns: checks.facts_are_sensible,
     DeclaresTooManyEpisodes: checks.declared_totals_hold,
     CountsStepsOfOneEnv: checks.declared_totals_hold,
-    LeavesOutEnds: checks.standard_columns_are_there,
+    LeavesOutEpisodes: checks.standard_columns_are_there,
     PaysNothing: checks.standard_columns_are_there,
     KnowsNoTime: checks.standard_columns_are_there,
     CountsInFloats: checks.columns_hold_what_their_names_say,
@@ -577,6 +584,7 @@ MUTANTS = {
     EndsNoEpisode: checks.rows_are_in_order,
     EndsEveryStep: checks.rows_are_in_order,
     MeasuresNothing: checks.values_are_finite,
+    PaysNobodyKnowsWhat: checks.values_are_finite,
     MeasuresInfinity: checks.values_are_finite,
     LeavesItsBounds: checks.values_are_finite,
     TermsDoNotSum: checks.terms_make_their_reward,

@@ -11,7 +11,7 @@ import numpy as np
 from harness.errors import UsageError
 from harness.log import LogFacts, LogFormat
 from harness.log.log import BEHAVIOUR, LARGEST, REWARD
-from harness.testing.logs.columns import NEEDED, STEPS, broken_types, require_order_of_steps
+from harness.testing.logs.columns import NEEDED, broken_types, require_order_of_steps
 from harness.testing.logs.damage import (
     AT_ENDS,
     changed_copies,
@@ -20,7 +20,6 @@ from harness.testing.logs.damage import (
     is_text,
     read_damaged,
     require_beginnings,
-    require_finite,
     whole_of,
 )
 from harness.testing.logs.examples import (
@@ -48,6 +47,8 @@ HEADS = (*range(64), 100, 200, 500, 1000, 2000, 4000)
 """Bytes to which the head of the example is cut."""
 NO_COLUMN = "reward/there-is-no-such"
 ROUNDING = 1e-6
+KNOWN = (REWARD, "time", "length")
+"""Begins the names of columns that have a number in every row."""
 
 
 def check_log_format(reader: LogFormat, folder: Path | None = None) -> None:
@@ -134,8 +135,8 @@ def declared_totals_hold(reader: LogFormat, folder: Path) -> None:
 def standard_columns_are_there(reader: LogFormat, folder: Path) -> None:
     """A log has the columns that its unit asks for, and at least one reward or measure.
 
-    Steps: ``env``, ``episode``, ``step``, ``terminated`` and ``truncated``. Episodes: ``length`` or ``time``. Points:
-    ``time``. Every log: ``reward/NAME`` or ``behaviour/NAME``.
+    Steps: ``episode`` and ``step``. Episodes: ``length`` or ``time``. Points: ``time`` or ``iteration``. Every log:
+    ``reward/NAME`` or ``behaviour/NAME``.
     """
     for log in read_example(reader, folder):
         names = log.columns
@@ -196,7 +197,8 @@ def it_can_be_read_again(reader: LogFormat, folder: Path) -> None:
 def rows_are_in_order(reader: LogFormat, folder: Path) -> None:
     """Time does not fall. In each env episodes count up from 0, and steps within an episode from 0 or 1.
 
-    ``terminated`` or ``truncated`` is set where an episode ends, and nowhere else. The last episode may be unfinished.
+    ``terminated`` and ``truncated`` are true where an episode ends, and nowhere else. Where a log has both columns, one
+    of them is true at the end of every episode but the last, which may be unfinished.
     """
     for log in read_example(reader, folder):
         rows = log.rows()
@@ -204,20 +206,24 @@ def rows_are_in_order(reader: LogFormat, folder: Path) -> None:
             require((rows[name] >= 0).all(), f"the column {name} is negative: {rows[name].min()}")
         if "time" in rows.columns:
             require((np.diff(rows["time"]) >= 0).all(), f"the time falls: {rows['time'][:20]}")
-        if log.facts.unit == "step" and {*STEPS} <= {*rows.columns}:  # another check says so
+        if log.facts.unit == "step" and {"episode", "step"} <= {*rows.columns}:  # another check says so
             require_order_of_steps(rows)
 
 
 @check("log-finite")
 def values_are_finite(reader: LogFormat, folder: Path) -> None:
-    """Values are finite, and within the bounds that the facts give. NaN stands only in columns of `failed`."""
+    """Nothing is infinite, and pay and times are never NaN, but for what the facts say has failed.
+
+    Any other column may be NaN in rows of which it is not known. A measure is known in some row, and within its bounds.
+    """
     for log in read_example(reader, folder):
         failed, rows = {it.column for it in log.facts.failed}, log.rows()
         for name, values in rows.columns.items():
-            if values.dtype.kind in "fc":
-                known = values[~np.isnan(values)] if name in failed else values
-                finite = bool((np.abs(known) < LARGEST).all())  # NaN is not
-                require(finite, f"the column {name} is not finite, or beyond {LARGEST:g}, and facts.failed has no word")
+            if values.dtype.kind == "f":
+                unknown = np.isnan(values)
+                require((np.abs(values[~unknown].astype(float)) < LARGEST).all(), f"{name} is not below {LARGEST:g}")
+                may_lack = name in failed or not (name.startswith(KNOWN) or unknown.all())
+                require(may_lack or not unknown.any(), f"the column {name} is NaN, and facts.failed has no word of it")
         for measure, (least, greatest) in log.facts.bounds.items():
             values = rows[f"{BEHAVIOUR}{measure}"]
             outside = ((values < least) | (values > greatest)).any()
@@ -229,14 +235,11 @@ def terms_make_their_reward(reader: LogFormat, folder: Path) -> None:
     """The terms of a reward, ``reward/NAME/TERM``, sum to ``reward/NAME`` in every row."""
     for log in read_example(reader, folder):
         rows = log.rows()
-        for name in {name.removeprefix(REWARD).split("/")[0] for name in rows.columns if name.startswith(REWARD)}:
-            terms = log.terms_of(name)
-            if not terms:
-                continue
-            require(f"{REWARD}{name}" in log, f"there are terms of {name}, and no column {REWARD}{name}")
-            summed = sum(rows[f"{REWARD}{name}/{term}"].astype(float) for term in terms)
-            close = np.allclose(summed, rows[f"{REWARD}{name}"], rtol=ROUNDING, atol=ROUNDING)
-            require(close, f"the terms of {name}, {', '.join(terms)}, do not sum to it")
+        for name in log.rewards:
+            terms = [rows[f"{REWARD}{name}/{term}"].astype(float) for term in log.terms_of(name)]
+            paid = rows[f"{REWARD}{name}"]
+            close = not terms or np.allclose(sum(terms), paid, rtol=ROUNDING, atol=ROUNDING, equal_nan=True)
+            require(close, f"the terms of {name}, {', '.join(log.terms_of(name))}, do not sum to it")
 
 
 @check("log-unknown")
@@ -310,16 +313,14 @@ def a_cut_file_gives_no_other_numbers(reader: LogFormat, folder: Path) -> None:
 def a_changed_file_gives_no_other_numbers(reader: LogFormat, folder: Path) -> None:
     """A file in which 8 bytes are 0xFF is refused by a `SchemaError` or a `UsageError`, or its rows are as before.
 
-    Only a binary file may hold other numbers then, which are finite: not every format has checksums.
+    Only a binary file may hold other numbers then: not every format has checksums.
     """
     example = write_example(reader, folder)
     whole = whole_of(read_logs(reader, example))
     texts = {file.relative_to(example) for file in files_of(example) if is_text(file)}
     for copy, file, begin in changed_copies(example, folder):
         damaged = read_damaged(reader, copy, f"of {file.name}, with other bytes from {begin:,} on,")
-        if file.relative_to(copy) not in texts:
-            require_finite(damaged)
-        else:
+        if file.relative_to(copy) in texts:
             require_beginnings(damaged, whole)
             require(not is_silent(damaged, whole), f"{damaged.what} rows are missing, and no note says so")
 

@@ -5,8 +5,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from harness.errors import SchemaError, UsageError, one_line
 from harness.log import Log, LogFacts, LogFormat, Rows
 from harness.testing.logs.examples import called, equal, files_of
@@ -21,7 +19,7 @@ LAST = 64
 CHANGES = 16
 """Places of a file at which its bytes are changed."""
 WRONG = b"\xff" * 8
-"""What takes the place of some bytes: no UTF-8, and no finite number where 8 bytes are one."""
+"""What takes the place of some bytes: no UTF-8, and no number where 8 bytes are one."""
 
 
 @dataclass(frozen=True)
@@ -106,14 +104,6 @@ def require_beginnings(damaged: Damaged, whole: Whole) -> None:
                 "{} the column {} begins with {}, and not with {}: other numbers, and no word",
                 damaged.what, name, values[:5], there[:5],
             )  # fmt: skip
-
-
-def require_finite(damaged: Damaged) -> None:
-    """See that what was read of a changed copy are finite numbers, if it was not refused."""
-    for _, rows in (damaged.logs or {}).values():
-        for name, values in rows.columns.items():
-            if values.dtype.kind in "fc":
-                require(np.isfinite(values).all(), f"{damaged.what} the column {name} is not finite, and no word")
 
 
 def is_silent(damaged: Damaged, whole: Whole) -> bool:

@@ -32,9 +32,9 @@ def counts_of(log: Log) -> dict[str, int]:
     if log.facts.unit == "episode":
         steps = {"steps": int(log["length"].sum())} if "length" in log else {}
         return {"episodes": len(log), **steps}
-    if log.facts.unit == "step" and "env" in log and "episode" in log:
+    if log.facts.unit == "step" and "episode" in log:
         starts = int(log["start"].sum()) if "start" in log else 0
-        pairs = np.stack([log["env"], log["episode"]])
+        pairs = np.stack([log["env"] if "env" in log else 0 * log["episode"], log["episode"]])
         return {"episodes": np.unique(pairs, axis=1).shape[1], "steps": len(log) - starts}
     return {}
 
