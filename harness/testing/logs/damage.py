@@ -134,11 +134,11 @@ def _cuts(size: int) -> list[int]:
 
 
 def _copied(example: Path, place: Path) -> tuple[Path, list[Path]]:
-    """A copy of the example in a new folder, and the files in it."""
-    copy = place / example.name
+    """A copy of the example in a new folder, and the files in it; folders may name a run, and keep their names."""
+    copy = place / example.parent.name / example.name
     if example.is_dir():
         shutil.copytree(example, copy)
     else:
-        place.mkdir()
+        copy.parent.mkdir(parents=True)
         shutil.copy(example, copy)
     return copy, files_of(copy)
