@@ -3,8 +3,10 @@
 import inspect
 import math
 import re
+import tempfile
 from collections.abc import Sequence
 from contextlib import closing
+from pathlib import Path
 from typing import Any, get_args
 
 import numpy as np
@@ -16,6 +18,7 @@ from harness.env.goal_observation import GoalObservation
 from harness.environment import Environment
 from harness.errors import HarnessError, UsageError
 from harness.hookspecs import NOUNS
+from harness.log import LogFormat
 from harness.measure import Measure
 from harness.measure import needs_of as measure_needs
 from harness.motion import MODES, Discrete, MoveJ
@@ -66,6 +69,8 @@ def describe_name(registry: Registry, kind: str, given: str, robot: str | None) 
             parts.append(_describe_measure(thing))
         if kind == "environments":
             parts.append(_describe_env(thing, spec))
+        if kind == "logs":
+            parts.append(_describe_format(thing, spec))
         if kind == "tasks":
             parts += [describe_task(thing, load_robot(robot or thing.robot, registry)), _steps_of_arms()]
         parts.append(_describe_parameters(type(thing), values_of(thing)))
@@ -125,6 +130,18 @@ def _describe_env(environment: Environment, spec: Spec) -> str:
         ("info", ", ".join(map(str, info)) or "no key", "keys that the env told in its first step (b)"),
     ]
     return f"What a reward may read of a step; (b): also of what was before, as step.before.action:\n{_table(rows)}"
+
+
+def _describe_format(reader: LogFormat, spec: Spec) -> str:
+    """What a row of its logs is, and the columns: those of the example that it writes."""
+    try:
+        with blamed_on(spec, "its example was read"), tempfile.TemporaryDirectory() as folder:
+            logs = reader.read(reader.write_example(Path(folder)))
+            units = {log.facts.unit: log.names for log in logs}
+    except HarnessError as error:
+        return f"What it reads is not known: {error}"
+    rows = (f"A row is {'an' if unit == 'episode' else 'a'} {unit}. Its example has the columns" for unit in units)
+    return "\n".join(f"{row} {', '.join(names)}." for row, names in zip(rows, units.values(), strict=True))
 
 
 def _head(spec: Spec, label: str, target: Any) -> list[str]:

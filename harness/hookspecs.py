@@ -92,3 +92,5 @@ NOUNS = {
 }
 """Every kind of plugin, and the noun for one of it. Each kind has a hook, ``register_simulators`` and so on."""
 KINDS = tuple(NOUNS)
+WORDS = {kind: noun.partition(" ")[0] for kind, noun in NOUNS.items()}
+"""The one word for a kind that users type, ``harness new-plugin log``, and that names its templates and its page."""

@@ -39,9 +39,9 @@ RECORD = re.compile(r"results/reference/([\w/-]+)/summary\.md")
 ROBOT = re.compile(r"robots/(\w+)/README\.md")
 MODULES = (
     "harness", "harness.simulator", "harness.task", "harness.goal", "harness.environment", "harness.reward",
-    "harness.algorithm", "harness.measure", "harness.executor", "harness.tracker", "harness.progress", "harness.reach",
-    "harness.robot", "harness.policy", "harness.results", "harness.errors", "harness.hookspecs", "harness.authoring",
-    "harness.testing", "harness.pytest_plugin", "harness_plugins.sb3",
+    "harness.algorithm", "harness.measure", "harness.executor", "harness.tracker", "harness.log", "harness.log.log",
+    "harness.progress", "harness.reach", "harness.robot", "harness.policy", "harness.results", "harness.errors",
+    "harness.hookspecs", "harness.authoring", "harness.testing", "harness.pytest_plugin", "harness_plugins.sb3",
 )  # fmt: skip
 """Modules that people import; each has a page."""
 SECTION = re.compile(r"^## (.+)$", re.MULTILINE)
@@ -206,7 +206,7 @@ def built_in_page(registry: Registry) -> str:
         "Every plugin of this version with its parameters, as `harness describe NAME` tells.",
     ]
     for kind in KINDS:
-        parts.append(f"## {kind.capitalize()}")
+        parts.append(f"## {NOUNS[kind].capitalize()}s")
         for name in registry.names(kind):
             parts += _plugin(kind, name, registry)
     return _joined(parts)
@@ -229,7 +229,7 @@ def _plugin(kind: str, name: str, registry: Registry) -> Iterator[str]:
 def checks_page() -> str:
     """Every check of the contract kit, from the first paragraph of its docstring."""
     parts = ["# Checks of the contract kit", "[The contract kit](../contracts.md) says how to run them."]
-    named = [*((kind.capitalize(), kit) for kind, kit in KITS.items()), ("Exported policies", EXPORTS)]
+    named = [*((f"{NOUNS[kind].capitalize()}s", kit) for kind, kit in KITS.items()), ("Exported policies", EXPORTS)]
     for title, kit in named:
         rows = [(f"`{it.name}`", it.level, _as_markdown_text(it.fact)) for it in kit.checks]
         parts += [f"## {title}", _table(("check", "level", "what holds"), rows)]

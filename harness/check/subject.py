@@ -20,7 +20,7 @@ from harness.check.asked import Asked
 from harness.check.ending import is_plugins_own
 from harness.check.finding import LOADS, TARGET, Finding, Outline, PlannedCheck
 from harness.errors import HarnessError, PluginError, UsageError, one_line
-from harness.hookspecs import KINDS, NOUNS
+from harness.hookspecs import KINDS, NOUNS, WORDS
 from harness.registry.choice import choose, parse
 from harness.registry.given import Given, PluginFile, read_given
 from harness.registry.names import unknown_name
@@ -35,7 +35,7 @@ from harness.testing.violations import Check, violations
 DEFAULT_ROBOT = "fd100"
 WITH_ROBOT = ("simulators", "tasks")
 """The kinds that are checked with a robot."""
-WITH_FOLDER = ("executors", "trackers")
+WITH_FOLDER = ("executors", "trackers", "logs")
 """The kinds that are checked in a folder."""
 
 Tell: TypeAlias = Callable[[str], None]
@@ -95,7 +95,7 @@ def kind_of(registry: Registry, name: str, kind: str | None) -> str:
     Raises:
         UsageError: None has, or several have and `kind` does not say which is meant.
     """
-    singular = {noun: plural for plural, noun in NOUNS.items()}
+    singular = {word: plural for plural, word in WORDS.items()}
     if kind is not None:
         if kind not in {*KINDS, *singular}:
             raise UsageError(unknown_name("kind", kind, singular))
@@ -107,7 +107,7 @@ def kind_of(registry: Registry, name: str, kind: str | None) -> str:
     if not kinds:
         raise UsageError(unknown_name("name", parse(name)[0], registry.all_names()) + registry.not_loaded())
     if len(kinds) > 1:
-        raise UsageError(f"'{bare}' is a {' and a '.join(NOUNS[each] for each in kinds)}: add --kind {NOUNS[kinds[0]]}")
+        raise UsageError(f"'{bare}' is a {' and a '.join(NOUNS[each] for each in kinds)}: add --kind {WORDS[kinds[0]]}")
     return kinds[0]
 
 
@@ -208,7 +208,7 @@ def _robot(name_or_path: str, registry: Registry) -> Robot:
 
 @contextlib.contextmanager
 def _place(kind: str) -> Iterator[tuple[Path, ...]]:
-    """An empty folder for each check of an executor or a tracker; nothing for the others."""
+    """An empty folder for each check of a kind in `WITH_FOLDER`; nothing for the others."""
     if kind not in WITH_FOLDER:
         yield ()
         return

@@ -99,7 +99,7 @@ def _missing_libraries(registry: Registry) -> list[str]:
 
 
 def _named(kind: str, names: list[str]) -> str:
-    return f"{NOUNS[kind]} '{names[0]}'" if len(names) == 1 else f"{kind} {', '.join(sorted(names))}"
+    return f"{NOUNS[kind]} '{names[0]}'" if len(names) == 1 else f"{NOUNS[kind]}s {', '.join(sorted(names))}"
 
 
 def _rendering(registry: Registry) -> list[str]:

@@ -15,7 +15,7 @@ NEXT = """{folder}: {count} files. Type next:
   {test}
   {command}
 
-The {noun} is {folder}/{module}/{noun}.py: change that file, and its tests beside it."""
+The {noun} is {folder}/{module}/{kind}.py: change that file, and its tests beside it."""
 
 
 def _kinds(incomplete: str) -> list[str]:
@@ -30,7 +30,7 @@ def new_plugin(
     kind: Annotated[
         str,
         typer.Argument(
-            help="algorithm, command, environment, executor, metric, reward, robot, simulator, task or tracker.",
+            help="algorithm, command, environment, executor, log, metric, reward, robot, simulator, task or tracker.",
             autocompletion=_kinds,
             metavar="KIND",
         ),
@@ -41,8 +41,16 @@ def new_plugin(
     ] = Path(),
 ) -> None:
     """Write a plugin's package: a working implementation, its tests, a README and a CI workflow."""
+    from harness.hookspecs import NOUNS
     from harness.registry.registry import load_registry
-    from harness.scaffold.package import command_to_try, package_files, require_new, require_unclaimed, write_package
+    from harness.scaffold.package import (
+        command_to_try,
+        package_files,
+        plural_of,
+        require_new,
+        require_unclaimed,
+        write_package,
+    )
     from harness.scaffold.plugin_name import PluginName
 
     folder = into / name
@@ -55,7 +63,15 @@ def new_plugin(
     write_package(files, folder)
     install, test = command_text("pip", "install", "-e", Path(f"{folder}[test]")), command_text("pytest", folder)
     command = command_to_try(kind, plugin)
+    noun = NOUNS[plural_of(kind)]
     told = NEXT.format(
-        folder=folder, count=len(files), install=install, test=test, command=command, noun=kind, module=plugin.module
+        folder=folder,
+        count=len(files),
+        install=install,
+        test=test,
+        command=command,
+        noun=noun,
+        kind=kind,
+        module=plugin.module,
     )
     say(told)

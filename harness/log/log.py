@@ -22,7 +22,11 @@ before/NAME                    any of these before the step, such as before/obse
 state/NAME                     what the simulator told after the step
 =============================  =====================================================================================
 
-A cell's trace has columns of its own names, see `harness.record.trace`.
+A log of steps has ``episode`` and ``step``, a log of episodes ``length`` or ``time``, a log of points ``time`` or
+``iteration``. Each has a ``reward/NAME`` or a ``behaviour/NAME``. Rows are in order of time, and episodes count up by
+one in each env; without ``env`` there is one. ``terminated`` and ``truncated`` are true only in the last row of an
+episode. Where a log has both, one of them is true there; the last episode of an env may be unfinished. NaN says that
+nobody knows, never of pay unless it failed. A cell's trace has columns of its own names, see `harness.record.trace`.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence

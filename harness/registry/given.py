@@ -18,7 +18,7 @@ from typing import Any, Self, TypeAlias
 
 from harness.errors import UsageError, one_line
 from harness.files.bounded import read_text
-from harness.hookspecs import NOUNS
+from harness.hookspecs import WORDS
 from harness.registry.members import MEMBERS, missing_members, sample_of
 from harness.registry.sources import imports_of
 from harness.registry.spec import Spec
@@ -258,7 +258,7 @@ def class_given(found: Any, kind: str | None = None) -> PluginClass:
         UsageError: It is defined where no other process finds it, or fits no kind.
     """
     name, module = found.__qualname__, found.__module__
-    file = f"my_{NOUNS.get(kind or '', 'plugin')}{ENDING}"
+    file = f"my_{WORDS.get(kind or '', 'plugin')}{ENDING}"
     save = f"save it as a file and give plugins=['{file}']"
     if module == "__main__" or getattr(sys.modules.get(module), "__spec__", None) is None:
         raise UsageError(f"{name} is defined in a notebook or script, where no worker process finds it: {save}")

@@ -13,7 +13,7 @@ from pathlib import Path
 from string import Template
 
 from harness.errors import UsageError
-from harness.hookspecs import NOUNS
+from harness.hookspecs import NOUNS, WORDS
 from harness.registry.names import unknown_name
 from harness.registry.registry import Registry
 from harness.scaffold.plugin_name import PluginName
@@ -77,8 +77,9 @@ def require_unclaimed(kind: str, name: PluginName, registry: Registry) -> None:
     Raises:
         UsageError: Something of this kind, or another plugin, is called so; names whose it is.
     """
-    claims = registry.specs.get((plural_of(kind), name.text), [])
-    owners = [f"a {kind} of '{spec.plugin}' ({spec.distribution})" for spec in claims]
+    plural = plural_of(kind)
+    claims = registry.specs.get((plural, name.text), [])
+    owners = [f"a {NOUNS[plural]} of '{spec.plugin}' ({spec.distribution})" for spec in claims]
     owners += [f"a plugin of {plugin.distribution}" for plugin in registry.plugins if plugin.name == name.text]
     if owners:
         raise UsageError(f"The name '{name.text}' is taken: there is {owners[0]} of that name. Choose another name")
@@ -86,7 +87,7 @@ def require_unclaimed(kind: str, name: PluginName, registry: Registry) -> None:
 
 def plural_of(kind: str) -> str:
     """The plural by which the hooks and the registry call a kind, ``rewards``."""
-    return next(plural for plural, noun in NOUNS.items() if noun == kind)
+    return next(plural for plural, word in WORDS.items() if word == kind)
 
 
 def write_package(files: Mapping[str, str], folder: Path) -> None:
@@ -115,13 +116,15 @@ def _templates(kind: str) -> Iterator[tuple[str, str]]:
 
 def _words(kind: str, name: PluginName) -> dict[str, str]:
     """What the placeholders stand for."""
+    plural = plural_of(kind)
     own = {
         "name": name.text,
         "module": name.module,
         "Class": name.class_name,
-        "noun": kind,
+        "kind": kind,
+        "noun": NOUNS[plural],
         "article": "An" if kind[0] in "aeiou" else "A",
-        "hook": f"register_{plural_of(kind)}",
+        "hook": f"register_{plural}",
     }
     told = tomllib.loads((TEMPLATES / kind / "kind.toml").read_text(encoding="utf-8"))
     return own | {word: Template(text).substitute(own) for word, text in (DEFAULTS | told).items()}

@@ -17,6 +17,7 @@ from harness.testing.algorithms.checks import ALGORITHM_CHECKS, check_algorithm
 from harness.testing.environments import ENVIRONMENT_CHECKS, check_environment
 from harness.testing.executors.checks import EXECUTOR_CHECKS, check_executor
 from harness.testing.exports import EXPORT_CHECKS, check_export
+from harness.testing.logs.checks import LOG_CHECKS, check_log_format
 from harness.testing.metrics.checks import METRIC_CHECKS, check_metric
 from harness.testing.rewards.checks import REWARD_CHECKS, check_reward
 from harness.testing.robots import ROBOT_CHECKS, check_robot
@@ -30,6 +31,7 @@ __all__ = [
     "ENVIRONMENT_CHECKS",
     "EXECUTOR_CHECKS",
     "EXPORT_CHECKS",
+    "LOG_CHECKS",
     "METRIC_CHECKS",
     "REWARD_CHECKS",
     "ROBOT_CHECKS",
@@ -43,6 +45,7 @@ __all__ = [
     "check_environment",
     "check_executor",
     "check_export",
+    "check_log_format",
     "check_metric",
     "check_reward",
     "check_robot",

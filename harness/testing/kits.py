@@ -8,6 +8,7 @@ from harness.testing.algorithms.checks import ALGORITHM_CHECKS, ALGORITHM_WARNIN
 from harness.testing.environments import ENVIRONMENT_CHECKS
 from harness.testing.executors.checks import EXECUTOR_CHECKS
 from harness.testing.exports import EXPORT_CHECKS
+from harness.testing.logs.checks import LOG_CHECKS
 from harness.testing.metrics.checks import METRIC_CHECKS
 from harness.testing.rewards.checks import REWARD_CHECKS, REWARD_WARNINGS
 from harness.testing.robots import ROBOT_CHECKS, ROBOT_WARNINGS, SIMULATED_ROBOT_CHECKS
@@ -69,6 +70,7 @@ KITS: Mapping[str, Kit] = MappingProxyType(
         "environments": Kit(ENVIRONMENT_CHECKS),
         "executors": Kit(EXECUTOR_CHECKS, seconds=120.0),
         "trackers": Kit(TRACKER_CHECKS),
+        "logs": Kit(LOG_CHECKS),
     }
 )
 """By kind, as `harness.hookspecs.KINDS` has them; commands have none."""

@@ -4,6 +4,7 @@ import contextlib
 import inspect
 import json
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -13,6 +14,7 @@ from harness.experiment.workers.order import Order, read_order
 from harness.experiment.workers.workers import News
 from harness.record.folder import partial_folder
 
+BLACK_BOX = Path(__file__).parents[2] / "examples" / "log-format" / "black_box.py"
 HOOKS = """
 import harness
 
@@ -265,6 +267,13 @@ def test_a_single_file_is_checked(harness, tmp_path):
     answer = harness("check", "nearer", "--plugin", "nearer.py")
     assert answer.status == 0, answer.out
     assert answer.out.splitlines()[-1].startswith("reward nearer: 19 ok")
+
+
+def test_a_log_format_is_checked_by_the_word_of_its_kind(harness):
+    """Its noun has two words, of which one is typed; each check has an empty folder."""
+    answer = harness("check", "black_box", "--plugin", str(BLACK_BOX), "--kind", "log")
+    assert answer.status == 0, answer.out
+    assert answer.out.splitlines()[-1].startswith("log format black_box: 22 ok, 0 warnings, 0 errors")
 
 
 def test_json_has_the_same(harness):

@@ -8,6 +8,20 @@ import harness_robots
 from harness.reward.steps import ARM
 from tests.robot.brought_arms import JAW, changed
 
+TORN = """
+from dataclasses import dataclass
+
+@dataclass(frozen=True)
+class Torn:
+    def recognises(self, path, head):
+        return False
+
+    def read(self, path):
+        return 1 / 0
+
+    def write_example(self, folder):
+        return folder
+"""
 SPEEDS = "max_speed_deg_s = [90, 90, 90, 90]"
 
 
@@ -216,3 +230,19 @@ def test_an_environment_that_cannot_be_made_is_described_without_it(harness):
     answer = harness("describe", "gymnasium:id=No-Such-v0")
     assert answer.status == 0
     assert "What a reward may read is not known: gymnasium.make('No-Such-v0') fails" in answer.out
+
+
+def test_a_log_format_tells_what_its_rows_are(harness):
+    """By the log that it writes as an example."""
+    out = harness("describe", "monitor").out
+    assert "log format monitor: " in out
+    assert re.search(r"^A row is an episode\. Its example has the columns reward/recorded, ", out, re.MULTILINE)
+
+
+def test_a_log_format_that_cannot_read_its_example_is_described_without_it(harness, tmp_path):
+    """And says why."""
+    (tmp_path / "torn.py").write_text(TORN)
+    answer = harness("describe", "torn", "--plugin", str(tmp_path / "torn.py"))
+    assert answer.status == 0
+    assert "What it reads is not known: Log format 'torn' of package torn.py" in answer.out
+    assert "raised ZeroDivisionError: division by zero while its example was read" in answer.out

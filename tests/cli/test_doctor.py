@@ -42,11 +42,14 @@ def test_what_lacks_the_same_library_stands_in_one_line(harness, rendering, inst
     source = (
         "import harness\n@harness.hookimpl\ndef register_rewards(register):\n    for name in ('far', 'away'):\n"
         "        register(name, 'no:where', summary='far', requires=['no_such_library'], extra='far')\n"
+        "@harness.hookimpl\ndef register_logs(register):\n    for name in ('bags', 'tapes'):\n"
+        "        register(name, 'no:where', summary='far', requires=['no_such_player'], extra='far')\n"
     )
     install("far-away", source)
     out = harness("doctor").out
     assert "missing no_such_library for rewards away, far: pip install 'far-away[far]'" in out
     assert out.count("no_such_library") == 1
+    assert "missing no_such_player for log formats bags, tapes: pip install 'far-away[far]'" in out
 
 
 def test_broken_plugins_are_told(harness, rendering, install):

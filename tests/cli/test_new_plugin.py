@@ -15,6 +15,13 @@ def test_package_is_written_and_the_next_commands_are_told(harness, tmp_path):
     assert (tmp_path / "zz-reward" / "zz_reward" / "reward.py").is_file()
 
 
+def test_kind_of_two_words_is_typed_as_one(harness, tmp_path):
+    """Files have that word too; sentences have both."""
+    out = harness("new-plugin", "log", "zz-log").out
+    assert "The log format is zz-log/zz_log/log.py" in out
+    assert "A log format for fd100-harness" in (tmp_path / "zz-log" / "README.md").read_text()
+
+
 def test_another_folder_may_be_named(harness, tmp_path):
     """It has to be there."""
     assert harness("new-plugin", "metric", "zz-metric", "--into", "mine").status == 2

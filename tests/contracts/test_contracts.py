@@ -1,5 +1,6 @@
 """Everything that is registered keeps its contract, a plugin that was installed yesterday included."""
 
+import io
 import subprocess
 import sys
 from collections.abc import Callable
@@ -12,6 +13,8 @@ import pytest
 
 import harness
 from harness.errors import ContractViolation
+from harness.log.format import HEAD
+from harness.log.open_log import formats_of
 from harness.motion import MODES
 from harness.reach import ReachTask
 from harness.registry.choice import choose
@@ -20,6 +23,7 @@ from harness.robot import Robot
 from harness.testing import (
     ALGORITHM_CHECKS,
     EXECUTOR_CHECKS,
+    LOG_CHECKS,
     METRIC_CHECKS,
     REWARD_CHECKS,
     ROBOT_CHECKS,
@@ -99,6 +103,7 @@ CHECKS = [
     *TASK_CHECKS,
     *EXECUTOR_CHECKS,
     *TRACKER_CHECKS,
+    *LOG_CHECKS,
 ]
 
 
@@ -215,6 +220,21 @@ def test_tracker(check: Callable[..., None], name: str, tmp_path: Path, monkeypa
     experiment = tmp_path / "experiment"
     experiment.mkdir()
     check(choose(REGISTRY, "trackers", LOCAL.get(name, name)).build(REGISTRY, "trackers"), experiment)
+
+
+@registered("logs", LOG_CHECKS)
+def test_log_format(check: Callable[..., None], name: str, tmp_path: Path):
+    """Every registered log format keeps the contract, where the library that it needs is installed."""
+    check(build("logs", name), tmp_path)
+
+
+@pytest.mark.parametrize("name", REGISTRY.names("logs"))
+def test_log_format_is_told_apart(name: str, tmp_path: Path):
+    """The example of a log format is recognised by that format, and by no other."""
+    example = build("logs", name).write_example(tmp_path)
+    with example.open("rb") if example.is_file() else io.BytesIO() as file:
+        head = file.read(HEAD)
+    assert [each for each, it in formats_of(REGISTRY).items() if it.recognises(example, head)] == [name]
 
 
 @pytest.mark.parametrize("check", SIMULATOR_CHECKS)

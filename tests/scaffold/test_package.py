@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from harness.errors import UsageError
-from harness.hookspecs import NOUNS
+from harness.hookspecs import WORDS
 from harness.registry.registry import load_registry
 from harness.scaffold.package import (
     command_to_try,
@@ -57,7 +57,7 @@ def load(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[
 
 def test_every_kind_has_a_template():
     """What the harness has a hook for can be begun by one command."""
-    assert kinds() == sorted(NOUNS.values())
+    assert kinds() == sorted(WORDS.values())
 
 
 @pytest.mark.parametrize("kind", kinds())
