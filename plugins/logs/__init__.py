@@ -11,3 +11,4 @@ def register_logs(register: harness.Register) -> None:
         "harness_plugins.logs.monitor:Monitor",
         summary="stable-baselines3's Monitor and Gymnasium's old one: monitor.csv, a row is an episode",
     )
+    register("steps-csv", "harness.score.csv_steps:StepsCsv", summary="CSV with a column 'reward', a row for each step")
