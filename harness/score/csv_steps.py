@@ -39,7 +39,7 @@ PAY = f"{REWARD}{RECORDED}"
 """The column of the shaped reward alone; 0 in the row of an episode's start."""
 EVENTS = ("reward_ground", "reward_target", "reward_step")
 """The columns of what events paid, on top of it."""
-DISTANCES = ("start", "begin_distance", "previous_best", "distance", "delta_distance", "step", "env")
+STEPS = ("start", "begin_distance", "previous_best", "distance", "delta_distance", "step", "env")
 """The columns of an arm's steps, which can be paid again; Bd, Pb before the step, d after it and d - Pb are in [m]."""
 COLUMNS = (
     "reward", *EVENTS, "step", "begin_distance", "previous_best", "prev_best", "distance", "delta_distance", "env",
@@ -93,16 +93,16 @@ def open_csv(path: Path) -> Log:
     header = read_header(path)
     spelled = _spelled(header)
     found = {name: next((text for text in SPELLINGS[name] if text in spelled), "") for name in COLUMNS}
-    chosen = choose_columns(name for name, text in found.items() if text)
+    chosen = _choose_columns(name for name, text in found.items() if text)
     for name in chosen:
         if spelled.count(found[name]) > 1:
             raise UsageError(f"{path}, line 1: two columns are called '{found[name]}'")
     positions = {name: spelled.index(found[name]) for name in chosen}
     read = partial(_read, path, Header(header, positions), watched_columns(spelled))
-    return Log(LogFacts(path=path, format="CSV of steps", first_line=2), standard_columns(chosen), read)
+    return Log(LogFacts(path=path, format="CSV of steps", first_line=2), _standard(chosen), read)
 
 
-def choose_columns(there: Iterable[str]) -> tuple[str, ...]:
+def _choose_columns(there: Iterable[str]) -> tuple[str, ...]:
     """Those of `COLUMNS` that are read. Distances are read only if the run can be paid again with them."""
     names = set(there)
     best = names & {"previous_best", "prev_best", "delta_distance"}
@@ -111,13 +111,12 @@ def choose_columns(there: Iterable[str]) -> tuple[str, ...]:
     return tuple(name for name in COLUMNS if name in names and wanted.get(name, scorable))
 
 
-def standard_columns(chosen: Iterable[str]) -> tuple[str, ...]:
+def _standard(chosen: tuple[str, ...]) -> tuple[str, ...]:
     """What a log has that is read from these of `COLUMNS`."""
-    there = set(chosen)
-    return (PAY, *(EVENTS if set(EVENTS) <= there else ()), *(DISTANCES if "distance" in there else ()))
+    return (PAY, *(name for name in EVENTS if name in chosen), *(STEPS if "distance" in chosen else ()))
 
 
-def read_rows(columns: Columns, counted: int) -> dict[str, Array] | None:
+def _read_rows(columns: Columns, counted: int) -> dict[str, Array] | None:
     """The standard columns of some rows, (rows,) each; None if a row lacks a number that it needs.
 
     Args:
@@ -129,12 +128,12 @@ def read_rows(columns: Columns, counted: int) -> dict[str, Array] | None:
     reward = columns["reward"]
     made: dict[str, Array] = {PAY: reward, **{name: columns[name] for name in EVENTS if name in columns}}
     if "distance" not in columns:
-        return made if is_finite(made.values()) else None
+        return made if _is_finite(made.values()) else None
     begin, distance = columns["begin_distance"], columns["distance"]
     best, delta = _before_step(columns)
     env = columns.get("env", np.zeros(len(reward)))
     told = columns.get("step", np.full(len(reward), np.nan))
-    if not is_finite([*made.values(), begin, distance, best, delta, env]):
+    if not _is_finite([*made.values(), begin, distance, best, delta, env]):
         return None
     if any((np.abs(count) > LARGEST_STEP).any() for count in (env, told)):
         return None
@@ -143,11 +142,10 @@ def read_rows(columns: Columns, counted: int) -> dict[str, Array] | None:
     start = np.where(np.isnan(told), alike, told == 0.0)
     step = np.where(np.isnan(told), _count_steps(start, counted), told).astype(np.int64)
     values = (start, begin, best, distance, delta, step, env.astype(np.int64))
-    return {**made, **dict(zip(DISTANCES, values, strict=True))}
+    return {**made, **dict(zip(STEPS, values, strict=True))}
 
 
-def is_finite(columns: Iterable[Array]) -> bool:
-    """Whether no number is missing or infinite."""
+def _is_finite(columns: Iterable[Array]) -> bool:
     return all(bool(np.isfinite(column).all()) for column in columns)
 
 
@@ -202,7 +200,7 @@ def _read(path: Path, header: Header, watched: list[Watched], names: tuple[str, 
     rows = counted = 0
     for batch in _batches(path, header, watched):
         columns = {name: batch.column(name).to_numpy(zero_copy_only=False) for name in header.positions}
-        made = read_rows(columns, counted)
+        made = _read_rows(columns, counted)
         if made is None:
             raise fault_of(path, header, "a number is missing, not finite or too large")
         rows += batch.num_rows

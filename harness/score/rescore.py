@@ -14,9 +14,8 @@ from harness.files.parquet import require_room
 from harness.files.sums import changed_since_made, note_made
 from harness.files.whole_file import whole_file
 from harness.log import Log
-from harness.log.log import RECORDED
 from harness.record.folder import MANIFEST
-from harness.record.trace import to_numpy
+from harness.record.trace import TERM, to_numpy
 from harness.registry.choice import Choice, choose, parse
 from harness.registry.names import unknown_name
 from harness.registry.registry import Registry
@@ -66,10 +65,9 @@ def rescore(log: Log, rewards: Mapping[str, Reward], into: Path, weighted: Seque
 
 def recorded_terms(name: str, log: Log, into: Path) -> Iterator[RecordedTerms]:
     """What is recorded of the terms of rewards of a name: by the run itself, then by a file of scores beside it."""
-    reward, terms = paid_by(log), log.terms_of(RECORDED)
+    terms, reward = _terms_of(log), paid_by(log)
     if reward is not None and terms and reward.name == name:
-        columns = {term: f"{PAY}/{term}" for term in terms}
-        yield RecordedTerms(reward, terms, lambda: {term: log[column] for term, column in columns.items()})
+        yield RecordedTerms(reward, tuple(terms), lambda: {term: log[column] for term, column in terms.items()})
     if not into.exists() or into.name in changed_since_made(into.parent):
         return
     with reading(into, "file of scores", UsageError):
@@ -80,6 +78,11 @@ def recorded_terms(name: str, log: Log, into: Path) -> Iterator[RecordedTerms]:
         terms = tuple(it.removeprefix(begin) for it in names if it.startswith(begin) and "/" not in it[len(begin) :])
         if terms:
             yield RecordedTerms(recorded_choice(label), terms, partial(_read_terms, into, begin, terms))
+
+
+def _terms_of(trace: Log) -> dict[str, str]:
+    """The column of each term of the reward that paid a trace."""
+    return {name.removeprefix(TERM): name for name in trace.columns if name.startswith(TERM) and name != PAY}
 
 
 def _read_terms(scores: Path, begin: str, terms: Sequence[str]) -> dict[str, Float]:
@@ -107,7 +110,7 @@ def scoring_choice(text: str, registry: Registry, places: Iterable[tuple[Log, Pa
         if found := next(recorded_terms(name, log, into), None):
             return recorded_choice(weighted_label(text, found.terms))
         reward = paid_by(log)
-        if reward is not None and log.terms_of(RECORDED):
+        if reward is not None and _terms_of(log):
             known[reward.name] = None
     if known:
         raise UsageError(unknown_name("reward", name, [*registry.names("rewards"), *known]))

@@ -20,8 +20,8 @@ from harness.reward.steps import BEFORE, NOT_RECORDED, rows_of
 SCORED = ("env", "step", "begin_distance", "previous_best", "distance", *TOUCHED)
 """Columns that a trace is scored from."""
 
-RUN = ("start", "begin_distance", "previous_best", "distance")
-"""Columns that every log has that can be paid again."""
+DISTANCES = ("begin_distance", "previous_best", "distance")
+"""Columns that every log has that can be paid again; besides them ``start``, or ``step``, which is 0 in start rows."""
 PIECE = 2**18
 """Rows of a log are read so many at a time."""
 BLOCK = 65_536
@@ -93,11 +93,12 @@ class Payer:
         Raises:
             MissingField: The reward reads what is not recorded.
         """
-        there = tuple(name for name in FIELDS if name in log)
+        there = tuple(name for name, columns in FIELDS.items() if all(column in log for column in columns))
         self._fields = there if with_all else fields_beside_distances(reads_of(reward, there, *_sizes_of(log)))
         require_recorded(self._fields, there)
         flags = TOUCHED if all(name in log for name in TOUCHED) else ()
-        self.columns = (*RUN, *(name for name in ("env",) if name in log), *flags, *self._fields)
+        start, env = "start" if "start" in log else "step", ("env",) if "env" in log else ()
+        self.columns = (start, *DISTANCES, *env, *flags, *(it for name in self._fields for it in FIELDS[name]))
         self.has_all = set(there) <= {*self._fields}
         self._reward, self._has_flags = reward, bool(flags)
         self._scorers: dict[int, Scorer] = {}
@@ -123,9 +124,15 @@ class Payer:
         return Paid(total, terms)
 
     def _rows_of(self, piece: Rows) -> StepRows:
-        touched = targets_touched(*(piece[name] > 0 for name in TOUCHED)) if self._has_flags else None
-        start, begin, best, distance = (piece[name] for name in RUN)
-        return StepRows(start, begin, best, distance, touched, {name: piece[name] for name in self._fields})
+        start = piece["start"] if "start" in piece.columns else piece["step"] == 0
+        begin, best, distance = (piece[name] for name in DISTANCES)
+        touched = targets_touched(*(piece[name] for name in TOUCHED)) if self._has_flags else None
+        return StepRows(start, begin, best, distance, touched, {name: _field(piece, name) for name in self._fields})
+
+
+def _field(piece: Rows, name: str) -> Array:
+    columns = [piece[column] for column in FIELDS[name]]
+    return columns[0] if len(columns) == 1 else np.stack(columns, axis=1)
 
 
 def pay_column(log: Log) -> str:
@@ -134,15 +141,16 @@ def pay_column(log: Log) -> str:
     Raises:
         UsageError: It has none.
     """
-    names = [name for name in (RECORDED, log.facts.trained_with, *log.rewards) if f"{REWARD}{name}" in log]
-    if not names:
+    names = ("reward", *(f"{REWARD}{name}" for name in (RECORDED, log.facts.trained_with, *log.rewards)))
+    found = next((name for name in names if name in log), None)
+    if found is None:
         raise UsageError(f"{log.facts.path} does not tell what a step was paid")
-    return f"{REWARD}{names[0]}"
+    return found
 
 
 def can_be_paid(log: Log) -> bool:
     """Whether it has the distances that a reward of an arm is computed from."""
-    return all(name in log for name in RUN)
+    return all(name in log for name in DISTANCES) and ("start" in log or "step" in log)
 
 
 def pay_log(reward: Reward, log: Log) -> Paid:
@@ -171,7 +179,7 @@ def pay_rewards(
     for label, reward in rewards.items():
         with _noted(label, errors):
             payers[label] = Payer(reward, log, with_all=with_all)
-    columns = dict.fromkeys([*RUN, *(name for payer in payers.values() for name in payer.columns)])
+    columns = dict.fromkeys([*DISTANCES, *(name for payer in payers.values() for name in payer.columns)])
     for piece, is_whole in _pieces(log, columns):
         for label, payer in payers.items():
             if label not in errors:

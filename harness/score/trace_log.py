@@ -1,11 +1,9 @@
-"""A trace of this project as a log whose columns have the standard names."""
+"""A trace of this project as a log, and what paid it."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
 
-import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
@@ -13,53 +11,38 @@ from harness.errors import SchemaError, UsageError
 from harness.files.bounded import reading
 from harness.files.parquet import require_room
 from harness.log import Log, LogFacts, in_memory
-from harness.log.log import MOST_ROWS, ROWS, Array, Columns
+from harness.log.log import MOST_ROWS, ROWS, Columns
+from harness.record.cell import Cell
 from harness.record.folder import MANIFEST
 from harness.record.manifest import read_manifest
-from harness.record.row_steps import TOUCHED
-from harness.record.trace import FIELDS, FORMAT, FORMAT_KEY, TERM, Trace, to_numpy
+from harness.record.trace import FORMAT, FORMAT_KEY, KNOWN, SCALARS, TERM, Trace, to_numpy
 from harness.registry.choice import Choice
-from harness.score.csv_steps import COLUMNS, PAY, choose_columns, is_finite, read_rows, standard_columns
 from harness.text import shortened
 
 SHOWN = 60
 """The most characters of a name in a message."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class TraceFacts(LogFacts):
-    """What is known of a trace beside its rows.
-
-    Attributes:
-        reward: The reward that paid it, if the manifest beside it says so.
-    """
-
-    reward: Choice | None = None
-
-
-def paid_by(log: Log) -> Choice | None:
-    """The reward that paid a log, with its parameters, if that is known."""
-    return log.facts.reward if isinstance(log.facts, TraceFacts) else None
-
-
 def log_of(trace: Trace) -> Log:
-    """A trace that is in memory; it needs no column that its reader does not want."""
-    fields = {name: values for name in FIELDS if (values := trace.field(name)) is not None}
-    start = {"start": trace["step"] == 0}
-    return in_memory(LogFacts(path=Path(), format="trace"), {**trace.columns, **start, **fields})
+    """A trace that is in memory."""
+    return in_memory(LogFacts(path=Path("trace"), format="trace"), trace.columns)
 
 
 def open_trace(path: Path) -> Log:
-    """A recorded run in a Parquet file. The manifest beside it, if there is one, names the reward that paid it.
+    """A recorded run in a Parquet file; its rows are read later.
+
+    The manifest beside it, if there is one, names the reward that paid it, and its seed.
 
     Raises:
         SchemaError: It is no trace that this version reads.
+        UsageError: It has no rows.
     """
     with reading(path, "trace"):
         with pq.ParquetFile(path) as file:
             schema, rows = file.schema_arrow, file.metadata.num_rows
+            columns = tuple(name for name in schema.names if name in KNOWN.names or name.startswith(TERM))
             if rows <= MOST_ROWS:
-                require_room(file, [name for name in (*COLUMNS, *TOUCHED) if name in schema.names])
+                require_room(file, list(columns))
         version = int((schema.metadata or {}).get(FORMAT_KEY, b"0"))
     if FORMAT_KEY not in (schema.metadata or {}):
         raise SchemaError(f"{path} is a Parquet file, and no trace: {_what_it_has(schema.names)}")
@@ -67,21 +50,24 @@ def open_trace(path: Path) -> Log:
         raise SchemaError(f"{path} has {rows:,} rows, {MOST_ROWS:,} are allowed")
     if not 0 < version <= FORMAT:
         raise SchemaError(f"{path} is a trace of format {version}, this version reads 1 to {FORMAT}")
-    there = set(schema.names)
-    chosen = choose_columns(there)
-    has_flags = "distance" in chosen and set(TOUCHED) <= there
-    own = {
-        **{name: (name,) for name in TOUCHED if has_flags},
-        **{name: needed for name, needed in FIELDS.items() if set(needed) <= there},
-        **{f"{PAY}/{name.removeprefix(TERM)}": (name,) for name in schema.names if name.startswith(TERM)},
-    }
-    facts = TraceFacts(path=path, format=f"trace of format {version}")
-    if (manifest := path.with_name(MANIFEST)).is_file():
-        cell = read_manifest(manifest.parent).cell
-        facts = TraceFacts(
-            path=path, format=facts.format, trained_with=cell.reward.label, seed=cell.seed, reward=cell.reward
-        )
-    return Log(facts, (*standard_columns(chosen), *own), partial(_read, path, chosen, own))
+    for field in (schema.field(name) for name in columns if name in SCALARS):
+        if field.type != KNOWN.field(field.name).type:
+            raise SchemaError(f"{path} has a column {field.name} of {field.type}, not of {KNOWN.field(field.name).type}")
+    if not rows:
+        raise UsageError(f"{path} has no rows")
+    cell = _cell_of(path)
+    told = {"trained_with": cell.reward.label, "seed": cell.seed} if cell else {}
+    return Log(LogFacts(path=path, format=f"trace of format {version}", **told), columns, partial(_tables, path))
+
+
+def paid_by(log: Log) -> Choice | None:
+    """The reward that paid a trace, with all its parameters, if the manifest beside it says so."""
+    cell = _cell_of(log.facts.path)
+    return cell.reward if cell else None
+
+
+def _cell_of(path: Path) -> Cell | None:
+    return read_manifest(path.parent).cell if path.with_name(MANIFEST).is_file() else None
 
 
 def _what_it_has(names: Sequence[str]) -> str:
@@ -92,29 +78,8 @@ def _what_it_has(names: Sequence[str]) -> str:
     return f"export its rewards as CSV with a column 'reward'; there is: {told}"
 
 
-def _read(
-    path: Path, chosen: Sequence[str], own: Mapping[str, Sequence[str]], names: tuple[str, ...]
-) -> Iterator[Columns]:
-    """See `harness.log.Log.read`."""
-    wanted = {name: own[name] for name in names if name in own}
-    read = dict.fromkeys([*chosen, *(column for columns in wanted.values() for column in columns)])
-    rows = counted = 0
+def _tables(path: Path, names: Sequence[str]) -> Iterator[Columns]:
     with reading(path, "trace"), pq.ParquetFile(path) as file:
-        for batch in file.iter_batches(batch_size=ROWS, columns=list(read)):
+        for batch in file.iter_batches(ROWS, columns=list(names)):
             table = pa.Table.from_batches([batch])
-            columns = {name: table.column(name).to_numpy().astype(np.float64, copy=False) for name in chosen}
-            made, more = read_rows(columns, counted), {name: _stacked(table, of) for name, of in wanted.items()}
-            if made is None or not is_finite(more.values()):
-                raise UsageError(f"{path}: a number is missing, not finite or too large")
-            rows += batch.num_rows
-            counted = int(made["step"][-1]) if "step" in made else 0
-            found = {**made, **more}
-            yield {name: found[name] for name in names}
-    if not rows:
-        raise UsageError(f"{path} has no rows")
-
-
-def _stacked(table: pa.Table, columns: Sequence[str]) -> Array:
-    """A field of some rows, (rows, ...)."""
-    values = [to_numpy(table.column(column), column) for column in columns]
-    return values[0] if len(values) == 1 else np.stack(values, axis=1)
+            yield {name: to_numpy(table.column(name), f"{path}: {name}") for name in names}

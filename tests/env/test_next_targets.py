@@ -162,8 +162,8 @@ def test_touched_target_in_a_recording_is_no_start(tour: Call, tmp_path: Path):
     """A recording of arp-2021 has one start row an episode, as the published files: Bd changes inside."""
     tour(*[HOME, FIRST] * 4, task=Arp2021(decision_period=1, horizon=6))
     log = open_trace(tmp_path / "trace.parquet")
-    np.testing.assert_array_equal(np.flatnonzero(log["start"]), [0, 7])
-    assert log["reward/recorded"][0] == log["reward/recorded"][7] == 0.0
+    np.testing.assert_array_equal(np.flatnonzero(log["step"] == 0), [0, 7])
+    assert log["reward"][0] == log["reward"][7] == 0.0
     assert len(np.unique(log["begin_distance"][:7])) == 2
     np.testing.assert_array_equal(log["step"], [0, 1, 2, 3, 4, 5, 6, 0, 1, 2])
     touched = targets_touched(*(log[name] for name in TOUCHED))

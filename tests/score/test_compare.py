@@ -472,8 +472,8 @@ def test_event_terms_are_added_on_demand(tmp_path: Path, make_cell):
     data = compare(*patterns, with_events=True).to_json()
     paid = []
     for seed in range(2):
-        rows = open_trace(tmp_path / f"b{seed}" / "trace.parquet").rows(["reward/recorded", "step"])
-        paid.append((rows["reward/recorded"] + np.where(rows["step"] % 3 == 1, 10.0, 0.0)).tolist())
+        rows = open_trace(tmp_path / f"b{seed}" / "trace.parquet").rows(["reward", "step"])
+        paid.append((rows["reward"] + np.where(rows["step"] % 3 == 1, 10.0, 0.0)).tolist())
     negative, positive = indices(paid, accumulated=True)
     assert data["baseline"]["I_P"] == pytest.approx(positive, abs=0.0501)
     assert data["baseline"]["I_N"] == pytest.approx(negative, abs=0.0501)

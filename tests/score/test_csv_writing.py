@@ -13,7 +13,7 @@ from harness.record.trace import read_trace
 from harness.registry.choice import Choice, choose
 from harness.registry.registry import Registry
 from harness.results import Results
-from harness.score.csv_steps import DISTANCES, EVENTS, PAY
+from harness.score.csv_steps import EVENTS, PAY, STEPS
 from harness.score.csv_writing import COLUMNS, write_csv
 from harness.score.open_steps import open_steps
 from harness.score.rescore import rescore
@@ -54,8 +54,10 @@ def test_the_experimenters_columns_come_first(written: Path):
 def test_recording_is_that_of_the_trace(trace: Path, written: Path):
     """Every number that a reward is computed from, bit for bit."""
     found, expected = open_steps(written), open_steps(trace)
-    for name in (PAY, *EVENTS, *DISTANCES):
+    for name in (*EVENTS, *STEPS[1:]):
         np.testing.assert_array_equal(found[name], expected[name], err_msg=name)
+    np.testing.assert_array_equal(found[PAY], expected["reward"])
+    np.testing.assert_array_equal(found["start"], expected["step"] == 0)
 
 
 def test_other_rewards_pay_the_file_what_they_pay_the_trace(trace: Path, written: Path, toys: Registry, tmp_path: Path):

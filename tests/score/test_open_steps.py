@@ -14,7 +14,7 @@ from harness.log import Log, Rows
 from harness.record.manifest import Manifest
 from harness.record.trace import COLUMN, SCALARS, TraceWriter
 from harness.registry.choice import Choice
-from harness.score.csv_steps import DISTANCES, EVENTS, PAY
+from harness.score.csv_steps import EVENTS, PAY, STEPS
 from harness.score.open_steps import match_steps, open_steps
 from harness.score.scorer import can_be_paid
 from harness.score.trace_log import paid_by
@@ -90,10 +90,10 @@ def test_files_of_both_programs_joined_are_read(write: Write):
 def test_pieces_of_any_size_hold_the_same_rows(write: Write, rows: int):
     """Pieces are as long as asked for, the last one apart, and together say what one says."""
     path = write(HEADER, *BASE, *K2)
-    whole, pieces = rows_of(path), list(open_steps(path).pieces((PAY, *DISTANCES), rows))
+    whole, pieces = rows_of(path), list(open_steps(path).pieces((PAY, *STEPS), rows))
     assert {len(piece) for piece in pieces[:-1]} <= {rows}
     assert [piece.first for piece in pieces] == list(range(0, 14, rows))
-    for name in (PAY, *DISTANCES):
+    for name in (PAY, *STEPS):
         np.testing.assert_array_equal(np.concatenate([piece[name] for piece in pieces]), whole[name])
 
 
@@ -191,7 +191,7 @@ def test_a_trace_is_read_as_it_is(trace: Path):
     np.testing.assert_array_equal(rows["delta_distance"], [0.0, -0.4, 0.7 - 0.6])
     np.testing.assert_array_equal(rows["reward_target"], [0.0, 1.0, 0.0])
     np.testing.assert_array_equal(rows["reward_step"], [0.0, -0.25, -0.25])
-    np.testing.assert_array_equal(rows["start"], [True, False, False])
+    np.testing.assert_array_equal(rows["step"], [0, 1, 2])
     np.testing.assert_array_equal(rows["env"], [0, 0, 0])
     assert open_steps(trace).facts.first_line == 1
 
@@ -211,8 +211,9 @@ def test_a_trace_as_csv_is_read_as_the_trace(trace: Path, write: Write):
     names = [name for name in SCALARS if name.startswith(("env", "step", "begin", "prev", "dist", "delta", "reward"))]
     lines = [",".join(str(row[COLUMN[name]]) for name in names) for row in _rows()]
     from_csv, from_trace = rows_of(write(",".join(names), *lines)), rows_of(trace)
-    for name in (PAY, *EVENTS, *DISTANCES):
+    for name in (*EVENTS, *STEPS[1:]):
         np.testing.assert_array_equal(from_csv[name], from_trace[name])
+    np.testing.assert_array_equal(from_csv[PAY], from_trace["reward"])
 
 
 def test_a_parquet_file_that_is_no_trace_is_refused(tmp_path: Path):
