@@ -65,9 +65,9 @@ def rescore(log: Log, rewards: Mapping[str, Reward], into: Path, weighted: Seque
 
 def recorded_terms(name: str, log: Log, into: Path) -> Iterator[RecordedTerms]:
     """What is recorded of the terms of rewards of a name: by the run itself, then by a file of scores beside it."""
-    terms, reward = _terms_of(log), paid_by(log)
-    if reward is not None and terms and reward.name == name:
-        yield RecordedTerms(reward, tuple(terms), lambda: {term: log[column] for term, column in terms.items()})
+    own, reward = _terms_of(log), paid_by(log)
+    if reward is not None and own and reward.name == name:
+        yield RecordedTerms(reward, tuple(own), lambda: {term: log[column] for term, column in own.items()})
     if not into.exists() or into.name in changed_since_made(into.parent):
         return
     with reading(into, "file of scores", UsageError):

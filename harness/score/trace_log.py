@@ -1,6 +1,7 @@
 """A trace of this project as a log, and what paid it."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -52,12 +53,15 @@ def open_trace(path: Path) -> Log:
         raise SchemaError(f"{path} is a trace of format {version}, this version reads 1 to {FORMAT}")
     for field in (schema.field(name) for name in columns if name in SCALARS):
         if field.type != KNOWN.field(field.name).type:
-            raise SchemaError(f"{path} has a column {field.name} of {field.type}, not of {KNOWN.field(field.name).type}")
+            raise SchemaError(
+                f"{path} has a column {field.name} of {field.type}, not of {KNOWN.field(field.name).type}"
+            )
     if not rows:
         raise UsageError(f"{path} has no rows")
-    cell = _cell_of(path)
-    told = {"trained_with": cell.reward.label, "seed": cell.seed} if cell else {}
-    return Log(LogFacts(path=path, format=f"trace of format {version}", **told), columns, partial(_tables, path))
+    facts = LogFacts(path=path, format=f"trace of format {version}")
+    if cell := _cell_of(path):
+        facts = replace(facts, trained_with=cell.reward.label, seed=cell.seed)
+    return Log(facts, columns, partial(_tables, path))
 
 
 def paid_by(log: Log) -> Choice | None:
