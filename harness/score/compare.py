@@ -8,10 +8,9 @@ from typing import Any
 from harness.errors import UsageError
 from harness.eta.curve import GroupCurve, Kind
 from harness.eta.decompose import decompose
-from harness.eta.headline import Names
 from harness.eta.number import number_sentence
 from harness.eta.scored_sums import BB, BK, KB, KK, Pair
-from harness.eta.splits import Decomposition
+from harness.eta.splits import Decomposition, Names
 from harness.eta.swaps import corrected_p
 from harness.log import Log
 from harness.registry.choice import choose

@@ -17,7 +17,7 @@ from scipy import stats
 
 import harness.score.compared_rows
 from harness.errors import UsageError
-from harness.eta.judge import p_text
+from harness.eta.swaps import p_text
 from harness.hookspecs import PROJECT
 from harness.record.manifest import Manifest
 from harness.record.trace import COLUMN, SCALARS, TraceWriter
