@@ -138,6 +138,8 @@ def copy_notes(copies: Sequence[Mapping[Log, Log]]) -> Iterator[str]:
 
 def notes_of(sides: Sequence[ComparedRows]) -> Iterator[str]:
     """What a reader has to know of budgets, equal runs and units."""
+    for run in (run for side in sides for run in side.group):
+        yield from (f"'{run.facts.path}': {note}" for note in run.facts.notes)
     lengths = {run.facts.path: rows for side in sides for run, rows in zip(side.group, side.rows, strict=True)}
     shortest = min(lengths, key=lambda path: lengths[path])
     longer = [rows for rows in lengths.values() if rows > lengths[shortest]]

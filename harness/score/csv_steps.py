@@ -18,6 +18,7 @@ beginDistance can change inside an episode (a target that was touched is drawn a
 """
 
 import csv
+import os
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import partial
@@ -32,6 +33,7 @@ from harness.errors import UsageError
 from harness.log import Log, LogFacts
 from harness.log.format import HEAD
 from harness.log.log import LARGEST, RECORDED, REWARD, Array, Columns
+from harness.record.row_steps import TOUCHED
 from harness.score.csv_faults import Header, fault_of, read_header
 from harness.score.row_meaning import RowWatch, Watched, watched_columns
 
@@ -39,13 +41,14 @@ PAY = f"{REWARD}{RECORDED}"
 """The column of the shaped reward alone; 0 in the row of an episode's start."""
 EVENTS = ("reward_ground", "reward_target", "reward_step")
 """The columns of what events paid, on top of it."""
-STEPS = ("start", "begin_distance", "previous_best", "distance", "delta_distance", "step", "env")
+STEPS = ("start", "begin_distance", "previous_best", "distance", "delta_distance", "step", "env", "episode")
 """The columns of an arm's steps, which can be paid again; Bd, Pb before the step, d after it and d - Pb are in [m]."""
 COLUMNS = (
     "reward", *EVENTS, "step", "begin_distance", "previous_best", "prev_best", "distance", "delta_distance", "env",
+    *TOUCHED,
 )  # fmt: skip
 """What is read of a file. `previous_best`, this project's, is always the value before the step; `prev_best`, the
-experimenters', is not."""
+experimenters', is not. Flags are read where the first rows have numbers for them."""
 SPELLINGS = {
     **{name: (name,) for name in COLUMNS},
     "step": ("t", "step"),
@@ -71,10 +74,11 @@ class StepsCsv:
         return (open_csv(path),)
 
     def write_example(self, folder: Path) -> Path:
-        """Two episodes of two steps, as the second program writes them."""
+        """Two episodes of two steps, as the second program writes them; and how they ended."""
         path = folder / "steps.csv"
-        rows = ("0,1,1,1,0,0", "1,1,0.5,0.5,-0.5,0.75", "2,1,0.5,0.75,0.25,-0.25")
-        path.write_text("\n".join(["t,beginDistance,prevBest,distance,delta_distance,reward", *rows, *rows, ""]))
+        rows = ("0,1,1,1,0,0,0,0,0.5", "1,1,0.5,0.5,-0.5,0.75,0,0,0.25", "2,1,0.5,0.75,0.25,-0.25,0,1,0.5")
+        header = "t,beginDistance,prevBest,distance,delta_distance,reward,terminated,truncated,endEff z"
+        path.write_text("\n".join([header, *rows, *rows, ""]))
         return path
 
 
@@ -93,13 +97,22 @@ def open_csv(path: Path) -> Log:
     header = read_header(path)
     spelled = _spelled(header)
     found = {name: next((text for text in SPELLINGS[name] if text in spelled), "") for name in COLUMNS}
+    found |= {name: "" for name in TOUCHED if not _has_flags(path, spelled, name)}
     chosen = _choose_columns(name for name, text in found.items() if text)
     for name in chosen:
         if spelled.count(found[name]) > 1:
             raise UsageError(f"{path}, line 1: two columns are called '{found[name]}'")
     positions = {name: spelled.index(found[name]) for name in chosen}
     read = partial(_read, path, Header(header, positions), watched_columns(spelled))
-    return Log(LogFacts(path=path, format="CSV of steps", first_line=2), _standard(chosen), read)
+    notes = () if _ends(path) else ("the last line does not end: it may be cut off",)
+    return Log(LogFacts(path=path, format="CSV of steps", first_line=2, notes=notes), _standard(chosen), read)
+
+
+def _ends(path: Path) -> bool:
+    """Whether the last line of a file has an end."""
+    with path.open("rb") as file:
+        file.seek(-1, os.SEEK_END)
+        return file.read(1) in (b"\n", b"\r")
 
 
 def _choose_columns(there: Iterable[str]) -> tuple[str, ...]:
@@ -113,15 +126,48 @@ def _choose_columns(there: Iterable[str]) -> tuple[str, ...]:
 
 def _standard(chosen: tuple[str, ...]) -> tuple[str, ...]:
     """What a log has that is read from these of `COLUMNS`."""
-    return (PAY, *(name for name in EVENTS if name in chosen), *(STEPS if "distance" in chosen else ()))
+    return (PAY, *(name for name in (*EVENTS, *TOUCHED) if name in chosen), *(STEPS if "distance" in chosen else ()))
 
 
-def _read_rows(columns: Columns, counted: int) -> dict[str, Array] | None:
+def _has_flags(path: Path, spelled: list[str], name: str) -> bool:
+    """Whether the first rows of a file have 0 or 1 in a column; other programs write words of their own."""
+    if name not in spelled:
+        return False
+    with path.open("rb") as file:
+        _, *rows = _table_of(file.read(HEAD))
+    cells = {row[spelled.index(name)].strip() for row in rows if len(row) == len(spelled)}
+    return bool(cells) and cells <= {"0", "1"}
+
+
+class _Counted:
+    """What was counted in the rows before: the step of the last one, and the episodes of each env."""
+
+    def __init__(self) -> None:
+        self.step = 0
+        self._episodes: dict[int, int] = {}
+
+    def steps(self, start: Mask) -> Array:
+        """Rows since the last start row, which is 0."""
+        row = np.arange(len(start))
+        return row - np.maximum.accumulate(np.where(start, row, -1 - self.step))
+
+    def episodes(self, env: Array, start: Mask) -> Array:
+        """The number of each row's episode in its env; the first may have no start row."""
+        found = np.zeros(len(env), np.int64)
+        for number in np.unique(env).tolist():
+            mine = env == number
+            before = self._episodes.get(number, -1 if start[mine][0] else 0)
+            found[mine] = before + np.cumsum(start[mine])
+            self._episodes[number] = int(found[mine][-1])
+        return found
+
+
+def _read_rows(columns: Columns, counted: _Counted) -> dict[str, Array] | None:
     """The standard columns of some rows, (rows,) each; None if a row lacks a number that it needs.
 
     Args:
         columns: By name those of `COLUMNS` that were chosen, NaN where a cell is empty.
-        counted: The step of the row before.
+        counted: In the rows before.
     """
     if any((np.abs(column) > LARGEST).any() for column in columns.values()):
         return None
@@ -133,15 +179,18 @@ def _read_rows(columns: Columns, counted: int) -> dict[str, Array] | None:
     best, delta = _before_step(columns)
     env = columns.get("env", np.zeros(len(reward)))
     told = columns.get("step", np.full(len(reward), np.nan))
-    if not _is_finite([*made.values(), begin, distance, best, delta, env]):
+    flags = {name: columns[name] for name in TOUCHED if name in columns}
+    if not _is_finite([*made.values(), *flags.values(), begin, distance, best, delta, env]):
         return None
     if any((np.abs(count) > LARGEST_STEP).any() for count in (env, told)):
         return None
     filled = np.isfinite(columns["delta_distance"]) if "delta_distance" in columns else np.ones(len(reward), bool)
     alike = filled & (reward == 0.0) & (distance == begin) & (best == begin)
     start = np.where(np.isnan(told), alike, told == 0.0)
-    step = np.where(np.isnan(told), _count_steps(start, counted), told).astype(np.int64)
-    values = (start, begin, best, distance, delta, step, env.astype(np.int64))
+    step = np.where(np.isnan(told), counted.steps(start), told).astype(np.int64)
+    counted.step, env = int(step[-1]), env.astype(np.int64)
+    values = (start, begin, best, distance, delta, step, env, counted.episodes(env, start))
+    made |= {name: values > 0.0 for name, values in flags.items()}
     return {**made, **dict(zip(STEPS, values, strict=True))}
 
 
@@ -161,12 +210,6 @@ def _before_step(columns: Columns) -> tuple[Float, Float]:
     empty = np.isnan(delta)
     before = best if "previous_best" in columns else np.where(empty, best, distance - delta)
     return before, np.where(empty, distance - before, delta)
-
-
-def _count_steps(start: Mask, counted: int) -> Array:
-    """Rows since the last start row, which is 0; `counted` rows before the first one."""
-    row = np.arange(len(start))
-    return row - np.maximum.accumulate(np.where(start, row, -1 - counted))
 
 
 def _spelled(header: Iterable[str]) -> list[str]:
@@ -197,14 +240,15 @@ def _are_episodes(table: list[list[str]]) -> bool:
 
 def _read(path: Path, header: Header, watched: list[Watched], names: tuple[str, ...]) -> Iterator[Columns]:
     """See `harness.log.Log.read`."""
-    rows = counted = 0
+    rows, counted = 0, _Counted()
     for batch in _batches(path, header, watched):
+        if not batch.num_rows:
+            continue
         columns = {name: batch.column(name).to_numpy(zero_copy_only=False) for name in header.positions}
         made = _read_rows(columns, counted)
         if made is None:
             raise fault_of(path, header, "a number is missing, not finite or too large")
         rows += batch.num_rows
-        counted = int(made["step"][-1]) if "step" in made and batch.num_rows else counted
         yield {name: made[name] for name in names}
     if not rows:
         raise UsageError(f"{path} has no rows")

@@ -14,10 +14,11 @@ from harness.log import Log, Rows
 from harness.record.manifest import Manifest
 from harness.record.trace import COLUMN, SCALARS, TraceWriter
 from harness.registry.choice import Choice
-from harness.score.csv_steps import EVENTS, PAY, STEPS
+from harness.score.csv_steps import EVENTS, PAY, STEPS, StepsCsv
 from harness.score.open_steps import match_steps, open_steps
-from harness.score.scorer import can_be_paid
+from harness.score.scorer import can_be_paid, pay_log
 from harness.score.trace_log import paid_by
+from harness_plugins.rewards.relative import Relative
 
 Write = Callable[..., Path]
 
@@ -113,10 +114,13 @@ def test_column_names_are_trimmed_and_in_any_case(write: Write, header: str):
 
 
 def test_a_last_line_without_its_end_is_read(write: Write):
-    """So are the lines of Windows and of Unix."""
+    """And told, for its number may have lost digits. So are the lines of Windows and of Unix."""
     path = write("reward", "1", end="\n")
     path.write_text(path.read_text() + "2")
-    np.testing.assert_array_equal(rows_of(path)[PAY], [1.0, 2.0])
+    log = open_steps(path)
+    np.testing.assert_array_equal(log[PAY], [1.0, 2.0])
+    assert log.facts.notes == ("the last line does not end: it may be cut off",)
+    assert open_steps(write("reward", "1")).facts.notes == ()
 
 
 def test_distances_that_do_not_suffice_are_not_read(write: Write):
@@ -125,6 +129,52 @@ def test_distances_that_do_not_suffice_are_not_read(write: Write):
     assert log.columns == (PAY,)
     assert not can_be_paid(log)
     np.testing.assert_array_equal(log[PAY], [1.0])
+
+
+def test_episodes_are_counted_in_each_env(write: Write):
+    """From 0, by their start rows; where the first is missing the rows before the next one are the first episode."""
+    rows = ["0,0,1,1,1,0", "1,1,1,1,0.5,0.5", "0,1,1,1,0.5,0.5", "1,0,1,1,1,0", "0,0,1,1,1,0", "1,1,1,1,0.5,0.5"]
+    read = rows_of(write("env,t,beginDistance,prevBest,distance,reward", *rows))
+    np.testing.assert_array_equal(read["episode"], [0, 0, 0, 1, 1, 1])
+
+
+@pytest.mark.parametrize(("cells", "known"), [(("0", "1"), True), (("False", "True"), False), (("", ""), False)])
+def test_ends_of_episodes_are_read_where_they_are_told_in_numbers(write: Write, cells: tuple[str, str], known: bool):
+    """Other words are left unread, and keep nobody from reading the file."""
+    header = "t,beginDistance,prevBest,distance,reward,terminated,truncated"
+    log = open_steps(write(header, f"0,1,1,1,0,{cells[0]},{cells[0]}", f"1,1,1,0.5,0.5,{cells[0]},{cells[1]}"))
+    assert [name in log for name in ("terminated", "truncated", "reached")] == [known, known, False]
+    if known:
+        np.testing.assert_array_equal(log["truncated"], [False, True])
+        assert log["truncated"].dtype == bool
+
+
+def test_a_touched_target_is_read_of_a_file(write: Write):
+    """The next target may be as far away as the last one was: the distance before the step is the new one's."""
+    header = "t,beginDistance,prevBest,distance,reward,reached,terminated,truncated"
+    rows = ["0,1,1,1,0,0,0,0", "1,1,1,0.1,0.9,1,0,0", "2,1,1,0.8,0.2,0,0,0"]
+    told = write(header, *rows)
+    bare = write(header.partition(",reached")[0], *(row[:-6] for row in rows), name="bare.csv")
+    relative = Relative()
+    np.testing.assert_allclose(pay_log(relative, open_steps(told)).total, [0.0, 0.9, 0.2])
+    np.testing.assert_allclose(pay_log(relative, open_steps(bare)).total, [0.0, 0.9, -0.7 / 0.8])
+
+
+@pytest.mark.parametrize(
+    ("rows", "is_ours"),
+    [
+        (["t,reward", "0,0", "1,0.5", "2,0.5"], True),
+        (["reward", "1"], True),
+        (["episode,reward,length", "0,-19,200", "1,-18,200", "2,-17,150"], False),
+        (["r,l,t", "-19.8,200,0.0"], False),
+        (["step,reward", "0,1", "1000,2"], True),
+    ],
+    ids=["steps", "a row", "episodes", "Monitor", "rows are missing"],
+)
+def test_the_format_recognises_tables_of_steps(write: Write, rows: list[str], is_ours: bool):
+    """And leaves tables of episodes to others; what is missing is told where the rows are read."""
+    path = write(*rows)
+    assert StepsCsv().recognises(path, path.read_bytes()) is is_ours
 
 
 def test_either_column_gives_the_best_distance(write: Write):
