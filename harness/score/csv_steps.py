@@ -30,6 +30,7 @@ import pyarrow.csv
 
 from harness.arrays import Float, Mask
 from harness.errors import UsageError
+from harness.files.bounded import require_regular
 from harness.log import Log, LogFacts
 from harness.log.format import HEAD
 from harness.log.log import LARGEST, RECORDED, REWARD, Array, Columns
@@ -57,6 +58,8 @@ SPELLINGS = {
     "delta_distance": ("delta_distance", "deltadistance"),
 }
 """The names that a column of `COLUMNS` may have, trimmed and in lower case."""
+MOST_BYTES = 8 * 2**30
+"""The most bytes of a file, some 50 million rows of 160 bytes; they are read a piece at a time."""
 LARGEST_STEP = 2**53
 """The largest count, up to which floating-point numbers are exact."""
 
@@ -71,6 +74,7 @@ class StepsCsv:
 
     def read(self, path: Path) -> tuple[Log, ...]:
         """The one training of the file; see `open_csv`."""
+        require_regular(path, MOST_BYTES)
         return (open_csv(path),)
 
     def write_example(self, folder: Path) -> Path:

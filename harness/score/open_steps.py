@@ -11,11 +11,9 @@ from harness.files.file_kind import HEAD, kind_of
 from harness.log import Log
 from harness.log.open_log import formats_of, open_logs
 from harness.registry.registry import Registry
-from harness.score.csv_steps import names_reward, open_csv
+from harness.score.csv_steps import MOST_BYTES, names_reward, open_csv
 from harness.score.row_meaning import NEEDED, RECORD
 
-MOST_BYTES = 8 * 2**30
-"""The most bytes of a file, some 50 million rows of 160 bytes; they are read a piece at a time."""
 _PARQUET = b"PAR1"
 _NOUNS = {"episode": "an episode", "point": "a point of a curve"}
 
