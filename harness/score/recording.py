@@ -30,9 +30,9 @@ from numpy.typing import NDArray
 from harness.arrays import Float, Mask
 from harness.errors import UsageError
 from harness.files.bounded import reading
-from harness.record.row_steps import TOUCHED, targets_touched
-from harness.record.trace import FIELDS, to_numpy
+from harness.record.trace import to_numpy
 from harness.registry.choice import Choice
+from harness.reward.row_steps import FIELDS, TOUCHED, targets_touched
 
 Columns = dict[str, Float]
 
@@ -94,7 +94,7 @@ class Recording:
         columns: What it has of `COLUMNS`, those that are read; of a trace also `TOUCHED`.
         taught_by: The reward that paid it, if the manifest beside it says so.
         seed: The run's seed, if the manifest says so.
-        fields: Those of `harness.record.trace.FIELDS` that it has.
+        fields: Those of `harness.reward.row_steps.FIELDS` that it has.
         terms: Those of the reward that paid it of which it has a column, in their order.
     """
 

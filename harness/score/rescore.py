@@ -17,13 +17,13 @@ from harness.files.parquet import require_room
 from harness.files.sums import changed_since_made, note_made
 from harness.files.whole_file import whole_file
 from harness.record.folder import MANIFEST
-from harness.record.row_steps import Rows
-from harness.record.trace import TERM, read_trace, to_numpy
+from harness.record.trace import TERM, read_trace, terms_of, to_numpy
 from harness.registry.choice import Choice, choose, parse
 from harness.registry.names import unknown_name
 from harness.registry.registry import Registry
 from harness.reward import MissingField, Paid, Reward
 from harness.reward.needs import reads_of
+from harness.reward.row_steps import Rows
 from harness.score.recording import Chunk, Recording
 from harness.score.scorer import Scorer, fields_beside_distances, joined, require_recorded
 from harness.score.weights import name_of, recorded_choice, reweighted, weighted_label
@@ -164,7 +164,7 @@ def recorded_terms(name: str, recording: Recording, into: Path) -> Iterator[Reco
     reward, terms = recording.taught_by, recording.terms
     if reward is not None and terms and reward.name == name:
         columns = [f"{TERM}{term}" for term in terms]
-        yield RecordedTerms(reward, terms, lambda: read_trace(recording.path, columns).terms)
+        yield RecordedTerms(reward, terms, lambda: terms_of(read_trace(recording.path, columns)))
     if not into.exists() or into.name in changed_since_made(into.parent):
         return
     with reading(into, "file of scores", UsageError):

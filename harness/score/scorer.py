@@ -5,10 +5,10 @@ from collections.abc import Callable, Collection, Iterable, Sequence
 import numpy as np
 
 from harness.arrays import Float, Mask
-from harness.record.row_steps import TOUCHED, Rows, RowSteps
-from harness.record.trace import FIELDS, Trace
+from harness.log import Log
 from harness.reward import Array, Carry, MissingField, Paid, Reward, Sample, Steps, pay, put, take
 from harness.reward.needs import reads_of
+from harness.reward.row_steps import FIELDS, TOUCHED, Rows, RowSteps, field_rows, has_field, stretches_of
 from harness.reward.steps import BEFORE, NOT_RECORDED, rows_of
 
 SCORED = ("env", "step", "begin_distance", "previous_best", "distance", *TOUCHED)
@@ -65,20 +65,20 @@ class Scorer:
         return Paid(total, terms)
 
 
-def score_trace(reward: Reward, trace: Trace) -> Float:
+def score_trace(reward: Reward, trace: Log) -> Float:
     """The shaped reward of every row of a trace under `reward`, (rows,); see `pay_trace`."""
     total: Float = pay_trace(reward, trace).total
     return total
 
 
-def pay_trace(reward: Reward, trace: Trace) -> Paid:
+def pay_trace(reward: Reward, trace: Log) -> Paid:
     """The shaped reward of every row of a trace under `reward`, and its terms, (rows,), in the trace's order.
 
     Raises:
         MissingField: The reward reads what the trace does not have.
     """
-    dof, size = (trace[name].shape[1] if name in trace.columns else None for name in ("qpos", "action"))
-    there = tuple(filter(trace.has_field, FIELDS))
+    dof, size = (trace[name].shape[1] if name in trace else None for name in ("qpos", "action"))
+    there = tuple(name for name in FIELDS if has_field(trace, name))
     fields = fields_beside_distances(reads_of(reward, there, dof, size))
     require_recorded(fields, there)
     try:
@@ -116,8 +116,8 @@ def require_recorded(fields: Iterable[str], recorded: Iterable[str]) -> None:
             )
 
 
-def _pay_runs(reward: Reward, trace: Trace, fields: Collection[str]) -> Paid:
-    rows, runs = trace.rows(fields), trace.runs
+def _pay_runs(reward: Reward, trace: Log, fields: Collection[str]) -> Paid:
+    rows, runs = field_rows(trace, fields), stretches_of(trace)
     if runs is None:
         return Scorer(reward).pay(rows)
     paid = joined([Scorer(reward).pay(rows.part(run)) for run in runs])

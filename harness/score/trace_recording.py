@@ -13,8 +13,8 @@ from harness.files.parquet import require_room
 from harness.record.cell import Cell
 from harness.record.folder import MANIFEST
 from harness.record.manifest import read_manifest
-from harness.record.row_steps import TOUCHED
-from harness.record.trace import FIELDS, FORMAT, FORMAT_KEY, term_names
+from harness.record.trace import FORMAT, FORMAT_KEY, term_names
+from harness.reward.row_steps import FIELDS, TOUCHED
 from harness.score.recording import COLUMNS, MOST_ROWS, ROWS, Recording, choose_columns
 from harness.text import shortened
 

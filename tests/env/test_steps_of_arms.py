@@ -12,8 +12,9 @@ import pytest
 import harness
 from harness.env import ReachVectorEnv
 from harness.errors import UsageError
+from harness.log import Log
 from harness.reach import ReachTask
-from harness.record.trace import TERM, Trace, TraceWriter, read_trace
+from harness.record.trace import TERM, TraceWriter, read_trace, terms_of, trace_of
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 from harness.reward import Carry, MissingField, Steps
@@ -68,7 +69,7 @@ def build(kind: str, given: Any) -> Any:
     return choose(REGISTRY, kind, given).build(REGISTRY, kind)
 
 
-def record(path: Path, simulator: str, task: dict[str, Any], reward: Any, steps: int = 40, **options: Any) -> Trace:
+def record(path: Path, simulator: str, task: dict[str, Any], reward: Any, steps: int = 40, **options: Any) -> Log:
     """Three arms that go mostly down, by a reward that reads qvel."""
     goal = build("tasks", task)
     robot = harness.load_robot(goal.robot, REGISTRY)
@@ -93,10 +94,10 @@ def test_a_trace_is_paid_again_to_the_last_bit(tmp_path: Path, simulator: str, t
     trace = record(tmp_path / "trace.parquet", simulator, TASKS[task], reward)
     paid = pay_trace(reward, trace)
     np.testing.assert_array_equal(paid.total, trace["reward"])
-    assert list(trace.terms) == list(paid.terms)
-    for name, values in trace.terms.items():
+    assert list(terms_of(trace)) == list(paid.terms)
+    for name, values in terms_of(trace).items():
         np.testing.assert_array_equal(paid.terms[name], values)
-    np.testing.assert_array_equal(reduce(add, trace.terms.values()), trace["reward"])
+    np.testing.assert_array_equal(reduce(add, terms_of(trace).values()), trace["reward"])
     assert len(trace.last_rows) > 0
 
 
@@ -174,7 +175,7 @@ def test_a_trace_has_qvel_where_it_is_asked_for(make: Call):
 def test_a_trace_without_qvel_pays_what_does_not_need_it(tmp_path: Path):
     """And refuses the rest by name."""
     trace = record(tmp_path / "trace.parquet", "kinematic", SHORT, build("rewards", "baseline"))
-    old = Trace({name: values for name, values in trace.columns.items() if name != "qvel"})
+    old = trace_of(trace.rows(name for name in trace.names if name != "qvel").columns)
 
     def calm(step):
         return -abs(step.action).sum(-1)

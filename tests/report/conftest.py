@@ -13,11 +13,12 @@ import pytest
 
 from harness.errors import UsageError
 from harness.experiment.plan import Plan
+from harness.log import Log
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, TRACE
 from harness.record.manifest import Manifest, Status
 from harness.record.store import Store
-from harness.record.trace import COLUMN, FLAGS, INTEGERS, SCALARS, Trace, TraceWriter
+from harness.record.trace import COLUMN, FLAGS, INTEGERS, SCALARS, TraceWriter, trace_of
 from harness.registry.choice import Choice, choose
 from harness.registry.registry import Registry, load_registry
 from harness.results import Results, load_results
@@ -242,10 +243,10 @@ def _parquet(rows: bytes, shape: tuple[int, int]) -> bytes:
         return file.getvalue()
 
 
-def _trace(rows: np.ndarray) -> Trace:
+def _trace(rows: np.ndarray) -> Log:
     """The rows as a trace in memory, whole numbers and flags among them as such."""
     types = {**dict.fromkeys(SCALARS, float), **dict.fromkeys(INTEGERS, int), **dict.fromkeys(FLAGS, bool)}
-    return Trace({name: rows[:, COLUMN[name]].astype(types[name]) for name in SCALARS})
+    return trace_of({name: rows[:, COLUMN[name]].astype(types[name]) for name in SCALARS})
 
 
 HEADER = "t,beginDistance,prevBest,distance,delta_distance,reward"

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from harness.arrays import Float
-from harness.record.row_steps import Rows
-from harness.record.trace import Trace
+from harness.record.trace import trace_of
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 from harness.reward import Reward
+from harness.reward.row_steps import Rows
 from harness.score.scorer import BLOCK, Scorer, score_trace
 
 pytestmark = [
@@ -91,5 +91,5 @@ def test_traces_beside_the_formula(require_speed, score_bare, rows, reward):
     step = np.tile(np.arange(EPISODE, dtype=np.int32), len(rows.start) // EPISODE)
     flags = dict.fromkeys(("reached", "terminated", "truncated"), rows.touched)
     columns = {"env": np.zeros_like(step), "step": step, "reward": rows.distance, **vars(rows), **flags}
-    require_speed(score_bare, lambda: score_trace(reward, Trace(columns)), AT_LEAST)
-    require_paid(score_trace(reward, Trace(columns)), rows)
+    require_speed(score_bare, lambda: score_trace(reward, trace_of(columns)), AT_LEAST)
+    require_paid(score_trace(reward, trace_of(columns)), rows)
