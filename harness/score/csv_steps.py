@@ -34,7 +34,7 @@ from harness.files.bounded import require_regular
 from harness.log import Log, LogFacts
 from harness.log.format import HEAD
 from harness.log.log import LARGEST, RECORDED, REWARD, Array, Columns
-from harness.record.row_steps import TOUCHED
+from harness.reward.row_steps import TOUCHED
 from harness.score.csv_faults import Header, fault_of, read_header
 from harness.score.row_meaning import RowWatch, Watched, watched_columns
 

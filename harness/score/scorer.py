@@ -10,11 +10,10 @@ from harness.arrays import Float, Mask
 from harness.errors import UsageError
 from harness.log import Log, Rows
 from harness.log.log import RECORDED, REWARD
-from harness.record.row_steps import TOUCHED, RowSteps, targets_touched
-from harness.record.row_steps import Rows as StepRows
-from harness.record.trace import FIELDS
 from harness.reward import Array, Carry, MissingField, Paid, Reward, Sample, Steps, pay, put, take
 from harness.reward.needs import reads_of
+from harness.reward.row_steps import FIELDS, TOUCHED, RowSteps, field_rows, has_field, stretches_of
+from harness.reward.row_steps import Rows as StepRows
 from harness.reward.steps import BEFORE, NOT_RECORDED, rows_of
 
 SCORED = ("env", "step", "begin_distance", "previous_best", "distance", *TOUCHED)
@@ -93,14 +92,14 @@ class Payer:
         Raises:
             MissingField: The reward reads what is not recorded.
         """
-        there = tuple(name for name, columns in FIELDS.items() if all(column in log for column in columns))
+        there = tuple(name for name in FIELDS if has_field(log, name))
         self._fields = there if with_all else fields_beside_distances(reads_of(reward, there, *_sizes_of(log)))
         require_recorded(self._fields, there)
         flags = TOUCHED if all(name in log for name in TOUCHED) else ()
-        start, env = "start" if "start" in log else "step", ("env",) if "env" in log else ()
-        self.columns = (start, *DISTANCES, *env, *flags, *(it for name in self._fields for it in FIELDS[name]))
+        start = "start" if "start" in log else "step"
+        self.columns = ("env", start, *DISTANCES, *flags, *(it for name in self._fields for it in FIELDS[name]))
         self.has_all = set(there) <= {*self._fields}
-        self._reward, self._has_flags = reward, bool(flags)
+        self._reward = reward
         self._scorers: dict[int, Scorer] = {}
 
     def pay(self, piece: Rows, *, is_whole: bool = False) -> Paid:
@@ -113,26 +112,16 @@ class Payer:
         Raises:
             MissingField: The reward reads what is not recorded.
         """
-        rows, total, terms = self._rows_of(piece), np.empty(len(piece)), dict[str, Float]()
-        env = piece["env"] if "env" in piece.columns else np.zeros(len(piece), np.int64)
-        for run in _runs_of(env, rows.start, is_whole):
+        rows, total, terms = field_rows(piece, self._fields), np.empty(len(piece)), dict[str, Float]()
+        env = piece["env"]
+        runs = stretches_of(piece) if is_whole else _envs_of(env)
+        for run in [slice(None)] if runs is None else runs:
             scorer = self._scorers.setdefault(int(env[run][0]), Scorer(self._reward))
             part = scorer.pay(rows.part(run))
             total[run] = part.total
             for name, values in part.terms.items():
                 terms.setdefault(name, np.zeros(len(env)))[run] = values
         return Paid(total, terms)
-
-    def _rows_of(self, piece: Rows) -> StepRows:
-        start = piece["start"] if "start" in piece.columns else piece["step"] == 0
-        begin, best, distance = (piece[name] for name in DISTANCES)
-        touched = targets_touched(*(piece[name] for name in TOUCHED)) if self._has_flags else None
-        return StepRows(start, begin, best, distance, touched, {name: _field(piece, name) for name in self._fields})
-
-
-def _field(piece: Rows, name: str) -> Array:
-    columns = [piece[column] for column in FIELDS[name]]
-    return columns[0] if len(columns) == 1 else np.stack(columns, axis=1)
 
 
 def pay_column(log: Log) -> str:
@@ -150,7 +139,7 @@ def pay_column(log: Log) -> str:
 
 def can_be_paid(log: Log) -> bool:
     """Whether it has the distances that a reward of an arm is computed from."""
-    return all(name in log for name in DISTANCES) and ("start" in log or "step" in log)
+    return all(name in log for name in ("env", *DISTANCES)) and ("start" in log or "step" in log)
 
 
 def pay_log(reward: Reward, log: Log) -> Paid:
@@ -210,20 +199,10 @@ def _pieces(log: Log, columns: Iterable[str]) -> Iterator[tuple[Rows, bool]]:
     yield from ((piece, False) for piece in pieces)
 
 
-def _runs_of(env: Array, start: Mask, is_whole: bool) -> Sequence[slice | NDArray[np.int64]]:
-    """Row numbers of each run, env after env, in order.
-
-    Rows after a start row do not depend on rows before it. Where no rows follow, several envs in a row can so be one
-    run: for the 100 envs of an evaluation a reward then takes a fifth of the time of 100 runs, and less if it has a
-    memory.
-    """
-    if (env[1:] == env[:-1]).all():
-        return [slice(None)]
-    order = np.argsort(env, kind="stable")
-    begins = np.diff(env[order]) != 0
-    if is_whole:
-        begins &= ~start[order][1:]
-    return np.split(order, np.flatnonzero(begins) + 1)
+def _envs_of(env: Array) -> list[NDArray[np.int64]] | None:
+    """The rows of each env; None where all are of one."""
+    numbers = np.unique(env)
+    return [np.flatnonzero(env == number) for number in numbers] if len(numbers) > 1 else None
 
 
 def _sizes_of(log: Log) -> tuple[int | None, int | None]:

@@ -6,6 +6,7 @@ import harness
 @harness.hookimpl
 def register_logs(register: harness.Register) -> None:
     """Announce the built-in formats."""
+    register("cell", "harness.record.cell_log:CellLog", summary="what a cell of an arm leaves: trace.parquet")
     register(
         "monitor",
         "harness_plugins.logs.monitor:Monitor",

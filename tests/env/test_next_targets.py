@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 import harness
-from harness.record.row_steps import TOUCHED, targets_touched
-from harness.record.trace import Trace, TraceWriter, read_trace
+from harness.log import Log
+from harness.record.trace import TraceWriter, read_trace
+from harness.reward.row_steps import TOUCHED, targets_touched
 from harness.robot.inverse_kinematics import reach_position
 from harness.score.trace_log import open_trace
 from harness.task import Targets
@@ -60,7 +61,7 @@ FIRST, SECOND, THIRD = (action_at(place) for place in PLACES)
 def tour(make: Call, tmp_path: Path) -> Call:
     """Jump through some actions: what the steps return, and the trace."""
 
-    def go(*actions: np.ndarray, task: UnityReach | None = None, **options: Any) -> tuple[list[Any], Trace]:
+    def go(*actions: np.ndarray, task: UnityReach | None = None, **options: Any) -> tuple[list[Any], Log]:
         env = make(1, task or Tour(decision_period=1), robot=ARM, **options)
         with TraceWriter(tmp_path / "trace.parquet", 5, 5) as recorder:
             env.recorder = recorder

@@ -172,7 +172,9 @@ def readers(registry: Registry, cell: Any, folder: Path) -> dict[str, Reader]:
             {"a.parquet": _trace(folder)}, {"a.parquet": _mutate_parquet}, lambda at: _exhaust(at / "a.parquet")
         ),
         "trace": Reader(
-            {"a.parquet": _trace(folder)}, {"a.parquet": _mutate_parquet}, lambda at: read_trace(at / "a.parquet")
+            {"a.parquet": _trace(folder)},
+            {"a.parquet": _mutate_parquet},
+            lambda at: read_trace(at / "a.parquet").rows(),
         ),
         **_datasets(folder),
         "recorded training": _recorded_training(folder, "recording-0.json", _mutate_sealed),

@@ -13,18 +13,18 @@ import pytest
 
 from harness.errors import UsageError
 from harness.experiment.plan import Plan
+from harness.log import Log
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, TRACE
 from harness.record.manifest import Manifest, Status
 from harness.record.store import Store
-from harness.record.trace import COLUMN, FLAGS, INTEGERS, SCALARS, Trace, TraceWriter
+from harness.record.trace import COLUMN, FLAGS, INTEGERS, SCALARS, TraceWriter, trace_of
 from harness.registry.choice import Choice, choose
 from harness.registry.registry import Registry, load_registry
 from harness.results import Results, load_results
 from harness.score.compare import ComparedRuns, compare_logs
 from harness.score.open_steps import match_steps
 from harness.score.scorer import pay_log
-from harness.score.trace_log import log_of
 
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 WEBGL = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
@@ -230,7 +230,7 @@ def _write_trace(path: Path, episodes: Sequence[np.ndarray], paid: Choice | None
     if paid is not None:
         known = paid if paid.params or paid.name == BASELINE else _reward(BASELINE)
         reward = known.build(_plugins(), "rewards")
-        rows[:, COLUMN["reward"]] = pay_log(reward, log_of(_trace(rows))).total
+        rows[:, COLUMN["reward"]] = pay_log(reward, _trace(rows)).total
     path.write_bytes(_parquet(rows.tobytes(), rows.shape))
 
 
@@ -243,10 +243,10 @@ def _parquet(rows: bytes, shape: tuple[int, int]) -> bytes:
         return file.getvalue()
 
 
-def _trace(rows: np.ndarray) -> Trace:
+def _trace(rows: np.ndarray) -> Log:
     """The rows as a trace in memory, whole numbers and flags among them as such."""
     types = {**dict.fromkeys(SCALARS, float), **dict.fromkeys(INTEGERS, int), **dict.fromkeys(FLAGS, bool)}
-    return Trace({name: rows[:, COLUMN[name]].astype(types[name]) for name in SCALARS})
+    return trace_of({name: rows[:, COLUMN[name]].astype(types[name]) for name in SCALARS})
 
 
 HEADER = "t,beginDistance,prevBest,distance,delta_distance,reward"

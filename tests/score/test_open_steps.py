@@ -459,8 +459,8 @@ def test_a_trace_of_other_types_is_refused(tmp_path: Path, columns: dict[str, ob
 
 def test_a_trace_of_too_many_rows_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """Before one is read."""
-    monkeypatch.setattr("harness.score.trace_log.MOST_ROWS", 2)
-    path = write_parquet(tmp_path / "a.parquet", {"reward": [1.0] * 3})
+    monkeypatch.setattr("harness.record.trace.MOST_ROWS", 2)
+    path = write_parquet(tmp_path / "a.parquet", {"reward": [1.0] * 3}, b"2")
     assert "has 3 rows, 2 are allowed" in refuse(path)
 
 

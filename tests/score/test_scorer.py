@@ -17,16 +17,17 @@ from hypothesis import strategies as st
 import harness
 import harness.score.scorer as module
 from harness.env import ReachVectorEnv
+from harness.log import Log
 from harness.reach import ReachTask
-from harness.record.row_steps import TOUCHED, Rows, targets_touched
-from harness.record.trace import FORMAT, FORMAT_KEY, Trace, TraceWriter, read_trace
+from harness.record.trace import FORMAT, FORMAT_KEY, TraceWriter, read_trace
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 from harness.reward import Reward, Sample
 from harness.reward.needs import ROWS
+from harness.reward.row_steps import TOUCHED, Rows, targets_touched
 from harness.robot.inverse_kinematics import reach_position
 from harness.score.scorer import Payer, Scorer, pay_log
-from harness.score.trace_log import log_of, open_trace
+from harness.score.trace_log import open_trace
 from harness.testing import IdealSimulator
 from harness_plugins.tasks.unity import Arp2021
 
@@ -44,12 +45,12 @@ def reward_of(text: str) -> Reward:
 
 
 @cache
-def record(text: str, simulator: str = "ideal") -> Trace:
+def record(text: str, simulator: str = "ideal") -> Log:
     """The trace of a batch that partly wanders, partly makes for its targets, paid by a reward."""
     return record_under(reward_of(text), simulator)
 
 
-def record_under(reward: Reward, simulator: str = "ideal", steps: int = 80) -> Trace:
+def record_under(reward: Reward, simulator: str = "ideal", steps: int = 80) -> Log:
     """The same for a reward that need not be registered."""
     engine = (
         IdealSimulator()
@@ -63,7 +64,7 @@ def record_under(reward: Reward, simulator: str = "ideal", steps: int = 80) -> T
             env.recorder = recorder
             drive(env, steps)
         env.close()
-        return read_trace(path)
+        return read_trace(path).load()
 
 
 def drive(env: ReachVectorEnv, steps: int) -> None:
@@ -79,12 +80,12 @@ def drive(env: ReachVectorEnv, steps: int) -> None:
         observations, *_ = env.step(np.clip(actions, -1.0, 1.0).astype(np.float32))
 
 
-def score(reward: Reward, trace: Trace) -> np.ndarray:
+def score(reward: Reward, trace: Log) -> np.ndarray:
     """What every row of a trace is paid."""
-    return pay_log(reward, log_of(trace)).total
+    return pay_log(reward, trace).total
 
 
-def rows_of(trace: Trace, env: int = 0) -> Rows:
+def rows_of(trace: Log, env: int = 0) -> Rows:
     """One env's rows, in order."""
     rows = trace["env"] == env
     columns = ("begin_distance", "previous_best", "distance")
@@ -158,12 +159,12 @@ def test_every_reward_is_scored_as_it_was_paid(text: str, simulator: str):
 
 
 @cache
-def record_tour(text: str) -> Trace:
+def record_tour(text: str) -> Log:
     """The trace of arms whose episodes go on to the next target, some of them at the very place of the last one."""
     return record_tour_under(reward_of(text))
 
 
-def record_tour_under(reward: Reward) -> Trace:
+def record_tour_under(reward: Reward) -> Log:
     """Decisions of three steps that jump back and forth between a few poses, in the target and outside."""
     env = ReachVectorEnv(IdealSimulator(), ARM, Arp2021(horizon=50, decision_period=3), reward, num_envs=ENVS)
     goals, reached = reach_position(
@@ -179,7 +180,7 @@ def record_tour_under(reward: Reward) -> Trace:
             env.reset(seed=1)
             for _ in range(80):
                 env.step(poses[rng.integers(0, len(poses), ENVS)].astype(np.float32))
-        return read_trace(path)
+        return read_trace(path).load()
 
 
 @pytest.mark.parametrize("text", CHOICES)
@@ -251,7 +252,7 @@ def test_start_rows_are_paid_nothing():
 def test_trace_is_left_alone():
     """Scoring changes no column."""
     trace = record("arp")
-    before = {name: column.copy() for name, column in trace.columns.items()}
+    before = {name: column.copy() for name, column in trace.rows().columns.items()}
     score(reward_of("aarp"), trace)
     for name, column in before.items():
         np.testing.assert_array_equal(trace[name], column)
@@ -269,7 +270,7 @@ def test_envs_do_not_depend_on_one_another():
 def test_envs_that_begin_inside_an_episode_do_not_depend_on_one_another(column: str):
     """Whatever the rows of the env before end with."""
     trace = record("baseline")
-    cut = Trace({name: values[2 * ENVS :] for name, values in trace.columns.items()})
+    cut = trace.part(slice(2 * ENVS, None))
     runs = [rows_of(cut, env) for env in range(ENVS)]
     assert not all(rows.start[0] for rows in runs[1:])
     scored = score(Shows(column), cut)
@@ -294,14 +295,14 @@ def test_order_of_the_rows_is_kept():
     """Rows of several envs come back where they were, also when an env's rows stand together."""
     trace = record("aarp")
     order = np.argsort(trace["env"], kind="stable")
-    sorted_trace = Trace({name: column[order] for name, column in trace.columns.items()})
+    sorted_trace = trace.part(order)
     np.testing.assert_array_equal(score(reward_of("aarp"), sorted_trace), trace["reward"][order])
 
 
 def test_trace_without_rows():
     """It has no rewards."""
     trace = record("baseline")
-    empty = Trace({name: column[:0] for name, column in trace.columns.items()})
+    empty = trace.part(slice(None, 0))
     assert score(reward_of("aarp"), empty).shape == (0,)
 
 

@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 
 from harness.arrays import Float
-from harness.record.row_steps import Rows
-from harness.record.trace import Trace
+from harness.record.trace import trace_of
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 from harness.reward import Reward
+from harness.reward.row_steps import Rows
 from harness.score.scorer import BLOCK, DISTANCES, Scorer, pay_log
-from harness.score.trace_log import log_of
 
 pytestmark = [
     pytest.mark.bench,
@@ -92,6 +91,6 @@ def test_traces_beside_the_formula(require_speed, score_bare, rows, reward):
     step = np.tile(np.arange(EPISODE, dtype=np.int32), len(rows.start) // EPISODE)
     flags = dict.fromkeys(("reached", "terminated", "truncated"), rows.touched)
     distances = {name: getattr(rows, name) for name in DISTANCES}
-    log = log_of(Trace({"env": np.zeros_like(step), "step": step, "reward": rows.distance, **distances, **flags}))
+    log = trace_of({"env": np.zeros_like(step), "step": step, "reward": rows.distance, **distances, **flags})
     require_speed(score_bare, lambda: pay_log(reward, log).total, AT_LEAST)
     require_paid(pay_log(reward, log).total, rows)
