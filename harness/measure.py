@@ -7,7 +7,7 @@ makes a measure of it, see `harness.registry.measure_functions`.
 from typing import Protocol
 
 from harness.eta.interval import SHARE, UNBOUNDED, Bounds
-from harness.record.trace import Trace
+from harness.log import Log
 
 
 class Measure(Protocol):
@@ -34,7 +34,7 @@ class Measure(Protocol):
     def better(self) -> str:
         """``higher`` or ``lower``."""
 
-    def __call__(self, trace: Trace) -> float | None:
+    def __call__(self, trace: Log) -> float | None:
         """The value over all finished episodes of a trace; None where it is not defined."""
 
 

@@ -5,13 +5,14 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float
 from harness.errors import Unmeasured
-from harness.record.trace import Trace
+from harness.log import Log
+from harness.record.episode_facts import episode_facts
 
 
-def steps_to_target(trace: Trace) -> NDArray[np.int64]:
+def steps_to_target(trace: Log) -> NDArray[np.int64]:
     """How many environment steps each finished episode takes to its first target, (episodes,).
 
-    The number is 0 if the episode reaches no target. The order is that of `Trace.episodes`.
+    The number is 0 if the episode reaches no target. The order is that of `Log.episodes`.
     """
     reached = trace["reached"]
     first = np.array([rows[reached[rows].argmax()] for rows in trace.episodes], np.int64)
@@ -19,18 +20,18 @@ def steps_to_target(trace: Trace) -> NDArray[np.int64]:
     return steps
 
 
-def paths_to_target(trace: Trace) -> Float:
+def paths_to_target(trace: Log) -> Float:
     """Lengths of the end effector's path to the first target and of the straight line, for each finished episode.
 
     The line leads from the end effector's place at the start to its place when it reaches the target.
 
     Returns:
-        Path and line, [m], shape (episodes, 2), in the order of `Trace.episodes`; NaN if the episode reaches no target.
+        Path and line, [m], shape (episodes, 2), in the order of `Log.episodes`; NaN if the episode reaches no target.
 
     Raises:
         Unmeasured: The target moves. Where the line should end is not known before the target is reached.
     """
-    if trace.facts.target_moves:
+    if episode_facts(trace).target_moves:
         raise Unmeasured("the target moves: no straight line is the shortest way to it")
     position = np.stack([trace[f"end_effector_{axis}"] for axis in "xyz"], axis=1)
     lengths = np.full((len(trace.episodes), 2), np.nan)

@@ -72,13 +72,14 @@ def eta(
         )
     from harness.registry.given import read_given
     from harness.registry.registry import load_registry
-    from harness.score.compare import compare_recordings
-    from harness.score.open_recording import match_recordings
+    from harness.score.compare import compare_logs
+    from harness.score.open_steps import match_steps
 
-    comparison = compare_recordings(
-        match_recordings(baseline),
-        match_recordings(proposed),
-        load_registry(given=read_given(plugin)),
+    registry = load_registry(given=read_given(plugin))
+    comparison = compare_logs(
+        match_steps(baseline, registry),
+        match_steps(proposed, registry),
+        registry,
         kind=curve,
         with_events=with_events,
         baseline_reward=baseline_reward,

@@ -20,13 +20,14 @@ from harness.experiment.progress.learning_so_far import LearningSoFar
 from harness.experiment.provenance import describe_environment
 from harness.experiment.watch import Watch
 from harness.experiment.workers.order import Report
+from harness.log import Log
 from harness.policy import Policy
 from harness.progress import TrainingState
 from harness.record.cell import Cell
 from harness.record.folder import SUFFIX, TRACE
 from harness.record.returns import mean_over_episodes, mean_return
 from harness.record.scene import write_scene
-from harness.record.trace import TERM, Trace, read_trace
+from harness.record.trace import TERM, read_trace, terms_of
 from harness.registry.registry import Registry
 from harness.robot.load import load_robot
 from harness.scene.scene import scene_of
@@ -116,11 +117,11 @@ class ArmWorld:
         return ()
 
 
-def evaluation_scalars(trace: Trace, registry: Registry) -> dict[str, float]:
+def evaluation_scalars(trace: Log, registry: Registry) -> dict[str, float]:
     """The return and its terms, and all metrics, such as ``Evaluation/Success Rate``; what is not known is left out."""
     # Most runs have no tracker: their processes start without what reads results.
     from harness.results.measured import measure
     from harness.results.metrics import load_metrics
 
-    terms = {name: mean_over_episodes(values, trace) for name, values in trace.terms.items()}
+    terms = {name: mean_over_episodes(values, trace) for name, values in terms_of(trace).items()}
     return named_scalars(mean_return(trace), measure(load_metrics(registry), trace), terms)

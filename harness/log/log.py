@@ -26,7 +26,10 @@ A log of steps has ``episode`` and ``step``, a log of episodes ``length`` or ``t
 ``iteration``. Each has a ``reward/NAME`` or a ``behaviour/NAME``. Rows are in order of time, and episodes count up by
 one in each env; without ``env`` there is one. ``terminated`` and ``truncated`` are true only in the last row of an
 episode. Where a log has both, one of them is true there; the last episode of an env may be unfinished. NaN says that
-nobody knows, never of pay unless it failed. A cell's trace has columns of its own names, see `harness.record.trace`.
+nobody knows, never of pay unless it failed.
+
+A cell's trace has columns of its own names, see `harness.record.trace`. A CSV file of an arm's steps has distances by
+these names: ``begin_distance``, ``previous_best``, ``distance``, ``delta_distance``.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -50,6 +53,8 @@ MOST_ROWS = 200_000_000
 LARGEST = 1e150
 """The largest number, whose square is still finite."""
 REWARD, BEHAVIOUR = "reward/", "behaviour/"
+EPISODES = ("env", "episode", "terminated", "truncated")
+"""Columns of steps that tell where episodes begin and end."""
 RECORDED = "recorded"
 """The reward that a log's own column of pay holds, where nobody says which it is."""
 SUCCESS = "success"
@@ -81,6 +86,9 @@ class Rows:
             raise missing_column(name, self.columns, "These rows have")
         return self.columns[name]
 
+    def __contains__(self, name: object) -> bool:
+        return name in self.columns
+
     def part(self, rows: slice | NDArray[np.int64] | NDArray[np.bool_]) -> "Rows":
         """Some of them, in order."""
         begins = rows.start or 0 if isinstance(rows, slice) else 0
@@ -107,6 +115,8 @@ class Log:
     def pieces(self, columns: Iterable[str], rows: int = ROWS) -> Iterator[Rows]:
         """All rows in order, `rows` at a time, fewer only in the last piece; nothing else is held in memory.
 
+        Columns that are kept are not read again.
+
         Args:
             columns: Which of them are read.
             rows: Of a piece.
@@ -115,38 +125,54 @@ class Log:
             UsageError: The log does not have a column.
             SchemaError: It is damaged, or has more rows than are allowed.
         """
-        names = tuple(dict.fromkeys(columns))
-        for name in names:
-            if name not in self.columns and name not in self.added:
-                raise missing_column(name, self.names, f"{self.facts.path} has")
-        own = tuple(name for name in names if name not in self.added) or self.columns[:1]
+        names = self._chosen(columns)
+        known = {**self._held, **self.added}
+        own = tuple(name for name in names if name not in known)
+        if names and not own:
+            whole = Rows({name: known[name] for name in names})
+            yield from (whole.part(slice(begin, begin + rows)) for begin in range(0, len(whole), rows))
+            return
+        own = own or self.columns[:1]
         first = 0
         for table in _regrouped(self.facts, self.read(own), rows):
             count = len(next(iter(table.values())))
-            more = {name: self.added[name][first : first + count] for name in names if name in self.added}
+            more = {name: known[name][first : first + count] for name in names if name in known}
             found = {**table, **more}
             yield Rows({name: found[name] for name in names}, first)
             first += count
 
     def rows(self, columns: Iterable[str] | None = None) -> Rows:
-        """All rows at once, of some columns or of all; see `pieces`."""
-        names = self.names if columns is None else tuple(dict.fromkeys(columns))
-        parts = [piece.columns for piece in self.pieces(names)]
-        if not parts:
-            return Rows({name: np.empty(0) for name in names})
-        return Rows({name: np.concatenate([part[name] for part in parts]) for name in names})
+        """All rows at once, of some columns or of all; see `pieces`.
+
+        Columns that are kept are not read again. A log that is being written stays as long as the first that is kept.
+        """
+        names = self._chosen(self.names if columns is None else columns)
+        known = {**self._held, **self.added}
+        own = tuple(name for name in names if name not in known)
+        read = _joined(list(_checked(self.facts, self.read(own)))) if own else {}
+        count = len(next(iter(self._held.values()))) if self._held else None
+        return Rows({name: (known if name in known else read).get(name, np.empty(0))[:count] for name in names})
 
     def __getitem__(self, name: str) -> Array:
         """A whole column, (rows, ...). It is read once and kept."""
         if name not in self._held:
-            self._held[name] = self.rows([name])[name]
+            self.load(self._chosen([name]))
         return self._held[name]
+
+    def load(self, columns: Iterable[str] | None = None) -> "Log":
+        """The log itself, with columns that are read in one pass and kept, or all; those that it lacks are left out."""
+        asked = self.names if columns is None else columns
+        wanted = [name for name in asked if name in self and name not in self._held]
+        if wanted:
+            self._held.update(self.rows(wanted).columns)
+        return self
 
     def __contains__(self, name: object) -> bool:
         return name in self.columns or name in self.added
 
     def __len__(self) -> int:
-        return len(self[self.names[0]])
+        known = self._held or self.added
+        return len(next(iter(known.values())) if known else self[self.names[0]])
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -168,9 +194,33 @@ class Log:
         begin = f"{REWARD}{reward}/"
         return tuple(name.removeprefix(begin) for name in self.names if name.startswith(begin))
 
+    @cached_property
+    def last_rows(self) -> NDArray[np.int64]:
+        """Of steps: row numbers of the ends of finished episodes, in the order of the rows."""
+        ended: NDArray[np.int64] = np.flatnonzero(self["terminated"] | self["truncated"])
+        return ended
+
+    @cached_property
+    def episodes(self) -> list[NDArray[np.int64]]:
+        """Of steps: row numbers of each finished episode in order, by env; its start row first, if there is one."""
+        env, episode, terminated, truncated = map(self.load(EPISODES).__getitem__, EPISODES)
+        return episode_rows(env, episode, terminated | truncated)
+
     def add(self, columns: Columns) -> "Log":
         """The same log with further columns, (rows, ...) each; one that it has already is replaced."""
         return replace(self, added={**self.added, **columns})
+
+    def part(self, rows: slice | NDArray[np.int64] | NDArray[np.bool_]) -> "Log":
+        """Some rows of it, by their numbers or flags, in the order in which they are given."""
+        added = {name: values[rows] for name, values in self.added.items()}
+        return replace(self, added=added, read=lambda names: [{name: self[name][rows] for name in names}])
+
+    def _chosen(self, columns: Iterable[str]) -> tuple[str, ...]:
+        names = tuple(dict.fromkeys(columns))
+        for name in names:
+            if name not in self:
+                raise missing_column(name, self.names, f"{self.facts.path} has")
+        return names
 
     @cached_property
     def _held(self) -> dict[str, Array]:
@@ -188,6 +238,20 @@ def in_memory(facts: LogFacts, columns: Columns) -> Log:
         raise _uneven(facts, columns)
     log._held.update(columns)
     return log
+
+
+def episode_rows(env: Array, episode: Array, ended: NDArray[np.bool_] | None = None) -> list[NDArray[np.int64]]:
+    """Row numbers of each episode, by env and in order.
+
+    Args:
+        env: Of each row, (rows,).
+        episode: Counted from 0 in each env.
+        ended: Whether the row is the last of its episode, to leave out those that are not finished.
+    """
+    key = env.astype(np.int64) << 32 | episode
+    order = np.argsort(key, kind="stable")
+    parts = np.split(order, np.flatnonzero(np.diff(key[order])) + 1) if len(order) else []
+    return parts if ended is None else [rows for rows in parts if ended[rows[-1]]]
 
 
 def missing_column(name: str, there: Iterable[str], begin: str) -> UsageError:
@@ -209,14 +273,9 @@ def _uneven(facts: LogFacts, columns: Columns) -> SchemaError:
 def _regrouped(facts: LogFacts, tables: Iterable[Columns], rows: int) -> Iterator[Columns]:
     """The same rows in tables of `rows` rows; the last one may be shorter."""
     waiting: list[Columns] = []
-    held = total = 0
-    for table in tables:
-        if len({len(values) for values in table.values()}) != 1:
-            raise _uneven(facts, table)
-        count = len(next(iter(table.values())))
-        total, held = total + count, held + count
-        if total > MOST_ROWS:
-            raise SchemaError(f"{facts.path} has more than the {MOST_ROWS:,} rows that are allowed")
+    held = 0
+    for table in _checked(facts, tables):
+        held += len(next(iter(table.values())))
         waiting.append(table)
         if held >= rows:
             whole = _joined(waiting)
@@ -227,9 +286,21 @@ def _regrouped(facts: LogFacts, tables: Iterable[Columns], rows: int) -> Iterato
         yield _joined(waiting)
 
 
+def _checked(facts: LogFacts, tables: Iterable[Columns]) -> Iterator[Columns]:
+    """The same tables. Each has one number of rows, and all together no more than are allowed."""
+    total = 0
+    for table in tables:
+        if len({len(values) for values in table.values()}) != 1:
+            raise _uneven(facts, table)
+        total += len(next(iter(table.values())))
+        if total > MOST_ROWS:
+            raise SchemaError(f"{facts.path} has more than the {MOST_ROWS:,} rows that are allowed")
+        yield table
+
+
 def _joined(tables: Sequence[Columns]) -> Columns:
-    if len(tables) == 1:
-        return tables[0]
+    if len(tables) <= 1:
+        return tables[0] if tables else {}
     return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
 
 

@@ -100,4 +100,4 @@ def _own_manifest(folder: Path, cell: Cell) -> Manifest:
 def _require_readable(folder: Path) -> None:
     """The least that can be asked of a done cell of version 0.1, which names no digests."""
     for name in (TRACE, EVALUATION, RANDOM):
-        read_trace(folder / name, ["reward"])
+        read_trace(folder / name, ["reward"]).rows()

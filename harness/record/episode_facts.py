@@ -1,8 +1,10 @@
 """What is known of a trace's episodes beside its rows."""
 
 import json
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
 from typing import Any, Self
+
+from harness.log import Log, LogFacts
 
 LATER = ("arms", "error", "unit", "target_moves")
 """Left out of the file where there is nothing to tell: it stays, byte for byte, as it was before there were any."""
@@ -58,3 +60,34 @@ class EpisodeFacts:
 
 def _frozen(value: Any) -> Any:
     return tuple(map(_frozen, value)) if isinstance(value, list) else value
+
+
+NOTHING_KNOWN = EpisodeFacts()
+
+
+@dataclass(frozen=True, kw_only=True)
+class TraceFacts(LogFacts):
+    """What is known of a trace beside its rows.
+
+    Attributes:
+        episodes: What is known of its episodes.
+    """
+
+    episodes: EpisodeFacts = NOTHING_KNOWN
+
+    def __getattr__(self, name: str) -> Any:
+        """A fact of the episodes, `trace.facts.horizon`, as metrics of version 0.2 ask for it."""
+        if name in EpisodeFacts.__dataclass_fields__:
+            return getattr(self.episodes, name)
+        raise AttributeError(f"no fact '{name}' is known of a trace")
+
+
+def episode_facts(log: Log) -> EpisodeFacts:
+    """What is known of the episodes of a log; nothing, of one that is no trace."""
+    return log.facts.episodes if isinstance(log.facts, TraceFacts) else NOTHING_KNOWN
+
+
+def with_episode_facts(trace: Log, facts: EpisodeFacts) -> Log:
+    """The same trace of whose episodes something else is known."""
+    told = {field.name: getattr(trace.facts, field.name) for field in fields(LogFacts)}
+    return replace(trace, facts=TraceFacts(**told, episodes=facts))

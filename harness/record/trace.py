@@ -35,9 +35,10 @@ reward/TERM         what a term of the reward paid; `reward` is their sum, added
 What is known of the episodes beside their rows is in the file's metadata, see `harness.record.episode_facts`.
 """
 
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from itertools import chain, count, takewhile
 from pathlib import Path
 from types import MappingProxyType, TracebackType
 from typing import Any, Protocol
@@ -51,20 +52,19 @@ from harness.arrays import Float
 from harness.errors import SchemaError, SimulationDiverged
 from harness.files.bounded import reading, require_regular
 from harness.files.parquet import require_room
-from harness.record.episode_facts import EpisodeFacts
-from harness.record.row_steps import TOUCHED, RowSteps, targets_touched
-from harness.record.row_steps import Rows as StepRows
-from harness.reward import LARGEST_PAID, Steps
-from harness.reward.steps import joined, rows_of
+from harness.log import Log, in_memory
+from harness.log.log import MOST_ROWS, ROWS, Columns
+from harness.record.episode_facts import NOTHING_KNOWN, EpisodeFacts, TraceFacts
+from harness.reward import LARGEST_PAID
+from harness.text import shortened
 
 FORMAT = 2
 """Format 1 has no `held` and no `terminated`: both events ended an episode."""
 FORMAT_KEY = b"harness.trace"
 FACTS_KEY = b"harness.facts"
 """The key of the `EpisodeFacts`; a file of an earlier version has none."""
-NOTHING_KNOWN = EpisodeFacts()
 
-TRACE_BYTES, MOST_ROWS = 2**35, 200_000_000
+TRACE_BYTES = 2**35
 """Most that is read of a trace."""
 
 INTEGERS = ("env", "episode", "step")
@@ -95,13 +95,6 @@ EXTRAS = {"arm": pa.int32(), "obstacle": pa.bool_(), "obstacles": pa.list_(pa.fl
 """Columns that not every trace has, in the order in which they stand; those of terms follow."""
 OBSTACLE, OBSTACLES = "obstacle", "obstacles"
 """Columns; the first is False throughout where a trace does not have it."""
-FIELDS: Mapping[str, tuple[str, ...]] = MappingProxyType(
-    {
-        **{name: (name,) for name in ("qpos", QVEL, "action", "ground")},
-        **{name: tuple(f"{name}_{axis}" for axis in "xyz") for name in ("end_effector", "target")},
-    }
-)
-"""The columns of each field of `harness.reward.steps.ARM` that a trace has beside the distances."""
 NO_EXTRAS: Mapping[str, int] = MappingProxyType({})
 
 Rows = Float
@@ -239,101 +232,19 @@ KNOWN = trace_schema(1, 1, dict.fromkeys(EXTRAS, 1))
 """All columns that are read, whatever else is there; lists may have other lengths."""
 
 
-@dataclass(frozen=True, eq=False)
-class Trace:
-    """A recorded trace in memory: one numpy array per column, and what is known of its episodes."""
-
-    columns: dict[str, NDArray[Any]]
-    facts: EpisodeFacts = NOTHING_KNOWN
-
-    def __getitem__(self, name: str) -> NDArray[Any]:
-        """A column, (rows,), or (rows, n) for qpos, action and obstacles."""
-        if name == OBSTACLE and name not in self.columns:
-            return np.zeros(len(self), bool)
-        return self.columns[name]
-
-    def __len__(self) -> int:
-        return len(self.columns["reward"])
-
-    def has_field(self, name: str) -> bool:
-        """Whether steps have a field; distances they always have."""
-        return set(FIELDS.get(name, ())) <= self.columns.keys()
-
-    def field(self, name: str) -> NDArray[Any] | None:
-        """A field of `FIELDS`, (rows, ...), as the env told it; None where it is not recorded."""
-        if not self.has_field(name):
-            return None
-        columns = [self.columns[column] for column in FIELDS[name]]
-        return columns[0] if len(columns) == 1 else np.stack(columns, axis=1)
-
-    def rows(self, fields: Collection[str]) -> StepRows:
-        """The rows that steps are made of, with those of `FIELDS` that are asked for and recorded."""
-        found = {name: self.field(name) for name in FIELDS if name in fields}
-        more = {name: values for name, values in found.items() if values is not None}
-        flags = [self.columns[name] for name in TOUCHED if name in self.columns]
-        touched = targets_touched(*flags) if len(flags) == len(TOUCHED) else None
-        six = self["begin_distance"], self["previous_best"], self["distance"]
-        return StepRows(self["step"] == 0, *six, touched, more)
-
-    def steps(self, fields: Collection[str]) -> Steps:
-        """Every row as a step that a reward or a measure is given, in the trace's order.
-
-        Args:
-            fields: Which of `FIELDS` steps have beside the distances, where they are recorded.
-        """
-        rows, runs = self.rows(fields), self.runs
-        if runs is None:
-            return RowSteps().of(rows)[0]
-        return rows_of(joined([RowSteps().of(rows.part(run))[0] for run in runs]), np.argsort(np.concatenate(runs)))
-
-    @cached_property
-    def runs(self) -> list[NDArray[np.int64]] | None:
-        """Row numbers of each run, env after env; None where all rows are one run in their order.
-
-        A new run begins at an env that does not begin with a start row.
-
-        Rows after a start row do not depend on rows before it. So several envs in a row can be one run. For the 100
-        envs of an evaluation a reward then takes a fifth of the time of 100 runs, and less if it has a memory.
-        """
-        env = self["env"]
-        if (env[1:] == env[:-1]).all():
-            return None
-        order = np.argsort(env, kind="stable")
-        is_next = np.diff(env[order]) != 0
-        return np.split(order, np.flatnonzero(is_next & (self["step"][order][1:] != 0)) + 1)
-
-    @property
-    def terms(self) -> dict[str, NDArray[Any]]:
-        """What each term of the reward paid, (rows,), by name; empty without terms."""
-        return {name.removeprefix(TERM): values for name, values in self.columns.items() if name.startswith(TERM)}
-
-    @cached_property
-    def last_rows(self) -> NDArray[np.int64]:
-        """Row numbers of the ends of finished episodes."""
-        ended = self["terminated"] | self["truncated"]
-        rows: NDArray[np.int64] = np.flatnonzero(ended)
-        return rows
-
-    @cached_property
-    def episodes(self) -> list[NDArray[np.int64]]:
-        """Row numbers of each finished episode, its start row first, by env and in order."""
-        return episode_rows(self["env"], self["episode"], self["terminated"] | self["truncated"])
+def terms_of(trace: Log) -> dict[str, NDArray[Any]]:
+    """What each term of the reward paid, (rows,), by name; empty without terms."""
+    return {name.removeprefix(TERM): trace[name] for name in trace.columns if name.startswith(TERM)}
 
 
-def episode_rows(
-    env: NDArray[np.int32], episode: NDArray[np.int32], ended: NDArray[np.bool_]
-) -> list[NDArray[np.int64]]:
-    """Row numbers of each finished episode, by env and in order.
+def trace_of(columns: Columns, facts: EpisodeFacts = NOTHING_KNOWN) -> Log:
+    """A trace in memory, (rows, ...) each column."""
+    found = in_memory(TraceFacts(path=Path("trace"), format="trace", episodes=facts), columns)
+    return found if OBSTACLE in found else _with_nothing_touched(found, len(found))
 
-    Args:
-        env: Of each row, (rows,).
-        episode: Counted from 0 in each env.
-        ended: Whether the row is the last of its episode.
-    """
-    key = env.astype(np.int64) << 32 | episode
-    order = np.argsort(key, kind="stable")
-    parts = np.split(order, np.flatnonzero(np.diff(key[order])) + 1)
-    return [rows for rows in parts if len(rows) and ended[rows[-1]]]
+
+def _with_nothing_touched(trace: Log, rows: int) -> Log:
+    return trace.add({OBSTACLE: np.broadcast_to(np.False_, rows)})
 
 
 def require_plausible(path: Path, most: int) -> None:
@@ -369,46 +280,83 @@ def term_names(path: Path) -> tuple[str, ...]:
         return tuple(name.removeprefix(TERM) for name in pq.read_schema(path).names if name.startswith(TERM))
 
 
-def read_trace(path: Path, columns: list[str] | None = None) -> Trace:
-    """Read a trace, all columns or some.
+def read_trace(path: Path, columns: Sequence[str] | None = None) -> Log:
+    """A trace with all of its columns or some. Each is read when it is asked for.
 
     Raises:
-        SchemaError: The file is damaged, is no trace or was written by a newer version.
+        SchemaError: The file is damaged, is no trace or was written by a newer version. A column that is damaged raises
+            it when it is read.
     """
     with reading(path, "trace"):
         require_regular(path, TRACE_BYTES)
-        file = pq.ParquetFile(path)
-        version = _version(file.schema_arrow, path)
-        if columns is not None and OBSTACLE not in file.schema_arrow.names:
-            columns = [name for name in columns if name != OBSTACLE]
-        if columns is None:
-            there = [name for name in file.schema_arrow.names if _is_known(name)]
-        else:
-            there = columns if version > 1 else _columns_of_1(columns)
-        _require_columns(file.schema_arrow, _columns_of_1(there) if version == 1 else there, path)
-        _require_rows(file, path)
-        require_room(file, there)
-        table, facts = file.read(columns=there), _facts(file)
-        arrays = {name: to_numpy(table.column(name), f"{path}: {name}") for name in table.column_names}
-    if version == 1:
-        terminated = arrays["ground"] | arrays["reached"]
-        arrays.update(terminated=terminated, held=np.zeros_like(terminated))
-    return Trace(arrays if columns is None else {name: arrays[name] for name in columns}, facts)
+        with pq.ParquetFile(path) as file:
+            schema, metadata = file.schema_arrow, file.metadata
+            version = _version(schema, path)
+            known = [*filter(_is_known, schema.names), *(SINCE_2 if version == 1 else ())]
+            chosen = known if columns is None else [name for name in columns if name != OBSTACLE or name in known]
+            stored = _stored(chosen, version)
+            _require_columns(schema, stored, path)
+            if metadata.num_rows > MOST_ROWS:
+                raise SchemaError(f"{path} has {metadata.num_rows:,} rows, {MOST_ROWS:,} are allowed")
+            require_room(file, stored)
+            facts = TraceFacts(path=path, format=f"trace, format {version}", episodes=_facts(file))
+    trace = Log(facts, tuple(chosen), partial(_tables, path, metadata, version))
+    return trace if OBSTACLE in known else _with_nothing_touched(trace, metadata.num_rows)
+
+
+def read_parts(path: Path) -> Log:
+    """A trace that is being written, see `harness.experiment.checkpoints.trace_parts`: its finished parts, as one.
+
+    Raises:
+        SchemaError: None is finished yet, or one that is not the last is damaged.
+    """
+    there = list(takewhile(Path.exists, (part_of(path, number) for number in count())))
+    parts = [read_trace(part) for part in there[:-1]]
+    try:
+        parts += [read_trace(part) for part in there[-1:]]
+    except SchemaError:  # the last one may be under way: a Parquet file has an end when it is finished
+        if not parts:
+            raise
+    if not parts:
+        raise SchemaError(f"{path} has no part yet")
+    whole = replace(parts[0], read=lambda names: chain.from_iterable(part.read(names) for part in parts), added={})
+    return whole if OBSTACLE in whole else _with_nothing_touched(whole, sum(map(len, parts)))
+
+
+def part_of(path: Path, number: int) -> Path:
+    """A part of the trace `path`, counted from 0."""
+    return path.with_name(f"{path.stem}.{number}")
+
+
+def _tables(path: Path, metadata: pq.FileMetaData, version: int, names: Sequence[str]) -> Iterator[Columns]:
+    """The rows of some columns; the end of the file is not read again."""
+    with reading(path, "trace"), pq.ParquetFile(path, metadata=metadata) as file:
+        stored = _stored(names, version)
+        batches = file.iter_batches(ROWS, columns=stored, use_threads=False)
+        tables = (pa.Table.from_batches([batch]) for batch in batches) if metadata.num_rows else [file.read(stored)]
+        for table in tables:
+            arrays = {name: to_numpy(table.column(name), f"{path}: {name}") for name in stored}
+            if version == 1:
+                arrays["terminated"] = arrays["ground"] | arrays["reached"]
+                arrays["held"] = np.zeros_like(arrays["terminated"])
+            yield {name: arrays[name] for name in names}
 
 
 def _is_known(column: str) -> bool:
     return column in KNOWN.names or column.startswith(TERM)
 
 
-def _columns_of_1(columns: list[str]) -> list[str]:
-    """What to read of a file of format 1, from which the columns that it lacks follow."""
+def _stored(columns: Sequence[str], version: int) -> list[str]:
+    """What to read of a file. The columns that format 1 lacks follow from others."""
+    if version > 1:
+        return list(columns)
     return list(dict.fromkeys([*(name for name in columns if name not in SINCE_2), "ground", "reached"]))
 
 
 def _version(schema: pa.Schema, path: Path) -> int:
     version = (schema.metadata or {}).get(FORMAT_KEY, b"none").decode()
     if version not in {str(known) for known in range(1, FORMAT + 1)}:
-        raise SchemaError(f"{path} is a trace of format {version}, this version reads 1 to {FORMAT}")
+        raise SchemaError(f"{path} is a trace of format {shortened(version, 20)}, this version reads 1 to {FORMAT}")
     return int(version)
 
 
@@ -429,11 +377,6 @@ def _require_columns(schema: pa.Schema, columns: list[str], path: Path) -> None:
             right = found == expected
         if not right:
             raise SchemaError(f"{path} has a column {name} of {found}, not of {expected}")
-
-
-def _require_rows(file: pq.ParquetFile, path: Path) -> None:
-    if file.metadata.num_rows > MOST_ROWS:
-        raise SchemaError(f"{path} has {file.metadata.num_rows:,} rows, {MOST_ROWS:,} are allowed")
 
 
 def to_numpy(column: pa.ChunkedArray, noun: str) -> NDArray[Any]:

@@ -28,6 +28,7 @@ from harness.errors import Unmeasured, UsageError
 from harness.eta.interval import SHARE, UNBOUNDED, Bounds, are_bounds
 from harness.reward.forms import STEP, takes_alone
 from harness.reward.needs import ROWS, Noting, of_made_up
+from harness.reward.row_steps import has_field, steps_of_run
 from harness.reward.steps import ARM, BEFORE, MissingField, Steps, rows_of
 
 EPISODE = "episode"
@@ -168,15 +169,15 @@ def _on(trace: Any, needs: Iterable[str], measured: Callable[[Any, Steps], NDArr
         Unmeasured: The trace does not have what it reads.
     """
     read = {name.removeprefix(f"{BEFORE}.") for name in needs}
-    missing = [name for name in FIELDS if name in read and not trace.has_field(name)]
+    missing = [name for name in FIELDS if name in read and not has_field(trace, name)]
     if missing:
         raise Unmeasured(
             f"it reads {', '.join(missing)}, which was not recorded. Trainings with this measure record it"
         )
     try:
-        return measured(trace, trace.steps(read))
+        return measured(trace, steps_of_run(trace, read))
     except MissingField:  # it reads one in some steps alone, and not in made-up ones
-        return measured(trace, trace.steps(FIELDS))
+        return measured(trace, steps_of_run(trace, FIELDS))
 
 
 def _measure_ends(function: Callable[..., Any], trace: Any, steps: Steps) -> NDArray[Any]:

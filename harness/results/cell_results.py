@@ -12,12 +12,14 @@ import numpy as np
 from harness.arrays import Float
 from harness.errors import Unmeasured
 from harness.eta.behaviour_change import TRAINING
+from harness.log import Log
 from harness.measure import Measure
 from harness.record.cell_folder import is_named
+from harness.record.episode_facts import episode_facts, with_episode_facts
 from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, TRACE, evaluation_files, other_manner
 from harness.record.manifest import Manifest
 from harness.record.returns import EVENTS, episode_sums, events_of, mean_over_episodes, mean_return
-from harness.record.trace import Trace, read_trace, require_plausible, term_names
+from harness.record.trace import FLAGS, INTEGERS, read_trace, require_plausible, term_names, terms_of
 from harness.results.by_term import ByTerm, by_term, part_of
 from harness.results.kept import Kept
 from harness.results.measured import DETERMINISTIC, STOCHASTIC, Measured, Moment, Values, value_of
@@ -29,13 +31,12 @@ from harness.score.scorer import SCORED
 SLACK = 100_000
 """Rows that a trace may have beyond its training's budget, as the last decision of many envs may; and the steps that an
 episode of an evaluation may have, where the training was shorter than that."""
+MEASURED = (*INTEGERS, *FLAGS, "distance", *(f"end_effector_{axis}" for axis in "xyz"), "qpos")
+"""Columns that metrics read."""
 START, END = " start", " end"
 """The first and the last episodes of a training, see `harness.results.by_term.part_of`."""
 PAID = "return, as paid"
 """What the pay of a reward's own trainings is called."""
-TO_PAY = [*SCORED, "episode", "reward", *EVENTS]
-"""Columns that a reward is computed from, or a return."""
-
 
 Metrics: TypeAlias = Callable[[], Mapping[str, tuple[Measure, str]]]
 
@@ -43,8 +44,8 @@ Metrics: TypeAlias = Callable[[], Mapping[str, tuple[Measure, str]]]
 class CellResults:
     """The results of one done cell.
 
-    Every method raises SchemaError if a file that it has to read is damaged, or written by a newer version. A trace
-    that one method has read is kept for the others until `finish`.
+    Every method raises SchemaError if a file that it has to read is damaged, or written by a newer version. Columns
+    that one method has read are kept for the others until `finish`.
     """
 
     def __init__(self, done: Manifest, files: Path, metrics: Metrics, kept: Kept) -> None:
@@ -58,7 +59,7 @@ class CellResults:
         """
         self.cell, self._files, self._metrics, self._kept = done.cell, files, metrics, kept
         self._done = done
-        self._read: dict[tuple[str, bool], Trace] = {}
+        self._read: dict[str, Log] = {}
         self._reasons: dict[str, str] = {}
 
     def require_plausible(self) -> None:
@@ -124,15 +125,25 @@ class CellResults:
         told = [(rows[-1], reached[rows].any(), paid[rows].sum()) for rows in trace.episodes]
         return np.array(sorted(told), np.float64).reshape(-1, 3).T.ravel()
 
+    def keep_own(self) -> None:
+        """Compute what a report asks of the cell beside metrics and what rewards pay again, if that is not kept."""
+        self.rows()
+        self.recorded()
+        if not self.cell.evaluate_every:
+            self.learned()
+        self.evaluation_events()
+        self.evaluation_paid()
+        self.motion()
+
     def rows(self) -> int:
         """The number of rows of the training trace."""
-        rows = self._kept.number(f"{TRACE} rows", [self._kept.digest(TRACE)], lambda: len(self.recorded()))
+        rows = self._kept.number(f"{TRACE} rows", [self._kept.digest(TRACE)], lambda: len(self._trace(TRACE)))
         return int(rows or 0)
 
     def recorded(self) -> Float:
         """What the cell's own reward paid, every row of the training, (rows,)."""
         what, made_of = f"{TRACE} reward", [self._kept.digest(TRACE)]
-        return self._kept.array(what, made_of, lambda: self._training_with_reward()["reward"])
+        return self._kept.array(what, made_of, lambda: self._trace(TRACE)["reward"])
 
     def paid_by(self, reward: InstalledReward) -> Float:
         """What another reward pays for every row of the training, (rows,).
@@ -147,9 +158,7 @@ class CellResults:
     def pays_recorded(self, reward: InstalledReward, file: str = TRACE) -> bool:
         """Whether the cell's own reward still pays what is recorded; see `InstalledReward.pays_recorded`."""
         what, made_of = f"{file} is paid by {reward.choice.label}", self._made_of(file, reward)
-        return bool(
-            self._kept.number(what, made_of, lambda: reward.pays_recorded(self._trace(file, whole=reward.reads_more)))
-        )
+        return bool(self._kept.number(what, made_of, lambda: reward.pays_recorded(self._trace(file).load(SCORED))))
 
     def evaluation_return(self, reward: InstalledReward) -> float | None:
         """What a reward pays for an episode of the final evaluation, mean; None without a finished one.
@@ -159,8 +168,7 @@ class CellResults:
         """
 
         def make() -> float | None:
-            paid = self._paid(EVALUATION, reward).total
-            return mean_over_episodes(paid, self._trace(EVALUATION, whole=reward.reads_more))
+            return mean_over_episodes(self._paid(EVALUATION, reward).total, self._trace(EVALUATION))
 
         what = f"{EVALUATION} return {reward.choice.label}"
         return self._kept.number(what, self._made_of(EVALUATION, reward), make)
@@ -177,11 +185,9 @@ class CellResults:
         """
 
         def make() -> dict[str, Any]:
-            if reward.choice == self.cell.reward:  # which needs no code of it
-                trace = self._trace(file)
-                return by_term(trace.terms, trace.episodes, trace["step"] > 0).to_json()
-            paid, trace = self._paid(file, reward), self._trace(file, whole=reward.reads_more)
-            return by_term(paid.terms, trace.episodes, trace["step"] > 0).to_json()
+            trace, is_own = self._trace(file), reward.choice == self.cell.reward  # which needs no code of it
+            terms = terms_of(trace) if is_own else self._paid(file, reward).terms
+            return by_term(terms, trace.episodes, trace["step"] > 0).to_json()
 
         own = [self._kept.digest(file)]
         made_of = own if reward.choice == self.cell.reward else self._made_of(file, reward)
@@ -195,12 +201,12 @@ class CellResults:
     def evaluation_events(self) -> float | None:
         """What the events of an episode of the final evaluation paid, mean; None without a finished one."""
         what, made_of = f"{EVALUATION} events", [self._kept.digest(EVALUATION)]
-        return self._kept.number(what, made_of, lambda: mean_return(self._trace(EVALUATION, whole=False), EVENTS))
+        return self._kept.number(what, made_of, lambda: mean_return(self._trace(EVALUATION), EVENTS))
 
     def evaluation_paid(self) -> float | None:
         """What an episode of the final evaluation was paid, its events included, mean; None without a finished one."""
         what, made_of = f"{EVALUATION} paid", [self._kept.digest(EVALUATION)]
-        return self._kept.number(what, made_of, lambda: mean_return(self._trace(EVALUATION, whole=False)))
+        return self._kept.number(what, made_of, lambda: mean_return(self._trace(EVALUATION)))
 
     def floor_returns(self, reward: InstalledReward) -> Float:
         """What a reward pays each episode of random actions that the cell evaluated, events included, (episodes,).
@@ -210,7 +216,7 @@ class CellResults:
         """
 
         def make() -> list[float]:
-            paid, trace = self._paid(RANDOM, reward).total, self._trace(RANDOM, whole=reward.reads_more)
+            paid, trace = self._paid(RANDOM, reward).total, self._trace(RANDOM)
             return episode_sums(paid + events_of(trace), trace)
 
         what = f"{RANDOM} returns {reward.choice.label}"
@@ -233,7 +239,7 @@ class CellResults:
         return [self._kept.digest(file), reward.fingerprint(self.cell.reward)]
 
     def _paid(self, file: str, reward: InstalledReward) -> Paid:
-        return reward.pay(self._trace(file, whole=reward.reads_more), self.cell.reward)
+        return reward.pay(self._trace(file).load(SCORED), self.cell.reward)
 
     def _measure(self, file: str, part: str = "") -> Values:
         """Every metric of a trace, or of a part of it.
@@ -252,25 +258,19 @@ class CellResults:
     def _apply(self, metric: Measure, file: str, part: str) -> float | None:
         if isinstance(metric, Unmeasurable):  # no trace has to be read for it
             raise Unmeasured(metric.reason)
-        return value_of(metric, _some(self._trace(file), part) if part else self._trace(file))
+        trace = self._trace(file).load(MEASURED)
+        return value_of(metric, _some(trace, part) if part else trace)
 
     def _episodes(self, file: str) -> int:
         """The finished episodes of a trace."""
         digest = self._kept.digest(file)
         return int(self._kept.number(f"{file} episodes", [digest], lambda: len(self._trace(file).episodes)) or 0)
 
-    def _trace(self, file: str, whole: bool = True) -> Trace:
-        """A trace, whole or only the columns that rewards need. It is read once for all results."""
-        keys = [(file, True), (file, whole)]
-        known = next((self._read[key] for key in keys if key in self._read), None)
-        if known is None:
-            known = self._read[file, whole] = read_trace(self._files / file, None if whole else TO_PAY)
-        return known
-
-    def _training_with_reward(self) -> Trace:
-        """The training trace if it was read already. Else only its column of rewards, which is not kept in memory."""
-        known = next((trace for (file, _), trace in self._read.items() if file == TRACE), None)
-        return read_trace(self._files / TRACE, ["reward"]) if known is None else known
+    def _trace(self, file: str) -> Log:
+        """A trace, of which results read the columns that they need."""
+        if file not in self._read:
+            self._read[file] = read_trace(self._files / file)
+        return self._read[file]
 
     def _most(self, file: str) -> int:
         """The most rows that a trace can have by what the cell says of itself; each episode has a row at its start."""
@@ -287,11 +287,10 @@ class CellResults:
         self._kept.save()
 
 
-def _some(trace: Trace, part: str) -> Trace:
+def _some(trace: Log, part: str) -> Log:
     """The first or the last episodes of a trace; what is known of each env's only episode does not belong to them."""
     episodes = sorted(trace.episodes, key=lambda rows: int(rows[-1]))
     count = part_of(len(episodes))
     chosen = episodes[:count] if part == START else episodes[-count:]
     rows = np.sort(np.concatenate([np.empty(0, np.int64), *chosen]))
-    facts = replace(trace.facts, ik_steps=None, work=None)
-    return Trace({name: column[rows] for name, column in trace.columns.items()}, facts)
+    return with_episode_facts(trace.part(rows), replace(episode_facts(trace), ik_steps=None, work=None))

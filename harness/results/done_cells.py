@@ -96,13 +96,7 @@ class DoneCells:
         found.measured(found.floor() if found.has_floor else {})
         if cell.evaluate_every:
             found.moments()
-        else:
-            found.learned()
-        found.recorded()
-        found.rows()
-        found.evaluation_events()
-        found.evaluation_paid()
-        found.motion()
+        found.keep_own()
         scoring = list(scoring)
         jobs: list[Callable[[], object]] = [
             *(partial(found.pays_recorded, self.installed(cell.reward), file) for file in (TRACE, EVALUATION)),

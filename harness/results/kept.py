@@ -39,6 +39,7 @@ MOST_VALUES = 64 * 2**20
 """The most bytes that are read of the numbers of one cell."""
 CODE = (
     "harness.eta.rescaling",
+    "harness.log",
     "harness.measure",
     "harness.record",
     "harness.results.by_term",

@@ -170,9 +170,7 @@ def curve_of_training(results: Records, group: Group, label: str, cells: Sequenc
         label: Of their reward.
         cells: The trainings.
     """
-    learned = [results.of(cell).learned() for cell in cells]
-    for cell in cells:
-        results.of(cell).finish()
+    learned = [results.learned(cell) for cell in cells]
     success, paid = [], []
     for begin, end in stretches(group.steps):
         ended = [it[1:, slice(*np.searchsorted(it[0], [begin, end]))] for it in learned]

@@ -7,10 +7,10 @@ from typing import NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 
-from harness.errors import Unmeasured, reason_of
+from harness.errors import SchemaError, Unmeasured, reason_of
 from harness.eta.headline import SUCCESS
+from harness.log import Log
 from harness.measure import Measure
-from harness.record.trace import Trace
 
 Values: TypeAlias = dict[str, float | None]
 """Values by metric. A value is None if it is not defined, or if the metric fails."""
@@ -55,7 +55,7 @@ class Measured(NamedTuple):
         return next(iter(self.manners.values()))
 
 
-def measure(metrics: Mapping[str, Measure], trace: Trace) -> Values:
+def measure(metrics: Mapping[str, Measure], trace: Log) -> Values:
     """Every metric of a trace; None if a metric fails."""
     values: Values = {}
     for name, metric in metrics.items():
@@ -65,7 +65,7 @@ def measure(metrics: Mapping[str, Measure], trace: Trace) -> Values:
     return values
 
 
-def value_of(metric: Measure, trace: Trace) -> float | None:
+def value_of(metric: Measure, trace: Log) -> float | None:
     """The value of a metric for a trace.
 
     Raises:
@@ -85,10 +85,13 @@ def unmeasured_if_it_raises(ask: Callable[[], Asked]) -> Asked:
     """What `ask` returns, which runs a metric's code. An error that it raises becomes a reason, and stops nothing else.
 
     Raises:
+        SchemaError: A file that it reads is damaged.
         Unmeasured: With the reason in one line.
     """
     try:
         return ask()
+    except SchemaError:  # a column is damaged, whatever measures it
+        raise
     except (Exception, SystemExit) as error:
         raise Unmeasured(reason_of(error)) from error
 

@@ -9,9 +9,9 @@ from harness.errors import Unmeasured, UsageError, one_line
 from harness.eta.behaviour_change import Quantity
 from harness.eta.headline import DECIDING
 from harness.eta.interval import are_bounds
+from harness.log import Log
 from harness.measure import Measure, bounds_of, is_error, is_share, needs_of
 from harness.record.manifest import Manifest
-from harness.record.trace import Trace
 from harness.registry.choice import Choice, choose, split_list
 from harness.registry.names import unknown_name
 from harness.registry.registry import Registry
@@ -29,7 +29,7 @@ class Unmeasurable:
     unit: str = ""
     better: str = "higher"
 
-    def __call__(self, trace: Trace) -> float | None:
+    def __call__(self, trace: Log) -> float | None:
         """Raises Unmeasured."""
         raise Unmeasured(self.reason)
 

@@ -9,6 +9,7 @@ from harness.errors import NewerFormat, SchemaError
 from harness.eta.curve import GroupCurve, Kind, stream_curve
 from harness.eta.equal import Key, equal_trainings
 from harness.files.bounded import read_text, reading
+from harness.log import Log
 from harness.measure import Measure
 from harness.record.cell import Cell
 from harness.record.cell_folder import REMEDY
@@ -16,7 +17,6 @@ from harness.record.folder import TRACE
 from harness.record.manifest import Manifest
 from harness.record.plan_file import EXPERIMENT
 from harness.record.store import Store
-from harness.record.trace import Trace
 from harness.registry.choice import Choice
 from harness.registry.given import plugin_flags
 from harness.registry.registry import Registry
@@ -169,7 +169,7 @@ class Records:
         """The manifest of a planned cell."""
         return self._ended[cell.id]
 
-    def measure(self, trace: Trace) -> Values:
+    def measure(self, trace: Log) -> Values:
         """Every metric of an evaluation."""
         return measure(self.metrics, trace)
 
@@ -178,7 +178,7 @@ class Records:
         if cell.id not in self._measured:
             found = self.of(cell)
             self._measured[cell.id] = found.measured({**dict.fromkeys(self.metrics), **self._floors.of(cell)})
-            found.rows()  # and what it was paid, if that is not kept: the trace is there now
+            found.keep_own()  # columns are there now
             found.finish()
         return self._measured[cell.id]
 
@@ -192,6 +192,12 @@ class Records:
             self._moments[cell.id] = self.of(cell).moments()
             self.of(cell).finish()
         return self._moments[cell.id]
+
+    def learned(self, cell: Cell) -> Float:
+        """The finished episodes of a done cell's training, (3, episodes); see `CellResults.learned`."""
+        learned = self.of(cell).learned()
+        self.of(cell).finish()
+        return learned
 
     def recorded(self, cell: Cell) -> Float:
         """What a done cell's own reward paid, every row of its training, (rows,)."""

@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float
 from harness.errors import SchemaError, UsageError
+from harness.log import Log
 from harness.record.cell import Cell
+from harness.record.episode_facts import episode_facts, with_episode_facts
 from harness.record.folder import EVALUATION, SCENE, other_manner
 from harness.record.scene import Scene, read_scene
-from harness.record.trace import OBSTACLE, OBSTACLES, Trace, read_trace
+from harness.record.trace import OBSTACLE, OBSTACLES, read_trace
 from harness.results.comparison import Comparison, Group
 from harness.results.measured import Values
 from harness.results.results import Results
@@ -253,18 +255,18 @@ def _show(results: Results, pair: ShownCells, most: int) -> Show | None:
             cell.seed,
             scene,
             tuple(_episode(results, trace, way[number]) for number in chosen),
-            trace.facts.control_period or CONTROL_PERIOD,
-            trace.facts.error or "distance",
-            "m" if trace.facts.error is None else trace.facts.unit or "",
+            episode_facts(trace).control_period or CONTROL_PERIOD,
+            episode_facts(trace).error or "distance",
+            "m" if episode_facts(trace).error is None else episode_facts(trace).unit or "",
         )
         for told, cell, scene, trace, way in zip(titles, cells, known, traces, ways, strict=True)
     )
     return Show(title, tuple(number + 1 for number in chosen), sides, combination) if chosen else None
 
 
-def _read(path: Path, scene: Scene) -> Trace:
+def _read(path: Path, scene: Scene) -> Log:
     trace = read_trace(path)
-    shown = (*SHOWN, OBSTACLES) if OBSTACLES in trace.columns else SHOWN
+    shown = (*SHOWN, OBSTACLES) if OBSTACLES in trace else SHOWN
     if max(float(np.abs(trace[name]).max(initial=0.0)) for name in shown) > LARGEST:
         raise SchemaError(f"{path} holds numbers beyond {LARGEST:g}, which cannot be shown")
     dof = trace["qpos"].shape[1]
@@ -273,7 +275,7 @@ def _read(path: Path, scene: Scene) -> Trace:
     return trace
 
 
-def _episode(results: Results, trace: Trace, rows: NDArray[np.int64]) -> Episode:
+def _episode(results: Results, trace: Log, rows: NDArray[np.int64]) -> Episode:
     steps = np.unique(np.linspace(0, len(rows) - 1, min(FRAMES, len(rows))).round().astype(np.int64))
     kept = rows[steps]
     paid = np.cumsum(np.sum([trace[name][rows] for name in PAID], axis=0))
@@ -290,14 +292,14 @@ def _episode(results: Results, trace: Trace, rows: NDArray[np.int64]) -> Episode
     )
 
 
-def _obstacles(trace: Trace, rows: NDArray[np.int64]) -> Float:
-    if OBSTACLES not in trace.columns:
+def _obstacles(trace: Log, rows: NDArray[np.int64]) -> Float:
+    if OBSTACLES not in trace:
         return NO_OBSTACLES
     all_of_them: Float = trace[OBSTACLES][rows[0]].reshape(-1, NO_OBSTACLES.shape[1])
     return all_of_them[all_of_them[:, 3:].any(axis=1)]
 
 
-def _outcome(trace: Trace, rows: NDArray[np.int64]) -> Outcome:
+def _outcome(trace: Log, rows: NDArray[np.int64]) -> Outcome:
     if trace["reached"][rows].any():
         return "reached"
     if trace[OBSTACLE][rows[-1]]:
@@ -305,7 +307,7 @@ def _outcome(trace: Trace, rows: NDArray[np.int64]) -> Outcome:
     return "ground" if trace["ground"][rows[-1]] and trace["terminated"][rows[-1]] else "time-out"
 
 
-def single_episode(trace: Trace, rows: NDArray[np.int64]) -> Trace:
+def single_episode(trace: Log, rows: NDArray[np.int64]) -> Log:
     """The trace of an evaluation with this episode alone, in env 0.
 
     Args:
@@ -313,8 +315,7 @@ def single_episode(trace: Trace, rows: NDArray[np.int64]) -> Trace:
         rows: Row numbers of the episode, its start row first.
     """
     env = int(trace["env"][rows[0]])
-    columns = {name: column[rows] for name, column in trace.columns.items()}
-    columns["env"] = np.zeros_like(columns["env"])
-    steps, work = trace.facts.ik_steps, trace.facts.work
-    own = slice(env, env + 1)
-    return Trace(columns, replace(trace.facts, ik_steps=steps and steps[own], work=work and work[own]))
+    alone = trace.part(rows).add({"env": np.zeros(len(rows), np.int32)})
+    facts, own = episode_facts(trace), slice(env, env + 1)
+    steps, work = facts.ik_steps, facts.work
+    return with_episode_facts(alone, replace(facts, ik_steps=steps and steps[own], work=work and work[own]))

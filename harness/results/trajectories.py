@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float
+from harness.log import Log
 from harness.record.folder import EVALUATION
-from harness.record.trace import Trace, read_trace
+from harness.record.trace import read_trace
 from harness.results.comparison import Comparison, Group
 from harness.results.results import Results
 
@@ -73,7 +74,7 @@ def _read(files: Path) -> tuple[Trajectory, ...]:
     return tuple(_trajectory(trace, rows) for rows in trace.episodes[:EPISODES])
 
 
-def _trajectory(trace: Trace, rows: NDArray[np.int64]) -> Trajectory:
+def _trajectory(trace: Log, rows: NDArray[np.int64]) -> Trajectory:
     reached = trace["reached"][rows]
     way = rows[: reached.argmax() + 1] if reached.any() else rows
     points, targets = (np.stack([trace[f"{it}_{axis}"][way] for axis in AXES], axis=1) for it in POINTS)

@@ -1,4 +1,4 @@
-"""A trace as a CSV file in the experimenters' columns, as `harness.score.csv_recording` reads them."""
+"""A trace as a CSV file in the experimenters' columns, as `harness.score.csv_steps` reads them."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -9,8 +9,9 @@ import pyarrow.csv
 
 from harness.arrays import Float
 from harness.files.whole_file import whole_file
-from harness.record.trace import TERM, read_trace, term_names
-from harness.score.recording import EVENTS, ROWS
+from harness.log.log import ROWS
+from harness.record.trace import TERM, read_trace
+from harness.score.csv_steps import EVENTS
 
 Columns = Mapping[str, Float]
 
@@ -59,8 +60,8 @@ def write_csv(trace: Path, path: Path) -> None:
         SchemaError: The trace is damaged or written by a newer version.
         OSError: `path` cannot be written.
     """
-    terms = [f"{TERM}{name}" for name in term_names(trace)]
-    run = read_trace(trace, [*READ, *terms])
+    run = read_trace(trace)
+    terms = [name for name in run.columns if name.startswith(TERM)]
     made = {**COLUMNS, **{name: _named(name) for name in terms}}
     schema = pa.schema([(name, pa.float64()) for name in made])
     header = pa.csv.WriteOptions(include_header=False)  # Arrow's own would stand in quotation marks

@@ -6,14 +6,16 @@ from functools import cached_property
 
 import numpy as np
 
-from harness.errors import HarnessError, Unscored, one_line
-from harness.record.trace import FIELDS, Trace
+from harness.errors import HarnessError, SchemaError, Unscored, one_line
+from harness.log import Log
+from harness.record.trace import terms_of
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.registry.sources import fingerprint
 from harness.reward import MissingField, Paid, Reward
 from harness.reward.needs import Needs, needs_of, reads_of
-from harness.score.scorer import fields_beside_distances, pay_trace
+from harness.reward.row_steps import FIELDS
+from harness.score.scorer import fields_beside_distances, pay_log
 from harness.score.weights import reweighted
 
 
@@ -60,7 +62,7 @@ class InstalledReward:
             return bool(self._needs.terms)
         return False
 
-    def pay(self, run: Trace, taught_by: Choice) -> Paid:
+    def pay(self, run: Log, taught_by: Choice) -> Paid:
         """The shaped reward of every row of a run, and what each term of it paid, (rows,).
 
         Args:
@@ -76,7 +78,7 @@ class InstalledReward:
                 raise HarnessError(f"reward {self.choice.label} is not finite on the runs of another reward")
             return paid
 
-    def pays_recorded(self, own: Trace) -> bool:
+    def pays_recorded(self, own: Log) -> bool:
         """Whether it pays what is recorded, except for last bits, in which another machine may differ.
 
         Args:
@@ -97,10 +99,10 @@ class InstalledReward:
         if not pays_recorded:
             raise Unscored(f"reward {self.choice.label} now pays its recorded steps differently: it has changed")
 
-    def _pay(self, run: Trace, taught_by: Choice) -> Paid:
-        if run.terms and self._is_recorded_by(taught_by):
-            return reweighted(self.choice.label, taught_by, run.terms)
-        return pay_trace(self._reward, run)
+    def _pay(self, run: Log, taught_by: Choice) -> Paid:
+        if self._is_recorded_by(taught_by) and (terms := terms_of(run)):
+            return reweighted(self.choice.label, taught_by, terms)
+        return pay_log(self._reward, run)
 
     @property
     def _is_installed(self) -> bool:
@@ -129,6 +131,8 @@ class InstalledReward:
         """Turn any error of a reward into a reason, so that the rest can still be reported."""
         try:
             yield
+        except SchemaError:  # of the run, whatever pays it
+            raise
         except MissingField as error:
             told = f"reward {self.choice.label} reads {error.field}, which these trainings did not record"
             raise Unscored(f"{told}; new ones with it do") from error

@@ -24,9 +24,9 @@ import numpy as np
 
 from harness.arrays import Float, Mask
 from harness.errors import UsageError
-from harness.record.row_steps import Rows
 from harness.reward import Paid, Reward
 from harness.reward.needs import needs_of
+from harness.reward.row_steps import Rows
 from harness.score.scorer import Scorer, fields_beside_distances
 
 END_EFFECTOR, TARGET, JOINTS, JOINTS_DEG = "end_effector", "target", "joints", "joints_deg"

@@ -4,9 +4,9 @@ import statistics
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from harness.log import Log
 from harness.measure import Measure
 from harness.record.recording.recorded_training import RecordedTraining
-from harness.record.trace import Trace
 from harness.results.measured import value_of
 from harness.results.recordings.episodes import episodes_of
 
@@ -28,7 +28,7 @@ class Outcome(NamedTuple):
     """Which values of that measure are better: ``higher`` or ``lower``."""
 
 
-def outcome_of(trace: Trace, success_rate: Measure, final_distance: Measure) -> Outcome:
+def outcome_of(trace: Log, success_rate: Measure, final_distance: Measure) -> Outcome:
     """The outcome that a validation of an arm recorded.
 
     Raises:
@@ -40,7 +40,7 @@ def outcome_of(trace: Trace, success_rate: Measure, final_distance: Measure) -> 
     return Outcome(success, distance)
 
 
-def outcome_by(name: str, measure: Measure, trace: Trace) -> Outcome:
+def outcome_by(name: str, measure: Measure, trace: Log) -> Outcome:
     """The outcome that a validation of an arm recorded, by the measure that decides.
 
     Raises:

@@ -11,18 +11,21 @@ from numpy.typing import NDArray
 from harness.arrays import Float, Mask
 from harness.errors import HarnessError, UsageError
 from harness.experiment.environments.paid_again import PayAgain
+from harness.log import Log
+from harness.log.log import episode_rows
 from harness.record.cell import Cell
 from harness.record.dataset.dataset import Nested
+from harness.record.episode_facts import episode_facts
 from harness.record.folder import EVALUATION, EVALUATION_RECORDING, TRACE, TRAINING_RECORDING
 from harness.record.recording.recorded_training import RecordedTraining, read_recording, recordings_in
-from harness.record.trace import Trace, read_trace
+from harness.record.trace import read_trace
 from harness.recorder.walk import Walk
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.results import Results
 from harness.results.comparison import Group
 from harness.reward.needs import needs_of
-from harness.score.scorer import pay_trace
+from harness.score.scorer import pay_log
 from harness.text import file_stems
 
 TRAINING, EVALUATED = "training", "evaluation"
@@ -117,14 +120,14 @@ def sources_of_runs(results: Results, registry: Registry) -> Iterator[Source]:
         rewards = dict(_built(labels, registry, left_out))
         first = results.store.cell_folder(cells[0])
         for kind, file in ((TRAINING, TRACE), (EVALUATED, EVALUATION)):
-            facts = read_trace(first / file, ["step"]).facts
+            trace = read_trace(first / file)
             yield Source(
                 f"{stem}/{kind}",
                 tuple(rewards),
                 tuple(Term(label, name) for label, reward in rewards.items() for name in needs_of(reward).terms),
                 group.labels["robot"].rsplit("/")[-1],
-                _names_of_arm(read_trace(first / file, ["qpos", "action"])),
-                facts.control_period or PERIOD,
+                _names_of_arm(trace),
+                episode_facts(trace).control_period or PERIOD,
                 lambda file=file, cells=cells, rewards=rewards: (
                     episode
                     for cell in cells
@@ -153,7 +156,7 @@ def _built(choices: Mapping[Choice, None], registry: Registry, left_out: list[st
             left_out.append(f"reward {choice.label} is left out: {error} If it stands in a file, add --plugin FILE")
 
 
-def _names_of_arm(trace: Trace) -> dict[str, tuple[str, ...]]:
+def _names_of_arm(trace: Log) -> dict[str, tuple[str, ...]]:
     joints = tuple(f"joint_{number}" for number in range(trace["qpos"].shape[1]))
     places = tuple(f"{what}_{axis}" for what in ("end_effector", "target") for axis in AXES)
     actions = tuple(f"action_{number}" for number in range(trace["action"].shape[1]))
@@ -165,10 +168,10 @@ def _of_trace(path: Path, cell: Cell, rewards: Mapping[str, Any]) -> Iterator[Ex
     trace = read_trace(path)
     positions = [trace[f"{what}_{axis}"][:, None] for what in ("end_effector", "target") for axis in AXES]
     seen = np.hstack([trace["qpos"], *positions])
-    paid = {label: pay_trace(reward, trace) for label, reward in rewards.items()}
+    paid = {label: pay_log(reward, trace) for label, reward in rewards.items()}
     events = trace["reward_ground"] + trace["reward_target"] + trace["reward_step"]
     whole = trace["reward"] + events
-    for rows in _episodes_of(trace["env"], trace["episode"]):
+    for rows in episode_rows(trace["env"], trace["episode"]):
         steps = rows[1:]
         if not len(steps) or trace["step"][rows[0]] != 0:
             continue
@@ -184,13 +187,6 @@ def _of_trace(path: Path, cell: Cell, rewards: Mapping[str, Any]) -> Iterator[Ex
             trace["truncated"][steps],
             f"{cell.reward.label} seed {cell.seed}",
         )
-
-
-def _episodes_of(env: NDArray[Any], episode: NDArray[Any]) -> list[NDArray[np.int64]]:
-    """Rows of each episode, by env and in order."""
-    key = env.astype(np.int64) << 32 | episode
-    order = np.argsort(key, kind="stable")
-    return np.split(order, np.flatnonzero(np.diff(key[order])) + 1) if len(order) else []
 
 
 def _of_recordings(name: str, places: Sequence[tuple[Path, Cell | None]], again: PayAgain, env: str) -> Source:

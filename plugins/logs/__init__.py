@@ -6,6 +6,7 @@ import harness
 @harness.hookimpl
 def register_logs(register: harness.Register) -> None:
     """Announce the built-in formats."""
+    register("cell", "harness.record.cell_log:CellLog", summary="what a cell of an arm leaves: trace.parquet")
     register(
         "monitor",
         "harness_plugins.logs.monitor:Monitor",
@@ -43,3 +44,4 @@ def register_logs(register: harness.Register) -> None:
         "harness_plugins.logs.episode_csv:EpisodeCsv",
         summary="a table whose rows are episodes: episode,reward,length,success and names like these",
     )
+    register("steps-csv", "harness.score.csv_steps:StepsCsv", summary="CSV with a column 'reward', a row for each step")

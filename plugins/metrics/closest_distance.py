@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from harness.record.trace import Trace
+from harness.log import Log
 
 
 @dataclass(frozen=True)
@@ -21,7 +21,7 @@ class ClosestDistance:
     bounds: ClassVar[tuple[float, float]] = (0.0, math.inf)
     is_error: ClassVar[bool] = True
 
-    def __call__(self, trace: Trace) -> float | None:
+    def __call__(self, trace: Log) -> float | None:
         """None without a finished episode."""
         closest = [float(trace["distance"][rows].min()) for rows in trace.episodes]
         return sum(closest) / len(closest) if closest else None

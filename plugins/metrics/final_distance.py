@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from harness.record.trace import Trace
+from harness.log import Log
 
 
 @dataclass(frozen=True)
@@ -19,7 +19,7 @@ class FinalDistance:
     bounds: ClassVar[tuple[float, float]] = (0.0, math.inf)
     is_error: ClassVar[bool] = True
 
-    def __call__(self, trace: Trace) -> float | None:
+    def __call__(self, trace: Log) -> float | None:
         """None without a finished episode."""
         ends = trace.last_rows
         return float(trace["distance"][ends].mean()) if len(ends) else None

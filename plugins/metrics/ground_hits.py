@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from harness.record.trace import Trace
+from harness.log import Log
 
 
 @dataclass(frozen=True)
@@ -14,7 +14,7 @@ class GroundHits:
     better: ClassVar[str] = "lower"
     is_share: ClassVar[bool] = True
 
-    def __call__(self, trace: Trace) -> float | None:
+    def __call__(self, trace: Log) -> float | None:
         """None without a finished episode."""
         ends = trace.last_rows
         return float(trace["ground"][ends].mean()) if len(ends) else None

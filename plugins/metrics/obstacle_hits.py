@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from harness.record.trace import OBSTACLE, Trace
+from harness.log import Log
+from harness.record.trace import OBSTACLE
 
 
 @dataclass(frozen=True)
@@ -17,7 +18,7 @@ class ObstacleHits:
     better: ClassVar[str] = "lower"
     is_share: ClassVar[bool] = True
 
-    def __call__(self, trace: Trace) -> float | None:
+    def __call__(self, trace: Log) -> float | None:
         """None without a finished episode, or if the task has no obstacles."""
         ends = trace.last_rows
         return float(trace[OBSTACLE][ends].mean()) if OBSTACLE in trace.columns and len(ends) else None

@@ -6,7 +6,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from harness.record.trace import Trace
+from harness.log import Log
+from harness.record.episode_facts import episode_facts
 
 from ..way_to_target import steps_to_target
 
@@ -24,11 +25,12 @@ class Optimality:
     better: ClassVar[str] = "higher"
     bounds: ClassVar[tuple[float, float]] = (0.0, math.inf)
 
-    def __call__(self, trace: Trace) -> float | None:
+    def __call__(self, trace: Log) -> float | None:
         """None if the trace does not record the steps of inverse kinematics, or if no episode counts."""
-        if trace.facts.ik_steps is None:
+        of_env = episode_facts(trace).ik_steps
+        if of_env is None:
             return None
-        ik_steps = [trace.facts.ik_steps[trace["env"][rows[0]]] for rows in trace.episodes]
+        ik_steps = [of_env[trace["env"][rows[0]]] for rows in trace.episodes]
         pairs = zip(ik_steps, steps_to_target(trace), strict=True)
         shares = [ik / steps if steps else 0.0 for ik, steps in pairs if ik is not None]
         return float(np.mean(shares)) if shares else None

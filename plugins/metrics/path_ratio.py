@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from harness.record.trace import Trace
+from harness.log import Log
 
 from ..way_to_target import paths_to_target
 
@@ -24,7 +24,7 @@ class PathRatio:
     better: ClassVar[str] = "lower"
     bounds: ClassVar[tuple[float, float]] = (1.0, math.inf)
 
-    def __call__(self, trace: Trace) -> float | None:
+    def __call__(self, trace: Log) -> float | None:
         """None if no episode counts."""
         path, straight = paths_to_target(trace).T
         counts = straight > 0.0

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from harness.record.trace import Trace
+from harness.log import Log
 
 
 @dataclass(frozen=True)
@@ -20,7 +20,7 @@ class Smoothness:
     better: ClassVar[str] = "lower"
     bounds: ClassVar[tuple[float, float]] = (0.0, math.inf)
 
-    def __call__(self, trace: Trace) -> float | None:
+    def __call__(self, trace: Log) -> float | None:
         """None if no finished episode has two steps."""
         seconds = [np.diff(trace["qpos"][rows], n=2, axis=0) for rows in trace.episodes if len(rows) > 2]
         if not seconds:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from harness.record.trace import Trace
+from harness.log import Log
 
 from ..way_to_target import paths_to_target
 
@@ -20,7 +20,7 @@ class Spl:
     better: ClassVar[str] = "higher"
     is_share: ClassVar[bool] = True
 
-    def __call__(self, trace: Trace) -> float | None:
+    def __call__(self, trace: Log) -> float | None:
         """None without a finished episode."""
         path, straight = paths_to_target(trace).T
         counts = straight > 0.0

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from harness.record.trace import Trace
+from harness.log import Log
 
 from ..way_to_target import steps_to_target
 
@@ -20,7 +20,7 @@ class StepsToTarget:
     better: ClassVar[str] = "lower"
     bounds: ClassVar[tuple[float, float]] = (1.0, math.inf)
 
-    def __call__(self, trace: Trace) -> float | None:
+    def __call__(self, trace: Log) -> float | None:
         """None if no episode reaches a target."""
         steps = steps_to_target(trace)
         return float(steps[steps > 0].mean()) if steps.any() else None

@@ -6,7 +6,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from harness.record.trace import Trace
+from harness.log import Log
+from harness.record.episode_facts import episode_facts
 
 from ..way_to_target import steps_to_target
 
@@ -23,12 +24,12 @@ class TimeToTarget:
     better: ClassVar[str] = "lower"
     bounds: ClassVar[tuple[float, float]] = (0.0, math.inf)
 
-    def __call__(self, trace: Trace) -> float | None:
+    def __call__(self, trace: Log) -> float | None:
         """None without a finished episode, or if the trace does not record the control period.
 
         It is also None if an episode fails and the trace does not record the horizon.
         """
-        steps, horizon, period = steps_to_target(trace), trace.facts.horizon, trace.facts.control_period
-        if len(steps) == 0 or period is None or (horizon is None and not steps.all()):
+        steps, facts = steps_to_target(trace), episode_facts(trace)
+        if len(steps) == 0 or facts.control_period is None or (facts.horizon is None and not steps.all()):
             return None
-        return float(np.where(steps > 0, steps, horizon or 0).mean() * period)
+        return float(np.where(steps > 0, steps, facts.horizon or 0).mean() * facts.control_period)

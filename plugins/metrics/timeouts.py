@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from harness.record.trace import Trace
+from harness.log import Log
 
 
 @dataclass(frozen=True)
@@ -20,7 +20,7 @@ class Timeouts:
     better: ClassVar[str] = "lower"
     is_share: ClassVar[bool] = True
 
-    def __call__(self, trace: Trace) -> float | None:
+    def __call__(self, trace: Log) -> float | None:
         """None without a finished episode."""
         reached, truncated = trace["reached"], trace["truncated"]
         over = [bool(truncated[rows[-1]]) and not reached[rows].any() for rows in trace.episodes]

@@ -4,7 +4,8 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from harness.record.trace import Trace
+from harness.log import Log
+from harness.record.episode_facts import episode_facts
 
 
 @dataclass(frozen=True)
@@ -20,9 +21,10 @@ class Work:
     better: ClassVar[str] = "lower"
     bounds: ClassVar[tuple[float, float]] = (0.0, math.inf)
 
-    def __call__(self, trace: Trace) -> float | None:
+    def __call__(self, trace: Log) -> float | None:
         """None if the trace does not record the work, or without a finished episode."""
-        if trace.facts.work is None or not trace.episodes:
+        work = episode_facts(trace).work
+        if work is None or not trace.episodes:
             return None
-        works = [trace.facts.work[trace["env"][rows[0]]] for rows in trace.episodes]
+        works = [work[trace["env"][rows[0]]] for rows in trace.episodes]
         return float(sum(works) / len(works))

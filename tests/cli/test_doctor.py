@@ -70,7 +70,7 @@ def test_old_names_are_told(harness, rendering, install):
     install("earlier", f"from harness.trace import Trace\nharness_api = 1\n{source}")
     status, out, _ = harness("doctor")
     title = "plugin 'earlier' of earlier 1.0: "
-    moved = "harness.trace.Trace moved: from harness.record.trace import Trace (the old name goes with 0.3.0)"
+    moved = "harness.trace.Trace moved: from harness.log import Log (the old name goes with 0.3.0)"
     assert f"{title}written for harness_api 1, this is 2: docs/renamed.md says what changed\n" in out
     assert f"{title}{moved}, in " in out
     assert "all fine" not in out

@@ -5,7 +5,7 @@ import json
 import pyarrow.parquet as pq
 import pytest
 
-from harness.record.trace import Trace
+from harness.log import Log
 
 HOOKS = """
 import harness
@@ -172,4 +172,4 @@ def test_reward_that_raises_fails_its_own_cells(harness, odd, quick):
 
 def test_trace_has_no_such():
     """What the metric above stumbles over."""
-    assert not hasattr(Trace, "no_such")
+    assert not hasattr(Log, "no_such")

@@ -44,7 +44,7 @@ def test_all_its_plugins_load(installed: dict[str, str]):
     assert (wary["status"], wary["reason"]) == ("ok", "")
     assert " ".join(wary["registered"]) == f"{KINDS} wary-reaches"
     assert wary["remarks"][0] == "written for harness_api 1, this is 2: docs/renamed.md says what changed"
-    moved = "harness.trace.Trace moved: from harness.record.trace import Trace (the old name goes with 0.3.0)"
+    moved = "harness.trace.Trace moved: from harness.log import Log (the old name goes with 0.3.0)"
     assert f"{moved}, in wary_arm.metric" in wary["remarks"]
 
 

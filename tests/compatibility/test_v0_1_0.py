@@ -27,11 +27,12 @@ from harness.experiment.experiment import ExperimentRun, prepare
 from harness.experiment.plan import read_experiment
 from harness.experiment.provenance import describe_machine, versions_behind
 from harness.experiment.run_options import RunOptions
+from harness.log import Log
 from harness.record.cell import Cell
 from harness.record.folder import TRACE
 from harness.record.manifest import Manifest, read_manifest
 from harness.record.store import EXPERIMENT, Store
-from harness.record.trace import Trace, read_trace
+from harness.record.trace import read_trace
 from harness.text import LONGEST_MESSAGE
 
 HERE = Path(__file__).parent
@@ -153,11 +154,11 @@ def test_missing_cell_is_done_again(old: Path):
     _require_same_rows(read_trace(folder / TRACE), then, before, cell)
 
 
-def _require_same_rows(found: Trace, then: Trace, before: Manifest, cell: Cell) -> None:
+def _require_same_rows(found: Log, then: Log, before: Manifest, cell: Cell) -> None:
     machine, versions = before.environment["machine"], before.environment["versions"]
     is_same = describe_machine()["cpu_flags"] == machine["cpu_flags"] and describe_machine()["cpu"] == machine["cpu"]
     if is_same and versions_behind([])["numpy"] == versions["numpy"]:
-        assert found.columns.keys() == then.columns.keys()
+        assert found.columns == then.columns
         for name, column in then.columns.items():
             np.testing.assert_array_equal(found[name], column, err_msg=name)
         return

@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
-from harness.record.trace import Trace
+from harness.log import Log
 from harness.testing import METRIC_CHECKS, violations
 from harness.testing.metrics import checks as metrics
 
@@ -21,7 +21,7 @@ class Thawed:
     unit: ClassVar[str] = ""
     better: ClassVar[str] = "higher"
 
-    def __call__(self, trace: Trace) -> float | None:
+    def __call__(self, trace: Log) -> float | None:
         return share_reached(trace)
 
 
@@ -32,11 +32,11 @@ class Sound:
     unit: ClassVar[str] = ""
     better: ClassVar[str] = "higher"
 
-    def __call__(self, trace: Trace) -> float | None:
+    def __call__(self, trace: Log) -> float | None:
         return share_reached(trace)
 
 
-def share_reached(trace: Trace) -> float | None:
+def share_reached(trace: Log) -> float | None:
     """The value of `Sound`."""
     reached = [trace["reached"][rows].any() for rows in trace.episodes]
     return float(np.mean(reached)) if reached else None
@@ -58,7 +58,7 @@ class CannotDecide(Sound):
 class DividesByNothing(Sound):
     """Where no episode reaches the target, there is no number to tell."""
 
-    def __call__(self, trace: Trace) -> float | None:
+    def __call__(self, trace: Log) -> float | None:
         value = share_reached(trace)
         return float("nan") if value == 0.0 else value
 
@@ -66,7 +66,7 @@ class DividesByNothing(Sound):
 class NeedsFacts(Sound):
     """It takes for granted that a trace tells its horizon."""
 
-    def __call__(self, trace: Trace) -> float | None:
+    def __call__(self, trace: Log) -> float | None:
         share = share_reached(trace)
         return None if share is None else share * trace.facts.horizon
 
@@ -74,28 +74,28 @@ class NeedsFacts(Sound):
 class CountsInNumpy(Sound):
     """The value is an integer."""
 
-    def __call__(self, trace: Trace) -> float | None:
+    def __call__(self, trace: Log) -> float | None:
         return int(trace["reached"].sum()) if len(trace) else None
 
 
 class TakesNothingForZero(Sound):
     """An empty trace has the value 0."""
 
-    def __call__(self, trace: Trace) -> float | None:
+    def __call__(self, trace: Log) -> float | None:
         return share_reached(trace) if len(trace) else 0.0
 
 
 class NeverTells(Sound):
     """The value is never defined."""
 
-    def __call__(self, trace: Trace) -> float | None:
+    def __call__(self, trace: Log) -> float | None:
         return None
 
 
 class ReadsTheReward(Sound):
     """It tells what the episodes were paid in the end."""
 
-    def __call__(self, trace: Trace) -> float | None:
+    def __call__(self, trace: Log) -> float | None:
         ends = trace.last_rows
         return float(trace["reward"][ends].mean()) if len(ends) else None
 
@@ -103,7 +103,7 @@ class ReadsTheReward(Sound):
 class LooksAtTheLastRow(Sound):
     """It takes the end of the trace for the end of an episode."""
 
-    def __call__(self, trace: Trace) -> float | None:
+    def __call__(self, trace: Log) -> float | None:
         return float(trace["distance"][-1]) if len(trace) else None
 
 
@@ -112,7 +112,7 @@ class RemembersOnSelf(Sound):
 
     known = 0.0
 
-    def __call__(self, trace: Trace) -> float | None:
+    def __call__(self, trace: Log) -> float | None:
         value = float(trace["distance"][trace.last_rows].sum())
         known = 0.0 if value == self.known else self.known
         object.__setattr__(self, "known", value)
@@ -122,7 +122,7 @@ class RemembersOnSelf(Sound):
 class SortsTheTrace(Sound):
     """It puts a column in order."""
 
-    def __call__(self, trace: Trace) -> float | None:
+    def __call__(self, trace: Log) -> float | None:
         trace["distance"].sort()
         return share_reached(trace)
 
@@ -130,7 +130,7 @@ class SortsTheTrace(Sound):
 class OverflowsInALongTrace(Sound):
     """It multiplies something of every row."""
 
-    def __call__(self, trace: Trace) -> float | None:
+    def __call__(self, trace: Log) -> float | None:
         with np.errstate(over="ignore"):
             factor = float(np.prod(np.full(len(trace), 2.0)))
         return share_reached(trace) if np.isfinite(factor) else factor

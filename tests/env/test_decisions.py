@@ -10,10 +10,11 @@ from gymnasium.vector import AutoresetMode
 
 from harness.env import ReachVectorEnv
 from harness.env.ideal import IdealSimulation
+from harness.log import Log
 from harness.reach import ReachTask
-from harness.record.trace import Trace, TraceWriter, read_trace
+from harness.record.trace import TraceWriter, read_trace
 from harness.robot.inverse_kinematics import reach_position
-from harness.score.scorer import score_trace
+from harness.score.scorer import pay_log
 from harness.simulator import State
 
 Call = Callable[..., Any]
@@ -56,7 +57,7 @@ def play(env: ReachVectorEnv, decisions: int, columns: Any = slice(None)) -> lis
     return [env.step(action[columns]) for action in actions]
 
 
-def record(make: Call, path: Path, columns: list[int], task: ReachTask, decisions: int = 60) -> tuple[Any, Trace]:
+def record(make: Call, path: Path, columns: list[int], task: ReachTask, decisions: int = 60) -> tuple[Any, Log]:
     """What envs of these numbers return and record, as one batch."""
     env = make(len(columns), task, reward=Remembers())
     with TraceWriter(path, 6, 6) as recorder:
@@ -152,7 +153,7 @@ def test_env_of_a_batch_is_as_one_alone(make: Call, tmp_path: Path, task: ReachT
             for name, values in one[4].items():
                 np.testing.assert_array_equal(values[0], many[4][name][k], err_msg=name)
         rows = trace["env"] == k
-        for name, column in own_trace.columns.items():
+        for name, column in own_trace.rows().columns.items():
             if name != "env":
                 np.testing.assert_array_equal(column, trace[name][rows], err_msg=name)
 
@@ -228,7 +229,7 @@ def test_memory_of_an_ended_episode_stands_still(make: Call, tmp_path: Path):
         play(env, 12)
     trace = read_trace(path)
     assert len(trace.last_rows) > 20
-    np.testing.assert_array_equal(score_trace(Remembers(), trace), trace["reward"])
+    np.testing.assert_array_equal(pay_log(Remembers(), trace).total, trace["reward"])
 
 
 def test_both_autoreset_modes_tell_the_same_story(make: Call):

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 import harness
+from harness.log import Log
 from harness.reach import ReachTask
-from harness.record.trace import Trace, TraceWriter, read_trace
+from harness.record.trace import TraceWriter, read_trace
 from harness.robot.inverse_kinematics import reach_position
 from harness.robot.kinematics import forward
 from harness_plugins.tasks.unity import Arp2021, UnityReach
@@ -21,7 +22,7 @@ ARM = harness.load_robot("unity-arm")
 TARGET = np.array([[0.45, -0.45, 0.2]])
 
 
-def jump(make: Call, path: Path, qpos: np.ndarray, **task: Any) -> tuple[Any, Trace]:
+def jump(make: Call, path: Path, qpos: np.ndarray, **task: Any) -> tuple[Any, Log]:
     """One environment step to `qpos`, and its trace."""
     env = make(1, Arp2021(decision_period=1, **task), robot=ARM)
     with TraceWriter(path, 5, 5) as recorder:

@@ -12,13 +12,14 @@ import pytest
 import harness
 from harness.env import ReachVectorEnv
 from harness.errors import UsageError
+from harness.log import Log
 from harness.reach import ReachTask
-from harness.record.trace import TERM, Trace, TraceWriter, read_trace
+from harness.record.trace import TERM, TraceWriter, read_trace, terms_of, trace_of
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 from harness.reward import Carry, MissingField, Steps
 from harness.reward.forms import reward_class
-from harness.score.scorer import pay_trace, score_trace
+from harness.score.scorer import pay_log
 from harness.testing.trainings import NegativeDistance
 
 Call = Callable[..., Any]
@@ -68,7 +69,7 @@ def build(kind: str, given: Any) -> Any:
     return choose(REGISTRY, kind, given).build(REGISTRY, kind)
 
 
-def record(path: Path, simulator: str, task: dict[str, Any], reward: Any, steps: int = 40, **options: Any) -> Trace:
+def record(path: Path, simulator: str, task: dict[str, Any], reward: Any, steps: int = 40, **options: Any) -> Log:
     """Three arms that go mostly down, by a reward that reads qvel."""
     goal = build("tasks", task)
     robot = harness.load_robot(goal.robot, REGISTRY)
@@ -91,19 +92,19 @@ def test_a_trace_is_paid_again_to_the_last_bit(tmp_path: Path, simulator: str, t
         pytest.skip("arms do not vary without an engine")
     reward = reward_class(everything)()
     trace = record(tmp_path / "trace.parquet", simulator, TASKS[task], reward)
-    paid = pay_trace(reward, trace)
+    paid = pay_log(reward, trace)
     np.testing.assert_array_equal(paid.total, trace["reward"])
-    assert list(trace.terms) == list(paid.terms)
-    for name, values in trace.terms.items():
+    assert list(terms_of(trace)) == list(paid.terms)
+    for name, values in terms_of(trace).items():
         np.testing.assert_array_equal(paid.terms[name], values)
-    np.testing.assert_array_equal(reduce(add, trace.terms.values()), trace["reward"])
+    np.testing.assert_array_equal(reduce(add, terms_of(trace).values()), trace["reward"])
     assert len(trace.last_rows) > 0
 
 
 def test_a_reward_that_remembers_is_paid_again_to_the_last_bit(tmp_path: Path):
     """Step by step, with what was before each."""
     trace = record(tmp_path / "trace.parquet", "kinematic", TASKS["next targets"], Remembers())
-    np.testing.assert_array_equal(score_trace(Remembers(), trace), trace["reward"])
+    np.testing.assert_array_equal(pay_log(Remembers(), trace).total, trace["reward"])
     assert trace["reached"].sum() > 0
 
 
@@ -174,14 +175,14 @@ def test_a_trace_has_qvel_where_it_is_asked_for(make: Call):
 def test_a_trace_without_qvel_pays_what_does_not_need_it(tmp_path: Path):
     """And refuses the rest by name."""
     trace = record(tmp_path / "trace.parquet", "kinematic", SHORT, build("rewards", "baseline"))
-    old = Trace({name: values for name, values in trace.columns.items() if name != "qvel"})
+    old = trace_of(trace.rows(name for name in trace.names if name != "qvel").columns)
 
     def calm(step):
         return -abs(step.action).sum(-1)
 
-    assert score_trace(reward_class(calm)(), old).shape == (len(old),)
+    assert pay_log(reward_class(calm)(), old).total.shape == (len(old),)
     with pytest.raises(MissingField, match=r"has no 'qvel'\. It has: .*end_effector"):
-        score_trace(reward_class(everything)(), old)
+        pay_log(reward_class(everything)(), old)
 
 
 def test_a_field_that_is_read_late_is_found_in_the_trace(tmp_path: Path):
@@ -192,7 +193,7 @@ def test_a_field_that_is_read_late_is_found_in_the_trace(tmp_path: Path):
             return carry, -abs(steps.qvel).sum(-1) if (steps.step > 4.5).any() else -steps.distance
 
     trace = record(tmp_path / "trace.parquet", "kinematic", SHORT, build("rewards", "baseline"))
-    np.testing.assert_array_equal(score_trace(Late(), trace)[trace["step"] > 0][-1], -abs(trace["qvel"][-1]).sum(-1))
+    np.testing.assert_array_equal(pay_log(Late(), trace).total[trace["step"] > 0][-1], -abs(trace["qvel"][-1]).sum(-1))
 
 
 def test_other_terms_than_at_first_end_the_run(make: Call):

@@ -6,7 +6,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from harness.errors import SchemaError
-from harness.record.episode_facts import EpisodeFacts
+from harness.record.episode_facts import EpisodeFacts, episode_facts
 from harness.record.trace import FACTS_KEY, TraceWriter, read_trace, trace_schema
 
 FACTS = EpisodeFacts(horizon=100, control_period=0.1, ik_steps=(3, None, 5), work=(1.5, 0.0, 2.25))
@@ -16,21 +16,21 @@ def test_facts_come_back_with_the_trace(tmp_path: Path):
     """Every one, whatever columns are read."""
     with TraceWriter(tmp_path / "trace.parquet", 3, 2, facts=FACTS):
         pass
-    assert read_trace(tmp_path / "trace.parquet").facts == FACTS
-    assert read_trace(tmp_path / "trace.parquet", ["reward"]).facts == FACTS
+    assert episode_facts(read_trace(tmp_path / "trace.parquet")) == FACTS
+    assert episode_facts(read_trace(tmp_path / "trace.parquet", ["reward"])) == FACTS
 
 
 def test_facts_may_become_known_while_rows_are_written(tmp_path: Path):
     """What the writer holds at the end is what the file tells."""
     with TraceWriter(tmp_path / "trace.parquet", 3, 2) as writer:
         writer.facts = FACTS
-    assert read_trace(tmp_path / "trace.parquet").facts == FACTS
+    assert episode_facts(read_trace(tmp_path / "trace.parquet")) == FACTS
 
 
 def test_file_of_an_earlier_version_tells_nothing(tmp_path: Path):
     """It has no such metadata; its rows are read."""
     pq.write_table(trace_schema(3, 2).empty_table(), tmp_path / "trace.parquet")
-    assert read_trace(tmp_path / "trace.parquet").facts == EpisodeFacts()
+    assert episode_facts(read_trace(tmp_path / "trace.parquet")) == EpisodeFacts()
 
 
 def test_facts_of_a_newer_version_are_left_out():

@@ -11,6 +11,7 @@ import pytest
 import harness.record.trace
 from harness.errors import SchemaError, SimulationDiverged
 from harness.files.parquet import require_room
+from harness.log import Log
 from harness.record.trace import (
     COLUMN,
     FLAGS,
@@ -18,7 +19,6 @@ from harness.record.trace import (
     INTEGERS,
     NUMBERS,
     SCALARS,
-    Trace,
     TraceWriter,
     read_trace,
     require_plausible,
@@ -41,7 +41,7 @@ def make_rows(count: int, first: int = 0) -> np.ndarray:
     return rows
 
 
-def write(path: Path, *batches: np.ndarray, episodes: int | None = None) -> Trace:
+def write(path: Path, *batches: np.ndarray, episodes: int | None = None) -> Log:
     """The trace of some batches of rows, read again."""
     with TraceWriter(path, DOF, ACTION_SIZE, episodes) as writer:
         for batch in batches:
@@ -284,7 +284,7 @@ def test_damaged_file_is_refused(path: Path):
     content[40:240] = bytes(200)
     path.write_bytes(content)
     with pytest.raises(SchemaError, match=r"trace\.parquet"):
-        read_trace(path)
+        read_trace(path).rows()
 
 
 def test_missing_file_is_refused(path: Path):

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +9,10 @@ import numpy as np
 import pytest
 
 from harness.errors import Unmeasured, UsageError
+from harness.log import Log
 from harness.measure import Measure, bounds_of, is_share, needs_of
-from harness.record.trace import Trace
+from harness.record.episode_facts import episode_facts
+from harness.record.trace import trace_of
 from harness.registry.choice import build_defaults
 from harness.registry.given import read_given
 from harness.registry.registry import Registry, load_registry
@@ -45,38 +46,36 @@ def _made(tmp_path: Path) -> Callable[..., Any]:
 
 
 @pytest.fixture(name="trace")
-def _trace() -> Trace:
+def _trace() -> Log:
     return recorded_trace(0, ENDS)
 
 
-def test_function_of_a_step_says_what_its_last_step_says(made: Any, trace: Trace):
+def test_function_of_a_step_says_what_its_last_step_says(made: Any, trace: Log):
     """As in environments; the mean over finished episodes."""
     value = made("def calm(step):\n    return step.distance")(trace)
     assert value == pytest.approx(trace["distance"][trace.last_rows].mean())
 
 
-def test_function_of_an_episode_is_given_its_steps_without_the_start(made: Any, trace: Trace):
+def test_function_of_an_episode_is_given_its_steps_without_the_start(made: Any, trace: Log):
     """The mean over finished episodes of their lengths."""
     lengths = [len(rows) - 1 for rows in trace.episodes]
     assert made("def calm(episode):\n    return len(episode.step)")(trace) == np.mean(lengths)
 
 
-def test_before_of_the_first_step_is_the_start_row(made: Any, trace: Trace):
+def test_before_of_the_first_step_is_the_start_row(made: Any, trace: Log):
     """So differences add up to the whole way."""
-    ways = [
-        np.linalg.norm(np.diff(trace.field("end_effector")[rows], axis=0), axis=1).sum()  # type: ignore[index]
-        for rows in trace.episodes
-    ]
+    places = np.stack([trace[f"end_effector_{axis}"] for axis in "xyz"], axis=1)
+    ways = [np.linalg.norm(np.diff(places[rows], axis=0), axis=1).sum() for rows in trace.episodes]
     assert made(LENGTH, "path_length")(trace) == pytest.approx(np.mean(ways))
 
 
-def test_envs_side_by_side_are_measured_each_for_itself(made: Any, trace: Trace):
+def test_envs_side_by_side_are_measured_each_for_itself(made: Any, trace: Log):
     """Rows of two envs that alternate say what they say one after the other."""
     other = recorded_trace(1, ENDS)
     columns = {name: np.concatenate([trace[name], other[name]]) for name in trace.columns}
     columns["env"] = np.repeat([0, 1], [len(trace), len(other)]).astype(np.int32)
     mixed = np.argsort(np.concatenate([np.arange(len(trace)) * 2, np.arange(len(other)) * 2 + 1]), kind="stable")
-    both = Trace({name: values[mixed] for name, values in columns.items()}, trace.facts)
+    both = trace_of({name: values[mixed] for name, values in columns.items()}, episode_facts(trace))
     measure = made(LENGTH, "path_length")
     assert measure(both) == pytest.approx((measure(trace) + measure(other)) / 2)
 
@@ -120,22 +119,22 @@ def test_one_call_tells_what_it_reads(made: Any, read: str, needs: set[str]):
     assert needs_of(made(f"def calm(step):\n    return {read}")) == needs
 
 
-def test_field_that_was_not_recorded_is_named(made: Any, trace: Trace):
+def test_field_that_was_not_recorded_is_named(made: Any, trace: Log):
     """A trace of before has no joint speeds: there is no value, and a reason."""
-    old = replace(trace, columns={name: it for name, it in trace.columns.items() if name != "qvel"})
+    old = trace_of(trace.rows(name for name in trace.names if name != "qvel").columns)
     measure = made("def calm(step):\n    return abs(step.qvel).max(-1)")
     assert measure(trace) is not None
     with pytest.raises(Unmeasured, match="it reads qvel, which was not recorded"):
         measure(old)
 
 
-def test_field_that_made_up_steps_do_not_show_is_there(made: Any, trace: Trace):
+def test_field_that_made_up_steps_do_not_show_is_there(made: Any, trace: Log):
     """One that it reads of long episodes alone."""
     source = "def calm(episode):\n    return 1.0 if len(episode.step) == 16 else episode.qpos[-1].sum()"
     assert made(source)(trace) == pytest.approx(np.mean([trace["qpos"][rows[-1]].sum() for rows in trace.episodes]))
 
 
-def test_episode_may_have_no_value(made: Any, trace: Trace):
+def test_episode_may_have_no_value(made: Any, trace: Log):
     """It is left out of the mean; if none has one, there is none."""
     some = made("def calm(episode):\n    return None if episode.ground[-1] else 2.0")
     assert some(trace) == 2.0
@@ -169,7 +168,7 @@ def test_what_fails_is_told_with_its_name(made: Any, source: str, told: str):
         made(source)
 
 
-def test_value_outside_of_its_bounds_is_none(made: Any, trace: Trace):
+def test_value_outside_of_its_bounds_is_none(made: Any, trace: Log):
     """Intervals would be wrong."""
     with pytest.raises(Unmeasured, match=r"it is 2 in an episode.* 0 and 1"):
         made("def success(step):\n    return 2.0 + 0.0 * step.distance", "success")(trace)

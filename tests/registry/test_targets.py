@@ -117,7 +117,7 @@ def test_old_names_of_targets_are_remarks_and_nothing_is_imported(tmp_path: Path
     registry.plugins += [_plugin("one", "cem-algo")]
     registry.specs["rewards", "mine"] = [_spec(f"{name}:Mine") for name in ("old_bad", "old_one", "old_two")]
     (plugin,) = examined(registry, lambda spec: "")
-    moved = "harness.trace.Trace moved: from harness.record.trace import Trace (the old name goes with 0.3.0)"
+    moved = "harness.trace.Trace moved: from harness.log import Log (the old name goes with 0.3.0)"
     assert plugin.remarks == (f"{moved}, in old_one",)
     assert "old_two" not in sys.modules
 

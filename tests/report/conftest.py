@@ -13,17 +13,18 @@ import pytest
 
 from harness.errors import UsageError
 from harness.experiment.plan import Plan
+from harness.log import Log
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, TRACE
 from harness.record.manifest import Manifest, Status
 from harness.record.store import Store
-from harness.record.trace import COLUMN, FLAGS, INTEGERS, SCALARS, Trace, TraceWriter
+from harness.record.trace import COLUMN, FLAGS, INTEGERS, SCALARS, TraceWriter, trace_of
 from harness.registry.choice import Choice, choose
 from harness.registry.registry import Registry, load_registry
 from harness.results import Results, load_results
-from harness.score.compare import ComparedRuns, compare_recordings
-from harness.score.open_recording import match_recordings
-from harness.score.scorer import score_trace
+from harness.score.compare import ComparedRuns, compare_logs
+from harness.score.open_steps import match_steps
+from harness.score.scorer import pay_log
 
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 WEBGL = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
@@ -229,7 +230,7 @@ def _write_trace(path: Path, episodes: Sequence[np.ndarray], paid: Choice | None
     if paid is not None:
         known = paid if paid.params or paid.name == BASELINE else _reward(BASELINE)
         reward = known.build(_plugins(), "rewards")
-        rows[:, COLUMN["reward"]] = score_trace(reward, _trace(rows))
+        rows[:, COLUMN["reward"]] = pay_log(reward, _trace(rows)).total
     path.write_bytes(_parquet(rows.tobytes(), rows.shape))
 
 
@@ -242,10 +243,10 @@ def _parquet(rows: bytes, shape: tuple[int, int]) -> bytes:
         return file.getvalue()
 
 
-def _trace(rows: np.ndarray) -> Trace:
+def _trace(rows: np.ndarray) -> Log:
     """The rows as a trace in memory, whole numbers and flags among them as such."""
     types = {**dict.fromkeys(SCALARS, float), **dict.fromkeys(INTEGERS, int), **dict.fromkeys(FLAGS, bool)}
-    return Trace({name: rows[:, COLUMN[name]].astype(types[name]) for name in SCALARS})
+    return trace_of({name: rows[:, COLUMN[name]].astype(types[name]) for name in SCALARS})
 
 
 HEADER = "t,beginDistance,prevBest,distance,delta_distance,reward"
@@ -270,8 +271,8 @@ def compare(tmp_path: Path) -> Callable[..., ComparedRuns]:
             for number in range(2):
                 lines = [",".join(line.split(",")[-columns:]) for line in (HEADER, *rows)]
                 (tmp_path / name / f"{number}.csv").write_text("\n".join(lines) + "\n")
-            groups.append(match_recordings(str(tmp_path / name / "*.csv")))
-        return compare_recordings(groups[0], groups[1], load_registry(), **flags)
+            groups.append(match_steps(str(tmp_path / name / "*.csv")))
+        return compare_logs(groups[0], groups[1], load_registry(), **flags)
 
     return compare_files
 

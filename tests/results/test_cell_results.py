@@ -11,12 +11,13 @@ import pytest
 
 import harness.results.cell_results as module
 from harness.experiment.plan import Plan, check_experiment, expand
+from harness.log import Log
 from harness.record.folder import DERIVED, EVALUATION, RANDOM, SCORES, TRACE
 from harness.record.manifest import read_manifest
 from harness.record.merge import merge
 from harness.record.returns import EVENTS
 from harness.record.store import CELLS
-from harness.record.trace import Trace, read_trace
+from harness.record.trace import read_trace
 from harness.registry.registry import Registry
 from harness.report.document import report_text
 from harness.report.summary.cells import write_cells
@@ -33,16 +34,18 @@ class Reads:
     """Reads traces, and remembers which."""
 
     def __init__(self) -> None:
-        self.files: list[str] = []
-        self.whole: list[Path] = []
-        self.held: WeakSet[Trace] = WeakSet()
+        self.files: list[Path] = []
+        self.held: WeakSet[Log] = WeakSet()
 
-    def __call__(self, path: Path, columns: list[str] | None = None) -> Trace:
+    @property
+    def names(self) -> set[str]:
+        """Names of the files that were read."""
+        return {path.name for path in self.files}
+
+    def __call__(self, path: Path) -> Log:
         """Read one."""
-        self.files.append(path.name)
-        if columns is None:
-            self.whole.append(path)
-        trace = read_trace(path, columns)
+        self.files.append(path)
+        trace = read_trace(path)
         self.held.add(trace)
         return trace
 
@@ -82,9 +85,9 @@ def test_first_report_after_a_run_reads_no_trace(ended: Results, reads: Reads):
 def test_run_reads_each_trace_once(toys: Registry, run_here: Callable[..., Results], tmp_path: Path, reads: Reads):
     """As a cell ends: all metrics, returns and what other rewards pay follow from traces that are open together."""
     results = run_here(expand(check_experiment(GIVEN), toys), tmp_path / "out")
-    assert len(reads.files) == len(reads.whole) == len(set(reads.whole))
+    assert len(reads.files) == len(set(reads.files))
     traces = {path for path in (results.folder / CELLS).rglob("*.parquet") if path.name != SCORES}
-    assert set(reads.whole) == traces
+    assert set(reads.files) == traces
 
 
 def test_first_report_reads_each_trace_whole_once(ended: Results, reads: Reads):
@@ -92,10 +95,11 @@ def test_first_report_reads_each_trace_whole_once(ended: Results, reads: Reads):
     remove_kept(ended)
     results = fresh(ended)
     assert results.not_measured == {}
-    assert len(reads.files) == len(reads.whole) == len(set(reads.whole))
+    read = len(reads.files)
+    assert read == len(set(reads.files))
     for cell in results.done_cells:
         results.of(cell).recorded()
-    assert len(reads.files) == len(reads.whole)
+    assert len(reads.files) == read
 
 
 def test_comparisons_hold_no_trace(toys: Registry, run_here: Callable[..., Results], tmp_path: Path, reads: Reads):
@@ -138,7 +142,7 @@ def test_report_makes_what_is_missing(ended: Results, reads: Reads):
     """The next one finds it."""
     remove_kept(ended)
     report_text(fresh(ended))
-    assert {TRACE, EVALUATION} <= set(reads.files)
+    assert {TRACE, EVALUATION} <= reads.names
     reads.files.clear()
     report_text(fresh(ended))
     assert reads.files == []
@@ -154,7 +158,7 @@ def test_folder_that_allows_no_writing_is_reported(ended: Results, reads: Reads)
     assert report_text(fresh(ended)) == before
     reads.files.clear()
     assert report_text(fresh(ended)) == before
-    assert TRACE in reads.files
+    assert TRACE in reads.names
 
 
 def test_changed_trace_is_read_again(ended: Results, reads: Reads):
@@ -164,7 +168,7 @@ def test_changed_trace_is_read_again(ended: Results, reads: Reads):
     first.write_bytes(other.read_bytes())
     read_manifest(first.parent).write(first.parent)  # as a cell leaves it that was trained again
     report_text(fresh(ended))
-    assert set(reads.files) == {EVALUATION}
+    assert reads.names == {EVALUATION}
 
 
 @pytest.mark.parametrize("damage", [lambda path: path.write_bytes(b"PAR1"), Path.unlink], ids=["changed", "missing"])
@@ -183,7 +187,7 @@ def test_changed_metric_is_computed_again(ended: Results, reads: Reads, monkeypa
     before = report_text(ended)
     monkeypatch.setattr("harness.results.metrics.fingerprint", lambda metric: f"edited {metric}")
     assert report_text(fresh(ended)) == before
-    assert {TRACE, EVALUATION} <= set(reads.files)
+    assert {TRACE, EVALUATION} <= reads.names
 
 
 def test_new_metric_is_computed(ended: Results, reads: Reads):
@@ -192,7 +196,7 @@ def test_new_metric_is_computed(ended: Results, reads: Reads):
     results = fresh(ended)
     results.metrics["half"] = _Half()
     assert '"half"' in report_text(results)
-    assert {TRACE, EVALUATION} <= set(reads.files)
+    assert {TRACE, EVALUATION} <= reads.names
 
 
 def test_changed_reward_pays_again(ended: Results, reads: Reads, monkeypatch: pytest.MonkeyPatch):
@@ -200,7 +204,7 @@ def test_changed_reward_pays_again(ended: Results, reads: Reads, monkeypatch: py
     before = report_text(ended)
     monkeypatch.setattr("harness.score.installed_reward.fingerprint", lambda reward: f"edited {reward}")
     assert report_text(fresh(ended)) == before
-    assert set(reads.files) == {TRACE, EVALUATION, RANDOM}
+    assert reads.names == {TRACE, EVALUATION, RANDOM}
 
 
 def test_null_control_finds_what_it_needs(
@@ -245,7 +249,7 @@ def test_own_pay_and_random_pay_are_those_of_whole_episodes(ended: Results):
     assert found.at_random == pytest.approx(_paid(at_random, payer.pay(at_random, cells[0].reward).total))
 
 
-def _paid(trace: Trace, shaped: Any) -> float:
+def _paid(trace: Log, shaped: Any) -> float:
     """What a finished episode was paid, mean."""
     events = sum(trace[name] for name in EVENTS)
     assert any(events != 0.0)

@@ -7,7 +7,7 @@ import pytest
 
 from harness.errors import SchemaError, UsageError
 from harness.record.folder import EVALUATION, SCENE, STOCHASTIC
-from harness.record.trace import Trace, read_trace
+from harness.record.trace import read_trace, trace_of
 from harness.results import Results, replay
 from harness.results.replay import ShownCells, choose_episodes, first_show, show_cells, shows_of
 from harness.testing.metrics.traces import recorded_trace
@@ -127,5 +127,5 @@ def test_an_obstacle_is_a_way_to_end_and_is_shown():
     assert [replay._outcome(trace, rows) for rows in (first, second)] == ["obstacle", "ground"]
     assert replay._obstacles(trace, first).shape == (0, 7)
     sphere = [0.5, 0.1, 0.6, 0.0, 0.0, 0.0, 0.08]
-    cluttered = Trace({**trace.columns, "obstacles": np.tile([*sphere, *[0.0] * 7], (len(trace), 1))})
+    cluttered = trace_of({**trace.rows().columns, "obstacles": np.tile([*sphere, *[0.0] * 7], (len(trace), 1))})
     np.testing.assert_array_equal(replay._obstacles(cluttered, first), [sphere])

@@ -10,7 +10,7 @@ import harness
 from harness.eta.scored_sums import BB, BK, KB, KK
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, TRACE
-from harness.record.trace import read_trace
+from harness.record.trace import read_trace, terms_of
 from harness.results import Results, load_results
 from harness.results.by_term import ByTerm, TermMeans
 from harness.results.comparison import Group
@@ -131,9 +131,9 @@ def test_every_stage_is_that_of_the_columns(ran: Path, results: Results):
     for cell in cells:
         trace = read_trace(results.store.cell_folder(cell) / TRACE)
         ended = sorted(trace.episodes, key=lambda rows: rows[-1])
-        starts.append(np.mean([trace.terms["effort"][it].sum() for it in ended[: max(1, round(0.1 * len(ended)))]]))
+        starts.append(np.mean([terms_of(trace)["effort"][it].sum() for it in ended[: max(1, round(0.1 * len(ended)))]]))
         trace = read_trace(results.store.cell_folder(cell) / EVALUATION)
-        evaluations.append(np.mean([trace.terms["effort"][it].sum() for it in trace.episodes]))
+        evaluations.append(np.mean([terms_of(trace)["effort"][it].sum() for it in trace.episodes]))
     effort = found.terms[1]
     assert (effort.name, effort.random is not None) == ("effort", True)
     assert effort.start.mean == pytest.approx(np.mean(starts), rel=1e-12)
@@ -182,9 +182,9 @@ def test_one_trace_is_in_memory_at_a_time(ran: Path, monkeypatch: pytest.MonkeyP
     held: WeakSet = WeakSet()
     most = 0
 
-    def read(path: Path, columns: list[str] | None = None):
+    def read(path: Path):
         nonlocal most
-        trace = read_trace(path, columns)
+        trace = read_trace(path)
         held.add(trace)
         most = max(most, len(held))
         return trace

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 from harness.errors import Unscored
-from harness.record.trace import Trace
+from harness.log import Log
+from harness.record.trace import trace_of
 from harness.registry.choice import Choice, choose
 from harness.registry.registry import Registry, load_registry
 from harness.score.installed_reward import InstalledReward
-from harness.score.scorer import score_trace
+from harness.score.scorer import pay_log
 
 
 @pytest.fixture(scope="module")
@@ -18,7 +19,7 @@ def registry() -> Registry:
 
 
 @pytest.fixture
-def run() -> Trace:
+def run() -> Log:
     """One episode whose rewards nobody has filled in."""
     distance = np.array([1.0, 1.5, 0.5, 0.25])
     flags = dict.fromkeys(("reached", "terminated", "truncated"), np.zeros(4, bool))
@@ -30,11 +31,11 @@ def run() -> Trace:
         "distance": distance,
         "reward": np.zeros(4),
     }
-    return Trace({**columns, **flags})
+    return trace_of({**columns, **flags})
 
 
-def _paid(run: Trace, reward: Choice, registry: Registry) -> Trace:
-    return Trace({**run.columns, "reward": score_trace(reward.build(registry, "rewards"), run)})
+def _paid(run: Log, reward: Choice, registry: Registry) -> Log:
+    return trace_of({**run.rows().columns, "reward": pay_log(reward.build(registry, "rewards"), run).total})
 
 
 GONE = Choice("gone", (), "gone")
@@ -45,17 +46,17 @@ def _arp(registry: Registry) -> InstalledReward:
     return InstalledReward(choose(registry, "rewards", "arp"), registry)
 
 
-def test_runs_are_paid(run: Trace, arp: InstalledReward, registry: Registry):
+def test_runs_are_paid(run: Log, arp: InstalledReward, registry: Registry):
     """As the reward pays them."""
     np.testing.assert_array_equal(arp.pay(run, arp.choice).total, _paid(run, arp.choice, registry)["reward"])
 
 
-def test_reward_pays_what_it_paid(run: Trace, arp: InstalledReward, registry: Registry):
+def test_reward_pays_what_it_paid(run: Log, arp: InstalledReward, registry: Registry):
     """It has not changed since."""
     assert arp.pays_recorded(_paid(run, arp.choice, registry))
 
 
-def test_reward_that_has_changed_says_so(run: Trace, arp: InstalledReward):
+def test_reward_that_has_changed_says_so(run: Log, arp: InstalledReward):
     """It does not pay what is recorded."""
     pays = arp.pays_recorded(run)
     assert not pays
@@ -63,7 +64,7 @@ def test_reward_that_has_changed_says_so(run: Trace, arp: InstalledReward):
         arp.require_unchanged(pays)
 
 
-def test_reward_that_is_gone_says_so(run: Trace, registry: Registry):
+def test_reward_that_is_gone_says_so(run: Log, registry: Registry):
     """With the message of the registry."""
     with pytest.raises(Unscored, match=r"^No reward 'gone'"):
         InstalledReward(GONE, registry).pay(run, GONE)
@@ -75,18 +76,19 @@ def test_reward_that_is_gone_has_no_fingerprint(registry: Registry):
         InstalledReward(GONE, registry).fingerprint(Choice("arp", (), "arp"))
 
 
-def test_reward_that_is_gone_pays_its_own_run_from_columns(run: Trace, registry: Registry):
+def test_reward_that_is_gone_pays_its_own_run_from_columns(run: Log, registry: Registry):
     """What its terms paid is recorded, and other weights are a factor."""
-    own = Trace({**run.columns, "reward/near": np.array([0.0, 1.0, 2.0, 3.0]), "reward/calm": np.full(4, 0.5)})
+    terms = {"reward/near": np.array([0.0, 1.0, 2.0, 3.0]), "reward/calm": np.full(4, 0.5)}
+    own = trace_of({**run.rows().columns, **terms})
     heavier = InstalledReward(Choice("gone", (("near", 2.0), ("calm", 1.0)), "gone:near=2"), registry)
     paid = heavier.pay(own, Choice("gone", (("near", 1.0), ("calm", 1.0)), "gone"))
     np.testing.assert_array_equal(paid.terms["near"], [0.0, 2.0, 4.0, 6.0])
     np.testing.assert_array_equal(paid.total, [0.5, 2.5, 4.5, 6.5])
 
 
-def test_reward_that_is_gone_does_not_pay_the_run_of_another(run: Trace, registry: Registry):
+def test_reward_that_is_gone_does_not_pay_the_run_of_another(run: Log, registry: Registry):
     """Their columns are of other terms."""
-    own = Trace({**run.columns, "reward/near": np.ones(4)})
+    own = trace_of({**run.rows().columns, "reward/near": np.ones(4)})
     with pytest.raises(Unscored, match=r"^No reward 'gone'"):
         InstalledReward(GONE, registry).pay(own, Choice("other", (), "other"))
 

@@ -1,17 +1,16 @@
 """A trace that is written in parts, so that a training that is killed can go on behind the last finished one."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 
-import pyarrow as pa
-import pyarrow.parquet as pq
+import numpy as np
 
 from harness.errors import SchemaError
 from harness.files.bounded import digest_of
 from harness.files.whole_file import sync
 from harness.record.episode_facts import EpisodeFacts
-from harness.record.trace import FACTS_KEY, NO_EXTRAS, Rows, TraceWriter
+from harness.record.trace import NO_EXTRAS, Rows, TraceWriter, part_of, read_trace
 
 
 class TraceParts:
@@ -47,7 +46,7 @@ class TraceParts:
         self._extras = extras
         self.digests = list(digests)
         discard_parts(path, len(digests))
-        self._writer = self._open()
+        self._writer = self._open(self._present)
 
     def append(self, rows: Rows) -> None:
         """See `harness.record.trace.Recorder`."""
@@ -58,7 +57,7 @@ class TraceParts:
         self._writer.close()
         sync(self._present)
         self.digests.append(digest_of(self._present))
-        self._writer = self._open()
+        self._writer = self._open(self._present)
 
     def __enter__(self) -> "TraceParts":
         return self
@@ -76,37 +75,18 @@ class TraceParts:
     def _present(self) -> Path:
         return part_of(self._path, len(self.digests))
 
-    def _open(self) -> TraceWriter:
-        return TraceWriter(self._present, self._dof, self._action_size, facts=self._facts, extras=self._extras)
+    def _open(self, path: Path) -> TraceWriter:
+        return TraceWriter(path, self._dof, self._action_size, facts=self._facts, extras=self._extras)
 
     def _merge(self) -> None:
         parts = [part_of(self._path, number) for number in range(len(self.digests) + 1)]
         if len(parts) == 1:
             parts[0].replace(self._path)
             return
-        with pq.ParquetWriter(self._path, self._writer.schema, compression="zstd") as file:
-            for block in _blocks(parts, self._writer.schema):
-                file.write_table(block)
-            file.add_key_value_metadata({FACTS_KEY: self._facts.to_bytes()})
-
-
-def _blocks(parts: Sequence[Path], schema: pa.Schema) -> Iterator[pa.Table]:
-    """The rows of all parts in blocks as large as a writer makes them."""
-    waiting = schema.empty_table()
-    for part in parts:
-        with pq.ParquetFile(part) as rows:
-            for group in range(rows.num_row_groups):
-                waiting = pa.concat_tables([waiting, rows.read_row_group(group).cast(schema)])
-                while len(waiting) >= TraceWriter.BLOCK:
-                    yield waiting.slice(0, TraceWriter.BLOCK).combine_chunks()
-                    waiting = waiting.slice(TraceWriter.BLOCK)
-    if len(waiting):
-        yield waiting.combine_chunks()
-
-
-def part_of(path: Path, number: int) -> Path:
-    """A part of the trace `path`, counted from 0."""
-    return path.with_name(f"{path.stem}.{number}")
+        names = self._writer.schema.names
+        with self._open(self._path) as writer:
+            for piece in (piece for part in parts for piece in read_trace(part).pieces(names)):
+                writer.append(np.column_stack([piece[name] for name in names]))
 
 
 def discard_parts(path: Path, first: int = 0) -> None:

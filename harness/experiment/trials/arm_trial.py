@@ -10,10 +10,11 @@ from harness.env.ideal import IdealSimulator
 from harness.env.vector_env import ReachVectorEnv
 from harness.errors import HarnessError, one_line, reason_of
 from harness.experiment.trials.tried import Fault, Tried, error_text
+from harness.log import Log
 from harness.record.cell import Cell
 from harness.record.folder import TRACE
 from harness.record.recording.facts import BEHAVIOUR, REWARD
-from harness.record.trace import Trace, TraceWriter, read_trace
+from harness.record.trace import TraceWriter, read_trace
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.reward import Array, Carry, Reward, Steps, pay
@@ -80,13 +81,13 @@ def _try_measures(
     return faults
 
 
-def _trace_of(robot: Robot, task: Task) -> Trace:
+def _trace_of(robot: Robot, task: Task) -> Log:
     with tempfile.TemporaryDirectory(prefix="harness-trial-") as folder:
         env = ReachVectorEnv(IdealSimulator(), robot, task, _Unpaid(), ARMS, records=NOT_RECORDED)
         path, size = Path(folder) / TRACE, env.episodes.action.shape[1]
         with TraceWriter(path, robot.dof, size, extras=env.episodes.extras) as env.recorder:
             _act(env)
-        return read_trace(path)
+        return read_trace(path).load()
 
 
 def _act(env: ReachVectorEnv) -> None:

@@ -9,11 +9,11 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.files.bounded import reading
+from harness.log.log import episode_rows
 from harness.record.folder import EVALUATION_RECORDING
 from harness.record.recording.facts import BEHAVIOUR, REWARD, TrainingFacts, term_column
 from harness.record.recording.recorded_training import RecordedTraining, read_recording, recording_files
 from harness.record.store import CELLS
-from harness.record.trace import episode_rows
 from harness.results.by_term import ByTerm, by_term
 from harness.results.kept import Kept
 from harness.results.recordings.alike import Likeness, likeness_of

@@ -2,12 +2,11 @@
 
 import copy
 import math
-from dataclasses import replace
 
 import numpy as np
 
 from harness.measure import Measure
-from harness.record.episode_facts import EpisodeFacts
+from harness.record.episode_facts import NOTHING_KNOWN, with_episode_facts
 from harness.testing.metrics.traces import REWARDS, recorded_trace
 from harness.testing.violations import Check, check, raise_first, require, settings_are_frozen, settings_survive_json
 
@@ -49,7 +48,7 @@ def the_value_is_finite_or_none(metric: Measure) -> None:
     """
     traces = [(ends, recorded_trace(0, ends)) for ends in SOME_ENDS]
     traces.append((ALL_ENDS, recorded_trace(0, ALL_ENDS * 10, LONG_HORIZON)))
-    bare = [(ends, replace(trace, facts=EpisodeFacts())) for ends, trace in traces]
+    bare = [(ends, with_episode_facts(trace, NOTHING_KNOWN)) for ends, trace in traces]
     for ends, trace in traces + bare:
         value = metric(trace)
         require(value is None or isinstance(value, float), f"the value is a {type(value).__name__}, not a float")
@@ -75,7 +74,7 @@ def rewards_do_not_matter(metric: Measure) -> None:
     """The value does not depend on the columns of rewards: a metric judges behaviour, not its pay."""
     trace = recorded_trace(0, ALL_ENDS)
     others = {name: recorded_trace(1, ALL_ENDS * 9)[name][: len(trace)] for name in REWARDS}
-    value, scrambled = metric(trace), metric(replace(trace, columns={**trace.columns, **others}))
+    value, scrambled = metric(trace), metric(trace.add(others))
     require(value == scrambled, f"the value goes from {value} to {scrambled} with other rewards")
 
 
@@ -99,7 +98,7 @@ def traces_do_not_depend_on_one_another(metric: Measure) -> None:
 def the_trace_is_left_alone(metric: Measure) -> None:
     """No column is changed: the next metric reads the same trace."""
     trace = recorded_trace(0, ALL_ENDS)
-    before = copy.deepcopy(trace.columns)
+    before = copy.deepcopy(dict(trace.rows().columns))
     metric(trace)
     for name, column in before.items():
         require(np.array_equal(column, trace[name]), f"the column {name} was changed")

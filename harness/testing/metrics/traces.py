@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.log import Log
 from harness.record.episode_facts import EpisodeFacts
-from harness.record.trace import FLAGS, INTEGERS, NUMBERS, OBSTACLE, QVEL, Trace
+from harness.record.trace import FLAGS, INTEGERS, NUMBERS, OBSTACLE, QVEL, trace_of
 
 REWARDS = ("reward", "reward_ground", "reward_target", "reward_step")
 DOF = 2
@@ -17,7 +18,7 @@ FACTS = EpisodeFacts(horizon=HORIZON, control_period=0.1, ik_steps=(3,), work=(2
 """The facts of the one env that there is."""
 
 
-def recorded_trace(seed: int, ends: tuple[str, ...], horizon: int = HORIZON) -> Trace:
+def recorded_trace(seed: int, ends: tuple[str, ...], horizon: int = HORIZON) -> Log:
     """One env's episodes, one per item of `ends`.
 
     ``ground``, ``obstacle``, ``reached``, ``truncated``; ``touched``: the target was reached on the way, the horizon at
@@ -27,7 +28,7 @@ def recorded_trace(seed: int, ends: tuple[str, ...], horizon: int = HORIZON) -> 
     rng = np.random.default_rng(seed)
     parts = [_episode(rng, number, end, horizon) for number, end in enumerate(ends)]
     columns = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]} if parts else _rows(rng, 0)
-    return Trace(columns, replace(FACTS, horizon=horizon))
+    return trace_of(columns, replace(FACTS, horizon=horizon))
 
 
 def _episode(rng: np.random.Generator, number: int, end: str, horizon: int) -> dict[str, NDArray[Any]]:

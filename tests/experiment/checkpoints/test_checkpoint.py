@@ -24,7 +24,7 @@ from harness.experiment.run_cell import run_cell
 from harness.files.bounded import digest_of
 from harness.policy import WEIGHTS
 from harness.record.cell import Cell
-from harness.record.episode_facts import EpisodeFacts
+from harness.record.episode_facts import EpisodeFacts, episode_facts
 from harness.record.folder import CHECKPOINT, EVALUATION, LOG, POLICY, TRACE, partial_folder
 from harness.record.manifest import Manifest, read_manifest
 from harness.record.store import Store
@@ -218,7 +218,7 @@ def test_parts_become_one_trace(tmp_path: Path):
     with TraceParts(path, 2, 2, FACTS, parts.digests) as again:
         _rows(again, 3, 4)
     assert pq.read_table(path)["step"].to_pylist() == [0, 1, 2, 3, 4, 5, 6]
-    assert read_trace(path).facts == FACTS
+    assert episode_facts(read_trace(path)) == FACTS
     discard_parts(path)
     assert list(tmp_path.iterdir()) == [path]
 

@@ -13,7 +13,7 @@ from harness.experiment.run_cell import run_cell
 from harness.policy import WEIGHTS
 from harness.progress import RETURN, SPEED, SUCCESS
 from harness.record.cell import Cell
-from harness.record.episode_facts import EpisodeFacts
+from harness.record.episode_facts import EpisodeFacts, episode_facts
 from harness.record.folder import (
     DETERMINISTIC,
     EVALUATION,
@@ -217,7 +217,7 @@ def test_every_evaluation_tells_the_facts_of_its_episodes(make_cell: MakeCell, t
     """Steps of the kinematics and work are there for each env, the former the same in all of them."""
     folder = _run(make_cell(**NARRATE, evaluate_every=5), tmp_path / "cell")
     paths = (*evaluation_files(folder).values(), folder / EVALUATION, folder / STOCHASTIC, folder / RANDOM)
-    facts = [read_trace(path).facts for path in paths]
+    facts = [episode_facts(read_trace(path)) for path in paths]
     assert {(one.horizon, one.control_period, one.ik_steps) for one in facts} == {(5, 0.1, facts[0].ik_steps)}
     assert {(len(one.ik_steps), len(one.work)) for one in facts} == {(2, 2)}
     assert min(facts[-1].work) > 0.0
@@ -234,7 +234,7 @@ def test_kinematics_are_asked_once_in_a_cell(make_cell: MakeCell, tmp_path: Path
 def test_training_tells_what_is_known_before_it(make_cell: MakeCell, tmp_path: Path):
     """Horizon and control period; nothing of single episodes."""
     folder = _run(make_cell(**NARRATE), tmp_path / "cell")
-    assert read_trace(folder / TRACE).facts == EpisodeFacts(horizon=5, control_period=0.1)
+    assert episode_facts(read_trace(folder / TRACE)) == EpisodeFacts(horizon=5, control_period=0.1)
 
 
 def test_what_is_told_is_passed_on_when_asked_for(make_cell: MakeCell, tmp_path: Path):

@@ -11,9 +11,10 @@ import harness
 from harness import load_robot
 from harness.env.make import build_world
 from harness.experiment.evaluation.evaluate import act_of, evaluate, random_actions
+from harness.log import Log
 from harness.policy import Uniform
 from harness.record.cell import Cell
-from harness.record.trace import Trace, read_trace
+from harness.record.trace import read_trace
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 
@@ -38,7 +39,7 @@ def stand(observations: np.ndarray) -> np.ndarray:
     return np.zeros((len(observations), 6), np.float32)
 
 
-def record(folder: Path, act: Any = stand, **other: Any) -> Trace:
+def record(folder: Path, act: Any = stand, **other: Any) -> Log:
     """The trace of an evaluation of the cell, some of it said otherwise."""
     path = folder / "evaluation.parquet"
     cell = replace(CELL, **other)
@@ -47,7 +48,7 @@ def record(folder: Path, act: Any = stand, **other: Any) -> Trace:
     return read_trace(path)
 
 
-def starts_of(trace: Trace) -> np.ndarray:
+def starts_of(trace: Log) -> np.ndarray:
     """Joint angles and targets of the start rows."""
     starts = trace["step"] == 0
     targets = [trace[f"target_{axis}"][starts] for axis in "xyz"]
@@ -122,7 +123,7 @@ def test_more_episodes_begin_with_the_same_ones(tmp_path: Path):
 def test_same_policy_gives_the_same_trace(tmp_path: Path):
     """Evaluation is deterministic, bit for bit, random actions included."""
     first, second = (record(tmp_path, random_actions(FLOOR)) for _ in range(2))
-    for name, column in first.columns.items():
+    for name, column in first.rows().columns.items():
         np.testing.assert_array_equal(column, second[name])
 
 

@@ -9,9 +9,10 @@ import pytest
 from harness import load_robot
 from harness.env.make import World, build_world
 from harness.experiment.evaluation.evaluate import evaluate, random_actions
+from harness.log import Log
 from harness.policy import Uniform
 from harness.record.cell import Cell
-from harness.record.trace import Trace, read_trace
+from harness.record.trace import read_trace
 from harness.registry.choice import choose
 from harness.registry.registry import Registry
 from harness.robot.energy import least_work, read_bodies
@@ -25,7 +26,7 @@ def _world(make_cell: Callable[..., Cell], registry: Registry, task: str) -> Wor
     return build_world(cell, load_robot("fd100", registry), registry)
 
 
-def _left(world: World, folder: Path, episodes: int) -> Trace:
+def _left(world: World, folder: Path, episodes: int) -> Log:
     evaluate(world, random_actions(FLOOR), episodes, folder / "evaluation.parquet")
     return read_trace(folder / "evaluation.parquet")
 

@@ -12,7 +12,7 @@ import pytest
 import harness
 from harness.cli import main
 from harness.record.folder import TRACE
-from harness.record.trace import read_trace
+from harness.record.trace import read_trace, terms_of
 from harness.results import load_results
 from tests.results.gentle import GENTLE, run_gentle
 
@@ -31,7 +31,7 @@ def recorded(ran: Path) -> dict[str, np.ndarray]:
     results = load_results(ran)
     trace = read_trace(results.store.cell_folder(results.done_cells[0]) / TRACE)
     rows = trace.episodes[0][1:]
-    return {name: values[rows] for name, values in trace.terms.items()}
+    return {name: values[rows] for name, values in terms_of(trace).items()}
 
 
 def _export(ran: Path, *flags: object) -> None:
@@ -85,7 +85,7 @@ def test_csv_has_a_column_for_each_term(ran: Path):
     assert list(rows[0])[-3:] == [f"reward/{name}" for name in TERMS]
     results = load_results(ran)
     trace = read_trace(results.store.cell_folder(results.done_cells[0]) / TRACE)
-    assert [float(row["reward/effort"]) for row in rows] == (trace.terms["effort"] + 0.0).tolist()
+    assert [float(row["reward/effort"]) for row in rows] == (terms_of(trace)["effort"] + 0.0).tolist()
 
 
 def test_without_terms_nothing_is_told_of_any(tmp_path: Path):

@@ -1,9 +1,8 @@
 """How often the arm runs into an obstacle."""
 
-from dataclasses import replace
-
 import pytest
 
+from harness.record.trace import trace_of
 from harness.testing.metrics.traces import recorded_trace
 from harness_plugins.metrics.obstacle_hits import ObstacleHits
 
@@ -20,5 +19,5 @@ def test_share_of_the_finished_episodes(ends: tuple[str, ...], share: float):
 def test_none_where_the_task_has_no_obstacles():
     """There is nothing to hit."""
     trace = recorded_trace(0, ("ground", "reached"))
-    without = {name: column for name, column in trace.columns.items() if name != "obstacle"}
-    assert ObstacleHits()(replace(trace, columns=without)) is None
+    without = {name: column for name, column in trace.rows().columns.items() if name != "obstacle"}
+    assert ObstacleHits()(trace_of(without)) is None

@@ -1,24 +1,22 @@
 """Steps of the policy beside those of the arm's own kinematics."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
-from harness.record.episode_facts import EpisodeFacts
-from harness.record.trace import Trace
+from harness.log import Log
+from harness.record.episode_facts import EpisodeFacts, with_episode_facts
 from harness.testing.metrics.traces import recorded_trace
 from harness_plugins.metrics.optimality import Optimality
 
 ENDS = ("reached", "truncated", "reached", "ground", "reached")
 
 
-def told(*ik_steps: int | None) -> Trace:
+def told(*ik_steps: int | None) -> Log:
     """One episode in each of five envs, with these steps of the kinematics; those that reach take 10, 20, 4 steps."""
     trace = recorded_trace(0, ENDS)
     trace["env"][:], trace["episode"][:] = trace["episode"].copy(), 0
     trace["step"][trace.last_rows] = [10, 9, 20, 9, 4]
-    return replace(trace, facts=EpisodeFacts(ik_steps=ik_steps))
+    return with_episode_facts(trace, EpisodeFacts(ik_steps=ik_steps))
 
 
 def test_kinematics_steps_over_the_policys():
@@ -40,14 +38,14 @@ def test_envs_are_told_apart():
     """The order in which they were written changes nothing."""
     trace = told(5, 6, 7, 8, 9)
     order = np.argsort(-trace["env"], kind="stable")
-    mixed = Trace({name: column[order] for name, column in trace.columns.items()}, trace.facts)
+    mixed = trace.part(order)
     assert Optimality()(mixed) == pytest.approx(Optimality()(trace))
 
 
 def test_none_where_the_kinematics_reach_nothing_or_are_not_told():
     """Nothing to hold the steps against."""
     assert Optimality()(told(*[None] * 5)) is None
-    assert Optimality()(replace(told(), facts=EpisodeFacts())) is None
+    assert Optimality()(with_episode_facts(told(), EpisodeFacts())) is None
 
 
 @pytest.mark.parametrize("ends", [(), ("",)])

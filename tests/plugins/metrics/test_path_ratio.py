@@ -1,23 +1,22 @@
 """How direct the way to the target is."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from harness.errors import Unmeasured
-from harness.record.episode_facts import EpisodeFacts
-from harness.record.trace import Trace
+from harness.log import Log
+from harness.record.episode_facts import EpisodeFacts, with_episode_facts
+from harness.record.trace import trace_of
 from harness.testing.metrics.traces import recorded_trace
 from harness_plugins.metrics.path_ratio import PathRatio
 
 
-def walk(*paths: list[tuple[float, float, float]], reached: bool = True) -> Trace:
+def walk(*paths: list[tuple[float, float, float]], reached: bool = True) -> Log:
     """Episodes whose end effector goes along these points."""
     points = np.array([point for path in paths for point in path], float)
     last = np.cumsum([len(path) for path in paths]) - 1
     ended = np.isin(np.arange(len(points)), last)
-    return Trace(
+    return trace_of(
         {
             "env": np.zeros(len(points), np.int32),
             "episode": np.repeat(np.arange(len(paths), dtype=np.int32), [len(path) for path in paths]),
@@ -58,7 +57,7 @@ def test_envs_are_told_apart():
     one, two = walk(STRAIGHT), walk(CORNER)
     both = {name: np.stack([one[name], two[name]], axis=1).ravel() for name in one.columns}
     both["env"] = np.tile(np.array([0, 1], np.int32), 3)
-    assert PathRatio()(Trace(both)) == pytest.approx(1.2)
+    assert PathRatio()(trace_of(both)) == pytest.approx(1.2)
 
 
 def test_only_episodes_that_reach_the_target_count():
@@ -105,4 +104,4 @@ def test_target_that_moves_has_no_straight_line():
     """It says so."""
     trace = recorded_trace(0, ("reached",))
     with pytest.raises(Unmeasured, match="the target moves"):
-        PathRatio()(replace(trace, facts=EpisodeFacts(target_moves=True)))
+        PathRatio()(with_episode_facts(trace, EpisodeFacts(target_moves=True)))

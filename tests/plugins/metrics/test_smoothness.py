@@ -3,17 +3,18 @@
 import numpy as np
 import pytest
 
-from harness.record.trace import Trace
+from harness.log import Log
+from harness.record.trace import trace_of
 from harness.testing.metrics.traces import recorded_trace
 from harness_plugins.metrics.smoothness import Smoothness
 
 
-def move(*episodes: np.ndarray, truncated: bool = True) -> Trace:
+def move(*episodes: np.ndarray, truncated: bool = True) -> Log:
     """Finished episodes with these joint positions, (rows, dof) each."""
     lengths = [len(qpos) for qpos in episodes]
     rows = sum(lengths)
     ended = np.isin(np.arange(rows), np.cumsum(lengths) - 1)
-    return Trace(
+    return trace_of(
         {
             "env": np.zeros(rows, np.int32),
             "episode": np.repeat(np.arange(len(episodes), dtype=np.int32), lengths),

@@ -5,18 +5,19 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from harness.log import Log
 from harness.record.episode_facts import EpisodeFacts
-from harness.record.trace import Trace
+from harness.record.trace import trace_of
 from harness.testing.metrics.traces import recorded_trace
-from harness_plugins.metrics.sparc import Sparc, spectral_arc
+from harness_plugins.metrics.sparc import Sparc, spectral_arcs
 
 
-def moved(*speeds: np.ndarray, period: float | None = 0.1) -> Trace:
+def moved(*speeds: np.ndarray, period: float | None = 0.1) -> Log:
     """Finished episodes whose end effector moves along x with these speeds, (steps,) each."""
     lengths = [len(speed) + 1 for speed in speeds]
     rows = sum(lengths)
     still = np.zeros(rows)
-    return Trace(
+    return trace_of(
         {
             "env": np.repeat(np.arange(len(speeds), dtype=np.int32), lengths),
             "episode": np.zeros(rows, np.int32),
@@ -29,6 +30,11 @@ def moved(*speeds: np.ndarray, period: float | None = 0.1) -> Trace:
         },
         EpisodeFacts(control_period=period),
     )
+
+
+def spectral_arc(speed: np.ndarray, period: float) -> float:
+    """Of one profile."""
+    return spectral_arcs([speed], period)[0]
 
 
 def transformed(speed: np.ndarray, period: float) -> float:

@@ -1,12 +1,10 @@
 """Success weighted by path length."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from harness.errors import Unmeasured
-from harness.record.episode_facts import EpisodeFacts
+from harness.record.episode_facts import EpisodeFacts, with_episode_facts
 from harness.testing.metrics.traces import recorded_trace
 from harness_plugins.metrics.path_ratio import PathRatio
 from harness_plugins.metrics.spl import Spl
@@ -65,4 +63,4 @@ def test_target_that_moves_has_no_straight_line():
     """It says so."""
     trace = recorded_trace(0, ("reached",))
     with pytest.raises(Unmeasured, match="the target moves"):
-        Spl()(replace(trace, facts=EpisodeFacts(target_moves=True)))
+        Spl()(with_episode_facts(trace, EpisodeFacts(target_moves=True)))

@@ -1,18 +1,16 @@
 """How long it takes until the target is reached, failures included."""
 
-from dataclasses import replace
-
 import pytest
 
-from harness.record.episode_facts import EpisodeFacts
-from harness.record.trace import Trace
+from harness.log import Log
+from harness.record.episode_facts import EpisodeFacts, with_episode_facts
 from harness.testing.metrics.traces import recorded_trace
 from harness_plugins.metrics.time_to_target import TimeToTarget
 
 
-def told(trace: Trace, horizon: int | None = 100, period: float | None = 0.1) -> Trace:
+def told(trace: Log, horizon: int | None = 100, period: float | None = 0.1) -> Log:
     """The trace with these facts."""
-    return replace(trace, facts=EpisodeFacts(horizon=horizon, control_period=period))
+    return with_episode_facts(trace, EpisodeFacts(horizon=horizon, control_period=period))
 
 
 def test_failure_counts_as_the_whole_horizon():

@@ -1,10 +1,8 @@
 """Mechanical work of an episode."""
 
-from dataclasses import replace
-
 import pytest
 
-from harness.record.episode_facts import EpisodeFacts
+from harness.record.episode_facts import EpisodeFacts, with_episode_facts
 from harness.testing.metrics.traces import recorded_trace
 from harness_plugins.metrics.work import Work
 
@@ -13,12 +11,12 @@ def test_mean_over_the_finished_episodes():
     """However they ended; an env whose episode was left unfinished does not count."""
     trace = recorded_trace(0, ("reached", "ground", ""))
     trace["env"][:], trace["episode"][:] = trace["episode"].copy(), 0
-    assert Work()(replace(trace, facts=EpisodeFacts(work=(1.0, 4.0, 100.0)))) == 2.5
+    assert Work()(with_episode_facts(trace, EpisodeFacts(work=(1.0, 4.0, 100.0)))) == 2.5
 
 
 def test_none_where_it_is_not_told():
     """Of an arm that jumps, or in a training."""
-    assert Work()(replace(recorded_trace(0, ("reached",)), facts=EpisodeFacts())) is None
+    assert Work()(with_episode_facts(recorded_trace(0, ("reached",)), EpisodeFacts())) is None
 
 
 @pytest.mark.parametrize("ends", [(), ("",)])

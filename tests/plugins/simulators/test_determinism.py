@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 import harness
-from harness.record.trace import Trace, TraceWriter, read_trace
+from harness.log import Log
+from harness.record.trace import TraceWriter, read_trace
 from harness.registry.registry import load_registry
 
 REGISTRY = load_registry()
@@ -25,7 +26,7 @@ pytestmark = [
 ]
 
 
-def record(simulator: str, task: str, envs: tuple[int, ...] = (0, 1), steps: int = 40, *, before: int = 0) -> Trace:
+def record(simulator: str, task: str, envs: tuple[int, ...] = (0, 1), steps: int = 40, *, before: int = 0) -> Log:
     """The trace of the envs of these numbers under actions of their own, after `before` steps of something else."""
     env = harness.make_env(simulator, task, "arp:k2=2", num_envs=len(envs))
     size = env.single_action_space.shape[0]
@@ -43,19 +44,19 @@ def record(simulator: str, task: str, envs: tuple[int, ...] = (0, 1), steps: int
             for actions in np.stack(drawn, axis=1).astype(np.float32):
                 env.step(actions)
         env.close()
-        return read_trace(path)
+        return read_trace(path).load()
 
 
-def assert_same(first: Trace, second: Trace) -> None:
+def assert_same(first: Log, second: Log) -> None:
     """All columns, bit for bit."""
     assert set(first.columns) == set(second.columns)
-    for name, column in first.columns.items():
+    for name, column in first.rows().columns.items():
         np.testing.assert_array_equal(column, second[name], err_msg=name)
 
 
-def digest(trace: Trace) -> str:
+def digest(trace: Log) -> str:
     """Of all columns."""
-    parts = b"".join(name.encode() + column.tobytes() for name, column in sorted(trace.columns.items()))
+    parts = b"".join(name.encode() + column.tobytes() for name, column in sorted(trace.rows().columns.items()))
     return hashlib.sha256(parts).hexdigest()
 
 

@@ -1,0 +1,82 @@
+"""The traces that cells of an arm leave, as logs with the names that all logs share."""
+
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, fields
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pyarrow.parquet as pq
+
+from harness.log import Log, LogFacts
+from harness.log.log import RECORDED, REWARD, Columns
+from harness.record.cell import Cell
+from harness.record.episode_facts import TraceFacts, episode_facts
+from harness.record.folder import MANIFEST, RANDOM, SUFFIX, TRACE
+from harness.record.manifest import read_manifest
+from harness.record.returns import EVENTS
+from harness.record.trace import COLUMN, FORMAT_KEY, SCALARS, TERM, TraceWriter, part_of, read_parts, read_trace
+
+EXAMPLE_DOF = 2
+
+
+@dataclass(frozen=True)
+class CellLog:
+    """A trace of a cell, ``trace.parquet`` or one of its evaluations, or the finished parts of one under way.
+
+    ``reward/LABEL`` and ``reward/LABEL/TERM`` are what the cell's own reward paid, without the events, which stand in
+    columns of their own. All other columns have the names of `harness.record.trace`.
+    """
+
+    def recognises(self, path: Path, head: bytes) -> bool:
+        """A Parquet file that says that it is a trace; of several parts the first one stands for all."""
+        if head.startswith(b"PAR1") and (path.suffix == SUFFIX or _is_first_part(path)):
+            with suppress(Exception):  # whatever a damaged file does to its reader
+                return FORMAT_KEY in (pq.read_schema(path).metadata or {})
+        return False
+
+    def read(self, path: Path) -> tuple[Log, ...]:
+        """The one training or evaluation; the manifest beside it, if there is one, says of what."""
+        trace = read_parts(path.with_name(TRACE)) if _is_first_part(path) else read_trace(path)
+        cell = read_manifest(path.parent).cell if path.with_name(MANIFEST).is_file() else None
+        label = cell.reward.label if cell else RECORDED
+        own = {name: name for name in trace.columns if name != "reward" and not name.startswith(TERM)}
+        terms = {f"{REWARD}{label}/{name.removeprefix(TERM)}": name for name in trace.columns if name.startswith(TERM)}
+        names = {**own, "start": "step", "time": "step", f"{REWARD}{label}": "reward", **terms}
+        return (Log(_facts(trace, path, cell), tuple(names), partial(_tables, trace, names), trace.added),)
+
+    def write_example(self, folder: Path) -> Path:
+        """Two episodes of two steps, each with its start row."""
+        rows = np.zeros((6, len(SCALARS) + 2 * EXAMPLE_DOF))
+        rows[:, COLUMN["episode"]], rows[:, COLUMN["step"]] = np.repeat([0, 1], 3), np.tile([0, 1, 2], 2)
+        rows[:, COLUMN["distance"]], rows[:, COLUMN["begin_distance"]] = np.tile([0.5, 0.4, 0.2], 2), 0.5
+        rows[:, COLUMN["reward"]], rows[[2, 5], COLUMN["truncated"]] = np.tile([0.0, 0.25, 0.5], 2), 1.0
+        with TraceWriter(folder / TRACE, EXAMPLE_DOF, EXAMPLE_DOF) as writer:
+            writer.append(rows)
+        return folder / TRACE
+
+
+def _is_first_part(path: Path) -> bool:
+    return path.name == part_of(Path(TRACE), 0).name
+
+
+def _facts(trace: Log, path: Path, cell: Cell | None) -> TraceFacts:
+    told = {field.name: getattr(trace.facts, field.name) for field in fields(LogFacts)}
+    told["notes"] = (f"Events are paid on top of the reward, in the columns {', '.join(EVENTS)}",)
+    if cell is not None:
+        told |= {"env": cell.task.label, "algorithm": cell.algorithm.label, "seed": cell.seed}
+        told |= {"trained_with": cell.reward.label, "evaluation": path.name != TRACE}
+        told["asked"] = cell.steps if path.name == TRACE else 0
+    if path.name == RANDOM:
+        told |= {"algorithm": "random actions", "trained_with": ""}
+    return TraceFacts(**told, episodes=episode_facts(trace))
+
+
+def _tables(trace: Log, names: Mapping[str, str], asked: tuple[str, ...]) -> Iterator[Columns]:
+    taken = 0
+    for table in trace.read(tuple(dict.fromkeys(["step", *(names[name] for name in asked)]))):
+        is_step = table["step"] > 0
+        made = {"start": ~is_step, "time": taken + np.cumsum(is_step)}
+        yield {name: made[name] if name in made else table[names[name]] for name in asked}
+        taken += int(is_step.sum())
