@@ -35,6 +35,7 @@ class LogFacts:
         env: The id of the environment, or its specification as text. It is never run.
         algorithm: What learned.
         seed: Of the training.
+        started: When it began, in seconds of Unix time; None if nobody says.
         evaluation: Whether the rows are of evaluations of a policy, in which nothing was trained.
         asked: Environment steps that the training was to take; 0 if nobody said.
         declared: Totals that the file tells of itself, by ``steps``, ``episodes``, ``tasks``.
@@ -53,6 +54,7 @@ class LogFacts:
     env: str = ""
     algorithm: str = ""
     seed: int | None = None
+    started: float | None = None
     evaluation: bool = False
     asked: int = 0
     declared: Mapping[str, int] = field(default_factory=dict)

@@ -394,7 +394,7 @@ class Comparison:
         if self.main is not None:
             return return_sentence(self.names, self.main)
         if self.number_of == "returns" and self.manner in self.missing:
-            return f"The mean return is not known: {self.missing[self.manner]}."
+            return f"Mean returns are not compared: {self.missing[self.manner]}."
         return number_sentence(self.names, self.splits)
 
     def to_json(self) -> dict[str, Any]:

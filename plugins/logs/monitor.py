@@ -45,7 +45,11 @@ class Monitor:
         if success:
             columns[f"{BEHAVIOUR}{SUCCESS}"] = success
         facts = LogFacts(
-            path=path, format="Monitor of stable-baselines3", unit="episode", env=str(told.get("env_id") or "")
+            path=path,
+            format="Monitor of stable-baselines3",
+            unit="episode",
+            env=str(told.get("env_id") or ""),
+            started=told.get("t_start"),
         )
         return (Log(facts, tuple(columns), partial(_rows, path, columns)),)
 

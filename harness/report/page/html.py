@@ -218,6 +218,7 @@ def _warnings(results: Results) -> list[str]:
     """What a reader must know before the answers."""
     ended = [f"{count_cells(results)}. The last part of the page has the reasons."]
     told = ended if results.failed or results.damaged else []
+    told += [f"{line}." for line in results.said]
     return [*told, *(text for text in (interim_text(results), joined_text(results), grown_text(results)) if text)]
 
 

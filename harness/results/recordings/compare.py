@@ -103,6 +103,8 @@ class _Recorded:
 
     def returned(self, match: Match[Run], pair: Pair, manner: str) -> list[float]:
         """See `Trainings`."""
+        if self._runs.returns_apart:
+            raise Unscored(self._runs.returns_apart)
         payer, found = getattr(match, pair[0]), []
         for run in match.of(pair[1]):
             part = run.parts(self._runs.steps)[manner]

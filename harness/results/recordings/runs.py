@@ -154,6 +154,10 @@ class Runs(NamedTuple):
     """Random actions, where they were recorded."""
     control: Mapping[int, Run] = NO_RUNS
     """Trainings by the baseline again with other seeds, each by the seed that it is compared with."""
+    said: tuple[str, ...] = ()
+    """How what was found was sorted and read, a line each; a reader has to know it before the first number."""
+    returns_apart: str = ""
+    """Why mean returns are not compared; empty where they are."""
 
     @property
     def env(self) -> str:

@@ -1,0 +1,304 @@
+"""Turns sorted logs into the trainings of a study, which the same tests compare as recorded trainings."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from harness.arrays import Float
+from harness.errors import SchemaError, Unscored, UsageError
+from harness.eta.equal import equal_sentences, equal_trainings
+from harness.log import Log
+from harness.log.log import BEHAVIOUR, RECORDED, REWARD, SUCCESS
+from harness.record.cell import NO_ROBOT, NO_SIMULATOR, UNKNOWN_ALGORITHM
+from harness.record.recording.facts import TrainingFacts
+from harness.registry.choice import Choice
+from harness.results.by_term import ByTerm
+from harness.results.comparison import Group
+from harness.results.logs.checks import (
+    KEPT,
+    NO_STEPS,
+    budget_notes,
+    facts_notes,
+    no_steps_notes,
+    require_comparable,
+    without_short,
+)
+from harness.results.logs.trainings import Sorted, Training, digest_of
+from harness.results.recordings.alike import Likeness
+from harness.results.recordings.episodes import Episodes
+from harness.results.recordings.runs import NO_NAME, Run, Runs
+
+RETURN, LENGTH = "return", "length"
+"""Measures that every log of episodes has, if the user says that they decide."""
+TIME = "time"
+OWN_ALONE = (
+    "each reward paid its own trainings alone, and returns of two rewards are not comparable: every reward has its own "
+    "scale"
+)
+
+
+class Deciding(NamedTuple):
+    """What decides about the policies, as the user says it.
+
+    Attributes:
+        name: A measure of the logs; ``length`` of the episodes; ``return``, if one and the same reward paid all logs.
+        better: ``higher`` or ``lower``; empty where the measure itself tells.
+    """
+
+    name: str = ""
+    better: str = ""
+
+
+SUCCESS_DECIDES = Deciding()
+
+
+@dataclass(frozen=True)
+class OfLog:
+    """What follows from the files of a log; see `RecordingResults`, of which it has what a study asks for."""
+
+    path: Path
+    reason: str
+    steps: int
+    episodes: int
+
+    def paid_by(self, reward: str) -> Float:
+        """Nothing.
+
+        Raises:
+            Unscored: Always: no pay of steps was kept.
+        """
+        raise Unscored(self.reason)
+
+    def terms_paid(self, reward: str) -> ByTerm:
+        """Of no reward it is known what its terms paid."""
+        return ByTerm({}, self.steps, self.episodes)
+
+
+def runs_of(found: Sorted, deciding: Deciding = SUCCESS_DECIDES, *, is_told: bool = False) -> Runs:
+    """Sorted trainings that can be compared.
+
+    Args:
+        found: The trainings.
+        deciding: What decides; ``success`` where it is told, if the user says nothing.
+        is_told: Whether the user said which trainings there are.
+
+    Raises:
+        UsageError: They cannot be compared, or the measure is not told.
+        SchemaError: A log is damaged.
+    """
+    require_comparable(found, is_told=is_told)
+    found = without_short(found)
+    trainings = found.trainings
+    has_time = all(TIME in log or LENGTH in log for it in trainings for log in it.logs)
+    steps = [_steps(it, has_time) for it in trainings]
+    noun = "steps" if has_time else "episodes" if trainings[0].logs[0].facts.unit == "episode" else "points"
+    shortest = min(steps)
+    measures = _measures(trainings, deciding)
+    runs = [_run(it, own, shortest, measures, has_time=has_time) for it, own in zip(trainings, steps, strict=True)]
+    members = {(run.reward, run.seed): run for run in runs}
+    every, episodes = _rhythm(runs)
+    equal = equal_trainings({key: run.likeness.digest for key, run in members.items()})
+    logs = [log for it in trainings for log in (*it.logs, it.evaluation) if log is not None]
+    lower = {name for log in logs for name in log.facts.lower_is_better}
+    rewards = tuple(dict.fromkeys(name for name in (*found.rewards, *(it for run in runs for it in run.facts.rewards))))
+    return Runs(
+        _group(trainings, shortest, every, episodes),
+        rewards,
+        found.rewards,
+        measures,
+        frozenset(lower - {deciding.name} | ({deciding.name} if deciding.better == "lower" else set())),
+        members,
+        shortest,
+        no_steps_notes(logs),
+        (),
+        equal,
+        {},
+        said=(
+            found.sentence + _deciding_text(measures, logs),
+            *found.notes,
+            *facts_notes(logs),
+            *budget_notes(trainings, steps, noun),
+            *equal_sentences(equal),
+        ),
+        returns_apart="" if _share_pay(runs) else OWN_ALONE,
+    )
+
+
+def _share_pay(runs: Sequence[Run]) -> bool:
+    """Whether every reward that taught some training is known to have paid all of them."""
+    unknown = np.array([np.nan])
+    taught = {run.reward for run in runs}
+    return all(not np.isnan(run.episodes.returns.get(name, unknown)).any() for run in runs for name in taught)
+
+
+def _deciding_text(measures: Sequence[str], logs: Sequence[Log]) -> str:
+    if not measures:
+        return (
+            "; only returns are told, and returns of two rewards are not comparable: --labels FILE says which trainings "
+            "were a success, --measure length:better=lower lets the length of episodes decide"
+        )
+    lacking = sum(f"{BEHAVIOUR}{measures[0]}" not in log for log in logs) if measures[0] == SUCCESS else 0
+    return f"; {measures[0]} decides" + (f", which {lacking} of {len(logs)} logs do not tell" if lacking else "")
+
+
+def _measures(trainings: Sequence[Training], deciding: Deciding) -> tuple[str, ...]:
+    """The names of the measures, the one that decides first."""
+    told = dict.fromkeys(
+        name for it in trainings for log in (*it.logs, it.evaluation) if log is not None for name in log.measures
+    )
+    known = sorted(told, key=lambda name: name != SUCCESS)
+    if not deciding.name:
+        return tuple(known)
+    if deciding.name not in (*known, RETURN, LENGTH):
+        raise UsageError(f"--measure {deciding.name}: the logs tell {', '.join([*known, RETURN, LENGTH])}")
+    if deciding.name == LENGTH and not deciding.better:
+        raise UsageError("--measure length: say which is better, --measure length:better=lower or better=higher")
+    return tuple(dict.fromkeys([deciding.name, *known]))
+
+
+def _group(trainings: Sequence[Training], steps: int, every: int, episodes: int) -> Group:
+    env = next((it.logs[0].facts.env for it in trainings if it.logs[0].facts.env), NO_NAME)
+    algorithms = {it.logs[0].facts.algorithm for it in trainings}
+    name = algorithms.pop() if len(algorithms) == 1 else ""
+    algorithm = Choice(name, (), name) if name else UNKNOWN_ALGORITHM
+    return Group(
+        NO_ROBOT, Choice(env, (), env), algorithm, steps, episodes, evaluate_every=every, simulator=NO_SIMULATOR
+    )
+
+
+# One training
+
+
+def _steps(training: Training, has_time: bool) -> int:
+    """How long it was: environment steps over all of its environments, or rows where nobody tells them."""
+    return int(max(_ends(log, has_time)[-1] for log in training.logs)) * len(training.logs)
+
+
+def _ends(log: Log, has_time: bool) -> Float:
+    """Environment steps that were taken when each row ended, or the number of rows by then, (rows,)."""
+    if not has_time:
+        return np.arange(1.0, len(log) + 1)
+    ends: Float = np.asarray(log[TIME], np.float64) if TIME in log else np.cumsum(log[LENGTH], dtype=np.float64)
+    if not np.isfinite(ends).all() or (np.diff(ends) < 0).any():
+        raise SchemaError(f"{log.facts.path}: its rows are not in the order of their steps")
+    return ends
+
+
+def _run(
+    training: Training,
+    steps: int,
+    shortest: int,
+    measures: Sequence[str],
+    *,
+    has_time: bool,
+) -> Run:
+    columns = _joined(training, has_time, measures)
+    evaluated = training.logs[0] if training.is_evaluated_alone else training.evaluation
+    if training.is_evaluated_alone:
+        columns = {name: values[:0] for name, values in columns.items()}
+    reason = NO_STEPS.format(KEPT.get(training.logs[0].facts.unit, "no pay of steps"))
+    run = _run_of(training, training.path, columns, steps, measures, reason, digest=digest_of(training.logs))
+    if evaluated is None:
+        return run
+    found = _evaluations(training, evaluated, measures, reason, min(steps, shortest))
+    if not found:
+        return run
+    *before, (_, last) = found
+    return replace(run, evaluation=last, before=tuple(it for _, it in before))
+
+
+def _evaluations(
+    training: Training, log: Log, measures: Sequence[str], reason: str, until: int
+) -> list[tuple[int, Run]]:
+    """What policies did in each evaluation up to a step of the training, in order."""
+    columns = _columns(training, log, _ends(log, True), measures)
+    runs = []
+    for after in np.unique(columns[TIME][columns[TIME] <= until]):
+        rows = {name: values[columns[TIME] == after] for name, values in columns.items()}
+        rows[TIME] = np.arange(1.0, len(rows[TIME]) + 1)
+        run = _run_of(
+            training, log.facts.path, rows, len(rows[TIME]), measures, reason, after=int(after), evaluation=True
+        )
+        runs.append((int(after), run))
+    return runs
+
+
+def _joined(training: Training, has_time: bool, measures: Sequence[str]) -> dict[str, Float]:
+    """The rows of all logs of one training in the order in which they ended; environments of a batch step together."""
+    parts = [_columns(training, log, _ends(log, has_time) * len(training.logs), measures) for log in training.logs]
+    whole = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    order = np.argsort(whole[TIME], kind="stable")
+    return {name: values[order] for name, values in whole.items()}
+
+
+def _columns(training: Training, log: Log, ends: Float, measures: Sequence[str]) -> dict[str, Float]:
+    """The numbers of a log under the names of the study: ``time``, ``reward/NAME``, ``behaviour/NAME``."""
+    found: dict[str, Float] = {TIME: ends}
+    for name in log.rewards:
+        own = training.reward if name == RECORDED else name
+        found[f"{REWARD}{own}"] = np.asarray(log[f"{REWARD}{name}"], np.float64)
+    for name in measures:
+        column = {RETURN: f"{REWARD}{RECORDED}", LENGTH: LENGTH}.get(name, f"{BEHAVIOUR}{name}")
+        if f"{BEHAVIOUR}{name}" in log:
+            column = f"{BEHAVIOUR}{name}"
+        found[f"{BEHAVIOUR}{name}"] = (
+            np.asarray(log[column], np.float64) if column in log else np.full(len(ends), np.nan)
+        )
+    return found
+
+
+def _run_of(
+    training: Training,
+    path: Path,
+    columns: Mapping[str, Float],
+    steps: int,
+    measures: Sequence[str],
+    reason: str,
+    *,
+    digest: str = "",
+    after: int = 0,
+    evaluation: bool = False,
+) -> Run:
+    rewards = tuple(name.removeprefix(REWARD) for name in columns if name.startswith(REWARD))
+    named = rewards if training.reward in rewards else (*rewards, training.reward)
+    log = training.logs[0]
+    facts = TrainingFacts(
+        rewards=named,
+        trained_with=training.reward,
+        behaviour=tuple(measures),
+        bounds=dict(log.facts.bounds),
+        seed=training.seed,
+        env={"id": log.facts.env} if log.facts.env else {},
+        closed=True,
+        after=after,
+        evaluation=evaluation,
+    )
+    unknown = np.full(len(columns[TIME]), np.nan)
+    episodes = Episodes(
+        columns[TIME].astype(np.int64) - 1,
+        {name: columns.get(f"{REWARD}{name}", unknown) for name in named},
+        {name: columns[f"{BEHAVIOUR}{name}"] for name in measures},
+        {f"{BEHAVIOUR}{name}": "not told" for name in measures if np.isnan(columns[f"{BEHAVIOUR}{name}"]).all()},
+    )
+    return Run(
+        OfLog(path, reason, steps, len(episodes.last)),
+        facts,
+        training.seed,
+        steps,
+        episodes,
+        Likeness(digest, {}, frozenset()),
+    )
+
+
+def _rhythm(runs: Sequence[Run]) -> tuple[int, int]:
+    """After how many steps policies were evaluated, if that is the same in all trainings; and how many episodes."""
+    times = {tuple(it.facts.after for it in (*run.before, run.evaluation) if it is not None) for run in runs}
+    episodes = min((len(run.evaluation.episodes.last) for run in runs if run.evaluation), default=0)
+    if len(times) != 1:
+        return 0, episodes
+    (of,) = times
+    gaps = {*np.diff([0, *of]).tolist()}
+    return (int(gaps.pop()), episodes) if len(gaps) == 1 and len(of) > 1 else (0, episodes)
