@@ -8,6 +8,8 @@ env, episode, step             of a step: the env of a batch, the episode counte
 start                          whether the row is the start of an episode, before any step; it is paid nothing
 terminated, truncated          whether the step ended the episode, or cut it
 time                           environment steps of the training, over all its envs, that were taken when the row ended
+iteration                      of a point, instead of time where nobody says how many environment steps its counter
+                               counts as one, such as updates of the learner
 length                         of an episode: its steps; of a point: the mean of some episodes'
 reward/NAME                    what a reward paid for the row: a step's pay, an episode's return, a point's mean return.
                                ``reward/recorded`` where nobody says which reward it is

@@ -1,0 +1,221 @@
+"""Folders of event files, ``events.out.tfevents.*``, as TensorBoard shows them: curves by tag."""
+
+import re
+import struct
+from array import array
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from harness.arrays import Float
+from harness.errors import SchemaError
+from harness.files.bounded import reading, require_regular
+from harness.log import Log, LogFacts
+
+from ..curves import Curve, CurveSettings, curve_log
+
+MARK = "tfevents"
+MOST_BYTES = 2**31
+MOST_POINTS = 20_000_000
+FRAME = 16
+"""Bytes around each event: its length, and two checksums."""
+CLEANRL_RUN = re.compile(r"(?P<env>.+?)__(?P<algorithm>.+)__(?P<seed>\d+)__\d+")
+"""What CleanRL calls the folder of a run."""
+HYPERPARAMETERS = "hyperparameters/text_summary"
+
+
+@dataclass(frozen=True)
+class _Series:
+    """What the files hold of one tag, as numbers of 8 bytes."""
+
+    steps: "array[float]" = field(default_factory=lambda: array("d"))
+    values: "array[float]" = field(default_factory=lambda: array("d"))
+
+
+@dataclass(frozen=True)
+class _File:
+    """What one event file holds."""
+
+    path: Path
+    series: dict[str, _Series] = field(default_factory=dict)
+    told: dict[str, str] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class TensorBoard(CurveSettings):
+    """Curves of a folder of event files, with all of their points: TensorBoard's own page shows a sample of them."""
+
+    def recognises(self, path: Path, head: bytes) -> bool:
+        """A folder in which an event file lies, or such a file, by its name."""
+        try:
+            return bool(_event_files(path))
+        except OSError:
+            return False
+
+    def read(self, path: Path) -> tuple[Log, ...]:
+        """The training of a folder, or of one event file; several if files of the folder begin anew.
+
+        A training that was continued from a checkpoint has a file for each of its parts. What was logged again after
+        the checkpoint counts, and what stood there before does not.
+
+        Raises:
+            UsageError: A tag that was named is not there, or none is known.
+            SchemaError: A file is damaged before its end.
+        """
+        files = [_read_file(file) for file in _event_files(path)]
+        names = sorted({tag for file in files for tag in file.series})
+        if not names:
+            raise SchemaError(f"{path} holds no event file with numbers")
+        curve = self.chosen(path, names)
+        trainings = _trainings(files, curve.main)
+        return tuple(self._log(path, curve, parts, len(trainings)) for parts in trainings)
+
+    def write_example(self, folder: Path) -> Path:
+        """Four points under the names of stable-baselines3."""
+        from tensorboard.summary import Writer  # it takes a second
+
+        writer = Writer(str(folder))
+        for point in range(4):
+            for tag, value in (("ep_rew_mean", -10.0 + point), ("ep_len_mean", 50.0), ("success_rate", point / 4)):
+                writer.add_scalar(f"rollout/{tag}", value, 2048 * (point + 1))
+        writer.close()
+        return folder
+
+    def _log(self, path: Path, curve: Curve, files: Sequence[_File], trainings: int) -> Log:
+        joined: dict[str, _Series] = {}
+        for file in files:
+            for tag, series in file.series.items():
+                whole = joined.setdefault(tag, _Series())
+                whole.steps.extend(series.steps)
+                whole.values.extend(series.values)
+        told = {key: value for file in files for key, value in file.told.items()}
+        notes = [note for file in files for note in file.notes]
+        if trainings > 1:
+            notes.append(f"the folder holds {trainings} trainings, each in event files of its own")
+        named = CLEANRL_RUN.fullmatch(path.name)
+        env, algorithm, seed = named.group("env", "algorithm", "seed") if named else ("", "", "")
+        seed = told.get("seed", seed)
+        facts = LogFacts(
+            path=path,
+            format=f"TensorBoard, tags of {curve.program}" if curve.program else "TensorBoard",
+            run=files[0].path.name if trainings > 1 else "",
+            env=told.get("env_id", env),
+            algorithm=told.get("exp_name", algorithm),
+            seed=int(seed) if seed.isdecimal() else None,
+            asked=int(told["total_timesteps"]) if told.get("total_timesteps", "").isdecimal() else 0,
+            notes=tuple(notes),
+        )
+        return curve_log(facts, curve, list(joined), _aligned(joined, curve), self.per_step)
+
+
+def _event_files(path: Path) -> list[Path]:
+    """By name, which begins with the time at which each was begun."""
+    files = path.iterdir() if path.is_dir() else [path]
+    return sorted(file for file in files if MARK in file.name and file.is_file())
+
+
+def _read_file(path: Path) -> _File:
+    """All numbers of an event file, up to an event that is not yet written to its end."""
+    from tensorboard.backend.event_processing.event_file_loader import RawEventFileLoader
+    from tensorboard.compat.proto.event_pb2 import Event
+
+    found = _File(path)
+    with reading(path, "event file of TensorBoard"):
+        require_regular(path, MOST_BYTES)
+        size, points = 0, 0
+        for record in RawEventFileLoader(str(path)).Load():
+            size += len(record) + FRAME
+            event = Event.FromString(record)
+            for value in event.summary.value:
+                number = _number(value)
+                if number is not None:
+                    series = found.series.setdefault(value.tag, _Series())
+                    series.steps.append(float(event.step))
+                    series.values.append(number)
+                    points += 1
+                elif value.tag == HYPERPARAMETERS:
+                    found.told.update(_hyperparameters(value))
+            if points > MOST_POINTS:
+                raise SchemaError(f"{path} has more than the {MOST_POINTS:,} points that are allowed")
+        left = _left_over(path, size)
+        if left:
+            found.notes.append(f"the last {left:,} bytes of {path.name} are no whole event yet: they are left out")
+    return found
+
+
+def _left_over(path: Path, size: int) -> int:
+    """Bytes behind the last event that was read, of an event that was not written to its end.
+
+    Raises:
+        SchemaError: More stands there: the file is damaged.
+    """
+    with path.open("rb") as file:
+        file.seek(size)
+        head = file.read(8)
+        end = file.seek(0, 2)
+    left = end - size
+    is_begun = len(head) < 8 or not any(head) or struct.unpack("<Q", head)[0] + FRAME > left
+    if left and (not is_begun or (size == 0 and left > FRAME)):
+        raise SchemaError(f"{path} is damaged from byte {size:,} of {end:,} on")
+    return left
+
+
+def _number(value: Any) -> float | None:
+    """A scalar, as writers of version 1 and 2 keep it; None of anything else."""
+    if value.HasField("simple_value"):
+        return float(value.simple_value)
+    if not value.HasField("tensor") or value.metadata.plugin_data.plugin_name not in ("scalars", ""):
+        return None
+    from tensorboard.util import tensor_util
+
+    numbers: Any = tensor_util.make_ndarray(value.tensor)
+    return float(numbers.item()) if numbers.size == 1 and numbers.dtype.kind in "biuf" else None
+
+
+def _hyperparameters(value: Any) -> dict[str, str]:
+    """What CleanRL writes of a training: a table of two columns, as text."""
+    text = b"".join(value.tensor.string_val).decode("utf-8", "replace")
+    rows = [line.strip("|").split("|") for line in text.splitlines()]
+    return {row[0].strip(): row[1].strip() for row in rows if len(row) == 2}
+
+
+def _trainings(files: Sequence[_File], tag: str) -> list[list[_File]]:
+    """Files by training: one that begins no later than the training before it did is the first of another."""
+    trainings: list[list[_File]] = []
+    begin = np.inf
+    for file in files:
+        first = min(file.series[tag].steps) if tag in file.series else np.inf
+        if first <= begin < np.inf or not trainings:
+            trainings.append([file])
+            begin = first
+        else:
+            trainings[-1].append(file)
+            begin = min(begin, first)
+    return trainings
+
+
+def _aligned(joined: Mapping[str, _Series], curve: Curve) -> dict[str, Float]:
+    """The tags of a curve, with a value for each point of its first tag; NaN where a tag has none at that step."""
+    base = joined.get(curve.main, _Series())
+    columns = {"step": np.array(base.steps, np.float64)}
+    keys = _numbered(base.steps)
+    for tag in (*curve.columns.values(), *curve.time):
+        if tag in joined:
+            values = dict(zip(_numbered(joined[tag].steps), joined[tag].values, strict=True))
+            columns[tag] = np.array([values.get(key, np.nan) for key in keys], np.float64)
+    return columns
+
+
+def _numbered(steps: Iterable[float]) -> list[tuple[float, int]]:
+    """Each step, and how often it stood there before: several episodes may end at one step."""
+    seen: Counter[float] = Counter()
+    found = []
+    for step in steps:
+        found.append((step, seen[step]))
+        seen[step] += 1
+    return found

@@ -1,0 +1,335 @@
+"""Event files that TensorBoard's own writers, torch's and stable-baselines3 write, and what happens to such files."""
+
+import warnings
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness.errors import SchemaError, UsageError
+from harness.log import Log
+from harness_plugins.logs.tensorboard import TensorBoard
+
+pytest.importorskip("tensorboard", reason="needs the extra tensorboard")
+
+REWARD, SUCCESS, LENGTH = "rollout/ep_rew_mean", "rollout/success_rate", "rollout/ep_len_mean"
+
+
+def write(folder: Path, tags: Mapping[str, Iterable[tuple[int, float]]], stamp: int = 1) -> Path:
+    """An event file by TensorBoard's own writer of records, as old writers keep scalars; its path."""
+    from tensorboard.compat.proto.event_pb2 import Event
+    from tensorboard.compat.proto.summary_pb2 import Summary
+    from tensorboard.summary.writer.record_writer import RecordWriter
+
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"events.out.tfevents.{stamp:010}.host"
+    with path.open("wb") as file:
+        writer = RecordWriter(file)
+        writer.write(Event(file_version="brain.Event:2").SerializeToString())
+        for tag, points in tags.items():
+            for step, value in points:
+                summary = Summary(value=[Summary.Value(tag=tag, simple_value=value)])
+                writer.write(Event(step=step, summary=summary).SerializeToString())
+        writer.flush()
+    return path
+
+
+def read(path: Path, **settings: Any) -> Log:
+    """The one log of a folder that the format recognises."""
+    board = TensorBoard(**settings)
+    assert board.recognises(path, b"")
+    [log] = board.read(path)
+    return log
+
+
+def curve(begin: int, end: int) -> list[tuple[int, float]]:
+    """A point each 10 steps."""
+    return [(step, step / 4) for step in range(begin, end, 10)]
+
+
+def test_a_training_of_stable_baselines3_is_read_as_its_own_logger_dumped_it(counted: Callable, tmp_path: Path):
+    """Returns, lengths, success and steps, against what its csv logger wrote of the same training."""
+    pytest.importorskip("stable_baselines3", reason="needs the extra sb3")
+    from stable_baselines3 import A2C
+    from stable_baselines3.common.env_util import make_vec_env
+    from stable_baselines3.common.logger import configure
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        model = A2C("MlpPolicy", make_vec_env(counted), n_steps=20, device="cpu")
+        model.set_logger(configure(str(tmp_path), ["csv", "tensorboard"]))
+        model.learn(200, log_interval=1)
+    model.logger.close()
+    log = read(tmp_path)
+    told = np.genfromtxt(tmp_path / "progress.csv", delimiter=",", names=True, deletechars="")
+    for column, name in [("reward/recorded", REWARD), ("length", LENGTH), ("behaviour/success", SUCCESS)]:
+        assert log[column] == pytest.approx(told[name], rel=1e-6)
+    assert log["time"].tolist() == told["time/total_timesteps"].tolist()
+    assert log.facts.unit == "point"
+    assert "a mean over the last 100 episodes" in log.facts.thinned
+
+
+def test_all_of_20000_points_are_read_where_tensorboards_own_reader_keeps_10000(tmp_path: Path):
+    """Issue 4047 of TensorBoard: exports of more than its sample are thinned without a word."""
+    from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
+
+    points = [(step, float(step % 97)) for step in range(20_000)]
+    write(tmp_path, {REWARD: points})
+    own = EventAccumulator(str(tmp_path))
+    own.Reload()
+    assert len(own.Scalars(REWARD)) == 10_000
+    log = read(tmp_path)
+    assert log["time"].tolist() == [step for step, _ in points]
+    assert log["reward/recorded"].tolist() == [value for _, value in points]
+
+
+@pytest.mark.parametrize("kind", ["torch", "tensorboard", "bare"])
+def test_scalars_of_every_writer_are_the_same(tmp_path: Path, kind: str):
+    """Torch's and old writers keep a simple value, new ones a tensor."""
+    points = curve(0, 50)
+    if kind == "bare":
+        write(tmp_path, {REWARD: points})
+    else:
+        module = "torch.utils.tensorboard" if kind == "torch" else "tensorboard.summary"
+        writer_type = {"torch": "SummaryWriter", "tensorboard": "Writer"}[kind]
+        writer = getattr(pytest.importorskip(module), writer_type)(str(tmp_path))
+        for step, value in points:
+            writer.add_scalar(REWARD, value, step)
+        writer.close()
+    log = read(tmp_path)
+    assert log["time"].tolist() == [0, 10, 20, 30, 40]
+    assert log["reward/recorded"].tolist() == [0.0, 2.5, 5.0, 7.5, 10.0]
+
+
+def test_a_training_that_was_continued_has_its_later_file_count(tmp_path: Path):
+    """From a checkpoint at step 60: what the first part logged from there on was not kept by the training."""
+    write(tmp_path, {REWARD: curve(0, 100)}, stamp=1)
+    write(tmp_path, {REWARD: [(step, -1.0) for step in range(60, 120, 10)]}, stamp=2)
+    log = read(tmp_path)
+    assert log["time"].tolist() == list(range(0, 120, 10))
+    assert log["reward/recorded"].tolist() == [value for _, value in curve(0, 60)] + [-1.0] * 6
+    assert any("1 times it goes back" in note for note in log.facts.notes)
+
+
+def test_files_that_each_begin_anew_are_trainings_of_their_own(tmp_path: Path):
+    """Three seeds that were logged into one folder are not one training."""
+    for seed in range(3):
+        write(tmp_path, {REWARD: [(step, float(seed)) for step in (0, 10, 20)]}, stamp=seed)
+    logs = TensorBoard().read(tmp_path)
+    assert [log["reward/recorded"].tolist() for log in logs] == [[0.0] * 3, [1.0] * 3, [2.0] * 3]
+    assert len({log.facts.run for log in logs}) == 3
+    assert all("holds 3 trainings" in note for log in logs for note in log.facts.notes if "folder" in note)
+
+
+def test_two_writers_of_one_training_are_one_log(tmp_path: Path):
+    """One logs returns and another success, into files of their own."""
+    write(tmp_path, {REWARD: curve(0, 50)}, stamp=1)
+    write(tmp_path, {SUCCESS: [(step, 0.5) for step in range(0, 50, 10)]}, stamp=2)
+    assert read(tmp_path)["behaviour/success"].tolist() == [0.5] * 5
+
+
+@pytest.mark.parametrize("lost", [1, 5, 13, 20, 30])
+def test_an_event_that_is_not_yet_whole_is_left_out_and_told(tmp_path: Path, lost: int):
+    """The training writes on, or was killed."""
+    path = write(tmp_path, {REWARD: curve(0, 100)})
+    path.write_bytes(path.read_bytes()[:-lost])
+    log = read(tmp_path)
+    assert log["time"].tolist() == list(range(0, 90, 10))
+    assert any("no whole event yet" in note for note in log.facts.notes)
+
+
+def test_a_tail_of_zeros_is_left_out_and_told(tmp_path: Path):
+    """A disk that lost power leaves them."""
+    path = write(tmp_path, {REWARD: curve(0, 100)})
+    path.write_bytes(path.read_bytes() + bytes(300))
+    assert len(read(tmp_path)) == 10
+
+
+@pytest.mark.parametrize("place", [60, 200, -20])
+def test_a_file_that_is_damaged_before_its_end_is_refused(tmp_path: Path, place: int):
+    """A bit that fell over: its checksum does not fit any more."""
+    path = write(tmp_path, {REWARD: curve(0, 100)})
+    data = bytearray(path.read_bytes())
+    data[place] ^= 4
+    path.write_bytes(bytes(data))
+    with pytest.raises(SchemaError, match="is damaged from byte"):
+        read(tmp_path)
+
+
+def test_what_is_no_event_file_is_refused(tmp_path: Path):
+    """Whatever its name says."""
+    (tmp_path / "events.out.tfevents.1.host").write_text("step,value\n" + 100 * "1,2\n")
+    with pytest.raises(SchemaError, match="is damaged from byte 0"):
+        read(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("tags", "program", "thinned"),
+    [
+        (("charts/episodic_return", "charts/episodic_length"), "CleanRL", ""),
+        (("Environment/Cumulative Reward", "Environment/Episode Length"), "Unity ML-Agents", "since the point before"),
+        (("rewards/step", "episode_lengths/step"), "rl_games", "last 100"),
+        (("ray/tune/episode_reward_mean", "ray/tune/episode_len_mean"), "RLlib", "iteration"),
+    ],
+)
+def test_tags_of_other_programs_are_found_by_a_table(tmp_path: Path, tags: tuple[str, str], program: str, thinned: str):
+    """And what a value is, is told."""
+    write(tmp_path, {tags[0]: curve(0, 30), tags[1]: [(0, 7.0), (10, 8.0), (20, 9.0)], "losses/v": curve(0, 30)})
+    log = read(tmp_path)
+    assert log["reward/recorded"].tolist() == [0.0, 2.5, 5.0]
+    assert log["length"].tolist() == [7.0, 8.0, 9.0]
+    assert log.facts.format == f"TensorBoard, tags of {program}"
+    assert thinned in log.facts.thinned
+    assert any(f"reward/recorded from '{tags[0]}'" in note for note in log.facts.notes)
+
+
+def test_several_episodes_may_end_at_one_step(tmp_path: Path):
+    """CleanRL logs each, with its length."""
+    write(
+        tmp_path,
+        {
+            "charts/episodic_return": [(8, 1.0), (8, 2.0), (16, 3.0), (16, 4.0)],
+            "charts/episodic_length": [(8, 5.0), (8, 6.0), (16, 7.0), (16, 8.0)],
+        },
+    )
+    log = read(tmp_path)
+    assert log["time"].tolist() == [8, 8, 16, 16]
+    assert log["reward/recorded"].tolist() == [1.0, 2.0, 3.0, 4.0]
+    assert log["length"].tolist() == [5.0, 6.0, 7.0, 8.0]
+
+
+def test_cleanrl_tells_environment_algorithm_seed_and_budget(tmp_path: Path):
+    """In the text of its hyperparameters, as its scripts write it by torch's writer."""
+    tensorboard = pytest.importorskip("torch.utils.tensorboard")
+    told = {"exp_name": "ppo", "seed": 7, "env_id": "Hopper-v4", "total_timesteps": 1000}
+    writer = tensorboard.SummaryWriter(str(tmp_path))
+    rows = "\n".join(f"|{key}|{value}|" for key, value in told.items())
+    writer.add_text("hyperparameters", f"|param|value|\n|-|-|\n{rows}")
+    writer.add_scalar("charts/episodic_return", 1.0, 10)
+    writer.close()
+    facts = read(tmp_path).facts
+    assert (facts.env, facts.algorithm, facts.seed, facts.asked) == ("Hopper-v4", "ppo", 7, 1000)
+
+
+def test_the_folder_of_a_cleanrl_run_tells_its_seed(tmp_path: Path):
+    """Where the text is not there."""
+    folder = tmp_path / "Hopper-v4__sac_continuous__3__1700000000"
+    write(folder, {"charts/episodic_return": curve(0, 30)})
+    facts = read(folder).facts
+    assert (facts.env, facts.algorithm, facts.seed) == ("Hopper-v4", "sac_continuous", 3)
+
+
+def test_iterations_are_no_environment_steps_until_somebody_says_how_many(tmp_path: Path):
+    """rsl_rl counts iterations, and logs nowhere how many steps one has."""
+    write(tmp_path, {"Train/mean_reward": [(0, 1.0), (1, 2.0)]})
+    log = read(tmp_path)
+    assert log["iteration"].tolist() == [0, 1]
+    assert "time" not in log
+    assert any("its steps are iterations" in note for note in log.facts.notes)
+    assert read(tmp_path, per_step=98_304)["time"].tolist() == [0, 98_304]
+
+
+def test_rllib_counts_environment_steps_by_a_tag_of_its_own(tmp_path: Path):
+    """Its newer versions number events by iterations."""
+    tags = {
+        "ray/tune/env_runners/episode_return_mean": [(1, -5.0), (2, -4.0)],
+        "ray/tune/num_env_steps_sampled_lifetime": [(1, 4000.0), (2, 8000.0)],
+    }
+    write(tmp_path, tags)
+    assert read(tmp_path)["time"].tolist() == [4000, 8000]
+
+
+def test_a_curve_with_success_goes_before_one_without(tmp_path: Path):
+    """Success decides; what else is there is told."""
+    write(tmp_path, {REWARD: curve(0, 30), "eval/mean_reward": [(20, 3.0)], "eval/success_rate": [(20, 0.75)]})
+    log = read(tmp_path)
+    assert log["behaviour/success"].tolist() == [0.75]
+    assert log.facts.evaluation
+    assert f"there are also curves of {REWARD}" in log.facts.notes
+
+
+def test_tags_may_be_named(tmp_path: Path):
+    """One that no table knows, one that it would not have chosen, and one more measure."""
+    points = {REWARD: curve(0, 30), "my/score": [(0, 5.0), (10, 6.0), (20, 7.0)], "my/reached": [(10, 0.5), (20, 1.0)]}
+    write(tmp_path, {**points, "my/error": [(0, 3.0), (10, 2.0), (20, 1.0)]})
+    log = read(tmp_path, reward="my/score", success="my/reached", measure="my/error", per_step=1)
+    assert log["reward/recorded"].tolist() == [6.0, 7.0]
+    assert log["behaviour/success"].tolist() == [0.5, 1.0]
+    assert log["behaviour/my/error"].tolist() == [2.0, 1.0]
+    assert any("1 points that lack one of these" in note for note in log.facts.notes)
+
+
+def test_success_alone_is_a_curve_too(tmp_path: Path):
+    """Where no return is logged."""
+    write(tmp_path, {"reached": [(0, 0.25), (10, 0.5)]})
+    log = read(tmp_path, success="reached")
+    assert log.columns == ("iteration", "behaviour/success")
+
+
+def test_a_tag_that_is_not_there_is_told_with_what_is(tmp_path: Path):
+    """And the nearest."""
+    write(tmp_path, {REWARD: curve(0, 30)})
+    with pytest.raises(UsageError, match=r"has no 'rollout/ep_rew'.*Did you mean 'rollout/ep_rew_mean'"):
+        read(tmp_path, reward="rollout/ep_rew")
+
+
+def test_tags_that_nobody_knows_are_told(tmp_path: Path):
+    """A folder of another kind of training."""
+    write(tmp_path, {"loss/train": curve(0, 30)})
+    with pytest.raises(UsageError, match=r"no curve of returns .* reward=NAME. It has: loss/train"):
+        read(tmp_path)
+
+
+@pytest.mark.parametrize("value", [np.inf, -np.inf, 1e300])
+def test_values_beyond_all_returns_are_refused(tmp_path: Path, value: float):
+    """float32 makes an infinity of 1e300."""
+    from tensorboard.summary import Writer
+
+    writer = Writer(str(tmp_path))
+    with np.errstate(over="ignore"):
+        writer.add_scalar(REWARD, value, 10)
+    writer.close()
+    with pytest.raises(SchemaError, match=r"a value of reward/recorded is -?inf"):
+        read(tmp_path)
+
+
+def test_nan_is_a_point_that_lacks_a_value(tmp_path: Path):
+    """What programs log before the first episode has ended."""
+    write(tmp_path, {REWARD: [(10, float("nan")), (20, 1.0)]})
+    assert read(tmp_path)["time"].tolist() == [20]
+
+
+def test_a_success_that_is_no_share_is_refused(tmp_path: Path):
+    """Percent would count a hundredfold."""
+    write(tmp_path, {REWARD: [(10, 1.0)], SUCCESS: [(10, 37.0)]})
+    with pytest.raises(SchemaError, match="behaviour/success is 37; it lies from 0 to 1"):
+        read(tmp_path)
+
+
+def test_this_projects_own_tracker_is_read(tmp_path: Path):
+    """What `--track tensorboard` has logged of a cell."""
+    from harness.progress import RETURN
+    from harness.progress import SUCCESS as SHARE
+    from harness.tracker import TrackedCell
+    from harness_plugins.trackers.tensorboard import TensorBoard as Tracker
+
+    cell = TrackedCell(id="0123456789abcdef", title="arm", group="arm", config={}, folder=tmp_path)
+    track = Tracker().begin(cell)
+    for steps in (1000, 2000):
+        track.log(steps, {RETURN: -steps / 100, SHARE: steps / 4000, "Losses/Policy Loss": 1.0})
+    track.end("done", "")
+    [folder] = (tmp_path / "tensorboard").iterdir()
+    log = read(folder)
+    assert log["time"].tolist() == [1000, 2000]
+    assert log["reward/recorded"].tolist() == [-10.0, -20.0]
+    assert log["behaviour/success"].tolist() == [0.25, 0.5]
+
+
+def test_other_folders_are_not_recognised(tmp_path: Path):
+    """Nor files."""
+    (tmp_path / "progress.csv").write_text("a\n1\n")
+    assert not TensorBoard().recognises(tmp_path, b"")
+    assert not TensorBoard().recognises(tmp_path / "progress.csv", b"a\n1\n")
+    assert not TensorBoard().recognises(tmp_path / "missing", b"")
