@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
-    from harness.results.logs.results_of_logs import Told
+    from harness.results.logs.told import Told
 
 
 def holds_recordings(folders: Sequence[Path]) -> bool:
@@ -65,8 +65,10 @@ def told_of_logs(
     Raises:
         UsageError: What decides is malformed, or stands twice.
     """
-    from harness.results.logs.results_of_logs import Told, parse_deciding
+    from harness.results.logs.told import Told, parse_deciding
 
     if measure is not None and len(measure) > 1:
-        raise UsageError(f"--measure {measure[1]}: one measure of the logs decides, and --measure {measure[0]} names it")
+        raise UsageError(
+            f"--measure {measure[1]}: one measure of the logs decides, and --measure {measure[0]} names it"
+        )
     return Told(as_format or "", sort or "", baseline or "", parse_deciding(measure[0] if measure else ""), labels)

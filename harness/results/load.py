@@ -10,7 +10,8 @@ from harness.record.store import Store
 from harness.registry.given import read_given
 from harness.registry.registry import Registry, load_registry
 from harness.results.done_cells import DoneCells
-from harness.results.logs.results_of_logs import Told, results_of_logs
+from harness.results.logs.results_of_logs import results_of_logs
+from harness.results.logs.told import FOUND_OUT, Told
 from harness.results.recordings.done_recordings import DoneRecordings
 from harness.results.recordings.loose import LooseStore
 from harness.results.recordings.read_runs import has_recordings
@@ -41,14 +42,16 @@ def load_results(
         pairs: Whether every two rewards are compared, and not each with the baseline alone. All claims are corrected
             together, so more of them have larger p-values.
         measures: Files whose functions measure what an arm does.
-        told: What the user says of logs; see `harness.results.logs.results_of_logs.Told`.
+        told: What the user says of logs; see `harness.results.logs.told.Told`.
 
     Raises:
         UsageError: The folder holds no results, or a named metric is not registered.
         PluginError: A named metric is broken.
         SchemaError: A newer version wrote a file in it, or its plan is damaged and the cells do not tell either.
     """
-    return read_results(Path(folder), load_registry(given=read_given(plugins, measures)), kind, metrics, pairs=pairs, told=told)
+    return read_results(
+        Path(folder), load_registry(given=read_given(plugins, measures)), kind, metrics, pairs=pairs, told=told
+    )
 
 
 def read_results(
@@ -72,7 +75,7 @@ def read_results(
         pairs: See `load_results`.
         told: What the user says of logs.
     """
-    told = told or Told()
+    told = told or FOUND_OUT
     if not Store.is_experiment(folder) and (told.format or not has_recordings(folder)):
         return results_of_logs(folder, registry, told, kind, metrics, pairs=pairs)
     if not Store.is_experiment(folder):

@@ -1,13 +1,12 @@
 """Recorded runs by the names of their files: this project's traces, and CSV files of anybody."""
 
-import glob
-import os
 from collections.abc import Iterable
 from pathlib import Path
 
 from harness.errors import UsageError
 from harness.files.bounded import open_regular, reading
 from harness.files.file_kind import HEAD, kind_of
+from harness.files.matched import matched_paths
 from harness.score.csv_recording import open_csv
 from harness.score.recording import Recording
 from harness.score.trace_recording import open_trace
@@ -23,9 +22,7 @@ def match_recordings(patterns: str | Iterable[str]) -> list[Recording]:
     Raises:
         UsageError: A pattern matches no file, or a file is no recording.
     """
-    given = [patterns] if isinstance(patterns, str) else list(patterns)
-    files = {path for pattern in given for path in _match_files(pattern)}
-    return [open_recording(path) for path in sorted(files)]
+    return [open_recording(path) for path in matched_paths(patterns)]
 
 
 def open_recording(path: Path) -> Recording:
@@ -49,15 +46,3 @@ def open_recording(path: Path) -> Recording:
         if kind is not None:
             raise UsageError(f"{path} is {kind.sentence}")
         return open_csv(path)
-
-
-def _match_files(pattern: str) -> list[Path]:
-    path = Path(os.path.expanduser(pattern))  # no error, whatever the text
-    if os.path.isfile(path):  # a name may hold [ or *
-        return [path]
-    matched = [Path(name) for name in glob.glob(str(path), recursive=True)]
-    files = [name for name in matched if os.path.isfile(name)]
-    if not files:
-        only = "; it matches folders only" if matched else ""
-        raise UsageError(f"No file matches '{pattern}'{only}. Quote a pattern, as in 'runs/*.csv'")
-    return files

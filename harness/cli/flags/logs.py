@@ -31,7 +31,7 @@ LabelsFile = Annotated[
     Path | None,
     typer.Option(
         "--labels",
-        help="Of logs: a CSV file with the columns run and success, and perhaps episode. A run is REWARD/SEED, or a path.",
+        help="Of logs: a CSV file with the columns run and success, or run, episode and success. A run is REWARD/SEED.",
         metavar="FILE",
         show_default=False,
     ),

@@ -13,6 +13,10 @@ NO_STEPS = (
     "harness.RecordRewards records it"
 )
 KEPT = {"episode": "returns of episodes", "point": "means of returns"}
+NEARLY_ALL = 0.95
+"""The last row of a log may stand this share of the steps before the training's end, as an episode had not ended."""
+MOST_TOLD = 8
+"""Lines of what logs tell of themselves."""
 ROW_IS = {"step": "a step", "episode": "an episode", "point": "a point of a curve"}
 FLAG = "--sort '{reward}/{seed}' says how their names are made, --as FORMAT reads one format alone"
 
@@ -78,9 +82,10 @@ def _shortfall(training: Training) -> str:
         declared = log.facts.declared.get(f"{log.facts.unit}s", count)
         if count != declared:
             return f"{count:,} {log.facts.unit}s, and declares {declared:,}"
-        steps = int(log["time"].max()) if "time" in log else 0
-        if steps and max(log.facts.asked, log.facts.declared.get("steps", 0)) > steps * len(training.logs):
-            return f"{steps:,} of {max(log.facts.asked, log.facts.declared.get('steps', 0)):,} steps"
+        steps = int(log["time"].max()) * len(training.logs) if "time" in log else 0
+        asked = max(log.facts.asked, log.facts.declared.get("steps", 0))
+        if steps and steps < NEARLY_ALL * asked:
+            return f"{steps:,} of {asked:,} steps"
     return ""
 
 
@@ -111,7 +116,12 @@ def facts_notes(logs: Sequence[Log]) -> list[str]:
     read = [f"Read: {counts[name]} of {name}, a row is {ROW_IS[unit]}" for name, unit in kinds]
     thinned = dict.fromkeys(log.facts.thinned for log in logs if log.facts.thinned)
     told = dict.fromkeys(note for log in logs for note in log.facts.notes)
-    return [*read, *thinned, *told]
+    lines = [*read, *thinned, *told]
+    more = len(lines) - MOST_TOLD
+    return [
+        *lines[:MOST_TOLD],
+        *([f"The logs tell {more} lines more of themselves, such as: {lines[-1]}"] if more > 0 else []),
+    ]
 
 
 def no_steps_notes(logs: Sequence[Log]) -> tuple[str, ...]:

@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -26,33 +25,17 @@ from harness.results.logs.checks import (
     require_comparable,
     without_short,
 )
+from harness.results.logs.told import LENGTH, RETURN, SUCCESS_DECIDES, Deciding
 from harness.results.logs.trainings import Sorted, Training, digest_of
 from harness.results.recordings.alike import Likeness
 from harness.results.recordings.episodes import Episodes
 from harness.results.recordings.runs import NO_NAME, Run, Runs
 
-RETURN, LENGTH = "return", "length"
-"""Measures that every log of episodes has, if the user says that they decide."""
 TIME = "time"
 OWN_ALONE = (
     "each reward paid its own trainings alone, and returns of two rewards are not comparable: every reward has its own "
     "scale"
 )
-
-
-class Deciding(NamedTuple):
-    """What decides about the policies, as the user says it.
-
-    Attributes:
-        name: A measure of the logs; ``length`` of the episodes; ``return``, if one and the same reward paid all logs.
-        better: ``higher`` or ``lower``; empty where the measure itself tells.
-    """
-
-    name: str = ""
-    better: str = ""
-
-
-SUCCESS_DECIDES = Deciding()
 
 
 @dataclass(frozen=True)
@@ -137,8 +120,8 @@ def _share_pay(runs: Sequence[Run]) -> bool:
 def _deciding_text(measures: Sequence[str], logs: Sequence[Log]) -> str:
     if not measures:
         return (
-            "; only returns are told, and returns of two rewards are not comparable: --labels FILE says which trainings "
-            "were a success, --measure length:better=lower lets the length of episodes decide"
+            "; only returns are told, and returns of two rewards are not comparable. --labels FILE says which trainings "
+            "succeeded, --measure length:better=lower lets the length of episodes decide"
         )
     lacking = sum(f"{BEHAVIOUR}{measures[0]}" not in log for log in logs) if measures[0] == SUCCESS else 0
     return f"; {measures[0]} decides" + (f", which {lacking} of {len(logs)} logs do not tell" if lacking else "")

@@ -1,58 +1,24 @@
 """The results of the logs in a folder, as of recorded trainings: what was found, then what it says."""
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from harness.errors import UsageError
 from harness.eta.curve import Kind
 from harness.log import Log
-from harness.log.open_log import LOGS, find_logs, open_logs
-from harness.registry.choice import parse
+from harness.log.open_log import LOGS, find_logs, formats_of, recognised
 from harness.registry.registry import Registry
 from harness.results.logs.labels import labelled
-from harness.results.logs.read_logs import SUCCESS_DECIDES, Deciding, runs_of
-from harness.results.logs.trainings import Sorted, sort_logs, with_reward
+from harness.results.logs.read_logs import runs_of
+from harness.results.logs.told import FOUND_OUT, Told
+from harness.results.logs.trainings import Sorted, sort_files, sort_logs, with_reward
 from harness.results.recordings.loose import LooseStore
 from harness.results.recordings.results import RecordedResults
+from harness.text import command_text
 
 MOST_NAMED = 5
-
-
-@dataclass(frozen=True)
-class Told:
-    """What a user says of logs. Everything else is found out.
-
-    Attributes:
-        format: The format with its settings, ``monitor:success=is_success``.
-        sort: How names are made, ``{reward}/{seed}``.
-        baseline: The reward that the others are compared with.
-        deciding: What decides.
-        labels: A file that says which trainings, or episodes, were successes.
-    """
-
-    format: str = ""
-    sort: str = ""
-    baseline: str = ""
-    deciding: Deciding = SUCCESS_DECIDES
-    labels: Path | None = None
-
-
-FOUND_OUT = Told()
-
-
-def parse_deciding(text: str) -> Deciding:
-    """What ``--measure`` says of logs: ``success``, ``length:better=lower``.
-
-    Raises:
-        UsageError: It is malformed.
-    """
-    name, params = parse(text) if text else ("", {})
-    better = params.pop("better", "")
-    if params or better not in ("", "higher", "lower"):
-        raise UsageError(f"--measure {text}: write NAME, NAME:better=higher or NAME:better=lower")
-    return Deciding(name, better)
 
 
 def results_of_logs(
@@ -88,22 +54,62 @@ def results_of_logs(
 
 
 def results_of_groups(
-    groups: Mapping[str, Sequence[Path]], registry: Registry, told: Told = FOUND_OUT, kind: Kind = "accumulated"
-) -> RecordedResults:
-    """The same of two groups of files that the user names, the baseline's first.
+    groups: Sequence[Sequence[Path]], registry: Registry, told: Told = FOUND_OUT, kind: Kind = "accumulated"
+) -> RecordedResults | None:
+    """The same of two groups of files that the user names; None if they are no logs of episodes or of curves.
 
     Args:
-        groups: The files of each, by the name of the reward.
+        groups: The files of the baseline, and those of the proposed reward.
         registry: Has the formats.
         told: What the user says of them.
         kind: Which curves the indices are read from.
+
+    Raises:
+        UsageError: As `results_of_logs`; or a file is in both groups, or some are logs of steps and others are not.
     """
-    logs: list[Log] = []
-    for reward, paths in groups.items():
-        logs += with_reward((log for path in paths for log in open_logs(path, registry, told.format)), reward)
-    place = Path(os.path.commonpath([path.absolute().parent for paths in groups.values() for path in paths]))
-    found = sort_logs(place, logs, told.sort, next(iter(groups)))
+    opened = {path: _opened(path, registry, told.format) for paths in groups for path in paths}
+    unlike = [path for path, logs in opened.items() if not logs or any(log.facts.unit == "step" for log in logs)]
+    if len(unlike) == len(opened):
+        return None
+    if unlike:
+        other = next(path for path in opened if path not in unlike)
+        raise UsageError(
+            f"'{unlike[0]}' has a row for each step, or is no log that is read, and '{other}' is "
+            f"{opened[other][0].facts.format}: compare logs of one kind"
+        )
+    both = [path for path in groups[0] if path in groups[1]]
+    if both:
+        raise UsageError(f"'{both[0]}' is in both groups: let --baseline and --proposed name different files")
+    place = Path(os.path.commonpath([path.absolute().parent for path in opened]))
+    names = _group_names(place, groups)
+    logs = [
+        log
+        for name, paths in zip(names, groups, strict=True)
+        for log in with_reward((log for path in paths for log in opened[path]), name)
+    ]
+    found = sort_logs(place, _absolute(logs), told.sort, names[0])
     return _results(place, registry, found, told, kind, is_told=True)
+
+
+def _opened(path: Path, registry: Registry, named: str) -> tuple[Log, ...]:
+    return (
+        find_logs(path, registry, named).logs
+        if path.is_dir() or named or recognised(path, formats_of(registry))
+        else ()
+    )
+
+
+def _absolute(logs: Iterable[Log]) -> list[Log]:
+    return [replace(log, facts=replace(log.facts, path=log.facts.path.absolute())) for log in logs]
+
+
+def _group_names(place: Path, groups: Sequence[Sequence[Path]]) -> list[str]:
+    """The reward that the names of each group's files tell; what they are to the user where they tell none."""
+    absolute = [[path.absolute() for path in paths] for paths in groups]
+    sorted_ = sort_files(place, [path for paths in absolute for path in paths])
+    told = [[name for name, of in sorted_.items() if {*of} & {*paths}] for paths in absolute]
+    ours, theirs = told
+    return [*ours, *theirs] if len(ours) == len(theirs) == 1 and ours != theirs else ["baseline", "proposed"]
 
 
 def _results(
@@ -129,9 +135,10 @@ def _nothing(folder: Path, registry: Registry, damaged: Sequence[str]) -> UsageE
         return UsageError(f"'{folder}' holds no log that can be read: {'; '.join(damaged[:MOST_NAMED])}")
     endings = _endings(folder)
     seen = ", ".join(f"{count} {ending}" for ending, count in endings.items()) or "nothing"
+    steps = f"; {command_text('harness', 'eta', folder)} compares CSV files of steps" if ".csv" in endings else ""
     return UsageError(
         f"'{folder}' is no experiment, and holds no recorded training and no log that is read. Seen: {seen}. Formats: "
-        f"{', '.join(registry.names(LOGS))}; --as FORMAT:setting=value names one"
+        f"{', '.join(registry.names(LOGS))}; --as FORMAT:setting=value names one{steps}"
     )
 
 

@@ -114,6 +114,22 @@ def sort_logs(folder: Path, logs: Sequence[Log], template: str = "", baseline: s
     return Sorted(tuple(ordered), tuple(notes))
 
 
+def sort_files(folder: Path, files: Sequence[Path], template: str = "", baseline: str = "") -> dict[str, list[Path]]:
+    """The files of each reward, the baseline's first, by their names alone; see `sort_logs`."""
+    names = [_name_of(folder, path, "") for path in files]
+    found: dict[str, list[Path]] = {}
+    for path, name, of in zip(files, names, _sorted(names, template), strict=True):
+        found.setdefault(of.reward or name, []).append(path)
+    first = _baseline(baseline, found)
+    return {name: found[name] for name in sorted(found, key=lambda name: (name != first, name))}
+
+
+def _sorted(names: Sequence[str], template: str) -> list[Named]:
+    different = list(dict.fromkeys(names))
+    of = dict(zip(different, sort_by_template(template, different) if template else sort_names(different), strict=True))
+    return [of[name] for name in names]
+
+
 def _kind(log: Log) -> tuple[str, bool]:
     return log.facts.format, log.facts.evaluation
 
@@ -136,7 +152,7 @@ def _names_of(folder: Path, logs: Sequence[Log], notes: list[str] | None) -> dic
         logs: All of them.
         notes: Takes how numbered files are read; None if files of one folder are not looked at.
     """
-    names = {number: _name_of(folder, log) for number, log in enumerate(logs)}
+    names = {number: _name_of(folder, log.facts.path, log.facts.run) for number, log in enumerate(logs)}
     if notes is None:
         return names
     beside: dict[Path, list[int]] = {}
@@ -146,9 +162,9 @@ def _names_of(folder: Path, logs: Sequence[Log], notes: list[str] | None) -> dic
     several = {place: of for place, of in beside.items() if len(of) > 1 and _are_numbered(logs[it] for it in of)}
     places = {place: _place_name(folder, place) for place in several}
     seeds: dict[str, list[Named]] = {}
-    for of in sort_names(list(places.values())) if places else []:
-        seeds.setdefault(of.reward, []).append(of)
-    numbered = {of.place for some in seeds.values() for of in some if of.seed is not None and len(some) > 1}
+    for named in sort_names(list(places.values())) if places else []:
+        seeds.setdefault(named.reward, []).append(named)
+    numbered = {it.place for some in seeds.values() for it in some if it.seed is not None and len(some) > 1}
     together = {place: of for place, of in several.items() if _began_together(logs[it] for it in of)}
     batches = {place: of for place, of in together.items() if places[place] in numbered}
     for place, of in batches.items():
@@ -183,9 +199,8 @@ def _began_together(logs: Iterable[Log]) -> bool:
     return len(known) == len(began) and max(known) - min(known) < TOGETHER
 
 
-def _name_of(folder: Path, log: Log) -> str:
+def _name_of(folder: Path, path: Path, run: str) -> str:
     """The path below the folder without what says nothing, and what the file calls the training."""
-    path, run = log.facts.path, log.facts.run
     place = path if path.is_dir() else path.parent
     parts = [] if path.is_dir() else [_stem(path.name)]
     if parts and (parts[0].lower() in PLAIN_FILES or parts[0].startswith(EVENTS)):
@@ -211,10 +226,7 @@ def _named(logs: Sequence[Log], names: Mapping[int, str], template: str) -> list
     found: dict[int, Named] = {}
     for kind in dict.fromkeys(map(_kind, logs)):
         numbers = [number for number, log in enumerate(logs) if _kind(log) == kind]
-        different = list(dict.fromkeys(names[number] for number in numbers))
-        told = sort_by_template(template, different) if template else sort_names(different)
-        of = dict(zip(different, told, strict=True))
-        found |= {number: of[names[number]] for number in numbers}
+        found |= dict(zip(numbers, _sorted([names[number] for number in numbers], template), strict=True))
     if template:
         return [found[number] for number in range(len(logs))]
     return [
