@@ -47,7 +47,7 @@ def eta(
     measure: logs.DecidedBy = None,
     labels: logs.LabelsFile = None,
 ) -> int:
-    """Compare trainings by what was kept of them, such as anybody's CSV files.
+    """Compare recorded trainings, such as anybody's CSV files.
 
     A file has a column 'reward' and a row for each environment step, or is a trace of this harness. If the files have
     distances too, each eta is split into ruler and behaviour. Logs of episodes and curves, such as monitor.csv, tell
@@ -149,7 +149,7 @@ def _open_folder(
         refuse_flags(of_logs)
     elif not told.format and (groups := _files_of_steps(folder, registry, told)):
         (baseline, ours), (proposed, theirs) = groups.items()
-        say(f"{len(ours)} files of `{baseline}`, the baseline, and {len(theirs)} of `{proposed}`", err=True)
+        say(f"CSV files: {len(ours)} of `{baseline}`, the baseline, and {len(theirs)} of `{proposed}`", err=True)
         return list(map(glob.escape, map(str, ours))), list(map(glob.escape, map(str, theirs)))
     return read_results(folder, registry, curve, told=told)
 
@@ -171,9 +171,9 @@ def _files_of_steps(folder: Path, registry: "Registry", told: "Told") -> dict[st
     if groups and len(groups) != 2:
         shown = ", ".join(f"`{name}` {len(of)}" for name, of in list(groups.items())[:MOST_NAMED])
         raise UsageError(
-            f"By their names the CSV files in '{folder}' are of {len(groups)} reward{'s' * (len(groups) > 1)}, {shown}; "
-            "two are compared. Name them, --baseline 'base/*.csv' --proposed 'other/*.csv'; or say how names are made, "
-            "--sort '{reward}/{seed}'"
+            f"By their names the CSV files in '{folder}' are of {len(groups)} reward{'s' * (len(groups) > 1)}, "
+            f"{shown}; two are compared. Name them, --baseline 'base/*.csv' --proposed 'other/*.csv'; or say how names "
+            "are made, --sort '{reward}/{seed}'"
         )
     return groups
 

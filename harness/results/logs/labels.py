@@ -65,7 +65,7 @@ def _read(path: Path, *, is_single: bool) -> dict[str, dict[int | None, int]]:
     except (OSError, ValueError, csv.Error) as error:
         raise UsageError(f"--labels {path} cannot be read as CSV: {error}") from None
     if "run" not in names and is_single:
-        return {"": {**read_labels(path, RULE)}}
+        return {"": dict(read_labels(path, RULE).items())}
     if not {"run", SUCCESS} <= {*names}:
         raise UsageError(f"--labels {path} has the columns {', '.join(names)}: it needs run and success, and episode")
     found: dict[str, dict[int | None, int]] = {}

@@ -113,7 +113,7 @@ def sort_by_template(template: str, names: Sequence[str]) -> list[Named]:
     pattern = re.escape(template)
     for mark, meaning in ((r"\{reward\}", "(?P<reward>[^/]+?)"), (r"\{seed\}", "(?P<seed>[0-9]{1,9})")):
         pattern = pattern.replace(mark, meaning)
-    whole = re.compile(f"(?P<place>(?:.*?/)?{pattern.replace(re.escape('*'), '[^/]*?')})(?:[.][^/]*)?(?:/.*)?")
+    whole = re.compile(f"(?P<place>(?:.*?/)??{pattern.replace(re.escape('*'), '[^/]*?')})(?:[.][^/]*)?(?:/.*)?")
     found = []
     for name in names:
         match = whole.fullmatch(name)

@@ -120,8 +120,8 @@ def _share_pay(runs: Sequence[Run]) -> bool:
 def _deciding_text(measures: Sequence[str], logs: Sequence[Log]) -> str:
     if not measures:
         return (
-            "; only returns are told, and returns of two rewards are not comparable. --labels FILE says which trainings "
-            "succeeded, --measure length:better=lower lets the length of episodes decide"
+            "; only returns are told, and returns of two rewards are not comparable. --labels FILE says which "
+            "trainings succeeded, --measure length:better=lower lets the length of episodes decide"
         )
     lacking = sum(f"{BEHAVIOUR}{measures[0]}" not in log for log in logs) if measures[0] == SUCCESS else 0
     return f"; {measures[0]} decides" + (f", which {lacking} of {len(logs)} logs do not tell" if lacking else "")

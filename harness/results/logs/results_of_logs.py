@@ -1,5 +1,6 @@
 """The results of the logs in a folder, as of recorded trainings: what was found, then what it says."""
 
+import glob
 import os
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
@@ -135,11 +136,17 @@ def _nothing(folder: Path, registry: Registry, damaged: Sequence[str]) -> UsageE
         return UsageError(f"'{folder}' holds no log that can be read: {'; '.join(damaged[:MOST_NAMED])}")
     endings = _endings(folder)
     seen = ", ".join(f"{count} {ending}" for ending, count in endings.items()) or "nothing"
-    steps = f"; {command_text('harness', 'eta', folder)} compares CSV files of steps" if ".csv" in endings else ""
+    steps = f"; {_command_of_steps(folder)} compares CSV files of steps" if ".csv" in endings else ""
     return UsageError(
         f"'{folder}' is no experiment, and holds no recorded training and no log that is read. Seen: {seen}. Formats: "
         f"{', '.join(registry.names(LOGS))}; --as FORMAT:setting=value names one{steps}"
     )
+
+
+def _command_of_steps(path: Path) -> str:
+    if path.is_dir():
+        return command_text("harness", "eta", path)
+    return command_text("harness", "eta", "--baseline", glob.escape(str(path)), "--proposed", "OTHER/*.csv")
 
 
 def _endings(folder: Path) -> dict[str, int]:

@@ -98,7 +98,7 @@ def sort_logs(folder: Path, logs: Sequence[Log], template: str = "", baseline: s
     """
     notes: list[str] = []
     names = _names_of(folder, logs, notes if not template else None)
-    named = _named(logs, names, template)
+    named = _named(folder, logs, names, template)
     primary = _primary(logs)
     homes = _homes(folder, [(log, of) for log, of in zip(logs, named, strict=True) if _kind(log) == primary])
     found: dict[tuple[str, int | None, str], list[Log]] = {}
@@ -118,16 +118,17 @@ def sort_files(folder: Path, files: Sequence[Path], template: str = "", baseline
     """The files of each reward, the baseline's first, by their names alone; see `sort_logs`."""
     names = [_name_of(folder, path, "") for path in files]
     found: dict[str, list[Path]] = {}
-    for path, name, of in zip(files, names, _sorted(names, template), strict=True):
-        found.setdefault(of.reward or name, []).append(path)
+    for path, of in zip(files, _sorted(folder, names, template), strict=True):
+        found.setdefault(of.reward, []).append(path)
     first = _baseline(baseline, found)
     return {name: found[name] for name in sorted(found, key=lambda name: (name != first, name))}
 
 
-def _sorted(names: Sequence[str], template: str) -> list[Named]:
+def _sorted(folder: Path, names: Sequence[str], template: str) -> list[Named]:
+    """What each name says; where none says what the reward is, the folder has its name."""
     different = list(dict.fromkeys(names))
     of = dict(zip(different, sort_by_template(template, different) if template else sort_names(different), strict=True))
-    return [of[name] for name in names]
+    return [of[name]._replace(reward=of[name].reward or folder.resolve().name) for name in names]
 
 
 def _kind(log: Log) -> tuple[str, bool]:
@@ -221,17 +222,17 @@ def _stem(name: str) -> str:
     return name[: -len(ending)] if ending else name if name.startswith(EVENTS) else Path(name).stem
 
 
-def _named(logs: Sequence[Log], names: Mapping[int, str], template: str) -> list[Named]:
+def _named(folder: Path, logs: Sequence[Log], names: Mapping[int, str], template: str) -> list[Named]:
     """What each log, or its name, says: names are sorted among logs of the same kind."""
     found: dict[int, Named] = {}
     for kind in dict.fromkeys(map(_kind, logs)):
         numbers = [number for number, log in enumerate(logs) if _kind(log) == kind]
-        found |= dict(zip(numbers, _sorted([names[number] for number in numbers], template), strict=True))
+        found |= dict(zip(numbers, _sorted(folder, [names[number] for number in numbers], template), strict=True))
     if template:
         return [found[number] for number in range(len(logs))]
     return [
         found[number]._replace(
-            reward=log.facts.trained_with or found[number].reward or names[number],
+            reward=log.facts.trained_with or found[number].reward,
             seed=found[number].seed if log.facts.seed is None else log.facts.seed,
         )
         for number, log in enumerate(logs)
