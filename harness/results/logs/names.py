@@ -87,7 +87,7 @@ def sort_names(names: Sequence[str]) -> list[Named]:
 def labels_of(texts: Sequence[str]) -> list[str]:
     """What differs between texts, by whole words: each without the words that all begin with, or end with.
 
-    Where nothing would be left of some, all keep the words that are left of the others on this side.
+    Where nothing, or only a number, would be left of some, all keep more words at the beginning.
     """
     different = list(dict.fromkeys(texts))
     if len(different) == 1:
@@ -96,6 +96,8 @@ def labels_of(texts: Sequence[str]) -> list[str]:
     shortest = min(map(len, words))
     begin = min(_shared(words), max(0, shortest - 1))
     end = min(_shared([list(reversed(it)) for it in words]), max(0, shortest - begin - 1))
+    while begin and any(_cut(text, begin, end).isdecimal() for text in different):
+        begin -= 1
     return [_cut(text, begin, end) for text in texts]
 
 

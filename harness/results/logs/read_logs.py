@@ -1,13 +1,15 @@
 """Turns sorted logs into the trainings of a study, which the same tests compare as recorded trainings."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from harness.arrays import Float
 from harness.errors import SchemaError, Unscored, UsageError
+from harness.eta.amounts import listed
 from harness.eta.equal import equal_sentences, equal_trainings
 from harness.log import Log
 from harness.log.log import BEHAVIOUR, RECORDED, REWARD, SUCCESS
@@ -75,17 +77,17 @@ def runs_of(found: Sorted, deciding: Deciding = SUCCESS_DECIDES, *, is_told: boo
     require_comparable(found, is_told=is_told)
     found = without_short(found)
     trainings = found.trainings
-    has_time = all(TIME in log or LENGTH in log for it in trainings for log in it.logs)
-    steps = [_steps(it, has_time) for it in trainings]
-    noun = "steps" if has_time else "episodes" if trainings[0].logs[0].facts.unit == "episode" else "points"
+    axis = _axis_of(trainings)
+    steps = [_steps(it, axis) for it in trainings]
     shortest = min(steps)
-    measures = _measures(trainings, deciding)
-    runs = [_run(it, own, shortest, measures, has_time=has_time) for it, own in zip(trainings, steps, strict=True)]
+    logs = [log for it in trainings for log in (*it.logs, it.evaluation) if log is not None]
+    lower = {name for log in logs for name in log.facts.lower_is_better}
+    told = list(dict.fromkeys(name for log in logs for name in log.measures))
+    measures = _measures(told, lower, deciding)
+    runs = [_run(it, own, shortest, measures, axis) for it, own in zip(trainings, steps, strict=True)]
     members = {(run.reward, run.seed): run for run in runs}
     every, episodes = _rhythm(runs)
     equal = equal_trainings({key: run.likeness.digest for key, run in members.items()})
-    logs = [log for it in trainings for log in (*it.logs, it.evaluation) if log is not None]
-    lower = {name for log in logs for name in log.facts.lower_is_better}
     rewards = tuple(dict.fromkeys(name for name in (*found.rewards, *(it for run in runs for it in run.facts.rewards))))
     return Runs(
         _group(trainings, shortest, every, episodes),
@@ -100,12 +102,13 @@ def runs_of(found: Sorted, deciding: Deciding = SUCCESS_DECIDES, *, is_told: boo
         equal,
         {},
         said=(
-            found.sentence + _deciding_text(measures, logs),
+            found.sentence + _deciding_text(measures, told, logs),
             *found.notes,
             *facts_notes(logs),
-            *budget_notes(trainings, steps, noun),
+            *budget_notes(trainings, steps, axis.noun),
             *equal_sentences(equal),
         ),
+        counted="point" if trainings[0].logs[0].facts.unit == "point" else "episode",
         returns_apart="" if _share_pay(runs) else OWN_ALONE,
     )
 
@@ -117,29 +120,30 @@ def _share_pay(runs: Sequence[Run]) -> bool:
     return all(not np.isnan(run.episodes.returns.get(name, unknown)).any() for run in runs for name in taught)
 
 
-def _deciding_text(measures: Sequence[str], logs: Sequence[Log]) -> str:
+def _deciding_text(measures: Sequence[str], told: Sequence[str], logs: Sequence[Log]) -> str:
+    others = [f"`{name}`" for name in told if name not in measures]
+    more = f". The logs tell {listed(others)} too: --measure NAME:better=lower lets one decide" if others else ""
     if not measures:
         return (
             "; only returns are told, and returns of two rewards are not comparable. --labels FILE says which "
-            "trainings succeeded, --measure length:better=lower lets the length of episodes decide"
+            f"trainings succeeded, --measure length:better=lower lets the length of episodes decide{more}"
         )
     lacking = sum(f"{BEHAVIOUR}{measures[0]}" not in log for log in logs) if measures[0] == SUCCESS else 0
-    return f"; {measures[0]} decides" + (f", which {lacking} of {len(logs)} logs do not tell" if lacking else "")
+    return f"; {measures[0]} decides" + (f", which {lacking} of {len(logs)} logs do not tell" if lacking else "") + more
 
 
-def _measures(trainings: Sequence[Training], deciding: Deciding) -> tuple[str, ...]:
-    """The names of the measures, the one that decides first."""
-    told = dict.fromkeys(
-        name for it in trainings for log in (*it.logs, it.evaluation) if log is not None for name in log.measures
-    )
-    known = sorted(told, key=lambda name: name != SUCCESS)
+def _measures(told: Sequence[str], lower: Collection[str], deciding: Deciding) -> tuple[str, ...]:
+    """The names of the measures of which it is known which values are better; the one that decides first."""
+    known = [name for name in told if name == SUCCESS or name in lower]
+    known.sort(key=lambda name: name != SUCCESS)
     if not deciding.name:
-        return tuple(known)
-    if deciding.name not in (*known, RETURN, LENGTH):
-        raise UsageError(f"--measure {deciding.name}: the logs tell {', '.join([*known, RETURN, LENGTH])}")
-    if deciding.name == LENGTH and not deciding.better:
-        raise UsageError("--measure length: say which is better, --measure length:better=lower or better=higher")
-    return tuple(dict.fromkeys([deciding.name, *known]))
+        return tuple(known) if SUCCESS in known else ()
+    named = deciding.name
+    if named not in (*told, RETURN, LENGTH):
+        raise UsageError(f"--measure {named}: the logs tell {', '.join([*told, RETURN, LENGTH])}")
+    if named not in (*known, RETURN) and not deciding.better:
+        raise UsageError(f"--measure {named}: say which is better, --measure {named}:better=lower or better=higher")
+    return tuple(dict.fromkeys([named, *known]))
 
 
 def _group(trainings: Sequence[Training], steps: int, every: int, episodes: int) -> Group:
@@ -155,18 +159,40 @@ def _group(trainings: Sequence[Training], steps: int, every: int, episodes: int)
 # One training
 
 
-def _steps(training: Training, has_time: bool) -> int:
-    """How long it was: environment steps over all of its environments, or rows where nobody tells them."""
-    return int(max(_ends(log, has_time)[-1] for log in training.logs)) * len(training.logs)
+class Axis(NamedTuple):
+    """What a training's length is counted in."""
+
+    column: str
+    """The column that tells it; empty where rows are counted."""
+    noun: str
+    is_summed: bool = False
+    """Whether the column tells it of each row alone."""
 
 
-def _ends(log: Log, has_time: bool) -> Float:
-    """Environment steps that were taken when each row ended, or the number of rows by then, (rows,)."""
-    if not has_time:
+AXES = (Axis("time", "steps"), Axis(LENGTH, "steps", is_summed=True), Axis("iteration", "iterations"))
+
+
+def _axis_of(trainings: Sequence[Training]) -> Axis:
+    """The first of these that all logs tell; else their rows."""
+    logs = [log for it in trainings for log in it.logs]
+    unit = logs[0].facts.unit
+    usable = AXES if unit == "episode" else [axis for axis in AXES if not axis.is_summed]
+    return next((axis for axis in usable if all(axis.column in log for log in logs)), Axis("", f"{unit}s"))
+
+
+def _steps(training: Training, axis: Axis) -> int:
+    """How long it was, over all of its environments."""
+    return int(max(_ends(log, axis)[-1] for log in training.logs)) * len(training.logs)
+
+
+def _ends(log: Log, axis: Axis) -> Float:
+    """How much of the training was done when each row ended, (rows,)."""
+    if not axis.column:
         return np.arange(1.0, len(log) + 1)
-    ends: Float = np.asarray(log[TIME], np.float64) if TIME in log else np.cumsum(log[LENGTH], dtype=np.float64)
+    told: Float = np.asarray(log[axis.column], np.float64)
+    ends: Float = np.cumsum(told) if axis.is_summed else told
     if not np.isfinite(ends).all() or (np.diff(ends) < 0).any():
-        raise SchemaError(f"{log.facts.path}: its rows are not in the order of their steps")
+        raise SchemaError(f"{log.facts.path}: its rows are not in the order of their {axis.noun}")
     return ends
 
 
@@ -175,10 +201,9 @@ def _run(
     steps: int,
     shortest: int,
     measures: Sequence[str],
-    *,
-    has_time: bool,
+    axis: Axis,
 ) -> Run:
-    columns = _joined(training, has_time, measures)
+    columns = _joined(training, axis, measures)
     evaluated = training.logs[0] if training.is_evaluated_alone else training.evaluation
     if training.is_evaluated_alone:
         columns = {name: values[:0] for name, values in columns.items()}
@@ -186,7 +211,7 @@ def _run(
     run = _run_of(training, training.path, columns, steps, measures, reason, digest=digest_of(training.logs))
     if evaluated is None:
         return run
-    found = _evaluations(training, evaluated, measures, reason, min(steps, shortest))
+    found = _evaluations(training, evaluated, measures, reason, axis, min(steps, shortest))
     if not found:
         return run
     *before, (_, last) = found
@@ -194,10 +219,12 @@ def _run(
 
 
 def _evaluations(
-    training: Training, log: Log, measures: Sequence[str], reason: str, until: int
+    training: Training, log: Log, measures: Sequence[str], reason: str, axis: Axis, until: int
 ) -> list[tuple[int, Run]]:
     """What policies did in each evaluation up to a step of the training, in order."""
-    columns = _columns(training, log, _ends(log, True), measures)
+    if axis.column not in log:
+        raise UsageError(f"'{log.facts.path}' does not tell the {axis.noun} at which it evaluated: move it elsewhere")
+    columns = _columns(training, log, _ends(log, axis), measures)
     runs = []
     for after in np.unique(columns[TIME][columns[TIME] <= until]):
         rows = {name: values[columns[TIME] == after] for name, values in columns.items()}
@@ -209,9 +236,9 @@ def _evaluations(
     return runs
 
 
-def _joined(training: Training, has_time: bool, measures: Sequence[str]) -> dict[str, Float]:
+def _joined(training: Training, axis: Axis, measures: Sequence[str]) -> dict[str, Float]:
     """The rows of all logs of one training in the order in which they ended; environments of a batch step together."""
-    parts = [_columns(training, log, _ends(log, has_time) * len(training.logs), measures) for log in training.logs]
+    parts = [_columns(training, log, _ends(log, axis) * len(training.logs), measures) for log in training.logs]
     whole = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     order = np.argsort(whole[TIME], kind="stable")
     return {name: values[order] for name, values in whole.items()}

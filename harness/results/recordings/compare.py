@@ -34,7 +34,7 @@ def compare_runs(
     found = compare(_Recorded(runs, kind, averaged), match, swaps)
     both = [run for side in match.sides for run in side]
     rescaling = None if baseline == proposed else rescaling_between(both, proposed, baseline)
-    return replace(found, rescaling=rescaling, same_starts=meet_same_starts(both))
+    return replace(found, rescaling=rescaling, same_starts=meet_same_starts(both), counted=runs.counted)
 
 
 class _Recorded:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from itertools import combinations
 from pathlib import Path
 from types import MappingProxyType
-from typing import NamedTuple, Self
+from typing import Literal, NamedTuple, Self
 
 from harness.arrays import Float
 from harness.eta.behaviour_change import WHOLE, Quantity
@@ -156,6 +156,8 @@ class Runs(NamedTuple):
     """Trainings by the baseline again with other seeds, each by the seed that it is compared with."""
     said: tuple[str, ...] = ()
     """How what was found was sorted and read, a line each; a reader has to know it before the first number."""
+    counted: Literal["episode", "point"] = "episode"
+    """What the episodes of a training are: a log of curves has points, each a mean over some episodes."""
     returns_apart: str = ""
     """Why mean returns are not compared; empty where they are."""
 
