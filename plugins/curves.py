@@ -1,5 +1,6 @@
 """Learning curves as programs of others log them: by what names, what a point is, and what its step counts."""
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -22,6 +23,8 @@ SINCE = "a mean over the episodes that ended since the point before"
 EVALUATED = "a mean over the episodes of an evaluation"
 ITERATION = "iteration"
 MOST_RESTARTS = 100
+CLEANRL_RUN = re.compile(r"(?P<env>.+?)__(?P<algorithm>.+)__(?P<seed>\d+)__\d+")
+"""What CleanRL calls a run, and its folder."""
 
 
 class Curve(NamedTuple):
@@ -183,11 +186,12 @@ class CurveSettings:
         """
         require_columns(path, names, self.reward, self.success, self.length, self.measure)
         there = [curve for curve in CURVES if curve.reward in names]
+        by_success = [curve._replace(reward="") for curve in CURVES if set(curve.success) & set(names)]
         if self.reward:
             known = next((curve for curve in there if curve.reward == self.reward), None)
             curve = known or Curve("", self.reward, counts="steps of its own", point="")
-        elif there:
-            curve = min(there, key=lambda it: (not any(name in names for name in it.success), it.evaluation))
+        elif there or by_success:
+            curve = min(there or by_success, key=lambda it: (not set(it.success) & set(names), it.evaluation))
         elif self.success:
             curve = Curve("", "", counts="steps of its own", point="")
         else:
@@ -200,10 +204,15 @@ class CurveSettings:
         return curve._replace(success=(success,) if success else (), length=length, measure=self.measure)
 
 
-def recognised(names: Iterable[str]) -> bool:
+def is_known(names: Iterable[str]) -> bool:
     """Whether a curve is known by one of these names."""
     there = set(names)
-    return any(curve.reward in there for curve in CURVES)
+    return any(curve.reward in there or there & set(curve.success) for curve in CURVES)
+
+
+def is_history(names: Iterable[str]) -> bool:
+    """Whether a table is the history of a run of Weights & Biases, which has the names of whatever logged into it."""
+    return {"_step", "_timestamp"} <= set(names)
 
 
 def curve_log(facts: LogFacts, curve: Curve, names: Sequence[str], columns: Mapping[str, Float], per_step: int) -> Log:

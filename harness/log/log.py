@@ -10,6 +10,7 @@ terminated, truncated          whether the step ended the episode, or cut it
 time                           environment steps of the training, over all its envs, that were taken when the row ended
 iteration                      of a point, instead of time where nobody says how many environment steps its counter
                                counts as one, such as updates of the learner
+seconds                        since the log was begun, by a clock, when the row ended
 length                         of an episode: its steps; of a point: the mean of some episodes'
 reward/NAME                    what a reward paid for the row: a step's pay, an episode's return, a point's mean return.
                                ``reward/recorded`` where nobody says which reward it is

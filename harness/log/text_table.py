@@ -3,20 +3,23 @@
 import csv
 import io
 import math
+import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from harness.arrays import Float
+from harness.arrays import Float, Mask
 from harness.errors import SchemaError, UsageError
-from harness.files.bounded import read_bytes, reading
+from harness.files.bounded import open_regular, read_bytes, reading
+from harness.log.format import HEAD
 from harness.log.log import LARGEST
 from harness.reward.steps import nearest
 from harness.text import shortened
 
 MOST_BYTES = 2**28
+LONGEST_LINE = 2**20
 TRUTH = {"true": 1.0, "false": 0.0}
 
 
@@ -70,6 +73,31 @@ class TextTable:
             raise self.refused(row, f"column '{name}' holds {shown}, which is no number that can be read")
         return values
 
+    def counts(self, name: str, least: int = 0, may_lack: bool = False) -> Float:
+        """A column of whole numbers, (rows,); see `numbers`.
+
+        Raises:
+            SchemaError: A cell is less than `least`, or no whole number: perhaps it stands under another's name.
+        """
+        values = self.numbers(name, may_lack)
+        self._require(name, (values >= least) & (values == np.floor(values)) | np.isnan(values), f"counts from {least}")
+        return values
+
+    def truths(self, name: str) -> Float:
+        """A column of 0 and 1, (rows,), such as the success of episodes; see `numbers`.
+
+        Raises:
+            SchemaError: A cell is something else, such as a probability.
+        """
+        values = self.numbers(name)
+        self._require(name, np.isin(values, (0.0, 1.0)), "is 0 or 1")
+        return values
+
+    def _require(self, name: str, is_right: Mask, what: str) -> None:
+        if not is_right.all():
+            row = int(np.argmin(is_right))
+            raise self.refused(row, f"column '{name}' {what}, and holds {shortened(self.cells[name][row], 40)}")
+
     def refused(self, row: int, why: str) -> SchemaError:
         """The error that names a row's line."""
         return SchemaError(f"{self.path}, line {self.lines[row]}: {why}")
@@ -100,36 +128,68 @@ def read_table(
     """
     with reading(path, "table"):
         text = read_bytes(path, MOST_BYTES).decode("utf-8-sig")
-        comments: list[tuple[int, str]] = []
-        rows = _rows(path, text, separator, comment, comments)
-        open_end = 0 if ends_open else _open_end(text)
-        line = 0
-        if not names:
-            line, head = next(rows, (0, []))
-            names = [name.strip() for name in head]
-        known = tuple(names)
-        if not known or line == open_end > 0 or len(set(known)) < len(known):
-            raise SchemaError(f"{path} has no header, a header that is cut off, or names a column twice in it")
-        keep = tuple(dict.fromkeys(known if wanted is None else wanted(known)))
-        at = [known.index(name) for name in keep]
-        columns: list[list[str]] = [[] for _ in at]
-        lines: list[int] = []
-        headers: list[int] = []
-        cut = 0
-        for line, row in rows:
-            if line == open_end:
-                cut = line
-                break
-            if len(row) != len(known):
-                raise SchemaError(f"{path}, line {line}: it has {len(row)} cells, and there are {len(known)} columns")
-            if row[0].strip() == known[0] and tuple(cell.strip() for cell in row) == known:
-                headers.append(line)
-                continue
-            lines.append(line)
-            for column, place in zip(columns, at, strict=True):
-                column.append(row[place])
+        return parse_table(path, text, wanted, separator, comment, names, ends_open)
+
+
+def parse_table(
+    path: Path,
+    text: str,
+    wanted: Callable[[tuple[str, ...]], Iterable[str]] | None = None,
+    separator: str = ",",
+    comment: str = "",
+    names: Sequence[str] = (),
+    ends_open: bool = False,
+) -> TextTable:
+    """As `read_table`, of the text of a file, or of its beginning."""
+    comments: list[tuple[int, str]] = []
+    rows = _rows(path, text, separator, comment, comments)
+    open_end = 0 if ends_open else _open_end(text)
+    line = 0
+    if not names:
+        line, head = next(rows, (0, []))
+        names = [name.strip() for name in head]
+    known = tuple(names)
+    if not known or line == open_end > 0 or len(set(known)) < len(known):
+        raise SchemaError(f"{path} has no header, a header that is cut off, or names a column twice in it")
+    keep = tuple(dict.fromkeys(known if wanted is None else wanted(known)))
+    at = [known.index(name) for name in keep]
+    columns: list[list[str]] = [[] for _ in at]
+    lines: list[int] = []
+    headers: list[int] = []
+    cut = 0
+    for line, row in rows:
+        if line == open_end:
+            cut = line
+            break
+        if len(row) != len(known):
+            raise SchemaError(f"{path}, line {line}: it has {len(row)} cells, and there are {len(known)} columns")
+        if row[0].strip() == known[0] and tuple(cell.strip() for cell in row) == known:
+            headers.append(line)
+            continue
+        lines.append(line)
+        for column, place in zip(columns, at, strict=True):
+            column.append(row[place])
     cells = dict(zip(keep, columns, strict=True))
     return TextTable(path, known, cells, lines, tuple(comments), tuple(headers), cut)
+
+
+def header_of(path: Path, head: bytes, separator: str = ",") -> tuple[str, ...]:
+    """Names of the columns of a file's first line; empty of a folder, and of what is no text in UTF-8.
+
+    Args:
+        path: The file. It is read only where its first line is longer than `head`.
+        head: Its first bytes.
+        separator: Between names.
+    """
+    if b"\n" not in head and len(head) >= HEAD:
+        with open_regular(path, sys.maxsize) as file:
+            head = file.readline(LONGEST_LINE)
+    try:
+        first = head.decode("utf-8-sig", "ignore").splitlines()[:1]
+        [names] = csv.reader(first, delimiter=separator)
+    except (csv.Error, ValueError):
+        return ()
+    return tuple(name.strip() for name in names)
 
 
 def require_columns(path: Path, names: Sequence[str], *wanted: str) -> None:

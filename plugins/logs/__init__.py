@@ -23,3 +23,18 @@ def register_logs(register: harness.Register) -> None:
         requires=("tensorboard",),
         extra="tensorboard",
     )
+    register(
+        "progress-csv",
+        "harness_plugins.logs.progress_csv:ProgressCsv",
+        summary="progress.csv of RLlib, stable-baselines3, baselines and garage, progress.txt of Spinning Up",
+    )
+    register(
+        "wandb-csv",
+        "harness_plugins.logs.wandb_csv:WandBCsv",
+        summary="a chart, or the history of a run, that was exported from Weights & Biases",
+    )
+    register(
+        "episode-csv",
+        "harness_plugins.logs.episode_csv:EpisodeCsv",
+        summary="a table whose rows are episodes: episode,reward,length,success and names like these",
+    )

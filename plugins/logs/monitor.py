@@ -131,17 +131,11 @@ def _header(path: Path, line: int, text: str) -> dict[str, Any]:
 
 def _columns(table: TextTable, success: str) -> tuple[Columns, list[str]]:
     """The columns by their standard names, and notes on what else there is."""
-    returns, lengths = table.numbers("r"), table.numbers("l")
-    odd = (lengths < 1) | (lengths != np.floor(lengths))
-    if odd.any():
-        raise table.refused(int(np.argmax(odd)), "the length 'l' of an episode is a whole number from 1")
-    columns: dict[str, Float] = {f"{REWARD}{RECORDED}": returns, "length": lengths, "time": np.cumsum(lengths)}
+    lengths = table.counts("l", least=1)
+    columns: dict[str, Float] = {f"{REWARD}{RECORDED}": table.numbers("r"), "length": lengths}
+    columns |= {"time": np.cumsum(lengths), "seconds": table.numbers("t", may_lack=True)}
     if success:
-        reached = table.numbers(success)
-        if not np.isin(reached, (0.0, 1.0)).all():
-            row = int(np.argmin(np.isin(reached, (0.0, 1.0))))
-            raise table.refused(row, f"'{success}' is {reached[row]:g}; the success of an episode is 0 or 1")
-        columns[f"{BEHAVIOUR}{SUCCESS}"] = reached
+        columns[f"{BEHAVIOUR}{SUCCESS}"] = table.truths(success)
     measured: list[str] = []
     left: list[str] = []
     for name in table.names[len(OWN) :]:

@@ -1,6 +1,5 @@
 """Folders of event files, ``events.out.tfevents.*``, as TensorBoard shows them: curves by tag."""
 
-import re
 import struct
 from array import array
 from collections import Counter
@@ -16,15 +15,13 @@ from harness.errors import SchemaError
 from harness.files.bounded import reading, require_regular
 from harness.log import Log, LogFacts
 
-from ..curves import Curve, CurveSettings, curve_log
+from ..curves import CLEANRL_RUN, Curve, CurveSettings, curve_log
 
 MARK = "tfevents"
 MOST_BYTES = 2**31
 MOST_POINTS = 20_000_000
 FRAME = 16
 """Bytes around each event: its length, and two checksums."""
-CLEANRL_RUN = re.compile(r"(?P<env>.+?)__(?P<algorithm>.+)__(?P<seed>\d+)__\d+")
-"""What CleanRL calls the folder of a run."""
 HYPERPARAMETERS = "hyperparameters/text_summary"
 
 

@@ -160,8 +160,8 @@ def test_a_last_line_that_does_not_end_is_left_out_and_told(tmp_path: Path, cut:
         ("inf,9,3.0", "line 6: column 'r' holds inf"),
         (",9,3.0", "line 6: column 'r' holds nothing"),
         ("-1.0,nine,3.0", "line 6: column 'l' holds nine"),
-        ("-1.0,0,3.0", "line 6: the length 'l' of an episode"),
-        ("-1.0,9.5,3.0", "line 6: the length 'l' of an episode"),
+        ("-1.0,0,3.0", "line 6: column 'l' counts from 1"),
+        ("-1.0,9.5,3.0", "line 6: column 'l' counts from 1"),
         ("1_0.0,9,3.0", "line 6: column 'r' holds 1_0.0"),
     ],
 )
@@ -205,7 +205,7 @@ def test_a_file_without_an_episode_is_refused(tmp_path: Path):
 def test_a_success_that_is_neither_0_nor_1_is_refused(tmp_path: Path):
     """A probability is no success."""
     text = HEADER + "r,l,t,is_success\n-1.0,9,1.0,0.5\n"
-    with pytest.raises(SchemaError, match=r"line 3: 'is_success' is 0\.5"):
+    with pytest.raises(SchemaError, match=r"line 3: column 'is_success' is 0 or 1, and holds 0\.5"):
         read(written(tmp_path, text))
 
 

@@ -1,0 +1,211 @@
+"""Tables of episodes as scripts of others write them; tables of steps are none."""
+
+import csv
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+
+from harness.errors import SchemaError, UsageError
+from harness.log import Log
+from harness.log.format import HEAD
+from harness_plugins.logs.episode_csv import EpisodeCsv
+
+ROWS = "0,-9.5,200\n1,-7.25,180\n2,-3.0,150\n"
+
+
+def written(folder: Path, text: str, name: str = "0.csv") -> Path:
+    """A file with this text."""
+    path = folder / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def is_recognised(path: Path) -> bool:
+    """Whether the format says that it is its own."""
+    return EpisodeCsv().recognises(path, path.read_bytes()[:HEAD])
+
+
+def read(path: Path, **settings: Any) -> Log:
+    """The one log of a file that the format recognises."""
+    assert is_recognised(path)
+    [log] = EpisodeCsv(**settings).read(path)
+    return log
+
+
+def test_episodes_of_gymnasiums_own_statistics_are_read(tmp_path: Path):
+    """A script's usual table: what RecordEpisodeStatistics tells at the end of each episode."""
+    env = gymnasium.wrappers.RecordEpisodeStatistics(gymnasium.make("Pendulum-v1", max_episode_steps=7))
+    rows = []
+    for episode in range(5):
+        env.reset(seed=episode)
+        info: dict[str, Any] = {}
+        while "episode" not in info:
+            *_, info = env.step(np.zeros(1, np.float32))
+        rows.append((episode, float(info["episode"]["r"]), int(info["episode"]["l"])))
+    with (tmp_path / "0.csv").open("w", newline="") as file:
+        csv.writer(file).writerows([("episode", "return", "length"), *rows])
+    log = read(tmp_path / "0.csv")
+    assert log["reward/recorded"] == pytest.approx(list(env.return_queue), rel=1e-6)
+    assert log["length"].tolist() == list(env.length_queue)
+    assert log["time"].tolist() == [7, 14, 21, 28, 35]
+    assert log.facts.unit == "episode"
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "episode,reward,length",
+        "Episode,Return,Steps",
+        "ep,ep_rew,ep_len",
+        "episode;total_reward;episode_length",
+        "i_episode\tscore\tl",
+    ],
+)
+def test_names_that_people_use_give_the_same(tmp_path: Path, header: str):
+    """In any case, with commas, semicolons and tabs."""
+    separator = next(sign for sign in ",;\t" if sign in header)
+    log = read(written(tmp_path, header + "\n" + ROWS.replace(",", separator)))
+    assert log["reward/recorded"].tolist() == [-9.5, -7.25, -3.0]
+    assert log["length"].tolist() == [200, 180, 150]
+    assert log["time"].tolist() == [200, 380, 530]
+
+
+def test_the_order_of_columns_does_not_matter(tmp_path: Path):
+    """Nor further columns, an index among them."""
+    text = ",length,loss,reward,episode\n0,200,,-9.5,0\n1,180,x,-7.25,1\n"
+    log = read(written(tmp_path, text))
+    assert log["reward/recorded"].tolist() == [-9.5, -7.25]
+    assert log["length"].tolist() == [200, 180]
+
+
+def test_success_and_a_measure_are_read(tmp_path: Path):
+    """True and False too."""
+    text = "episode,reward,success,distance\n0,-9.5,False,0.5\n1,-7.25,True,0.25\n"
+    log = read(written(tmp_path, text), measure="distance")
+    assert log["behaviour/success"].tolist() == [0, 1]
+    assert log["behaviour/distance"].tolist() == [0.5, 0.25]
+    assert "length" not in log
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "reward\n1\n2\n",
+        "step,reward\n0,1\n1,2\n",
+        "episode,reward\n0,1\n0,2\n1,1\n",
+        "episode,step,reward\n0,0,1\n0,1,2\n",
+        "reward,steps\n0.5,1\n0.25,2\n0.5,3\n0.1,4\n",
+        "episode,reward,action_0\n0,1,0.5\n1,2,0.5\n",
+        "episode,loss\n0,1\n1,2\n",
+        "episode,reward,length\n",
+        "episode,reward\n0,1",
+        "",
+    ],
+)
+def test_tables_of_steps_and_of_others_are_not_recognised(tmp_path: Path, text: str):
+    """A row that is a step may not be taken for an episode."""
+    assert not is_recognised(written(tmp_path, text))
+
+
+def test_an_episode_that_stands_twice_is_refused_by_its_line(tmp_path: Path):
+    """Far down, where nobody looks first: the table is one of steps after all, or of two runs."""
+    rows = "".join(f"{number},1.0\n" for number in range(2000))
+    path = written(tmp_path, f"episode,reward\n{rows}1999,1.0\n")
+    assert is_recognised(path)
+    with pytest.raises(SchemaError, match=r"0\.csv, line 2002: episode 1999 stands twice"):
+        EpisodeCsv().read(path)
+
+
+def test_numbers_that_begin_again_are_refused(tmp_path: Path):
+    """Two runs that were written one behind the other."""
+    path = written(tmp_path, "episode,reward,length\n" + ROWS + ROWS)
+    with pytest.raises(SchemaError, match="line 5: it goes back to episode 0: the file holds several runs"):
+        read(path)
+
+
+@pytest.mark.parametrize("name", ["seed", "run"])
+def test_a_column_of_runs_gives_a_log_for_each(tmp_path: Path, name: str):
+    """Whichever way the rows are mixed."""
+    text = f"{name},episode,reward\n3,0,-1.0\n8,0,-2.0\n3,1,-1.5\n8,1,-2.5\n"
+    logs = EpisodeCsv().read(written(tmp_path, text))
+    assert [log["reward/recorded"].tolist() for log in logs] == [[-1.0, -1.5], [-2.0, -2.5]]
+    assert [log.facts.run for log in logs] == ["3", "8"]
+    assert [log.facts.seed for log in logs] == ([3, 8] if name == "seed" else [None, None])
+
+
+def test_a_seed_of_each_episode_is_no_run(tmp_path: Path):
+    """Evaluations are often seeded one by one."""
+    log = read(written(tmp_path, "episode,reward,seed\n0,-1.0,100\n1,-2.0,101\n2,-3.0,102\n"))
+    assert len(log) == 3
+
+
+def test_episodes_of_several_envs_are_counted_in_each(tmp_path: Path):
+    """A column says which."""
+    log = read(written(tmp_path, "env,episode,reward,length\n0,0,-1,5\n1,0,-2,6\n0,1,-3,7\n1,1,-4,8\n"))
+    assert log["time"].tolist() == [5, 11, 18, 26]
+
+
+def test_episodes_that_are_missing_are_told_and_no_steps_are_made_up(tmp_path: Path):
+    """Only every tenth episode was written down."""
+    log = read(written(tmp_path, "episode,reward,length\n0,-1.0,50\n10,-2.0,50\n20,-3.0,50\n"))
+    assert "time" not in log
+    assert "not every episode" in log.facts.thinned
+
+
+def test_steps_that_only_rise_are_those_of_all_episodes(tmp_path: Path):
+    """`steps` is the length of an episode for some, and what was done so far for others."""
+    rows = "".join(f"{number},-1.0,{200 * (number + 1)}\n" for number in range(6))
+    log = read(written(tmp_path, f"episode,reward,steps\n{rows}"))
+    assert log["time"].tolist() == [200, 400, 600, 800, 1000, 1200]
+    assert "length" not in log
+
+
+def test_a_column_of_steps_of_the_training_is_time(tmp_path: Path):
+    """And may not go back."""
+    log = read(written(tmp_path, "episode,reward,total_steps\n0,-1.0,200\n1,-2.0,390\n"))
+    assert log["time"].tolist() == [200, 390]
+    with pytest.raises(SchemaError, match="line 3: 'total_steps' goes back"):
+        read(written(tmp_path, "episode,reward,total_steps\n0,-1.0,200\n1,-2.0,190\n"))
+
+
+@pytest.mark.parametrize(
+    ("row", "why"),
+    [
+        ("3,nan,150", "line 5: column 'reward' holds nan"),
+        ("3,,150", "line 5: column 'reward' holds nothing"),
+        ("3,-1.0,0", "line 5: column 'length' counts from 1, and holds 0"),
+        ("3,-1.0,12.5", "line 5: column 'length' counts from 1"),
+        ("3,-1.0", "line 5: it has 2 cells"),
+        ("three,-1.0,150", "line 5: column 'episode' holds three"),
+    ],
+)
+def test_a_damaged_row_is_refused_by_its_line(tmp_path: Path, row: str, why: str):
+    """Never read in part."""
+    path = written(tmp_path, f"episode,reward,length\n{ROWS}{row}\n")
+    with pytest.raises(SchemaError, match=why):
+        EpisodeCsv().read(path)
+
+
+def test_a_probability_of_success_is_refused(tmp_path: Path):
+    """An episode succeeds or not."""
+    with pytest.raises(SchemaError, match=r"line 2: column 'success' is 0 or 1, and holds 0\.7"):
+        read(written(tmp_path, "episode,reward,success\n0,1.0,0.7\n"))
+
+
+def test_a_last_line_that_does_not_end_is_left_out_and_told(tmp_path: Path):
+    """The last number of it may lack digits."""
+    log = read(written(tmp_path, "episode,reward,length\n" + ROWS + "3,-1.0,15"))
+    assert log["length"].tolist() == [200, 180, 150]
+    assert "line 5 is cut off, or is being written: it is left out" in log.facts.notes
+
+
+def test_a_table_without_a_column_of_returns_is_told_how_to_name_it(tmp_path: Path):
+    """With what there is."""
+    path = written(tmp_path, "episode,points\n0,1.0\n1,2.0\n")
+    with pytest.raises(UsageError, match=r"say reward=NAME. It has: episode, points"):
+        EpisodeCsv().read(path)
+    [log] = EpisodeCsv(reward="points").read(path)
+    assert log["reward/recorded"].tolist() == [1.0, 2.0]

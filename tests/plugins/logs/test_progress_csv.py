@@ -1,0 +1,252 @@
+"""Tables of progress that stable-baselines3's and Ray's own loggers write, and what happens to such tables."""
+
+import csv
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness.errors import SchemaError, UsageError
+from harness.log import Log
+from harness.log.format import HEAD
+from harness_plugins.logs.progress_csv import ProgressCsv
+
+REWARD, STEPS = "rollout/ep_rew_mean", "time/total_timesteps"
+
+
+def read(path: Path, **settings: Any) -> Log:
+    """The one log of a file that the format recognises."""
+    progress = ProgressCsv(**settings)
+    assert progress.recognises(path, path.read_bytes()[:HEAD])
+    [log] = progress.read(path)
+    return log
+
+
+def logged(folder: Path, reports: Sequence[Mapping[str, Any]]) -> Path:
+    """What stable-baselines3's own logger wrote of reports."""
+    logger = pytest.importorskip("stable_baselines3.common.logger", reason="needs the extra sb3")
+    writer = logger.CSVOutputFormat(str(folder / "progress.csv"))
+    for report in reports:
+        writer.write(dict(report), dict.fromkeys(report, ()))
+    writer.close()
+    return folder / "progress.csv"
+
+
+def by_ray(folder: Path, results: Sequence[Mapping[str, Any]], starts: Sequence[int] = (0,)) -> Path:
+    """What Ray's CSVLoggerCallback writes: a header of the first result, then rows by the keys of each start.
+
+    Ray's own needs pandas, and a trial that runs; the files of both were compared.
+
+    Args:
+        folder: Of the trial.
+        results: As a training reports them.
+        starts: Results with which the trial began, or was begun again.
+    """
+    path = folder / "progress.csv"
+    with path.open("at") as file:
+        for row, result in enumerate(results):
+            flat = flattened({key: value for key, value in result.items() if key != "config"})
+            if row in starts:
+                writer = csv.DictWriter(file, flat.keys())
+                if row == 0:
+                    writer.writeheader()
+            writer.writerow({key: value for key, value in flat.items() if key in writer.fieldnames})
+    return path
+
+
+def flattened(nested: Mapping[str, Any]) -> dict[str, Any]:
+    """Names of inner keys behind those of outer ones, ``a/b``; they come after the keys of outer ones."""
+    flat = dict(nested)
+    while any(isinstance(value, dict) for value in flat.values()):
+        plain = {key: value for key, value in flat.items() if not isinstance(value, dict)}
+        inner = {key: value for key, value in flat.items() if isinstance(value, dict)}
+        flat = plain | {f"{key}/{name}": value for key, of in inner.items() for name, value in of.items()}
+    return flat
+
+
+def written(folder: Path, text: str, name: str = "progress.csv") -> Path:
+    """A file with this text."""
+    path = folder / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_keys_that_come_later_stand_under_their_names(tmp_path: Path):
+    """Issue 774 of baselines: a table whose header grows on the way. The library pads the rows before."""
+    reports = [
+        {STEPS: 100, REWARD: -9.5},
+        {"aaa/new": 1.0, STEPS: 200, REWARD: -8.25},
+        {STEPS: 300, "rollout/success_rate": 0.5, REWARD: -7.125, "aaa/new": 2.0},
+        {REWARD: -6.0625, STEPS: 400, "rollout/success_rate": 0.75},
+    ]
+    log = read(logged(tmp_path, reports))
+    assert log["time"].tolist() == [300, 400]
+    assert log["reward/recorded"].tolist() == [-7.125, -6.0625]
+    assert log["behaviour/success"].tolist() == [0.5, 0.75]
+    assert any("2 points that lack one of these are left out" in note for note in log.facts.notes)
+
+
+def test_a_row_of_another_width_is_refused(tmp_path: Path):
+    """Issue 774 of baselines, where nobody padded: every value behind the new key stands under another name."""
+    path = written(tmp_path, f"aaa/new,{REWARD},{STEPS}\n-9.5,100\n1.0,-8.25,200\n")
+    with pytest.raises(SchemaError, match=r"progress\.csv, line 2: it has 2 cells, and there are 3 columns"):
+        read(path)
+
+
+def test_values_under_names_of_others_are_refused_by_the_counter(tmp_path: Path):
+    """As wide as the header, but in another order: steps are whole numbers, returns mostly not."""
+    path = written(tmp_path, f"{REWARD},{STEPS}\n-9.5,100\n200,-8.25\n")
+    with pytest.raises(SchemaError, match=r"line 3: column 'time/total_timesteps' counts from 0, and holds -8\.25"):
+        read(path)
+
+
+def test_evaluations_in_rows_of_their_own_are_read_where_they_have_success(tmp_path: Path):
+    """EvalCallback dumps rows of its own into the same table."""
+    reports = [
+        {STEPS: 100, REWARD: -9.5},
+        {STEPS: 150, "eval/mean_reward": -8.0, "eval/success_rate": 0.25, "eval/mean_ep_length": 20.0},
+        {STEPS: 200, REWARD: -7.5},
+    ]
+    log = read(logged(tmp_path, reports))
+    assert log["time"].tolist() == [150]
+    assert log.facts.evaluation
+    assert read(tmp_path / "progress.csv", reward=REWARD)["time"].tolist() == [100, 200]
+
+
+def test_a_trial_of_rllib_is_read_as_rays_logger_flattens_it(tmp_path: Path):
+    """Nested results, text with commas, and NaN before the first episode has ended."""
+    results = [
+        {
+            "training_iteration": number + 1,
+            "num_env_steps_sampled_lifetime": 4000 * (number + 1),
+            "env_runners": {"episode_return_mean": value, "episode_len_mean": 20.0, "hist": [1, 2]},
+            "hostname": 'a,"b"',
+            "config": {"seed": 3},
+        }
+        for number, value in enumerate([float("nan"), 1.0625, 2.125])
+    ]
+    log = read(by_ray(tmp_path, results))
+    assert log["time"].tolist() == [8000, 12_000]
+    assert log["reward/recorded"] == pytest.approx([1.0625, 2.125], abs=1e-6)
+    assert log["length"].tolist() == [20.0, 20.0]
+    assert "RLlib" in log.facts.format
+
+
+def test_a_trial_that_was_restored_has_its_later_rows_count(tmp_path: Path):
+    """Issue 4187 of Ray: what was reported again after a checkpoint stands in the table twice."""
+    steps, values = [1000, 2000, 3000, 2000, 3000], [1.0, 2.0, 3.0, 20.0, 30.0]
+    results = [
+        {"training_iteration": step // 1000, "timesteps_total": step, "episode_reward_mean": value}
+        for step, value in zip(steps, values, strict=True)
+    ]
+    log = read(by_ray(tmp_path, results, starts=[0, 3]))
+    assert log["time"].tolist() == [1000, 2000, 3000]
+    assert log["reward/recorded"].tolist() == [1.0, 20.0, 30.0]
+
+
+def test_a_restored_trial_that_reports_in_another_order_is_refused(tmp_path: Path):
+    """Ray writes its rows by the new order, under the old header."""
+    results = [
+        {"episode_reward_mean": -1.5, "timesteps_total": 1000},
+        {"timesteps_total": 2000, "episode_reward_mean": -0.5},
+    ]
+    path = by_ray(tmp_path, results, starts=[0, 1])
+    assert path.read_text().splitlines()[2] == "2000,-0.5"
+    with pytest.raises(SchemaError, match=r"line 3: column 'timesteps_total' counts from 0, and holds -0\.5"):
+        read(path)
+
+
+def test_seed_and_environment_of_a_trial_stand_beside_it(tmp_path: Path):
+    """In params.json, which Ray writes."""
+    (tmp_path / "params.json").write_text(json.dumps({"env": "Hopper-v4", "seed": 11, "lr": 0.1}))
+    path = written(tmp_path, "training_iteration,timesteps_total,episode_reward_mean\n1,1000,2.5\n")
+    assert (read(path).facts.env, read(path).facts.seed) == ("Hopper-v4", 11)
+
+
+def test_a_header_longer_than_what_is_looked_at_first_is_recognised(tmp_path: Path):
+    """RLlib has hundreds of columns."""
+    more = ",".join(f"info/learner/default_policy/statistic_{number}" for number in range(300))
+    zeros = ",".join(["0"] * 300)
+    path = written(tmp_path, f"{more},timesteps_total,episode_reward_mean\n{zeros},1000,2.5\n")
+    assert read(path)["reward/recorded"].tolist() == [2.5]
+
+
+@pytest.mark.parametrize(
+    ("header", "program"),
+    [
+        ("eprewmean,misc/total_timesteps", "baselines"),
+        ("EpRewMean,TimestepsSoFar", "baselines"),
+        ("AverageEpRet\tTotalEnvInteracts", "Spinning Up"),
+        ("Evaluation/AverageReturn,TotalEnvSteps", "garage"),
+        ("episode_reward_mean,timesteps_total", "RLlib"),
+    ],
+)
+def test_tables_of_other_programs_are_found_by_their_columns(tmp_path: Path, header: str, program: str):
+    """With environment steps from the column that the program counts them in; Spinning Up's has tabs."""
+    separator = "\t" if "\t" in header else ","
+    path = written(tmp_path, f"{header}\n-9.5{separator}100\n-8.25{separator}200\n")
+    log = read(path)
+    assert log["time"].tolist() == [100, 200]
+    assert log["reward/recorded"].tolist() == [-9.5, -8.25]
+    assert program in log.facts.format
+
+
+def test_a_table_that_counts_no_steps_has_iterations(tmp_path: Path):
+    """Until somebody says how many steps one has."""
+    path = written(tmp_path, "training_iteration,episode_reward_mean\n1,2.5\n2,3.5\n")
+    assert read(path)["iteration"].tolist() == [1, 2]
+    assert read(path, per_step=4000)["time"].tolist() == [4000, 8000]
+
+
+def test_a_last_line_that_does_not_end_is_left_out_and_told(tmp_path: Path):
+    """The training writes on."""
+    log = read(written(tmp_path, f"{REWARD},{STEPS}\n-9.5,100\n-8.25,20"))
+    assert log["time"].tolist() == [100]
+    assert "line 3 is cut off, or is being written: it is left out" in log.facts.notes
+
+
+@pytest.mark.parametrize("text", [f"{REWARD},{STEPS}\n", f"{REWARD},{STEPS}\n,100\n", f"{REWARD},{STEPS}\nnan,100\n"])
+def test_a_table_without_a_point_is_refused(tmp_path: Path, text: str):
+    """No episode has ended yet."""
+    with pytest.raises(SchemaError, match="has no point of rollout/ep_rew_mean"):
+        read(written(tmp_path, text))
+
+
+def test_text_among_returns_is_refused_by_its_line(tmp_path: Path):
+    """A second header of another run, for one."""
+    with pytest.raises(SchemaError, match="line 3: column 'rollout/ep_rew_mean' holds time/fps"):
+        read(written(tmp_path, f"{REWARD},{STEPS}\n-9.5,100\ntime/fps,time\n"))
+
+
+def test_a_name_twice_in_the_header_is_refused(tmp_path: Path):
+    """Nobody knows which is meant."""
+    with pytest.raises(SchemaError, match="names a column twice"):
+        read(written(tmp_path, f"{REWARD},{STEPS},{REWARD}\n-9.5,100,2\n"))
+
+
+def test_a_column_may_be_named(tmp_path: Path):
+    """In a table that no program is known to write."""
+    path = written(tmp_path, "updates,score,solved\n1,-9.5,0.5\n2,-8.25,0.75\n")
+    assert not ProgressCsv().recognises(path, path.read_bytes())
+    [log] = ProgressCsv(reward="score", success="solved").read(path)
+    assert log["behaviour/success"].tolist() == [0.5, 0.75]
+    with pytest.raises(UsageError, match="no curve of returns that is known"):
+        ProgressCsv().read(path)
+
+
+def test_a_whole_number_of_points_is_held_against_numpys_reader(tmp_path: Path):
+    """500 reports with ten more columns, in random order."""
+    generator = np.random.default_rng(0)
+    names = [REWARD, STEPS, *(f"train/{number}" for number in range(10))]
+    reports = [
+        {name: (row + 1) * 64 if name == STEPS else float(generator.normal()) for name in generator.permutation(names)}
+        for row in range(500)
+    ]
+    path = logged(tmp_path, reports)
+    told = np.genfromtxt(path, delimiter=",", names=True, deletechars="")
+    log = read(path)
+    assert log["reward/recorded"] == pytest.approx(told[REWARD], rel=1e-6)
+    assert log["time"].tolist() == told[STEPS].tolist()
