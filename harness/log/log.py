@@ -25,7 +25,7 @@ state/NAME                     what the simulator told after the step
 A cell's trace has columns of its own names, see `harness.record.trace`.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, TypeAlias
@@ -45,7 +45,7 @@ MOST_ROWS = 200_000_000
 """The most rows that a log may have."""
 LARGEST = 1e150
 """The largest number, whose square is still finite."""
-REWARD, BEHAVIOUR = "reward/", "behaviour/"
+TIME, REWARD, BEHAVIOUR = "time", "reward/", "behaviour/"
 RECORDED = "recorded"
 """The reward that a log's own column of pay holds, where nobody says which it is."""
 SUCCESS = "success"
@@ -152,7 +152,8 @@ class Log:
     @property
     def rewards(self) -> tuple[str, ...]:
         """Names of the rewards whose pay it tells."""
-        return tuple(name.removeprefix(REWARD) for name in self.names if name.startswith(REWARD) and _is_whole(name))
+        paid = {name for name in self.names if name.startswith(REWARD)}
+        return tuple(name.removeprefix(REWARD) for name in self.names if name in paid and not _is_term(name, paid))
 
     @property
     def measures(self) -> tuple[str, ...]:
@@ -163,6 +164,22 @@ class Log:
         """Names of the terms of a reward that it tells, in the order in which they are summed."""
         begin = f"{REWARD}{reward}/"
         return tuple(name.removeprefix(begin) for name in self.names if name.startswith(begin))
+
+    def loaded(self, columns: Iterable[str] | None = None) -> "Log":
+        """The same log with some columns or all of them, which are read at once and stay in memory."""
+        return in_memory(self.facts, self.rows(columns).columns)
+
+    def renamed(self, new: Mapping[str, str]) -> "Log":
+        """The same log, in which some columns have other names: `new` by the name that each has now."""
+        old = {new.get(name, name): name for name in self.columns}
+
+        def read(names: tuple[str, ...]) -> Iterator[Columns]:
+            for table in self.read(tuple(old[name] for name in names)):
+                yield {name: table[old[name]] for name in names}
+
+        return replace(
+            self, columns=tuple(old), read=read, added={new.get(name, name): it for name, it in self.added.items()}
+        )
 
     def add(self, columns: Columns) -> "Log":
         """The same log with further columns, (rows, ...) each; one that it has already is replaced."""
@@ -192,9 +209,10 @@ def missing_column(name: str, there: Iterable[str], begin: str) -> UsageError:
     return UsageError(f"No column '{name}'. {begin}: {', '.join(names)}{nearest(name, names)}")
 
 
-def _is_whole(column: str) -> bool:
-    """Whether a column of pay is a reward's, and none of its terms'."""
-    return "/" not in column.removeprefix(REWARD)
+def _is_term(column: str, paid: Collection[str]) -> bool:
+    """Whether a column of pay is of a term: another one's name is its beginning. Names of rewards may have slashes."""
+    parts = column.split("/")
+    return any("/".join(parts[:end]) in paid for end in range(2, len(parts)))
 
 
 def _uneven(facts: LogFacts, columns: Columns) -> SchemaError:
@@ -215,15 +233,16 @@ def _regrouped(facts: LogFacts, tables: Iterable[Columns], rows: int) -> Iterato
             raise SchemaError(f"{facts.path} has more than the {MOST_ROWS:,} rows that are allowed")
         waiting.append(table)
         if held >= rows:
-            whole = _joined(waiting)
+            whole = joined(waiting)
             ends = held - held % rows
             yield from (_part(whole, begin, begin + rows) for begin in range(0, ends, rows))
             waiting, held = [_part(whole, ends, held)], held - ends
     if held:
-        yield _joined(waiting)
+        yield joined(waiting)
 
 
-def _joined(tables: Sequence[Columns]) -> Columns:
+def joined(tables: Sequence[Columns]) -> Columns:
+    """The rows of all tables, one after the other; they have the same columns."""
     if len(tables) == 1:
         return tables[0]
     return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}

@@ -12,7 +12,7 @@ from harness.eta.behaviour_change import Quantity
 from harness.eta.curve import GroupCurve, Kind, stream_curve
 from harness.eta.scored_sums import Pair
 from harness.eta.swaps import Swaps
-from harness.record.recording.facts import REWARD
+from harness.log.log import REWARD
 from harness.results.compare import Match, compare
 from harness.results.comparison import Comparison
 from harness.results.measured import EVALUATION, Measured, Moment
