@@ -1,26 +1,22 @@
 """Turns sorted logs into the trainings of a study, which the same tests compare as recorded trainings."""
 
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from harness.arrays import Float
-from harness.errors import SchemaError, Unscored, UsageError
+from harness.errors import SchemaError, UsageError
 from harness.eta.amounts import listed
 from harness.eta.equal import equal_sentences, equal_trainings
-from harness.log import Log
-from harness.log.log import BEHAVIOUR, RECORDED, REWARD, SUCCESS
+from harness.log import Log, LogFacts, Unit, in_memory
+from harness.log.log import BEHAVIOUR, RECORDED, REWARD, SUCCESS, TIME
 from harness.record.cell import NO_ROBOT, NO_SIMULATOR, UNKNOWN_ALGORITHM
-from harness.record.recording.facts import TrainingFacts
 from harness.registry.choice import Choice
-from harness.results.by_term import ByTerm
 from harness.results.comparison import Group
 from harness.results.logs.checks import (
-    KEPT,
-    NO_STEPS,
     budget_notes,
     facts_notes,
     no_steps_notes,
@@ -29,37 +25,13 @@ from harness.results.logs.checks import (
 )
 from harness.results.logs.told import LENGTH, RETURN, SUCCESS_DECIDES, Deciding
 from harness.results.logs.trainings import Sorted, Training, digest_of
-from harness.results.recordings.alike import Likeness
-from harness.results.recordings.episodes import Episodes
-from harness.results.recordings.runs import NO_NAME, Run, Runs
+from harness.results.recordings.alike import NOTHING_ALIKE
+from harness.results.recordings.runs import NO_NAME, Run, Runs, run_of
 
-TIME = "time"
 OWN_ALONE = (
     "each reward paid its own trainings alone, and returns of two rewards are not comparable: every reward has its own "
     "scale"
 )
-
-
-@dataclass(frozen=True)
-class OfLog:
-    """What follows from the files of a log; see `RecordingResults`, of which it has what a study asks for."""
-
-    path: Path
-    reason: str
-    steps: int
-    episodes: int
-
-    def paid_by(self, reward: str) -> Float:
-        """Nothing.
-
-        Raises:
-            Unscored: Always: no pay of steps was kept.
-        """
-        raise Unscored(self.reason)
-
-    def terms_paid(self, reward: str) -> ByTerm:
-        """Of no reward it is known what its terms paid."""
-        return ByTerm({}, self.steps, self.episodes)
 
 
 def runs_of(found: Sorted, deciding: Deciding = SUCCESS_DECIDES, *, is_told: bool = False) -> Runs:
@@ -196,31 +168,20 @@ def _ends(log: Log, axis: Axis) -> Float:
     return ends
 
 
-def _run(
-    training: Training,
-    steps: int,
-    shortest: int,
-    measures: Sequence[str],
-    axis: Axis,
-) -> Run:
-    columns = _joined(training, axis, measures)
+def _run(training: Training, steps: int, until: int, measures: Sequence[str], axis: Axis) -> Run:
+    """A training of so many steps with its evaluations, of which those after `until` are left out."""
+    if training.logs[0].facts.unit == "step":
+        return run_of(_named_after(training, training.logs[0]))
+    whole = in_memory(_facts(training, training.path), _joined(training, axis, measures))
     evaluated = training.logs[0] if training.is_evaluated_alone else training.evaluation
     if training.is_evaluated_alone:
-        columns = {name: values[:0] for name, values in columns.items()}
-    reason = NO_STEPS.format(KEPT.get(training.logs[0].facts.unit, "no pay of steps"))
-    run = _run_of(training, training.path, columns, steps, measures, reason, digest=digest_of(training.logs))
-    if evaluated is None:
-        return run
-    found = _evaluations(training, evaluated, measures, reason, axis, min(steps, shortest))
-    if not found:
-        return run
-    *before, (_, last) = found
-    return replace(run, evaluation=last, before=tuple(it for _, it in before))
+        whole = in_memory(whole.facts, {name: values[:0] for name, values in whole.rows().columns.items()})
+    run = replace(run_of(whole), steps=steps, likeness=replace(NOTHING_ALIKE, digest=digest_of(training.logs)))
+    found = [] if evaluated is None else _evaluations(training, evaluated, measures, axis, min(steps, until))
+    return replace(run, evaluation=found[-1], before=tuple(found[:-1])) if found else run
 
 
-def _evaluations(
-    training: Training, log: Log, measures: Sequence[str], reason: str, axis: Axis, until: int
-) -> list[tuple[int, Run]]:
+def _evaluations(training: Training, log: Log, measures: Sequence[str], axis: Axis, until: int) -> list[Run]:
     """What policies did in each evaluation up to a step of the training, in order."""
     if axis.column not in log:
         raise UsageError(f"'{log.facts.path}' does not tell the {axis.noun} at which it evaluated: move it elsewhere")
@@ -229,11 +190,27 @@ def _evaluations(
     for after in np.unique(columns[TIME][columns[TIME] <= until]):
         rows = {name: values[columns[TIME] == after] for name, values in columns.items()}
         rows[TIME] = np.arange(1.0, len(rows[TIME]) + 1)
-        run = _run_of(
-            training, log.facts.path, rows, len(rows[TIME]), measures, reason, after=int(after), evaluation=True
-        )
-        runs.append((int(after), run))
+        run = run_of(in_memory(replace(_facts(training, log.facts.path), evaluation=True), rows))
+        runs.append(replace(run, facts=replace(run.facts, after=int(after))))
     return runs
+
+
+def _named_after(training: Training, log: Log) -> Log:
+    return replace(log, facts=replace(log.facts, trained_with=training.reward, seed=training.seed))
+
+
+def _facts(training: Training, path: Path) -> LogFacts:
+    facts = training.logs[0].facts
+    unit: Unit = "point" if facts.unit == "point" else "episode"
+    return LogFacts(
+        path=path,
+        format=facts.format,
+        unit=unit,
+        trained_with=training.reward,
+        seed=training.seed,
+        env=facts.env,
+        bounds=facts.bounds,
+    )
 
 
 def _joined(training: Training, axis: Axis, measures: Sequence[str]) -> dict[str, Float]:
@@ -245,62 +222,17 @@ def _joined(training: Training, axis: Axis, measures: Sequence[str]) -> dict[str
 
 
 def _columns(training: Training, log: Log, ends: Float, measures: Sequence[str]) -> dict[str, Float]:
-    """The numbers of a log under the names of the study: ``time``, ``reward/NAME``, ``behaviour/NAME``."""
-    found: dict[str, Float] = {TIME: ends}
+    """The numbers of a log under the names of the study; NaN of what decides and is not told."""
+    unknown = np.full(len(ends), np.nan)
+    found: dict[str, Float] = {TIME: ends, f"{REWARD}{training.reward}": unknown}
     for name in log.rewards:
         own = training.reward if name == RECORDED else name
         found[f"{REWARD}{own}"] = np.asarray(log[f"{REWARD}{name}"], np.float64)
     for name in measures:
-        column = {RETURN: f"{REWARD}{RECORDED}", LENGTH: LENGTH}.get(name, f"{BEHAVIOUR}{name}")
-        if f"{BEHAVIOUR}{name}" in log:
-            column = f"{BEHAVIOUR}{name}"
-        found[f"{BEHAVIOUR}{name}"] = (
-            np.asarray(log[column], np.float64) if column in log else np.full(len(ends), np.nan)
-        )
+        other = {RETURN: f"{REWARD}{RECORDED}", LENGTH: LENGTH}.get(name, "")
+        column = f"{BEHAVIOUR}{name}" if f"{BEHAVIOUR}{name}" in log else other
+        found[f"{BEHAVIOUR}{name}"] = np.asarray(log[column], np.float64) if column in log else unknown
     return found
-
-
-def _run_of(
-    training: Training,
-    path: Path,
-    columns: Mapping[str, Float],
-    steps: int,
-    measures: Sequence[str],
-    reason: str,
-    *,
-    digest: str = "",
-    after: int = 0,
-    evaluation: bool = False,
-) -> Run:
-    rewards = tuple(name.removeprefix(REWARD) for name in columns if name.startswith(REWARD))
-    named = rewards if training.reward in rewards else (*rewards, training.reward)
-    log = training.logs[0]
-    facts = TrainingFacts(
-        rewards=named,
-        trained_with=training.reward,
-        behaviour=tuple(measures),
-        bounds=dict(log.facts.bounds),
-        seed=training.seed,
-        env={"id": log.facts.env} if log.facts.env else {},
-        closed=True,
-        after=after,
-        evaluation=evaluation,
-    )
-    unknown = np.full(len(columns[TIME]), np.nan)
-    episodes = Episodes(
-        columns[TIME].astype(np.int64) - 1,
-        {name: columns.get(f"{REWARD}{name}", unknown) for name in named},
-        {name: columns[f"{BEHAVIOUR}{name}"] for name in measures},
-        {f"{BEHAVIOUR}{name}": "not told" for name in measures if np.isnan(columns[f"{BEHAVIOUR}{name}"]).all()},
-    )
-    return Run(
-        OfLog(path, reason, steps, len(episodes.last)),
-        facts,
-        training.seed,
-        steps,
-        episodes,
-        Likeness(digest, {}, frozenset()),
-    )
 
 
 def _rhythm(runs: Sequence[Run]) -> tuple[int, int]:
