@@ -248,6 +248,11 @@ class Comparison:
         return self.decomposition is not None and self.decomposition.is_split
 
     @property
+    def has_pay(self) -> bool:
+        """Whether something is known of how much the pay changed, or else not said why it is not."""
+        return self.main is not None or self.decomposition is not None or not self.missing
+
+    @property
     def baseline_index(self) -> Index | None:
         """The indices of the baseline's trainings under their own reward; None where there are none."""
         return self.decomposition.baseline if self.decomposition else None

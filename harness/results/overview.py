@@ -71,7 +71,7 @@ def overview_of(combinations: Sequence[Comparison]) -> Overview:
     names = dict.fromkeys(name for it in combinations for name in it.deciding[:1])
     mains = [it.main for it in combinations if it.main is not None]
     is_ratio = all(it.ratio.eta.value is not None for it in mains)
-    is_paid = bool(mains) or any(it.decomposition is not None or not it.missing for it in combinations)
+    is_paid = any(it.has_pay for it in combinations)
     numbers: Numbers = "none" if not is_paid else "indices" if not mains else "ratio" if is_ratio else "difference"
     measure = " / ".join(map(short_name, names)) or "behaviour"
     trained = f" {TRAINING}" if names and all(it.manner in (WHOLE, TRAINING) for it in combinations) else ""

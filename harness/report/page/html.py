@@ -107,7 +107,7 @@ NO_SECTIONS: Mapping[str, Any] = MappingProxyType(
     {
         **dict.fromkeys(("matrix", "ranking", "returns", "replay", "transfer", "pools", "race")),
         **dict.fromkeys(
-            ("success", "unfinished", "manifests", "facts", "downloads", "groups", "warnings", "never", "alone"), ()
+            ("success", "unfinished", "manifests", "facts", "downloads", "groups", "warnings", "said", "never", "alone"), ()
         ),
         **dict.fromkeys(("again", "experiment", "setting", "advice", "beside"), ""),
         "pictured": False,
@@ -153,6 +153,7 @@ def _render(results: Results, audits: Audits) -> str:
         question=question(results),
         setting=_setting(results),
         warnings=_warnings(results),
+        said=[f"{line}." for line in results.said],
         never=never_texts(results),
         alone=[alone_section(results, it) for it in results.alone],
         beside=beside(results, results.alone),
@@ -218,7 +219,6 @@ def _warnings(results: Results) -> list[str]:
     """What a reader must know before the answers."""
     ended = [f"{count_cells(results)}. The last part of the page has the reasons."]
     told = ended if results.failed or results.damaged else []
-    told += [f"{line}." for line in results.said]
     return [*told, *(text for text in (interim_text(results), joined_text(results), grown_text(results)) if text)]
 
 
