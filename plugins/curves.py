@@ -265,7 +265,7 @@ def curve_log(facts: LogFacts, curve: Curve, names: Sequence[str], columns: Mapp
 
 
 def _last_attempt(path: Path, steps: Float) -> tuple[Mask, int]:
-    """Of points that were logged again after a restart only the later ones, and how many restarts there were."""
+    """Which points count, where some were logged again after a restart: the later ones; and how many restarts."""
     kept = np.ones(len(steps), bool)
     back = np.flatnonzero(np.diff(steps) < 0.0) + 1
     if len(back) > MOST_RESTARTS:

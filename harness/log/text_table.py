@@ -121,7 +121,7 @@ def read_table(
         separator: Between cells.
         comment: What a line begins with that is no row; none if empty.
         names: Of the columns of a file that has no header.
-        ends_open: Whether the program that wrote it ends the last line with nothing.
+        ends_open: Whether the program that wrote it puts every cell in quotes, and ends the last line with nothing.
 
     Raises:
         SchemaError: It is empty, or a row has another number of cells than the header; names the line.
@@ -140,9 +140,9 @@ def parse_table(
     names: Sequence[str] = (),
     ends_open: bool = False,
 ) -> TextTable:
-    """As `read_table`, of the text of a file, or of its beginning."""
+    """A table as `read_table` gives it, of the text of a file or of its beginning."""
     comments: list[tuple[int, str]] = []
-    rows = _rows(path, text, separator, comment, comments)
+    rows = _rows(path, _lines(text, comment, comments), separator, strict=ends_open)
     open_end = 0 if ends_open else _open_end(text)
     line = 0
     if not names:
@@ -204,11 +204,9 @@ def require_columns(path: Path, names: Sequence[str], *wanted: str) -> None:
             raise UsageError(f"{path} has no '{name}'. It has: {there}{nearest(name, list(names))}")
 
 
-def _rows(
-    path: Path, text: str, separator: str, comment: str, comments: list[tuple[int, str]]
-) -> Iterator[tuple[int, list[str]]]:
-    """Rows and the lines on which they end; what is blank or a comment is no row."""
-    reader = csv.reader(_lines(text, comment, comments), delimiter=separator)
+def _rows(path: Path, lines: Iterator[str], separator: str, strict: bool) -> Iterator[tuple[int, list[str]]]:
+    """Rows and the lines on which they end; a blank one is none."""
+    reader = csv.reader(lines, delimiter=separator, strict=strict)
     try:
         for row in reader:
             if any(cell.strip() for cell in row):

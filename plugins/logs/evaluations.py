@@ -14,6 +14,8 @@ from harness.files.bounded import open_regular, reading
 from harness.log import Log, LogFacts, in_memory
 from harness.log.log import BEHAVIOUR, LARGEST, RECORDED, REWARD, SUCCESS
 
+from ..zoo_settings import zoo_settings
+
 MOST_BYTES = 2**28
 ZIP = b"PK\x03\x04"
 MEMBERS = ("timesteps", "results", "ep_lengths", "successes")
@@ -60,10 +62,15 @@ class Evaluations:
                 raise SchemaError(f"{path}: a number is missing or not finite")
             if not np.isin(columns.get(f"{BEHAVIOUR}{SUCCESS}", 0.0), (0.0, 1.0)).all():
                 raise SchemaError(f"{path}: a success is neither 0 nor 1")
+        zoo = zoo_settings(path)
         facts = LogFacts(
             path=path,
             format="evaluations of stable-baselines3's EvalCallback",
             unit="episode",
+            env=zoo.env,
+            algorithm=zoo.algorithm,
+            seed=zoo.seed,
+            asked=zoo.asked,
             evaluation=True,
             bounds={SUCCESS: (0.0, 1.0)} if f"{BEHAVIOUR}{SUCCESS}" in columns else {},
             notes=(f"{len(steps)} evaluations of {returns.shape[1]} episodes each", *notes),

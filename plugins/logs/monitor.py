@@ -15,28 +15,17 @@ from harness.log import Log, LogFacts, in_memory
 from harness.log.log import BEHAVIOUR, RECORDED, REWARD, SUCCESS, Columns
 from harness.log.text_table import TextTable, read_table, require_columns
 
+from ..zoo_settings import zoo_settings
+
 SUCCESS_KEYS = ("is_success", "success")
 OWN = ("r", "l", "t")
 """Return, length and seconds since the file was begun: the first columns of every such file, in this order."""
 NAMELESS = "column "
 PAY = re.compile(r"rew(ard)?|return|\bpay", re.IGNORECASE)
 """In the name of a column that is pay, and so no measure that no reward enters."""
-FILE_NAME = re.compile(r"(?:(?P<env>\d+)\.)?(?:.*\.)?monitor\.csv")
+FILE_NAME = re.compile(r"(.*\.)?monitor\.csv")
 BARE_ROW = re.compile(rb"-?\d+(\.\d+)?(e[+-]?\d+)?,\d+,\d+(\.\d+)?(e[+-]?\d+)?,?")
 """The first line of a file that Monitor was to append to, and that was not there: it writes no header then."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class MonitorFacts(LogFacts):
-    """What only Monitor tells.
-
-    Attributes:
-        started: When the file was begun, seconds since 1970.
-        env_number: Of ``N.monitor.csv``, N. Files of one folder are envs of one training, or trainings: both are usual.
-    """
-
-    started: float | None = None
-    env_number: int | None = None
 
 
 @dataclass(frozen=True)
@@ -77,16 +66,19 @@ class Monitor:
         success = self.success or next((name for name in SUCCESS_KEYS if name in table.names), "")
         columns, notes = _columns(table, success)
         started = headers[0].get("t_start") if headers else None
-        named = FILE_NAME.fullmatch(path.name)
-        facts = MonitorFacts(
+        env = "" if envs in ([], ["None"]) else envs[0]
+        zoo = zoo_settings(path, env)
+        facts = LogFacts(
             path=path,
             format="Monitor of stable-baselines3",
             unit="episode",
-            env="" if envs in ([], ["None"]) else envs[0],
+            env=env or zoo.env,
+            algorithm=zoo.algorithm,
+            seed=zoo.seed,
+            asked=zoo.asked,
+            started=float(started) if isinstance(started, int | float) else None,
             bounds={SUCCESS: (0.0, 1.0)} if success else {},
             notes=(*notes, *table.notes, *_clock(table)),
-            started=float(started) if isinstance(started, int | float) else None,
-            env_number=int(named["env"]) if named and named["env"] else None,
         )
         return (in_memory(facts, columns),)
 

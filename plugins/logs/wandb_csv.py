@@ -40,7 +40,9 @@ class WandBCsv(CurveSettings):
             UsageError: A curve that was named is not there, or none is known.
             SchemaError: It is damaged; names the line.
         """
-        table = read_table(path, ends_open=True)
+        with path.open("rb") as file:
+            is_quoted = file.read(1) == b'"'
+        table = read_table(path, ends_open=is_quoted)
         if is_history(table.names):
             named = {name: name for name in table.names}
             return (self._log(table, "", named, "_step"),)
