@@ -222,9 +222,12 @@ def _joined(training: Training, axis: Axis, measures: Sequence[str]) -> dict[str
 
 
 def _columns(training: Training, log: Log, ends: Float, measures: Sequence[str]) -> dict[str, Float]:
-    """The numbers of a log under the names of the study; NaN of what decides and is not told."""
+    """The numbers of a log under the names of the study; NaN of what decides and is not told.
+
+    A row before the first step, such as a first point at 0, counts as one of the first.
+    """
     unknown = np.full(len(ends), np.nan)
-    found: dict[str, Float] = {TIME: ends, f"{REWARD}{training.reward}": unknown}
+    found: dict[str, Float] = {TIME: np.maximum(ends, 1.0), f"{REWARD}{training.reward}": unknown}
     for name in log.rewards:
         own = training.reward if name == RECORDED else name
         found[f"{REWARD}{own}"] = np.asarray(log[f"{REWARD}{name}"], np.float64)
