@@ -155,7 +155,7 @@ class Comparison:
         rescaling: What the proposed reward is, if it is the baseline but for scale and offset; else None.
         paid: What each of both rewards pays its own policies and random actions, as far as that is known.
         same_starts: Whether policies met the same episodes in their evaluations, as far as that is known.
-        counted: What `episodes` counts of a training: episodes, or points of a curve, each a mean over some.
+        counted: What `episodes` counts in the manner that decides: episodes, or points of a curve, means over some.
     """
 
     group: Group

@@ -106,9 +106,8 @@ OWN = "own"
 NO_SECTIONS: Mapping[str, Any] = MappingProxyType(
     {
         **dict.fromkeys(("matrix", "ranking", "returns", "replay", "transfer", "pools", "race")),
-        **dict.fromkeys(
-            ("success", "unfinished", "manifests", "facts", "downloads", "groups", "warnings", "said", "never", "alone"), ()
-        ),
+        **dict.fromkeys(("success", "unfinished", "manifests", "facts", "downloads", "groups", "warnings", "said"), ()),
+        **dict.fromkeys(("never", "alone"), ()),
         **dict.fromkeys(("again", "experiment", "setting", "advice", "beside"), ""),
         "pictured": False,
     }

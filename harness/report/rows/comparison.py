@@ -130,8 +130,7 @@ def basis_text(comparison: Comparison) -> str:
     if not comparison.has_trainings or comparison.manner in (DETERMINISTIC, STOCHASTIC):
         return ""
     count = comparison.episodes[comparison.manner]
-    noun = "episode" if comparison.manner.startswith(EVALUATION) else comparison.counted
-    told = f"{count:,} {noun}{'s' * (count != 1)} or more of each seed"
+    told = f"{count:,} {comparison.counted}{'s' * (count != 1)} or more of each seed"
     rests = "will rest" if comparison.headline.answer is Answer.INTERIM else "rests"
     if comparison.manner.startswith(EVALUATION):
         return f"The verdict {rests} on evaluations of the final policies, {told}."

@@ -3,7 +3,7 @@
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -80,9 +80,16 @@ def runs_of(found: Sorted, deciding: Deciding = SUCCESS_DECIDES, *, is_told: boo
             *budget_notes(trainings, steps, axis.noun),
             *equal_sentences(equal),
         ),
-        counted="point" if trainings[0].logs[0].facts.unit == "point" else "episode",
+        counted=_counted(trainings),
         returns_apart="" if _share_pay(runs) else OWN_ALONE,
     )
+
+
+def _counted(trainings: Sequence[Training]) -> Literal["episode", "point"]:
+    """What decides: points of a curve, if a log of what says most about the policies has such."""
+    is_evaluated = all(it.evaluation is not None for it in trainings)
+    logs = [it.evaluation if is_evaluated and it.evaluation is not None else it.logs[0] for it in trainings]
+    return "point" if any(log.facts.unit == "point" for log in logs) else "episode"
 
 
 def _share_pay(runs: Sequence[Run]) -> bool:

@@ -269,9 +269,9 @@ def _home_of(folder: Path, log: Log, homes: Mapping[Path, Named]) -> Named | Non
 def _best_of(
     key: tuple[str, int | None, str], of: Sequence[Log], names: Mapping[int, str], logs: Sequence[Log], *, is_told: bool
 ) -> tuple[tuple[Log, ...], Log | None]:
-    """Of all logs of one training the one that tells it best, and that of its evaluations.
+    """The log that tells a training best, of all of its logs, and the one of its evaluations.
 
-    A log of success comes before one of returns alone, then the one of the finest unit.
+    A log of success is better than one of returns alone, then the one of the finest unit is.
     """
     evaluations = sorted((log for log in of if log.facts.evaluation), key=_fineness)
     evaluation = evaluations[0] if evaluations else None

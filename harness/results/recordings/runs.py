@@ -221,7 +221,7 @@ class Runs(NamedTuple):
     said: tuple[str, ...] = ()
     """How what was found was sorted and read, a line each; a reader has to know it before the first number."""
     counted: Literal["episode", "point"] = "episode"
-    """What the episodes of a training are: a log of curves has points, each a mean over some episodes."""
+    """What the episodes are that decide: a log of curves has points, each a mean over some episodes."""
     returns_apart: str = ""
     """Why mean returns are not compared; empty where they are."""
 
