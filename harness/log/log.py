@@ -45,7 +45,7 @@ MOST_ROWS = 200_000_000
 """The most rows that a log may have."""
 LARGEST = 1e150
 """The largest number, whose square is still finite."""
-TIME, REWARD, BEHAVIOUR = "time", "reward/", "behaviour/"
+TIME, START, REWARD, BEHAVIOUR = "time", "start", "reward/", "behaviour/"
 RECORDED = "recorded"
 """The reward that a log's own column of pay holds, where nobody says which it is."""
 SUCCESS = "success"
@@ -169,17 +169,36 @@ class Log:
         """The same log with some columns or all of them, which are read at once and stay in memory."""
         return in_memory(self.facts, self.rows(columns).columns)
 
+    def without_starts(self) -> "Log":
+        """The same log without the rows that are the start of an episode, which no step ends in."""
+        if START not in self:
+            return self
+
+        def read(names: tuple[str, ...]) -> Iterator[Columns]:
+            for piece in self.pieces((*names, START)):
+                steps = piece.part(~piece[START].astype(bool))
+                yield {name: steps[name] for name in names}
+
+        return Log(self.facts, tuple(name for name in self.names if name != START), read)
+
     def renamed(self, new: Mapping[str, str]) -> "Log":
-        """The same log, in which some columns have other names: `new` by the name that each has now."""
+        """The same log, in which some columns have other names: `new` by the name that each has now.
+
+        Raises:
+            UsageError: Two columns would have one name.
+        """
         old = {new.get(name, name): name for name in self.columns}
+        for name, other in new.items():
+            if name in self and other != name and other in self:
+                raise UsageError(f"'{name}' cannot be called '{other}': {self.facts.path} has a column of that name")
 
         def read(names: tuple[str, ...]) -> Iterator[Columns]:
             for table in self.read(tuple(old[name] for name in names)):
                 yield {name: table[old[name]] for name in names}
 
-        return replace(
-            self, columns=tuple(old), read=read, added={new.get(name, name): it for name, it in self.added.items()}
-        )
+        failed = tuple(replace(it, column=new.get(it.column, it.column)) for it in self.facts.failed)
+        added = {new.get(name, name): values for name, values in self.added.items()}
+        return replace(self, facts=replace(self.facts, failed=failed), columns=tuple(old), read=read, added=added)
 
     def add(self, columns: Columns) -> "Log":
         """The same log with further columns, (rows, ...) each; one that it has already is replaced."""

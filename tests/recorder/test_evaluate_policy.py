@@ -222,7 +222,7 @@ def test_the_folder_gets_its_name_when_all_episodes_are_there(counting, tmp_path
         harness.evaluate_policy(leave, counting(), path, episodes=4, **GIVEN)
     assert not any(seen)
     left = read_recording(tmp_path / ".evaluation.partial")
-    assert (left.facts.episodes_asked, left.terminated.sum()) == (4, 2)
+    assert (left.facts.episodes_asked, left["terminated"].sum()) == (4, 2)
     harness.evaluate_policy(still, counting(), path, episodes=4, **GIVEN)
     assert [it.name for it in tmp_path.iterdir()] == ["evaluation"]
     assert read_recording(path)["terminated"].sum() == 4

@@ -114,7 +114,7 @@ def test_batch_records_what_its_envs_record_alone(
         alone = _single(counting, tmp_path / str(env), env, calls)
         assert found["tick"][rows].tolist() == calls
         for name in ("episode", "step", "terminated", "truncated"):
-            assert np.array_equal(getattr(found, name)[rows], getattr(alone, name)), name
+            assert np.array_equal(found[name][rows], alone[name]), name
         for name in ("own", "sum"):
             assert np.array_equal(found[f"reward/{name}"][rows], alone[f"reward/{name}"]), name
         for name in ("left", "final"):
@@ -146,7 +146,7 @@ def test_envs_are_left_as_they_are(make_batch: Callable[..., Any], tmp_path: Pat
     for _ in range(2):  # no episode has ended before the second step
         one, other = bare.step(actions), recorded.step(actions)
         assert str(one) == str(other)
-    assert recorded.spec is recorded["env"].spec
+    assert recorded.spec is recorded.env.spec
     recorded.close()
 
 

@@ -65,7 +65,7 @@ def test_terms_add_up_to_the_pay_in_every_step(tmp_path: Path):
     assert found.facts.terms == {"gentle": ("upright", "effort", "jerk"), "eureka": ("upright", "speed")}
     for name in found.facts.terms:
         assert np.array_equal(sum_of(terms_of(found, name)), found[f"reward/{name}"])
-        assert all(np.ptp(values) > 0.0 for values in terms.values())
+        assert all(np.ptp(values) > 0.0 for values in terms_of(found, name).values())
     assert next(iter(found.facts.term_columns)) == "reward/gentle/upright"
 
 
@@ -298,7 +298,7 @@ def test_term_without_a_value_is_damage(tmp_path: Path, monkeypatch: pytest.Monk
 
     monkeypatch.setattr(record_rewards.RecordRewards, "_terms_of_step", _lose(record_rewards.RecordRewards))
     with pytest.raises(SchemaError, match="reward/it/a has no value in some steps, and no failure of it is told"):
-        _recorded(tmp_path / "run", 3, rewards={"it": lambda step: {"a": 1.0}})
+        _recorded(tmp_path / "run", 3, rewards={"it": lambda step: {"a": 1.0}}).rows()
 
 
 def _lose(recorder: Any) -> Any:
@@ -396,7 +396,7 @@ def test_weights_pay_what_a_reward_with_these_weights_pays(tmp_path: Path):
         tmp_path / "run", 250, rewards={"gentle": gentle, "gentle:effort=5": Terms({"gentle": gentle}, {"effort": 5.0})}
     )
     own = found["reward/gentle:effort=5"]
-    without = _recorded(tmp_path / "other", 250, rewards={"gentle": gentle}).weighed(["gentle:effort=5"])
+    without = weighed(_recorded(tmp_path / "other", 250, rewards={"gentle": gentle}), ["gentle:effort=5"])
     assert np.array_equal(without["reward/gentle:effort=5"], own)
     assert without.facts.terms["gentle:effort=5"] == ("upright", "effort", "jerk")
     for term, values in terms_of(found, "gentle:effort=5").items():

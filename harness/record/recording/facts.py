@@ -207,28 +207,17 @@ class TrainingFacts(LogFacts):
 
     def to_json(self) -> dict[str, Any]:
         """Plain data; `from_json` gives the same back."""
-        told = {
-            "rewards": self.rewards,
-            "trained_with": self.trained_with,
-            "behaviour": self.behaviour,
-            "lower_is_better": self.lower_is_better,
-            "pay": self.pay,
+        named = {
             # JSON has no infinite numbers
             "bounds": {name: [end if math.isfinite(end) else None for end in of] for name, of in self.bounds.items()},
-            "evaluation": self.evaluation,
-            "num_envs": self.num_envs,
             "seed": self.seeds or self.seed,
             "env": self.spec,
-            "versions": self.versions,
             "sources": {file_column(column): asdict(source) for column, source in self.sources.items()},
             "failures": [failure.to_json() for failure in self.failures],
-            "paid_otherwise": self.paid_otherwise,
-            "closed": self.closed,
             "actions": self.actions and asdict(self.actions),
-            **{name: getattr(self, name) for name in ("horizon", "cut", "acted", "after", "notes")},
             "steps_asked": self.asked,
-            **{name: getattr(self, name) for name in ("episodes_asked", "starts", "terms")},
         }
+        told = {name: named[name] if name in named else getattr(self, name) for name in KEYS}
         return {name: value for name, value in told.items() if not (name in LATER and value == LATER[name])}
 
     def write(self, path: Path) -> None:
@@ -266,36 +255,21 @@ class TrainingFacts(LogFacts):
         terms = data.get("terms", {})
         if any(len({*names}) < len(names) for names in (rewards, behaviour, *terms.values())):
             raise ValueError("a name stands twice")
-        return cls(
-            path=folder,
-            rewards=rewards,
-            trained_with=data["trained_with"],
-            behaviour=behaviour,
-            lower_is_better=tuple(data["lower_is_better"]),
-            evaluation=data["evaluation"],
-            num_envs=data["num_envs"],
-            seed=next((it for it in seeds if it is not None), None) if seeds else seed,
-            seeds=seeds,
-            env=str(data["env"].get("id") or ""),
-            spec=data["env"],
-            versions=data["versions"],
-            sources={log_column(column): Source(**source) for column, source in data["sources"].items()},
-            failed=tuple(map(Failure.from_json, data["failures"])),
-            paid_otherwise=data["paid_otherwise"],
-            closed=data["closed"],
-            actions=_actions_of(data.get("actions")),
-            pay=data.get("pay", False),
-            bounds={name: _bounds(*of) for name, of in data.get("bounds", {}).items()},
-            horizon=data.get("horizon", 0),
-            cut=data.get("cut", 0),
-            acted=data.get("acted", ""),
-            after=data.get("after", 0),
-            notes=tuple(data.get("notes", ())),
-            asked=data.get("steps_asked", 0),
-            episodes_asked=data.get("episodes_asked", 0),
-            starts=data.get("starts", 0),
-            terms={name: tuple(terms) for name, terms in data.get("terms", {}).items()},
-        )
+        known = {it.name for it in fields(cls)} & {*KEYS} & data.keys()
+        return cls(**{
+            **{name: tuple(it) if isinstance(it := data[name], list) else it for name in known},
+            "path": folder,
+            "bounds": {name: _bounds(*of) for name, of in data.get("bounds", {}).items()},
+            "seed": next((it for it in seeds if it is not None), None) if seeds else seed,
+            "seeds": seeds,
+            "env": str(data["env"].get("id") or ""),
+            "spec": data["env"],
+            "sources": {log_column(column): Source(**source) for column, source in data["sources"].items()},
+            "failed": tuple(map(Failure.from_json, data["failures"])),
+            "actions": _actions_of(data.get("actions")),
+            "asked": data.get("steps_asked", 0),
+            "terms": {name: tuple(of) for name, of in terms.items()},
+        })  # fmt: skip
 
 
 def facts_of(log: Log) -> TrainingFacts:
@@ -350,13 +324,15 @@ class ActionForm(TypedDict):
 
 @with_config(EXACT)
 class RecordingForm(TypedDict):
-    """See `TrainingFacts`."""
+    """The file of `TrainingFacts`; its keys are written in this order."""
 
     format: int
     rewards: Annotated[list[Name], Field(min_length=1, max_length=MOST_NAMES)]
     trained_with: Name
     behaviour: Annotated[list[Name], Field(max_length=MOST_NAMES)]
     lower_is_better: Annotated[list[Name], Field(max_length=MOST_NAMES)]
+    pay: NotRequired[bool]
+    bounds: NotRequired[dict[Name, Annotated[list[Number | None], Field(min_length=2, max_length=2)]]]
     evaluation: bool
     num_envs: Annotated[int, Field(gt=0, le=MOST_ENVS)]
     seed: Whole | Annotated[list[Whole | None], Field(max_length=MOST_ENVS)] | None
@@ -367,8 +343,6 @@ class RecordingForm(TypedDict):
     paid_otherwise: Line
     closed: bool
     actions: NotRequired[ActionForm | None]
-    pay: NotRequired[bool]
-    bounds: NotRequired[dict[Name, Annotated[list[Number | None], Field(min_length=2, max_length=2)]]]
     horizon: NotRequired[Whole]
     cut: NotRequired[Whole]
     acted: NotRequired[Acted]
@@ -380,4 +354,6 @@ class RecordingForm(TypedDict):
     terms: NotRequired[dict[Name, Annotated[list[Name], Field(min_length=1, max_length=MOST_NAMES)]]]
 
 
+KEYS = tuple(RecordingForm.__annotations__)[1:]
+"""Of the file, in order, without its format."""
 FORM: TypeAdapter[RecordingForm] = TypeAdapter(RecordingForm)

@@ -50,7 +50,7 @@ def likeness_of(recording: Log) -> Likeness:
     facts = facts_of(recording)
     rewards, sources = {name: recording[f"{REWARD}{name}"] for name in facts.rewards}, facts.sources
     own = [name for name in rewards if f"{REWARD}{name}" in sources and sources[f"{REWARD}{name}"].text == OWN_SOURCE]
-    can_end = bool(recording["terminated"].any())
+    can_end = "terminated" not in recording or bool(recording["terminated"].any())
     return Likeness(
         _digest(recording),
         {
@@ -72,7 +72,8 @@ def _digest(recording: Log) -> str:
     if all((values == values[:1]).all() for values in numbers.values()):
         return ""
     digest = hashlib.sha256()
-    whole = {TICK_IN_FILE: recording[TICK], **{name: recording[name] for name in (*INTEGERS, *FLAGS)}}
+    place = {name: recording[name] for name in (*INTEGERS, *FLAGS) if name in recording}
+    whole = {TICK_IN_FILE: recording[TICK], **place} if TICK in recording else place
     for name, values in sorted({**whole, **numbers}.items()):
         digest.update(f"{name}\0{len(values)}\0".encode())
         digest.update(np.ascontiguousarray(values).data)

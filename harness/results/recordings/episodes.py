@@ -139,12 +139,11 @@ def _of_steps(log: Log, facts: TrainingFacts) -> Float:
     ends = [name for name in ("terminated", "truncated") if name in log]
     if not ends:
         raise UsageError(f"'{facts.path}' does not tell where episodes end: no column 'terminated' or 'truncated'")
-    place = [name for name in ("env", "episode", "start") if name in log]
+    place = [name for name in ("env", "episode") if name in log]
     paid = [f"{REWARD}{name}" for name in facts.rewards]
     open_keys, open_sums, taken = np.empty(0, np.int64), [np.empty(0) for _ in paid], 0
     found: list[Float] = [np.empty((1 + len(facts.numbers), 0))]
-    for piece in log.pieces([*place, *ends, *facts.numbers]):
-        steps = piece.part(~piece["start"].astype(bool)) if "start" in place else piece
+    for steps in log.without_starts().pieces([*place, *ends, *facts.numbers]):
         zeros = np.zeros(len(steps), np.int64)
         env, episode = (steps[name].astype(np.int64) if name in place else zeros for name in ("env", "episode"))
         keys = np.concatenate([open_keys, env << 32 | episode])

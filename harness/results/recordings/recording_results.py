@@ -145,9 +145,12 @@ class RecordingResults:
 def terms_in(recording: Log, reward: str) -> ByTerm:
     """What each term of a reward paid in a log of steps; without terms of one that was given up on the way."""
     names = facts_of(recording).terms.get(reward, ())
-    told = recording.rows([*INTEGERS[:2], *FLAGS, *(term_column(reward, name) for name in names)])
+    there = [name for name in (*INTEGERS[:2], *FLAGS) if name in recording]
+    told = recording.rows([*there, *(term_column(reward, name) for name in names)])
+    zeros = np.zeros(len(told), np.int32)
+    env, episode, *ends = (told[name] if name in there else zeros for name in (*INTEGERS[:2], *FLAGS))
     found = {name: told[term_column(reward, name)] for name in names}
-    rows = episode_rows(told["env"], told["episode"], told["terminated"].astype(bool) | told["truncated"].astype(bool))
+    rows = episode_rows(env, episode, np.logical_or(*ends))
     is_known = not any(np.isnan(values).any() for values in found.values())
     return by_term(found if is_known else {}, rows, np.ones(len(told), bool))
 

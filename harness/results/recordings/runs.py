@@ -153,7 +153,10 @@ def run_of(log: Log) -> Run:
     if not log.facts.trained_with:
         raise UsageError(f"'{log.facts.path}' does not tell which reward paid its training: name it")
     if RECORDED in log.rewards:
-        log = log.renamed({f"{REWARD}{RECORDED}": f"{REWARD}{log.facts.trained_with}"})
+        then, now = (f"{REWARD}{name}" for name in (RECORDED, log.facts.trained_with))
+        terms = {f"{then}/{term}": f"{now}/{term}" for term in log.terms_of(RECORDED)}
+        log = log.renamed({then: now, **terms})
+    log = log.without_starts()
     facts, episodes = facts_of(log), episodes_of(log)
     is_of_steps = facts.unit == "step"
     return Run(

@@ -302,10 +302,8 @@ def test_a_reward_that_only_looks_on_fails_alone(broken: tuple[Given, ...], tmp_
     training = read_recording(tmp_path / "cell" / TRAINING_RECORDING)
     unknown = np.isnan(training["reward/right"])
     assert (unknown.sum(), np.flatnonzero(~unknown).max()) == (STEPS - 10, 9)
-    assert not any(
-        np.isnan(column).any()
-        for column in (training[name] for name in ("reward/near", "behaviour/success", "behaviour/distance"))
-    )
+    for name in ("reward/near", "behaviour/success", "behaviour/distance"):
+        assert not np.isnan(training[name]).any()
 
 
 def _cut_short(registry: Registry, given: tuple[Given, ...], folder: Path, words: list[Word] | None = None) -> Any:

@@ -11,7 +11,7 @@ from harness.errors import UsageError
 from harness.experiment.plan import Plan, check_experiment, expand
 from harness.experiment.trials.tried_plan import try_plan
 from harness.record.folder import EVALUATION_RECORDING, TRAINING_RECORDING
-from harness.record.recording.recorded_training import read_recording
+from harness.record.recording.recorded_training import read_recording, weighed
 from harness.registry.given import read_given
 from harness.registry.registry import load_registry
 from harness.results import load_results
@@ -123,9 +123,9 @@ def test_columns_pay_what_other_weights_pay(trained: Path):
     for cell in results.done_cells:
         found = read_recording(results.store.cell_folder(cell) / TRAINING_RECORDING)
         terms = terms_of(found, "gentle")
-        weighed = terms["upright"] + 5.0 * terms["effort"] + terms["jerk"]
+        expected = terms["upright"] + 5.0 * terms["effort"] + terms["jerk"]
         recorded = found if cell.reward.label == label else weighed(found, [label])
-        assert np.abs(recorded[label] - weighed).max() <= 1e-12
+        assert np.abs(recorded[f"reward/{label}"] - expected).max() <= 1e-12
     (study,) = (it.study for it in results.studies)
     assert study is not None
     assert set(study.runs.rewards) == {"own", "gentle", label}
