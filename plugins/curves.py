@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from harness.arrays import Float, Mask
+from harness.arrays import Float, Ints
 from harness.errors import SchemaError, UsageError
 from harness.log import Log, LogFacts, in_memory
 from harness.log.log import BEHAVIOUR, LARGEST, RECORDED, REWARD, SUCCESS
@@ -21,7 +21,7 @@ ENV_STEPS = "environment steps"
 LAST_100 = "a mean over the last 100 episodes"
 SINCE = "a mean over the episodes that ended since the point before"
 EVALUATED = "a mean over the episodes of an evaluation"
-ITERATION = "iteration"
+TIME, ITERATION = "time", "iteration"
 MOST_RESTARTS = 100
 CLEANRL_RUN = re.compile(r"(?P<env>.+?)__(?P<algorithm>.+)__(?P<seed>\d+)__\d+")
 """What CleanRL calls a run, and its folder."""
@@ -228,51 +228,68 @@ def curve_log(facts: LogFacts, curve: Curve, names: Sequence[str], columns: Mapp
     Raises:
         SchemaError: No point has all of its values, one is beyond what it can be, or its steps go back too often.
     """
-    read = curve.columns
-    counter = next((name for name in curve.time if name in columns), "step")
-    kept = ~np.isnan(np.stack([columns[name] for name in (*read.values(), counter)])).any(axis=0)
-    lacking = int((~np.isnan(columns[curve.main])).sum() - kept.sum())
-    steps = columns[counter][kept]
-    last, restarts = _last_attempt(facts.path, steps)
-    steps = steps[last]
-    if not len(steps):
-        raise SchemaError(f"{facts.path} has no point of {', '.join(read.values())} yet")
-    found = {column: columns[name][kept][last] for column, name in read.items()}
-    factor = per_step if counter == "step" and per_step else 1
+    counter = _counter(curve, columns)
     is_time = counter != "step" or curve.counts == ENV_STEPS or per_step > 0
-    found = {("time" if is_time else ITERATION): steps * factor, **found}
+    axis = TIME if is_time else ITERATION
+    read = {axis: counter, **_read(curve, columns)}
+    whole = ~np.isnan(np.stack([columns[name] for name in read.values()])).any(axis=0)
+    lacking = int((~np.isnan(columns[curve.main])).sum() - whole.sum())
+    rows, restarts = _last_attempt(facts.path, np.flatnonzero(whole), columns[counter][whole])
+    if not len(rows):
+        raise SchemaError(f"{facts.path} has no point of {', '.join(curve.columns.values())} yet")
+    found = {column: columns[name][rows] for column, name in read.items()}
+    if counter == "step" and per_step:
+        found[axis] = found[axis] * per_step
     _require_possible(facts.path, found)
-    told = ", ".join(f"{column} from '{name}'" for column, name in read.items())
-    own = "its steps" if counter == "step" else f"'{counter}'"
+    told = ", ".join(f"{column} from '{name}'" for column, name in read.items() if column != axis)
     others = [it.reward for it in CURVES if it.reward in names and it.reward != curve.reward]
-    notes = [
-        f"{told}; {'time' if is_time else ITERATION} from {own}",
-        *([] if is_time else [f"its steps are {curve.counts}: per_step=N says how many environment steps one is"]),
-        *([f"{lacking} points that lack one of these are left out"] if lacking else []),
-        *([f"{restarts} times it goes back: what was logged again later counts"] if restarts else []),
-        *([f"there are also curves of {', '.join(others)}"] if others else []),
-    ]
-    thinned = "; ".join(filter(None, [facts.thinned, f"each value is {curve.point}" if curve.point else ""]))
-    whole = replace(
+    notes = {
+        f"{told}; {axis} from " + ("its steps" if counter == "step" else f"'{counter}'"): True,
+        f"its steps are {curve.counts}: per_step=N says how many environment steps one is": not is_time,
+        f"'{curve.length}' lacks values: it is left out": curve.length and "length" not in read,
+        f"{lacking} points that lack one of these are left out": lacking,
+        f"{restarts} times it goes back: what was logged again later counts": restarts,
+        f"there are also curves of {', '.join(others)}": others,
+    }
+    point = f"each value is {curve.point}" if curve.point else ""
+    facts = replace(
         facts,
         unit="point",
         evaluation=curve.evaluation,
         bounds={SUCCESS: (0.0, 1.0)} if curve.success else {},
-        thinned=thinned,
-        notes=(*facts.notes, *notes),
+        thinned="; ".join(filter(None, [facts.thinned, point])),
+        notes=(*facts.notes, *(note for note, is_so in notes.items() if is_so)),
     )
-    return in_memory(whole, found)
+    return in_memory(facts, found)
 
 
-def _last_attempt(path: Path, steps: Float) -> tuple[Mask, int]:
-    """Which points count, where some were logged again after a restart: the later ones; and how many restarts."""
+def _counter(curve: Curve, columns: Mapping[str, Float]) -> str:
+    """What counts environment steps wherever the curve has a point; else ``step``, or what else there is."""
+    is_point = ~np.isnan(columns[curve.main])
+    there = [name for name in curve.time if name in columns]
+    filled = (name for name in there if not np.isnan(columns[name][is_point]).all())
+    return next(filled, "step" if "step" in columns else there[0])
+
+
+def _read(curve: Curve, columns: Mapping[str, Float]) -> dict[str, str]:
+    """By standard column: the name that it is read from. Lengths are left out where points have none."""
+    read = dict(curve.columns)
+    length = read.pop("length", "")
+    whole = ~np.isnan(np.stack([columns[name] for name in (read or curve.columns).values()])).any(axis=0)
+    if length and not np.isnan(columns[length][whole]).any():
+        read["length"] = length
+    return read
+
+
+def _last_attempt(path: Path, rows: Ints, steps: Float) -> tuple[Ints, int]:
+    """Which rows count, where some were logged again after a restart: the later ones; and how many restarts."""
     kept = np.ones(len(steps), bool)
     back = np.flatnonzero(np.diff(steps) < 0.0) + 1
     if len(back) > MOST_RESTARTS:
         raise SchemaError(f"{path}: its steps go back {len(back):,} times: several trainings write to it, or none")
     for row in back:
         kept[:row] &= steps[:row] < steps[row]
-    return kept, len(back)
+    return rows[kept], len(back)
 
 
 def _require_possible(path: Path, columns: Mapping[str, Float]) -> None:

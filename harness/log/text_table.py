@@ -181,13 +181,13 @@ def header_of(path: Path, head: bytes, separator: str = ",") -> tuple[str, ...]:
         head: Its first bytes.
         separator: Between names.
     """
-    if b"\n" not in head and len(head) >= HEAD:
-        with open_regular(path, sys.maxsize) as file:
-            head = file.readline(LONGEST_LINE)
     try:
+        if b"\n" not in head and len(head) >= HEAD:
+            with open_regular(path, sys.maxsize) as file:
+                head = file.readline(LONGEST_LINE)
         first = head.decode("utf-8-sig", "ignore").splitlines()[:1]
         [names] = csv.reader(first, delimiter=separator)
-    except (csv.Error, ValueError):
+    except (OSError, csv.Error, ValueError):
         return ()
     return tuple(name.strip() for name in names)
 
@@ -209,7 +209,7 @@ def _rows(path: Path, lines: Iterator[str], separator: str, strict: bool) -> Ite
     reader = csv.reader(lines, delimiter=separator, strict=strict)
     try:
         for row in reader:
-            if any(cell.strip() for cell in row):
+            if len(row) > 1 or any(cell.strip() for cell in row):
                 yield reader.line_num, row
     except csv.Error as error:
         raise SchemaError(f"{path}, line {reader.line_num}: {error}") from error

@@ -27,6 +27,11 @@ def register_logs(register: harness.Register) -> None:
         extra="tensorboard",
     )
     register(
+        "tensorboard-csv",
+        "harness_plugins.logs.tensorboard_csv:TensorBoardCsv",
+        summary="one curve that was exported from TensorBoard's page: Wall time,Step,Value",
+    )
+    register(
         "progress-csv",
         "harness_plugins.logs.progress_csv:ProgressCsv",
         summary="progress.csv of RLlib, stable-baselines3, baselines and garage, progress.txt of Spinning Up",

@@ -46,12 +46,13 @@ class ProgressCsv(CurveSettings):
         step = next((columns[name] for name in ITERATIONS if name in columns), np.arange(1.0, len(table) + 1.0))
         told = _settings_beside(path)
         seed = told.get("seed")
+        is_seed = isinstance(seed, int) and not isinstance(seed, bool)
         facts = LogFacts(
             path=path,
             format=f"table of progress, names of {curve.program}" if curve.program else "table of progress",
             env=_text(told, "env", "env_name"),
             algorithm=_text(told, "exp_name"),
-            seed=seed if isinstance(seed, int) else None,
+            seed=seed if is_seed else None,
             notes=table.notes,
         )
         return (curve_log(facts, curve, table.names, {**columns, "step": step}, self.per_step),)

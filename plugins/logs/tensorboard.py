@@ -124,6 +124,7 @@ def _read_file(path: Path) -> _File:
     found = _File(path)
     with reading(path, "event file of TensorBoard"):
         require_regular(path, MOST_BYTES)
+        end = path.stat().st_size  # what is written while we read is for the next time
         size, points = 0, 0
         for record in RawEventFileLoader(str(path)).Load():
             size += len(record) + FRAME
@@ -139,23 +140,27 @@ def _read_file(path: Path) -> _File:
                     found.told.update(_hyperparameters(value))
             if points > MOST_POINTS:
                 raise SchemaError(f"{path} has more than the {MOST_POINTS:,} points that are allowed")
-        left = _left_over(path, size)
+        left = _left_over(path, size, end)
         if left:
             found.notes.append(f"the last {left:,} bytes of {path.name} are no whole event yet: they are left out")
     return found
 
 
-def _left_over(path: Path, size: int) -> int:
+def _left_over(path: Path, size: int, end: int) -> int:
     """Bytes behind the last event that was read, of an event that was not written to its end.
 
+    Args:
+        path: The file.
+        size: Bytes of the events that were read.
+        end: Bytes that it had before.
+
     Raises:
-        SchemaError: More stands there: the file is damaged.
+        SchemaError: More stands there than the beginning of an event: the file is damaged.
     """
+    left = max(end - size, 0)
     with path.open("rb") as file:
         file.seek(size)
-        head = file.read(8)
-        end = file.seek(0, 2)
-    left = end - size
+        head = file.read(min(8, left))
     is_begun = len(head) < 8 or not any(head) or struct.unpack("<Q", head)[0] + FRAME > left
     if left and (not is_begun or (size == 0 and left > FRAME)):
         raise SchemaError(f"{path} is damaged from byte {size:,} of {end:,} on")

@@ -15,7 +15,7 @@ REGISTRY = load_registry()
 FORMATS = formats_of(REGISTRY)
 STRIDE = 7
 """Bytes from one cut to the next; rows are longer."""
-FOREIGN = ("monitor", "evaluations", "tensorboard", "progress-csv", "wandb-csv", "episode-csv")
+FOREIGN = ("monitor", "evaluations", "tensorboard", "tensorboard-csv", "progress-csv", "wandb-csv", "episode-csv")
 
 
 @pytest.mark.parametrize("name", FOREIGN)

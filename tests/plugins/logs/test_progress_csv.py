@@ -201,6 +201,13 @@ def test_a_table_that_counts_no_steps_has_iterations(tmp_path: Path):
     assert read(path, per_step=4000)["time"].tolist() == [4000, 8000]
 
 
+def test_a_counter_without_a_number_is_passed_over(tmp_path: Path):
+    """RLlib has columns of older versions that nobody fills any more."""
+    header = "num_env_steps_sampled_lifetime,timesteps_total,episode_reward_mean"
+    path = written(tmp_path, f"{header}\n,1000,2.5\n,2000,3.5\n")
+    assert read(path)["time"].tolist() == [1000, 2000]
+
+
 def test_a_last_line_that_does_not_end_is_left_out_and_told(tmp_path: Path):
     """The training writes on."""
     log = read(written(tmp_path, f"{REWARD},{STEPS}\n-9.5,100\n-8.25,20"))

@@ -1,7 +1,7 @@
 """Event files that TensorBoard's own writers, torch's and stable-baselines3 write, and what happens to such files."""
 
 import warnings
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -140,6 +140,23 @@ def test_an_event_that_is_not_yet_whole_is_left_out_and_told(tmp_path: Path, los
     assert any("no whole event yet" in note for note in log.facts.notes)
 
 
+def test_events_that_are_written_while_it_is_read_are_no_damage(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """The last event was not whole when the library came to it, and is when it is looked at again."""
+    from tensorboard.backend.event_processing.event_file_loader import RawEventFileLoader
+
+    path = write(tmp_path, {REWARD: curve(0, 100)})
+    whole = path.read_bytes()
+    path.write_bytes(whole[:-30])
+    load = RawEventFileLoader.Load
+
+    def load_then_grow(self: RawEventFileLoader) -> Iterator[bytes]:
+        yield from load(self)
+        path.write_bytes(whole)
+
+    monkeypatch.setattr(RawEventFileLoader, "Load", load_then_grow)
+    assert len(read(tmp_path)) == 9
+
+
 def test_a_tail_of_zeros_is_left_out_and_told(tmp_path: Path):
     """A disk that lost power leaves them."""
     path = write(tmp_path, {REWARD: curve(0, 100)})
@@ -259,6 +276,15 @@ def test_tags_may_be_named(tmp_path: Path):
     assert log["behaviour/success"].tolist() == [0.5, 1.0]
     assert log["behaviour/my/error"].tolist() == [2.0, 1.0]
     assert any("1 points that lack one of these" in note for note in log.facts.notes)
+
+
+def test_lengths_that_some_points_lack_are_left_out_and_no_point_is(tmp_path: Path):
+    """They decide nothing."""
+    write(tmp_path, {REWARD: curve(0, 30), LENGTH: [(10, 5.0)]})
+    log = read(tmp_path)
+    assert log["reward/recorded"].tolist() == [0.0, 2.5, 5.0]
+    assert "length" not in log
+    assert f"'{LENGTH}' lacks values: it is left out" in log.facts.notes
 
 
 def test_success_alone_is_a_curve_too(tmp_path: Path):

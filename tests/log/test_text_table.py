@@ -1,0 +1,131 @@
+"""Tables of text that other programs write, cell by cell."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.errors import SchemaError, UsageError
+from harness.log.format import HEAD
+from harness.log.text_table import header_of, parse_table, read_table, require_columns
+
+PATH = Path("table.csv")
+
+
+def test_cells_are_kept_with_their_lines():
+    """Blank lines are no rows, and a cell in quotes may hold commas and line breaks."""
+    table = parse_table(PATH, 'a,b\n1,"x,y"\n\n2,"x\ny"\n3,z\n')
+    assert table.names == ("a", "b")
+    assert table.cells["b"] == ["x,y", "x\ny", "z"]
+    assert table.lines == [2, 5, 6]
+
+
+def test_columns_that_are_not_wanted_are_not_kept():
+    """A table of RLlib has hundreds."""
+    table = parse_table(PATH, "a,b,c\n1,2,3\n", wanted=lambda names: names[1:2])
+    assert table.cells == {"b": ["2"]}
+    assert table.names == ("a", "b", "c")
+
+
+def test_a_header_that_comes_again_is_no_row():
+    """Somebody has appended to the file; its line is told."""
+    table = parse_table(PATH, "a,b\n1,2\na,b\n3,4\n")
+    assert table.cells["a"] == ["1", "3"]
+    assert table.headers == (3,)
+
+
+@pytest.mark.parametrize("ending", ["\n", "\r\n", "\r"])
+def test_lines_may_end_in_three_ways(ending: str):
+    """Of Unix, of Windows, and of very old files."""
+    table = parse_table(PATH, ending.join(["a,b", "1,2", "3,4", ""]))
+    assert table.numbers("b").tolist() == [2.0, 4.0]
+    assert table.cut == 0
+
+
+def test_a_last_line_without_an_end_is_left_out():
+    """Its number and the reason are told."""
+    table = parse_table(PATH, "a,b\n1,2\n3,4")
+    assert table.cells["a"] == ["1"]
+    assert table.notes == ("line 3 is cut off, or is being written: it is left out",)
+
+
+def test_a_last_line_in_quotes_may_end_with_nothing():
+    """As exports of pages do; within a quote it is cut all the same."""
+    assert parse_table(PATH, '"a","b"\n"1","2"', ends_open=True).cells["b"] == ["2"]
+    with pytest.raises(SchemaError, match="line 2: unexpected end of data"):
+        parse_table(PATH, '"a","b"\n"1","2', ends_open=True)
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("", "has no header"),
+        ("a,b", "a header that is cut off"),
+        ("a,a\n1,2\n", "names a column twice"),
+        ("a,b\n1\n", "line 2: it has 1 cells, and there are 2 columns"),
+        ("a,b\n1,2,3\n", "line 2: it has 3 cells, and there are 2 columns"),
+    ],
+)
+def test_what_is_no_table_is_refused(text: str, why: str):
+    """With the line, where there is one."""
+    with pytest.raises(SchemaError, match=why):
+        parse_table(PATH, text)
+
+
+def test_numbers_are_those_that_python_reads():
+    """True and False too; underscores are no digits here."""
+    table = parse_table(PATH, "a\n1\n-2.5e-3\n True \nfalse\n")
+    assert table.numbers("a").tolist() == [1.0, -0.0025, 1.0, 0.0]
+    with pytest.raises(SchemaError, match="line 2: column 'a' holds 1_000, which is no number"):
+        parse_table(PATH, "a\n1_000\n").numbers("a")
+
+
+@pytest.mark.parametrize("cell", ["inf", "-inf", "1e200", "x"])
+def test_what_is_no_finite_number_is_refused(cell: str):
+    """Also where cells may lack a value."""
+    with pytest.raises(SchemaError, match=f"line 3: column 'a' holds {cell}"):
+        parse_table(PATH, f"a,b\n1,\n{cell},\n").numbers("a", may_lack=True)
+
+
+def test_cells_that_may_lack_a_value_are_nan():
+    """Empty ones, and those that say so."""
+    table = parse_table(PATH, "a,b\n1,\nnan,\n,\nNone,\n")
+    assert np.isnan(table.numbers("a", may_lack=True)).tolist() == [False, True, True, True]
+    with pytest.raises(SchemaError, match="line 3: column 'a' holds nan"):
+        table.numbers("a")
+
+
+def test_counts_and_truths_are_what_they_are():
+    """A value under the name of another column is found by them."""
+    table = parse_table(PATH, "n,s\n0,1\n2.5,0.5\n")
+    with pytest.raises(SchemaError, match=r"line 3: column 'n' counts from 0, and holds 2\.5"):
+        table.counts("n")
+    with pytest.raises(SchemaError, match=r"line 3: column 's' is 0 or 1, and holds 0\.5"):
+        table.truths("s")
+
+
+def test_a_file_that_is_no_text_is_refused(tmp_path: Path):
+    """In one line that names it."""
+    path = tmp_path / "table.csv"
+    path.write_bytes(b"a,b\n\xff\xfe,1\n")
+    with pytest.raises(SchemaError, match=r"table\.csv is no readable table"):
+        read_table(path)
+
+
+def test_a_header_is_read_from_the_file_where_the_head_is_too_short(tmp_path: Path):
+    """And is nothing where the file cannot be read."""
+    path = tmp_path / "table.csv"
+    names = tuple(f"column {number}" for number in range(1000))
+    path.write_text(",".join(names) + "\n")
+    head = path.read_bytes()[:HEAD]
+    assert header_of(path, head) == names
+    path.unlink()
+    assert header_of(path, head) == ()
+    assert header_of(path, b"") == ()
+
+
+def test_columns_that_a_user_named_have_to_be_there():
+    """The message has what is there, and the nearest."""
+    require_columns(PATH, ["reward", "length"], "reward", "")
+    with pytest.raises(UsageError, match=r"has no 'rewrd'\. It has: reward, length\. Did you mean 'reward'"):
+        require_columns(PATH, ["reward", "length"], "rewrd")
