@@ -155,7 +155,7 @@ class Comparison:
         rescaling: What the proposed reward is, if it is the baseline but for scale and offset; else None.
         paid: What each of both rewards pays its own policies and random actions, as far as that is known.
         same_starts: Whether policies met the same episodes in their evaluations, as far as that is known.
-        counted: What `episodes` counts in the manner that decides: episodes, or points of a curve, means over some.
+        counted: By manner, what `episodes` counts where it counts no episodes, such as points of a curve.
     """
 
     group: Group
@@ -180,7 +180,7 @@ class Comparison:
     same_steps: bool = False
     rescaling: Rescaling | None = None
     same_starts: bool = True
-    counted: Literal["episode", "point"] = "episode"
+    counted: Mapping[str, str] = field(default_factory=dict)
     trained: tuple[tuple[int, ...], tuple[int, ...]] = ((), ())
     paid: tuple[PaidAtRandom, ...] = ()
 

@@ -3,7 +3,7 @@
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,8 +25,9 @@ from harness.results.logs.checks import (
 )
 from harness.results.logs.told import LENGTH, RETURN, SUCCESS_DECIDES, Deciding
 from harness.results.logs.trainings import Sorted, Training, digest_of
+from harness.results.measured import EVALUATION
 from harness.results.recordings.alike import NOTHING_ALIKE
-from harness.results.recordings.runs import NO_NAME, Run, Runs, run_of
+from harness.results.recordings.runs import LAST, NO_NAME, TRAINING, Run, Runs, run_of
 
 OWN_ALONE = (
     "each reward paid its own trainings alone, and returns of two rewards are not comparable: every reward has its own "
@@ -85,11 +86,12 @@ def runs_of(found: Sorted, deciding: Deciding = SUCCESS_DECIDES, *, is_told: boo
     )
 
 
-def _counted(trainings: Sequence[Training]) -> Literal["episode", "point"]:
-    """What decides: points of a curve, if a log of what says most about the policies has such."""
-    is_evaluated = all(it.evaluation is not None for it in trainings)
-    logs = [it.evaluation if is_evaluated and it.evaluation is not None else it.logs[0] for it in trainings]
-    return "point" if any(log.facts.unit == "point" for log in logs) else "episode"
+def _counted(trainings: Sequence[Training]) -> dict[str, str]:
+    """The manners in which points of a curve stand for episodes."""
+    trained = {log.facts.unit for it in trainings for log in it.logs if not it.is_evaluated_alone}
+    evaluated = {log.facts.unit for it in trainings if (log := it.evaluated) is not None}
+    manners = [*((TRAINING, LAST) if "point" in trained else ()), *([EVALUATION] if "point" in evaluated else [])]
+    return dict.fromkeys(manners, "point")
 
 
 def _share_pay(runs: Sequence[Run]) -> bool:
@@ -180,7 +182,7 @@ def _run(training: Training, steps: int, until: int, measures: Sequence[str], ax
     if training.logs[0].facts.unit == "step":
         return run_of(_named_after(training, training.logs[0]))
     whole = in_memory(_facts(training, training.path), _joined(training, axis, measures))
-    evaluated = training.logs[0] if training.is_evaluated_alone else training.evaluation
+    evaluated = training.evaluated
     if training.is_evaluated_alone:
         whole = in_memory(whole.facts, {name: values[:0] for name, values in whole.rows().columns.items()})
     run = replace(run_of(whole), steps=steps, likeness=replace(NOTHING_ALIKE, digest=digest_of(training.logs)))

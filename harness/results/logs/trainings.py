@@ -58,6 +58,11 @@ class Training:
         """Whether nothing is known of it but evaluations."""
         return self.logs[0].facts.evaluation
 
+    @property
+    def evaluated(self) -> Log | None:
+        """What policies did without being trained."""
+        return self.logs[0] if self.is_evaluated_alone else self.evaluation
+
 
 class Sorted(NamedTuple):
     """The trainings of a folder."""

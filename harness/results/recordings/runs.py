@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from itertools import combinations
 from pathlib import Path
 from types import MappingProxyType
-from typing import Literal, NamedTuple, Protocol, Self
+from typing import NamedTuple, Protocol, Self
 
 from harness.arrays import Float
 from harness.errors import Unscored, UsageError
@@ -223,8 +223,8 @@ class Runs(NamedTuple):
     """Trainings by the baseline again with other seeds, each by the seed that it is compared with."""
     said: tuple[str, ...] = ()
     """How what was found was sorted and read, a line each; a reader has to know it before the first number."""
-    counted: Literal["episode", "point"] = "episode"
-    """What the episodes are that decide: a log of curves has points, each a mean over some episodes."""
+    counted: Mapping[str, str] = MappingProxyType({})
+    """By manner, what stands for episodes: a log of curves has a ``point``, which is a mean over some."""
     returns_apart: str = ""
     """Why mean returns are not compared; empty where they are."""
 
