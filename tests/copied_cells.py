@@ -30,7 +30,8 @@ from harness.record.trace import read_trace
 from harness.registry.choice import Choice, choose
 from harness.registry.registry import Registry, load_registry
 from harness.results.kept import FORMAT, LARGEST
-from harness.score.scorer import score_trace
+from harness.score.scorer import pay_log
+from harness.score.trace_log import log_of
 
 PAID = (TRACE, EVALUATION, STOCHASTIC, RANDOM)
 """Files with a column of what the cell's reward paid."""
@@ -104,7 +105,7 @@ def _pay(path: Path, reward: Any) -> None:
     """What `reward` would have paid, in place of what was."""
     if not path.is_file():
         return
-    paid = score_trace(reward, read_trace(path))
+    paid = pay_log(reward, log_of(read_trace(path))).total
     with pq.ParquetFile(path) as file:
         table, facts = file.read(), file.metadata.metadata
     table = table.set_column(table.schema.get_field_index("reward"), "reward", pa.array(paid))

@@ -12,7 +12,7 @@ import pytest
 
 from harness.arrays import Float
 from harness.eta.verdict.race import race
-from harness.report.rows.comparison import format_number
+from harness.report.rows.ratios import format_number
 from tests.test_reference import RACES, REFERENCE
 
 ROOT = Path(__file__).parents[1]

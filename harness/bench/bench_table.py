@@ -5,7 +5,7 @@ from rich.text import Text
 
 from harness.bench.bench import Bench, Timing
 from harness.bench.cell_times import PARTS, TRAINING
-from harness.report.rows.comparison import Grid
+from harness.report.rows.ratios import Grid
 from harness.report.tables.grid import show_grid
 
 LABELS = {"start_up": "start-up", "env": "rest of the env", "saving": "saving, end"}

@@ -4,73 +4,46 @@ import errno
 import os
 import sys
 from collections.abc import Callable, Mapping
+from importlib import import_module
 from types import MappingProxyType
 from typing import Any
 
 import typer
 from typer.exceptions import TyperException
 
-from harness.cli.audit import audit
-from harness.cli.bench import bench
-from harness.cli.check import check
-from harness.cli.choose import choose
-from harness.cli.commands import add_plugin_commands
-from harness.cli.compare import compare
-from harness.cli.demo import demo
-from harness.cli.describe import describe
-from harness.cli.doctor import doctor
-from harness.cli.eta import eta
 from harness.cli.examples import EXAMPLES, FIRST_STEPS, epilog_of
 from harness.cli.help import PLAIN, All, Command, Commands, LongCommand
-from harness.cli.merge import merge
-from harness.cli.names import list_names
-from harness.cli.new_plugin import new_plugin
 from harness.cli.output import complain, libraries_visible, say
-from harness.cli.plugins import plugins
-from harness.cli.report import report
-from harness.cli.retired import repair
-from harness.cli.run import run
-from harness.cli.score import score
-from harness.cli.status import status
-from harness.cli.transfer import transfer
-from harness.cli.tune import tune
-from harness.cli.unexpected import describe_unexpected
-from harness.cli.verify import verify
-from harness.cli.video import video
-from harness.cli.watch import watch
 from harness.errors import HarnessError, UsageError
 from harness.registry.allowed import allow_imports, allow_programs, allow_typed
-from harness.registry.registry import load_registry
 
 FAILED, USAGE = 1, 2
 ALLOW, ALLOW_PROGRAM = "--allow-import", "--allow-program"
-PANELS: Mapping[str, Mapping[str, Callable[..., Any]]] = MappingProxyType(
+PANELS: Mapping[str, Mapping[str, str]] = MappingProxyType(
     {
         "Run and read": {
-            "demo": demo,
-            "run": run,
-            "choose": choose,
-            "report": report,
-            "compare": compare,
-            "status": status,
-            "watch": watch,
-            "video": video,
-            "list": list_names,
-            "describe": describe,
-            "doctor": doctor,
+            "demo": "demo",
+            "run": "run",
+            "choose": "choose",
+            "report": "report",
+            "compare": "compare",
+            "status": "status",
+            "watch": "watch",
+            "video": "video",
+            "list": "names:list_names",
+            "describe": "describe",
+            "doctor": "doctor",
         },
-        "Ask more": {"audit": audit, "eta": eta, "score": score, "transfer": transfer, "tune": tune},
-        "Keep results": {"merge": merge, "verify": verify},
-        "For plugin authors": {
-            "new-plugin": new_plugin,
-            "check": check,
-            "plugins": plugins,
-            "bench": bench,
-        },
+        "Ask more": {name: name for name in ("audit", "eta", "score", "transfer", "tune")},
+        "Keep results": {"merge": "merge", "verify": "verify"},
+        "For plugin authors": {"new-plugin": "new_plugin", "check": "check", "plugins": "plugins", "bench": "bench"},
     }
 )
-"""Every command by the heading that it stands under in ``harness --all``: what one needs first comes first."""
-RETIRED: Mapping[str, Callable[..., Any]] = MappingProxyType({"repair": repair})
+"""Every command by the heading that it stands under in ``harness --all``: what one needs first comes first.
+
+Beside its name stands the module of it in `harness.cli`, and behind a colon the function, where it has another name.
+"""
+RETIRED: Mapping[str, str] = MappingProxyType({"repair": "retired:repair"})
 """Old names that still work in this version, and warn. No help shows them."""
 LONG = ("run", "choose")
 """The commands that show the options which people type, and all with ``--help-all``."""
@@ -109,6 +82,17 @@ def _root(
     """Does a reward make a robot behave better, or only the numbers bigger?"""
 
 
+def command_of(target: str) -> Callable[..., Any]:
+    """The function of a command; no other command is imported.
+
+    Args:
+        target: As `PANELS` tells it.
+    """
+    module, _, name = target.partition(":")
+    function: Callable[..., Any] = getattr(import_module(f"harness.cli.{module}"), name or module)
+    return function
+
+
 def build_app(only: str | None = None) -> typer.Typer:
     """The command line without what plugins bring.
 
@@ -118,16 +102,18 @@ def build_app(only: str | None = None) -> typer.Typer:
     app = typer.Typer(cls=Commands, rich_markup_mode=None, pretty_exceptions_enable=False)
     app.callback(epilog=epilog_of(FIRST_STEPS, "First steps:"), context_settings=dict(PLAIN))(_root)
     for panel, commands in PANELS.items():
-        for name, command in commands.items():
+        for name, target in commands.items():
             if only not in {None, name}:
                 continue
             # eta takes more arguments, to say what a pattern without quotes becomes
             settings = {"allow_extra_args": name == "eta", **PLAIN}
             kind, examples = LongCommand if name in LONG else Command, epilog_of(EXAMPLES[name])
-            app.command(name, cls=kind, rich_help_panel=panel, epilog=examples, context_settings=settings)(command)
-    for name, command in RETIRED.items():
+            app.command(name, cls=kind, rich_help_panel=panel, epilog=examples, context_settings=settings)(
+                command_of(target)
+            )
+    for name, target in RETIRED.items():
         if only in {None, name}:
-            app.command(name, cls=Command, hidden=True)(command)
+            app.command(name, cls=Command, hidden=True)(command_of(target))
     return app
 
 
@@ -157,6 +143,8 @@ def _answer(args: list[str]) -> int:
     except (HarnessError, OSError) as error:
         return _say_failure(error)
     except Exception as error:  # nobody's traceback on the screen
+        from harness.cli.unexpected import describe_unexpected
+
         complain(NO_TEXT if _is_no_text(error) else describe_unexpected(error))
         return USAGE if _is_no_text(error) else UNFORESEEN
 
@@ -213,6 +201,9 @@ def _run(args: list[str]) -> int:
     if args and args[0] in own:  # it waits for no plugin
         app = build_app(args[0])
     else:
+        from harness.cli.commands import add_plugin_commands
+        from harness.registry.registry import load_registry
+
         app = build_app()
         add_plugin_commands(app, load_registry())
     command = typer.main.get_command(app)

@@ -102,7 +102,7 @@ def _show(results: "Results") -> None:
     from harness.cli.table_and_page import make_table_and_page
     from harness.cli.terminal import show
     from harness.record.store import REPORT
-    from harness.report.rows.comparison import format_number
+    from harness.report.rows.ratios import format_number
     from harness.report.tables.overview import comparison_lines
 
     show(comparison_lines(results.combinations))

@@ -85,12 +85,12 @@ def eta(
         everything = command_text("harness", "report", opened.folder, "--details")
         return show_results(opened, everything, as_json=as_json, html=plot, details=True)
     refuse_flags({"--as": as_format, "--measure": measure, "--labels": labels}, "files of steps")
-    from harness.score.compare import compare_recordings
-    from harness.score.open_recording import match_recordings
+    from harness.score.compare import compare_logs
+    from harness.score.open_steps import match_steps
 
-    comparison = compare_recordings(
-        match_recordings(opened[0]),
-        match_recordings(opened[1]),
+    comparison = compare_logs(
+        match_steps(opened[0], registry),
+        match_steps(opened[1], registry),
         registry,
         kind=curve,
         with_events=with_events,
@@ -123,18 +123,23 @@ def _open_groups(
 ) -> "Results | OfSteps":
     """The results of two groups of logs; the patterns themselves if they are of files of steps."""
     from harness.files.matched import matched_paths
-    from harness.log.open_log import formats_of, recognised
+    from harness.score.open_steps import is_table_of_steps
 
-    formats = formats_of(registry)
     groups = [matched_paths(some, folders=True) for some in patterns]
-    if as_format or any(path.is_dir() or recognised(path, formats) for some in groups for path in some):
+    if as_format or (not is_table_of_steps(groups[0][0]) and _is_no_log_of_steps(groups[0][0], registry)):
         from harness.results.logs.results_of_logs import results_of_groups
 
-        results = results_of_groups(groups, registry, told_of(), curve)
-        if results is not None:
-            return results
+        return results_of_groups(groups, registry, told_of(), curve)
     baseline, proposed = patterns
     return baseline, proposed
+
+
+def _is_no_log_of_steps(path: Path, registry: "Registry") -> bool:
+    """Whether a file, or what lies below a folder, is a log of episodes or of curves."""
+    from harness.log.open_log import first_log
+
+    first = first_log(path, registry)
+    return first is not None and first.facts.unit != "step"
 
 
 def _open_folder(
@@ -160,11 +165,9 @@ def _files_of_steps(folder: Path, registry: "Registry", told: "Told") -> dict[st
     Raises:
         UsageError: They are of more rewards than two, or of one.
     """
-    from harness.log.open_log import first_log
     from harness.results.logs.trainings import sort_files
 
-    first = first_log(folder, registry)
-    if first is not None and first.facts.unit != "step":
+    if _is_no_log_of_steps(folder, registry):
         return {}
     files = sorted(folder.rglob("*.csv")) if folder.is_dir() else []
     groups = sort_files(folder, files, told.sort, told.baseline) if files else {}

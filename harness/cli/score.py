@@ -158,8 +158,8 @@ def _score_experiment(
     from harness.record.out_folder import refuse_links
     from harness.results import load_results
     from harness.results.score_matrix import score_matrices
-    from harness.score.open_recording import open_recording
     from harness.score.rescore import scoring_choice
+    from harness.score.trace_log import open_trace
 
     results = load_results(folder)
     refuse_links(folder)
@@ -167,7 +167,7 @@ def _score_experiment(
         raise UsageError(f"'{folder}' has no finished cell to score")
     cells = [results.store.cell_folder(cell) for cell in results.done_cells]
     scoring = [
-        scoring_choice(name, registry, ((open_recording(it / TRACE), it / SCORES) for it in cells)) for name in names
+        scoring_choice(name, registry, ((open_trace(it / TRACE), it / SCORES) for it in cells)) for name in names
     ]
     trained = [cell.reward for cell in results.done_cells] if every else []
     matrices = score_matrices(results, list({it.label: it for it in [*scoring, *trained]}.values()), registry)
@@ -182,23 +182,24 @@ def _score_files(
     patterns: Sequence[str], names: "Sequence[str]", out: Path | None, registry: "Registry", as_json: bool
 ) -> dict[str, str]:
     from harness.record.folder import SCORES
-    from harness.score.open_recording import match_recordings
+    from harness.score.open_steps import match_steps
     from harness.score.rescore import scoring_choice, write_scores
 
-    recordings = match_recordings(patterns)
-    places = [(out or recording.path.parent) / f"{recording.path.stem}.{SCORES}" for recording in recordings]
+    logs = match_steps(patterns, registry)
+    files = [log.facts.path for log in logs]
+    places = [(out or path.parent) / f"{path.stem}.{SCORES}" for path in files]
     if len(set(places)) < len(places):
         raise UsageError(
             f"Several files of one name cannot all be scored into '{out}': leave out --out, or rename the files"
         )
-    pairs = list(zip(recordings, places, strict=True))
+    pairs = list(zip(logs, places, strict=True))
     scoring = [scoring_choice(name, registry, pairs) for name in names]
     written, failed = [], dict[str, str]()
-    for recording, into in pairs:
-        refused = write_scores(recording, scoring, into, registry)
+    for log, into in pairs:
+        refused = write_scores(log, scoring, into, registry)
         failed |= refused
         paid = [item.label for item in scoring if item.label not in refused]
-        written.append({"file": str(recording.path), "scores": str(into), "rewards": paid})
+        written.append({"file": str(log.facts.path), "scores": str(into), "rewards": paid})
     if as_json:
         say_json({"files": written})
     else:

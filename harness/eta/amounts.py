@@ -7,7 +7,8 @@ the short ones, for the first screen, two.
 import math
 from collections.abc import Callable, Sequence
 
-from harness.eta.headline import SHORT, Compared, Names, difference_of, is_hardly_learned, is_share, name_of
+from harness.eta.headline import SHORT, Compared, difference_of, is_hardly_learned, is_share, name_of
+from harness.eta.splits import Names
 
 MOST_DECIMALS = 6
 """A number that needs more has an exponent."""

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Protocol
 
 from harness.eta.behaviour_change import Quantity
 from harness.eta.interval import Interval
@@ -42,13 +42,6 @@ class Answer(StrEnum):
     """Trainings of the plan are still to come, and no plan of looks says what may be concluded before."""
     RACED = "the race decides"
     """In a race for the best of several rewards no comparison with the baseline is a test."""
-
-
-class Names(NamedTuple):
-    """Labels of the two rewards."""
-
-    baseline: str
-    proposed: str
 
 
 class Compared(Protocol):

@@ -8,6 +8,8 @@ from typing import Any
 
 DECIMALS = 1
 """I_N and I_P are shown rounded to 0.1, as published; ratios are taken before rounding."""
+NOTHING, NEAR_ZERO = "n/a", "near zero"
+"""What is shown of a ratio without a value, and of one that says little."""
 
 
 @dataclass(frozen=True)

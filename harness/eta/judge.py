@@ -12,7 +12,6 @@ from harness.eta.headline import (
     Answer,
     Compared,
     Headline,
-    Names,
     difference_of,
     is_hardly_learned,
     is_share,
@@ -26,6 +25,8 @@ from harness.eta.headline import (
 )
 from harness.eta.needed import Needed, needed_of, needed_text
 from harness.eta.power import fewest_seeds
+from harness.eta.splits import Names
+from harness.eta.swaps import p_text
 from harness.eta.verdict.ruling import Ruling
 
 TRAIN_LONGER = "Train longer, or with another algorithm."
@@ -128,11 +129,6 @@ def progress_text(deciding: Sequence[Compared], ruling: Ruling) -> str:
     """How many trainings there are, and how many are still to come."""
     verb = "is" if ruling.missing == 1 else "are"
     return f"{sum(deciding[0].counts):,} trainings are compared, {ruling.missing:,} of the plan {verb} still to come."
-
-
-def p_text(p: float | None) -> str:
-    """A p-value in a sentence or a table."""
-    return "n/a" if p is None else "< 0.001" if p < 0.001 else f"{p:.3f}"
 
 
 def crossing_text(deciding: Sequence[Compared], ruling: Ruling) -> str:

@@ -1,10 +1,13 @@
 """The sentences about the number: how much it changed, and how much of that is only a change of ruler."""
 
-from harness.eta.headline import Names
+from typing import TYPE_CHECKING
+
 from harness.eta.index import Ratio
-from harness.eta.return_split import ReturnSplit
 from harness.eta.seed_mean import SeedMean
-from harness.eta.splits import Split, Splits
+from harness.eta.splits import Names, Split, Splits
+
+if TYPE_CHECKING:
+    from harness.eta.return_split import ReturnSplit
 
 
 def number_sentence(names: Names, splits: Splits) -> str:
@@ -13,7 +16,7 @@ def number_sentence(names: Names, splits: Splits) -> str:
     return " ".join([*told, *(f"{name}: {flag}." for name, split in splits.items() for flag in split.flags)])
 
 
-def return_sentence(names: Names, split: ReturnSplit) -> str:
+def return_sentence(names: Names, split: "ReturnSplit") -> str:
     """The same for the mean return of an episode: as a ratio if there is one, else as a difference."""
     eta = split.ratio.eta
     if eta.value is not None and eta.near_zero is None:

@@ -14,6 +14,13 @@ DISAGREEMENT = 1.5
 NOT_MEASURED = Ratio(None, notes=("not measured",))
 
 
+class Names(NamedTuple):
+    """Labels of the two rewards."""
+
+    baseline: str
+    proposed: str
+
+
 class SplitPath(NamedTuple):
     """One of the two ways to split an eta."""
 

@@ -124,3 +124,8 @@ def _reaches(sizes: Float, seen: float) -> Mask:
     """Whether each is at least as large as the one seen; sums of floats in another order may differ in the last bit."""
     reached: Mask = sizes >= seen - 1e-9 * sizes.max()
     return reached
+
+
+def p_text(p: float | None) -> str:
+    """A p-value in a sentence or a table."""
+    return "n/a" if p is None else "< 0.001" if p < 0.001 else f"{p:.3f}"

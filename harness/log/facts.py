@@ -35,6 +35,7 @@ class LogFacts:
         path: The file or the folder that was read.
         format: Format and version, in words, ``Monitor of stable-baselines3``.
         unit: What a row is.
+        first_line: Where the first row stands in its file, for what is said of a row: the line of a text.
         run: What the file itself calls the training, where it holds several.
         trained_with: The name of the reward that the learner was paid.
         env: The id of the environment, or its specification as text. It is never run.
@@ -54,6 +55,7 @@ class LogFacts:
     path: Path
     format: str
     unit: Unit = "step"
+    first_line: int = 1
     run: str = ""
     trained_with: str = ""
     env: str = ""

@@ -22,7 +22,8 @@ before/NAME                    any of these before the step, such as before/obse
 state/NAME                     what the simulator told after the step
 =============================  =====================================================================================
 
-A cell's trace has columns of its own names, see `harness.record.trace`.
+A cell's trace has columns of its own names, see `harness.record.trace`. A CSV file of an arm's steps has distances by
+these names: ``begin_distance``, ``previous_best``, ``distance``, ``delta_distance``.
 """
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence

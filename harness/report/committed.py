@@ -11,14 +11,16 @@ from typing_extensions import TypedDict
 
 from harness.errors import UsageError
 from harness.eta.headline import SUCCESS, Answer
+from harness.eta.index import NOTHING
 from harness.files.bounded import parse_json, read_bytes, reading
 from harness.record.file_forms import OPEN, Count, Line, Name, Status, require_form
 from harness.record.plan_file import EXPERIMENT, PLAN
-from harness.report.rows.comparison import Grid, format_number, interim_line
+from harness.report.rows.comparison import interim_line
+from harness.report.rows.ratios import Grid, format_number
 from harness.report.summary.summary import RECORD, SUMMARY
 from harness.report.tables.overview import WideOrNarrow
 from harness.results.comparison import deciding_manner
-from harness.results.overview import NOTHING, decided_by_text, short_name, values_text
+from harness.results.overview import decided_by_text, short_name, values_text
 from harness.results.seen import ENDED
 from harness.text import command_text
 

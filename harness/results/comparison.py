@@ -10,7 +10,7 @@ from typing import Any, Literal, NamedTuple
 from harness.arrays import Float
 from harness.eta.behaviour_change import NO_WORD, TRAINING, WHOLE, Change
 from harness.eta.curve import GroupCurve
-from harness.eta.headline import DECIDING, SUCCESS, UNMEASURED, Answer, Headline, Names
+from harness.eta.headline import DECIDING, SUCCESS, UNMEASURED, Answer, Headline
 from harness.eta.index import Index, Ratio
 from harness.eta.judge import judge
 from harness.eta.lead import lead_of
@@ -19,7 +19,7 @@ from harness.eta.paid_at_random import PaidAtRandom
 from harness.eta.rescaling import Rescaling
 from harness.eta.return_split import ReturnSplit
 from harness.eta.scored_sums import Pair
-from harness.eta.splits import Decomposition, Splits, no_splits, splits_to_json
+from harness.eta.splits import Decomposition, Names, Splits, no_splits, splits_to_json
 from harness.eta.swaps import corrected_where_known
 from harness.eta.verdict.deals import smallest_p
 from harness.eta.verdict.ruling import Ruling

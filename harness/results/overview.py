@@ -6,14 +6,12 @@ from typing import Literal, NamedTuple, TypeAlias
 
 from harness.eta.behaviour_change import TRAINING, WHOLE, Change
 from harness.eta.headline import SHORT, count_seeds, key_of
-from harness.eta.index import Ratio
+from harness.eta.index import NEAR_ZERO, NOTHING, Ratio
 from harness.eta.return_split import ReturnSplit
 from harness.eta.scored_sums import BB, KK
 from harness.results.comparison import Comparison
 from harness.text import visible
 
-NOTHING = "n/a"
-NEAR_ZERO = "near zero"
 NO_DECIDER = "-"
 """What stands where no measure decided."""
 ARROW = " -> "

@@ -6,9 +6,10 @@ from functools import cached_property
 from itertools import zip_longest
 from typing import Any
 
-from harness.eta.headline import Answer, Headline, Names
+from harness.eta.headline import Answer, Headline
 from harness.eta.judge import judge
 from harness.eta.lead import lead_of
+from harness.eta.splits import Names
 from harness.eta.verdict.ruling import Ruling
 from harness.eta.verdict.together import Together
 

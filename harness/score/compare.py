@@ -8,17 +8,18 @@ from typing import Any
 from harness.errors import UsageError
 from harness.eta.curve import GroupCurve, Kind
 from harness.eta.decompose import decompose
-from harness.eta.headline import Names
 from harness.eta.number import number_sentence
 from harness.eta.scored_sums import BB, BK, KB, KK, Pair
-from harness.eta.splits import Decomposition
+from harness.eta.splits import Decomposition, Names
 from harness.eta.swaps import corrected_p
+from harness.log import Log
 from harness.registry.choice import choose
 from harness.registry.registry import Registry
 from harness.reward import Reward
 from harness.score.compared_rows import copy_notes, notes_of, stream_groups
-from harness.score.recording import Recording
+from harness.score.csv_steps import EVENTS
 from harness.score.reward_guess import Guess, guess_reward, misfit
+from harness.score.scorer import can_be_paid
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,9 +70,9 @@ class ComparedRuns:
         }
 
 
-def compare_recordings(
-    baseline: Sequence[Recording],
-    proposed: Sequence[Recording],
+def compare_logs(
+    baseline: Sequence[Log],
+    proposed: Sequence[Log],
     registry: Registry,
     *,
     kind: Kind = "accumulated",
@@ -133,15 +134,15 @@ def _corrected(found: Decomposition) -> Decomposition:
 # Which rewards
 
 
-def _reward_of(group: Sequence[Recording], given: str | None, registry: Registry) -> Guess:
+def _reward_of(group: Sequence[Log], given: str | None, registry: Registry) -> Guess:
     """The reward that paid a group: the one that pays every run of it as recorded."""
     if given is not None:
         choose(registry, "rewards", given)
     guess = Guess(given) if given is not None else guess_reward(group[0], registry)
     if guess.choice is None:
         return guess
-    for recording in group:
-        problem = misfit(recording, guess.choice, registry) if recording.has_distances else None
+    for log in group:
+        problem = misfit(log, guess.choice, registry) if can_be_paid(log) else None
         if problem is not None and given is not None:
             raise UsageError(f"The runs were not paid by {given}: {problem}")
         if problem is not None:
@@ -149,11 +150,11 @@ def _reward_of(group: Sequence[Recording], given: str | None, registry: Registry
     return guess
 
 
-def _why_not_split(recordings: Sequence[Recording], guesses: Sequence[Guess]) -> str | None:
+def _why_not_split(logs: Sequence[Log], guesses: Sequence[Guess]) -> str | None:
     """Why the runs cannot be scored again; None if they can."""
-    bare = next((recording for recording in recordings if not recording.has_distances), None)
+    bare = next((log for log in logs if not can_be_paid(log)), None)
     if bare is not None:
-        return f"{bare.path} has no distances to score again"
+        return f"{bare.facts.path} has no distances to score again"
     return next((guess.reason for guess in guesses if guess.choice is None), None)
 
 
@@ -166,30 +167,29 @@ def _build(guess: Guess, registry: Registry) -> Reward:
 # Which runs
 
 
-def _require_events(recordings: Sequence[Recording]) -> None:
-    for recording in recordings:
-        if not recording.has_events:
-            raise UsageError(f"{recording.path} has no event terms: leave out --with-events")
+def _require_events(logs: Sequence[Log]) -> None:
+    for log in logs:
+        if not all(name in log for name in EVENTS):
+            raise UsageError(f"{log.facts.path} has no event terms: leave out --with-events")
 
 
-def _require_apart(baseline: Sequence[Recording], proposed: Sequence[Recording]) -> None:
+def _require_apart(baseline: Sequence[Log], proposed: Sequence[Log]) -> None:
     """Check that no file is in both groups, unless both are the same group."""
-    ours, theirs = ({recording.path.resolve(): recording.path for recording in group} for group in (baseline, proposed))
+    ours, theirs = ({log.facts.path.resolve(): log.facts.path for log in group} for group in (baseline, proposed))
     both = [path for place, path in ours.items() if place in theirs]
     if both and ours.keys() != theirs.keys():
         raise UsageError(f"'{both[0]}' is in both groups: let --baseline and --proposed name different files")
 
 
-def _in_order_of_seeds(group: Sequence[Recording]) -> list[Recording]:
-    """The recordings by seed if all seeds are known, else as given."""
-    seeds = {recording.path: recording.seed for recording in group}
-    known = {path: seed for path, seed in seeds.items() if seed is not None}
-    return sorted(group, key=lambda recording: known[recording.path]) if len(known) == len(seeds) else list(group)
+def _in_order_of_seeds(group: Sequence[Log]) -> list[Log]:
+    """The logs by seed if all seeds are known, else as given."""
+    known = {log: log.facts.seed for log in group if log.facts.seed is not None}
+    return sorted(group, key=lambda log: known[log]) if len(known) == len(group) else list(group)
 
 
-def _are_paired(baseline: Sequence[Recording], proposed: Sequence[Recording]) -> bool:
+def _are_paired(baseline: Sequence[Log], proposed: Sequence[Log]) -> bool:
     """Whether run i of both groups has the same seed, or is the same run."""
-    if [recording.path for recording in baseline] == [recording.path for recording in proposed]:
+    if [log.facts.path for log in baseline] == [log.facts.path for log in proposed]:
         return True
-    seeds_b, seeds_k = ([recording.seed for recording in group] for group in (baseline, proposed))
+    seeds_b, seeds_k = ([log.facts.seed for log in group] for group in (baseline, proposed))
     return seeds_b == seeds_k and None not in seeds_b and len(set(seeds_b)) == len(seeds_b)

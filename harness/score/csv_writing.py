@@ -1,4 +1,4 @@
-"""A trace as a CSV file in the experimenters' columns, as `harness.score.csv_recording` reads them."""
+"""A trace as a CSV file in the experimenters' columns, as `harness.score.csv_steps` reads them."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -9,8 +9,9 @@ import pyarrow.csv
 
 from harness.arrays import Float
 from harness.files.whole_file import whole_file
+from harness.log.log import ROWS
 from harness.record.trace import TERM, read_trace, term_names
-from harness.score.recording import EVENTS, ROWS
+from harness.score.csv_steps import EVENTS
 
 Columns = Mapping[str, Float]
 

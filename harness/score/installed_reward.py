@@ -13,7 +13,8 @@ from harness.registry.registry import Registry
 from harness.registry.sources import fingerprint
 from harness.reward import MissingField, Paid, Reward
 from harness.reward.needs import Needs, needs_of, reads_of
-from harness.score.scorer import fields_beside_distances, pay_trace
+from harness.score.scorer import fields_beside_distances, pay_log
+from harness.score.trace_log import log_of
 from harness.score.weights import reweighted
 
 
@@ -100,7 +101,7 @@ class InstalledReward:
     def _pay(self, run: Trace, taught_by: Choice) -> Paid:
         if run.terms and self._is_recorded_by(taught_by):
             return reweighted(self.choice.label, taught_by, run.terms)
-        return pay_trace(self._reward, run)
+        return pay_log(self._reward, log_of(run))
 
     @property
     def _is_installed(self) -> bool:

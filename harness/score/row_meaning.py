@@ -1,6 +1,5 @@
 """What a row of somebody's table stands for: a step, as an index needs it, or an episode or a mean over many."""
 
-import re
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
@@ -13,7 +12,6 @@ from harness.text import shortened
 
 NEEDED = "an index needs the reward of each environment step"
 RECORD = "harness.RecordRewards records it"
-MONITOR = f"stable-baselines3's Monitor: a row is an episode, and {NEEDED}; {RECORD}"
 
 EPISODE = ("episode", "ep", "eps", "episode_id", "episode_index", "episode_number", "episode_num", "i_episode")
 LENGTH = (
@@ -26,13 +24,6 @@ COUNTER = (
 )  # fmt: skip
 ACROSS_EPISODES = ("global_step", "total_steps", "total_timesteps")
 """Counters that no new episode sets back."""
-CHARTED = re.compile(r" - |__(min|max)$")
-"""In names of columns that Weights & Biases exports, ``run - tag`` and ``run - tag__MIN``."""
-SB3_LOGGED = re.compile(r"rollout/ep_(rew|len)_mean|time/total_timesteps|eval/mean_reward")
-RETURNS = re.compile(
-    r"(charts|train|eval|rollout)/\w*(return|reward)|averageepret|(mean|average)_(episode_)?(reward|return)$"
-)
-"""How programs of others call a mean return."""
 INDEX = ("", "index", "unnamed: 0")
 """Counters of rows, as pandas writes them: they say nothing of steps."""
 ENV = "env"
@@ -51,40 +42,11 @@ class Watched(NamedTuple):
     position: int
 
 
-def why_no_steps(names: Sequence[str]) -> str | None:
-    """Why the rows of a table without a column 'reward' are no steps, by whose it is; None for any other table.
-
-    Args:
-        names: As in the header, trimmed and in lower case.
-    """
-    told = (
-        (_has(names, "r", "l", "t"), MONITOR),
-        (_has(names, "wall time", "step", "value"), _chart("exported from TensorBoard")),
-        (any(map(CHARTED.search, names)), _chart("exported from Weights & Biases")),
-        (_has(names, "training_iteration"), _means("RLlib's progress.csv: a row is a training iteration")),
-        (any(map(SB3_LOGGED.fullmatch, names)), _means("stable-baselines3's progress.csv: a row is a report")),
-        (any(map(RETURNS.match, names)), _means("a log of returns: a row is an episode, or a report")),
-    )
-    return next((sentence for is_so, sentence in told if is_so), None)
-
-
-def _has(names: Sequence[str], *wanted: str) -> bool:
-    return set(wanted) <= set(names)
-
-
-def _means(what: str) -> str:
-    return f"{what}, with a mean over steps or episodes, and {NEEDED}; {RECORD}"
-
-
-def _chart(origin: str) -> str:
-    return f"a chart {origin}: its rows are points of a curve, and {NEEDED}; {RECORD}"
-
-
 def watched_columns(names: Sequence[str]) -> list[Watched]:
     """The columns that say what rows are, the first of each role.
 
     Args:
-        names: See `why_no_steps`.
+        names: As in the header, trimmed and in lower case.
     """
     roles = {"episode": EPISODE, "length": LENGTH, "counter": COUNTER, "env": (ENV,), "run": RUN}
     found = []
@@ -136,14 +98,22 @@ class RowWatch:
         Raises:
             UsageError: Each was an episode.
         """
+        if (column := self.why_episodes()) is not None:
+            how = "has their lengths" if column.role == "length" else "has another number in each row"
+            raise UsageError(
+                f"its rows are episodes (column '{column.name}' {how}), and {NEEDED}; {RECORD}. If each row is a step, "
+                f"delete the column '{column.name}'"
+            )
+
+    def why_episodes(self) -> Watched | None:
+        """The column by which each row so far was an episode; None if they were steps."""
         length, episode = self._columns.get("length"), self._columns.get("episode")
         if self._repeats or self._rows < 2:
-            return
+            return None
         if length is not None and self._longest > 1.0 and not self._counts_up:
-            raise UsageError(_episodes(f"column '{length.name}' has their lengths", length.name))
+            return length
         is_one_step = length is not None or self._counts or ENV in self._columns
-        if episode is not None and not is_one_step:
-            raise UsageError(_episodes(f"column '{episode.name}' has another number in each row", episode.name))
+        return None if is_one_step else episode
 
     def _numbers(self, role: str, column: pa.Array) -> Float | None:
         """Whole numbers, NaN where a cell is empty; None, for good, of a column that holds anything else."""
@@ -230,7 +200,3 @@ def _parsed(column: pa.Array) -> pa.Array:
 
     trimmed = pc.utf8_trim_whitespace(column)
     return pc.if_else(pc.equal(trimmed, ""), None, trimmed).cast(pa.float64())
-
-
-def _episodes(how: str, column: str) -> str:
-    return f"its rows are episodes ({how}), and {NEEDED}; {RECORD}. If each row is a step, delete the column '{column}'"

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 from harness.arrays import Float
-from harness.errors import UsageError
 from harness.files.sums import making
 from harness.log import Log
 from harness.log.log import REWARD
@@ -20,7 +19,7 @@ from harness.record.recording.recorded_training import (
 )
 from harness.record.recording.scores import Scores, read_scores, scores_name, write_scores
 from harness.record.store import Store
-from harness.score.weights import name_of, recorded_choice, reweighted, weighted_label
+from harness.score.weights import RecordedTerms, name_of, recorded_choice, weighted_label, weighted_pay
 
 
 def recordings_of(folder: Path) -> list[Path]:
@@ -99,27 +98,20 @@ class _Recorder(NamedTuple):
         return [label for label in self.terms if name_of(label) == name_of(asked)]
 
     def scored(self, label: str) -> Scores:
-        """The columns of a reward with other weights, from the first recorded columns of its terms that tell them."""
-        refused: UsageError | None = None
-        for then in self.recorded(label):
-            try:
-                return self._weighted(label, then)
-            except UsageError as error:  # a term was recorded with the weight 0, and elsewhere perhaps with another
-                refused = refused or error
-        raise refused or UsageError(
-            f"no terms of '{name_of(label)}' are recorded there: give the file of the reward, --plugin FILE"
+        """The columns of a reward with other weights."""
+        recorded = (
+            RecordedTerms(recorded_choice(then), self.terms[then], partial(self._columns, then))
+            for then in self.recorded(label)
         )
-
-    def _weighted(self, label: str, then: str) -> Scores:
-        paid = reweighted(label, recorded_choice(then), self._columns(then))
+        then, paid = weighted_pay(label, recorded, "these trainings have")
         columns: dict[str, Float] = {f"{REWARD}{label}": paid.total}
         columns |= {term_column(label, name): values for name, values in paid.terms.items()}
         failures = (*self.facts.failures, *(self.earlier.failures if self.earlier else ()))
         return Scores(
             columns,
             (),
-            {f"{REWARD}{label}": Source("", f"the recorded terms of {then}, weighted as {label}")},
-            tuple(_of(failure, label) for failure in failures if failure.column == f"{REWARD}{then}"),
+            {f"{REWARD}{label}": Source("", f"the recorded terms of {then.label}, weighted as {label}")},
+            tuple(_of(failure, label) for failure in failures if failure.column == f"{REWARD}{then.label}"),
         )
 
     def _columns(self, label: str) -> dict[str, Float]:

@@ -6,7 +6,8 @@ weight, so that another weight is a matter of one factor.
 """
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from typing import NamedTuple
 
 from harness.arrays import Float
 from harness.errors import UsageError
@@ -59,6 +60,38 @@ def reweighted(asked: str, recorded: Choice, terms: Mapping[str, Float]) -> Paid
     now, then = _weights(asked, names), _weights(recorded.label, names)
     paid = {name: _times(values, name, now.get(name, 1.0), then.get(name, 1.0)) for name, values in terms.items()}
     return Paid(sum_of(paid), paid)
+
+
+class RecordedTerms(NamedTuple):
+    """Columns of the terms of a reward."""
+
+    reward: Choice
+    """The reward, with the weights that it was recorded with."""
+    terms: tuple[str, ...]
+    read: Callable[[], Mapping[str, Float]]
+    """A function that reads them, by term, (rows,) each."""
+
+
+def weighted_pay(asked: str, recorded: Iterable[RecordedTerms], who: str) -> tuple[Choice, Paid]:
+    """What a reward pays with other weights, from the first recorded columns of its terms that tell it, and which.
+
+    Args:
+        asked: The reward with the weights that are asked for.
+        recorded: Where its terms are recorded.
+        who: Begins the sentence that says that they are nowhere, ``these steps have``.
+
+    Raises:
+        UsageError: They are nowhere, or as `reweighted`.
+    """
+    refused: UsageError | None = None
+    for found in recorded:
+        try:
+            return found.reward, reweighted(asked, found.reward, found.read())
+        except UsageError as error:  # a term was recorded with the weight 0, and elsewhere perhaps with another
+            refused = refused or error
+    raise refused or UsageError(
+        f"{who} no columns of the terms of '{name_of(asked)}': give its file, --plugin FILE, and it is called"
+    )
 
 
 def _are_weights(choice: Choice, terms: Iterable[str]) -> bool:

@@ -25,7 +25,8 @@ from harness.registry.registry import Registry
 from harness.results import Results
 from harness.results.comparison import Group
 from harness.reward.needs import needs_of
-from harness.score.scorer import pay_trace
+from harness.score.scorer import pay_log
+from harness.score.trace_log import log_of
 from harness.text import file_stems
 
 TRAINING, EVALUATED = "training", "evaluation"
@@ -168,7 +169,7 @@ def _of_trace(path: Path, cell: Cell, rewards: Mapping[str, Any]) -> Iterator[Ex
     trace = read_trace(path)
     positions = [trace[f"{what}_{axis}"][:, None] for what in ("end_effector", "target") for axis in AXES]
     seen = np.hstack([trace["qpos"], *positions])
-    paid = {label: pay_trace(reward, trace) for label, reward in rewards.items()}
+    paid = {label: pay_log(reward, log_of(trace)) for label, reward in rewards.items()}
     events = trace["reward_ground"] + trace["reward_target"] + trace["reward_step"]
     whole = trace["reward"] + events
     for rows in _episodes_of(trace["env"], trace["episode"]):

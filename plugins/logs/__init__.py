@@ -46,3 +46,4 @@ def register_logs(register: harness.Register) -> None:
         "harness_plugins.logs.episode_csv:EpisodeCsv",
         summary="a table whose rows are episodes: episode,reward,length,success and names like these",
     )
+    register("steps-csv", "harness.score.csv_steps:StepsCsv", summary="CSV with a column 'reward', a row for each step")

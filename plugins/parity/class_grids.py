@@ -5,8 +5,8 @@ from math import degrees
 
 from harness.audit.number import number
 from harness.env.solid_probes import missing_in_words
-from harness.report.rows.comparison import Grid
-from harness.results.overview import NOTHING
+from harness.eta.index import NOTHING
+from harness.report.rows.ratios import Grid
 
 from .classes import CONTACT, CREEP, FAST, NEAR, SINGULAR, SLOW, SMOOTH, Told
 from .difference import SHORT, Difference, Response

@@ -1,4 +1,6 @@
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -182,3 +184,31 @@ def test_what_cannot_be_compared_is_told_in_one_line(harness, recorded, tmp_path
     answer = harness("eta", *flags)
     assert (answer.status, answer.out, answer.err.count("\n")) == (2, "", 1)
     assert told in answer.err
+
+
+LOADED = 86
+"""Modules of this project, of some 500. Others that open files of a plugin, or of a reward, come with these."""
+
+
+def loaded_by(*arguments: str) -> set[str]:
+    """The modules of this project that a command loads, in a process of its own."""
+    code = (
+        "import sys; from harness.cli import main\n"
+        "try: main(sys.argv[1:])\n"
+        "except SystemExit: print(*(it for it in sys.modules if it.split('.')[0] == 'harness'), file=sys.stderr)"
+    )
+    told = subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True, check=True)
+    return set(told.stderr.split())
+
+
+def test_few_modules_are_loaded(tmp_path: Path):
+    """Neither other commands, nor what reads experiments, for two files of rewards; with distances, what pays them."""
+    bare, full = tmp_path / "bare.csv", tmp_path / "full.csv"
+    bare.write_text("reward\n-1\n1\n2\n")
+    full.write_text(HEADER + K2)
+    for path, most in ((bare, LOADED), (full, LOADED + 6)):
+        loaded = loaded_by("eta", "--baseline", str(path), "--proposed", str(path))
+        assert "harness.score.compare" in loaded
+        assert len(loaded) <= most
+        rooms = {name.split(".")[1] for name in loaded if "." in name}
+        assert not rooms & {"results", "experiment", "env", "robot", "audit", "recorder"}

@@ -13,7 +13,8 @@ from harness.env.ideal import IdealSimulation
 from harness.reach import ReachTask
 from harness.record.trace import Trace, TraceWriter, read_trace
 from harness.robot.inverse_kinematics import reach_position
-from harness.score.scorer import score_trace
+from harness.score.scorer import pay_log
+from harness.score.trace_log import log_of
 from harness.simulator import State
 
 Call = Callable[..., Any]
@@ -228,7 +229,7 @@ def test_memory_of_an_ended_episode_stands_still(make: Call, tmp_path: Path):
         play(env, 12)
     trace = read_trace(path)
     assert len(trace.last_rows) > 20
-    np.testing.assert_array_equal(score_trace(Remembers(), trace), trace["reward"])
+    np.testing.assert_array_equal(pay_log(Remembers(), log_of(trace)).total, trace["reward"])
 
 
 def test_both_autoreset_modes_tell_the_same_story(make: Call):

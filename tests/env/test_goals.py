@@ -18,7 +18,8 @@ from harness.record.trace import TraceWriter, read_trace
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 from harness.robot import Robot
-from harness.score.scorer import score_trace
+from harness.score.scorer import pay_log
+from harness.score.trace_log import log_of
 from harness.task import goal_of
 from harness_plugins.tasks.moving import Moving
 from harness_plugins.tasks.pose import Pose
@@ -107,7 +108,7 @@ def test_every_reward_pays_the_record_again(make: Call, wander: Call, tmp_path: 
         env.reset(seed=0)
         wander(env, 40)
     trace = read_trace(path)
-    np.testing.assert_array_equal(score_trace(built, trace), trace["reward"])
+    np.testing.assert_array_equal(pay_log(built, log_of(trace)).total, trace["reward"])
 
 
 @pytest.mark.parametrize("task", [Moving(horizon=12), Pose(horizon=12)])

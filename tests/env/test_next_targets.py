@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 import harness
+from harness.record.row_steps import TOUCHED, targets_touched
 from harness.record.trace import Trace, TraceWriter, read_trace
 from harness.robot.inverse_kinematics import reach_position
-from harness.score.open_recording import open_recording
+from harness.score.trace_log import open_trace
 from harness.task import Targets
 from harness.testing.trainings import NegativeDistance
 from harness_plugins.tasks.unity import Arp2021, UnityReach
@@ -160,9 +161,10 @@ def test_target_at_the_horizon_is_paid_and_truncates(tour: Call):
 def test_touched_target_in_a_recording_is_no_start(tour: Call, tmp_path: Path):
     """A recording of arp-2021 has one start row an episode, as the published files: Bd changes inside."""
     tour(*[HOME, FIRST] * 4, task=Arp2021(decision_period=1, horizon=6))
-    (chunk,) = open_recording(tmp_path / "trace.parquet").chunks()
-    np.testing.assert_array_equal(np.flatnonzero(chunk.start), [0, 7])
-    assert chunk.reward[0] == chunk.reward[7] == 0.0
-    assert len(np.unique(chunk.begin_distance[:7])) == 2
-    np.testing.assert_array_equal(chunk.step, [0, 1, 2, 3, 4, 5, 6, 0, 1, 2])
-    np.testing.assert_array_equal(np.flatnonzero(chunk.touched), [2, 4, 9])
+    log = open_trace(tmp_path / "trace.parquet")
+    np.testing.assert_array_equal(np.flatnonzero(log["step"] == 0), [0, 7])
+    assert log["reward"][0] == log["reward"][7] == 0.0
+    assert len(np.unique(log["begin_distance"][:7])) == 2
+    np.testing.assert_array_equal(log["step"], [0, 1, 2, 3, 4, 5, 6, 0, 1, 2])
+    touched = targets_touched(*(log[name] for name in TOUCHED))
+    np.testing.assert_array_equal(np.flatnonzero(touched), [2, 4, 9])

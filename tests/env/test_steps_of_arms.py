@@ -18,7 +18,8 @@ from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 from harness.reward import Carry, MissingField, Steps
 from harness.reward.forms import reward_class
-from harness.score.scorer import pay_trace, score_trace
+from harness.score.scorer import pay_log
+from harness.score.trace_log import log_of
 from harness.testing.trainings import NegativeDistance
 
 Call = Callable[..., Any]
@@ -91,7 +92,7 @@ def test_a_trace_is_paid_again_to_the_last_bit(tmp_path: Path, simulator: str, t
         pytest.skip("arms do not vary without an engine")
     reward = reward_class(everything)()
     trace = record(tmp_path / "trace.parquet", simulator, TASKS[task], reward)
-    paid = pay_trace(reward, trace)
+    paid = pay_log(reward, log_of(trace))
     np.testing.assert_array_equal(paid.total, trace["reward"])
     assert list(trace.terms) == list(paid.terms)
     for name, values in trace.terms.items():
@@ -103,7 +104,7 @@ def test_a_trace_is_paid_again_to_the_last_bit(tmp_path: Path, simulator: str, t
 def test_a_reward_that_remembers_is_paid_again_to_the_last_bit(tmp_path: Path):
     """Step by step, with what was before each."""
     trace = record(tmp_path / "trace.parquet", "kinematic", TASKS["next targets"], Remembers())
-    np.testing.assert_array_equal(score_trace(Remembers(), trace), trace["reward"])
+    np.testing.assert_array_equal(pay_log(Remembers(), log_of(trace)).total, trace["reward"])
     assert trace["reached"].sum() > 0
 
 
@@ -179,9 +180,9 @@ def test_a_trace_without_qvel_pays_what_does_not_need_it(tmp_path: Path):
     def calm(step):
         return -abs(step.action).sum(-1)
 
-    assert score_trace(reward_class(calm)(), old).shape == (len(old),)
+    assert pay_log(reward_class(calm)(), log_of(old)).total.shape == (len(old),)
     with pytest.raises(MissingField, match=r"has no 'qvel'\. It has: .*end_effector"):
-        score_trace(reward_class(everything)(), old)
+        pay_log(reward_class(everything)(), log_of(old))
 
 
 def test_a_field_that_is_read_late_is_found_in_the_trace(tmp_path: Path):
@@ -192,7 +193,9 @@ def test_a_field_that_is_read_late_is_found_in_the_trace(tmp_path: Path):
             return carry, -abs(steps.qvel).sum(-1) if (steps.step > 4.5).any() else -steps.distance
 
     trace = record(tmp_path / "trace.parquet", "kinematic", SHORT, build("rewards", "baseline"))
-    np.testing.assert_array_equal(score_trace(Late(), trace)[trace["step"] > 0][-1], -abs(trace["qvel"][-1]).sum(-1))
+    np.testing.assert_array_equal(
+        pay_log(Late(), log_of(trace)).total[trace["step"] > 0][-1], -abs(trace["qvel"][-1]).sum(-1)
+    )
 
 
 def test_other_terms_than_at_first_end_the_run(make: Call):

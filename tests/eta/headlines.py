@@ -5,10 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from harness.eta.behaviour_change import Change
-from harness.eta.headline import DECIDING, Headline, Names
+from harness.eta.headline import DECIDING, Headline
 from harness.eta.judge import judge
 from harness.eta.number import number_sentence
-from harness.eta.splits import Decomposition
+from harness.eta.splits import Decomposition, Names
 from harness.eta.verdict.ruling import Ruling
 
 

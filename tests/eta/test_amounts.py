@@ -17,7 +17,7 @@ from harness.eta.amounts import (
     unseen_text,
 )
 from harness.eta.behaviour_change import TRAINING, Change, Quantity, change_of
-from harness.eta.headline import Names
+from harness.eta.splits import Names
 from harness.eta.swaps import swaps_of
 from harness.eta.verdict.together import Together
 

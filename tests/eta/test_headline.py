@@ -12,12 +12,12 @@ from hypothesis import strategies as st
 from harness.eta.behaviour_change import TRAINING, Change, Quantity, change_of
 from harness.eta.curve import GroupCurve, curve_of
 from harness.eta.decompose import decompose
-from harness.eta.headline import UNMEASURED, Answer, Headline, Names
+from harness.eta.headline import UNMEASURED, Answer, Headline
 from harness.eta.judge import DECIDED, judge
 from harness.eta.needed import range_text
 from harness.eta.power import seeds_to_tell
 from harness.eta.scored_sums import BB, BK, KB, KK
-from harness.eta.splits import Decomposition
+from harness.eta.splits import Decomposition, Names
 from harness.eta.swaps import swaps_of
 from harness.eta.verdict.looks import LookRuling
 from harness.eta.verdict.ruling import Ruling

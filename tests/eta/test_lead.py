@@ -7,9 +7,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from harness.eta.behaviour_change import TRAINING, Change, Quantity, change_of
-from harness.eta.headline import UNMEASURED, Answer, Names, key_of, name_of
+from harness.eta.headline import UNMEASURED, Answer, key_of, name_of
 from harness.eta.judge import DECIDED, judge
 from harness.eta.lead import lead_of
+from harness.eta.splits import Names
 from harness.eta.swaps import swaps_of
 from harness.eta.verdict.ruling import Ruling
 

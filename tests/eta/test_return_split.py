@@ -3,10 +3,10 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from harness.eta.headline import Names
 from harness.eta.number import return_sentence
 from harness.eta.return_split import split_returns
 from harness.eta.scored_sums import BB, BK, KB, KK
+from harness.eta.splits import Names
 from harness.eta.swaps import swaps_of
 
 AMOUNTS = st.floats(0.01, 100.0)

@@ -21,13 +21,12 @@ from harness.arrays import Float
 from harness.eta.behaviour_change import Change, Quantity, change_of
 from harness.eta.curve import GroupCurve
 from harness.eta.decompose import decompose
-from harness.eta.headline import Names
 from harness.eta.index import Ratio
 from harness.eta.judge import DECIDED
 from harness.eta.noise import noise_floor
 from harness.eta.scored_sums import BB, BK, KB, KK, Pair
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
-from harness.eta.splits import Decomposition, Split
+from harness.eta.splits import Decomposition, Names, Split
 from harness.eta.swaps import ALPHA, Swaps, corrected_p, label_shares, p_of, swaps_of
 from tests.eta.headlines import headline_of
 from tests.eta.scenarios import (

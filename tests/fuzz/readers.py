@@ -35,7 +35,7 @@ from harness.robot.load import load_robot
 from harness.robot.meshes import read_mesh
 from harness.robot.robot import read_robot
 from harness.scene.scene import scene_of
-from harness.score.open_recording import open_recording
+from harness.score.open_steps import open_steps
 from harness.tune.tuning import read_tuning, resolve
 from tests.fuzz.mutate import (
     mutate_bytes,
@@ -253,7 +253,7 @@ def _mutate_sealed(content: bytes, rng: Random) -> bytes:
 
 
 def _exhaust(path: Path) -> None:
-    for _ in open_recording(path).chunks():
+    for _ in (log := open_steps(path)).pieces(log.columns):
         pass
 
 

@@ -2,6 +2,7 @@
 
 import itertools
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ from harness.record.dataset.identity import Fingerprint
 from harness.record.dataset.labels import SuccessRule
 from harness.record.recording import recorded_training
 from harness.robot import kinematics
-from harness.score import rescore
+from harness.score.scorer import Payer
 from tests.oracles import settings
 from tests.oracles.test_oracles import faults_of
 
@@ -67,13 +68,13 @@ def _last_step_is_not_summed(patch: pytest.MonkeyPatch) -> None:
 
 
 def _best_distance_stays_the_first(patch: pytest.MonkeyPatch) -> None:
-    rows_of = rescore._rows_of
+    rows_of = Payer._rows_of
 
-    def first(chunk: Any, mask: Any) -> Any:
-        rows = rows_of(chunk, mask)
-        return rows._replace(previous_best=rows.begin_distance)
+    def first(payer: Payer, piece: Any) -> Any:
+        rows = rows_of(payer, piece)
+        return replace(rows, previous_best=rows.begin_distance)
 
-    patch.setattr(rescore, "_rows_of", first)
+    patch.setattr(Payer, "_rows_of", first)
 
 
 def _angles_turn_the_other_way(patch: pytest.MonkeyPatch) -> None:

@@ -21,9 +21,10 @@ from harness.record.trace import COLUMN, FLAGS, INTEGERS, SCALARS, Trace, TraceW
 from harness.registry.choice import Choice, choose
 from harness.registry.registry import Registry, load_registry
 from harness.results import Results, load_results
-from harness.score.compare import ComparedRuns, compare_recordings
-from harness.score.open_recording import match_recordings
-from harness.score.scorer import score_trace
+from harness.score.compare import ComparedRuns, compare_logs
+from harness.score.open_steps import match_steps
+from harness.score.scorer import pay_log
+from harness.score.trace_log import log_of
 
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 WEBGL = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
@@ -229,7 +230,7 @@ def _write_trace(path: Path, episodes: Sequence[np.ndarray], paid: Choice | None
     if paid is not None:
         known = paid if paid.params or paid.name == BASELINE else _reward(BASELINE)
         reward = known.build(_plugins(), "rewards")
-        rows[:, COLUMN["reward"]] = score_trace(reward, _trace(rows))
+        rows[:, COLUMN["reward"]] = pay_log(reward, log_of(_trace(rows))).total
     path.write_bytes(_parquet(rows.tobytes(), rows.shape))
 
 
@@ -270,8 +271,8 @@ def compare(tmp_path: Path) -> Callable[..., ComparedRuns]:
             for number in range(2):
                 lines = [",".join(line.split(",")[-columns:]) for line in (HEADER, *rows)]
                 (tmp_path / name / f"{number}.csv").write_text("\n".join(lines) + "\n")
-            groups.append(match_recordings(str(tmp_path / name / "*.csv")))
-        return compare_recordings(groups[0], groups[1], load_registry(), **flags)
+            groups.append(match_steps(str(tmp_path / name / "*.csv")))
+        return compare_logs(groups[0], groups[1], load_registry(), **flags)
 
     return compare_files
 

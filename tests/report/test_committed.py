@@ -8,7 +8,7 @@ from rich.console import Console
 from harness.errors import SchemaError, UsageError
 from harness.report.committed import committed_table, committed_text, is_committed, refuse_committed
 from harness.report.document import report_text
-from harness.report.rows.comparison import interval_text
+from harness.report.rows.ratios import interval_text
 from harness.results.overview import decider_text, measure_text
 
 

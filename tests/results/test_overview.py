@@ -5,10 +5,8 @@ from types import SimpleNamespace
 import pytest
 
 from harness.eta.behaviour_change import TRAINING, Change, Quantity
-from harness.eta.index import Ratio
+from harness.eta.index import NEAR_ZERO, NOTHING, Ratio
 from harness.results.overview import (
-    NEAR_ZERO,
-    NOTHING,
     Overview,
     decider_text,
     measure_text,

@@ -14,7 +14,8 @@ from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.results import Results
 from harness.results.return_matrix import ReturnMatrix, return_matrices
-from harness.score.scorer import score_trace
+from harness.score.scorer import pay_log
+from harness.score.trace_log import log_of
 
 GIVEN = {
     "sim": "ideal", "algo": "narrate", "task": "fd100-reach:horizon=5", "seeds": 2, "steps": 12,
@@ -49,7 +50,7 @@ def test_return_is_the_mean_over_episodes_and_seeds(results: Results, matrix: Re
     dense = next(cell.reward for cell in results.done_cells if cell.reward.label == "dense")
     reward = dense.build(results.registry, "rewards")
     traces = [read_trace(results.store.cell_folder(cell) / EVALUATION) for cell in cells]
-    sums = [score_trace(reward, trace).sum() / 3 for trace in traces]
+    sums = [pay_log(reward, log_of(trace)).total.sum() / 3 for trace in traces]
     found = matrix.returns["dense"]["arp"]
     assert found.mean == pytest.approx(np.mean(sums), rel=1e-12)
     assert (found.seeds, found.note) == (2, "2 seeds: no interval below 3 seeds")

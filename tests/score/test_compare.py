@@ -17,15 +17,16 @@ from scipy import stats
 
 import harness.score.compared_rows
 from harness.errors import UsageError
-from harness.eta.judge import p_text
+from harness.eta.swaps import p_text
 from harness.hookspecs import PROJECT
 from harness.record.manifest import Manifest
 from harness.record.trace import COLUMN, SCALARS, TraceWriter
 from harness.registry.choice import Choice
 from harness.registry.registry import load_registry
 from harness.report.tables.eta import eta_table
-from harness.score.compare import ComparedRuns, compare_recordings
-from harness.score.open_recording import match_recordings, open_recording
+from harness.score.compare import ComparedRuns, compare_logs
+from harness.score.open_steps import match_steps
+from harness.score.trace_log import open_trace
 
 Pay = Callable[[float, float, float], float]
 Run = list[tuple[float, ...]]
@@ -75,7 +76,7 @@ def groups(tmp_path: Path) -> Path:
 def compare(baseline: Path | str, proposed: Path | str, **given: Any) -> ComparedRuns:
     """Compare all CSV files of two folders, or what two patterns match."""
     patterns = [f"{where}/*.csv" if Path(where).is_dir() else str(where) for where in (baseline, proposed)]
-    return compare_recordings(*map(match_recordings, patterns), load_registry(), **given)
+    return compare_logs(*map(match_steps, patterns), load_registry(), **given)
 
 
 def write_rewards(folder: Path, *runs: Sequence[float]) -> Path:
@@ -455,9 +456,9 @@ def write_trace(
 def test_traces_and_csv_files_mix(tmp_path: Path, groups: Path, make_cell):
     """A group may hold both: the trace declares what the files of its group show."""
     write_trace(groups / "traces", arp(1.5), 3, "arp", make_cell)
-    recordings = match_recordings([f"{groups}/traces/*.parquet", f"{groups}/k2/*.csv"])
-    base = match_recordings(f"{groups}/base/*.csv")
-    data = compare_recordings(base, recordings, load_registry()).to_json()
+    recordings = match_steps([f"{groups}/traces/*.parquet", f"{groups}/k2/*.csv"])
+    base = match_steps(f"{groups}/base/*.csv")
+    data = compare_logs(base, recordings, load_registry()).to_json()
     assert data["runs"] == {"baseline": 5, "proposed": 5}
     assert data["eta_N"]["ruler"]["value"] is not None
 
@@ -471,8 +472,8 @@ def test_event_terms_are_added_on_demand(tmp_path: Path, make_cell):
     data = compare(*patterns, with_events=True).to_json()
     paid = []
     for seed in range(2):
-        chunk = next(open_recording(tmp_path / f"b{seed}" / "trace.parquet").chunks())
-        paid.append((chunk.reward + np.where(chunk.step % 3 == 1, 10.0, 0.0)).tolist())
+        rows = open_trace(tmp_path / f"b{seed}" / "trace.parquet").rows(["reward", "step"])
+        paid.append((rows["reward"] + np.where(rows["step"] % 3 == 1, 10.0, 0.0)).tolist())
     negative, positive = indices(paid, accumulated=True)
     assert data["baseline"]["I_P"] == pytest.approx(positive, abs=0.0501)
     assert data["baseline"]["I_N"] == pytest.approx(negative, abs=0.0501)
@@ -520,8 +521,8 @@ def register_rewards(register):
         (tmp_path / name).mkdir()
         (tmp_path / name / "run.csv").write_text("\n".join([HEADER, *rows]) + "\n")
     registry = load_registry([*entry_points(group=PROJECT), write_plugin(source, "inverse-reward")])
-    groups = (match_recordings(f"{tmp_path}/{name}/*.csv") for name in "bk")
-    data = compare_recordings(*groups, registry).to_json()
+    groups = (match_steps(f"{tmp_path}/{name}/*.csv") for name in "bk")
+    data = compare_logs(*groups, registry).to_json()
     assert data["rewards"] == {"baseline": BASELINE, "proposed": "inverse"}
     assert data["eta_N"]["eta"]["value"] == 5.0
     assert data["eta_N"]["ruler"]["value"] is None
@@ -530,9 +531,9 @@ def register_rewards(register):
 
 def test_both_etas_are_corrected_together(groups: Path):
     """Two claims of one comparison: no corrected p is below its own, and the table shows the corrected ones."""
-    found = compare_recordings(
-        match_recordings([str(groups / "base" / "*.csv")]),
-        match_recordings([str(groups / "k2" / "*.csv")]),
+    found = compare_logs(
+        match_steps([str(groups / "base" / "*.csv")]),
+        match_steps([str(groups / "k2" / "*.csv")]),
         load_registry(),
     )
     told = Console(width=200, file=StringIO())

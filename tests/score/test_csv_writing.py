@@ -13,9 +13,9 @@ from harness.record.trace import read_trace
 from harness.registry.choice import Choice, choose
 from harness.registry.registry import Registry
 from harness.results import Results
+from harness.score.csv_steps import EVENTS, PAY, STEPS
 from harness.score.csv_writing import COLUMNS, write_csv
-from harness.score.open_recording import open_recording
-from harness.score.recording import Chunk
+from harness.score.open_steps import open_steps
 from harness.score.rescore import rescore
 
 THEIRS = "t,beginDistance,prevBest,distance,delta_distance,reward,target x,target y,target z,endEff x,endEff y,endEff z"
@@ -39,11 +39,6 @@ def written(trace: Path, tmp_path: Path) -> Path:
     return tmp_path / "run.csv"
 
 
-def _chunk(path: Path) -> Chunk:
-    [chunk] = open_recording(path).chunks()
-    return chunk
-
-
 def _columns(path: Path) -> dict[str, np.ndarray]:
     table = np.genfromtxt(path, delimiter=",", skip_header=1)
     return dict(zip(path.read_text().split("\n")[0].split(","), table.T, strict=True))
@@ -58,9 +53,11 @@ def test_the_experimenters_columns_come_first(written: Path):
 
 def test_recording_is_that_of_the_trace(trace: Path, written: Path):
     """Every number that a reward is computed from, bit for bit."""
-    found, expected = _chunk(written)._asdict(), _chunk(trace)._asdict()
-    for name in set(expected) - {"line", "touched"}:
+    found, expected = open_steps(written), open_steps(trace)
+    for name in (*EVENTS, *STEPS[1:]):
         np.testing.assert_array_equal(found[name], expected[name], err_msg=name)
+    np.testing.assert_array_equal(found[PAY], expected["reward"])
+    np.testing.assert_array_equal(found["start"], expected["step"] == 0)
 
 
 def test_other_rewards_pay_the_file_what_they_pay_the_trace(trace: Path, written: Path, toys: Registry, tmp_path: Path):
@@ -68,7 +65,7 @@ def test_other_rewards_pay_the_file_what_they_pay_the_trace(trace: Path, written
     for name in ("arp:k2=2", "aarp", "dense"):
         reward = choose(toys, "rewards", name).build(toys, "rewards")
         for path in (trace, written):
-            rescore(open_recording(path), {name: reward}, tmp_path / f"{path.suffix}.scores")
+            rescore(open_steps(path), {name: reward}, tmp_path / f"{path.suffix}.scores")
         one, other = ((tmp_path / f"{path.suffix}.scores").read_bytes() for path in (trace, written))
         assert one == other
 

@@ -8,7 +8,8 @@ from harness.record.trace import Trace
 from harness.registry.choice import Choice, choose
 from harness.registry.registry import Registry, load_registry
 from harness.score.installed_reward import InstalledReward
-from harness.score.scorer import score_trace
+from harness.score.scorer import pay_log
+from harness.score.trace_log import log_of
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +35,7 @@ def run() -> Trace:
 
 
 def _paid(run: Trace, reward: Choice, registry: Registry) -> Trace:
-    return Trace({**run.columns, "reward": score_trace(reward.build(registry, "rewards"), run)})
+    return Trace({**run.columns, "reward": pay_log(reward.build(registry, "rewards"), log_of(run)).total})
 
 
 GONE = Choice("gone", (), "gone")

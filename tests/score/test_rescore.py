@@ -10,7 +10,7 @@ from harness.record.trace import TraceWriter
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 from harness.reward.forms import reward_class
-from harness.score.open_recording import open_recording
+from harness.score.open_steps import open_steps
 from harness.score.rescore import rescore
 from harness.testing import IdealSimulator
 from harness.testing.trainings import NegativeDistance
@@ -30,7 +30,7 @@ def recorded(tmp_path):
     """A file of two short episodes, paid by arp with k2 = 1.5."""
     path = tmp_path / "run.csv"
     path.write_text("\n".join([HEADER, *ROWS]) + "\n")
-    return open_recording(path)
+    return open_steps(path)
 
 
 def rewards(*names):
@@ -49,9 +49,9 @@ def test_each_reward_gets_a_column(recorded, tmp_path):
 
 def test_the_recording_is_not_touched(recorded, tmp_path):
     """The recorded file is the same, byte for byte."""
-    before = recorded.path.read_bytes()
+    before = recorded.facts.path.read_bytes()
     rescore(recorded, rewards("arp"), tmp_path / "s.parquet")
-    assert recorded.path.read_bytes() == before
+    assert recorded.facts.path.read_bytes() == before
 
 
 def test_columns_of_other_rewards_are_kept(recorded, tmp_path):
@@ -67,7 +67,7 @@ def test_scores_of_another_recording_are_not_overwritten(recorded, tmp_path):
     other = tmp_path / "other.csv"
     other.write_text("\n".join([HEADER, *ROWS[:3]]) + "\n")
     with pytest.raises(UsageError, match="belongs to another one"):
-        rescore(open_recording(other), rewards("arp"), tmp_path / "s.parquet")
+        rescore(open_steps(other), rewards("arp"), tmp_path / "s.parquet")
 
 
 def test_a_recording_without_distances_is_refused(tmp_path):
@@ -75,7 +75,7 @@ def test_a_recording_without_distances_is_refused(tmp_path):
     path = tmp_path / "run.csv"
     path.write_text("reward\n1\n2\n")
     with pytest.raises(UsageError, match="records no distances"):
-        rescore(open_recording(path), rewards("arp"), tmp_path / "s.parquet")
+        rescore(open_steps(path), rewards("arp"), tmp_path / "s.parquet")
 
 
 def test_a_place_that_cannot_be_written_is_told(recorded, tmp_path):
@@ -112,5 +112,5 @@ def test_a_field_that_is_read_in_some_steps_alone_is_found(tmp_path):
         env.reset(seed=0)
         for _ in range(9):
             env.step(np.full((1, 6), 0.5, np.float32))
-    assert rescore(open_recording(path), {"late": reward_class(late)()}, tmp_path / "s.parquet") == {}
+    assert rescore(open_steps(path), {"late": reward_class(late)()}, tmp_path / "s.parquet") == {}
     np.testing.assert_allclose(pq.read_table(tmp_path / "s.parquet")["late"].to_numpy()[1:], -3.0)

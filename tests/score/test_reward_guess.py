@@ -10,13 +10,13 @@ import pytest
 
 from harness.errors import UsageError
 from harness.hookspecs import PROJECT
+from harness.log import Log
 from harness.record.cell import Cell
 from harness.record.manifest import Manifest
 from harness.record.trace import COLUMN, SCALARS, TraceWriter
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry, load_registry
-from harness.score.open_recording import open_recording
-from harness.score.recording import Recording
+from harness.score.open_steps import open_steps
 from harness.score.reward_guess import guess_reward, misfit
 
 Pay = Callable[[float, float, float], float]
@@ -35,9 +35,7 @@ def arp(k1: float, k2: float) -> Pay:
     return lambda begin, before, distance: -k1 * (distance - before) if distance > before else k2 * (begin - distance)
 
 
-def write_run(
-    path: Path, pay: Pay, seed: int = 0, rows: int = 400, program: str = "K2", reach: float = 0.5
-) -> Recording:
+def write_run(path: Path, pay: Pay, seed: int = 0, rows: int = 400, program: str = "K2", reach: float = 0.5) -> Log:
     """Episodes of an arm that moves at random, in the words of either program, 7 digits a number."""
     rng, lines, step = random.Random(seed), [HEADER], 0
     begin = before = 1.110047
@@ -56,7 +54,7 @@ def write_run(
         before = after
         step = 0 if rng.random() < 0.05 else step + 1
     path.write_text("\n".join(lines) + "\n")
-    return open_recording(path)
+    return open_steps(path)
 
 
 @pytest.mark.parametrize("program", ["base line", "K2"])
@@ -95,9 +93,9 @@ def test_a_sign_that_printing_cut_is_forgiven_once_in_a_while(tmp_path: Path, re
     odd = ",1.110047,0.5,0.5,,-1.192093E-07\n"
     text = path.read_text()
     path.write_text(text + odd)
-    assert guess_reward(open_recording(path), registry).choice == "baseline"
+    assert guess_reward(open_steps(path), registry).choice == "baseline"
     path.write_text(text + 10 * odd)
-    assert guess_reward(open_recording(path), registry).choice is None
+    assert guess_reward(open_steps(path), registry).choice is None
 
 
 def test_a_reward_that_nobody_registered_is_not_told(tmp_path: Path, registry: Registry):
@@ -105,7 +103,7 @@ def test_a_reward_that_nobody_registered_is_not_told(tmp_path: Path, registry: R
     recording = write_run(tmp_path / "run.csv", lambda begin, before, distance: begin**2 - distance**2)
     choice, reason = guess_reward(recording, registry)
     assert choice is None
-    assert reason == f"no registered reward pays what {recording.path} recorded"
+    assert reason == f"no registered reward pays what {recording.facts.path} recorded"
 
 
 def test_a_run_that_was_paid_nothing_tells_nothing(tmp_path: Path, registry: Registry):
@@ -119,7 +117,7 @@ def test_a_file_without_distances_tells_nothing(tmp_path: Path, registry: Regist
     """Neither a guess nor a check is possible, and the reason says why."""
     path = tmp_path / "run.csv"
     path.write_text("reward\n1\n")
-    recording = open_recording(path)
+    recording = open_steps(path)
     assert guess_reward(recording, registry) == (None, f"{path} has no distances to score again")
     assert misfit(recording, "baseline", registry) == f"{path} has no distances to score again"
 
@@ -128,7 +126,7 @@ def test_a_misfit_names_file_line_and_both_values(tmp_path: Path, registry: Regi
     """What was recorded beside what the reward pays, in the first row where they differ."""
     path = tmp_path / "run.csv"
     path.write_text(f"{HEADER}\n0,1,1,1,0,0\n1,1,0.5,0.5,-0.5,0.75\n")
-    told = misfit(open_recording(path), "baseline", registry)
+    told = misfit(open_steps(path), "baseline", registry)
     assert told == f"{path}, line 3: recorded 0.75, baseline pays 0.5"
 
 
@@ -141,7 +139,7 @@ def test_a_reward_that_nobody_registered_cannot_be_checked(tmp_path: Path, regis
 # Traces
 
 
-def _trace(folder: Path, reward: Choice, pays: float, make_cell: Callable[..., Cell]) -> Recording:
+def _trace(folder: Path, reward: Choice, pays: float, make_cell: Callable[..., Cell]) -> Log:
     """Two envs that trained together, row by row in turns; each comes 0.1 m closer per step."""
     rows = np.zeros((8, len(SCALARS) + 2))
     for number, row in enumerate(rows):
@@ -154,7 +152,7 @@ def _trace(folder: Path, reward: Choice, pays: float, make_cell: Callable[..., C
     with TraceWriter(folder / "trace.parquet", 1, 1) as writer:
         writer.append(rows)
     Manifest(make_cell(reward=reward), status="done").write(folder)
-    return open_recording(folder / "trace.parquet")
+    return open_steps(folder / "trace.parquet")
 
 
 def test_a_trace_was_paid_by_what_it_declares(tmp_path: Path, registry: Registry, make_cell):

@@ -25,9 +25,8 @@ from harness.registry.registry import load_registry
 from harness.reward import Reward, Sample
 from harness.reward.needs import ROWS
 from harness.robot.inverse_kinematics import reach_position
-from harness.score.open_recording import open_recording
-from harness.score.rescore import RecordingScorer
-from harness.score.scorer import Scorer, score_trace
+from harness.score.scorer import Payer, Scorer, pay_log
+from harness.score.trace_log import log_of, open_trace
 from harness.testing import IdealSimulator
 from harness_plugins.tasks.unity import Arp2021
 
@@ -78,6 +77,11 @@ def drive(env: ReachVectorEnv, steps: int) -> None:
             qpos = env.simulation.read().qpos[1:]
             actions[1:] = 6.0 * (offset[:, None] @ ROBOT.jacobian(qpos))[:, 0]
         observations, *_ = env.step(np.clip(actions, -1.0, 1.0).astype(np.float32))
+
+
+def score(reward: Reward, trace: Trace) -> np.ndarray:
+    """What every row of a trace is paid."""
+    return pay_log(reward, log_of(trace)).total
 
 
 def rows_of(trace: Trace, env: int = 0) -> Rows:
@@ -150,7 +154,7 @@ def test_every_reward_is_scored_as_it_was_paid(text: str, simulator: str):
     assert trace["reached"].any()
     assert trace["truncated"].any()
     assert text == "sparse" or np.unique(trace["reward"]).size > len(trace) // 2
-    np.testing.assert_array_equal(score_trace(reward_of(text), trace), trace["reward"])
+    np.testing.assert_array_equal(score(reward_of(text), trace), trace["reward"])
 
 
 @cache
@@ -186,31 +190,32 @@ def test_targets_that_do_not_end_the_episode_are_scored_as_they_were_paid(text: 
     after = touched[touched + ENVS < len(trace)] + ENVS
     assert len(after) > 30
     assert (trace["begin_distance"][after] == trace["begin_distance"][after - ENVS]).any()
-    np.testing.assert_array_equal(score_trace(reward_of(text), trace), trace["reward"])
+    np.testing.assert_array_equal(score(reward_of(text), trace), trace["reward"])
 
 
 def test_memory_restarts_with_the_next_target():
     """As in the environment, bit for bit, for a carry of several parts."""
     trace = record_tour_under(Remembers())
-    np.testing.assert_array_equal(score_trace(Remembers(), trace), trace["reward"])
+    np.testing.assert_array_equal(score(Remembers(), trace), trace["reward"])
 
 
 @pytest.mark.parametrize("column", Sample._fields)
 def test_scorer_shows_what_the_environment_shows_of_the_next_targets(column: str):
     """Every column of the sample is the environment's, bit for bit."""
     trace = record_tour_under(Shows(column))
-    np.testing.assert_array_equal(score_trace(Shows(column), trace), trace["reward"])
+    np.testing.assert_array_equal(score(Shows(column), trace), trace["reward"])
 
 
 @pytest.mark.parametrize("text", CHOICES)
 def test_recording_of_next_targets_is_scored_as_it_was_paid(text: str, tmp_path: Path):
-    """A recording is read a chunk at a time, and scored bit for bit as the trace that it is."""
+    """A recording is read a piece at a time, and scored bit for bit as the trace that it is."""
     trace, path = record_tour(text), tmp_path / "trace.parquet"
     columns = {name: trace[name] for name in ("env", "step", "begin_distance", "previous_best", "distance", "reward")}
     table = pa.table({**columns, **{name: trace[name] for name in TOUCHED}})
     pq.write_table(table.replace_schema_metadata({FORMAT_KEY: str(FORMAT).encode()}), path)
-    scorer = RecordingScorer(reward_of(text), ())
-    scored = [scorer.pay(chunk).total for chunk in open_recording(path).chunks(37)]
+    log = open_trace(path)
+    payer = Payer(reward_of(text), log)
+    scored = [payer.pay(piece).total for piece in log.pieces(payer.columns, 37)]
     np.testing.assert_array_equal(np.concatenate(scored), trace["reward"])
 
 
@@ -220,26 +225,26 @@ def test_every_reward_scores_the_runs_of_another(text: str):
     other = record("baseline")
     mine = record(text)
     np.testing.assert_array_equal(other["distance"], mine["distance"])  # actions do not depend on the reward here
-    np.testing.assert_array_equal(score_trace(reward_of(text), other), mine["reward"])
+    np.testing.assert_array_equal(score(reward_of(text), other), mine["reward"])
 
 
 def test_reward_that_remembers_is_scored_as_it_was_paid():
     """A carry of several parts starts anew with each episode of each env, as in the environment."""
     trace = record_under(Remembers())
-    np.testing.assert_array_equal(score_trace(Remembers(), trace), trace["reward"])
+    np.testing.assert_array_equal(score(Remembers(), trace), trace["reward"])
 
 
 @pytest.mark.parametrize("column", Sample._fields)
 def test_scorer_shows_a_reward_what_the_environment_shows(column: str):
     """Every column of the sample is the environment's, bit for bit."""
     trace = record_under(Shows(column))
-    np.testing.assert_array_equal(score_trace(Shows(column), trace), trace["reward"])
+    np.testing.assert_array_equal(score(Shows(column), trace), trace["reward"])
 
 
 def test_start_rows_are_paid_nothing():
     """Whatever a reward pays for a distance."""
     trace = record("dense")
-    scored = score_trace(reward_of("shifted:offset=5"), trace)
+    scored = score(reward_of("shifted:offset=5"), trace)
     np.testing.assert_array_equal(scored == 0.0, trace["step"] == 0)
 
 
@@ -247,7 +252,7 @@ def test_trace_is_left_alone():
     """Scoring changes no column."""
     trace = record("arp")
     before = {name: column.copy() for name, column in trace.columns.items()}
-    score_trace(reward_of("aarp"), trace)
+    score(reward_of("aarp"), trace)
     for name, column in before.items():
         np.testing.assert_array_equal(trace[name], column)
 
@@ -267,7 +272,7 @@ def test_envs_that_begin_inside_an_episode_do_not_depend_on_one_another(column: 
     cut = Trace({name: values[2 * ENVS :] for name, values in trace.columns.items()})
     runs = [rows_of(cut, env) for env in range(ENVS)]
     assert not all(rows.start[0] for rows in runs[1:])
-    scored = score_trace(Shows(column), cut)
+    scored = score(Shows(column), cut)
     for env, rows in enumerate(runs):
         np.testing.assert_array_equal(scored[cut["env"] == env], Scorer(Shows(column)).pay(rows).total)
 
@@ -281,7 +286,7 @@ def test_envs_are_scored_together():
             sizes.append(len(sample.distance))
             return super().__call__(carry, sample)
 
-    score_trace(Counts("distance"), trace)
+    score(Counts("distance"), trace)
     assert sizes == [ROWS, len(trace)]  # after the made-up steps that show what it reads
 
 
@@ -290,14 +295,14 @@ def test_order_of_the_rows_is_kept():
     trace = record("aarp")
     order = np.argsort(trace["env"], kind="stable")
     sorted_trace = Trace({name: column[order] for name, column in trace.columns.items()})
-    np.testing.assert_array_equal(score_trace(reward_of("aarp"), sorted_trace), trace["reward"][order])
+    np.testing.assert_array_equal(score(reward_of("aarp"), sorted_trace), trace["reward"][order])
 
 
 def test_trace_without_rows():
     """It has no rewards."""
     trace = record("baseline")
     empty = Trace({name: column[:0] for name, column in trace.columns.items()})
-    assert score_trace(reward_of("aarp"), empty).shape == (0,)
+    assert score(reward_of("aarp"), empty).shape == (0,)
 
 
 # A piece at a time
@@ -422,4 +427,4 @@ def test_a_reward_that_takes_no_made_up_steps_is_paid():
             return super().__call__(carry, sample)
 
     trace = record("baseline")
-    np.testing.assert_array_equal(score_trace(Compiled("distance"), trace), score_trace(Shows("distance"), trace))
+    np.testing.assert_array_equal(score(Compiled("distance"), trace), score(Shows("distance"), trace))

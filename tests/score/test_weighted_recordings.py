@@ -40,7 +40,7 @@ def test_what_is_not_recorded_is_told(runs):
     assert recorded_weights("other:calm=3", runs) == ""
     with pytest.raises(UsageError, match=r"No term 'clam' of the reward 'calm'.*Did you mean 'calm'"):
         recorded_weights("calm:clam=3", runs)
-    with pytest.raises(UsageError, match="no terms of 'other' are recorded there: give the file of the reward"):
+    with pytest.raises(UsageError, match="no columns of the terms of 'other': give its file"):
         pay_by_weights(runs[0], "other:calm=3")
 
 

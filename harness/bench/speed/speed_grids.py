@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from harness.bench.speed.comparison import Change, SpeedChanges
 from harness.bench.speed.entry import KINDS
 from harness.bench.speed.speeds import Speed, Speeds, Spread, spread_of
-from harness.report.rows.comparison import Grid
+from harness.report.rows.ratios import Grid
 
 MICRO = 1e6
 TITLES = {

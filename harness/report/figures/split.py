@@ -6,7 +6,7 @@ from harness.eta.splits import Split
 from harness.report.figures.chart import Axis, Chart, Dots, Line, Mark, Note
 from harness.report.figures.ratio_axis import interval_ends, is_drawable, named_ticks, ratio_range
 from harness.report.figures.split_rows import PATHS, SplitRow, has_parts, split_rows
-from harness.report.rows.comparison import better_of, ratio_with_interval
+from harness.report.rows.ratios import better_of, ratio_with_interval
 
 ROW, AIR = 24.0, 0.9
 """Height of a row, [px]; space above the first and below the last one, in rows."""

@@ -6,7 +6,7 @@ from harness.eta.index import Ratio
 from harness.eta.splits import Split
 from harness.report.figures.chart import Shape
 from harness.report.figures.ratio_axis import is_drawable
-from harness.report.rows.comparison import ratio_text
+from harness.report.rows.ratios import ratio_text
 
 PATHS = (("proposed runs", 3.5), ("baseline's runs", 6.7))
 """The names of both paths, and where their rows begin, counted down from the top."""

@@ -3,7 +3,7 @@
 from harness.eta.seed_mean import SeedMean
 from harness.eta.splits import SumSplit
 from harness.report.figures.chart import Axis, Chart, Dots, Line, Mark, Note, Shape, linear_axis
-from harness.report.rows.comparison import format_number, mean_interval_text
+from harness.report.rows.ratios import format_number, mean_interval_text
 
 ROWS: tuple[tuple[str, str, Shape], ...] = (
     ("change", "ink", "circle"),

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from harness.eta.amounts import difference_text, listed, same_text, short_seen_text, short_values, trainings_text
-from harness.eta.headline import Answer, Compared, Headline, Names, difference_of, key_of, name_of, name_with_article
+from harness.eta.headline import Answer, Compared, Headline, difference_of, key_of, name_of, name_with_article
 from harness.eta.judge import (
     clear_text,
     crossing_text,
@@ -14,6 +14,7 @@ from harness.eta.judge import (
     reserve_text,
 )
 from harness.eta.needed import needed_of, needed_text, range_text
+from harness.eta.splits import Names
 from harness.eta.verdict.ruling import Ruling
 from harness.report.answers import badge_of, word_of
 from harness.report.figures.forest import draw_interval, draw_part

@@ -40,18 +40,10 @@ from harness.report.rows.behaviour import (
     text_of,
     text_of_measure,
 )
-from harness.report.rows.comparison import (
-    Grid,
-    basis_text,
-    claims_text,
-    compared_text,
-    format_number,
-    index_grid,
-    rewards_text,
-    scales_text,
-)
+from harness.report.rows.comparison import basis_text, claims_text, compared_text, rewards_text
 from harness.report.rows.numbers import number_grids
 from harness.report.rows.payoff import Audits, payoff_story
+from harness.report.rows.ratios import Grid, format_number, index_grid, scales_text
 from harness.report.rows.returns import READING, returns_grid
 from harness.report.rows.terms import changed_text, terms_grid, terms_of
 from harness.results import Results

@@ -26,7 +26,7 @@ from harness.eta.auc import AGAINST, CANNOT_TELL, RANKS, Auc
 from harness.report.figures.chart import Chart, Line, linear_axis
 from harness.report.figures.draw import draw_chart
 from harness.report.page.page import render_page, write_page
-from harness.report.rows.comparison import Grid
+from harness.report.rows.ratios import Grid
 
 TEMPLATE = Path(__file__).parent / "dataset.html.j2"
 POINTS = 200

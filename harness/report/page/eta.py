@@ -16,14 +16,7 @@ from harness.report.page.answer import Card
 from harness.report.page.comparison import EMPTY, Panel
 from harness.report.page.html import NO_SECTIONS, SHARED, TEMPLATE, parts_of
 from harness.report.page.page import render_page, write_page
-from harness.report.rows.comparison import (
-    index_grid,
-    path_grid,
-    ratio_grid,
-    scales_text,
-    split_grid,
-    sum_grid,
-)
+from harness.report.rows.ratios import index_grid, path_grid, ratio_grid, scales_text, split_grid, sum_grid
 from harness.report.tables.eta import comparison_title, runs_text
 from harness.score.compare import ComparedRuns
 

@@ -6,7 +6,7 @@ from types import MappingProxyType
 from typing import Any
 
 from harness.eta.amounts import trainings_text
-from harness.eta.headline import Names
+from harness.eta.splits import Names
 from harness.report.answers import LEGEND
 from harness.report.apart import BETWEEN
 from harness.report.document import report_text
@@ -25,9 +25,6 @@ from harness.report.replay.section import replay_of
 from harness.report.rows.alone import EXPLANATION as ALONE
 from harness.report.rows.alone import beside, setting_of
 from harness.report.rows.comparison import (
-    PATHS,
-    SPLIT,
-    TOTAL,
     count_cells,
     interim_text,
     question,
@@ -46,6 +43,7 @@ from harness.report.rows.race import race_told
 from harness.report.rows.ranking import AGREEMENT, CHOICE, task_rows
 from harness.report.rows.ranking import EXPLANATION as RANKING
 from harness.report.rows.ranking import TITLE as RANKING_TITLE
+from harness.report.rows.ratios import PATHS, SPLIT, TOTAL
 from harness.report.rows.returns import EXPLANATION as RETURNS
 from harness.report.rows.returns import MEAN, matrix_title, return_grid
 from harness.report.rows.returns import TITLE as RETURN_TITLE

@@ -7,16 +7,16 @@ from typing import NamedTuple
 
 from harness.eta.behaviour_change import Change
 from harness.eta.headline import SHORT, Answer
-from harness.eta.index import Ratio
+from harness.eta.index import NOTHING, Ratio
 from harness.eta.return_split import ReturnSplit
 from harness.eta.scored_sums import BB, KK
 from harness.report.answers import badge_of, symbol_of, word_of
 from harness.report.apart import tell_apart
 from harness.report.rows.behaviour import behaviour_row, percentage, text_of
-from harness.report.rows.comparison import answer_text, format_number, interval_text, ratio_text
+from harness.report.rows.comparison import answer_text
+from harness.report.rows.ratios import format_number, interval_text, ratio_text
 from harness.report.summary.cells import plain_text
 from harness.results.comparison import Comparison, Group
-from harness.results.overview import NOTHING
 
 
 class Sortable(NamedTuple):

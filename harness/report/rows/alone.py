@@ -2,14 +2,14 @@
 
 from collections.abc import Sequence
 
+from harness.eta.index import NOTHING
 from harness.eta.seed_mean import SeedMean
 from harness.record.plan_file import EXPERIMENT
 from harness.report.apart import BETWEEN
 from harness.report.rows.behaviour import Text, measure_name, text_of_measure
-from harness.report.rows.comparison import Grid
+from harness.report.rows.ratios import Grid
 from harness.results import Results
 from harness.results.alone import Alone, Stages
-from harness.results.overview import NOTHING
 from harness.text import command_text
 
 HEADINGS = ("an episode", "start", "end", "evaluation", "random")

@@ -5,12 +5,13 @@ from typing import NamedTuple, TypeAlias
 
 from harness.eta.behaviour_change import Change, Quantity
 from harness.eta.headline import count_seeds
+from harness.eta.index import NOTHING
 from harness.eta.interval import SHARE
-from harness.eta.judge import p_text
-from harness.report.rows.comparison import Grid, count_of, format_number
+from harness.eta.swaps import p_text
+from harness.report.rows.comparison import count_of
+from harness.report.rows.ratios import Grid, format_number
 from harness.results.comparison import Comparison, StepChange
 from harness.results.measured import DETERMINISTIC, STOCHASTIC
-from harness.results.overview import NOTHING
 from harness.text import shortened
 
 SHOWN = 60

@@ -2,7 +2,7 @@
 
 from harness.eta.curve import Kind
 from harness.eta.splits import Splits
-from harness.report.rows.comparison import Grid, index_grid, path_grid, ratio_grid, split_grid, sum_grid
+from harness.report.rows.ratios import Grid, index_grid, path_grid, ratio_grid, split_grid, sum_grid
 from harness.report.rows.returns import return_splits, returns_grid
 from harness.results.comparison import Comparison
 

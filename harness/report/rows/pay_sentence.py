@@ -7,7 +7,7 @@ from harness.eta.index import Ratio
 from harness.eta.return_split import ReturnSplit
 from harness.eta.scored_sums import BB, KK
 from harness.eta.splits import Split, SumSplit
-from harness.report.rows.comparison import format_number
+from harness.report.rows.ratios import format_number
 from harness.results.comparison import Comparison
 
 ALL = 0.1

@@ -6,9 +6,9 @@ A report reads results only. The caller asks the rewards and passes in what they
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from harness.report.rows.comparison import Grid, format_number
+from harness.eta.index import NOTHING
+from harness.report.rows.ratios import Grid, format_number
 from harness.results.comparison import Comparison
-from harness.results.overview import NOTHING
 
 
 class Payoffs(NamedTuple):

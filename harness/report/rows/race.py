@@ -4,13 +4,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from harness.eta.index import NOTHING
 from harness.eta.return_split import ReturnSplit
 from harness.eta.splits import Split
 from harness.eta.verdict.race import CLOSE, Race
-from harness.report.rows.comparison import Grid, format_number
+from harness.report.rows.ratios import Grid, format_number
 from harness.results import Results
 from harness.results.comparison import Comparison
-from harness.results.overview import NOTHING
 from harness.results.standing import Standing, standing_of, values_of
 
 TITLE = "The race for the best reward"

@@ -3,9 +3,10 @@
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+from harness.eta.index import NOTHING
 from harness.eta.ranking import Agreement, Answer, Transplant
-from harness.report.rows.comparison import Grid
-from harness.results.overview import ARROW, NOTHING
+from harness.report.rows.ratios import Grid
+from harness.results.overview import ARROW
 from harness.results.ranking import ROUNDING, Kind, Place, PlacePair, TaskRanking
 
 TITLE = "Would you have chosen another reward elsewhere?"

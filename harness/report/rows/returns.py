@@ -2,12 +2,12 @@
 
 from collections.abc import Mapping
 
+from harness.eta.index import NOTHING
 from harness.eta.scored_sums import BB, KK
 from harness.eta.seed_mean import SeedMean
 from harness.eta.splits import Split
-from harness.report.rows.comparison import Grid, format_number
+from harness.report.rows.ratios import Grid, format_number
 from harness.results.comparison import Comparison
-from harness.results.overview import NOTHING
 from harness.results.return_matrix import ReturnMatrix
 
 TITLE = "Return under every reward"

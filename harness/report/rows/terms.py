@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from harness.eta.seed_mean import SeedMean
 from harness.registry.choice import parse
-from harness.report.rows.comparison import Grid, format_number
+from harness.report.rows.ratios import Grid, format_number
 from harness.report.rows.returns import interval_of_mean
 from harness.results import Results
 from harness.results.comparison import Comparison

@@ -3,9 +3,9 @@
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
+from harness.eta.index import NOTHING
 from harness.eta.seed_mean import SeedMean
-from harness.report.rows.comparison import Grid, format_number
-from harness.results.overview import NOTHING
+from harness.report.rows.ratios import Grid, format_number
 from harness.transfer.matrix import Failure, TransferMatrix
 
 TITLE = "Transfer between simulators"

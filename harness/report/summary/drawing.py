@@ -4,9 +4,9 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-from harness.report.rows.comparison import Grid
 from harness.report.rows.race import TITLE as RACE_TITLE
 from harness.report.rows.race import RaceTold
+from harness.report.rows.ratios import Grid
 from harness.report.summary.figures import flat_words, learning_file, measures_of, race_file, runs_file, split_file
 from harness.report.summary.markdown import SHOWN, Pictures, escape
 from harness.report.summary.missing import missing_text

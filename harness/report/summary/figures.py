@@ -22,10 +22,11 @@ from harness.report.figures.race import draw_race
 from harness.report.figures.split import draw_split
 from harness.report.figures.split_rows import describe_split
 from harness.report.rows.behaviour import Text, percentage, text_of
-from harness.report.rows.comparison import compared_text, format_number, rewards_text, seeds_text
+from harness.report.rows.comparison import compared_text, rewards_text, seeds_text
 from harness.report.rows.numbers import splits_of
 from harness.report.rows.race import TITLE as RACE_TITLE
 from harness.report.rows.race import RaceTold
+from harness.report.rows.ratios import format_number
 from harness.report.rows.returns import MEAN
 from harness.report.summary.svg import INTERVALS, TitledChart, draw_svg
 from harness.results.comparison import Comparison

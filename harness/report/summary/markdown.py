@@ -4,6 +4,7 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import TypeAlias
 
+from harness.eta.index import NOTHING
 from harness.eta.scored_sums import BB, KK
 from harness.eta.splits import Split
 from harness.record.plan_file import EXPERIMENT
@@ -12,20 +13,14 @@ from harness.report.rows.alone import EXPLANATION as ALONE
 from harness.report.rows.alone import alone_grid, setting_of, story
 from harness.report.rows.behaviour import along_grid, behaviour_grids, behaviour_row
 from harness.report.rows.comparison import (
-    SPLIT,
-    Grid,
     answer_text,
     basis_text,
     beside_answer,
     count_cells,
-    format_number,
     interim_text,
     question,
-    ratio_text,
-    ratio_with_interval,
     remarks_on_cells,
     rewards_text,
-    scales_text,
     what_decides,
 )
 from harness.report.rows.numbers import number_grids
@@ -35,13 +30,14 @@ from harness.report.rows.pools import pooled_answers
 from harness.report.rows.race import EXPLANATION as RACE
 from harness.report.rows.race import TITLE as RACE_TITLE
 from harness.report.rows.race import race_told
+from harness.report.rows.ratios import SPLIT, Grid, format_number, ratio_text, ratio_with_interval, scales_text
 from harness.report.rows.terms import terms_grid, terms_of
 from harness.report.summary.effort import duration_text, effort_of
 from harness.report.summary.missing import missing_text
 from harness.results import Results
 from harness.results.alone import Alone
 from harness.results.comparison import Comparison
-from harness.results.overview import NOTHING, overview_of
+from harness.results.overview import overview_of
 from harness.text import visible
 
 SIDES = ("baseline", "proposed", "random")

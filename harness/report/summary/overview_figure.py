@@ -11,8 +11,8 @@ from harness.report.figures.draw import CHARACTER
 from harness.report.figures.ratio_axis import is_drawable
 from harness.report.figures.split import draw_ratio, number_of, ratio_axis
 from harness.report.figures.split_rows import SplitRow
-from harness.report.rows.comparison import BETTER, scales_text
 from harness.report.rows.numbers import splits_of
+from harness.report.rows.ratios import BETTER, scales_text
 from harness.report.summary.svg import INTERVALS, TitledChart, draw_svg
 from harness.results.comparison import Comparison
 

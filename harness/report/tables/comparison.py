@@ -6,7 +6,6 @@ from rich.text import Text
 from harness.report.rows.behaviour import along_grid, behaviour_grids
 from harness.report.rows.comparison import (
     NO_REWARD,
-    SPLIT,
     advice,
     answer_text,
     basis_text,
@@ -16,10 +15,10 @@ from harness.report.rows.comparison import (
     count_cells,
     remarks_on_cells,
     rewards_text,
-    scales_text,
     what_decides,
 )
 from harness.report.rows.numbers import number_grids
+from harness.report.rows.ratios import SPLIT, scales_text
 from harness.report.rows.returns import EXPLANATION, READING, matrix_title, return_grid
 from harness.report.rows.terms import terms_grid, terms_of
 from harness.report.tables.alone import alone_lines

@@ -3,7 +3,7 @@
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from harness.report.rows.comparison import index_grid, ratio_grid, scales_text, split_grid, sum_grid
+from harness.report.rows.ratios import index_grid, ratio_grid, scales_text, split_grid, sum_grid
 from harness.report.tables.grid import show_grid
 from harness.score.compare import ComparedRuns
 

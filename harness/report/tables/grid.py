@@ -10,7 +10,7 @@ from rich.console import Console, ConsoleOptions, Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from harness.report.rows.comparison import Grid
+from harness.report.rows.ratios import Grid
 
 NAME = 14
 """A name with up to this many characters stays on one line. A longer one may take several lines at least so long."""

@@ -8,16 +8,15 @@ from rich.text import Text
 
 from harness.report.answers import STYLES
 from harness.report.rows.comparison import (
-    Grid,
     advice,
     basis_text,
     beside_answer,
     count_cells,
     interim_text,
     remarks_on_cells,
-    split_grid,
 )
 from harness.report.rows.pools import TITLE, pooled_answers
+from harness.report.rows.ratios import Grid, split_grid
 from harness.report.rows.returns import matrix_title, return_grid
 from harness.report.rows.terms import never_texts
 from harness.report.tables.alone import alone_lines

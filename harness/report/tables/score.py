@@ -5,10 +5,10 @@ from collections.abc import Mapping, Sequence
 from rich.console import Group, RenderableType
 from rich.text import Text
 
+from harness.eta.index import NOTHING
 from harness.report.rows.behaviour import SHOWN
-from harness.report.rows.comparison import Grid
+from harness.report.rows.ratios import Grid
 from harness.report.tables.grid import show_grid
-from harness.results.overview import NOTHING
 from harness.results.score_matrix import ScoreMatrix
 from harness.text import shortened
 

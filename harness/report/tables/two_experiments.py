@@ -7,7 +7,8 @@ from harness.eta.behaviour_change import Change
 from harness.eta.headline import SHORT, Answer, count_seeds
 from harness.report.answers import LOOKS
 from harness.report.rows.behaviour import behaviour_row
-from harness.report.rows.comparison import Grid, answer_text
+from harness.report.rows.comparison import answer_text
+from harness.report.rows.ratios import Grid
 from harness.report.tables.grid import show_grid
 from harness.results.comparison import Comparison
 from harness.results.overview import ARROW, line_names, measure_text, shared_text, short_value

@@ -9,7 +9,7 @@ from pathlib import Path
 from harness.errors import UsageError
 from harness.eta.curve import Kind
 from harness.log import Log
-from harness.log.open_log import LOGS, find_logs, formats_of, recognised
+from harness.log.open_log import LOGS, find_logs
 from harness.registry.registry import Registry
 from harness.results.logs.labels import labelled
 from harness.results.logs.read_logs import runs_of
@@ -48,6 +48,11 @@ def results_of_logs(
     found = find_logs(folder, registry, told.format)
     if not found.logs:
         raise _nothing(folder, registry, [f"{path}: {reason}" for path, reason in found.left_out])
+    if not any(map(_tells_episodes, found.logs)):
+        raise UsageError(
+            f"'{folder}' holds steps that do not tell where episodes end: {_command_of_steps(folder)} compares CSV "
+            "files of steps"
+        )
     place = folder if folder.is_dir() else folder.parent
     sorted_ = sort_logs(place, found.logs, told.sort, told.baseline)
     lines = [f"'{path}' is left out: {reason}" for path, reason in found.left_out]
@@ -56,8 +61,8 @@ def results_of_logs(
 
 def results_of_groups(
     groups: Sequence[Sequence[Path]], registry: Registry, told: Told = FOUND_OUT, kind: Kind = "accumulated"
-) -> RecordedResults | None:
-    """The same of two groups of files that the user names; None if they are no logs of episodes or of curves.
+) -> RecordedResults:
+    """The same of two groups of files that the user names.
 
     Args:
         groups: The files of the baseline, and those of the proposed reward.
@@ -66,18 +71,9 @@ def results_of_groups(
         kind: Which curves the indices are read from.
 
     Raises:
-        UsageError: As `results_of_logs`; or a file is in both groups, or some are logs of steps and others are not.
+        UsageError: As `results_of_logs`; or a file is in both groups, or none is a log.
     """
     opened = {path: _opened(path, registry, told.format) for paths in groups for path in paths}
-    unlike = [path for path, logs in opened.items() if not logs or any(log.facts.unit == "step" for log in logs)]
-    if len(unlike) == len(opened):
-        return None
-    if unlike:
-        other = next(path for path in opened if path not in unlike)
-        raise UsageError(
-            f"'{unlike[0]}' has a row for each step, or is no log that is read, and '{other}' is "
-            f"{opened[other][0].facts.format}: compare logs of one kind"
-        )
     both = [path for path in groups[0] if path in groups[1]]
     if both:
         raise UsageError(f"'{both[0]}' is in both groups: let --baseline and --proposed name different files")
@@ -93,11 +89,10 @@ def results_of_groups(
 
 
 def _opened(path: Path, registry: Registry, named: str) -> tuple[Log, ...]:
-    return (
-        find_logs(path, registry, named).logs
-        if path.is_dir() or named or recognised(path, formats_of(registry))
-        else ()
-    )
+    found = find_logs(path, registry, named)
+    if not found.logs or found.left_out:
+        raise _nothing(path, registry, [f"{place}: {reason}" for place, reason in found.left_out])
+    return found.logs
 
 
 def _absolute(logs: Iterable[Log]) -> list[Log]:
@@ -128,6 +123,10 @@ def _results(
         found = labelled(found, place, told.labels)
     runs = runs_of(found, told.deciding, is_told=is_told or bool(told.sort))
     return RecordedResults(place, registry, kind, metrics=metrics, store=LooseStore(place, runs), pairs=pairs)
+
+
+def _tells_episodes(log: Log) -> bool:
+    return log.facts.unit != "step" or "terminated" in log or "truncated" in log
 
 
 def _nothing(folder: Path, registry: Registry, damaged: Sequence[str]) -> UsageError:

@@ -11,7 +11,8 @@ from harness.record.trace import Trace
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 from harness.reward import Reward
-from harness.score.scorer import BLOCK, Scorer, score_trace
+from harness.score.scorer import BLOCK, DISTANCES, Scorer, pay_log
+from harness.score.trace_log import log_of
 
 pytestmark = [
     pytest.mark.bench,
@@ -90,6 +91,7 @@ def test_traces_beside_the_formula(require_speed, score_bare, rows, reward):
     """One core, a trace in memory, recorded in one env."""
     step = np.tile(np.arange(EPISODE, dtype=np.int32), len(rows.start) // EPISODE)
     flags = dict.fromkeys(("reached", "terminated", "truncated"), rows.touched)
-    columns = {"env": np.zeros_like(step), "step": step, "reward": rows.distance, **vars(rows), **flags}
-    require_speed(score_bare, lambda: score_trace(reward, Trace(columns)), AT_LEAST)
-    require_paid(score_trace(reward, Trace(columns)), rows)
+    distances = {name: getattr(rows, name) for name in DISTANCES}
+    log = log_of(Trace({"env": np.zeros_like(step), "step": step, "reward": rows.distance, **distances, **flags}))
+    require_speed(score_bare, lambda: pay_log(reward, log).total, AT_LEAST)
+    require_paid(pay_log(reward, log).total, rows)

@@ -125,8 +125,8 @@ def test_rewards_are_paid_again_from_the_exported_file(player, start, tmp_path: 
     from harness.record.recording.csv_writing import write_recording_csv
     from harness.registry.choice import choose
     from harness.registry.registry import load_registry
-    from harness.score.open_recording import open_recording
-    from harness.score.rescore import RecordingScorer
+    from harness.score.csv_steps import open_csv
+    from harness.score.scorer import pay_log
     from harness_plugins.environments.unity import Unity
 
     places = "end_effector=19:22,target=22:25,renewed=22:25"
@@ -151,10 +151,7 @@ def test_rewards_are_paid_again_from_the_exported_file(player, start, tmp_path: 
             + "".join(f"{t},{b!r},{p!r},{d!r},{paid[name]!r}\n" for t, b, p, d, paid in rows)
         )
         reward = choose(registry, "rewards", name).build(registry, "rewards")
-        recording = open_recording(path)
-        scorer = RecordingScorer(reward, recording.fields)
-        scored = np.concatenate([scorer.pay(part).total for part in recording.chunks()])
-        np.testing.assert_allclose(scored, [row[4][name] for row in rows], atol=1e-6)
+        np.testing.assert_allclose(pay_log(reward, open_csv(path)).total, [row[4][name] for row in rows], atol=1e-6)
 
 
 def experimenters_rows(path: Path) -> list[tuple[int, float, float, float, dict[str, float]]]:

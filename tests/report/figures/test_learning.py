@@ -5,7 +5,7 @@ import pytest
 from harness.eta.headline import SUCCESS
 from harness.report.figures.chart import Area, Line
 from harness.report.figures.learning import describe_learning, draw_learning
-from harness.report.rows.comparison import format_number
+from harness.report.rows.ratios import format_number
 from harness.results.learning import learning_of
 
 

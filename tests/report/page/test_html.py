@@ -10,7 +10,8 @@ from harness.errors import UsageError
 from harness.report.figures.split_rows import describe_split
 from harness.report.page.comparison import describe_comparison
 from harness.report.page.html import write_html
-from harness.report.rows.comparison import SPLIT, question, scales_text
+from harness.report.rows.comparison import question
+from harness.report.rows.ratios import SPLIT, scales_text
 from harness.report.typography import to_html, typeset
 from harness.results import load_results
 from tests.report.conftest import MIXTURE

@@ -4,22 +4,17 @@ import numpy as np
 import pytest
 
 from harness.eta.index import Ratio
-from harness.eta.judge import p_text
 from harness.eta.splits import Split, SplitPath
-from harness.report.rows.comparison import (
-    advice,
-    claims_text,
-    compared_text,
+from harness.eta.swaps import p_text
+from harness.report.rows.comparison import advice, claims_text, compared_text, interim_text, rewards_text, what_decides
+from harness.report.rows.ratios import (
     format_number,
     index_grid,
-    interim_text,
     path_grid,
     ratio_grid,
     ratio_with_interval,
-    rewards_text,
     split_grid,
     sum_grid,
-    what_decides,
 )
 
 

@@ -6,7 +6,7 @@ from io import StringIO
 import pytest
 from rich.console import Console
 
-from harness.report.rows.comparison import index_grid, ratio_grid, scales_text, split_grid
+from harness.report.rows.ratios import index_grid, ratio_grid, scales_text, split_grid
 from harness.report.tables.eta import UNKNOWN, comparison_title, eta_table, runs_text
 
 

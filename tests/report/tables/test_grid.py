@@ -5,7 +5,7 @@ from io import StringIO
 import pytest
 from rich.console import Console
 
-from harness.report.rows.comparison import Grid
+from harness.report.rows.ratios import Grid
 from harness.report.tables.grid import divide_columns, show_grid
 
 GRID = Grid(

@@ -10,11 +10,15 @@ import pyarrow.parquet as pq
 import pytest
 
 from harness.errors import SchemaError, UsageError
+from harness.log import Log, Rows
 from harness.record.manifest import Manifest
 from harness.record.trace import COLUMN, SCALARS, TraceWriter
 from harness.registry.choice import Choice
-from harness.score.open_recording import match_recordings, open_recording
-from harness.score.recording import Chunk, Recording
+from harness.score.csv_steps import EVENTS, PAY, STEPS, StepsCsv
+from harness.score.open_steps import match_steps, open_steps
+from harness.score.scorer import can_be_paid, pay_log
+from harness.score.trace_log import paid_by
+from harness_plugins.rewards.relative import Relative
 
 Write = Callable[..., Path]
 
@@ -55,93 +59,145 @@ def write(tmp_path: Path) -> Write:
     return write_lines
 
 
-def only_chunk(path: Path) -> Chunk:
-    """All rows of a short file."""
-    (chunk,) = open_recording(path).chunks()
-    return chunk
+def rows_of(path: Path) -> Rows:
+    """All rows of a file."""
+    return open_steps(path).rows()
 
 
 @pytest.mark.parametrize("rows", [BASE, K2], ids=["base line", "K2"])
 def test_both_programs_files_say_the_same(write: Write, rows: tuple[str, ...]):
     """The same steps, written by either program, have the same starts, best distances before the step and Dd."""
-    chunk = only_chunk(write(HEADER, *rows))
-    np.testing.assert_array_equal(chunk.start, START)
-    np.testing.assert_allclose(chunk.previous_best, BEFORE, atol=1e-12)
-    np.testing.assert_allclose(chunk.delta_distance, DELTA, atol=2e-7)
-    np.testing.assert_array_equal(chunk.step, [0, 1, 2, 3, 4, 0, 1])
-    np.testing.assert_array_equal(chunk.begin_distance, [1.11, 1.11, 1.11, 1.11, 0.9, 1.11, 1.11])
-    np.testing.assert_allclose(chunk.distance, [1.11, 0.5, 0.5, 0.75, 0.8, 1.11, 1.11], atol=2e-7)
-    assert (chunk.line, chunk.event) == (2, None)
+    path = write(HEADER, *rows)
+    read = open_steps(path)
+    np.testing.assert_array_equal(read["start"], START)
+    np.testing.assert_allclose(read["previous_best"], BEFORE, atol=1e-12)
+    np.testing.assert_allclose(read["delta_distance"], DELTA, atol=2e-7)
+    np.testing.assert_array_equal(read["step"], [0, 1, 2, 3, 4, 0, 1])
+    np.testing.assert_array_equal(read["begin_distance"], [1.11, 1.11, 1.11, 1.11, 0.9, 1.11, 1.11])
+    np.testing.assert_allclose(read["distance"], [1.11, 0.5, 0.5, 0.75, 0.8, 1.11, 1.11], atol=2e-7)
+    assert read.facts.first_line == 2
+    assert not {*EVENTS} & {*read.columns}
 
 
 def test_files_of_both_programs_joined_are_read(write: Write):
     """What is filled in decides row by row, so that no file has to be of one program."""
-    chunk = only_chunk(write(HEADER, *BASE, *K2, *BASE))
-    np.testing.assert_array_equal(chunk.start, 3 * START)
-    np.testing.assert_allclose(chunk.previous_best, 3 * BEFORE, atol=1e-12)
-    np.testing.assert_array_equal(chunk.step, 3 * [0, 1, 2, 3, 4, 0, 1])
+    rows = rows_of(write(HEADER, *BASE, *K2, *BASE))
+    np.testing.assert_array_equal(rows["start"], 3 * START)
+    np.testing.assert_allclose(rows["previous_best"], 3 * BEFORE, atol=1e-12)
+    np.testing.assert_array_equal(rows["step"], 3 * [0, 1, 2, 3, 4, 0, 1])
 
 
 @pytest.mark.parametrize("rows", [1, 2, 3, 6, 7, 100])
-def test_chunks_of_any_size_hold_the_same_rows(write: Write, rows: int):
-    """Chunks are as long as asked for, the last one apart, and together say what one chunk says."""
+def test_pieces_of_any_size_hold_the_same_rows(write: Write, rows: int):
+    """Pieces are as long as asked for, the last one apart, and together say what one says."""
     path = write(HEADER, *BASE, *K2)
-    whole, chunks = only_chunk(path), list(open_recording(path).chunks(rows))
-    assert {len(chunk.reward) for chunk in chunks[:-1]} <= {rows}
-    assert [chunk.line for chunk in chunks] == list(range(2, 16, rows))
-    for name in ("reward", "start", "begin_distance", "previous_best", "distance", "delta_distance", "step"):
-        parts = [getattr(chunk, name) for chunk in chunks]
-        np.testing.assert_array_equal(np.concatenate(parts), getattr(whole, name))
+    whole, pieces = rows_of(path), list(open_steps(path).pieces((PAY, *STEPS), rows))
+    assert {len(piece) for piece in pieces[:-1]} <= {rows}
+    assert [piece.first for piece in pieces] == list(range(0, 14, rows))
+    for name in (PAY, *STEPS):
+        np.testing.assert_array_equal(np.concatenate([piece[name] for piece in pieces]), whole[name])
 
 
 def test_numbers_are_read_as_c_sharp_prints_them(write: Write):
     """Exponents, signs and blanks around a number; every digit counts."""
     values = ["1.192093E-07", "-1.384625E-05", "+2", " 3 ", "4e2", "-0", ".5", "0.1234567890123456"]
-    chunk = only_chunk(write("a,reward", *(f",{value}" for value in values)))
-    np.testing.assert_array_equal(chunk.reward, [float(value) for value in values])
+    rows = rows_of(write("a,reward", *(f",{value}" for value in values)))
+    np.testing.assert_array_equal(rows[PAY], [float(value) for value in values])
 
 
 @pytest.mark.parametrize("header", ["Reward", " reward ", "REWARD", '"reward"', "\ufeffreward"])
 def test_column_names_are_trimmed_and_in_any_case(write: Write, header: str):
-    """A file with nothing but rewards is a recording; what it does not have is None."""
-    chunk = only_chunk(write(header, "1.5", "", "-2", end="\n"))
-    np.testing.assert_array_equal(chunk.reward, [1.5, -2.0])
-    assert set(chunk[2:-1]) == {None}
+    """A file with nothing but rewards is a log; it has no other column."""
+    rows = rows_of(write(header, "1.5", "", "-2", end="\n"))
+    np.testing.assert_array_equal(rows[PAY], [1.5, -2.0])
+    assert {*rows.columns} == {PAY}
 
 
 def test_a_last_line_without_its_end_is_read(write: Write):
-    """So are the lines of Windows and of Unix."""
+    """And told, for its number may have lost digits. So are the lines of Windows and of Unix."""
     path = write("reward", "1", end="\n")
     path.write_text(path.read_text() + "2")
-    np.testing.assert_array_equal(only_chunk(path).reward, [1.0, 2.0])
+    log = open_steps(path)
+    np.testing.assert_array_equal(log[PAY], [1.0, 2.0])
+    assert log.facts.notes == ("the last line does not end: it may be cut off",)
+    assert open_steps(write("reward", "1")).facts.notes == ()
 
 
 def test_distances_that_do_not_suffice_are_not_read(write: Write):
     """Without a best distance nothing can be scored again: such columns may hold anything."""
-    recording = open_recording(write("t,distance,beginDistance,reward", "noon,far,,1"))
-    assert recording.columns == ("reward",)
-    assert not recording.has_distances
-    assert next(recording.chunks()).distance is None
+    log = open_steps(write("t,distance,beginDistance,reward", "noon,far,,1"))
+    assert log.columns == (PAY,)
+    assert not can_be_paid(log)
+    np.testing.assert_array_equal(log[PAY], [1.0])
+
+
+def test_episodes_are_counted_in_each_env(write: Write):
+    """From 0, by their start rows; where the first is missing the rows before the next one are the first episode."""
+    rows = ["0,0,1,1,1,0", "1,1,1,1,0.5,0.5", "0,1,1,1,0.5,0.5", "1,0,1,1,1,0", "0,0,1,1,1,0", "1,1,1,1,0.5,0.5"]
+    read = rows_of(write("env,t,beginDistance,prevBest,distance,reward", *rows))
+    np.testing.assert_array_equal(read["episode"], [0, 0, 0, 1, 1, 1])
+
+
+@pytest.mark.parametrize(("cells", "known"), [(("0", "1"), True), (("False", "True"), False), (("", ""), False)])
+def test_ends_of_episodes_are_read_where_they_are_told_in_numbers(write: Write, cells: tuple[str, str], known: bool):
+    """Other words are left unread, and keep nobody from reading the file."""
+    header = "t,beginDistance,prevBest,distance,reward,terminated,truncated"
+    log = open_steps(write(header, f"0,1,1,1,0,{cells[0]},{cells[0]}", f"1,1,1,0.5,0.5,{cells[0]},{cells[1]}"))
+    assert [name in log for name in ("terminated", "truncated", "reached")] == [known, known, False]
+    if known:
+        np.testing.assert_array_equal(log["truncated"], [False, True])
+        assert log["truncated"].dtype == bool
+
+
+def test_a_touched_target_is_read_of_a_file(write: Write):
+    """The next target may be as far away as the last one was: the distance before the step is the new one's."""
+    header = "t,beginDistance,prevBest,distance,reward,reached,terminated,truncated"
+    rows = ["0,1,1,1,0,0,0,0", "1,1,1,0.1,0.9,1,0,0", "2,1,1,0.8,0.2,0,0,0"]
+    told = write(header, *rows)
+    bare = write(header.partition(",reached")[0], *(row[:-6] for row in rows), name="bare.csv")
+    relative = Relative()
+    np.testing.assert_allclose(pay_log(relative, open_steps(told)).total, [0.0, 0.9, 0.2])
+    np.testing.assert_allclose(pay_log(relative, open_steps(bare)).total, [0.0, 0.9, -0.7 / 0.8])
+
+
+@pytest.mark.parametrize(
+    ("rows", "is_ours"),
+    [
+        (["t,reward", "0,0", "1,0.5", "2,0.5"], True),
+        (["reward", "1"], True),
+        (["episode,reward,length", "0,-19,200", "1,-18,200", "2,-17,150"], False),
+        (["r,l,t", "-19.8,200,0.0"], False),
+        (["step,reward", "0,1", "1000,2"], True),
+    ],
+    ids=["steps", "a row", "episodes", "Monitor", "rows are missing"],
+)
+def test_the_format_recognises_tables_of_steps(write: Write, rows: list[str], is_ours: bool):
+    """And leaves tables of episodes to others; what is missing is told where the rows are read."""
+    path = write(*rows)
+    assert StepsCsv().recognises(path, path.read_bytes()) is is_ours
 
 
 def test_either_column_gives_the_best_distance(write: Write):
     """Of delta_distance and prevBest one is enough; without t the starts are told by their rows."""
-    best = only_chunk(write("beginDistance,prevBest,distance,reward", "1,1,1,0", "1,1,0.5,0.5", "1,0.5,0.75,-0.25"))
-    delta = only_chunk(
-        write("beginDistance,delta_distance,distance,reward", "1,0,1,0", "1,-0.5,0.5,0.5", "1,0.25,0.75,1")
-    )
-    for chunk in (best, delta):
-        np.testing.assert_array_equal(chunk.previous_best, [1.0, 1.0, 0.5])
-        np.testing.assert_array_equal(chunk.delta_distance, [0.0, -0.5, 0.25])
-        np.testing.assert_array_equal(chunk.start, [True, False, False])
+    best = rows_of(write("beginDistance,prevBest,distance,reward", "1,1,1,0", "1,1,0.5,0.5", "1,0.5,0.75,-0.25"))
+    delta = rows_of(write("beginDistance,delta_distance,distance,reward", "1,0,1,0", "1,-0.5,0.5,0.5", "1,0.25,0.75,1"))
+    for rows in (best, delta):
+        np.testing.assert_array_equal(rows["previous_best"], [1.0, 1.0, 0.5])
+        np.testing.assert_array_equal(rows["delta_distance"], [0.0, -0.5, 0.25])
+        np.testing.assert_array_equal(rows["start"], [True, False, False])
 
 
-def test_steps_go_on_across_chunks(write: Write):
-    """Where the file does not count, steps are counted from the last start row, also in the chunks after it."""
+def test_steps_are_counted_from_the_last_start(write: Write):
+    """Where the file does not count, steps are counted from the last start row."""
     rows = [",1,1,1,0,0", *[",1,1,2,,-1"] * 5]
     path = write("t,beginDistance,prevBest,distance,delta_distance,reward", *rows[1:3], *rows)
-    steps = [chunk.step for chunk in open_recording(path).chunks(3)]
-    np.testing.assert_array_equal(np.concatenate(steps), [1, 2, 0, 1, 2, 3, 4, 5])
+    np.testing.assert_array_equal(open_steps(path)["step"], [1, 2, 0, 1, 2, 3, 4, 5])
+
+
+def test_steps_go_on_across_the_blocks_of_a_file(write: Write):
+    """A file of some megabytes is read in blocks; an episode that never ends is counted through all of them."""
+    path = write("t,beginDistance,prevBest,distance,delta_distance,reward", ",1,1,1,0,0", *[",1,1,2,,-1"] * 200_000)
+    np.testing.assert_array_equal(open_steps(path)["step"], np.arange(200_001))
 
 
 # Traces
@@ -179,32 +235,35 @@ def trace(tmp_path: Path, make_cell) -> Path:
 
 
 def test_a_trace_is_read_as_it_is(trace: Path):
-    """Its best distance is the one before the step, exactly; its event terms are summed."""
-    chunk = only_chunk(trace)
-    np.testing.assert_array_equal(chunk.previous_best, [1.0, 1.0, 0.6])
-    np.testing.assert_array_equal(chunk.delta_distance, [0.0, -0.4, 0.7 - 0.6])
-    np.testing.assert_array_equal(chunk.event, [0.0, 0.75, -1.25])
-    np.testing.assert_array_equal(chunk.start, [True, False, False])
-    np.testing.assert_array_equal(chunk.env, [0, 0, 0])
-    assert chunk.line == 1
+    """Its best distance is the one before the step, exactly; so are its event terms."""
+    rows = rows_of(trace)
+    np.testing.assert_array_equal(rows["previous_best"], [1.0, 1.0, 0.6])
+    np.testing.assert_array_equal(rows["delta_distance"], [0.0, -0.4, 0.7 - 0.6])
+    np.testing.assert_array_equal(rows["reward_target"], [0.0, 1.0, 0.0])
+    np.testing.assert_array_equal(rows["reward_step"], [0.0, -0.25, -0.25])
+    np.testing.assert_array_equal(rows["step"], [0, 1, 2])
+    np.testing.assert_array_equal(rows["env"], [0, 0, 0])
+    assert open_steps(trace).facts.first_line == 1
 
 
 def test_a_trace_declares_its_reward(trace: Path):
     """The manifest beside it says what paid it, and its seed; without a manifest nothing is said."""
-    recording = open_recording(trace)
-    assert (recording.declared_reward, recording.seed) == ("arp:k2=2", 7)
+    log = open_steps(trace)
+    assert (log.facts.trained_with, log.facts.seed) == ("arp:k2=2", 7)
+    assert paid_by(log) == Choice("arp", (("k1", 1.0), ("k2", 2.0)), "arp:k2=2")
     (trace.parent / "manifest.json").unlink()
-    recording = open_recording(trace)
-    assert (recording.declared_reward, recording.seed) == (None, None)
+    log = open_steps(trace)
+    assert (log.facts.trained_with, log.facts.seed, paid_by(log)) == ("", None, None)
 
 
 def test_a_trace_as_csv_is_read_as_the_trace(trace: Path, write: Write):
     """A trace's own column names mean in a CSV file what they mean in a trace."""
     names = [name for name in SCALARS if name.startswith(("env", "step", "begin", "prev", "dist", "delta", "reward"))]
     lines = [",".join(str(row[COLUMN[name]]) for name in names) for row in _rows()]
-    from_csv, from_trace = only_chunk(write(",".join(names), *lines)), only_chunk(trace)
-    for name in Chunk._fields[1:-2]:  # a CSV file does not say where the target was touched, nor more than distances
-        np.testing.assert_array_equal(getattr(from_csv, name), getattr(from_trace, name))
+    from_csv, from_trace = rows_of(write(",".join(names), *lines)), rows_of(trace)
+    for name in (*EVENTS, *STEPS[1:]):
+        np.testing.assert_array_equal(from_csv[name], from_trace[name])
+    np.testing.assert_array_equal(from_csv[PAY], from_trace["reward"])
 
 
 def test_a_parquet_file_that_is_no_trace_is_refused(tmp_path: Path):
@@ -212,10 +271,10 @@ def test_a_parquet_file_that_is_no_trace_is_refused(tmp_path: Path):
     path = tmp_path / "other.parquet"
     pq.write_table(pa.table({"reward": [1.0]}), path)
     with pytest.raises(SchemaError, match=r"other\.parquet is a Parquet file, and no trace: .* there is: reward"):
-        open_recording(path)
+        open_steps(path)
     path.write_bytes(path.read_bytes()[:20])
     with pytest.raises(SchemaError, match=r"other\.parquet is no readable trace"):
-        open_recording(path)
+        open_steps(path)
 
 
 def test_a_trace_without_rows_is_refused(tmp_path: Path):
@@ -223,7 +282,7 @@ def test_a_trace_without_rows_is_refused(tmp_path: Path):
     path = tmp_path / "trace.parquet"
     TraceWriter(path, 1, 1).close()
     with pytest.raises(UsageError, match=r"trace\.parquet has no rows"):
-        list(open_recording(path).chunks())
+        rows_of(path)
 
 
 # Files that cannot be read
@@ -277,7 +336,7 @@ def test_a_fault_is_told_in_one_line(write: Write, lines: list[str], told: str):
     """File, line and column of the first fault, wherever in the file it is."""
     path = write(*lines)
     with pytest.raises(UsageError) as raised:
-        list(open_recording(path).chunks())
+        rows_of(path)
     assert str(path) in str(raised.value)
     assert told in str(raised.value)
     assert "\n" not in str(raised.value)
@@ -288,20 +347,20 @@ def test_a_file_in_another_encoding_is_refused(tmp_path: Path):
     path = tmp_path / "run.csv"
     path.write_text("reward\n1\n", encoding="utf-16")
     with pytest.raises(UsageError, match="is text in UTF-16: save it as UTF-8"):
-        open_recording(path)
+        open_steps(path)
 
 
 def test_a_file_that_is_not_there_is_told(tmp_path: Path):
     """By its name and the system's reason."""
     with pytest.raises(UsageError, match=r"gone\.csv cannot be read: No such file"):
-        open_recording(tmp_path / "gone.csv")
+        open_steps(tmp_path / "gone.csv")
 
 
 # Patterns
 
 
-def _names(recordings: list[Recording]) -> list[str]:
-    return [recording.path.name for recording in recordings]
+def _names(logs: list[Log]) -> list[str]:
+    return [log.facts.path.name for log in logs]
 
 
 def test_patterns_match_files_sorted_each_once(write: Write, tmp_path: Path):
@@ -309,8 +368,8 @@ def test_patterns_match_files_sorted_each_once(write: Write, tmp_path: Path):
     for name in ("b.csv", "deep/er/a.csv", "deep/c.csv", "notes.txt"):
         write("reward", "1", name=name)
     (tmp_path / "folder.csv").mkdir()
-    assert _names(match_recordings(f"{tmp_path}/**/*.csv")) == ["b.csv", "c.csv", "a.csv"]
-    assert _names(match_recordings([f"{tmp_path}/*.csv", f"{tmp_path}/b*", f"{tmp_path}/deep/*.csv"])) == [
+    assert _names(match_steps(f"{tmp_path}/**/*.csv")) == ["b.csv", "c.csv", "a.csv"]
+    assert _names(match_steps([f"{tmp_path}/*.csv", f"{tmp_path}/b*", f"{tmp_path}/deep/*.csv"])) == [
         "b.csv",
         "c.csv",
     ]
@@ -319,23 +378,22 @@ def test_patterns_match_files_sorted_each_once(write: Write, tmp_path: Path):
 def test_a_name_that_looks_like_a_pattern_is_a_name(write: Write):
     """``run[1].csv`` is the file of that name where there is one."""
     path = write("reward", "1", name="run[1].csv")
-    assert _names(match_recordings(str(path))) == ["run[1].csv"]
+    assert _names(match_steps(str(path))) == ["run[1].csv"]
 
 
 def test_a_pattern_without_a_file_is_told(write: Write, tmp_path: Path):
     """Each of several patterns has to match a file; folders alone are named as the reason."""
     write("reward", "1")
     with pytest.raises(UsageError, match=r"No file matches '.*/\*\.tsv'\. Quote"):
-        match_recordings([f"{tmp_path}/*.csv", f"{tmp_path}/*.tsv"])
+        match_steps([f"{tmp_path}/*.csv", f"{tmp_path}/*.tsv"])
     with pytest.raises(UsageError, match="it matches folders only"):
-        match_recordings(str(tmp_path))
+        match_steps(str(tmp_path))
 
 
 def refuse(path: Path) -> str:
     """The line that a file is refused with."""
     with pytest.raises((UsageError, SchemaError)) as refused:
-        for _ in open_recording(path).chunks():
-            pass
+        rows_of(path)
     assert str(path) in str(refused.value)
     assert len(str(refused.value)) < 300 + len(str(path))
     return str(refused.value)
@@ -401,14 +459,14 @@ def test_a_trace_of_other_types_is_refused(tmp_path: Path, columns: dict[str, ob
 
 def test_a_trace_of_too_many_rows_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """Before one is read."""
-    monkeypatch.setattr("harness.score.trace_recording.MOST_ROWS", 2)
+    monkeypatch.setattr("harness.score.trace_log.MOST_ROWS", 2)
     path = write_parquet(tmp_path / "a.parquet", {"reward": [1.0] * 3})
     assert "has 3 rows, 2 are allowed" in refuse(path)
 
 
 def test_a_recording_of_too_many_rows_is_refused(write: Write, monkeypatch: pytest.MonkeyPatch):
     """A CSV file does not say how many there are."""
-    monkeypatch.setattr("harness.score.recording.MOST_ROWS", 2)
+    monkeypatch.setattr("harness.log.log.MOST_ROWS", 2)
     assert "has more than the 2 rows that are allowed" in refuse(write("reward", "1", "2", "3"))
 
 
@@ -416,4 +474,4 @@ def test_a_recording_of_too_many_rows_is_refused(write: Write, monkeypatch: pyte
 def test_a_pattern_that_no_name_can_be_matches_nothing(pattern: str):
     """Whatever the system says of it."""
     with pytest.raises(UsageError, match="No file matches"):
-        match_recordings(pattern)
+        match_steps(pattern)

@@ -1,0 +1,202 @@
+"""Ratios of two rewards and their parts, as text and small grids that the terminal and the page share."""
+
+import math
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from typing import NamedTuple
+
+from harness.eta.curve import Kind
+from harness.eta.index import NEAR_ZERO, NOTHING, Index, Ratio
+from harness.eta.seed_mean import SeedMean
+from harness.eta.splits import Decomposition, Split, SplitPath, Splits, SumSplit
+from harness.eta.swaps import p_text
+
+SCALES = "eta compares two rewards, each on its own scale. It does not say how the {subject} behaves."
+SPLIT = (
+    "eta = ruler x behaviour. For the ruler both rewards score the same runs. For the behaviour one reward scores the "
+    "runs of both trainings."
+)
+PATHS = (
+    "There are two paths: the ruler on the proposed runs with the behaviour under the baseline reward, and the ruler "
+    "on the baseline's runs with the behaviour under the proposed reward. Each part is the geometric mean of both. "
+    "The interaction is the one ruler divided by the other. It is 1 where both paths say the same."
+)
+TOTAL = "I_N + I_P is the sum of the whole curve. Its change is ruler + behaviour, also where no ratio is defined."
+LABELS = {"per_seed": "seed by seed", "noise": "noise"}
+PARTS = ("", "ruler", "95% interval", "behaviour", "95% interval")
+PATH_NAMES = ("proposed runs", "baseline's runs")
+BETTER = {"eta_N": "below 1", "eta_P": "above 1"}
+
+
+class Grid(NamedTuple):
+    """A small table, ready to print: a name in the first column, then values; notes below."""
+
+    headings: tuple[str, ...]
+    rows: list[tuple[str, ...]]
+    notes: list[str]
+    title: str = ""
+    """The title above the grid. As the heading of the names it would wrap."""
+
+
+def scales_text(subject: str) -> str:
+    """What eta does not say, of a ``robot`` or an ``agent``."""
+    return SCALES.format(subject=subject)
+
+
+def ratio_grid(splits: Splits) -> Grid:
+    """eta_N and eta_P with their intervals, and beside them what single seeds and the baseline's own runs give."""
+    rows: list[tuple[str, ...]] = [
+        (
+            name,
+            ratio_text(split.eta),
+            interval_text(split.eta),
+            ratio_text(split.per_seed),
+            interval_text(split.noise),
+            p_text(split.corrected),
+            better_of(name),
+        )
+        for name, split in splits.items()
+    ]
+    headings = ("", "ratio", "95% interval", "seed by seed", "noise", "p", "better")
+    notes = _lines(_remarks((name, split.eta) for name, split in splits.items()))
+    known = {note for split in splits.values() for note in split.eta.notes}
+    for part in ("per_seed", "noise"):
+        told = ((f"{name} {LABELS[part]}", getattr(split, part)) for name, split in splits.items())
+        notes += _lines((name, remark) for name, remark in _remarks(told) if remark not in known)
+    flags = [f"{name}: {flag}" for name, split in splits.items() for flag in split.flags]
+    return Grid(headings, rows, [*notes, *flags], "eta = proposed / baseline")
+
+
+def split_grid(splits: Splits) -> Grid:
+    """Both etas as ruler x behaviour. Remarks on the etas themselves are not repeated."""
+    headings = (*PARTS, "interaction")
+    if not all(split.is_scored for split in splits.values()):
+        reasons = dict.fromkeys(split.ruler.note for split in splits.values() if split.ruler != split.eta)
+        return Grid(headings, [], [f"Not split into ruler x behaviour: {reason}" for reason in reasons])
+    parts = {name: SplitPath(split.ruler, split.behaviour) for name, split in splits.items()}
+    rows: list[tuple[str, ...]] = [
+        (name, *_cells(part), ratio_text(splits[name].interaction)) for name, part in parts.items()
+    ]
+    return Grid(headings, rows, _part_notes(parts, _known(splits.values())), "eta = ruler x behaviour")
+
+
+def path_grid(splits: Splits) -> Grid:
+    """Both paths whose mean each split is. Remarks on the split itself are not repeated."""
+    parts = {
+        f"{name} on {where}": path
+        for name, split in splits.items()
+        for where, path in zip(PATH_NAMES, split.paths, strict=False)
+    }
+    known = _known(splits.values()) | {
+        remark for split in splits.values() for part in (split.ruler, split.behaviour) for remark in part.remarks
+    }
+    rows: list[tuple[str, ...]] = [(name, *_cells(path)) for name, path in parts.items()]
+    return Grid(PARTS, rows, _part_notes(parts, known), "ruler x behaviour, on each path")
+
+
+def sum_grid(total: SumSplit | None) -> Grid:
+    """The change of I_N + I_P and its parts; no rows if there is none."""
+    headings = ("", "difference", "95% interval")
+    if total is None:
+        return Grid(headings, [], [])
+    parts = {"change": total.change, "  of it ruler": total.ruler, "  of it behaviour": total.behaviour}
+    rows: list[tuple[str, ...]] = [
+        (name, format_number(part.mean), mean_interval_text(part))
+        for name, part in parts.items()
+        if part.mean is not None
+    ]
+    reasons = dict.fromkeys(part.note for part in parts.values() if part.note)
+    return Grid(headings, rows, list(reasons), "I_N + I_P, proposed - baseline")
+
+
+def index_grid(decomposition: Decomposition | None, kind: Kind = "accumulated") -> Grid:
+    """The indices of both mean curves of that kind; no rows if there are none."""
+    headings = (f"{kind} reward", "baseline", "proposed")
+    if decomposition is None:
+        return Grid(headings, [], [])
+    names = ("first negative step", "cross-over step", "steps of the mean curve", "I_N", "I_P", "I_N + I_P")
+    columns = _texts(decomposition.baseline), _texts(decomposition.proposed)
+    return Grid(headings, list(zip(names, *columns, strict=True)), [])
+
+
+def better_of(name: str) -> str:
+    """Which side of 1 is called better for the ratio of that name: the ratio of I_N, of I_P, or of a mean return."""
+    return BETTER.get(name, "above 1")
+
+
+def ratio_text(ratio: Ratio) -> str:
+    """The ratio, unless it says little because an index is near zero beside the other."""
+    return format_number(ratio.value) if ratio.near_zero is None else NEAR_ZERO
+
+
+def interval_text(ratio: Ratio, missing: str = NOTHING) -> str:
+    """The ratio's interval, under the same condition; `missing` if there is none."""
+    if ratio.near_zero is not None or ratio.low is None or ratio.high is None:
+        return missing
+    return f"[{format_number(ratio.low)}, {format_number(ratio.high)}]"
+
+
+def ratio_with_interval(ratio: Ratio) -> str:
+    """The ratio, and its interval if there is one to show."""
+    return f"{ratio_text(ratio)} {interval_text(ratio, missing='')}".rstrip()
+
+
+def format_number(value: float | None) -> str:
+    """Three significant digits, without an exponent where that is readable."""
+    if value is None:
+        return NOTHING
+    rounded = float(f"{value:.2e}") + 0.0  # no -0.0: an interval may end there
+    size = math.floor(math.log10(abs(rounded))) if rounded else 0
+    if not -4 <= size < 6:
+        return f"{rounded:.2e}"
+    return f"{rounded:,.{max(0, 2 - size)}f}"
+
+
+def mean_interval_text(mean: SeedMean) -> str:
+    """The interval of a mean."""
+    if mean.low is None or mean.high is None:
+        return NOTHING
+    return f"[{format_number(mean.low)}, {format_number(mean.high)}]"
+
+
+def _known(splits: Iterable[Split]) -> set[str]:
+    """The remarks on the etas themselves."""
+    return {remark for split in splits for remark in split.eta.remarks}
+
+
+def _part_notes(parts: Mapping[str, SplitPath], known: Collection[str]) -> list[str]:
+    """Remarks on rulers and behaviours, by what they are parts of."""
+    named = ((f"{what} of {name}", part) for name, path in parts.items() for what, part in path._asdict().items())
+    return _lines(_remarks(named, known))
+
+
+def _cells(path: SplitPath) -> tuple[str, ...]:
+    return tuple(text for ratio in path for text in (ratio_text(ratio), interval_text(ratio)))
+
+
+def _remarks(ratios: Iterable[tuple[str, Ratio]], known: Collection[str] = ()) -> Iterator[tuple[str, str]]:
+    """For each ratio: its name, with n/a if it has no value, and a remark.
+
+    A remark that is `known` already is left out, unless it says why there is no value.
+    """
+    for name, ratio in ratios:
+        for remark in ratio.remarks:
+            if ratio.value is None:
+                yield f"{name} {NOTHING}", remark
+            elif remark not in known:
+                yield name, remark
+
+
+def _lines(remarks: Iterable[tuple[str, str]]) -> list[str]:
+    """One line for each remark, with all that it holds for."""
+    subjects: dict[str, list[str]] = {}
+    for name, remark in remarks:
+        subjects.setdefault(remark, []).append(name)
+    return [f"{', '.join(names)}: {remark}" for remark, names in subjects.items()]
+
+
+def _texts(index: Index) -> Iterator[str]:
+    for step in (index.first_negative, index.crossover):
+        yield "never" if step is None else f"{step:,}"
+    yield f"{index.steps:,}"
+    for total in (index.I_N, index.I_P, index.total):
+        yield f"{total:,.1f}"

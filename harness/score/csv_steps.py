@@ -1,0 +1,286 @@
+"""A CSV file with a ``reward`` column and a row for each environment step, as a log.
+
+The experimenters' two programs wrote the same columns with different meanings:
+
+* base line: t is empty; delta_distance is filled in the rows of episode starts only; prevBest is the value before
+  the step;
+* K2: t counts from 0, the row of the episode's start; delta_distance is filled everywhere; prevBest is the value
+  after the step.
+
+A row is read by what is filled in, not by a guess about its file, so that files of both joined together are read too:
+
+* the best distance before the step is ``distance - delta_distance`` where delta_distance is filled, which is true of
+  both programs, and prevBest where it is empty;
+* the row of an episode's start has t = 0 where t is filled; where t is empty it has delta_distance filled, a reward
+  of 0, and distance, prevBest and beginDistance all equal.
+
+beginDistance can change inside an episode (a target that was touched is drawn again) and is read row by row.
+"""
+
+import csv
+import os
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.csv
+
+from harness.arrays import Float, Mask
+from harness.errors import UsageError
+from harness.files.bounded import require_regular
+from harness.log import Log, LogFacts
+from harness.log.format import HEAD
+from harness.log.log import LARGEST, RECORDED, REWARD, Array, Columns
+from harness.record.row_steps import TOUCHED
+from harness.score.csv_faults import Header, fault_of, read_header
+from harness.score.row_meaning import RowWatch, Watched, watched_columns
+
+PAY = f"{REWARD}{RECORDED}"
+"""The column of the shaped reward alone; 0 in the row of an episode's start."""
+EVENTS = ("reward_ground", "reward_target", "reward_step")
+"""The columns of what events paid, on top of it."""
+STEPS = ("start", "begin_distance", "previous_best", "distance", "delta_distance", "step", "env", "episode")
+"""The columns of an arm's steps, which can be paid again; Bd, Pb before the step, d after it and d - Pb are in [m]."""
+COLUMNS = (
+    "reward", *EVENTS, "step", "begin_distance", "previous_best", "prev_best", "distance", "delta_distance", "env",
+    *TOUCHED,
+)  # fmt: skip
+"""What is read of a file. `previous_best`, this project's, is always the value before the step; `prev_best`, the
+experimenters', is not. Flags are read where the first rows have numbers for them."""
+SPELLINGS = {
+    **{name: (name,) for name in COLUMNS},
+    "step": ("t", "step"),
+    "begin_distance": ("begindistance", "begin_distance"),
+    "prev_best": ("prevbest", "prev_best"),
+    "delta_distance": ("delta_distance", "deltadistance"),
+}
+"""The names that a column of `COLUMNS` may have, trimmed and in lower case."""
+MOST_BYTES = 8 * 2**30
+"""The most bytes of a file, some 50 million rows of 160 bytes; they are read a piece at a time."""
+LARGEST_STEP = 2**53
+"""The largest count, up to which floating-point numbers are exact."""
+
+
+@dataclass(frozen=True)
+class StepsCsv:
+    """A table of anybody whose column ``reward`` has what each environment step was paid; see this module."""
+
+    def recognises(self, path: Path, head: bytes) -> bool:
+        """A CSV file with a column 'reward' whose first rows may be steps, and are no episodes."""
+        return names_reward(head) and not _are_episodes(_table_of(head))
+
+    def read(self, path: Path) -> tuple[Log, ...]:
+        """The one training of the file; see `open_csv`."""
+        require_regular(path, MOST_BYTES)
+        return (open_csv(path),)
+
+    def write_example(self, folder: Path) -> Path:
+        """Two episodes of two steps, as the second program writes them; and how they ended."""
+        path = folder / "steps.csv"
+        rows = ("0,1,1,1,0,0,0,0,0.5", "1,1,0.5,0.5,-0.5,0.75,0,0,0.25", "2,1,0.5,0.75,0.25,-0.25,0,1,0.5")
+        header = "t,beginDistance,prevBest,distance,delta_distance,reward,terminated,truncated,endEff z"
+        path.write_text("\n".join([header, *rows, *rows, ""]))
+        return path
+
+
+def names_reward(head: bytes) -> bool:
+    """Whether the beginning of a file is that of a table with a column 'reward'."""
+    return "reward" in _spelled(_table_of(head)[0])
+
+
+def open_csv(path: Path) -> Log:
+    """A recorded run in a CSV file; its rows are read later.
+
+    Raises:
+        UsageError: It cannot be read, has too many columns or no reward column; later, that a row cannot be read, or
+            that rows are no steps.
+    """
+    header = read_header(path)
+    spelled = _spelled(header)
+    found = {name: next((text for text in SPELLINGS[name] if text in spelled), "") for name in COLUMNS}
+    found |= {name: "" for name in TOUCHED if not _has_flags(path, spelled, name)}
+    chosen = _choose_columns(name for name, text in found.items() if text)
+    for name in chosen:
+        if spelled.count(found[name]) > 1:
+            raise UsageError(f"{path}, line 1: two columns are called '{found[name]}'")
+    positions = {name: spelled.index(found[name]) for name in chosen}
+    read = partial(_read, path, Header(header, positions), watched_columns(spelled))
+    notes = () if _ends(path) else ("the last line does not end: it may be cut off",)
+    return Log(LogFacts(path=path, format="CSV of steps", first_line=2, notes=notes), _standard(chosen), read)
+
+
+def _ends(path: Path) -> bool:
+    """Whether the last line of a file has an end."""
+    with path.open("rb") as file:
+        file.seek(-1, os.SEEK_END)
+        return file.read(1) in (b"\n", b"\r")
+
+
+def _choose_columns(there: Iterable[str]) -> tuple[str, ...]:
+    """Those of `COLUMNS` that are read. Distances are read only if the run can be paid again with them."""
+    names = set(there)
+    best = names & {"previous_best", "prev_best", "delta_distance"}
+    scorable = bool(best) and {"begin_distance", "distance"} <= names
+    wanted = {"reward": True, **dict.fromkeys(EVENTS, set(EVENTS) <= names)}
+    return tuple(name for name in COLUMNS if name in names and wanted.get(name, scorable))
+
+
+def _standard(chosen: tuple[str, ...]) -> tuple[str, ...]:
+    """What a log has that is read from these of `COLUMNS`."""
+    return (PAY, *(name for name in (*EVENTS, *TOUCHED) if name in chosen), *(STEPS if "distance" in chosen else ()))
+
+
+def _has_flags(path: Path, spelled: list[str], name: str) -> bool:
+    """Whether the first rows of a file have 0 or 1 in a column; other programs write words of their own."""
+    if name not in spelled:
+        return False
+    with path.open("rb") as file:
+        _, *rows = _table_of(file.read(HEAD))
+    cells = {row[spelled.index(name)].strip() for row in rows if len(row) == len(spelled)}
+    return bool(cells) and cells <= {"0", "1"}
+
+
+class _Counted:
+    """What was counted in the rows before: the step of the last one, and the episodes of each env."""
+
+    def __init__(self) -> None:
+        self.step = 0
+        self._episodes: dict[int, int] = {}
+
+    def steps(self, start: Mask) -> Array:
+        """Rows since the last start row, which is 0."""
+        row = np.arange(len(start))
+        return row - np.maximum.accumulate(np.where(start, row, -1 - self.step))
+
+    def episodes(self, env: Array, start: Mask) -> Array:
+        """The number of each row's episode in its env; the first may have no start row."""
+        found = np.zeros(len(env), np.int64)
+        for number in np.unique(env).tolist():
+            mine = env == number
+            before = self._episodes.get(number, -1 if start[mine][0] else 0)
+            found[mine] = before + np.cumsum(start[mine])
+            self._episodes[number] = int(found[mine][-1])
+        return found
+
+
+def _read_rows(columns: Columns, counted: _Counted) -> dict[str, Array] | None:
+    """The standard columns of some rows, (rows,) each; None if a row lacks a number that it needs.
+
+    Args:
+        columns: By name those of `COLUMNS` that were chosen, NaN where a cell is empty.
+        counted: In the rows before.
+    """
+    if any((np.abs(column) > LARGEST).any() for column in columns.values()):
+        return None
+    reward = columns["reward"]
+    made: dict[str, Array] = {PAY: reward, **{name: columns[name] for name in EVENTS if name in columns}}
+    if "distance" not in columns:
+        return made if _is_finite(made.values()) else None
+    begin, distance = columns["begin_distance"], columns["distance"]
+    best, delta = _before_step(columns)
+    env = columns.get("env", np.zeros(len(reward)))
+    told = columns.get("step", np.full(len(reward), np.nan))
+    flags = {name: columns[name] for name in TOUCHED if name in columns}
+    if not _is_finite([*made.values(), *flags.values(), begin, distance, best, delta, env]):
+        return None
+    if any((np.abs(count) > LARGEST_STEP).any() for count in (env, told)):
+        return None
+    filled = np.isfinite(columns["delta_distance"]) if "delta_distance" in columns else np.ones(len(reward), bool)
+    alike = filled & (reward == 0.0) & (distance == begin) & (best == begin)
+    start = np.where(np.isnan(told), alike, told == 0.0)
+    step = np.where(np.isnan(told), counted.steps(start), told).astype(np.int64)
+    counted.step, env = int(step[-1]), env.astype(np.int64)
+    values = (start, begin, best, distance, delta, step, env, counted.episodes(env, start))
+    made |= {name: values > 0.0 for name, values in flags.items()}
+    return {**made, **dict(zip(STEPS, values, strict=True))}
+
+
+def _is_finite(columns: Iterable[Array]) -> bool:
+    return all(bool(np.isfinite(column).all()) for column in columns)
+
+
+def _before_step(columns: Columns) -> tuple[Float, Float]:
+    """Pb before the step and d - Pb, by the rule at the top of this file."""
+    distance, delta = columns["distance"], columns.get("delta_distance")
+    best = columns.get("previous_best", columns.get("prev_best"))
+    if delta is None:
+        assert best is not None  # one of the two is there, or the distances are not read
+        return best, distance - best
+    if best is None:
+        return distance - delta, delta
+    empty = np.isnan(delta)
+    before = best if "previous_best" in columns else np.where(empty, best, distance - delta)
+    return before, np.where(empty, distance - before, delta)
+
+
+def _spelled(header: Iterable[str]) -> list[str]:
+    return [name.strip().lower() for name in header]
+
+
+def _table_of(head: bytes) -> list[list[str]]:
+    """The header and the rows of the beginning of a CSV file; of any other file an empty header."""
+    lines = head.decode("utf-8-sig", errors="ignore").splitlines()
+    whole = lines if len(head) < HEAD else lines[:-1]  # the last one goes on
+    try:
+        return list(csv.reader(whole)) or [[]]
+    except csv.Error:
+        return [[]]
+
+
+def _are_episodes(table: list[list[str]]) -> bool:
+    header, *rows = table
+    watched = watched_columns(_spelled(header))
+    watch = RowWatch(watched, 2)
+    whole = [row for row in rows if len(row) == len(header)]
+    try:
+        watch.look({it.role: pa.array([row[it.position] for row in whole], pa.string()) for it in watched})
+    except UsageError:  # they are no steps for another reason, which is told where they are read
+        return False
+    return watch.why_episodes() is not None
+
+
+def _read(path: Path, header: Header, watched: list[Watched], names: tuple[str, ...]) -> Iterator[Columns]:
+    """See `harness.log.Log.read`."""
+    rows, counted = 0, _Counted()
+    for batch in _batches(path, header, watched):
+        if not batch.num_rows:
+            continue
+        columns = {name: batch.column(name).to_numpy(zero_copy_only=False) for name in header.positions}
+        made = _read_rows(columns, counted)
+        if made is None:
+            raise fault_of(path, header, "a number is missing, not finite or too large")
+        rows += batch.num_rows
+        yield {name: made[name] for name in names}
+    if not rows:
+        raise UsageError(f"{path} has no rows")
+
+
+def _batches(path: Path, header: Header, watched: list[Watched]) -> Iterator[pa.RecordBatch]:
+    """The wanted columns, empty cells as nulls.
+
+    Raises:
+        UsageError: A row cannot be read, or rows are no steps.
+    """
+    keys = {str(position): name for name, position in header.positions.items()}
+    looked = {it.role: str(it.position) for it in watched}
+    texts = dict.fromkeys([place for place in looked.values() if place not in keys], pa.string())
+    watch = RowWatch(watched, 2)
+    read = pa.csv.ReadOptions(column_names=[str(position) for position in range(len(header.names))], skip_rows=1)
+    convert = pa.csv.ConvertOptions(
+        column_types={**dict.fromkeys(keys, pa.float64()), **texts},
+        include_columns=[*keys, *texts],
+        null_values=["", " "],
+    )
+    try:
+        with pa.csv.open_csv(path, read_options=read, convert_options=convert) as file:
+            for batch in file:
+                watch.look({role: batch.column(place) for role, place in looked.items()})
+                yield batch.select(list(keys)).rename_columns(list(keys.values()))
+            watch.require_steps()
+    except UsageError as error:
+        raise UsageError(f"{path}: {error}") from error
+    except (pa.ArrowException, OSError) as error:
+        raise fault_of(path, header, str(error)) from error

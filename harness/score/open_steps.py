@@ -1,0 +1,88 @@
+"""Logs of steps by the names of their files: this project's traces, and CSV files of anybody."""
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from harness.errors import UsageError
+from harness.files.bounded import open_regular, reading
+from harness.files.file_kind import HEAD, kind_of
+from harness.files.matched import matched_paths
+from harness.log import Log
+from harness.log.open_log import formats_of, open_logs
+from harness.registry.registry import Registry
+from harness.score.csv_steps import MOST_BYTES, StepsCsv, names_reward, open_csv
+from harness.score.row_meaning import NEEDED, RECORD
+
+_PARQUET = b"PAR1"
+_NOUNS = {"episode": "an episode", "point": "a point of a curve"}
+
+
+def match_steps(patterns: str | Iterable[str], registry: Registry | None = None) -> list[Log]:
+    """The logs of steps that a pattern, or any of several, matches: sorted, each once; ``**`` stands for any folders.
+
+    Args:
+        patterns: The names of files, or patterns of them.
+        registry: See `open_steps`.
+
+    Raises:
+        UsageError: A pattern matches no file, or a file is no log of steps.
+    """
+    return [open_steps(path, registry) for path in matched_paths(patterns)]
+
+
+def is_table_of_steps(path: Path) -> bool:
+    """Whether a file is a trace, or a CSV file of steps, by its first bytes; no other format is asked."""
+    if path.is_dir():
+        return False
+    with open_regular(path, MOST_BYTES) as file:
+        head = file.read(HEAD)
+    return head.startswith(_PARQUET) or StepsCsv().recognises(path, head)
+
+
+def open_steps(path: Path, registry: Registry | None = None) -> Log:
+    """A log of steps; its columns are looked at, its rows are read later.
+
+    Args:
+        path: A file.
+        registry: Knows the formats of other logs, so that a file of episodes is called by its name.
+
+    Raises:
+        UsageError: The file cannot be read, is empty, something else by its first bytes, or has no reward column.
+        SchemaError: It is a Parquet file, and no trace that this version reads.
+    """
+    with reading(path, "recording", UsageError):
+        try:
+            with open_regular(path, MOST_BYTES) as file:
+                head = file.read(HEAD)
+        except OSError as error:
+            raise UsageError(f"{path} cannot be read: {error.strerror}") from error
+        if not head:
+            raise UsageError(f"{path} is empty")
+        if head.startswith(_PARQUET):
+            from harness.score.trace_log import open_trace  # most files are tables of others
+
+            return open_trace(path)
+        other = None if registry is None or names_reward(head) else _other_log(path, head, registry)
+        if other is not None:
+            return other
+        kind = kind_of(head, path)
+        if kind is not None:
+            raise UsageError(f"{path} is {kind.sentence}")
+        return open_csv(path)
+
+
+def _other_log(path: Path, head: bytes, registry: Registry) -> Log | None:
+    """The log of steps that another format reads; None if no other recognises the file.
+
+    Raises:
+        UsageError: Its rows are no steps, or it holds several trainings.
+    """
+    name = next((name for name, it in formats_of(registry).items() if it.recognises(path, head)), None)
+    if name is None:
+        return None
+    log, *others = open_logs(path, registry, name)
+    if log.facts.unit != "step":
+        raise UsageError(f"{path} is {log.facts.format}: a row is {_NOUNS[log.facts.unit]}, and {NEEDED}; {RECORD}")
+    if others:
+        raise UsageError(f"{path} holds {len(others) + 1} trainings: give each run a file of its own")
+    return log
