@@ -133,6 +133,19 @@ def test_labels_from_outside_decide(harness, tmp_path: Path):
     assert (found["headline"]["answer"], change["baseline"], change["proposed"]) == ("helps", 0.0, 1.0)
 
 
+def test_labels_of_episodes_may_lie_among_the_logs(harness, tmp_path: Path):
+    """A table of runs, episodes and success looks like a log; it is the one that was named as labels."""
+    lines = ["run,episode,success"]
+    for reward in ("base", "prop"):
+        for seed in range(4):
+            write_monitor(tmp_path / reward / f"{seed}.monitor.csv", np.arange(10.0) + seed + ord(reward[0]), [10] * 10)
+            lines += [f"{reward}/{seed},{number},{int(reward == 'prop' and number > 4)}" for number in range(10)]
+    (tmp_path / "labels.csv").write_text("\n".join(lines))
+    data = json.loads(harness("report", ".", "--labels", "labels.csv", "--json").out)
+    shares = [it["parts"]["over the training"]["behaviour"]["success"] for it in data["trainings"]]
+    assert shares == [0.0] * 4 + [0.5] * 4
+
+
 def test_lengths_decide_if_the_user_says_which_are_better(harness, tmp_path: Path):
     """A shorter episode reaches its target sooner: half as long is better."""
     for reward, length in (("base", 40), ("prop", 20)):

@@ -9,7 +9,7 @@ from pathlib import Path
 from harness.errors import UsageError
 from harness.eta.curve import Kind
 from harness.log import Log
-from harness.log.open_log import LOGS, find_logs
+from harness.log.open_log import LOGS, Found, find_logs
 from harness.registry.registry import Registry
 from harness.results.logs.labels import labelled
 from harness.results.logs.read_logs import runs_of
@@ -45,7 +45,7 @@ def results_of_logs(
         UsageError: There is no log, or the trainings cannot be compared; says what was found and what to do.
         SchemaError: A log is damaged.
     """
-    found = find_logs(folder, registry, told.format)
+    found = _without_labels(find_logs(folder, registry, told.format), told.labels)
     if not found.logs:
         raise _nothing(folder, registry, [f"{path}: {reason}" for path, reason in found.left_out])
     if not any(map(_tells_episodes, found.logs)):
@@ -123,6 +123,17 @@ def _results(
         found = labelled(found, place, told.labels)
     runs = runs_of(found, told.deciding, is_told=is_told or bool(told.sort))
     return RecordedResults(place, registry, kind, metrics=metrics, store=LooseStore(place, runs), pairs=pairs)
+
+
+def _without_labels(found: Found, labels: Path | None) -> Found:
+    """The same without the file of labels, which may lie among the logs and look like one."""
+    if labels is None:
+        return found
+    own = labels.absolute()
+    return Found(
+        tuple(log for log in found.logs if log.facts.path.absolute() != own),
+        tuple((path, reason) for path, reason in found.left_out if path.absolute() != own),
+    )
 
 
 def _tells_episodes(log: Log) -> bool:

@@ -171,3 +171,15 @@ def test_logs_without_steps_are_counted_in_episodes():
 def test_equal_trainings_of_two_rewards_are_told():
     """The same rows under both names: between them there is nothing to compare."""
     assert any("are equal bit for bit" in line for line in runs_of(pair()).said)
+
+
+def test_evaluations_alone_are_trainings():
+    """Nobody kept the episodes of the training: its length is that of its last evaluation, which decides."""
+    at = {"time": np.repeat([20.0, 40.0], 2), SUCCESS: np.array([0.0, 0, 1, 0])}
+    facts = [LogFacts(path=Path(f"/runs/{seed}.npz"), format="E", unit="episode", evaluation=True) for seed in range(2)]
+    logs = [in_memory(it, {**at, PAY: np.full(4, float(seed))}) for seed, it in enumerate(facts)]
+    runs = runs_of(trainings(*(Training("base", seed, (log,)) for seed, log in enumerate(logs))))
+    assert runs.steps == 40
+    parts = runs.members["base", 1].parts(runs.steps)
+    assert parts["in evaluations"].behaviour == {"success": 0.5}
+    assert parts["over the training"].episodes == 0
