@@ -60,13 +60,13 @@ def test_first_training_is_recorded_and_read(
     training = _recorded(tmp_path, "runs/own-0")
     assert len(training) == STEPS
     assert training.facts.rewards == ("upright", "own")
-    assert "return float(next_observation[0])" in training.facts.sources["reward_upright"].text
+    assert "return float(next_observation[0])" in training.facts.sources["reward/upright"].text
     _run(tmp_path, monkeypatch, "print(training.facts.rewards")
     assert capsys.readouterr().out.startswith("('upright', 'own') own 0\n")
     duckdb = pytest.importorskip("duckdb")
     (query,) = re.findall(r'duckdb -c "([^"]*)"', PAGE)
     (row,) = duckdb.sql(query).fetchall()
-    assert row == pytest.approx((0, *(training.rewards[name].sum() for name in ("own", "upright"))))
+    assert row == pytest.approx((0, *(training[f"reward/{name}"].sum() for name in ("own", "upright"))))
 
 
 def test_verdict_takes_15_lines():
@@ -108,7 +108,7 @@ def test_normalisation_stands_on_its_side(tmp_path: Path, monkeypatch: pytest.Mo
 def test_memory_is_recorded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """What it pays in an episode comes to its highest cosine above -1."""
     _run(tmp_path, monkeypatch, "class Progress")
-    assert 0 < _recorded(tmp_path, "runs/memory").rewards["progress"].sum() <= 2
+    assert 0 < _recorded(tmp_path, "runs/memory")["reward/progress"].sum() <= 2
 
 
 def test_four_envs_of_stable_baselines3_are_recorded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
@@ -117,7 +117,7 @@ def test_four_envs_of_stable_baselines3_are_recorded(tmp_path: Path, monkeypatch
     _run(tmp_path, monkeypatch, "DummyVecEnv([")
     training = _recorded(tmp_path, "runs/four")
     assert (training.facts.num_envs, len(training), training.facts.seed) == (4, STEPS, 0)
-    assert sorted(set(training.env.tolist())) == [0, 1, 2, 3]
+    assert sorted(set(training["env"].tolist())) == [0, 1, 2, 3]
 
 
 def test_training_of_sbx_is_recorded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
@@ -133,7 +133,7 @@ def test_batch_is_recorded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     _run(tmp_path, monkeypatch, "RecordVectorRewards(")
     training = _recorded(tmp_path, "runs/batch")
     assert len(training) == STEPS
-    assert (training.rewards["calm"] <= 0).all()
+    assert (training["reward/calm"] <= 0).all()
 
 
 def test_env_of_rllib_is_recorded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

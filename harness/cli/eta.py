@@ -1,8 +1,8 @@
-"""``harness eta``: two groups of recorded runs compared, or all recorded trainings of a folder."""
+"""``harness eta``: two groups of recorded runs compared, or all trainings of a folder."""
 
 import glob
-import os
-import re
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,20 +10,24 @@ import typer
 
 from harness.cli.datasets import names_dataset
 from harness.cli.flags import eta as flags
+from harness.cli.flags import logs
 from harness.cli.flags.shared import AsJson, CurveKind, PluginFiles
 from harness.cli.output import say, say_json
-from harness.cli.recordings import refuse_flags
+from harness.cli.recordings import holds_recordings, is_experiment, refuse_flags, told_of_logs
 from harness.cli.results_shown import show_results
 from harness.errors import UsageError
 from harness.text import command_text
 
 if TYPE_CHECKING:
+    from harness.eta.curve import Kind
+    from harness.registry.registry import Registry
+    from harness.results import Results
+    from harness.results.logs.told import Told
     from harness.score.compare import ComparedRuns
 
-MOST_VISITED = 10_000
-"""Files of a folder that are looked at for CSV files."""
-NUMBERED = re.compile(r"[-_ .]*(seed|run)?[-_ .]*\d*$", re.IGNORECASE)
-"""How names of the files of one group differ."""
+    OfSteps = tuple[Sequence[str], Sequence[str]]
+
+MOST_NAMED = 5
 
 
 def eta(
@@ -38,47 +42,55 @@ def eta(
     plugin: PluginFiles = None,
     as_json: AsJson = False,
     plot: flags.PlotFile = None,
+    sort: logs.SortBy = None,
+    as_format: logs.AsFormat = None,
+    measure: logs.DecidedBy = None,
+    labels: logs.LabelsFile = None,
 ) -> int:
     """Compare recorded trainings, such as anybody's CSV files.
 
     A file has a column 'reward' and a row for each environment step, or is a trace of this harness. If the files have
-    distances too, each eta is split into ruler and behaviour. All runs are cut to the steps of the shortest. Put
-    patterns in quotes. --baseline and --proposed may be given several times. In a FOLDER of recorded trainings, each
-    reward that a policy was trained with is compared with every other one.
+    distances too, each eta is split into ruler and behaviour. Logs of episodes and curves, such as monitor.csv, tell
+    success and returns by seed. All runs are cut to the steps of the shortest. Put patterns in quotes. --baseline and
+    --proposed may be given several times. In a FOLDER the names of files say which reward taught, and with which seed.
     """
-    groups = {"--baseline": baseline, "--proposed": proposed}
-    loose = [*([] if folder is None or not any(groups.values()) else [str(folder)]), *context.args]
+    loose = [*([] if folder is None or not proposed else [str(folder)]), *context.args]
     if loose:
         raise UsageError(f"'{loose[0]}' belongs to no flag: quote the pattern, as in --baseline 'base/*.csv'")
     if plot is not None and plot.suffix.lower() != ".html":
         raise UsageError(f"--plot writes .html, not '{plot}'")
-    if folder is not None:
-        refuse_flags(
-            {
-                "--with-events": with_events, "--baseline-reward": baseline_reward,
-                "--proposed-reward": proposed_reward, "--plugin": plugin,
-            }
-        )  # fmt: skip
-        _require_trainings(folder)
-        from harness.results import load_results
-
-        results = load_results(folder, curve)
-        everything = command_text("harness", "report", folder, "--details")
-        return show_results(results, everything, as_json=as_json, html=plot, details=True)
-    if baseline is None or proposed is None:
-        missing = next(flag for flag, given in groups.items() if given is None)
-        raise UsageError(
-            f"Missing option '{missing}'; or name a folder of recorded trainings. Examples: harness eta --help"
-        )
+    if folder is not None and names_dataset(folder):
+        audit = command_text("harness", "audit", str(folder))
+        raise UsageError(f"'{folder}' is a data set, which holds no trainings to compare: {audit} judges its rewards")
+    if folder is None and (baseline is None or proposed is None):
+        missing = "--baseline" if baseline is None else "--proposed"
+        raise UsageError(f"Missing option '{missing}'; or name a folder of trainings. Examples: harness eta --help")
     from harness.registry.given import read_given
     from harness.registry.registry import load_registry
+
+    of_steps = {
+        "--with-events": with_events, "--baseline-reward": baseline_reward,
+        "--proposed-reward": proposed_reward, "--plugin": plugin,
+    }  # fmt: skip
+    of_logs = {"--sort": sort, "--as": as_format, "--measure": measure, "--labels": labels}
+    registry = load_registry(given=read_given(plugin))
+    named = _only(baseline) if folder else None
+    told_of = partial(told_of_logs, as_format, sort, named, [measure] if measure else None, labels)
+    if folder is not None:
+        opened = _open_folder(folder, registry, told_of(), curve, of_logs)
+    else:
+        opened = _open_groups([baseline or [], proposed or []], registry, as_format or "", told_of, curve)
+    if not isinstance(opened, tuple):
+        refuse_flags(of_steps)
+        everything = command_text("harness", "report", opened.folder, "--details")
+        return show_results(opened, everything, as_json=as_json, html=plot, details=True)
+    refuse_flags({"--as": as_format, "--measure": measure, "--labels": labels}, "files of steps")
     from harness.score.compare import compare_logs
     from harness.score.open_steps import match_steps
 
-    registry = load_registry(given=read_given(plugin))
     comparison = compare_logs(
-        match_steps(baseline, registry),
-        match_steps(proposed, registry),
+        match_steps(opened[0], registry),
+        match_steps(opened[1], registry),
         registry,
         kind=curve,
         with_events=with_events,
@@ -89,51 +101,84 @@ def eta(
     return 0
 
 
-def _require_trainings(folder: Path) -> None:
-    """Check that a folder is one of trainings, as far as the name of another command or flag would fit better.
+def _only(baseline: Sequence[str] | None) -> str | None:
+    """The reward that a folder's others are compared with.
 
     Raises:
-        UsageError: It is a data set, a file, or a folder of CSV files alone; says what to type.
+        UsageError: Several were given.
     """
-    from harness.cli.recordings import holds_recordings
-    from harness.record.store import Store
-
-    if names_dataset(folder):
-        audit = command_text("harness", "audit", str(folder))
-        raise UsageError(f"'{folder}' is a data set, which holds no trainings to compare: {audit} judges its rewards")
-    if folder.is_file():
-        raise UsageError(f"'{folder}' is a file: {command_text(*_command([glob.escape(str(folder))]))}")
-    if not folder.is_dir() or Store.is_experiment(folder) or holds_recordings([folder]):
-        return
-    patterns = _patterns_in(folder)
-    if patterns:
-        raise UsageError(f"'{folder}' holds CSV files: {command_text(*_command(patterns))}")
+    if baseline is not None and len(baseline) > 1:
+        raise UsageError(
+            f"--baseline {baseline[1]}: one reward of a folder is the baseline, and {baseline[0]} is named"
+        )
+    return baseline[0] if baseline else None
 
 
-def _command(patterns: list[str]) -> tuple[str, ...]:
-    """The command that compares groups of files; what is called a baseline is the baseline."""
-    named = [pattern for pattern in patterns if "base" in pattern.lower()]
-    ordered = [*named[:1], *(pattern for pattern in patterns if pattern not in named), *named[1:], "OTHER/*.csv"]
-    return ("harness", "eta", "--baseline", ordered[0], "--proposed", ordered[1])
+def _open_groups(
+    patterns: Sequence[Sequence[str]],
+    registry: "Registry",
+    as_format: str,
+    told_of: "Callable[[], Told]",
+    curve: "Kind",
+) -> "Results | OfSteps":
+    """The results of two groups of logs; the patterns themselves if they are of files of steps."""
+    from harness.files.matched import matched_paths
+    from harness.score.open_steps import is_table_of_steps
+
+    groups = [matched_paths(some, folders=True) for some in patterns]
+    if as_format or (not is_table_of_steps(groups[0][0]) and _is_no_log_of_steps(groups[0][0], registry)):
+        from harness.results.logs.results_of_logs import results_of_groups
+
+        return results_of_groups(groups, registry, told_of(), curve)
+    baseline, proposed = patterns
+    return baseline, proposed
 
 
-def _patterns_in(folder: Path) -> list[str]:
-    """Patterns of groups of CSV files: one for each folder that has some, or for each beginning of names in one."""
-    found: dict[str, set[str]] = {}
-    visited = 0
-    for place, inner, names in os.walk(folder):
-        inner.sort()
-        visited += len(names)
-        stems = {NUMBERED.sub("", name[:-4]) for name in names if name.lower().endswith(".csv")}
-        if stems:
-            found[place] = stems
-        if visited > MOST_VISITED:
-            break
-    if len(found) != 1:
-        return [os.path.join(glob.escape(place), "*.csv") for place in found]
-    ((place, stems),) = found.items()
-    several = sorted(stems) if len(stems) == 2 and all(stems) else [""]
-    return [os.path.join(glob.escape(place), f"{glob.escape(stem)}*.csv") for stem in several]
+def _is_no_log_of_steps(path: Path, registry: "Registry") -> bool:
+    """Whether a file, or what lies below a folder, is a log of episodes or of curves."""
+    from harness.log.open_log import first_log
+
+    first = first_log(path, registry)
+    return first is not None and first.facts.unit != "step"
+
+
+def _open_folder(
+    folder: Path, registry: "Registry", told: "Told", curve: "Kind", of_logs: Mapping[str, object]
+) -> "Results | OfSteps":
+    """The results of a folder; or the files of steps of the two rewards in it."""
+    from harness.results.load import read_results
+
+    if is_experiment(folder):
+        refuse_flags({**of_logs, "--baseline": told.baseline}, "an experiment, whose plan says it")
+    elif not told.format and holds_recordings([folder]):
+        refuse_flags(of_logs)
+    elif not told.format and (groups := _files_of_steps(folder, registry, told)):
+        (baseline, ours), (proposed, theirs) = groups.items()
+        say(f"CSV files: {len(ours)} of `{baseline}`, the baseline, and {len(theirs)} of `{proposed}`", err=True)
+        return list(map(glob.escape, map(str, ours))), list(map(glob.escape, map(str, theirs)))
+    return read_results(folder, registry, curve, told=told)
+
+
+def _files_of_steps(folder: Path, registry: "Registry", told: "Told") -> dict[str, list[Path]]:
+    """The CSV files below a folder by the two rewards that their names tell; none if it holds logs of other kinds.
+
+    Raises:
+        UsageError: They are of more rewards than two, or of one.
+    """
+    from harness.results.logs.trainings import sort_files
+
+    if _is_no_log_of_steps(folder, registry):
+        return {}
+    files = sorted(folder.rglob("*.csv")) if folder.is_dir() else []
+    groups = sort_files(folder, files, told.sort, told.baseline) if files else {}
+    if groups and len(groups) != 2:
+        shown = ", ".join(f"`{name}` {len(of)}" for name, of in list(groups.items())[:MOST_NAMED])
+        raise UsageError(
+            f"By their names the CSV files in '{folder}' are of {len(groups)} reward{'s' * (len(groups) > 1)}, "
+            f"{shown}; two are compared. Name them, --baseline 'base/*.csv' --proposed 'other/*.csv'; or say how names "
+            "are made, --sort '{reward}/{seed}'"
+        )
+    return groups
 
 
 def _show(comparison: "ComparedRuns", plot: Path | None, as_json: bool) -> None:

@@ -8,10 +8,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from harness.cli.datasets import audit_rewards_on, names_dataset, show_answer
+from harness.cli.flags import logs
 from harness.cli.flags import report as flags
 from harness.cli.flags.shared import AsJson, CurveKind, MetricNames, Names, PluginFiles
 from harness.cli.output import complain, say
-from harness.cli.recordings import holds_recordings, refuse_flags
+from harness.cli.recordings import (
+    holds_recordings,
+    is_experiment,
+    refuse_flags,
+    require_one_folder,
+    told_of_logs,
+)
 from harness.cli.results_shown import show_results
 from harness.errors import UsageError
 from harness.text import command_text
@@ -34,10 +41,15 @@ def report(
     pairs: flags.Pairs = False,
     measure: flags.MeasureFiles = None,
     plugin: PluginFiles = None,
+    baseline: logs.BaselineName = None,
+    sort: logs.SortBy = None,
+    as_format: logs.AsFormat = None,
+    labels: logs.LabelsFile = None,
 ) -> int:
     """Show the results of an experiment. Trains nothing.
 
-    DIR may also hold records that --summary wrote, or trainings that harness.RecordRewards recorded in any environment.
+    DIR may also hold records that --summary wrote, trainings that harness.RecordRewards recorded in any environment, or
+    logs of trainings such as monitor.csv, which are sorted by the names of their files: a number is the seed.
     A data set, minari:NAME or lerobot:FOLDER, shows what its own rewards say; harness audit adds others.
     """
     if any(map(names_dataset, folders)):
@@ -62,11 +74,20 @@ def report(
     beside = {"--html": html, "--summary": summary, "--details": details}
     if any(map(is_committed, folders)):
         return _show_committed(folders, as_json, [name for name, value in beside.items() if value])
-    if holds_recordings(folders):
-        refuse_flags({"--plugin": plugin, "--measure": measure})
+    of_logs = {"--sort": sort, "--as": as_format, "--labels": labels}
+    told = None
+    if not any(map(is_experiment, folders)) and (as_format or not holds_recordings(folders)):
+        require_one_folder(folders, "logs of trainings")
+        refuse_flags({"--plugin": plugin, "--summary": summary}, "a folder of logs")
+        told, measure = told_of_logs(as_format, sort, baseline, measure, labels), None
+    elif holds_recordings(folders):
+        refuse_flags({"--plugin": plugin, "--measure": measure, **of_logs})
+        told = told_of_logs(None, None, baseline, None, None)
+    else:
+        refuse_flags({"--baseline": baseline, **of_logs}, "an experiment, whose plan says it")
     show = partial(show_results, as_json=as_json, html=html, details=details, summary=summary)
     if len(folders) == 1:
-        results = load_results(folders[0], curve, metric, plugin or (), pairs=pairs, measures=measure or ())
+        results = load_results(folders[0], curve, metric, plugin or (), pairs=pairs, measures=measure or (), told=told)
         status = show(results, _details(results, folders))
         if results.damaged:
             verify = command_text("harness", "verify", folders[0])

@@ -21,6 +21,11 @@ class Failed:
     column: str
     reason: str
 
+    @property
+    def told(self) -> str:
+        """That it was given up, and why; a subclass may know where."""
+        return f"given up: {self.reason}"
+
 
 @dataclass(frozen=True, kw_only=True)
 class LogFacts:

@@ -32,7 +32,7 @@ A cell's trace has columns of its own names, see `harness.record.trace`. A CSV f
 these names: ``begin_distance``, ``previous_best``, ``distance``, ``delta_distance``.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, TypeAlias
@@ -52,7 +52,7 @@ MOST_ROWS = 200_000_000
 """The most rows that a log may have."""
 LARGEST = 1e150
 """The largest number, whose square is still finite."""
-REWARD, BEHAVIOUR = "reward/", "behaviour/"
+TIME, START, REWARD, BEHAVIOUR = "time", "start", "reward/", "behaviour/"
 EPISODES = ("env", "episode", "terminated", "truncated")
 """Columns of steps that tell where episodes begin and end."""
 RECORDED = "recorded"
@@ -149,7 +149,7 @@ class Log:
         names = self._chosen(self.names if columns is None else columns)
         known = {**self._held, **self.added}
         own = tuple(name for name in names if name not in known)
-        read = _joined(list(_checked(self.facts, self.read(own)))) if own else {}
+        read = joined(list(_checked(self.facts, self.read(own)))) if own else {}
         count = len(next(iter(self._held.values()))) if self._held else None
         return Rows({name: (known if name in known else read).get(name, np.empty(0))[:count] for name in names})
 
@@ -182,7 +182,8 @@ class Log:
     @property
     def rewards(self) -> tuple[str, ...]:
         """Names of the rewards whose pay it tells."""
-        return tuple(name.removeprefix(REWARD) for name in self.names if name.startswith(REWARD) and _is_whole(name))
+        paid = {name for name in self.names if name.startswith(REWARD)}
+        return tuple(name.removeprefix(REWARD) for name in self.names if name in paid and not _is_term(name, paid))
 
     @property
     def measures(self) -> tuple[str, ...]:
@@ -205,6 +206,41 @@ class Log:
         """Of steps: row numbers of each finished episode in order, by env; its start row first, if there is one."""
         env, episode, terminated, truncated = map(self.load(EPISODES).__getitem__, EPISODES)
         return episode_rows(env, episode, terminated | truncated)
+
+    def loaded(self, columns: Iterable[str] | None = None) -> "Log":
+        """The same log with some columns or all of them, which are read at once and stay in memory."""
+        return in_memory(self.facts, self.rows(columns).columns)
+
+    def without_starts(self) -> "Log":
+        """The same log without the rows that are the start of an episode, which no step ends in."""
+        if START not in self:
+            return self
+
+        def read(names: tuple[str, ...]) -> Iterator[Columns]:
+            for piece in self.pieces((*names, START)):
+                steps = piece.part(~piece[START].astype(bool))
+                yield {name: steps[name] for name in names}
+
+        return Log(self.facts, tuple(name for name in self.names if name != START), read)
+
+    def renamed(self, new: Mapping[str, str]) -> "Log":
+        """The same log, in which some columns have other names: `new` by the name that each has now.
+
+        Raises:
+            UsageError: Two columns would have one name.
+        """
+        old = {new.get(name, name): name for name in self.columns}
+        for name, other in new.items():
+            if name in self and other != name and other in self:
+                raise UsageError(f"'{name}' cannot be called '{other}': {self.facts.path} has a column of that name")
+
+        def read(names: tuple[str, ...]) -> Iterator[Columns]:
+            for table in self.read(tuple(old[name] for name in names)):
+                yield {name: table[old[name]] for name in names}
+
+        failed = tuple(replace(it, column=new.get(it.column, it.column)) for it in self.facts.failed)
+        added = {new.get(name, name): values for name, values in self.added.items()}
+        return replace(self, facts=replace(self.facts, failed=failed), columns=tuple(old), read=read, added=added)
 
     def add(self, columns: Columns) -> "Log":
         """The same log with further columns, (rows, ...) each; one that it has already is replaced."""
@@ -260,9 +296,10 @@ def missing_column(name: str, there: Iterable[str], begin: str) -> UsageError:
     return UsageError(f"No column '{name}'. {begin}: {', '.join(names)}{nearest(name, names)}")
 
 
-def _is_whole(column: str) -> bool:
-    """Whether a column of pay is a reward's, and none of its terms'."""
-    return "/" not in column.removeprefix(REWARD)
+def _is_term(column: str, paid: Collection[str]) -> bool:
+    """Whether a column of pay is of a term: another one's name is its beginning. Names of rewards may have slashes."""
+    parts = column.split("/")
+    return any("/".join(parts[:end]) in paid for end in range(2, len(parts)))
 
 
 def _uneven(facts: LogFacts, columns: Columns) -> SchemaError:
@@ -278,12 +315,12 @@ def _regrouped(facts: LogFacts, tables: Iterable[Columns], rows: int) -> Iterato
         held += len(next(iter(table.values())))
         waiting.append(table)
         if held >= rows:
-            whole = _joined(waiting)
+            whole = joined(waiting)
             ends = held - held % rows
             yield from (_part(whole, begin, begin + rows) for begin in range(0, ends, rows))
             waiting, held = [_part(whole, ends, held)], held - ends
     if held:
-        yield _joined(waiting)
+        yield joined(waiting)
 
 
 def _checked(facts: LogFacts, tables: Iterable[Columns]) -> Iterator[Columns]:
@@ -298,7 +335,8 @@ def _checked(facts: LogFacts, tables: Iterable[Columns]) -> Iterator[Columns]:
         yield table
 
 
-def _joined(tables: Sequence[Columns]) -> Columns:
+def joined(tables: Sequence[Columns]) -> Columns:
+    """The rows of all tables, one after the other; they have the same columns."""
     if len(tables) <= 1:
         return tables[0] if tables else {}
     return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}

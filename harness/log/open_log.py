@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
@@ -44,7 +45,7 @@ def open_logs(path: Path, registry: Registry, named: str = "") -> tuple[Log, ...
         raise UsageError(f"There is no '{path}'")
     if named:
         return _read(path, named, registry)
-    names = _recognised(path, formats_of(registry))
+    names = recognised(path, formats_of(registry))
     if len(names) > 1:
         told = " or ".join(f"--as {name}" for name in names)
         raise UsageError(f"'{path}' could be a log of several formats: say which, {told}")
@@ -75,6 +76,14 @@ def find_logs(path: Path, registry: Registry, named: str = "") -> Found:
     return Found(tuple(logs), tuple(left_out))
 
 
+def first_log(path: Path, registry: Registry) -> Log | None:
+    """The first log in a file or below a folder that can be read, without a look at the others; None without one."""
+    for place, name in _places(path, formats_of(registry)):
+        with suppress(HarnessError):  # `find_logs` says why
+            return _read(place, name, registry)[0]
+    return None
+
+
 def formats_of(registry: Registry) -> dict[str, LogFormat]:
     """Every registered format whose libraries are installed, by name, with its default settings."""
     specs = (registry.get(LOGS, name) for name in registry.names(LOGS))
@@ -89,7 +98,7 @@ def _built(name: str, registry: Registry) -> LogFormat:
 def _places(path: Path, formats: Mapping[str, LogFormat]) -> Iterator[tuple[Path, str]]:
     """Each place and the format that reads it. A file that several formats recognise is offered to each of them."""
     if path.is_file():
-        yield from ((path, name) for name in _recognised(path, formats))
+        yield from ((path, name) for name in recognised(path, formats))
         return
     seen = 0
     for folder, inner, files in os.walk(path):
@@ -98,17 +107,18 @@ def _places(path: Path, formats: Mapping[str, LogFormat]) -> Iterator[tuple[Path
         if seen > MOST_FILES:
             raise UsageError(f"'{path}' has more than {MOST_FILES:,} files: name a smaller folder")
         place = Path(folder)
-        taken = _recognised(place, formats)
+        taken = recognised(place, formats)
         yield from ((place, name) for name in taken)
         if any(getattr(formats[name], "takes_all", False) for name in taken):
             inner.clear()
             continue
         others = {name: it for name, it in formats.items() if name not in taken}
         for file in sorted(files):
-            yield from ((place / file, name) for name in _recognised(place / file, others))
+            yield from ((place / file, name) for name in recognised(place / file, others))
 
 
-def _recognised(path: Path, formats: Mapping[str, LogFormat]) -> list[str]:
+def recognised(path: Path, formats: Mapping[str, LogFormat]) -> list[str]:
+    """The names of the formats that recognise a file or a folder."""
     head = b""
     if not path.is_dir():
         try:

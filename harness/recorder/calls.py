@@ -158,10 +158,10 @@ def type_of_action(action: Any) -> str:
 
 
 def action_of(numbers: NDArray[np.float64], facts: ActionFacts) -> Any:
-    """The action that a row of numbers (size,) tells of, in the type in which it was given."""
+    """The action that numbers of its shape tell of, in the type in which it was given."""
     if facts.type in PYTHON_TYPES:
-        return PYTHON_TYPES[facts.type](numbers[0])
-    array = numbers.reshape(facts.shape).astype(facts.type)
+        return PYTHON_TYPES[facts.type](np.asarray(numbers).item())
+    array = np.reshape(numbers, facts.shape).astype(facts.type)
     return array if facts.shape else array[()]
 
 

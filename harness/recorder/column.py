@@ -15,11 +15,11 @@ import numpy as np
 from harness.arrays import Float
 from harness.errors import UsageError
 from harness.record.recording.facts import (
-    BEHAVIOUR,
+    FILE_BEHAVIOUR,
+    FILE_REWARD,
     MOST_NAMES,
     MOST_SOURCE,
     OWN_SOURCE,
-    REWARD,
     Source,
     term_column,
 )
@@ -119,7 +119,7 @@ class Column:
         return np.column_stack([sum_of(terms), *terms.values()])
 
     def _has_terms(self, returned: Any) -> bool:
-        if isinstance(returned, dict | tuple) and self.name.startswith(REWARD):
+        if isinstance(returned, dict | tuple) and self.name.startswith(FILE_REWARD):
             return True
         if self.terms:
             require_same(self.terms, {})
@@ -137,7 +137,7 @@ class Column:
     @property
     def term_columns(self) -> list[str]:
         """What the columns of its terms are called."""
-        return [term_column(self.name.removeprefix(REWARD), term) for term in self.terms or ()]
+        return [term_column(self.name.removeprefix(FILE_REWARD), term) for term in self.terms or ()]
 
     @property
     def is_own(self) -> bool:
@@ -152,7 +152,7 @@ class Column:
     @property
     def may_be_untold(self) -> bool:
         """Whether ``info`` may lack it in steps that do not end an episode."""
-        return self.name.startswith(BEHAVIOUR)
+        return self.name.startswith(FILE_BEHAVIOUR)
 
     @property
     def parts(self) -> Collection[Any]:
@@ -186,7 +186,7 @@ def columns_of(
         raise UsageError(f"batched={sorted(batched)} names {sorted(unknown)[0]!r}, which is no reward and no behaviour")
     return [
         _column(env, prefix, noun, name, given, 1 if name in batched else num_envs, name in batched)
-        for prefix, noun, given_ones in ((REWARD, "reward", rewards), (BEHAVIOUR, "behaviour", behaviour))
+        for prefix, noun, given_ones in ((FILE_REWARD, "reward", rewards), (FILE_BEHAVIOUR, "behaviour", behaviour))
         for name, given in given_ones.items()
     ]
 
@@ -198,7 +198,7 @@ def _column(env: Any, prefix: str, noun: str, name: str, given: Given, copies: i
     column = Column(f"{prefix}{name}", noun, opened(given, noun), batched)
     if isinstance(given, str):
         return column
-    if isinstance(given, Mapping) and prefix != REWARD:
+    if isinstance(given, Mapping) and prefix != FILE_REWARD:
         raise UsageError(f"{noun} is {given!r}: a measure is one number, only rewards have terms")
     column.is_watched = not all(map(only_computes, column.parts))
     if column.remembers:

@@ -13,7 +13,7 @@ import numpy as np
 from gymnasium.vector import VectorEnv
 
 from harness.errors import StorageError, UsageError, reason_of
-from harness.record.recording.facts import REWARD, ActionFacts, Failure, TrainingFacts
+from harness.record.recording.facts import FILE_REWARD, ActionFacts, Failure, TrainingFacts, log_column
 from harness.record.recording.recording_writer import RecordingWriter, Rows
 from harness.recorder.asked import Asked
 from harness.recorder.calls import Calls, checksum
@@ -66,7 +66,7 @@ class Recorder:
         recorder = "RecordVectorRewards" if isinstance(env, VectorEnv) else "RecordRewards"
         of_wrappers = tell_wrapped_pay(env, recorder, asked.pay)
         self.columns = columns_of(env, rewards, asked.behaviour, num_envs, frozenset(asked.batched))
-        index = [column.name for column in self.columns].index(f"{REWARD}{asked.trained_with}")
+        index = [column.name for column in self.columns].index(f"{FILE_REWARD}{asked.trained_with}")
         self.trained = None if asked.evaluation or asked.pay or self.columns[index].is_own else index
         self.pays = index if asked.pay else None
         self.looks = any(column.measures for column in self.columns)
@@ -86,17 +86,17 @@ class Recorder:
             evaluation=asked.evaluation,
             seed=asked.seed,
             num_envs=num_envs,
-            env=env_facts(env),
+            spec=env_facts(env),
             versions=versions_of(env, asked.learners),
-            sources={column.name: source_of(column.given) for column in self.columns},
+            sources={log_column(column.name): source_of(column.given) for column in self.columns},
             actions=actions,
             horizon=asked.horizon or 0,
             acted=asked.acted,
             after=asked.after,
-            steps_asked=asked.steps_asked,
+            asked=asked.steps_asked,
             episodes_asked=asked.episodes_asked,
         )
-        self._sums_starts = asked.evaluation and num_envs == 1 and not normalises(facts.env)
+        self._sums_starts = asked.evaluation and num_envs == 1 and not normalises(facts.spec)
         try:
             self._writer = RecordingWriter(self._path, facts, asked.number, asked.resume)
         except OSError as error:
@@ -113,23 +113,26 @@ class Recorder:
 
     def learn_terms(self) -> None:
         """Note which terms the rewards have paid for the first step: they are those of all steps."""
-        found = {it.name.removeprefix(REWARD): it.terms for it in self.columns if it.terms}
+        found = {it.name.removeprefix(FILE_REWARD): it.terms for it in self.columns if it.terms}
         self._know_terms(found)
         if found:
             self._writer.learn_terms(found)
 
     def _know_terms(self, terms: Mapping[str, tuple[str, ...]]) -> None:
         for column in self.columns:
-            is_reward = column.name.startswith(REWARD)
-            column.terms = terms.get(column.name.removeprefix(REWARD), ()) if is_reward else ()
+            is_reward = column.name.startswith(FILE_REWARD)
+            column.terms = terms.get(column.name.removeprefix(FILE_REWARD), ()) if is_reward else ()
         self.with_terms = tuple(index for index, column in enumerate(self.columns) if column.terms)
 
     def note_seed(self, seed: Any) -> None:
         """Keep the first seed that the env was reset with."""
-        if seed is not None and self._writer.facts.seed is None:
-            several = isinstance(seed, (list, tuple, np.ndarray))
-            kept = tuple(None if one is None else int(one) for one in seed) if several else int(seed)
-            self._writer.facts = replace(self._writer.facts, seed=kept)
+        facts = self._writer.facts
+        if seed is None or facts.seed is not None or facts.seeds:
+            return
+        several = isinstance(seed, (list, tuple, np.ndarray))
+        seeds = tuple(None if one is None else int(one) for one in seed) if several else ()
+        first = next((one for one in seeds if one is not None), None) if several else int(seed)
+        self._writer.facts = replace(facts, seed=first, seeds=seeds)
 
     def _note_actions(self, facts: ActionFacts) -> None:
         self._writer.facts = replace(self._writer.facts, actions=facts)
@@ -152,8 +155,8 @@ class Recorder:
         """
         column.given_up = True
         env, episode, step = map(int, at)
-        failure = Failure(column.name, env, episode, step, reason)
-        self._writer.facts = replace(self._writer.facts, failures=(*self._writer.facts.failures, failure))
+        failure = Failure(log_column(column.name), reason, env=env, episode=episode, step=step)
+        self._writer.facts = replace(self._writer.facts, failed=(*self._writer.facts.failed, failure))
         where = f"{column.noun} failed in {_told(at)}: {reason}"
         if self.pays is not None and column is self.columns[self.pays]:
             raise UsageError(f"{where}. It pays the learner, so the training cannot go on") from error
@@ -288,9 +291,9 @@ class Recorder:
 
     def _note_given_up(self, path: str | os.PathLike[str]) -> None:
         """What had failed when the recording was left stays given up."""
-        failed = {failure.column for failure in self._writer.facts.failures}
+        failed = {failure.column for failure in self._writer.facts.failed}
         for index, column in enumerate(self.columns):
-            column.given_up = column.name in failed
+            column.given_up = log_column(column.name) in failed
             if column.given_up and index == self.pays:
                 self._writer.close()
                 raise UsageError(f"'{path}': {column.noun} failed before, and pays the learner: name another path")

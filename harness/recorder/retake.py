@@ -9,6 +9,7 @@ import warnings
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,12 +19,16 @@ from numpy.typing import NDArray
 
 from harness.errors import UsageError, one_line
 from harness.files.sums import making
-from harness.record.recording.facts import BEHAVIOUR, REWARD, ActionFacts, TrainingFacts, term_column
+from harness.log import Log, Rows
+from harness.log.log import BEHAVIOUR, REWARD
+from harness.record.recording.facts import ActionFacts, TrainingFacts, facts_of, file_column, term_column
 from harness.record.recording.recorded_training import (
-    action_columns,
-    facts_name,
+    ACTION,
+    CALLS,
+    FLAGS,
+    INTEGERS,
+    read_recorder,
     read_recording,
-    read_steps,
     recorder_numbers,
 )
 from harness.record.recording.scores import Scores, read_scores, scores_name, write_scores
@@ -33,7 +38,6 @@ from harness.recorder.recorder import GivenUp, Noted
 from harness.recorder.walk import KeepWalks, Walk
 from harness.reward.given import OWN, Given
 
-Columns = Mapping[str, NDArray[Any]]
 Tell = Callable[[int], None]
 
 
@@ -84,23 +88,24 @@ class Retake:
             SchemaError: The recording is damaged.
             OSError: The folder cannot be written.
         """
-        read_recording(folder)  # raises an error if it is damaged
+        for _ in (log := read_recording(folder)).pieces(log.names):
+            pass  # raises an error if it is damaged
         found: dict[Path, Scores] = {}
         done = 0
         for number in recorder_numbers(folder):
-            facts = TrainingFacts.read(folder / facts_name(number))
-            actions = _require_calls(folder, facts)
-            columns = read_steps(folder, number, facts, with_calls=True)
-            path, steps = folder / scores_name(number), len(columns["time"])
-            scores = self._of_recorder(folder, facts, actions, columns, done)
-            earlier = read_scores(path, steps)
+            log, path = read_recorder(folder, number), folder / scores_name(number)
+            rows = _calls_in(folder, log)
+            scores = self._of_recorder(folder, facts_of(log), rows, done)
+            earlier = read_scores(path, partial(len, rows))
             found[path] = scores if earlier is None else scores.with_earlier(earlier)
-            done += steps
+            done += len(rows)
         for path, scores in found.items():
             with making(path):
                 write_scores(path, scores)
         failures = dict.fromkeys(failure for scores in found.values() for failure in scores.failures)
-        return tuple(f"{it.column} fails in episode {it.episode}, step {it.step}: {it.reason}" for it in failures)
+        return tuple(
+            f"{file_column(it.column)} fails in episode {it.episode}, step {it.step}: {it.reason}" for it in failures
+        )
 
     def walks(self, folder: Path) -> Iterator[tuple[int, list[Walk]]]:
         """What was seen and done in a recording: by number of the env, its episodes in order.
@@ -113,44 +118,36 @@ class Retake:
         """
         begin = 0
         for number in recorder_numbers(folder):
-            facts = TrainingFacts.read(folder / facts_name(number))
-            actions = _require_calls(folder, facts)
-            columns = read_steps(folder, number, facts, with_calls=True)
-            numbers = np.stack([columns[name] for name in action_columns(facts)], axis=1)
+            log = read_recorder(folder, number)
+            rows, facts = _calls_in(folder, log), facts_of(log)
             for env in range(facts.num_envs):
-                rows = np.flatnonzero(columns["env"] == env)
-                calls = _Calls(actions, numbers[rows], {name: column[rows] for name, column in columns.items()})
-                yield begin + env, self._walks_of(folder, facts, calls)
+                yield begin + env, self._walks_of(folder, facts, rows.part(rows["env"] == env))
             begin += facts.num_envs
 
-    def _walks_of(self, folder: Path, facts: TrainingFacts, calls: "_Calls") -> list[Walk]:
+    def _walks_of(self, folder: Path, facts: TrainingFacts, calls: Rows) -> list[Walk]:
         with tempfile.TemporaryDirectory(prefix="harness-retake-") as place, closing(KeepWalks(self.make())) as env:
             again = RecordRewards(
                 env, Path(place) / "again", trained_with=OWN, rewards={}, horizon=facts.horizon or None
             )
             try:
-                calls.repeat(again, f"'{folder}'", self.tell)
+                _repeat(calls, _require_actions(folder, facts), again, f"'{folder}'", self.tell)
             finally:
                 again.finish()
             return env.walks
 
-    def _of_recorder(
-        self, folder: Path, facts: TrainingFacts, actions: ActionFacts, columns: Columns, done: int
-    ) -> Scores:
+    def _of_recorder(self, folder: Path, facts: TrainingFacts, calls: Rows, done: int) -> Scores:
         """Its envs one after the other: each of them went on by itself."""
-        numbers = np.stack([columns[name] for name in action_columns(facts)], axis=1)
         values: dict[str, NDArray[np.float64]] = {}
         scores: list[Scores] = []
         for env in range(facts.num_envs):
-            rows = np.flatnonzero(columns["env"] == env)
-            calls = _Calls(actions, numbers[rows], {name: column[rows] for name, column in columns.items()})
-            scores.append(self._of_env(folder, facts, calls, env, done))
+            rows = np.flatnonzero(calls["env"] == env)
+            scores.append(self._of_env(folder, facts, calls.part(rows), env, done))
             for name, column in scores[-1].columns.items():
-                values.setdefault(name, np.full(len(numbers), np.nan))[rows] = column
+                values.setdefault(name, np.full(len(calls), np.nan))[rows] = column
             done += len(rows)
         return replace(scores[0], columns=values, failures=tuple(it for one in scores for it in one.failures))
 
-    def _of_env(self, folder: Path, facts: TrainingFacts, calls: "_Calls", number: int, done: int) -> Scores:
+    def _of_env(self, folder: Path, facts: TrainingFacts, calls: Rows, number: int, done: int) -> Scores:
         with tempfile.TemporaryDirectory(prefix="harness-retake-") as place, closing(self.make()) as env:
             later, path = self.later(env), Path(place) / "again"
             with warnings.catch_warnings():
@@ -166,78 +163,70 @@ class Retake:
                     horizon=facts.horizon or None,  # episodes were cut, and are cut again
                 )
                 try:
-                    calls.repeat(again, f"'{folder}'", lambda steps: self.tell(done + steps))
+                    _repeat(
+                        calls,
+                        _require_actions(folder, facts),
+                        again,
+                        f"'{folder}'",
+                        lambda steps: self.tell(done + steps),
+                    )
                 finally:
                     again.finish()
-            recording = read_recording(path)
-            terms = {name: recording.terms.get(name, {}) for name in later.rewards}
-            columns = {
-                **{f"{REWARD}{name}": recording.rewards[name] for name in later.rewards},
-                **{term_column(name, term): values for name, of in terms.items() for term, values in of.items()},
-                **{f"{BEHAVIOUR}{name}": recording.behaviour[name] for name in later.behaviour},
-            }
-        told = recording.facts
+            told = facts_of(log := read_recording(path))
+            terms = [term_column(name, term) for name in later.rewards for term in told.terms.get(name, ())]
+            columns = log.rows([*later.columns[: len(later.rewards)], *terms, *later.columns[len(later.rewards) :]])
         return Scores(
-            columns,
+            columns.columns,
             told.lower_is_better,
             {name: told.sources[name] for name in later.columns},
             tuple(replace(failure, env=number) for failure in told.failures),
         )
 
 
-@dataclass(frozen=True)
-class _Calls:
-    """The calls that one env got, and its answers.
+def _repeat(calls: Rows, actions: ActionFacts, env: RecordRewards[Any, Any], where: str, tell: Tell) -> None:
+    """Give the calls that one env got to another one.
 
-    Attributes:
-        actions: How actions are recorded.
-        numbers: The actions, (steps, action_size).
-        columns: The other columns of its steps, (steps,) each.
+    Raises:
+        UsageError: It answers otherwise, or raises an error.
     """
-
-    actions: ActionFacts
-    numbers: NDArray[np.float64]
-    columns: Columns
-
-    def repeat(self, env: RecordRewards[Any, Any], where: str, tell: Tell) -> None:
-        """Give the same calls to another env.
-
-        Raises:
-            UsageError: It answers otherwise, or raises an error.
-        """
-        names = ("seed", "resets", "answer", "terminated", "truncated")
-        rows = zip(*(self.columns[name].tolist() for name in names), self.numbers, strict=True)
-        for number, (seed, resets, answer, terminated, truncated, action) in enumerate(rows):
-            try:
-                if seed != NO_SEED:
-                    env.reset(seed=seed)
-                for _ in range(resets):
-                    env.reset()
-                observation, _, *ends, _ = env.step(action_of(action, self.actions))
-            except Exception as error:  # whatever people's envs raise
-                raise UsageError(f"{self._place(where, number)}: the environment raises {one_line(error)}") from error
-            answered = UNCHECKED if answer == UNCHECKED else checksum(observation)
-            if (answered, *map(bool, ends)) != (answer, terminated, truncated):
-                raise UsageError(
-                    f"{self._place(where, number)}: the environment does not answer as it did. It, a library or the "
-                    "machine has changed since, or it draws numbers that its seed does not decide. Nothing is paid"
-                )
-            tell(number + 1)
-
-    def _place(self, where: str, number: int) -> str:
-        episode, step = (int(self.columns[name][number]) for name in ("episode", "step"))
-        return f"{where}, episode {episode}, step {step}"
+    rows = zip(*(calls[name].tolist() for name in (*CALLS, *FLAGS)), calls[ACTION], strict=True)
+    for number, (seed, resets, answer, terminated, truncated, action) in enumerate(rows):
+        try:
+            if seed != NO_SEED:
+                env.reset(seed=seed)
+            for _ in range(resets):
+                env.reset()
+            observation, _, *ends, _ = env.step(action_of(action, actions))
+        except Exception as error:  # whatever people's envs raise
+            raise UsageError(f"{_place(calls, where, number)}: the environment raises {one_line(error)}") from error
+        answered = UNCHECKED if answer == UNCHECKED else checksum(observation)
+        if (answered, *map(bool, ends)) != (answer, terminated, truncated):
+            raise UsageError(
+                f"{_place(calls, where, number)}: the environment does not answer as it did. It, a library or the "
+                "machine has changed since, or it draws numbers that its seed does not decide. Nothing is paid"
+            )
+        tell(number + 1)
 
 
-def _require_calls(folder: Path, facts: TrainingFacts) -> ActionFacts:
-    if facts.actions is None:
+def _place(calls: Rows, where: str, number: int) -> str:
+    return f"{where}, episode {calls['episode'][number]}, step {calls['step'][number]}"
+
+
+def _calls_in(folder: Path, log: Log) -> Rows:
+    """The calls that the envs of a recorder got, and their answers."""
+    _require_actions(folder, facts_of(log))
+    return log.rows((*INTEGERS, *FLAGS, *CALLS, ACTION))
+
+
+def _require_actions(folder: Path, facts: TrainingFacts) -> ActionFacts:
+    actions = facts.actions
+    if actions is None:
         raise UsageError(
             f"'{folder}' does not hold the actions of its training, so no other reward can pay it. Recordings of "
             "earlier versions do not, nor those of actions that are no numbers, or of envs that are stepped as a batch"
         )
-    if facts.actions.problem:
+    if actions.problem:
         raise UsageError(
-            f"'{folder}' cannot be paid by another reward: {facts.actions.problem}, so that its actions cannot be "
-            "taken again"
+            f"'{folder}' cannot be paid by another reward: {actions.problem}, so that its actions cannot be taken again"
         )
-    return facts.actions
+    return actions

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from harness.errors import Unscored, UsageError, sentence
-from harness.record.recording.facts import REWARD
+from harness.record.recording.facts import FILE_REWARD
 from harness.recorder.column import Column, as_number
 from harness.recorder.computing import only_computes
 from harness.recorder.guard import Asking, Guard, Raised
@@ -272,7 +272,7 @@ class Guarded:
             UsageError: It is no function.
         """
         noun = f"reward '{name}'"
-        self._column = Column(f"{REWARD}{name}", noun, opened(given, noun), read=read)
+        self._column = Column(f"{FILE_REWARD}{name}", noun, opened(given, noun), read=read)
         function = self._column.given
         self._column.measures = [function]
         self._guard, self._is_watched = Guard(), not all(map(only_computes, self._column.parts))

@@ -89,7 +89,7 @@ def _wrappers_of_training(path: Path) -> list[str]:
         facts = TrainingFacts.read(path.parent / facts_name(0))
     except (HarnessError, OSError):
         return []
-    return [] if facts.evaluation else list(facts.env.get("wrappers", ()))
+    return [] if facts.evaluation else list(facts.spec.get("wrappers", ()))
 
 
 def _wrappers(env: Any) -> Iterator[Any]:

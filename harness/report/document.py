@@ -21,7 +21,7 @@ def report_to_json(results: Results) -> dict[str, Any]:
         told["learning"] = learning and learning.to_json()
     data["evaluation_returns"] = [matrix.to_json() for matrix in results.returns]
     data["ranking"] = ranking_of(results).to_json()
-    data["notes"] = list(results.notes)
+    data["notes"] = [*results.said, *results.notes]
     for told, manifest in zip(data["cells"], told_manifests(results), strict=True):
         told |= {"status": manifest.status, "reason": manifest.reason}
     standing = standing_of(results)

@@ -155,6 +155,7 @@ class Comparison:
         rescaling: What the proposed reward is, if it is the baseline but for scale and offset; else None.
         paid: What each of both rewards pays its own policies and random actions, as far as that is known.
         same_starts: Whether policies met the same episodes in their evaluations, as far as that is known.
+        counted: By manner, what `episodes` counts where it counts no episodes, such as points of a curve.
     """
 
     group: Group
@@ -179,6 +180,7 @@ class Comparison:
     same_steps: bool = False
     rescaling: Rescaling | None = None
     same_starts: bool = True
+    counted: Mapping[str, str] = field(default_factory=dict)
     trained: tuple[tuple[int, ...], tuple[int, ...]] = ((), ())
     paid: tuple[PaidAtRandom, ...] = ()
 
@@ -244,6 +246,11 @@ class Comparison:
     def is_split(self) -> bool:
         """Whether there are runs, and each training was scored by the other's reward."""
         return self.decomposition is not None and self.decomposition.is_split
+
+    @property
+    def has_pay(self) -> bool:
+        """Whether something is known of how much the pay changed, or else not said why it is not."""
+        return self.main is not None or self.decomposition is not None or not self.missing
 
     @property
     def baseline_index(self) -> Index | None:
@@ -394,7 +401,7 @@ class Comparison:
         if self.main is not None:
             return return_sentence(self.names, self.main)
         if self.number_of == "returns" and self.manner in self.missing:
-            return f"The mean return is not known: {self.missing[self.manner]}."
+            return f"Mean returns are not compared: {self.missing[self.manner]}."
         return number_sentence(self.names, self.splits)
 
     def to_json(self) -> dict[str, Any]:

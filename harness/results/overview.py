@@ -16,13 +16,15 @@ NO_DECIDER = "-"
 """What stands where no measure decided."""
 ARROW = " -> "
 """Between what is measured of the baseline and of the proposed reward."""
-Numbers: TypeAlias = Literal["indices", "ratio", "difference"]
+Numbers: TypeAlias = Literal["none", "indices", "ratio", "difference"]
 OF_NUMBERS: Mapping[Numbers, tuple[str, ...]] = {
+    "none": (),
     "indices": ("eta_N", "eta_P", "ruler"),
     "ratio": ("return", "eta", "ruler", "behaviour"),
     "difference": ("return", "difference", "ruler", "behaviour"),
 }
 READING: Mapping[Numbers, str] = {
+    "none": "What was paid is not compared.",
     "indices": (
         "eta compares the pay: the proposed reward's number divided by the baseline's. A wide terminal shows its 95% "
         "interval in brackets. An eta_N below 1 and an eta_P above 1 count as better. The ruler is the part of eta_P "
@@ -49,7 +51,7 @@ class Overview(NamedTuple):
     measure: str
     """The name of the measure that decides."""
     numbers: Numbers
-    """Which numbers follow it: those of both indices, or the mean return as a ratio or as a difference."""
+    """Which numbers follow it: those of both indices, the mean return as a ratio or as a difference, or none."""
 
     @property
     def headings(self) -> tuple[str, ...]:
@@ -67,7 +69,8 @@ def overview_of(combinations: Sequence[Comparison]) -> Overview:
     names = dict.fromkeys(name for it in combinations for name in it.deciding[:1])
     mains = [it.main for it in combinations if it.main is not None]
     is_ratio = all(it.ratio.eta.value is not None for it in mains)
-    numbers: Numbers = "indices" if not mains else "ratio" if is_ratio else "difference"
+    is_paid = any(it.has_pay for it in combinations)
+    numbers: Numbers = "none" if not is_paid else "indices" if not mains else "ratio" if is_ratio else "difference"
     measure = " / ".join(map(short_name, names)) or "behaviour"
     trained = f" {TRAINING}" if names and all(it.manner in (WHOLE, TRAINING) for it in combinations) else ""
     return Overview(combinations[0].group.subject, f"{measure}{trained}", numbers)
@@ -121,6 +124,8 @@ def overview_row(name: str, combination: Comparison, with_intervals: bool, overv
     """The values under the headings of an overview."""
     answer = combination.headline.answer.value.upper()
     measured = (name, answer, decider_text(combination), measure_text(combination.decisive))
+    if overview.numbers == "none":
+        return measured
     if overview.numbers != "indices":
         return (*measured, *_returned(combination.main, overview.numbers == "ratio"))
     splits = combination.splits

@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 from harness.eta.behaviour_change import Quantity
+from harness.log.log import BEHAVIOUR
 from harness.record.cell import Cell
-from harness.record.recording.facts import BEHAVIOUR
 from harness.results.comparison import Comparison
 from harness.results.metrics import measure_of
 from harness.results.recordings.results import RecordedResults

@@ -59,6 +59,11 @@ class Results(Records):
         return ()
 
     @property
+    def said(self) -> tuple[str, ...]:
+        """How what was found was sorted and read, a line each: what to know before the first number."""
+        return ()
+
+    @property
     def damaged_recordings(self) -> tuple[str, ...]:
         """Recordings that could not be read, a line each; a cell with a damaged file is among `damaged` instead."""
         return ()

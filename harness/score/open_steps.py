@@ -1,17 +1,16 @@
 """Logs of steps by the names of their files: this project's traces, and CSV files of anybody."""
 
-import glob
-import os
 from collections.abc import Iterable
 from pathlib import Path
 
 from harness.errors import UsageError
 from harness.files.bounded import open_regular, reading
 from harness.files.file_kind import HEAD, kind_of
+from harness.files.matched import matched_paths
 from harness.log import Log
 from harness.log.open_log import formats_of, open_logs
 from harness.registry.registry import Registry
-from harness.score.csv_steps import MOST_BYTES, names_reward, open_csv
+from harness.score.csv_steps import MOST_BYTES, StepsCsv, names_reward, open_csv
 from harness.score.row_meaning import NEEDED, RECORD
 
 _PARQUET = b"PAR1"
@@ -28,9 +27,16 @@ def match_steps(patterns: str | Iterable[str], registry: Registry | None = None)
     Raises:
         UsageError: A pattern matches no file, or a file is no log of steps.
     """
-    given = [patterns] if isinstance(patterns, str) else list(patterns)
-    files = {path for pattern in given for path in _match_files(pattern)}
-    return [open_steps(path, registry) for path in sorted(files)]
+    return [open_steps(path, registry) for path in matched_paths(patterns)]
+
+
+def is_table_of_steps(path: Path) -> bool:
+    """Whether a file is a trace, or a CSV file of steps, by its first bytes; no other format is asked."""
+    if path.is_dir():
+        return False
+    with open_regular(path, MOST_BYTES) as file:
+        head = file.read(HEAD)
+    return head.startswith(_PARQUET) or StepsCsv().recognises(path, head)
 
 
 def open_steps(path: Path, registry: Registry | None = None) -> Log:
@@ -80,15 +86,3 @@ def _other_log(path: Path, head: bytes, registry: Registry) -> Log | None:
     if others:
         raise UsageError(f"{path} holds {len(others) + 1} trainings: give each run a file of its own")
     return log
-
-
-def _match_files(pattern: str) -> list[Path]:
-    path = Path(os.path.expanduser(pattern))  # no error, whatever the text
-    if os.path.isfile(path):  # a name may hold [ or *
-        return [path]
-    matched = [Path(name) for name in glob.glob(str(path), recursive=True)]
-    files = [name for name in matched if os.path.isfile(name)]
-    if not files:
-        only = "; it matches folders only" if matched else ""
-        raise UsageError(f"No file matches '{pattern}'{only}. Quote a pattern, as in 'runs/*.csv'")
-    return files

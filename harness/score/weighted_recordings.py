@@ -8,11 +8,12 @@ from typing import NamedTuple
 
 from harness.arrays import Float
 from harness.files.sums import making
-from harness.record.recording.facts import REWARD, Failure, Source, TrainingFacts, term_column
+from harness.log import Log
+from harness.log.log import REWARD
+from harness.record.recording.facts import Failure, Source, TrainingFacts, facts_of, term_column
 from harness.record.recording.recorded_training import (
-    facts_name,
+    read_recorder,
     read_recording,
-    read_steps,
     recorder_numbers,
     recordings_in,
 )
@@ -60,7 +61,7 @@ def pay_by_weights(path: Path, label: str) -> int:
         SchemaError: The recording is damaged.
         OSError: The scores cannot be written.
     """
-    read_recording(path, only=())  # raises an error if it is damaged
+    len(read_recording(path))  # raises an error if it is damaged
     recorders = [_Recorder.read(path, number) for number in recorder_numbers(path)]
     if all(label in it.terms for it in recorders):
         return 0
@@ -75,7 +76,7 @@ def pay_by_weights(path: Path, label: str) -> int:
 class _Recorder(NamedTuple):
     """What one recorder of a recording left, and what was scored later."""
 
-    path: Path
+    log: Log
     number: int
     facts: TrainingFacts
     steps: int
@@ -84,9 +85,8 @@ class _Recorder(NamedTuple):
     @classmethod
     def read(cls, path: Path, number: int) -> "_Recorder":
         """Its facts and scores; its steps are read when they are asked for."""
-        facts = TrainingFacts.read(path / facts_name(number))
-        steps = len(read_steps(path, number, facts, only=())["time"])
-        return cls(path, number, facts, steps, read_scores(path / scores_name(number), steps))
+        log = read_recorder(path, number)
+        return cls(log, number, facts_of(log), len(log), read_scores(path / scores_name(number), partial(len, log)))
 
     @property
     def terms(self) -> dict[str, tuple[str, ...]]:
@@ -119,7 +119,7 @@ class _Recorder(NamedTuple):
         scored = self.earlier.columns if self.earlier else {}
         if set(names.values()) <= scored.keys():
             return {name: scored[column] for name, column in names.items()}
-        read = read_steps(self.path, self.number, self.facts, only=list(names.values()))
+        read = self.log.rows(names.values())
         return {name: read[column] for name, column in names.items()}
 
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from harness.log import Log
 from harness.measure import Measure
-from harness.record.recording.recorded_training import RecordedTraining
+from harness.record.recording.facts import facts_of
 from harness.results.measured import value_of
 from harness.results.recordings.episodes import episodes_of
 
@@ -53,17 +53,17 @@ def outcome_by(name: str, measure: Measure, trace: Log) -> Outcome:
     return Outcome(value, None, name, measure.better)
 
 
-def outcome_in_environment(recording: RecordedTraining) -> Outcome:
+def outcome_in_environment(recording: Log) -> Outcome:
     """The outcome that a validation in an environment recorded.
 
     Raises:
         ValueError: Nothing measures what the agent does, or the measure that decides is not known.
     """
-    facts = recording.facts
+    facts = facts_of(recording)
     if not facts.behaviour:
         raise ValueError("no measure says what the agent does, and a reward cannot judge: give --measure behaviour.py")
     name = facts.behaviour[0]
-    part = episodes_of(recording).part(0, len(recording))
+    part = episodes_of(recording).whole
     value = part.behaviour[name]
     if value is None:
         raise ValueError(f"{name} is not known: {part.reasons.get(name, 'no validation episode was finished')}")

@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 from harness.arrays import Float, Mask
 from harness.errors import HarnessError, UsageError
 from harness.experiment.environments.paid_again import PayAgain
-from harness.log import Log
-from harness.log.log import episode_rows
+from harness.log import Log, Rows
+from harness.log.log import BEHAVIOUR, REWARD, episode_rows
 from harness.record.cell import Cell
 from harness.record.dataset.dataset import Nested
 from harness.record.episode_facts import episode_facts
 from harness.record.folder import EVALUATION, EVALUATION_RECORDING, TRACE, TRAINING_RECORDING
-from harness.record.recording.recorded_training import RecordedTraining, read_recording, recordings_in
+from harness.record.recording.facts import facts_of, term_column
+from harness.record.recording.recorded_training import FLAGS, read_recording, recordings_in
 from harness.record.trace import read_trace
 from harness.recorder.walk import Walk
 from harness.registry.choice import Choice
@@ -190,55 +191,62 @@ def _of_trace(path: Path, cell: Cell, rewards: Mapping[str, Any]) -> Iterator[Ex
 
 
 def _of_recordings(name: str, places: Sequence[tuple[Path, Cell | None]], again: PayAgain, env: str) -> Source:
-    recordings = [read_recording(path) for path, _ in places]
-    rewards = tuple(dict.fromkeys(label for it in recordings for label in it.rewards if _is_known(recordings, label)))
-    unknown = {label for it in recordings for label in it.rewards} - {*rewards}
-    left_out = [f"reward {label} is left out: it is not known in every step" for label in sorted(unknown)]
-    first = recordings[0].facts.terms
-    alike = [label for label in rewards if all(it.facts.terms.get(label) == first.get(label) for it in recordings)]
+    logs = [read_recording(path) for path, _ in places]
+    facts = [facts_of(log) for log in logs]
+    told = dict.fromkeys(label for it in facts for label in it.rewards)
+    rewards = tuple(label for label in told if _is_known(logs, label))
+    left_out = [f"reward {label} is left out: it is not known in every step" for label in sorted({*told} - {*rewards})]
+    first = facts[0].terms
+    alike = [label for label in rewards if all(it.terms.get(label) == first.get(label) for it in facts)]
     terms = tuple(Term(label, name) for label in alike for name in first.get(label, ()))
 
     def episodes() -> Iterator[Exported]:
-        for path, cell in places:
-            recording = read_recording(path)
+        for (path, cell), log in zip(places, logs, strict=True):
             task = None if cell is None else cell.task
             who = path.name if cell is None else f"{cell.reward.label} seed {cell.seed}"
-            for env_number, walks in again.walks(path, task):
-                yield from _of_walks(recording, env_number, walks, rewards, terms, who)
+            rows = log.rows(["env", "episode", *FLAGS, *facts_of(log).numbers, *(term_column(*it) for it in terms)])
+            known = [it for it in log.measures if not np.isnan(rows[f"{BEHAVIOUR}{it}"]).any()]
+            for number, walks in again.walks(path, task):
+                for steps, walk in zip(_split(rows.part(rows["env"] == number)), walks, strict=True):
+                    yield _of_walk(steps, walk, log.facts.trained_with, rewards, terms, known, who)
 
-    robot = env or str(recordings[0].facts.env.get("id", ""))
-    return Source(name, rewards, terms, robot, {}, PERIOD, episodes, left_out)
-
-
-def _is_known(recordings: list[RecordedTraining], label: str) -> bool:
-    return all(label in it.rewards and not np.isnan(it.rewards[label]).any() for it in recordings)
+    return Source(name, rewards, terms, env or facts[0].env, {}, PERIOD, episodes, left_out)
 
 
-def _of_walks(
-    recording: RecordedTraining,
-    env: int,
-    walks: list[Walk],
+def _is_known(logs: Sequence[Log], label: str) -> bool:
+    column = f"{REWARD}{label}"
+    return all(column in log and not np.isnan(log.rows([column])[column]).any() for log in logs)
+
+
+def _split(rows: Rows) -> list[Rows]:
+    """The episodes of one env."""
+    ends = [*(np.flatnonzero(np.diff(rows["episode"])) + 1).tolist(), len(rows)]
+    return [rows.part(slice(begin, end)) for begin, end in zip([0, *ends], ends, strict=False) if begin < end]
+
+
+def _of_walk(
+    rows: Rows,
+    walk: Walk,
+    trained_with: str,
     rewards: tuple[str, ...],
     terms: tuple[Term, ...],
+    known: list[str],
     who: str,
-) -> Iterator[Exported]:
-    of_env = np.flatnonzero(recording.env == env)
-    parts = np.split(of_env, np.flatnonzero(np.diff(recording.episode[of_env])) + 1) if len(of_env) else []
-    known = {name: values for name, values in recording.behaviour.items() if not np.isnan(values).any()}
-    for rows, walk in zip(parts, walks, strict=True):
-        success = next((known[name] for name in ("success", "is_success") if name in known), None)
-        yield Exported(
-            stacked(walk.states),
-            np.asarray(walk.actions),
-            recording.rewards[recording.facts.trained_with][rows],
-            {label: recording.rewards[label][rows] for label in rewards},
-            {term: recording.terms[term.reward][term.name][rows] for term in terms},
-            {name: values[rows] for name, values in known.items()},
-            None if success is None else success[rows] > 0.0,
-            recording.terminated[rows],
-            recording.truncated[rows],
-            who,
-        )
+) -> Exported:
+    infos = {name: rows[f"{BEHAVIOUR}{name}"] for name in known}
+    success = next((infos[name] for name in ("success", "is_success") if name in infos), None)
+    return Exported(
+        stacked(walk.states),
+        np.asarray(walk.actions),
+        rows[f"{REWARD}{trained_with}"],
+        {label: rows[f"{REWARD}{label}"] for label in rewards},
+        {term: rows[term_column(*term)] for term in terms},
+        infos,
+        None if success is None else success > 0.0,
+        rows["terminated"],
+        rows["truncated"],
+        who,
+    )
 
 
 def stacked(states: Any) -> Nested:

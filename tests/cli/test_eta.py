@@ -90,15 +90,9 @@ def test_unequal_budgets_are_no_difference(harness, tmp_path: Path):
 @pytest.mark.parametrize(
     ("files", "folder", "command"),
     [
-        (
-            ["it/base/0.csv", "it/k2/0.csv"],
-            "it",
-            "harness eta --baseline 'it/base/*.csv' --proposed 'it/k2/*.csv'",
-        ),
-        (["it/k2/0.csv", "it/my-base/0.csv"], "it", "--baseline 'it/my-base/*.csv' --proposed 'it/k2/*.csv'"),
-        (["it/arp_seed0.csv", "it/base_1.csv"], "it", "--baseline 'it/base*.csv' --proposed 'it/arp*.csv'"),
-        (["it/0.csv", "it/1.csv"], "it", "--baseline 'it/*.csv' --proposed 'OTHER/*.csv'"),
-        (["it/0.csv"], "it/0.csv", "'it/0.csv' is a file: harness eta --baseline it/0.csv --proposed"),
+        (["it/0.csv", "it/1.csv"], "it", "are of 1 reward, `it` 2; two are compared. Name them, --baseline"),
+        (["it/a0.csv", "it/b0.csv", "it/c0.csv"], "it", "are of 3 rewards, `a` 1, `b` 1, `c` 1; two are compared"),
+        (["it/0.csv"], "it/0.csv", "harness eta --baseline it/0.csv --proposed 'OTHER/*.csv' compares CSV files of"),
         ([], "minari:a/b-v0", "is a data set, which holds no trainings to compare: harness audit minari:a/b-v0"),
     ],
 )
@@ -110,6 +104,37 @@ def test_what_is_no_folder_of_trainings_is_told_the_command(harness, tmp_path: P
     answer = harness("eta", folder)
     assert (answer.status, answer.out, answer.err.count("\n")) == (2, "", 1)
     assert command in answer.err
+
+
+@pytest.mark.parametrize(
+    ("files", "told"),
+    [
+        (["it/base/0.csv", "it/k2/0.csv"], "CSV files: 1 of `base`, the baseline, and 1 of `k2`"),
+        (
+            ["it/k2/0.csv", "it/my-base/0.csv", "it/my-base/1.csv"],
+            "CSV files: 2 of `my-base`, the baseline, and 1 of `k2`",
+        ),
+        (["it/arp_seed0.csv", "it/base_1.csv"], "CSV files: 1 of `base`, the baseline, and 1 of `arp`"),
+    ],
+)
+def test_csv_files_of_a_folder_are_sorted_by_their_names(harness, tmp_path: Path, files, told):
+    """Two rewards: what is called a baseline is the baseline, and standard error says which files were compared."""
+    for name in files:
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text("reward\n" + ("-3\n3\n" if "base" in name else "-1\n2\n"))
+    answer = harness("eta", "it", "--json")
+    data = json.loads(answer.out)
+    assert (answer.status, answer.err) == (0, f"{told}\n")
+    assert (data["baseline"]["I_N"], data["proposed"]["I_N"]) == (-3.0, -1.0)
+
+
+def test_the_baseline_of_a_folder_can_be_named(harness, tmp_path: Path):
+    """``--baseline`` takes the name of one of the rewards; another name is answered with those that there are."""
+    for name, pay in (("base", "-3\n3\n"), ("k2", "-1\n2\n")):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "0.csv").write_text(f"reward\n{pay}")
+    assert json.loads(harness("eta", ".", "--baseline", "k2", "--json").out)["baseline"]["I_N"] == -1.0
+    assert "There are: base, k2" in harness("eta", ".", "--baseline", "k3").err
 
 
 def test_help_promises_no_data_set(harness):
@@ -161,7 +186,7 @@ def test_what_cannot_be_compared_is_told_in_one_line(harness, recorded, tmp_path
     assert told in answer.err
 
 
-LOADED = 81
+LOADED = 86
 """Modules of this project, of some 500. Others that open files of a plugin, or of a reward, come with these."""
 
 

@@ -241,7 +241,7 @@ def _recorded_training(folder: Path, name: str, mutate: Mutate) -> Reader:
         writer.append([[time, 0, time // 5, time % 5, 0.5, -1.5, 1.0, time % 5 == 4, False] for time in range(12)])
         writer.close()
     files = {path.name: path.read_bytes() for path in place.iterdir() if path.suffix != ".lock"}
-    return Reader(files, {name: mutate}, read_recording)
+    return Reader(files, {name: mutate}, lambda place: read_recording(place).rows())
 
 
 def _mutate_sealed(content: bytes, rng: Random) -> bytes:

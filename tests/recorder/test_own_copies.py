@@ -37,7 +37,7 @@ def _record(env: Any, reward: Any, path: Path) -> list[float]:
     for _ in range(3):
         recorded.step(ACTION)
     recorded.close()
-    return read_recording(path).rewards["holds"].tolist()
+    return read_recording(path)["reward/holds"].tolist()
 
 
 HELD: dict[str, Callable[[Any], tuple[Any, Callable[[Any], float]]]] = {
@@ -104,4 +104,4 @@ def test_batched_reward_may_hold_the_batch(tmp_path: Path):
     recorded.reset(seed=0)
     places = [recorded.step(np.zeros(2, np.int64))[0][:, 0] for _ in range(3)]
     recorded.close()
-    assert np.allclose(read_recording(tmp_path / "run").rewards["all"], np.ravel(places), atol=1e-6)
+    assert np.allclose(read_recording(tmp_path / "run")["reward/all"], np.ravel(places), atol=1e-6)

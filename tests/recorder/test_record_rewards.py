@@ -17,7 +17,8 @@ from gymnasium.utils.env_checker import check_env
 
 import harness
 from harness.errors import SchemaError, StorageError, UsageError
-from harness.record.recording.recorded_training import RecordedTraining, read_recording
+from harness.log import Log
+from harness.record.recording.recorded_training import read_recording
 
 ACTION = np.array([0.5], np.float32)
 
@@ -64,7 +65,7 @@ def _act(env: Any, steps: int, seed: int | None = None) -> None:
             env.reset()
 
 
-def _recorded(env: Any, steps: int, tmp_path: Path, seed: int | None = None) -> RecordedTraining:
+def _recorded(env: Any, steps: int, tmp_path: Path, seed: int | None = None) -> Log:
     _act(env, steps, seed)
     env.close()
     return read_recording(tmp_path / "run")
@@ -73,22 +74,22 @@ def _recorded(env: Any, steps: int, tmp_path: Path, seed: int | None = None) -> 
 def test_steps_are_recorded(record: Callable[..., Any], tmp_path: Path):
     """Each with its time, its place in the episode, what every reward pays, and how it ended."""
     found = _recorded(record(behaviour={"left": "left"}), 5, tmp_path)
-    assert found.time.tolist() == [0, 1, 2, 3, 4]
-    assert found.episode.tolist() == [0, 0, 0, 1, 1]
-    assert found.step.tolist() == [0, 1, 2, 0, 1]
-    assert found.rewards["own"].tolist() == [1, 2, 3, 1, 2]
-    assert found.rewards["gain"].tolist() == [1.5] * 5
-    assert found.behaviour["left"].tolist() == [2, 1, 0, 2, 1]
-    assert found.terminated.tolist() == [False, False, True, False, False]
-    assert not found.truncated.any()
-    assert not found.env.any()
+    assert found["tick"].tolist() == [0, 1, 2, 3, 4]
+    assert found["episode"].tolist() == [0, 0, 0, 1, 1]
+    assert found["step"].tolist() == [0, 1, 2, 0, 1]
+    assert found["reward/own"].tolist() == [1, 2, 3, 1, 2]
+    assert found["reward/gain"].tolist() == [1.5] * 5
+    assert found["behaviour/left"].tolist() == [2, 1, 0, 2, 1]
+    assert found["terminated"].tolist() == [False, False, True, False, False]
+    assert not found["truncated"].any()
+    assert not found["env"].any()
 
 
 def test_truncation_is_recorded(record: Callable[..., Any], counting: Callable[..., Any], tmp_path: Path):
     """Apart from termination."""
     found = _recorded(record(env=gymnasium.wrappers.TimeLimit(counting(), 2)), 3, tmp_path)
-    assert found.truncated.tolist() == [False, True, False]
-    assert not found.terminated.any()
+    assert found["truncated"].tolist() == [False, True, False]
+    assert not found["terminated"].any()
 
 
 def test_abandoned_episode_is_an_episode_of_its_own(record: Callable[..., Any], tmp_path: Path):
@@ -97,14 +98,14 @@ def test_abandoned_episode_is_an_episode_of_its_own(record: Callable[..., Any], 
     for steps in (1, 0, 2):
         _act(env, steps)
     env.close()
-    assert read_recording(tmp_path / "run").episode.tolist() == [0, 1, 1]
+    assert read_recording(tmp_path / "run")["episode"].tolist() == [0, 1, 1]
 
 
 def test_memory_is_restarted_with_each_episode(record: Callable[..., Any], tmp_path: Path):
     """And is a copy: the object that was given stays as it was."""
     memory = Memory()
     found = _recorded(record(rewards={"calls": memory}), 5, tmp_path)
-    assert found.rewards["calls"].tolist() == [1, 2, 3, 1, 2]
+    assert found["reward/calls"].tolist() == [1, 2, 3, 1, 2]
     assert memory.calls == 100
 
 
@@ -164,7 +165,7 @@ def test_seed_and_env_are_written_down(record: Callable[..., Any], tmp_path: Pat
     """The first seed; the spec with its arguments; the versions."""
     facts = _recorded(record(env=gymnasium.make("Pendulum-v1", g=9.0)), 2, tmp_path, seed=5).facts
     assert facts.seed == 5
-    assert (facts.env["id"], facts.env["kwargs"], facts.env["max_episode_steps"]) == ("Pendulum-v1", {"g": 9.0}, 200)
+    assert (facts.env, facts.spec["kwargs"], facts.spec["max_episode_steps"]) == ("Pendulum-v1", {"g": 9.0}, 200)
     assert facts.versions["gymnasium"] == gymnasium.__version__
 
 
@@ -194,10 +195,10 @@ def test_reward_that_fails_is_given_up(record: Callable[..., Any], tmp_path: Pat
     with pytest.warns(UserWarning, match=f"^reward 'bad' failed in env 0, episode 0, step 1: .*{reason}") as warned:
         found = _recorded(env, 5, tmp_path)
     assert len(warned) == 1
-    assert np.isnan(found.rewards["bad"]).tolist() == [False, True, True, True, True]
-    assert found.rewards["gain"].tolist() == [1.5] * 5
+    assert np.isnan(found["reward/bad"]).tolist() == [False, True, True, True, True]
+    assert found["reward/gain"].tolist() == [1.5] * 5
     (failure,) = found.facts.failures
-    assert (failure.column, failure.env, failure.episode, failure.step) == ("reward_bad", 0, 0, 1)
+    assert (failure.column, failure.env, failure.episode, failure.step) == ("reward/bad", 0, 0, 1)
 
 
 @pytest.mark.parametrize(("given", "reason"), FAILURES.values(), ids=FAILURES)
@@ -219,13 +220,13 @@ def test_memory_that_cannot_restart_is_given_up(record: Callable[..., Any], tmp_
 
     with pytest.warns(UserWarning, match="episode 0, step 0: RuntimeError: stuck"):
         found = _recorded(record(rewards={"bad": Stuck()}), 2, tmp_path)
-    assert np.isnan(found.rewards["bad"]).all()
+    assert np.isnan(found["reward/bad"]).all()
 
 
 def test_behaviour_may_be_told_at_the_end_alone(record: Callable[..., Any], tmp_path: Path):
     """Steps before it have NaN, and nothing is given up."""
     found = _recorded(record(behaviour={"final": "final"}), 4, tmp_path)
-    assert np.isnan(found.behaviour["final"]).tolist() == [True, True, False, True]
+    assert np.isnan(found["behaviour/final"]).tolist() == [True, True, False, True]
     assert found.facts.failures == ()
 
 
@@ -275,8 +276,8 @@ def test_recording_goes_on(record: Callable[..., Any], tmp_path: Path):
     """With resume=True: time and episodes go on where they were."""
     _recorded(record(resume=True), 4, tmp_path)
     found = _recorded(record(resume=True), 2, tmp_path)
-    assert found.time.tolist() == [0, 1, 2, 3, 4, 5]
-    assert found.episode.tolist() == [0, 0, 0, 1, 2, 2]
+    assert found["tick"].tolist() == [0, 1, 2, 3, 4, 5]
+    assert found["episode"].tolist() == [0, 0, 0, 1, 2, 2]
     assert found.facts.closed
 
 
@@ -301,7 +302,7 @@ def test_given_up_reward_stays_given_up_in_a_recording_that_goes_on(record: Call
     with pytest.warns(UserWarning, match="failed"):
         _recorded(record(rewards={"bad": "other"}), 2, tmp_path)
     found = _recorded(record(rewards={"bad": "other"}, resume=True), 1, tmp_path)
-    assert np.isnan(found.rewards["bad"]).tolist() == [False, True, True]
+    assert np.isnan(found["reward/bad"]).tolist() == [False, True, True]
 
 
 def test_envs_of_one_training_record_beside_one_another(record: Callable[..., Any], tmp_path: Path):
@@ -315,8 +316,8 @@ def test_envs_of_one_training_record_beside_one_another(record: Callable[..., An
     first.close(), second.close()
     found = read_recording(tmp_path / "run")
     assert found.facts.num_envs == 2
-    assert found.time.tolist() == [0, 0, 1, 1]
-    assert found.env.tolist() == [0, 1, 0, 1]
+    assert found["tick"].tolist() == [0, 0, 1, 1]
+    assert found["env"].tolist() == [0, 1, 0, 1]
 
 
 def test_recording_can_be_read_while_it_goes_on(
@@ -436,11 +437,11 @@ def test_what_was_asked_for_stands_in_the_record(counting, tmp_path):
     """Of a training its steps; whoever goes on with it may ask for more."""
     given = {"trained_with": "own", "rewards": {"own": "own"}}
     harness.RecordRewards(counting(), tmp_path, steps_asked=30, **given).close()
-    assert read_recording(tmp_path).facts.steps_asked == 30
+    assert read_recording(tmp_path).facts.asked == 30
     harness.RecordRewards(counting(), tmp_path, resume=True, **given).close()
-    assert read_recording(tmp_path).facts.steps_asked == 30
+    assert read_recording(tmp_path).facts.asked == 30
     harness.RecordRewards(counting(), tmp_path, resume=True, steps_asked=60, **given).close()
-    assert read_recording(tmp_path).facts.steps_asked == 60
+    assert read_recording(tmp_path).facts.asked == 60
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,8 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 import harness
 from harness.errors import UsageError
-from harness.record.recording.recorded_training import RecordedTraining, read_recording
+from harness.log import Log
+from harness.record.recording.recorded_training import read_recording
 
 LENGTHS = (3, 2)
 CALLS = 9
@@ -85,7 +86,7 @@ def _act(envs: Any, mode: AutoresetMode, calls: int = CALLS) -> None:
             envs.reset(options={"reset_mask": ended})
 
 
-def _single(counting: Callable[..., Any], path: Path, env: int, calls: list[int]) -> RecordedTraining:
+def _single(counting: Callable[..., Any], path: Path, env: int, calls: list[int]) -> Log:
     """What one env alone records, of the actions of these calls."""
     alone = harness.RecordRewards(counting(LENGTHS[env]), path, **GIVEN)
     alone.reset()
@@ -107,17 +108,17 @@ def test_batch_records_what_its_envs_record_alone(
     found = read_recording(tmp_path / "batch")
     assert (found.facts.num_envs, found.facts.seed, found.facts.closed) == (2, 3, True)
     for env, length in enumerate(LENGTHS):
-        rows = found.env == env
+        rows = found["env"] == env
         only_reset = range(length, CALLS, length + 1) if mode == AutoresetMode.NEXT_STEP else ()
         calls = [call for call in range(CALLS) if call not in only_reset]
         alone = _single(counting, tmp_path / str(env), env, calls)
-        assert found.time[rows].tolist() == calls
+        assert found["tick"][rows].tolist() == calls
         for name in ("episode", "step", "terminated", "truncated"):
-            assert np.array_equal(getattr(found, name)[rows], getattr(alone, name)), name
+            assert np.array_equal(found[name][rows], alone[name]), name
         for name in ("own", "sum"):
-            assert np.array_equal(found.rewards[name][rows], alone.rewards[name]), name
+            assert np.array_equal(found[f"reward/{name}"][rows], alone[f"reward/{name}"]), name
         for name in ("left", "final"):
-            assert np.array_equal(found.behaviour[name][rows], alone.behaviour[name], equal_nan=True), name
+            assert np.array_equal(found[f"behaviour/{name}"][rows], alone[f"behaviour/{name}"], equal_nan=True), name
 
 
 @pytest.mark.parametrize("mode", MODES)
@@ -132,8 +133,8 @@ def test_batched_reward_is_that_of_single_envs(make_batch: Callable[..., Any], t
     found = read_recording(tmp_path)
     for env in range(len(LENGTHS)):
         for episode in range(3):
-            rows = (found.env == env) & (found.episode == episode)
-            np.testing.assert_allclose(found.rewards["all"][rows], np.cumsum(found.rewards["each"][rows]), rtol=1e-6)
+            rows = (found["env"] == env) & (found["episode"] == episode)
+            np.testing.assert_allclose(found["reward/all"][rows], np.cumsum(found["reward/each"][rows]), rtol=1e-6)
 
 
 @pytest.mark.parametrize("mode", MODES)
@@ -185,8 +186,8 @@ def test_observations_of_several_parts(tmp_path: Path):
         envs.step({"go": np.array([0, 1])})
     envs.close()
     found = read_recording(tmp_path)
-    assert found.rewards["seen"][found.env == 0].tolist() == [111, 221, 111]
-    assert found.rewards["seen"][found.env == 1].tolist() == [1111, 1221, 1111]
+    assert found["reward/seen"][found["env"] == 0].tolist() == [111, 221, 111]
+    assert found["reward/seen"][found["env"] == 1].tolist() == [1111, 1221, 1111]
 
 
 def test_batch_that_tells_of_the_last_step_itself(tmp_path: Path):
@@ -205,9 +206,9 @@ def test_batch_that_tells_of_the_last_step_itself(tmp_path: Path):
     recorded.close()
     found = read_recording(tmp_path)
     assert found.facts.failures == ()
-    assert (found.terminated | found.truncated).any()
-    assert np.array_equal(found.behaviour["distance"], np.concatenate(told))
-    assert np.array_equal(found.rewards["far"], found.behaviour["distance"])
+    assert (found["terminated"] | found["truncated"]).any()
+    assert np.array_equal(found["behaviour/distance"], np.concatenate(told))
+    assert np.array_equal(found["reward/far"], found["behaviour/distance"])
 
 
 def _fail_in_second_env(before: Any, action: Any, after: Any, info: Any) -> float:
@@ -243,9 +244,11 @@ def test_reward_that_fails_is_given_up_with_env_and_step(
     assert len(told) == 1
     found = read_recording(tmp_path)
     (failure,) = found.facts.failures
-    bad = np.flatnonzero((found.env == failure.env) & (found.episode == failure.episode) & (found.step == failure.step))
-    assert np.isnan(found.rewards["bad"]).tolist() == [row >= bad[0] for row in range(2 * CALLS)]
-    assert not np.isnan(found.rewards["own"]).any()
+    bad = np.flatnonzero(
+        (found["env"] == failure.env) & (found["episode"] == failure.episode) & (found["step"] == failure.step)
+    )
+    assert np.isnan(found["reward/bad"]).tolist() == [row >= bad[0] for row in range(2 * CALLS)]
+    assert not np.isnan(found["reward/own"]).any()
 
 
 def test_batched_reward_of_a_wrong_shape_is_given_up(make_batch: Callable[..., Any], tmp_path: Path):
@@ -278,9 +281,9 @@ def test_batch_goes_on(make_batch: Callable[..., Any], tmp_path: Path):
         _act(envs, mode, calls=4)
         envs.close()
     found = read_recording(tmp_path)
-    assert found.time.tolist() == sorted([*range(8), *range(8)])
-    assert found.episode[found.env == 0].tolist() == [0, 0, 0, 1, 2, 2, 2, 3]
-    assert found.episode[found.env == 1].tolist() == [0, 0, 1, 1, 2, 2, 3, 3]
+    assert found["tick"].tolist() == sorted([*range(8), *range(8)])
+    assert found["episode"][found["env"] == 0].tolist() == [0, 0, 0, 1, 2, 2, 2, 3]
+    assert found["episode"][found["env"] == 1].tolist() == [0, 0, 1, 1, 2, 2, 3, 3]
 
 
 def test_env_that_does_not_tell_how_it_starts_episodes_is_refused(make_batch: Callable[..., Any], tmp_path: Path):

@@ -10,7 +10,8 @@ import pytest
 
 import harness
 from harness.errors import UsageError
-from harness.record.recording.recorded_training import RecordedTraining, read_recording
+from harness.log import Log
+from harness.record.recording.recorded_training import read_recording
 from harness.record.recording.scores import scores_name
 from harness.recorder.retake import Later, Retake
 from harness.reward import Given
@@ -51,7 +52,7 @@ def _act(env: Any, steps: int) -> None:
     env.close()
 
 
-def _record(path: Path, name: str = "Pendulum-v1", steps: int = 250, **given: Any) -> RecordedTraining:
+def _record(path: Path, name: str = "Pendulum-v1", steps: int = 250, **given: Any) -> Log:
     _act(
         harness.RecordRewards(
             gymnasium.make(name), path, **{"trained_with": "own", "rewards": {"own": "own"}, "seed": 1, **given}
@@ -71,12 +72,12 @@ def test_reward_pays_what_it_would_have_paid(tmp_path: Path):
     before = _record(tmp_path / "later")
     assert _retake().score(tmp_path / "later") == ()
     later = read_recording(tmp_path / "later")
-    assert np.array_equal(later.rewards["low"], at_once.rewards["low"])
-    assert np.array_equal(later.behaviour["worst"], at_once.behaviour["worst"])
-    assert np.array_equal(later.rewards["own"], before.rewards["own"])
-    assert (later.facts.lower_is_better, later.facts.sources["reward_low"]) == (
+    assert np.array_equal(later["reward/low"], at_once["reward/low"])
+    assert np.array_equal(later["behaviour/worst"], at_once["behaviour/worst"])
+    assert np.array_equal(later["reward/own"], before["reward/own"])
+    assert (later.facts.lower_is_better, later.facts.sources["reward/low"]) == (
         ("worst",),
-        at_once.facts.sources["reward_low"],
+        at_once.facts.sources["reward/low"],
     )
 
 
@@ -85,14 +86,14 @@ def test_episodes_that_the_recorder_cut_are_cut_again(tmp_path: Path):
     told: dict[str, Any] = {"trained_with": "own", "rewards": {"own": "own"}, "episodes": 2, "horizon": 20}
     harness.evaluate_policy(lambda seen: np.zeros(1), "Pendulum-v1", tmp_path, seed=0, **told)
     _retake().score(tmp_path)
-    assert len(read_recording(tmp_path).rewards["low"]) == 40
+    assert len(read_recording(tmp_path)["reward/low"]) == 40
 
 
 @pytest.mark.parametrize("mode", [gymnasium.vector.AutoresetMode.NEXT_STEP, gymnasium.vector.AutoresetMode.SAME_STEP])
 def test_envs_of_a_batch_are_paid_one_by_one(tmp_path: Path, mode: Any):
     """Each env went on by itself, however the batch starts episodes."""
 
-    def record(path: Path, **given: Any) -> RecordedTraining:
+    def record(path: Path, **given: Any) -> Log:
         envs = gymnasium.make_vec(
             "CartPole-v1", num_envs=3, vectorization_mode="sync", vector_kwargs={"autoreset_mode": mode}
         )
@@ -108,9 +109,9 @@ def test_envs_of_a_batch_are_paid_one_by_one(tmp_path: Path, mode: Any):
     record(tmp_path / "later", rewards={})
     _retake("CartPole-v1").score(tmp_path / "later")
     later = read_recording(tmp_path / "later")
-    assert later.episode.max() > 1
-    assert np.array_equal(later.rewards["low"], at_once.rewards["low"])
-    assert np.array_equal(later.behaviour["worst"], at_once.behaviour["worst"])
+    assert later["episode"].max() > 1
+    assert np.array_equal(later["reward/low"], at_once["reward/low"])
+    assert np.array_equal(later["behaviour/worst"], at_once["behaviour/worst"])
 
 
 def test_several_recorders_of_one_training_are_paid(tmp_path: Path):
@@ -119,7 +120,7 @@ def test_several_recorders_of_one_training_are_paid(tmp_path: Path):
         _record(tmp_path / "run", steps=40, number=number)
     _retake().score(tmp_path / "run")
     assert {scores_name(0), scores_name(1)} < {path.name for path in (tmp_path / "run").iterdir()}
-    assert not np.isnan(read_recording(tmp_path / "run").rewards["low"]).any()
+    assert not np.isnan(read_recording(tmp_path / "run")["reward/low"]).any()
 
 
 def test_training_that_went_on_is_paid_to_its_end(tmp_path: Path):
@@ -129,7 +130,7 @@ def test_training_that_went_on_is_paid_to_its_end(tmp_path: Path):
     _record(tmp_path / "run", steps=40, resume=True)
     assert "low" not in read_recording(tmp_path / "run").rewards
     _retake().score(tmp_path / "run")
-    assert len(read_recording(tmp_path / "run").rewards["low"]) == 80
+    assert len(read_recording(tmp_path / "run")["reward/low"]) == 80
 
 
 def test_reward_that_fails_costs_itself_alone(tmp_path: Path):
@@ -141,9 +142,9 @@ def test_reward_that_fails_costs_itself_alone(tmp_path: Path):
     _record(tmp_path / "run", steps=5)
     retake = Retake(lambda: gymnasium.make("Pendulum-v1"), lambda env: Later({"fails": fails, **REWARDS}, {}))
     assert retake.score(tmp_path / "run") == ("reward_fails fails in episode 0, step 0: KeyError: 'no such'",)
-    found = read_recording(tmp_path / "run").rewards
-    assert np.isnan(found["fails"]).all()
-    assert not np.isnan(found["low"]).any()
+    found = read_recording(tmp_path / "run")
+    assert np.isnan(found["reward/fails"]).all()
+    assert not np.isnan(found["reward/low"]).any()
 
 
 def _step_apart(env: Any) -> Any:

@@ -12,11 +12,13 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 import harness
 from harness.errors import SchemaError, UsageError
+from harness.log import Log
 from harness.record.recording.facts import TrainingFacts
-from harness.record.recording.recorded_training import RecordedTraining, facts_name, read_recording
+from harness.record.recording.recorded_training import facts_name, read_recording, weighed
 from harness.recorder.recorder import GivenUp
 from harness.recorder.retake import Later, Retake
 from harness.reward.terms import sum_of
+from tests.record.recording.told import terms_of
 
 
 def gentle(step: Any) -> dict[str, Any]:
@@ -50,7 +52,7 @@ def _act_batch(env: Any, steps: int) -> None:
         env.step(env.action_space.sample())
 
 
-def _recorded(folder: Path, steps: int, name: str = "Pendulum-v1", **given: Any) -> RecordedTraining:
+def _recorded(folder: Path, steps: int, name: str = "Pendulum-v1", **given: Any) -> Log:
     env = harness.RecordRewards(gymnasium.make(name), folder, **{"trained_with": "own", "rewards": {}, **given})
     _act(env, steps)
     env.close()
@@ -61,9 +63,9 @@ def test_terms_add_up_to_the_pay_in_every_step(tmp_path: Path):
     """To the last bit, of single precision too; a term has a column, and its sum is the reward."""
     found = _recorded(tmp_path / "run", 450, rewards={"gentle": gentle, "eureka": eureka})
     assert found.facts.terms == {"gentle": ("upright", "effort", "jerk"), "eureka": ("upright", "speed")}
-    for name, terms in found.terms.items():
-        assert np.array_equal(sum_of(terms), found.rewards[name])
-        assert all(np.ptp(values) > 0.0 for values in terms.values())
+    for name in found.facts.terms:
+        assert np.array_equal(sum_of(terms_of(found, name)), found[f"reward/{name}"])
+        assert all(np.ptp(values) > 0.0 for values in terms_of(found, name).values())
     assert next(iter(found.facts.term_columns)) == "reward/gentle/upright"
 
 
@@ -76,13 +78,13 @@ def test_training_with_terms_pays_their_sum(tmp_path: Path):
     paid = [env.step(np.array([0.3], np.float32))[1] for _ in range(5)]
     assert env.recorded["reward/gentle/jerk"] == 0.0
     env.close()
-    assert read_recording(tmp_path / "run").rewards["gentle"].tolist() == paid
+    assert read_recording(tmp_path / "run")["reward/gentle"].tolist() == paid
     harness.evaluate_policy(
         lambda seen: np.zeros(1, np.float32), "Pendulum-v1", tmp_path / "evaluation", trained_with="gentle", seed=0,
         rewards={"gentle": gentle}, episodes=1,
     )  # fmt: skip
     found = read_recording(tmp_path / "evaluation")
-    assert np.array_equal(sum_of(found.terms["gentle"]), found.rewards["gentle"])
+    assert np.array_equal(sum_of(terms_of(found, "gentle")), found["reward/gentle"])
 
 
 def test_before_the_first_step_there_are_zeros_and_the_info_of_the_reset(counting: Callable[..., Any], tmp_path: Path):
@@ -162,12 +164,12 @@ def test_what_is_wrong_with_a_reward_is_told_by_name(
     found = read_recording(tmp_path / "run")
     (failure,) = found.facts.failures
     assert told in failure.reason
-    first = found.step < at
-    assert np.isfinite(found.rewards["it"][first]).all()
-    assert np.isnan(found.rewards["it"][~first]).all()
-    for values in found.terms.get("it", {}).values():
+    first = found["step"] < at
+    assert np.isfinite(found["reward/it"][first]).all()
+    assert np.isnan(found["reward/it"][~first]).all()
+    for values in terms_of(found, "it").values():
         assert np.isnan(values[~first]).all()
-    assert found.terms["fine"]["c"].tolist() == [1.0] * len(found)
+    assert found["reward/fine/c"].tolist() == [1.0] * len(found)
 
 
 def test_function_that_writes_into_a_step_is_told_what_it_writes_into(counting: Callable[..., Any], tmp_path: Path):
@@ -199,12 +201,12 @@ def test_terms_may_be_given_by_name(counting: Callable[..., Any], tmp_path: Path
     _act(env, 6)
     env.close()
     found = read_recording(tmp_path / "run")
-    assert {name: values.tolist() for name, values in found.terms["it"].items()} == {
+    assert {name: values.tolist() for name, values in terms_of(found, "it").items()} == {
         "left": [2.0, 1.0, 0.0] * 2,
         "count": [1.0, 2.0, 3.0] * 2,
         "went": [1.0] * 6,
     }
-    assert found.facts.sources["reward_it"].text.startswith("# left\ninfo key 'left'\n# count\n")
+    assert found.facts.sources["reward/it"].text.startswith("# left\ninfo key 'left'\n# count\n")
 
 
 class Parts(gymnasium.Env[Any, Any]):
@@ -235,8 +237,8 @@ def test_key_that_told_terms_has_to_tell_them_in_every_step(is_batch: bool, tmp_
         _act_batch(env, 5) if is_batch else _act(env, 5)
     env.close()
     found = read_recording(tmp_path / "run")
-    assert np.array_equal(found.rewards["it"], [3.0, 3.0, np.nan, np.nan, np.nan], equal_nan=True)
-    assert np.array_equal(found.terms["it"]["far"], [2.0, 2.0, np.nan, np.nan, np.nan], equal_nan=True)
+    assert np.array_equal(found["reward/it"], [3.0, 3.0, np.nan, np.nan, np.nan], equal_nan=True)
+    assert np.array_equal(found["reward/it/far"], [2.0, 2.0, np.nan, np.nan, np.nan], equal_nan=True)
 
 
 def test_measure_is_one_number(counting: Callable[..., Any], tmp_path: Path):
@@ -278,13 +280,13 @@ def test_recording_goes_on_with_its_terms(tmp_path: Path):
     env.close()
     found = read_recording(tmp_path / "run")
     assert (len(found), found.facts.terms) == (60, first.facts.terms)
-    assert np.array_equal(sum_of(found.terms["gentle"]), found.rewards["gentle"])
+    assert np.array_equal(sum_of(terms_of(found, "gentle")), found["reward/gentle"])
 
 
 def test_recording_without_terms_is_written_as_before(tmp_path: Path):
     """Its facts say nothing of terms, and its parts have no more columns."""
     found = _recorded(tmp_path / "run", 10, rewards={"it": lambda step: 1.0})
-    assert not found.terms
+    assert not found.facts.terms
     text = (tmp_path / "run" / facts_name(0)).read_text()
     assert '"terms"' not in text
     assert TrainingFacts.read(tmp_path / "run" / facts_name(0)).term_columns == {}
@@ -296,7 +298,7 @@ def test_term_without_a_value_is_damage(tmp_path: Path, monkeypatch: pytest.Monk
 
     monkeypatch.setattr(record_rewards.RecordRewards, "_terms_of_step", _lose(record_rewards.RecordRewards))
     with pytest.raises(SchemaError, match="reward/it/a has no value in some steps, and no failure of it is told"):
-        _recorded(tmp_path / "run", 3, rewards={"it": lambda step: {"a": 1.0}})
+        _recorded(tmp_path / "run", 3, rewards={"it": lambda step: {"a": 1.0}}).rows()
 
 
 def _lose(recorder: Any) -> Any:
@@ -314,7 +316,7 @@ def test_recorders_of_one_training_have_the_same_terms(tmp_path: Path):
         _act(env, 20 * (1 - number))
         env.close()
     found = read_recording(tmp_path / "run")
-    assert (len(found), [*found.terms["gentle"]]) == (20, ["upright", "effort", "jerk"])
+    assert (len(found), [*found.terms_of("gentle")]) == (20, ["upright", "effort", "jerk"])
 
 
 @pytest.mark.parametrize("mode", [AutoresetMode.SAME_STEP, AutoresetMode.NEXT_STEP, AutoresetMode.DISABLED])
@@ -361,13 +363,13 @@ def test_batch_records_what_single_envs_do(counting: Callable[..., Any], tmp_pat
             if single.step(np.array([value], np.float32))[2]:
                 single.reset()
         single.close()
-        alone, rows = read_recording(tmp_path / f"single{number}"), found.env == number
-        for term, values in alone.terms["each"].items():
-            assert found.terms["each"][term][rows].tolist() == values.tolist(), term
-        for term in found.terms["whole"]:
-            assert found.terms["whole"][term][rows] == pytest.approx(alone.terms["each"][term], abs=1e-6)
+        alone, rows = read_recording(tmp_path / f"single{number}"), found["env"] == number
+        for term, values in terms_of(alone, "each").items():
+            assert found[f"reward/each/{term}"][rows].tolist() == values.tolist(), term
+        for term in found.terms_of("whole"):
+            assert found[f"reward/whole/{term}"][rows] == pytest.approx(alone[f"reward/each/{term}"], abs=1e-6)
         assert np.array_equal(
-            sum_of({name: it[rows] for name, it in found.terms["whole"].items()}), found.rewards["whole"][rows]
+            sum_of({name: it[rows] for name, it in terms_of(found, "whole").items()}), found["reward/whole"][rows]
         )
 
 
@@ -381,9 +383,9 @@ def test_terms_are_paid_again(tmp_path: Path):
         )
         assert not failed
     found = read_recording(tmp_path / "plain")
-    assert [*found.terms["gentle"]] == ["upright", "effort", "jerk"]
-    for name, values in live.terms["gentle"].items():
-        assert np.array_equal(found.terms["gentle"][name], values)
+    assert [*found.terms_of("gentle")] == ["upright", "effort", "jerk"]
+    for name, values in terms_of(live, "gentle").items():
+        assert np.array_equal(found[f"reward/gentle/{name}"], values)
 
 
 def test_weights_pay_what_a_reward_with_these_weights_pays(tmp_path: Path):
@@ -393,14 +395,14 @@ def test_weights_pay_what_a_reward_with_these_weights_pays(tmp_path: Path):
     found = _recorded(
         tmp_path / "run", 250, rewards={"gentle": gentle, "gentle:effort=5": Terms({"gentle": gentle}, {"effort": 5.0})}
     )
-    own = found.rewards["gentle:effort=5"]
-    without = _recorded(tmp_path / "other", 250, rewards={"gentle": gentle}).weighed(["gentle:effort=5"])
-    assert np.array_equal(without.rewards["gentle:effort=5"], own)
+    own = found["reward/gentle:effort=5"]
+    without = weighed(_recorded(tmp_path / "other", 250, rewards={"gentle": gentle}), ["gentle:effort=5"])
+    assert np.array_equal(without["reward/gentle:effort=5"], own)
     assert without.facts.terms["gentle:effort=5"] == ("upright", "effort", "jerk")
-    for term, values in found.terms["gentle:effort=5"].items():
-        assert np.array_equal(without.terms["gentle:effort=5"][term], values)
-    assert not np.allclose(own, found.rewards["gentle"])
-    assert "gentle:mass=5" not in found.weighed(["gentle:mass=5"]).rewards
+    for term, values in terms_of(found, "gentle:effort=5").items():
+        assert np.array_equal(without[f"reward/gentle:effort=5/{term}"], values)
+    assert not np.allclose(own, found["reward/gentle"])
+    assert "gentle:mass=5" not in weighed(found, ["gentle:mass=5"]).rewards
 
 
 def test_nothing_is_told_of_what_works(tmp_path: Path):

@@ -12,7 +12,8 @@ import pytest
 
 import harness
 from harness.errors import UsageError
-from harness.record.recording.recorded_training import RecordedTraining, read_recording
+from harness.log import Log
+from harness.record.recording.recorded_training import read_recording
 from harness.recorder.recorder import GivenUp, Noted
 
 MEMORY: dict[str, Any] = {}
@@ -156,7 +157,7 @@ class Curriculum(Sums):
         return float(next_observation[0]) if self.steps < 50_000 else 0.0
 
 
-def _record(rewards: dict[str, Any], path: Path, env: Any, steps: int = 7, **given: Any) -> RecordedTraining:
+def _record(rewards: dict[str, Any], path: Path, env: Any, steps: int = 7, **given: Any) -> Log:
     recorded = harness.RecordRewards(env, path, **{"trained_with": "own", "rewards": rewards, **given})
     recorded.reset(seed=0)
     for _ in range(steps):
@@ -175,15 +176,15 @@ def test_hidden_memory_is_named(counting: Callable[..., Any], tmp_path: Path, na
     """In the first episode; it is given up, and what to write instead is said."""
     with pytest.warns(GivenUp, match=rf"reward '{name}' failed in env 0, episode 0, .*(a class with reset|Keep it in)"):
         found = _record({name: WRONG[name]}, tmp_path / "run", counting(4))
-    assert np.isnan(found.rewards[name][4:]).all()
-    assert found.rewards["own"].tolist() == [1, 2, 3, 4, 1, 2, 3]
+    assert np.isnan(found[f"reward/{name}"][4:]).all()
+    assert found["reward/own"].tolist() == [1, 2, 3, 4, 1, 2, 3]
 
 
 @pytest.mark.filterwarnings("error")
 def test_kept_answers_are_no_hidden_memory(counting: Callable[..., Any], tmp_path: Path):
     """They are the same in every order."""
     found = _record({"kept": remembers_answers}, tmp_path / "run", counting(4))
-    assert found.rewards["kept"].tolist() == [2, 4, 6, 8, 2, 4, 6]
+    assert found["reward/kept"].tolist() == [2, 4, 6, 8, 2, 4, 6]
 
 
 @pytest.mark.parametrize("name", ["counts", "best"])
@@ -223,7 +224,7 @@ def test_memory_with_reset_is_right_over_short_episodes(counting: Callable[..., 
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         found = _record({"sums": Sums()}, tmp_path / "run", counting(2), 150)
-    assert np.isfinite(found.rewards["sums"]).all()
+    assert np.isfinite(found["reward/sums"]).all()
 
 
 def test_memory_that_shows_late_is_told_at_the_end(counting: Callable[..., Any], tmp_path: Path):
@@ -235,7 +236,7 @@ def test_memory_that_shows_late_is_told_at_the_end(counting: Callable[..., Any],
 
     with pytest.warns(Noted, match="reward 'stages': it said 1, and said 0.5 when it was asked about step 0"):
         found = _record({"stages": stages}, tmp_path / "run", counting(4), 300, trained_with="stages", pay=True)
-    assert np.isfinite(found.rewards["stages"]).all()
+    assert np.isfinite(found["reward/stages"]).all()
 
 
 @pytest.mark.parametrize("mode", list(gymnasium.vector.AutoresetMode)[:2])
@@ -275,7 +276,7 @@ def test_memory_in_a_batch_is_found_in_its_first_step(tmp_path: Path):
         recorded.step(np.zeros(3, np.int64))
     recorded.close()
     assert sorted(str(it.message).split("'")[1] for it in told) == ["all", "jumps"]
-    assert np.isnan(read_recording(tmp_path / "run").rewards["jumps"]).all()
+    assert np.isnan(read_recording(tmp_path / "run")["reward/jumps"]).all()
 
 
 def _all_sum(observations: Any, actions: Any, next_observations: Any, infos: Any) -> Any:
@@ -296,14 +297,14 @@ def test_memory_with_reset_is_no_hidden_memory(counting: Callable[..., Any], tmp
         warnings.simplefilter("error")
         found = _record(right, tmp_path / "run", env)
     assert (found.facts.failures, found.facts.notes) == ((), ())
-    assert found.rewards["count"].tolist() == [1, 2, 3, 4, 1, 2, 3]
+    assert found["reward/count"].tolist() == [1, 2, 3, 4, 1, 2, 3]
 
 
 @pytest.mark.filterwarnings("error")
 def test_what_the_first_step_sets_anew_is_no_memory(counting: Callable[..., Any], tmp_path: Path):
     """Though `reset` leaves it."""
     found = _record({"begins": Begins()}, tmp_path / "run", counting(4), steps=120)
-    assert found.rewards["begins"].tolist() == [0, 1, 2, 3] * 30
+    assert found["reward/begins"].tolist() == [0, 1, 2, 3] * 30
 
 
 def test_memory_beyond_reset_is_told(counting: Callable[..., Any], tmp_path: Path):
@@ -329,7 +330,7 @@ def test_evaluation_goes_on_with_the_memory_of_the_training(counting: Callable[.
             lambda seen: ACTION, counting(4), tmp_path / name, trained_with="own", seed=0, rewards={"stages": given},
             episodes=1,
         )  # fmt: skip
-    paid = {name: read_recording(tmp_path / name).rewards["stages"].tolist() for name in ("new", "trained")}
+    paid = {name: read_recording(tmp_path / name)["reward/stages"].tolist() for name in ("new", "trained")}
     assert paid == {"new": [1, 2, 3, 4], "trained": [0, 0, 0, 0]}
 
 
@@ -345,7 +346,7 @@ def test_draw_in_a_late_step_does_not_reach_the_training(counting: Callable[...,
     with pytest.warns(Noted, match=r"reward 'late': it draws from numpy.random, first in env 0, episode 0, step 999"):
         found = _record({"late": _late}, tmp_path / "run", counting(2_000), 1_001)
     assert (np.random.rand(), random.random()) == right
-    assert np.isfinite(found.rewards["late"]).all()
+    assert np.isfinite(found["reward/late"]).all()
     assert found.facts.notes[0].startswith("reward 'late': it draws")
 
 
@@ -357,7 +358,7 @@ def test_draw_of_a_reward_that_pays_is_part_of_the_training(counting: Callable[.
     random.seed(4)
     with pytest.warns(Noted, match="It pays the learner, so this is part of the training"):
         found = _record(paid, tmp_path / "run", counting(9), 4, trained_with="drawn", pay=True)
-    assert [*found.rewards["drawn"], random.random()] == right
+    assert [*found["reward/drawn"], random.random()] == right
 
 
 def test_order_of_functions_does_not_matter(counting: Callable[..., Any], tmp_path: Path):
@@ -378,7 +379,7 @@ def test_order_of_functions_does_not_matter(counting: Callable[..., Any], tmp_pa
             one = _record({name: rewards[name] for name in names}, tmp_path / str(number), counting(4))
         assert sorted(str(it.message).split("'")[1] for it in told) == ["halves", "pops"]
         assert any("it writes into its info, which others read too: change a copy" in str(it.message) for it in told)
-        found.append(one.rewards["reads"].tolist())
+        found.append(one["reward/reads"].tolist())
     assert found == [[4.5] * 7] * 2
     assert ACTION.tolist() == [0.5]
     assert ACTION.flags.writeable

@@ -46,7 +46,7 @@ def test_scaled_pay_outside_scales_every_reward(counting: Callable[..., Any], tm
         env.reset(seed=0)
         assert abs(float(env.step(ACTION)[1])) > 5  # the first of a normalised stream
         env.close()
-        assert read_recording(tmp_path / trained).rewards["own"].tolist() == [1.0]
+        assert read_recording(tmp_path / trained)["reward/own"].tolist() == [1.0]
 
 
 def test_normalised_pay_of_the_env_is_told(counting: Callable[..., Any], tmp_path: Path):

@@ -59,7 +59,7 @@ def test_what_is_paid_is_what_was_recorded(results: Results):
     (comparison,) = results.combinations
     large, small = comparison.paid
     path, *_ = results.folder.glob(f"cells/*/{recording_of(RANDOM)}")
-    assert large.at_random == pytest.approx(float(read_recording(path).rewards["large"].sum()) / 40)
+    assert large.at_random == pytest.approx(float(read_recording(path)["reward/large"].sum()) / 40)
     assert (large.reward, large.trained) == ("large", (0.0,) * 5)
     assert (small.reward, small.at_random) == ("small", -large.at_random)
 

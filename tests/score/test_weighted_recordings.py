@@ -6,6 +6,7 @@ import pytest
 from harness.errors import UsageError
 from harness.record.recording.recorded_training import read_recording
 from harness.score.weighted_recordings import pay_by_weights, recorded_weights, recordings_of
+from tests.record.recording.told import terms_of
 from tests.results.recordings.test_terms import _record
 
 
@@ -20,9 +21,9 @@ def test_a_recording_is_paid_from_its_columns(runs):
     before = {path.name: path.read_bytes() for path in runs[0].iterdir()}
     assert pay_by_weights(runs[0], recorded_weights("calm:calm=3", runs)) == 40
     found = read_recording(runs[0])
-    then, now = found.terms["calm"], found.terms["calm:calm=3"]
+    then, now = terms_of(found, "calm"), terms_of(found, "calm:calm=3")
     np.testing.assert_allclose(now["calm"], 3.0 * then["calm"], rtol=1e-15)
-    np.testing.assert_allclose(found.rewards["calm:calm=3"], then["near"] + 3.0 * then["calm"], rtol=1e-12)
+    np.testing.assert_allclose(found["reward/calm:calm=3"], then["near"] + 3.0 * then["calm"], rtol=1e-12)
     assert {name: (runs[0] / name).read_bytes() for name in before} == before
 
 
@@ -31,7 +32,7 @@ def test_weights_follow_weights(runs):
     pay_by_weights(runs[0], "calm:calm=0")
     pay_by_weights(runs[0], "calm:calm=4")
     found = read_recording(runs[0])
-    np.testing.assert_allclose(found.terms["calm:calm=4"]["calm"], 4.0 * found.terms["calm"]["calm"], rtol=1e-15)
+    np.testing.assert_allclose(found["reward/calm:calm=4/calm"], 4.0 * found["reward/calm/calm"], rtol=1e-15)
 
 
 def test_what_is_not_recorded_is_told(runs):

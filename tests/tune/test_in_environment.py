@@ -55,7 +55,7 @@ def test_validation_has_episodes_of_its_own(tuned: Tuned):
     recordings = [read_recording(path) for path in sorted((tuned.folder / "validation").glob("*/evaluation"))]
     assert len(recordings) == 4
     assert {recording.facts.seed for recording in recordings} == {1_000_000}
-    assert {int((it.terminated | it.truncated).sum()) for it in recordings} == {3}
+    assert {int((it["terminated"] | it["truncated"]).sum()) for it in recordings} == {3}
     assert VALIDATION_SEED != 1_000_000_007
 
 

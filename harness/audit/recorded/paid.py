@@ -9,8 +9,9 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.audit.unit_vectors import centred_unit, distance_between
-from harness.record.recording.facts import REWARD
-from harness.record.recording.recorded_training import RecordedTraining
+from harness.log import Log
+from harness.log.log import REWARD
+from harness.record.recording.facts import facts_of
 from harness.results.recordings.episodes import Episodes
 
 
@@ -38,17 +39,18 @@ class Paid:
         )
 
 
-def paid_in(recording: RecordedTraining, episodes: Episodes) -> Paid:
+def paid_in(recording: Log, episodes: Episodes) -> Paid:
     """What the rewards of a recording paid, in its steps and in its finished episodes."""
+    names = facts_of(recording).rewards
+    told = recording.rows(f"{REWARD}{name}" for name in names)
+    rewards = {name: told[f"{REWARD}{name}"] for name in names}
     unknown = {
         name: episodes.reasons.get(f"{REWARD}{name}", "not a number in some steps")
-        for name, values in recording.rewards.items()
+        for name, values in rewards.items()
         if f"{REWARD}{name}" in episodes.reasons or np.isnan(values).any()
     }
-    known = [name for name in recording.rewards if name not in unknown]
-    return Paid(
-        {name: recording.rewards[name] for name in known}, {name: episodes.returns[name] for name in known}, unknown
-    )
+    known = [name for name in rewards if name not in unknown]
+    return Paid({name: rewards[name] for name in known}, {name: episodes.returns[name] for name in known}, unknown)
 
 
 class EpisodeOrder(NamedTuple):

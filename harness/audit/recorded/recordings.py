@@ -15,7 +15,8 @@ from harness.audit.recorded.step_apart import MOST, StepApart, steps_apart
 from harness.errors import UsageError
 from harness.eta.rescaling import Line
 from harness.eta.seed_mean import mean_over_seeds
-from harness.record.recording.recorded_training import RecordedTraining, read_recording
+from harness.log import Log
+from harness.record.recording.recorded_training import read_recording, weighed
 from harness.results.recordings.episodes import Part
 from harness.results.recordings.read_runs import env_of, read_all, without_short
 from harness.results.recordings.runs import LAST_SHARE, Run
@@ -123,7 +124,7 @@ def _pairs(folder: Path, runs: Sequence[Run], rewards: tuple[str, ...]) -> tuple
     largest: dict[tuple[str, str], list[StepApart]] = {pair: [] for pair in each}
     notes: list[str] = []
     for run in runs:
-        recording = read_recording(run.path).weighed(rewards)
+        recording = weighed(read_recording(run.path), rewards).loaded()
         paid = paid_in(recording, run.episodes)
         notes += _unknown(_name(folder, run), paid, rewards)
         for pair, found in each.items():
@@ -140,7 +141,7 @@ def _unknown(name: str, paid: Paid, rewards: Iterable[str]) -> list[str]:
     return [f"'{name}' does not count for reward {it!r}: {paid.unknown.get(it, 'not recorded')}" for it in missing]
 
 
-def _most(known: Sequence[StepApart], name: str, recording: RecordedTraining, one: str, other: str) -> list[StepApart]:
+def _most(known: Sequence[StepApart], name: str, recording: Log, one: str, other: str) -> list[StepApart]:
     found = [*known, *steps_apart(name, recording, one, other)]
     return sorted(found, key=lambda step: -step.difference)[:MOST]
 

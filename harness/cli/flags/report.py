@@ -36,8 +36,9 @@ MeasureFiles = Annotated[
     list[str] | None,
     typer.Option(
         "--measure",
-        help="A Python file whose functions measure what an arm does. Can be repeated.",
-        metavar="FILE",
+        help="A Python file whose functions measure what an arm does; can be repeated. Of logs: what decides, such as "
+        "success or length:better=lower. return decides where one and the same reward paid all of them.",
+        metavar="FILE|NAME",
         show_default=False,
     ),
 ]

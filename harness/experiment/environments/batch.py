@@ -24,7 +24,7 @@ from harness.experiment.environments.spaces import (
 )
 from harness.experiment.environments.step_log import StepLog, actions_of
 from harness.progress import LAST_EPISODES, TrainingState
-from harness.record.recording.facts import BEHAVIOUR
+from harness.record.recording.facts import FILE_BEHAVIOUR
 from harness.recorder.record_rewards import RecordRewards
 
 Actions = np.ndarray[Any, Any]
@@ -154,7 +154,7 @@ class EnvironmentBatch(VectorEnv[Float32, Actions, Any]):
         """Note an episode that ended; returns whether it ended in success."""
         self.returns.append(float(self._paid[k]))
         self._paid[k] = 0.0
-        told = env.recorded.get(f"{BEHAVIOUR}{SUCCESS}", math.nan)
+        told = env.recorded.get(f"{FILE_BEHAVIOUR}{SUCCESS}", math.nan)
         if not math.isnan(told):
             self.successes.append(told > 0)
         return told > 0

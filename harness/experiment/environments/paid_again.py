@@ -11,7 +11,8 @@ import gymnasium
 from harness.environment import AnyEnv, Environment
 from harness.errors import HarnessError, UsageError, one_line
 from harness.experiment.environments.columns import Columns, columns_of
-from harness.record.recording.facts import BEHAVIOUR, REWARD, TrainingFacts
+from harness.log.log import BEHAVIOUR, REWARD
+from harness.record.recording.facts import TrainingFacts, facts_of
 from harness.record.recording.recorded_training import (
     facts_name,
     read_recording,
@@ -112,7 +113,7 @@ class PayAgain:
         Raises:
             UsageError: An env cannot be made, or answers otherwise.
         """
-        make, _ = self._made_by(read_recording(path).facts, task, path)
+        make, _ = self._made_by(facts_of(read_recording(path)), task, path)
         yield from Retake(make, lambda env: Later({}, {})).walks(path)
 
     def _places(self, folder: Path) -> Iterator[tuple[Path, Choice | None]]:
@@ -129,8 +130,8 @@ class PayAgain:
                 yield from ((path, cell.task) for path in sorted(recordings_in(store.cell_folder(cell))))
 
     def _pay(self, path: Path, task: Choice | None) -> Paid:
-        recording = read_recording(path)
-        facts, steps = recording.facts, len(recording)
+        log = read_recording(path)
+        facts, steps = facts_of(log), len(log)
         make, columns = self._made_by(facts, task, path)
         with closing(make()) as env:
             later = self._missing(facts, columns(env))
@@ -186,7 +187,7 @@ class PayAgain:
         """Raise UsageError if a name is none of a function, and none of the environment of a recording."""
         if not set(self.names).difference(it.name for it in self.registry.functions):
             return
-        make, columns = self._made_by(read_recording(path).facts, task, path)
+        make, columns = self._made_by(facts_of(read_recording(path)), task, path)
         with closing(make()) as env:
             known = columns(env)
         for name in self.names:
@@ -219,7 +220,7 @@ def _chosen(columns: Columns, rewards: Collection[str], behaviour: Collection[st
 def _is_missing(facts: TrainingFacts, column: str, given: Given | None) -> bool:
     if given is None:
         return False
-    failed = any(failure.column == column for failure in facts.failures)
+    failed = any(failure.column == column for failure in facts.failed)
     return failed or column not in facts.numbers or _differs(facts, column, given)
 
 
@@ -237,22 +238,22 @@ def _env_of(path: Path, facts: TrainingFacts) -> AnyEnv:
     Raises:
         UsageError: It cannot be made without its author's word; says what to give.
     """
-    name = facts.env.get(ID)
+    name = facts.spec.get(ID)
     remedy = "Name an environment that makes it, --task gymnasium:id=... or one of your own by --plugin"
-    if not isinstance(name, str) or ":" in name or not isinstance(facts.env.get(KWARGS, {}), dict):
+    if not isinstance(name, str) or ":" in name or not isinstance(facts.spec.get(KWARGS, {}), dict):
         raise UsageError(f"'{path}' was recorded in the env {name!r}, which Gymnasium cannot make by itself. {remedy}")
-    limit, is_batch = facts.env.get(HORIZON), facts.env.get(CLASS) in BATCHES
-    given = {key: value for key, value in facts.env.get(KWARGS, {}).items() if not (is_batch and key in OF_BATCH)}
+    limit, is_batch = facts.spec.get(HORIZON), facts.spec.get(CLASS) in BATCHES
+    given = {key: value for key, value in facts.spec.get(KWARGS, {}).items() if not (is_batch and key in OF_BATCH)}
     try:
         env = gymnasium.make(name, **given, **({} if limit is None else {HORIZON: limit}))
     except Exception as error:  # whatever constructors of envs raise
         raise UsageError(f"'{path}': gymnasium.make('{name}') fails: {one_line(error)}. {remedy}") from error
     now = env_facts(env)
     for what in (CLASS, WRAPPERS):
-        if not is_batch and facts.env.get(what) != now[what]:
+        if not is_batch and facts.spec.get(what) != now[what]:
             env.close()
             raise UsageError(
-                f"'{path}' was recorded in an env of another {what}: {facts.env.get(what)}, and gymnasium.make gives "
+                f"'{path}' was recorded in an env of another {what}: {facts.spec.get(what)}, and gymnasium.make gives "
                 f"{now[what]}. {remedy}"
             )
     return env

@@ -10,10 +10,13 @@ from numpy.typing import NDArray
 from harness.environment import AnyEnv, Environment
 from harness.errors import UsageError
 from harness.experiment.environments.acting import Acting
+from harness.log import Log
+from harness.log.log import BEHAVIOUR, REWARD, SUCCESS
 from harness.policy import load_policy
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION_RECORDING, POLICY
-from harness.record.recording.recorded_training import RecordedTraining, read_recording
+from harness.record.recording.facts import facts_of
+from harness.record.recording.recorded_training import read_recording
 from harness.recorder.evaluate_policy import FIRST_SEED
 from harness.registry.registry import Registry
 from harness.registry.spec import blamed_on
@@ -24,7 +27,6 @@ if TYPE_CHECKING:
 
 DRAWN = "rgb_array"
 """The render mode whose pictures are arrays."""
-SUCCESS = "success"
 
 
 class PlayedAgain:
@@ -49,7 +51,7 @@ class PlayedAgain:
             SchemaError: A file of the cell is damaged.
         """
         self.cell = cell
-        self._recorded = read_recording(folder / EVALUATION_RECORDING)
+        self._recorded = read_recording(folder / EVALUATION_RECORDING).loaded()
         self.episodes = _episodes_of(self._recorded)
         policy = load_policy(folder / POLICY)
         with blamed_on(registry.get("environments", cell.task.name), "an env was made"):
@@ -77,7 +79,7 @@ class PlayedAgain:
             step, ended = step + 1, bool(terminated or truncated)
             if step in wanted:
                 pictures[step] = self._draw()
-        was_cut = length == self._recorded.facts.horizon
+        was_cut = length == facts_of(self._recorded).horizon
         if step < length or not (ended or was_cut):
             raise UsageError(
                 f"Cell {self.cell.id}: episode {number} took {length} steps when it was evaluated, and takes "
@@ -87,17 +89,18 @@ class PlayedAgain:
 
     def told(self, rows: NDArray[np.int_]) -> str:
         """What its own reward has paid so far, and the first measure of behaviour."""
-        told = [f"paid {self._recorded.rewards[self.cell.reward.label][rows].sum():.4g}"]
-        for name, values in list(self._recorded.behaviour.items())[:1]:
+        told = [f"paid {self._recorded[f'{REWARD}{self.cell.reward.label}'][rows].sum():.4g}"]
+        for name in self._recorded.measures[:1]:
+            values = self._recorded[f"{BEHAVIOUR}{name}"]
             if len(rows) and np.isfinite(values[rows[-1]]):
                 told.append(f"{name.replace('_', ' ')} {values[rows[-1]]:.3g}")
         return "   ".join(told)
 
     def outcome(self, rows: NDArray[np.int_]) -> str:
         """How an episode with these rows ended, in a word or two."""
-        if SUCCESS in self._recorded.behaviour:
-            return SUCCESS if self._recorded.behaviour[SUCCESS][rows[-1]] else f"no {SUCCESS}"
-        return "ended" if self._recorded.terminated[rows[-1]] else "time-out"
+        if SUCCESS in self._recorded.measures:
+            return SUCCESS if self._recorded[f"{BEHAVIOUR}{SUCCESS}"][rows[-1]] else f"no {SUCCESS}"
+        return "ended" if self._recorded["terminated"][rows[-1]] else "time-out"
 
     def _draw(self) -> "Image.Image":
         from PIL import Image
@@ -116,9 +119,9 @@ class PlayedAgain:
         return Image.fromarray(drawn)
 
 
-def _episodes_of(recorded: RecordedTraining) -> list[NDArray[np.int_]]:
+def _episodes_of(recorded: Log) -> list[NDArray[np.int_]]:
     """The rows of each episode that ended, in order."""
-    ends = np.flatnonzero(recorded.terminated | recorded.truncated) + 1
+    ends = np.flatnonzero(recorded["terminated"] | recorded["truncated"]) + 1
     return [np.arange(begin, end) for begin, end in zip([0, *ends], ends, strict=False)]
 
 

@@ -24,13 +24,13 @@ from harness.experiment.progress.beat import Beat
 from harness.experiment.progress.learning_so_far import TELL_EVERY
 from harness.experiment.provenance import describe_environment
 from harness.experiment.workers.order import Report
+from harness.log import Log
 from harness.policy import Policy
 from harness.progress import RETURN, SPEED, SUCCESS, TrainingState
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATIONS, TRAINING_RECORDING
 from harness.record.recording.facts import Acted, TrainingFacts
 from harness.record.recording.recorded_training import (
-    RecordedTraining,
     facts_name,
     read_recording,
     recorder_numbers,
@@ -230,14 +230,14 @@ def _given_up(recorded: Sequence[Path]) -> list[str]:
                 # The same is told with another step; what to write instead stands in the recording, and in reports.
                 notes.setdefault(line.partition(",")[0], line.partition(". ")[0])
             for it in facts.failures:
-                name = it.column.replace("_", " ", 1)
+                name = it.column.replace("/", " ", 1)
                 told = f"{name} given up in the {where}, episode {it.episode}, step {it.step}: {it.reason}"
                 failures.setdefault(it.column, told)
     return [*failures.values(), *notes.values()]
 
 
-def evaluation_scalars(evaluation: RecordedTraining, reward: str) -> dict[str, float]:
+def evaluation_scalars(evaluation: Log, reward: str) -> dict[str, float]:
     """What a recorded evaluation came to: what the reward and its terms paid, and all measures; see `named_scalars`."""
-    part = episodes_of(evaluation).part(0, len(evaluation))
+    part = episodes_of(evaluation).whole
     terms = {name: means.whole for name, means in terms_in(evaluation, reward).terms.items()}
     return named_scalars(part.returns[reward], part.behaviour, terms)

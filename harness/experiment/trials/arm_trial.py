@@ -13,7 +13,7 @@ from harness.experiment.trials.tried import Fault, Tried, error_text
 from harness.log import Log
 from harness.record.cell import Cell
 from harness.record.folder import TRACE
-from harness.record.recording.facts import BEHAVIOUR, REWARD
+from harness.record.recording.facts import FILE_BEHAVIOUR, FILE_REWARD
 from harness.record.trace import TraceWriter, read_trace
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
@@ -42,7 +42,7 @@ def try_arm(
     robot, task = load_robot(cell.robot, registry), cell.task.build(registry, "tasks")
     faults = []
     for choice in rewards:
-        if (column := f"{REWARD}{choice.label}") in without:
+        if (column := f"{FILE_REWARD}{choice.label}") in without:
             continue
         tell(column)
         watched = _Watched(choice.build(registry, "rewards"))
@@ -56,7 +56,7 @@ def try_arm(
             elif not isinstance(error, HarnessError):
                 return Tried(tuple(faults), (f"{cell.task.label}: the task fails: {one_line(error)}",))
     functions = registry.functions_of("measure").values()
-    measures = [it.name for it in functions if it.spec and f"{BEHAVIOUR}{it.name}" not in without]
+    measures = [it.name for it in functions if it.spec and f"{FILE_BEHAVIOUR}{it.name}" not in without]
     return Tried((*faults, *_try_measures(measures, robot, task, registry, tell)))
 
 
@@ -70,7 +70,7 @@ def _try_measures(
     tell("")
     trace = _trace_of(robot, task)
     for name in names:
-        tell(f"{BEHAVIOUR}{name}")
+        tell(f"{FILE_BEHAVIOUR}{name}")
         try:
             Choice(name).build(registry, "metrics")(trace)
         except HarnessError as error:

@@ -8,7 +8,7 @@ from typing import Any, Literal, Self, TypeAlias
 
 import harness
 from harness.errors import one_line
-from harness.record.recording.facts import BEHAVIOUR, REWARD
+from harness.record.recording.facts import FILE_BEHAVIOUR, FILE_REWARD
 
 Noun: TypeAlias = Literal["reward", "measure"]
 
@@ -32,7 +32,7 @@ class Fault:
     @property
     def column(self) -> str:
         """Its name among columns, ``reward_calm``; `fault_of` takes it."""
-        return f"{REWARD if self.noun == 'reward' else BEHAVIOUR}{self.name}"
+        return f"{FILE_REWARD if self.noun == 'reward' else FILE_BEHAVIOUR}{self.name}"
 
     @property
     def sentence(self) -> str:
@@ -64,8 +64,8 @@ class Tried:
 
 def fault_of(column: str, reason: str, *, is_lost: bool = False) -> Fault:
     """The fault of a column, ``reward_calm`` or ``behaviour_height``."""
-    noun: Noun = "reward" if column.startswith(REWARD) else "measure"
-    return Fault(noun, column.removeprefix(REWARD if noun == "reward" else BEHAVIOUR), reason, is_lost)
+    noun: Noun = "reward" if column.startswith(FILE_REWARD) else "measure"
+    return Fault(noun, column.removeprefix(FILE_REWARD if noun == "reward" else FILE_BEHAVIOUR), reason, is_lost)
 
 
 def error_text(error: BaseException) -> str:

@@ -6,8 +6,8 @@ import pyarrow as pa
 import pyarrow.csv
 
 from harness.files.whole_file import whole_file
-from harness.record.recording.facts import BEHAVIOUR, REWARD, term_column
-from harness.record.recording.recorded_training import FLAGS, INTEGERS, read_recording
+from harness.record.recording.facts import facts_of, file_column
+from harness.record.recording.recorded_training import FLAGS, INTEGERS, TICK, TICK_IN_FILE, read_recording
 
 
 def write_recording_csv(folder: Path, path: Path) -> None:
@@ -26,12 +26,14 @@ def write_recording_csv(folder: Path, path: Path) -> None:
         SchemaError: The recording is damaged or written by a newer version.
         OSError: `path` cannot be written.
     """
-    recording = read_recording(folder)
-    columns = {name: getattr(recording, name) for name in ("time", *INTEGERS)}
-    columns |= {f"{REWARD}{name}": values for name, values in recording.rewards.items()}
-    columns |= {f"{BEHAVIOUR}{name}": values for name, values in recording.behaviour.items()}
-    columns |= {name: getattr(recording, name) for name in FLAGS}
-    columns |= {term_column(name, term): it for name, of in recording.terms.items() for term, it in of.items()}
+    log = read_recording(folder)
+    facts = facts_of(log)
+    names = (TICK, *INTEGERS, *facts.numbers, *FLAGS, *facts.term_columns)
+    rows = log.rows(names)
+    columns = {
+        TICK_IN_FILE if name == TICK else name if name in facts.term_columns else file_column(name): rows[name]
+        for name in names
+    }
     table = pa.table({name: pa.array(values, from_pandas=True) for name, values in columns.items()})
     with whole_file(path) as partial:
         pa.csv.write_csv(table, partial, pa.csv.WriteOptions(quoting_style="needed"))

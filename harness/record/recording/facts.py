@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from types import MappingProxyType
 from typing import Annotated, Any, Literal, NotRequired, Self, TypeAlias, get_args
@@ -12,6 +12,8 @@ from typing_extensions import TypedDict
 
 from harness.files.bounded import reading
 from harness.files.sealed import read_sealed, seal
+from harness.log import Failed, Log, LogFacts
+from harness.log.log import BEHAVIOUR, REWARD
 from harness.record.file_forms import EXACT, Digest, Line, Name, Whole, require_form
 
 FORMAT = 2
@@ -27,10 +29,11 @@ MOST_ACTION_NUMBERS = 256
 """An action with more numbers is not recorded: a recording would mostly consist of actions."""
 OWN_SOURCE = "what the env pays"
 """The source of a reward that is no function."""
-REWARD, BEHAVIOUR = "reward_", "behaviour_"
-"""What the columns of rewards and of measures begin with."""
-TERM = "reward/"
-"""What the columns of terms begin with."""
+FILE_REWARD, FILE_BEHAVIOUR = "reward_", "behaviour_"
+"""What the columns of rewards and of measures begin with in the files, and in what a recorder tells."""
+IN_FILES = {REWARD: FILE_REWARD, BEHAVIOUR: FILE_BEHAVIOUR}
+RECORDER = "recording of harness"
+"""The format of the facts of recordings."""
 Acted: TypeAlias = Literal["", "deterministic", "stochastic", "random"]
 """How the policy of an evaluation chose its actions: the best one, drawn, or without a policy; empty: nobody told."""
 ACTED: tuple[Acted, ...] = get_args(Acted)
@@ -44,8 +47,24 @@ LATER: Mapping[str, Any] = MappingProxyType(
 
 
 def term_column(reward: str, term: str) -> str:
-    """The column of a term of a reward."""
-    return f"{TERM}{reward}/{term}"
+    """The column of a term of a reward, in files too."""
+    return f"{REWARD}{reward}/{term}"
+
+
+def file_column(column: str) -> str:
+    """What the column of a log, ``reward/v1``, is called in files, ``reward_v1``; it is none of a term."""
+    for told, begin in IN_FILES.items():
+        if column.startswith(told):
+            return f"{begin}{column.removeprefix(told)}"
+    return column
+
+
+def log_column(column: str) -> str:
+    """What the column of a file, ``reward_v1``, is called in a log, ``reward/v1``."""
+    for told, begin in IN_FILES.items():
+        if column.startswith(begin):
+            return f"{told}{column.removeprefix(begin)}"
+    return column
 
 
 @dataclass(frozen=True)
@@ -62,23 +81,36 @@ class Source:
     text: str
 
 
-@dataclass(frozen=True)
-class Failure:
+@dataclass(frozen=True, kw_only=True)
+class Failure(Failed):
     """A reward or a measure that was given up in the middle of a training: from this step on it is NaN in all envs.
 
     Attributes:
-        column: ``reward_v1``, ``behaviour_success``.
         env: Where it failed.
         episode: Counted from 0 in that env.
         step: Counted from 0 in that episode.
-        reason: One line.
     """
 
-    column: str
     env: int
     episode: int
     step: int
-    reason: str
+
+    @property
+    def told(self) -> str:
+        """Where and why it was given up."""
+        return f"given up in step {self.step:,} of episode {self.episode:,}: {self.reason}"
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data; `from_json` gives the same back."""
+        return {
+            "column": file_column(self.column),
+            **{name: getattr(self, name) for name in ("env", "episode", "step", "reason")},
+        }
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Self:
+        """What `to_json` told."""
+        return cls(**{**data, "column": log_column(data["column"])})
 
 
 @dataclass(frozen=True)
@@ -103,26 +135,24 @@ class ActionFacts:
 
 
 @dataclass(frozen=True, kw_only=True)
-class TrainingFacts:
+class TrainingFacts(LogFacts):
     """What is known of a recorded training beside its steps.
 
     Attributes:
-        rewards: Names of the rewards that scored its steps.
-        trained_with: The one of them that the learner was paid.
-        behaviour: Names of measures of what the robot did; no reward enters them.
-        lower_is_better: Those of them of which less is better, such as a distance; of all others more is.
-        pay: Whether the recorder paid the learner `trained_with`: what the env itself pays does not depend on what
-            taught then.
-        bounds: By name of a measure, the least and the greatest value that it can have, as far as it was told; either
-            may be infinite.
+        trained_with: The one of the rewards that the learner was paid.
+        seed: The first that the env was reset with; None if it was given none.
         evaluation: Whether a finished policy acted, and nothing was trained: `trained_with` and `seed` are then those
             of the training that it comes from.
+        notes: What was told of rewards and measures that are recorded: that they draw, or remember. A line each.
+        rewards: Names of the rewards that scored its steps.
+        behaviour: Names of measures of what the robot did; no reward enters them.
+        pay: Whether the recorder paid the learner `trained_with`: what the env itself pays does not depend on what
+            taught then.
         num_envs: How many envs were stepped.
-        seed: The first that the env was reset with, one of a batch if they differ; None if it was given none.
-        env: ``id``, ``kwargs`` and more of the env's Gymnasium spec; empty if it has none.
+        seeds: Those of a batch of envs, where they differ.
+        spec: ``id``, ``kwargs`` and more of the env's Gymnasium spec; empty if it has none.
         versions: Of the libraries, by distribution.
-        sources: By column (``reward_v1``, ``behaviour_success``): the code behind it.
-        failures: Rewards and measures that were given up.
+        sources: By column (``reward/v1``, ``behaviour/success``): the code behind it.
         paid_otherwise: The first step in which the env paid something else than the reward `trained_with`; empty if
             there is none, or the env's own payment is that reward. One line.
         closed: Whether the training ended by itself; otherwise it is still going on, or was killed.
@@ -131,27 +161,22 @@ class TrainingFacts:
         cut: How many episodes were cut so.
         acted: Of an evaluation: how actions were chosen.
         after: Of an evaluation: environment steps of training before it; 0: the training had ended.
-        notes: What was told of rewards and measures that are recorded: that they draw, or remember. A line each.
-        steps_asked: Of a training: how many environment steps it was to take, over all envs; 0: nobody said.
         episodes_asked: Of an evaluation: how many episodes it was to take; 0: nobody said.
         starts: Of an evaluation in a single env: a checksum of the first observations of its episodes, in order. It
             is 0 before the first episode, and where a wrapper normalises observations by those seen before.
         terms: By name of a reward that pays terms: what they are called, in the order in which they are summed.
     """
 
+    path: Path = Path()
+    format: str = RECORDER
     rewards: tuple[str, ...]
-    trained_with: str
     behaviour: tuple[str, ...] = ()
-    lower_is_better: tuple[str, ...] = ()
     pay: bool = False
-    bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    evaluation: bool = False
     num_envs: int = 1
-    seed: int | tuple[int | None, ...] | None = None
-    env: Mapping[str, Any] = field(default_factory=dict)
+    seeds: tuple[int | None, ...] = ()
+    spec: Mapping[str, Any] = field(default_factory=dict)
     versions: Mapping[str, str] = field(default_factory=dict)
     sources: Mapping[str, Source] = field(default_factory=dict)
-    failures: tuple[Failure, ...] = ()
     paid_otherwise: str = ""
     closed: bool = False
     actions: ActionFacts | None = None
@@ -159,11 +184,14 @@ class TrainingFacts:
     cut: int = 0
     acted: Acted = ""
     after: int = 0
-    notes: tuple[str, ...] = ()
-    steps_asked: int = 0
     episodes_asked: int = 0
     starts: int = 0
     terms: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+    @property
+    def failures(self) -> tuple[Failure, ...]:
+        """Those of `failed` of which the place is known: of a recording all."""
+        return tuple(it for it in self.failed if isinstance(it, Failure))
 
     @property
     def term_columns(self) -> dict[str, str]:
@@ -175,18 +203,22 @@ class TrainingFacts:
     @property
     def numbers(self) -> tuple[str, ...]:
         """Names of the columns that hold numbers: of the rewards, then of the measures."""
-        return tuple(f"{REWARD}{name}" for name in self.rewards) + tuple(
-            f"{BEHAVIOUR}{name}" for name in self.behaviour
-        )
+        return (*(f"{REWARD}{name}" for name in self.rewards), *(f"{BEHAVIOUR}{name}" for name in self.behaviour))
 
     def to_json(self) -> dict[str, Any]:
         """Plain data; `from_json` gives the same back."""
-        told = {name: value for name, value in asdict(self).items() if not (name in LATER and value == LATER[name])}
-        if self.bounds:  # JSON has no infinite numbers
-            told["bounds"] = {
-                name: [end if math.isfinite(end) else None for end in of] for name, of in self.bounds.items()
-            }
-        return told
+        named = {
+            # JSON has no infinite numbers
+            "bounds": {name: [end if math.isfinite(end) else None for end in of] for name, of in self.bounds.items()},
+            "seed": self.seeds or self.seed,
+            "env": self.spec,
+            "sources": {file_column(column): asdict(source) for column, source in self.sources.items()},
+            "failures": [failure.to_json() for failure in self.failures],
+            "actions": self.actions and asdict(self.actions),
+            "steps_asked": self.asked,
+        }
+        told = {name: named[name] if name in named else getattr(self, name) for name in KEYS}
+        return {name: value for name, value in told.items() if not (name in LATER and value == LATER[name])}
 
     def write(self, path: Path) -> None:
         """Write them into a file of their own; the writer of the recording puts it in its place whole.
@@ -207,11 +239,11 @@ class TrainingFacts:
         data = read_sealed(path, "recording", newest=FORMAT, since=1)
         with reading(path, "recording"):
             require_form(FORM, data)
-            return cls.from_json(data)
+            return cls.from_json(data, path.parent)
 
     @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Self:
-        """What `to_json` told, also after a way through JSON.
+    def from_json(cls, data: Mapping[str, Any], folder: Path = Path()) -> Self:
+        """What `to_json` told of the recording in a folder, also after a way through JSON.
 
         Raises:
             ValueError: Names stand twice, or actions have too many numbers.
@@ -219,36 +251,34 @@ class TrainingFacts:
         rewards, behaviour, seed = tuple(data["rewards"]), tuple(data["behaviour"]), data["seed"]
         if data["trained_with"] not in rewards:
             raise ValueError(f"it was trained with {data['trained_with']!r}, which is none of its rewards")
+        seeds = tuple(seed) if isinstance(seed, list | tuple) else ()
         terms = data.get("terms", {})
         if any(len({*names}) < len(names) for names in (rewards, behaviour, *terms.values())):
             raise ValueError("a name stands twice")
-        return cls(
-            rewards=rewards,
-            trained_with=data["trained_with"],
-            behaviour=behaviour,
-            lower_is_better=tuple(data["lower_is_better"]),
-            evaluation=data["evaluation"],
-            num_envs=data["num_envs"],
-            seed=tuple(seed) if isinstance(seed, list) else seed,
-            env=data["env"],
-            versions=data["versions"],
-            sources={column: Source(**source) for column, source in data["sources"].items()},
-            failures=tuple(Failure(**failure) for failure in data["failures"]),
-            paid_otherwise=data["paid_otherwise"],
-            closed=data["closed"],
-            actions=_actions_of(data.get("actions")),
-            pay=data.get("pay", False),
-            bounds={name: _bounds(*of) for name, of in data.get("bounds", {}).items()},
-            horizon=data.get("horizon", 0),
-            cut=data.get("cut", 0),
-            acted=data.get("acted", ""),
-            after=data.get("after", 0),
-            notes=tuple(data.get("notes", ())),
-            steps_asked=data.get("steps_asked", 0),
-            episodes_asked=data.get("episodes_asked", 0),
-            starts=data.get("starts", 0),
-            terms={name: tuple(terms) for name, terms in data.get("terms", {}).items()},
-        )
+        known = {it.name for it in fields(cls)} & {*KEYS} & data.keys()
+        return cls(**{
+            **{name: tuple(it) if isinstance(it := data[name], list) else it for name in known},
+            "path": folder,
+            "bounds": {name: _bounds(*of) for name, of in data.get("bounds", {}).items()},
+            "seed": next((it for it in seeds if it is not None), None) if seeds else seed,
+            "seeds": seeds,
+            "env": str(data["env"].get("id") or ""),
+            "spec": data["env"],
+            "sources": {log_column(column): Source(**source) for column, source in data["sources"].items()},
+            "failed": tuple(map(Failure.from_json, data["failures"])),
+            "actions": _actions_of(data.get("actions")),
+            "asked": data.get("steps_asked", 0),
+            "terms": {name: tuple(of) for name, of in terms.items()},
+        })  # fmt: skip
+
+
+def facts_of(log: Log) -> TrainingFacts:
+    """The facts of a log as those of a recording; what only a recorder knows stays at its default."""
+    if isinstance(log.facts, TrainingFacts):
+        return log.facts
+    known = {it.name: getattr(log.facts, it.name) for it in fields(LogFacts)}
+    terms = {name: log.terms_of(name) for name in log.rewards if log.terms_of(name)}
+    return TrainingFacts(**known, rewards=log.rewards, behaviour=log.measures, closed=True, terms=terms)
 
 
 def _actions_of(data: Mapping[str, Any] | None) -> ActionFacts | None:
@@ -294,13 +324,15 @@ class ActionForm(TypedDict):
 
 @with_config(EXACT)
 class RecordingForm(TypedDict):
-    """See `TrainingFacts`."""
+    """The file of `TrainingFacts`; its keys are written in this order."""
 
     format: int
     rewards: Annotated[list[Name], Field(min_length=1, max_length=MOST_NAMES)]
     trained_with: Name
     behaviour: Annotated[list[Name], Field(max_length=MOST_NAMES)]
     lower_is_better: Annotated[list[Name], Field(max_length=MOST_NAMES)]
+    pay: NotRequired[bool]
+    bounds: NotRequired[dict[Name, Annotated[list[Number | None], Field(min_length=2, max_length=2)]]]
     evaluation: bool
     num_envs: Annotated[int, Field(gt=0, le=MOST_ENVS)]
     seed: Whole | Annotated[list[Whole | None], Field(max_length=MOST_ENVS)] | None
@@ -311,8 +343,6 @@ class RecordingForm(TypedDict):
     paid_otherwise: Line
     closed: bool
     actions: NotRequired[ActionForm | None]
-    pay: NotRequired[bool]
-    bounds: NotRequired[dict[Name, Annotated[list[Number | None], Field(min_length=2, max_length=2)]]]
     horizon: NotRequired[Whole]
     cut: NotRequired[Whole]
     acted: NotRequired[Acted]
@@ -324,4 +354,6 @@ class RecordingForm(TypedDict):
     terms: NotRequired[dict[Name, Annotated[list[Name], Field(min_length=1, max_length=MOST_NAMES)]]]
 
 
+KEYS = tuple(RecordingForm.__annotations__)[1:]
+"""Of the file, in order, without its format."""
 FORM: TypeAdapter[RecordingForm] = TypeAdapter(RecordingForm)

@@ -1,8 +1,13 @@
-"""Reads the folder of a recorded training."""
+"""Reads the folder of a recorded training as a log.
+
+Its steps have one more column than others: ``tick`` is how often the step's recorder had been stepped before, which
+rows of one batch share. Where actions are recorded and can be taken again it also has `CALLS`.
+"""
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +20,9 @@ from harness.arrays import Float
 from harness.errors import SchemaError, UsageError
 from harness.files.bounded import reading, require_regular
 from harness.files.parquet import MOST_NUMBERS, require_room
-from harness.record.recording.facts import BEHAVIOUR, REWARD, TrainingFacts, term_column
+from harness.log import Log
+from harness.log.log import REWARD, TIME, Columns, joined
+from harness.record.recording.facts import FILE_REWARD, TrainingFacts, facts_of, file_column, term_column
 from harness.record.recording.scores import read_scores, scores_name
 from harness.registry.choice import parse
 from harness.reward.forms import weighted
@@ -26,6 +33,9 @@ PART_ROWS = 65_536
 PART_BYTES, MOST_PARTS, MOST_RECORDERS = 2**31, 100_000, 10_000
 """Most that is read of a recording."""
 
+MOST_TICKS = 2**62
+TICK, ACTION = "tick", "action"
+TICK_IN_FILE = "time"
 INTEGERS = ("env", "episode", "step")
 FLAGS = ("terminated", "truncated")
 ANSWER = "answer"
@@ -39,60 +49,25 @@ FILES = ("recording-*.json", f"{STEPS}*.parquet", "scores-*.parquet")
 _FACTS = re.compile(r"recording-(0|[1-9]\d{0,5})\.json")
 
 
-@dataclass(frozen=True, eq=False)
-class RecordedTraining:
-    """One training whose steps several rewards have scored.
-
-    Rows stand in the order of time: rows of one batch together, by env. All arrays are (rows,).
-
-    Attributes:
-        facts: What is known of it beside its steps.
-        time: How often the envs had been stepped before, int64; rows of one batch share it.
-        env: Number of the env, int32.
-        episode: Counted from 0 in each env, int32.
-        step: Counted from 0 in each episode, int32.
-        rewards: By name of the reward: what it pays for each step. NaN from the step on in which it was given up,
-            see `TrainingFacts.failures`; never infinite.
-        behaviour: By name of the measure: what it was after each step. NaN from where it was given up, and in
-            steps that do not end an episode where the env told nothing.
-        terminated: Whether the step ended the episode.
-        truncated: Whether the episode was cut after the step.
-        terms: By name of a reward that pays terms, what each term pays for each step; their sum in this order is what
-            the reward pays, to the last bit.
-    """
-
-    facts: TrainingFacts
-    time: NDArray[np.int64]
-    env: NDArray[np.int32]
-    episode: NDArray[np.int32]
-    step: NDArray[np.int32]
-    rewards: Mapping[str, Float]
-    behaviour: Mapping[str, Float]
-    terminated: NDArray[np.bool_]
-    truncated: NDArray[np.bool_]
-    terms: Mapping[str, Mapping[str, Float]] = field(default_factory=dict)
-
-    def __len__(self) -> int:
-        return len(self.time)
-
-    def weighed(self, labels: Iterable[str]) -> "RecordedTraining":
-        """The same, and what rewards with other weights pay its steps, ``gentle:effort=5``, as far as terms tell it."""
-        rewards, paid, failures = dict(self.rewards), dict(self.terms), list(self.facts.failures)
-        for label in labels:
-            name, weights = weights_of(label)
-            terms = self.terms.get(name, {})
-            if label not in rewards and weights and weights.keys() <= terms.keys():
-                paid[label] = weighted(terms, weights)
-                rewards[label] = sum_of(paid[label])
-                given_up = [it for it in failures if it.column == f"{REWARD}{name}"]
-                failures += [replace(it, column=f"{REWARD}{label}") for it in given_up]
+def weighed(log: Log, labels: Iterable[str]) -> Log:
+    """The same, and what rewards with other weights pay its steps, ``gentle:effort=5``, as far as terms tell it."""
+    facts, columns = facts_of(log), dict[str, Float]()
+    for label in labels:
+        name, weights = weights_of(label)
+        names = facts.terms.get(name, ())
+        if label in facts.rewards or not weights or not weights.keys() <= {*names}:
+            continue
+        told = log.rows(term_column(name, term) for term in names)
+        paid = weighted({term: told[term_column(name, term)] for term in names}, weights)
+        columns |= {f"{REWARD}{label}": sum_of(paid), **{term_column(label, term): it for term, it in paid.items()}}
+        given_up = [it for it in facts.failed if it.column == f"{REWARD}{name}"]
         facts = replace(
-            self.facts,
-            rewards=tuple(dict.fromkeys([*self.facts.rewards, *rewards])),
-            failures=tuple(failures),
-            terms={**self.facts.terms, **{label: tuple(of) for label, of in paid.items() if label not in self.terms}},
+            facts,
+            rewards=(*facts.rewards, label),
+            failed=(*facts.failed, *(replace(it, column=f"{REWARD}{label}") for it in given_up)),
+            terms={**facts.terms, label: names},
         )
-        return replace(self, rewards=rewards, terms=paid, facts=facts)
+    return replace(log, facts=facts).add(columns)
 
 
 def weights_of(label: str) -> tuple[str, dict[str, float]]:
@@ -114,18 +89,18 @@ def recordings_in(folder: Path) -> Iterator[Path]:
     return (path.parent for path in folder.rglob(facts_name(0)))
 
 
-def read_recording(folder: Path, only: Collection[str] | None = None) -> RecordedTraining:
-    """Read a recorded training, one that is still going on too: as far as it was written.
+def read_recording(folder: Path) -> Log:
+    """The log of a recorded training, one that is still going on too: as far as it was written.
 
     Rewards that were written later and have paid its steps again (`harness.record.recording.scores`) are among its own.
-    Where several recorders wrote it, their envs are numbered on: those of recorder 1 follow those of recorder 0.
+    Where several recorders wrote it, their envs are numbered on: those of recorder 1 follow those of recorder 0. Each
+    pass over its rows raises SchemaError where steps are damaged or missing.
 
     Args:
         folder: Of the training.
-        only: Columns of rewards and measures that are read; None for all of them.
 
     Raises:
-        SchemaError: It is damaged, is no recording, or its recorders were given different rewards.
+        SchemaError: Its facts or scores are damaged, it is no recording, or its recorders were given different rewards.
         NewerFormat: A newer version wrote it.
     """
     with reading(folder, "recording of a training"):
@@ -134,20 +109,29 @@ def read_recording(folder: Path, only: Collection[str] | None = None) -> Recorde
             raise SchemaError(
                 f"{folder} is no recording of a training: it has no {facts_name(0)}. harness.RecordRewards makes one"
             )
-        facts = [TrainingFacts.read(folder / facts_name(number)) for number in numbers]
-        _require_alike(folder, numbers, facts)
-        parts = sum(part_count(folder, number) for number in numbers)
-        _require_few(folder, parts, len(_columns_read(facts[0], False, only)))
-        tables = [read_steps(folder, number, one, only=only) for number, one in zip(numbers, facts, strict=True)]
-        scores = [
-            read_scores(folder / scores_name(number), len(table["time"]))
-            for number, table in zip(numbers, tables, strict=True)
-        ]
+        logs = [read_recorder(folder, number) for number in numbers]
+        _require_alike(folder, numbers, logs)
+        scores = [read_scores(folder / scores_name(number), partial(step_count, folder, number)) for number in numbers]
         if all(scores):
-            facts = [one.told_in(told) for one, told in zip(scores, facts, strict=True) if one]
-            tables = [{**table, **one.columns} for one, table in zip(scores, tables, strict=True) if one]
-            _require_alike(folder, numbers, facts)
-        return _united(facts, tables)
+            logs = [one.added_to(log) for one, log in zip(scores, logs, strict=True) if one]
+            _require_alike(folder, numbers, logs)
+        return logs[0] if len(logs) == 1 else united(logs)
+
+
+def read_recorder(folder: Path, number: int) -> Log:
+    """The log of one recorder's steps, without what was scored later.
+
+    Raises:
+        SchemaError: Its facts are damaged.
+        NewerFormat: A newer version wrote it.
+    """
+    facts = TrainingFacts.read(folder / facts_name(number))
+    part_count(folder, number)
+    calls = (*CALLS, ACTION) if facts.actions and not facts.actions.problem else ()
+    names = (TIME, TICK, *INTEGERS, *facts.numbers, *facts.term_columns, *FLAGS, *calls)
+    if len({*names}) < len(names):
+        raise SchemaError(f"{folder}: a reward and the term of another one have the same column")
+    return Log(facts, names, partial(_tables, folder, number, facts))
 
 
 def recorder_numbers(folder: Path) -> list[int]:
@@ -177,8 +161,8 @@ def part_name(number: int, part: int) -> str:
 
 def part_schema(facts: TrainingFacts) -> pa.Schema:
     """Columns and types of a part."""
-    integers = [("time", pa.int64()), *((name, pa.int32()) for name in INTEGERS)]
-    numbers = [(name, pa.float64()) for name in (*facts.numbers, *facts.term_columns)]
+    integers = [(TICK_IN_FILE, pa.int64()), *((name, pa.int32()) for name in INTEGERS)]
+    numbers = [(name, pa.float64()) for name in (*map(file_column, facts.numbers), *facts.term_columns)]
     calls: list[tuple[str, pa.DataType]] = []
     if facts.actions is not None:
         calls = [*((name, pa.int64()) for name in CALLS), *((name, pa.float64()) for name in action_columns(facts))]
@@ -190,39 +174,48 @@ def action_columns(facts: TrainingFacts) -> list[str]:
     return [f"action_{number}" for number in range(facts.actions.size if facts.actions else 0)]
 
 
-def read_steps(
-    folder: Path, number: int, facts: TrainingFacts, with_calls: bool = False, only: Collection[str] | None = None
-) -> dict[str, NDArray[Any]]:
-    """All steps of one recorder, by column.
-
-    Args:
-        folder: Of the training.
-        number: Of the recorder.
-        facts: What it tells of itself.
-        with_calls: Whether to read the actions too, and what else a new env has to be told.
-        only: Columns of rewards and measures that are read; None for all of them.
+def step_count(folder: Path, number: int) -> int:
+    """How many steps a recorder has written, by its last part.
 
     Raises:
-        SchemaError: A part is damaged or missing.
+        SchemaError: That part is damaged.
     """
-    schema, names = part_schema(facts), _columns_read(facts, with_calls, only)
     count = part_count(folder, number)
-    _require_few(folder, count, len(names))
-    parts = [read_part(folder / part_name(number, part), schema, names) for part in range(count)]
-    for part, table in enumerate(parts[:-1]):
-        if len(table) != PART_ROWS:
-            raise SchemaError(f"{folder / part_name(number, part)} has {len(table):,} steps, not {PART_ROWS:,}")
-    whole = pa.concat_tables(parts) if parts else schema.empty_table()
-    columns = {name: np.asarray(whole.column(name).to_numpy()) for name in names}
-    _require_sound(folder, facts, columns)
-    return columns
+    if not count:
+        return 0
+    path = folder / part_name(number, count - 1)
+    with reading(path, "part of a recording"):
+        require_regular(path, PART_BYTES)
+        return (count - 1) * PART_ROWS + int(pq.read_metadata(path).num_rows)
 
 
-def _columns_read(facts: TrainingFacts, with_calls: bool, only: Collection[str] | None) -> list[str]:
-    schema = part_schema(facts)
-    names = schema.names if with_calls else schema.names[: schema.get_field_index(FLAGS[-1]) + 1]
-    numbers = {*facts.numbers, *facts.term_columns}
-    return [name for name in names if only is None or name in only or name not in numbers]
+def _tables(folder: Path, number: int, facts: TrainingFacts, names: tuple[str, ...]) -> Iterator[Columns]:
+    """The parts of a recorder, these columns of them, as soon as its steps were found to follow one another."""
+    schema, count, actions = part_schema(facts), part_count(folder, number), action_columns(facts)
+    of_file = {name: actions if name == ACTION else [_name_in_part(name, facts)] for name in names if name != TIME}
+    wanted = {TICK_IN_FILE, *INTEGERS, *(it for some in of_file.values() for it in some)}
+    columns = [name for name in schema.names if name in wanted]
+    _require_few(folder, count, len(columns))
+    last: Columns = {}
+    taken = 0
+    for part in range(count):
+        path = folder / part_name(number, part)
+        table = read_part(path, schema, columns)
+        if part < count - 1 and len(table) != PART_ROWS:
+            raise SchemaError(f"{path} has {len(table):,} steps, not {PART_ROWS:,}")
+        told = {name: np.asarray(table.column(name).to_numpy()) for name in columns}
+        last = _require_sound(folder, facts, told, last)
+        found = {name: told[some[0]] for name, some in of_file.items() if name != ACTION}
+        if ACTION in of_file and facts.actions:
+            found[ACTION] = np.stack([told[name] for name in actions], axis=1).reshape(-1, *facts.actions.shape)
+        if TIME in names:
+            found[TIME] = np.arange(taken + 1, taken + len(table) + 1)
+        taken += len(table)
+        yield {name: found[name] for name in names}
+
+
+def _name_in_part(column: str, facts: TrainingFacts) -> str:
+    return TICK_IN_FILE if column == TICK else column if column in facts.term_columns else file_column(column)
 
 
 def _require_few(folder: Path, parts: int, columns: int) -> None:
@@ -262,46 +255,62 @@ def read_part(path: Path, schema: pa.Schema, names: Sequence[str] | None = None)
         return table
 
 
-def _require_sound(folder: Path, facts: TrainingFacts, columns: Mapping[str, NDArray[Any]]) -> None:
-    """Steps follow one another, of envs that are there; numbers are none but finite ones and NaN."""
-    if len(columns["time"]) == 0:
-        return
-    time, env = columns["time"], columns["env"]
-    if time[0] < 0 or (np.diff(time) < 0).any():
+def _require_sound(folder: Path, facts: TrainingFacts, columns: Columns, last: Columns) -> Columns:
+    """See that the steps of a part follow those before it, of envs that are there; numbers are finite ones or NaN.
+
+    Args:
+        folder: Of the training.
+        facts: What is known of it.
+        columns: Of the part, as they are called in it.
+        last: What this returned of the part before; empty at the first one.
+
+    Returns:
+        The last step of each env so far.
+    """
+    time, env = columns[TICK_IN_FILE], columns["env"]
+    if not len(time):
+        return last
+    if time[0] < (last[TICK_IN_FILE].max() if last else 0) or (np.diff(time) < 0).any():
         raise SchemaError(f"{folder}: its steps do not stand in the order of time")
     if env.min() < 0 or env.max() >= facts.num_envs:
         raise SchemaError(f"{folder} has steps of an env beyond its {facts.num_envs}")
     if min(columns["episode"].min(), columns["step"].min()) < 0:
         raise SchemaError(f"{folder} has a step or an episode below 0")
-    _require_unbroken(folder, columns)
-    failed, terms = {failure.column for failure in facts.failures}, facts.term_columns
-    for name in columns.keys() & {*facts.numbers, *terms}:
+    ends = _require_unbroken(folder, columns, last)
+    failed, terms = {file_column(failure.column) for failure in facts.failed}, facts.term_columns
+    for name in columns.keys() & {*map(file_column, facts.numbers), *terms}:
         if np.isinf(columns[name]).any():
             raise SchemaError(f"{folder}: {name} is infinite")
-        reward = terms.get(name, name)
-        if reward.startswith(REWARD) and reward not in failed and np.isnan(columns[name]).any():
+        reward = file_column(terms[name]) if name in terms else name
+        if reward.startswith(FILE_REWARD) and reward not in failed and np.isnan(columns[name]).any():
             raise SchemaError(f"{folder}: {name} has no value in some steps, and no failure of it is told")
+    return ends
 
 
-def _require_unbroken(folder: Path, columns: Mapping[str, NDArray[Any]]) -> None:
+def _require_unbroken(folder: Path, columns: Columns, last: Columns) -> Columns:
     """See that no step of an env is missing, doubled or out of place: episodes would be paid otherwise."""
-    order = np.argsort(columns["env"], kind="stable")
-    env, time, episode, step = (columns[name][order] for name in ("env", "time", "episode", "step"))
+    names = ("env", TICK_IN_FILE, "episode", "step")
+    rows = {name: np.concatenate([last[name], columns[name]]) if last else columns[name] for name in names}
+    order = np.argsort(rows["env"], kind="stable")
+    env, time, episode, step = (rows[name][order] for name in names)
     is_first = np.diff(env, prepend=-1) != 0
+    is_known = order < (len(last["env"]) if last else 0)  # a step of an earlier part, the first one of its env here
     goes_on = (np.diff(episode) == 0) & (np.diff(step) == 1)
     begins = (np.diff(episode) > 0) & (step[1:] == 0)
     follows = (goes_on | begins) & (np.diff(time) > 0)
-    wrong = np.flatnonzero(np.where(is_first, step != 0, np.append(False, ~follows)))
+    wrong = np.flatnonzero(np.where(is_first, ~is_known & (step != 0), np.append(False, ~follows)))
     if len(wrong):
         at = wrong[0]
         raise SchemaError(
             f"{folder}: step {step[at]} of episode {episode[at]} of env {env[at]} does not follow the one before it"
         )
+    is_last = np.append(is_first[1:], True)
+    return {name: rows[name][order][is_last] for name in names}
 
 
-def _require_alike(folder: Path, numbers: Sequence[int], facts: Sequence[TrainingFacts]) -> None:
-    first = facts[0]
-    for number, other in zip(numbers, facts, strict=True):
+def _require_alike(folder: Path, numbers: Sequence[int], logs: Sequence[Log]) -> None:
+    first, *others = map(facts_of, logs)
+    for number, other in zip(numbers[1:], others, strict=True):
         if (other.numbers, other.trained_with) != (first.numbers, first.trained_with):
             raise SchemaError(
                 f"{folder}: {facts_name(number)} and {facts_name(numbers[0])} tell of different rewards or measures; "
@@ -309,44 +318,59 @@ def _require_alike(folder: Path, numbers: Sequence[int], facts: Sequence[Trainin
             )
 
 
-def _with_all(
-    table: Mapping[str, NDArray[Any]], facts: TrainingFacts, tables: Sequence[Mapping[str, NDArray[Any]]]
-) -> Mapping[str, NDArray[Any]]:
-    """The columns of a recorder, and NaN for terms that only others have: it has no step yet, or paid none."""
-    there = {name for name in facts.term_columns if any(name in other for other in tables)}
-    return {**table, **{name: np.full(len(table["env"]), np.nan) for name in there.difference(table)}}
-
-
-def _united(facts: Sequence[TrainingFacts], tables: Sequence[Mapping[str, NDArray[Any]]]) -> RecordedTraining:
-    begins = np.cumsum([0, *(one.num_envs for one in facts)]).tolist()
-    terms = {name: names for one in reversed(facts) for name, names in one.terms.items()}
-    tables = [_with_all(table, replace(one, terms=terms), tables) for one, table in zip(facts, tables, strict=True)]
-    env = np.concatenate([table["env"] + np.int32(begin) for begin, table in zip(begins, tables, strict=False)])
-    columns = {name: np.concatenate([table[name] for table in tables]) for name in tables[0] if name != "env"}
-    if len(tables) > 1:
-        order = np.lexsort((env, columns["time"]))
-        env, columns = env[order], {name: values[order] for name, values in columns.items()}
-    first = facts[0]
-    return RecordedTraining(
-        facts=replace(
-            first,
-            terms=terms,
-            num_envs=begins[-1],
-            failures=tuple(
-                replace(failure, env=failure.env + begin)
-                for begin, one in zip(begins, facts, strict=False)
-                for failure in one.failures
-            ),
-            paid_otherwise=next((one.paid_otherwise for one in facts if one.paid_otherwise), ""),
-            closed=all(one.closed for one in facts),
-            cut=sum(one.cut for one in facts),
+def united(logs: Sequence[Log]) -> Log:
+    """The logs of several recorders of one training as one, its rows in the order of time and of their envs."""
+    facts = [facts_of(log) for log in logs]
+    first, begins = facts[0], np.cumsum([0, *(one.num_envs for one in facts)]).tolist()
+    whole = replace(
+        first,
+        terms={name: names for one in reversed(facts) for name, names in one.terms.items()},
+        num_envs=begins[-1],
+        failed=tuple(
+            replace(failure, env=failure.env + begin)
+            for begin, one in zip(begins, facts, strict=False)
+            for failure in one.failures
         ),
-        env=env,
-        rewards={name: columns[f"{REWARD}{name}"] for name in first.rewards if f"{REWARD}{name}" in columns},
-        behaviour={name: columns[f"{BEHAVIOUR}{name}"] for name in first.behaviour if f"{BEHAVIOUR}{name}" in columns},
-        terms={
-            name: {term: columns[it] for term in of if (it := term_column(name, term)) in columns}
-            for name, of in terms.items()
-        },
-        **{name: columns[name] for name in ("time", "episode", "step", *FLAGS)},
+        paid_otherwise=next((one.paid_otherwise for one in facts if one.paid_otherwise), ""),
+        closed=all(one.closed for one in facts),
+        cut=sum(one.cut for one in facts),
     )
+    calls = (*CALLS, ACTION) if all(ACTION in log and facts_of(log).actions == first.actions for log in logs) else ()
+    names = (TIME, TICK, *INTEGERS, *whole.numbers, *whole.term_columns, *FLAGS, *calls)
+    return Log(whole, names, partial(_merged, logs, begins))
+
+
+def _merged(logs: Sequence[Log], begins: Sequence[int], names: tuple[str, ...]) -> Iterator[Columns]:
+    """Their rows in the order of time, those of a moment by env. It holds a part or two of each."""
+    asked = tuple(dict.fromkeys(name for name in (TICK, "env", *names) if name != TIME))
+    going = {index: _numbered(log, begins[index], asked) for index, log in enumerate(logs)}
+    held: dict[int, Columns] = {}
+    until, taken = -1, 0
+    while going or held:
+        for index in [it for it in going if it not in held or held[it][TICK][-1] <= until]:
+            table = next(going[index], None)
+            if table is None:
+                del going[index]
+            else:
+                held[index] = joined([held[index], table]) if index in held else table
+        # Who goes on may have more steps of its last moment, and has none of earlier ones.
+        until = min((held[it][TICK][-1] for it in going), default=MOST_TICKS)
+        found = joined([_where(table, table[TICK] < until) for table in held.values()]) if held else {}
+        held = {it: rest for it, table in held.items() if len((rest := _where(table, table[TICK] >= until))[TICK])}
+        if found and (count := len(found[TICK])):
+            found = _where(found, np.lexsort((found["env"], found[TICK])))
+            found[TIME] = np.arange(taken + 1, taken + count + 1)
+            taken += count
+            yield {name: found[name] for name in names}
+
+
+def _numbered(log: Log, begin: int, names: Sequence[str]) -> Iterator[Columns]:
+    """The rows of a recorder whose envs count from `begin`, NaN where it has no such term: it has no step yet."""
+    own = [name for name in names if name in log]
+    for piece in log.pieces(own):
+        table = {name: piece[name] if name in own else np.full(len(piece), np.nan) for name in names}
+        yield {**table, "env": table["env"] + np.int32(begin)}
+
+
+def _where(table: Columns, rows: NDArray[Any]) -> dict[str, NDArray[Any]]:
+    return {name: values[rows] for name, values in table.items()}

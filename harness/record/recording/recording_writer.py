@@ -15,12 +15,14 @@ from numpy.typing import NDArray
 from harness.arrays import Float
 from harness.errors import UsageError
 from harness.files.whole_file import whole_files
-from harness.record.recording.facts import BEHAVIOUR, REWARD, TrainingFacts, term_column
+from harness.log import Log
+from harness.record.recording.facts import TrainingFacts, facts_of, file_column
 from harness.record.recording.recorded_training import (
     FLAGS,
     INTEGERS,
     PART_ROWS,
-    RecordedTraining,
+    TICK,
+    TICK_IN_FILE,
     action_columns,
     facts_name,
     part_count,
@@ -146,8 +148,8 @@ class RecordingWriter:
     def _go_on(self) -> None:
         before = TrainingFacts.read(self.folder / facts_name(self.number))
         _require_same_training(self.folder, before, self.facts)
-        asked = self.facts.steps_asked or before.steps_asked  # whoever goes on may ask for more
-        self.facts = replace(before, closed=False, steps_asked=asked)
+        asked = self.facts.asked or before.asked  # whoever goes on may ask for more
+        self.facts = replace(before, closed=False, asked=asked)
         self._make_room()
         count = part_count(self.folder, self.number)
         self._part = max(0, count - 1)
@@ -190,33 +192,29 @@ class RecordingWriter:
             compression="zstd",
             use_dictionary=False,
             column_encoding={
-                "time": "DELTA_BINARY_PACKED",
+                TICK_IN_FILE: "DELTA_BINARY_PACKED",
                 **dict.fromkeys(INTEGERS, "DELTA_BINARY_PACKED"),
                 **dict.fromkeys(
-                    [*self.facts.numbers, *self.facts.term_columns, *action_columns(self.facts)], "BYTE_STREAM_SPLIT"
+                    [*map(file_column, self.facts.numbers), *self.facts.term_columns, *action_columns(self.facts)],
+                    "BYTE_STREAM_SPLIT",
                 ),
             },
             write_page_checksum=True,
         )
 
 
-def write_recording(folder: Path, training: RecordedTraining) -> None:
+def write_recording(folder: Path, log: Log) -> None:
     """Write a whole training at once, as one recorder of number 0 would have recorded it; without its actions.
 
     Raises:
         UsageError: There is a recording in `folder` already.
         OSError: It cannot be written.
     """
-    numbers = {
-        **{f"{REWARD}{name}": training.rewards[name] for name in training.facts.rewards},
-        **{f"{BEHAVIOUR}{name}": training.behaviour[name] for name in training.facts.behaviour},
-        **{term_column(name, term): it for name, of in training.terms.items() for term, it in of.items()},
-    }
-    columns = {"time": training.time, **{name: getattr(training, name) for name in (*INTEGERS, *FLAGS)}, **numbers}
-    facts = replace(training.facts, actions=None)
+    facts = replace(facts_of(log), actions=None)
     writer = RecordingWriter(folder, facts)
     try:
-        writer.append(np.stack([columns[name] for name in part_schema(facts).names], axis=1).astype(float))
+        rows = log.rows((TICK, *INTEGERS, *facts.numbers, *facts.term_columns, *FLAGS)).columns
+        writer.append(np.stack([*rows.values()], axis=1).astype(float))
     finally:
         writer.close()
 
@@ -229,10 +227,11 @@ def _table(rows: Float, schema: pa.Schema) -> pa.Table:
 
 
 def _require_same_training(folder: Path, before: TrainingFacts, now: TrainingFacts) -> None:
-    for what in ("trained_with", "rewards", "behaviour", "num_envs", "env", "sources", "horizon"):
+    for what in ("trained_with", "rewards", "behaviour", "num_envs", "spec", "sources", "horizon"):
         was, found = getattr(before, what), getattr(now, what)
         if was != found:
             shown = f": {was!r}, now {found!r}" if what != "sources" else ""
+            named = "env" if what == "spec" else what
             raise UsageError(
-                f"'{folder}' holds the recording of another training: its {what} differ{shown}. Name another path"
+                f"'{folder}' holds the recording of another training: its {named} differ{shown}. Name another path"
             )

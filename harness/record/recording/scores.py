@@ -5,7 +5,7 @@ about the columns stand in the file's metadata, as JSON. `read_recording` adds t
 """
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Container, Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -21,17 +21,18 @@ from harness.errors import NewerFormat, SchemaError
 from harness.files.bounded import parse_json, reading, require_regular
 from harness.files.parquet import require_room
 from harness.files.whole_file import whole_file
+from harness.log import Log
+from harness.log.log import BEHAVIOUR, REWARD
 from harness.record.file_forms import EXACT, Name, require_form
 from harness.record.recording.facts import (
-    BEHAVIOUR,
     MOST_NAMES,
-    REWARD,
-    TERM,
     Failure,
     FailureForm,
     Source,
     SourceForm,
-    TrainingFacts,
+    facts_of,
+    file_column,
+    log_column,
 )
 
 FORMAT = 1
@@ -44,8 +45,8 @@ class Scores:
     """Columns for the steps of one recorder.
 
     Attributes:
-        columns: By column (``reward_calm``, ``behaviour_height``): its value for each step, (steps,). NaN from where
-            it was given up.
+        columns: By column of a log (``reward/calm``, ``behaviour/height``): its value for each step, (steps,). NaN
+            from where it was given up.
         lower_is_better: Names of the measures among them of which less is better.
         sources: By column: the code behind it.
         failures: Columns that were given up, and where.
@@ -61,28 +62,32 @@ class Scores:
         """By name of a reward that pays terms: what they are called, in order."""
         found: dict[str, tuple[str, ...]] = {}
         for column in self.columns:
-            if column.startswith(TERM):
-                name, _, term = column.removeprefix(TERM).rpartition("/")
-                found[name] = (*found.get(name, ()), term)
+            if (reward := reward_column(column, self.sources)) != column:
+                name = reward.removeprefix(REWARD)
+                found[name] = (*found.get(name, ()), column.removeprefix(f"{reward}/"))
         return found
 
-    def told_in(self, facts: TrainingFacts) -> TrainingFacts:
-        """The facts of a recording, with these columns in place of earlier ones of the same names."""
-        kept = tuple(failure for failure in facts.failures if failure.column not in self.columns)
+    def added_to(self, log: Log) -> Log:
+        """The log of the recorder, with these columns in place of earlier ones of the same names."""
+        facts, whole = facts_of(log), [column for column in self.columns if column in self.sources]
+        kept = tuple(failure for failure in facts.failed if failure.column not in self.columns)
         terms = {name: of for name, of in facts.terms.items() if f"{REWARD}{name}" not in self.columns}
-        return replace(
+        told = replace(
             facts,
-            rewards=_with(facts.rewards, self.columns, REWARD),
-            behaviour=_with(facts.behaviour, self.columns, BEHAVIOUR),
+            rewards=_with(facts.rewards, whole, REWARD),
+            behaviour=_with(facts.behaviour, whole, BEHAVIOUR),
             lower_is_better=tuple(dict.fromkeys([*facts.lower_is_better, *self.lower_is_better])),
             sources={**facts.sources, **self.sources},
-            failures=(*kept, *self.failures),
+            failed=(*kept, *self.failures),
             terms={**terms, **self.terms},
         )
+        return replace(log, facts=told).add(self.columns)
 
     def with_earlier(self, earlier: "Scores") -> "Scores":
         """These columns, and those that only `earlier` has."""
-        kept = {name: it for name, it in earlier.columns.items() if reward_column(name) not in self.columns}
+        kept = {
+            name: it for name, it in earlier.columns.items() if reward_column(name, earlier.sources) not in self.columns
+        }
         return Scores(
             {**kept, **self.columns},
             tuple(dict.fromkeys([*earlier.lower_is_better, *self.lower_is_better])),
@@ -91,14 +96,14 @@ class Scores:
         )
 
 
-def _with(names: tuple[str, ...], columns: Mapping[str, Float], prefix: str) -> tuple[str, ...]:
+def _with(names: tuple[str, ...], columns: Iterable[str], prefix: str) -> tuple[str, ...]:
     added = [column.removeprefix(prefix) for column in columns if column.startswith(prefix)]
     return tuple(dict.fromkeys([*names, *added]))
 
 
-def reward_column(name: str) -> str:
-    """The column of the reward that a column of a term belongs to; of any other column itself."""
-    return f"{REWARD}{name.removeprefix(TERM).rpartition('/')[0]}" if name.startswith(TERM) else name
+def reward_column(column: str, sources: Container[str]) -> str:
+    """The column of the reward that a column of a term belongs to; of one that has a source itself."""
+    return column if column in sources else column.rpartition("/")[0]
 
 
 def scores_name(number: int) -> str:
@@ -115,27 +120,28 @@ def write_scores(path: Path, scores: Scores) -> None:
     facts = {
         "format": FORMAT,
         "lower_is_better": list(scores.lower_is_better),
-        "sources": {column: asdict(source) for column, source in scores.sources.items()},
-        "failures": [asdict(failure) for failure in scores.failures],
+        "sources": {file_column(column): asdict(source) for column, source in scores.sources.items()},
+        "failures": [failure.to_json() for failure in scores.failures],
     }
-    table = pa.table(dict(scores.columns)).replace_schema_metadata({_FACTS: json.dumps(facts)})
+    columns = {file_column(it) if it in scores.sources else it: values for it, values in scores.columns.items()}
+    table = pa.table(columns).replace_schema_metadata({_FACTS: json.dumps(facts)})
     with whole_file(path) as partial:
         pq.write_table(
             table,
             partial,
             compression="zstd",
             use_dictionary=False,
-            column_encoding=dict.fromkeys(scores.columns, "BYTE_STREAM_SPLIT"),
+            column_encoding=dict.fromkeys(columns, "BYTE_STREAM_SPLIT"),
             write_page_checksum=True,
         )
 
 
-def read_scores(path: Path, steps: int) -> Scores | None:
+def read_scores(path: Path, count_steps: Callable[[], int]) -> Scores | None:
     """What `write_scores` wrote; None if there is no such file, or the recording went on since.
 
     Args:
         path: The file.
-        steps: How many the recorder has recorded.
+        count_steps: How many the recorder has recorded; not called without a file.
 
     Raises:
         SchemaError: It is damaged, or has more steps.
@@ -145,7 +151,7 @@ def read_scores(path: Path, steps: int) -> Scores | None:
         return None
     with reading(path, "file of scores"):
         require_regular(path, MOST_BYTES)
-        file = pq.ParquetFile(path, page_checksum_verification=True)
+        file, steps = pq.ParquetFile(path, page_checksum_verification=True), count_steps()
         if file.metadata.num_rows > steps:
             raise SchemaError(f"{path} scores {file.metadata.num_rows:,} steps, and the recording has {steps:,}")
         if file.metadata.num_rows < steps:
@@ -153,14 +159,16 @@ def read_scores(path: Path, steps: int) -> Scores | None:
         facts = _facts_of(path, file.schema_arrow)
         require_room(file)
         table = file.read()
-        columns = {name: np.asarray(table.column(name).to_numpy(), np.float64) for name in table.column_names}
+        columns = {
+            log_column(name): np.asarray(table.column(name).to_numpy(), np.float64) for name in table.column_names
+        }
         if any(np.isinf(values).any() for values in columns.values()):
             raise SchemaError(f"{path} has infinite numbers")
         return Scores(
             columns,
             tuple(facts["lower_is_better"]),
-            {column: Source(**source) for column, source in facts["sources"].items()},
-            tuple(Failure(**failure) for failure in facts["failures"]),
+            {log_column(column): Source(**source) for column, source in facts["sources"].items()},
+            tuple(map(Failure.from_json, facts["failures"])),
         )
 
 
@@ -169,9 +177,10 @@ def _facts_of(path: Path, schema: pa.Schema) -> Mapping[str, Any]:
     if isinstance(facts, dict) and isinstance(number := facts.get("format"), int) and number > FORMAT:
         raise NewerFormat(f"{path} has format {number}, this version reads up to {FORMAT}")
     require_form(FORM, facts)
+    sources = {log_column(column) for column in facts["sources"]}
     for field in schema:
-        known = reward_column(field.name) in facts["sources"] and field.name.startswith((REWARD, TERM, BEHAVIOUR))
-        if not known or field.type != pa.float64():
+        reward = reward_column(log_column(field.name), sources)
+        if reward not in sources or not reward.startswith((REWARD, BEHAVIOUR)) or field.type != pa.float64():
             raise SchemaError(f"{path}: the column '{field.name}' is no column of scores")
     return facts
 

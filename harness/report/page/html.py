@@ -104,9 +104,8 @@ OWN = "own"
 NO_SECTIONS: Mapping[str, Any] = MappingProxyType(
     {
         **dict.fromkeys(("matrix", "ranking", "returns", "replay", "transfer", "pools", "race")),
-        **dict.fromkeys(
-            ("success", "unfinished", "manifests", "facts", "downloads", "groups", "warnings", "never", "alone"), ()
-        ),
+        **dict.fromkeys(("success", "unfinished", "manifests", "facts", "downloads", "groups", "warnings", "said"), ()),
+        **dict.fromkeys(("never", "alone"), ()),
         **dict.fromkeys(("again", "experiment", "setting", "advice", "beside"), ""),
         "pictured": False,
     }
@@ -151,6 +150,7 @@ def _render(results: Results, audits: Audits) -> str:
         question=question(results),
         setting=_setting(results),
         warnings=_warnings(results),
+        said=[f"{line}." for line in results.said],
         never=never_texts(results),
         alone=[alone_section(results, it) for it in results.alone],
         beside=beside(results, results.alone),

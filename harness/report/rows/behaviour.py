@@ -8,6 +8,7 @@ from harness.eta.headline import count_seeds
 from harness.eta.index import NOTHING
 from harness.eta.interval import SHARE
 from harness.eta.swaps import p_text
+from harness.report.rows.comparison import count_of
 from harness.report.rows.ratios import Grid, format_number
 from harness.results.comparison import Comparison, StepChange
 from harness.results.measured import DETERMINISTIC, STOCHASTIC
@@ -122,7 +123,7 @@ def _title(combination: Comparison, manner: str) -> str:
     episodes = combination.episodes.get(manner)
     if episodes is None:
         return f"Behaviour {manner}"
-    seen = f"{episodes:,} episode{'s' * (episodes != 1)}"
+    seen = count_of(combination, manner, episodes)
     if manner in (DETERMINISTIC, STOCHASTIC):
         return f"Behaviour of the trained policies, {manner}, {seen} per seed"
     return f"Behaviour {manner}, {seen} or more per seed"  # trainings need not have the same number of episodes

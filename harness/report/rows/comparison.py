@@ -90,12 +90,17 @@ def scale_text(comparison: Comparison) -> str:
     )
 
 
+def count_of(comparison: Comparison, manner: str, count: int) -> str:
+    """So many episodes, or what stands for them in a manner."""
+    return f"{count:,} {comparison.counted.get(manner, 'episode')}{'s' * (count != 1)}"
+
+
 def basis_text(comparison: Comparison) -> str:
     """Which episodes the verdict rests on, where that needs saying; else empty."""
     if not comparison.has_trainings or comparison.manner in (DETERMINISTIC, STOCHASTIC):
         return ""
     count = comparison.episodes[comparison.manner]
-    told = f"{count:,} episode{'s' * (count != 1)} or more of each seed"
+    told = f"{count_of(comparison, comparison.manner, count)} or more of each seed"
     rests = "will rest" if comparison.headline.answer is Answer.INTERIM else "rests"
     if comparison.manner.startswith(EVALUATION):
         return f"The verdict {rests} on evaluations of the final policies, {told}."

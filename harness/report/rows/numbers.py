@@ -25,7 +25,8 @@ def number_grids(comparison: Comparison, kind: Kind, with_paths: bool = False) -
     """
     returned, splits = return_splits(comparison), comparison.index_splits
     grids = [returns_grid(comparison)]
-    for found in (returned, splits or comparison.splits):
+    indices = splits or comparison.splits if comparison.has_pay else {}
+    for found in (returned, indices):
         if not found:
             continue
         ratios = ratio_grid(found)

@@ -23,7 +23,7 @@ from harness.report.rows.returns import EXPLANATION, READING, matrix_title, retu
 from harness.report.rows.terms import terms_grid, terms_of
 from harness.report.tables.alone import alone_lines
 from harness.report.tables.grid import show_grid, show_titled
-from harness.report.tables.overview import interim_lines, pooled_lines
+from harness.report.tables.overview import interim_lines, pooled_lines, said_lines
 from harness.results import Results
 from harness.results.comparison import Comparison
 from harness.results.return_matrix import ReturnMatrix
@@ -33,7 +33,7 @@ def comparison_table(results: Results) -> RenderableType:
     """What ``harness report --details`` prints: a block per combination, then the cells."""
     combinations = results.combinations
     first = [*interim_lines(results), *pooled_lines(combinations)]
-    blocks: list[RenderableType] = [*first, *([Text()] if first else [])]
+    blocks: list[RenderableType] = [*said_lines(results), *first, *([Text()] if first else [])]
     blocks += alone_lines(results, with_all=True)
     blocks += [_combination_block(results, it, is_first=it is combinations[0]) for it in combinations]
     if any(combination.has_trainings for combination in combinations):

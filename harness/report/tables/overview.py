@@ -46,7 +46,8 @@ def overview_table(results: Results, details: str) -> RenderableType:
         details: The command that shows everything behind the overview.
     """
     combinations = results.combinations
-    parts = race_lines(results) or _comparisons(results) or alone_lines(results, with_all=False)
+    parts = said_lines(results)
+    parts += race_lines(results) or _comparisons(results) or alone_lines(results, with_all=False)
     parts += map(Text, dict.fromkeys(mixture.text for it in combinations for mixture in it.mixtures))
     parts += [part for line in _not_split(combinations) for part in (Text(), Text(line))]
     parts += [part for line in never_texts(results) for part in (Text(), Text(line))]
@@ -72,6 +73,11 @@ def interim_lines(results: Results) -> list[RenderableType]:
     """A line that the plan is not trained to its end; none where it is."""
     told = interim_text(results)
     return [Text(told, style="bold")] if told else []
+
+
+def said_lines(results: Results) -> list[RenderableType]:
+    """How what was found was sorted and read; none of an experiment, which knows what it trained."""
+    return [*(Text(f"{line}.") for line in results.said), *([Text()] if results.said else [])]
 
 
 def pooled_lines(combinations: Sequence[Comparison]) -> list[RenderableType]:

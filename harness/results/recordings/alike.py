@@ -9,8 +9,10 @@ from typing import Any, Self
 import numpy as np
 
 from harness.eta.rescaling import Line, line_of
-from harness.record.recording.facts import BEHAVIOUR, OWN_SOURCE, REWARD
-from harness.record.recording.recorded_training import FLAGS, INTEGERS, RecordedTraining
+from harness.log import Log
+from harness.log.log import REWARD
+from harness.record.recording.facts import OWN_SOURCE, facts_of, file_column
+from harness.record.recording.recorded_training import FLAGS, INTEGERS, TICK, TICK_IN_FILE
 
 
 @dataclass(frozen=True)
@@ -40,11 +42,15 @@ class Likeness:
         return cls(data["digest"], lines, frozenset((name, other) for name, other in data["paid_alike"]))
 
 
-def likeness_of(recording: RecordedTraining) -> Likeness:
-    """Compare the columns of a recording."""
-    rewards, sources = recording.rewards, recording.facts.sources
+NOTHING_ALIKE = Likeness("", {}, frozenset())
+
+
+def likeness_of(recording: Log) -> Likeness:
+    """Compare the columns of a log of steps."""
+    facts = facts_of(recording)
+    rewards, sources = {name: recording[f"{REWARD}{name}"] for name in facts.rewards}, facts.sources
     own = [name for name in rewards if f"{REWARD}{name}" in sources and sources[f"{REWARD}{name}"].text == OWN_SOURCE]
-    can_end = bool(recording.terminated.any())
+    can_end = "terminated" not in recording or bool(recording["terminated"].any())
     return Likeness(
         _digest(recording),
         {
@@ -60,13 +66,14 @@ def likeness_of(recording: RecordedTraining) -> Likeness:
     )
 
 
-def _digest(recording: RecordedTraining) -> str:
-    numbers = {f"{REWARD}{name}": values for name, values in recording.rewards.items()}
-    numbers |= {f"{BEHAVIOUR}{name}": values for name, values in recording.behaviour.items()}
+def _digest(recording: Log) -> str:
+    """Of the columns under the names that they have in files."""
+    numbers = {file_column(name): recording[name] for name in facts_of(recording).numbers}
     if all((values == values[:1]).all() for values in numbers.values()):
         return ""
     digest = hashlib.sha256()
-    whole = {name: getattr(recording, name) for name in ("time", *INTEGERS, *FLAGS)}
+    place = {name: recording[name] for name in (*INTEGERS, *FLAGS) if name in recording}
+    whole = {TICK_IN_FILE: recording[TICK], **place} if TICK in recording else place
     for name, values in sorted({**whole, **numbers}.items()):
         digest.update(f"{name}\0{len(values)}\0".encode())
         digest.update(np.ascontiguousarray(values).data)

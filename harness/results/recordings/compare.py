@@ -12,7 +12,7 @@ from harness.eta.behaviour_change import Quantity
 from harness.eta.curve import GroupCurve, Kind, stream_curve
 from harness.eta.scored_sums import Pair
 from harness.eta.swaps import Swaps
-from harness.record.recording.facts import REWARD
+from harness.log.log import REWARD
 from harness.results.compare import Match, compare
 from harness.results.comparison import Comparison
 from harness.results.measured import EVALUATION, Measured, Moment
@@ -34,7 +34,7 @@ def compare_runs(
     found = compare(_Recorded(runs, kind, averaged), match, swaps)
     both = [run for side in match.sides for run in side]
     rescaling = None if baseline == proposed else rescaling_between(both, proposed, baseline)
-    return replace(found, rescaling=rescaling, same_starts=meet_same_starts(both))
+    return replace(found, rescaling=rescaling, same_starts=meet_same_starts(both), counted=runs.counted)
 
 
 class _Recorded:
@@ -103,6 +103,8 @@ class _Recorded:
 
     def returned(self, match: Match[Run], pair: Pair, manner: str) -> list[float]:
         """See `Trainings`."""
+        if self._runs.returns_apart:
+            raise Unscored(self._runs.returns_apart)
         payer, found = getattr(match, pair[0]), []
         for run in match.of(pair[1]):
             part = run.parts(self._runs.steps)[manner]

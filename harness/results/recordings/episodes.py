@@ -1,6 +1,6 @@
-"""A recorded training by its finished episodes."""
+"""A training by its finished episodes, whatever log it comes from."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple, Self
 
@@ -8,9 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float
+from harness.errors import SchemaError, UsageError
 from harness.eta.interval import Bounds, are_within
-from harness.record.recording.facts import BEHAVIOUR, REWARD, TrainingFacts
-from harness.record.recording.recorded_training import RecordedTraining
+from harness.log import Log, LogFacts
+from harness.log.log import BEHAVIOUR, REWARD, TIME
+from harness.record.recording.facts import TrainingFacts, facts_of
 
 UNKNOWN = "not a number in some episodes"
 
@@ -29,10 +31,10 @@ class Part(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Episodes:
-    """The finished episodes of a recording, in the order in which they ended. All arrays are (episodes,).
+    """The finished episodes of a training, in the order in which they ended. All arrays are (episodes,).
 
     Attributes:
-        last: Row of the last step of each, counted from 0.
+        last: Environment steps of the training that were taken before the last one of each.
         returns: By reward, the sum over the episode; NaN where the reward was given up.
         behaviour: By measure, the value in its last step; NaN where the measure was given up.
         reasons: By column of a reward or a measure that is not known: why.
@@ -49,22 +51,21 @@ class Episodes:
         return np.array([self.last, *self.returns.values(), *self.behaviour.values()], dtype=np.float64)
 
     @classmethod
-    def of(cls, facts: TrainingFacts, numbers: Float) -> Self:
-        """The episodes of a recording.
+    def of(cls, facts: LogFacts, rewards: Sequence[str], measures: Sequence[str], numbers: Float) -> Self:
+        """The episodes of a log.
 
         Args:
-            facts: What is known of it beside its steps.
+            facts: What is known of it beside its rows.
+            rewards: Names of its rewards, in order.
+            measures: The same of its measures.
             numbers: What `numbers` told of its episodes.
         """
-        last, returns, behaviour = np.split(numbers, [1, 1 + len(facts.rewards)])
+        last, returns, behaviour = np.split(numbers, [1, 1 + len(rewards)])
         return cls(
             last[0].astype(np.int64),
-            dict(zip(facts.rewards, returns, strict=True)),
-            dict(zip(facts.behaviour, behaviour, strict=True)),
-            {
-                failure.column: f"given up in step {failure.step:,} of episode {failure.episode:,}: {failure.reason}"
-                for failure in facts.failures
-            },
+            dict(zip(rewards, returns, strict=True)),
+            dict(zip(measures, behaviour, strict=True)),
+            {failed.column: failed.told for failed in facts.failed},
         )
 
     def part(self, begin: int, end: int) -> Part:
@@ -81,6 +82,11 @@ class Episodes:
             name: self.reasons.get(f"{kind}{name}", UNKNOWN) if count else "no episode ended" for kind, name in missing
         }
         return Part(count, returns, behaviour, reasons)
+
+    @property
+    def whole(self) -> Part:
+        """All of them."""
+        return self.part(0, int(self.last.max(initial=-1)) + 1)
 
     def knows(self, reward: str) -> bool:
         """Whether it is known what a reward paid all episodes."""
@@ -105,14 +111,57 @@ class Episodes:
         return values[~np.isnan(values)]
 
 
-def episodes_of(recording: RecordedTraining) -> Episodes:
-    """The episodes of a recording; one that had not ended is left out."""
-    ended = np.flatnonzero(recording.terminated | recording.truncated)
-    most = int(recording.episode.max(initial=0)) + 1
-    _, numbers = np.unique(recording.env.astype(np.int64) * most + recording.episode, return_inverse=True)
-    returns = [np.bincount(numbers, values)[numbers[ended]] for values in recording.rewards.values()]
-    behaviour = [values[ended] for values in recording.behaviour.values()]
-    return Episodes.of(recording.facts, np.array([ended, *returns, *behaviour], dtype=np.float64))
+def episodes_of(log: Log) -> Episodes:
+    """The episodes of a log; one that had not ended is left out. Each point of a curve counts as one.
+
+    Raises:
+        UsageError: The log does not tell where episodes end, or when.
+        SchemaError: It is damaged.
+    """
+    facts = facts_of(log)
+    numbers = _of_steps(log, facts) if facts.unit == "step" else _of_rows(log, facts)
+    return Episodes.of(facts, facts.rewards, facts.behaviour, numbers)
+
+
+def _of_rows(log: Log, facts: TrainingFacts) -> Float:
+    """Of a log whose rows are episodes, or points."""
+    if TIME not in log:
+        raise UsageError(f"'{facts.path}' does not tell how many environment steps were taken before its {facts.unit}s")
+    rows = log.rows([TIME, *facts.numbers])
+    ended = rows[TIME] - 1
+    if (np.diff(ended) < 0).any():
+        raise SchemaError(f"{facts.path}: its {facts.unit}s do not stand in the order of time")
+    return np.array([ended, *(rows[name] for name in facts.numbers)], dtype=np.float64)
+
+
+def _of_steps(log: Log, facts: TrainingFacts) -> Float:
+    """Of a log whose rows are steps, a piece after the other: what open episodes were paid so far goes on."""
+    ends = [name for name in ("terminated", "truncated") if name in log]
+    if not ends:
+        raise UsageError(f"'{facts.path}' does not tell where episodes end: no column 'terminated' or 'truncated'")
+    place = [name for name in ("env", "episode") if name in log]
+    paid = [f"{REWARD}{name}" for name in facts.rewards]
+    open_keys, open_sums, taken = np.empty(0, np.int64), [np.empty(0) for _ in paid], 0
+    found: list[Float] = [np.empty((1 + len(facts.numbers), 0))]
+    for steps in log.without_starts().pieces([*place, *ends, *facts.numbers]):
+        zeros = np.zeros(len(steps), np.int64)
+        env, episode = (steps[name].astype(np.int64) if name in place else zeros for name in ("env", "episode"))
+        keys = np.concatenate([open_keys, env << 32 | episode])
+        episodes, numbers = np.unique(keys, return_inverse=True)
+        ended = np.flatnonzero(np.logical_or.reduce([steps[name] for name in ends]))
+        sums = [
+            np.bincount(numbers, np.concatenate([before, steps[name]]), len(episodes))
+            for name, before in zip(paid, open_sums, strict=True)
+        ]
+        at = numbers[len(open_keys) :][ended]
+        did = [steps[f"{BEHAVIOUR}{name}"][ended] for name in facts.behaviour]
+        found.append(np.array([ended + taken, *(it[at] for it in sums), *did], dtype=np.float64))
+        # An env has one open episode at most: its last one, if it has not ended.
+        is_open = np.append(np.diff(episodes >> 32) != 0, True)[: len(episodes)]
+        is_open[at] = False
+        open_keys, open_sums = episodes[is_open], [it[is_open] for it in sums]
+        taken += len(steps)
+    return np.concatenate(found, axis=1)
 
 
 def count_text(number: int, noun: str) -> str:

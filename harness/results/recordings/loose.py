@@ -18,14 +18,19 @@ class LooseStore(Store):
         runs: The trainings.
     """
 
-    def __init__(self, folder: Path) -> None:
-        """Read all recordings.
+    def __init__(self, folder: Path, runs: Runs | None = None, baseline: str = "") -> None:
+        """Read all recordings, unless they were read already.
+
+        Args:
+            folder: Where they lie.
+            runs: What was read of them; None if nothing was.
+            baseline: The reward that the others are compared with; by default the one that was given first.
 
         Raises:
             UsageError: There are none, none that can be compared, or whole experiments lie among them.
         """
         super().__init__(folder)
-        self.runs: Runs = read_runs(folder)
+        self.runs: Runs = read_runs(folder, baseline=baseline) if runs is None else runs
         self._run_of = {self._cell(run): run for run in self.runs.members.values()}
 
     def read_plan(self) -> StoredPlan:

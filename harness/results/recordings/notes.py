@@ -86,7 +86,7 @@ def _code_notes(runs: Iterable[Run]) -> list[str]:
             if source.text and source.text != OWN_SOURCE:
                 found.setdefault(column, {}).setdefault(source.text, run.path)
     return [
-        f"The code of {column.replace('_', ' ', 1)} is not the same in '{paths[0]}' and '{paths[1]}': its numbers may "
+        f"The code of {column.replace('/', ' ', 1)} is not the same in '{paths[0]}' and '{paths[1]}': its numbers may "
         "not be comparable"
         for column, of in found.items()
         if len(paths := list(of.values())) > 1

@@ -38,16 +38,16 @@ def read_runs(
     random: Path | None = None,
     control: Mapping[int, int] = NO_CONTROL,
 ) -> Runs:
-    """All recorded trainings in a folder, at any depth.
+    """All recorded trainings in a folder, at any depth; see `runs_of` for what is not told here.
 
     Args:
         folder: Where they lie.
         only: Of these folders in it, and not at any depth; None for all.
-        baseline: The reward that the others are compared with; by default the one that was given first.
-        deciding: Measures that come before the others, the one that decides first.
-        group: What the trainings share, if they are known to be of one group of cells.
+        baseline: The reward that the others are compared with.
+        deciding: Measures that come before the others.
+        group: What the trainings share.
         random: The recording of random actions in the same env, if it lies somewhere else.
-        control: By each seed the other seed that the baseline was trained with again, for the null control.
+        control: Seeds of the null control.
 
     Raises:
         UsageError: There are none, or none has all of its steps.
@@ -56,6 +56,35 @@ def read_runs(
     if not everything:
         told = f" Damaged: {'; '.join(damaged)}" if damaged else ""
         raise UsageError(f"'{folder}' holds no recorded training: harness.RecordRewards makes one.{told}")
+    at_random = _read(folder, random, _weighed([it.path for it in everything])) if random else None
+    return runs_of(folder, everything, damaged, baseline, deciding, group, at_random, control)
+
+
+def runs_of(
+    folder: Path,
+    everything: Sequence[Run],
+    damaged: Sequence[str] = (),
+    baseline: str = "",
+    deciding: Sequence[str] = (),
+    group: Group | None = None,
+    random: Run | None = None,
+    control: Mapping[int, int] = NO_CONTROL,
+) -> Runs:
+    """Trainings and evaluations, sorted into what is compared and what is left out.
+
+    Args:
+        folder: Where they lie.
+        everything: All of them. The seed of one that nobody told is -1.
+        damaged: What could not be read, a line each.
+        baseline: The reward that the others are compared with; by default the one that was given first.
+        deciding: Measures that come before the others, the one that decides first.
+        group: What the trainings share, if they are known to be of one group of cells.
+        random: Random actions in the same env, if they are not among them.
+        control: By each seed the other seed that the baseline was trained with again, for the null control.
+
+    Raises:
+        UsageError: They are of several envs, two have the same reward and seed, or none has all of its steps.
+    """
     env, env_notes = env_of(folder, everything) if group is None else (group.task.label, [])
     whole, short = without_short(everything)
     seeds, seed_notes = _with_seeds([it for it in whole if not it.facts.evaluation])
@@ -78,9 +107,7 @@ def read_runs(
     notes += [*equal_sentences(equal), *(it.sentence(name, other) for (name, other), it in rescaled.items())]
     notes += [f"{run.path}: {run.facts.paid_otherwise}" for run in members.values() if run.facts.paid_otherwise]
     notes += _told_notes(everything)
-    at_random = next((it for it in evaluated if it.facts.acted == RANDOM), None)
-    if random:
-        at_random = _read(folder, random, _weighed([it.path for it in everything]))
+    at_random = random or next((it for it in evaluated if it.facts.acted == RANDOM), None)
     return Runs(
         group or _group_of(env, shortest),
         rewards,
@@ -192,8 +219,8 @@ def _weighed(paths: Sequence[Path]) -> list[str]:
 def _read(folder: Path, path: Path, weighed: Sequence[str] = ()) -> Run:
     recorded = RecordingResults(folder, path, weighed)
     facts = recorded.facts
-    seed = _seed_of(facts)
-    run = Run(recorded, facts, -1 if seed is None else seed, recorded.steps, recorded.episodes, recorded.likeness)
+    seed = -1 if facts.seed is None else facts.seed
+    run = Run(recorded, facts, seed, recorded.steps, recorded.episodes, recorded.likeness)
     recorded.keep()
     return run
 
@@ -211,11 +238,6 @@ def _without_mistaken(run: Run) -> Run:
     return run
 
 
-def _seed_of(facts: TrainingFacts) -> int | None:
-    seeds = facts.seed if isinstance(facts.seed, tuple) else (facts.seed,)
-    return next((seed for seed in seeds if seed is not None), None)
-
-
 def env_of(folder: Path, runs: Sequence[Run]) -> tuple[str, list[str]]:
     """The id of the one env of all, and notes.
 
@@ -224,11 +246,11 @@ def env_of(folder: Path, runs: Sequence[Run]) -> tuple[str, list[str]]:
     """
     names: dict[str, Path] = {}
     for run in runs:
-        names.setdefault(str(run.facts.env.get("id") or NO_NAME), run.path)
+        names.setdefault(run.facts.env or NO_NAME, run.path)
     if len(names) > 1:
         told = ", ".join(f"{name} ('{path}')" for name, path in names.items())
         raise UsageError(f"'{folder}' mixes trainings in several envs: {told}. Name a folder of one env")
-    given = {str(run.facts.env.get("kwargs") or {}) for run in runs}
+    given = {str(run.facts.spec.get("kwargs") or {}) for run in runs}
     notes = [f"The env was made with different arguments: {' and '.join(sorted(given))}"] if len(given) > 1 else []
     return next(iter(names)), notes
 

@@ -9,10 +9,19 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.files.bounded import reading
-from harness.log.log import episode_rows
+from harness.log import Log
+from harness.log.log import REWARD, episode_rows
 from harness.record.folder import EVALUATION_RECORDING
-from harness.record.recording.facts import BEHAVIOUR, REWARD, TrainingFacts, term_column
-from harness.record.recording.recorded_training import RecordedTraining, read_recording, recording_files
+from harness.record.recording.facts import FILE_BEHAVIOUR, TrainingFacts, facts_of, term_column
+from harness.record.recording.recorded_training import (
+    ACTION,
+    CALLS,
+    FLAGS,
+    INTEGERS,
+    read_recording,
+    recording_files,
+    weighed,
+)
 from harness.record.store import CELLS
 from harness.results.by_term import ByTerm, by_term
 from harness.results.kept import Kept
@@ -45,12 +54,12 @@ class RecordingResults:
         """
         self.path, self._weighed = path, tuple(weighed)
         self._kept = Kept(folder, _name_of(folder, path), path)
-        self._held: RecordedTraining | None = None
+        self._held: Log | None = None
 
     @cached_property
     def facts(self) -> TrainingFacts:
         """What is known of it beside its steps, rewards that were paid later included."""
-        return TrainingFacts.from_json(self._told["facts"])
+        return TrainingFacts.from_json(self._told["facts"], self.path)
 
     @property
     def steps(self) -> int:
@@ -67,7 +76,8 @@ class RecordingResults:
     def episodes(self) -> Episodes:
         """All that ended."""
         numbers = self._kept.array("episodes", self._made_of, self._numbers_of_episodes)
-        return Episodes.of(self.facts, numbers.reshape(1 + len(self.facts.numbers), -1))
+        facts = self.facts
+        return Episodes.of(facts, facts.rewards, facts.behaviour, numbers.reshape(1 + len(facts.numbers), -1))
 
     def paid_by(self, reward: str) -> Float:
         """What a reward pays for each step, (steps,)."""
@@ -80,9 +90,8 @@ class RecordingResults:
             return ByTerm({}, self.steps, len(self.episodes.last))
 
         def make() -> dict[str, Any]:
-            columns = [term_column(reward, name) for name in names]
             is_held = self._held is not None or reward in self._weighed
-            return terms_in(self._recording if is_held else read_recording(self.path, only=columns), reward).to_json()
+            return terms_in(self._recording if is_held else read_recording(self.path), reward).to_json()
 
         told = self._kept.told(f"terms {reward}", self._made_of, make)
         self._kept.save()
@@ -108,7 +117,7 @@ class RecordingResults:
     def _tell(self) -> dict[str, Any]:
         recording = self._recording
         likeness = likeness_of(recording).to_json()
-        return {"facts": recording.facts.to_json(), "steps": len(recording), "likeness": likeness}
+        return {"facts": facts_of(recording).to_json(), "steps": len(recording), "likeness": likeness}
 
     @cached_property
     def _made_of(self) -> list[str]:
@@ -116,9 +125,11 @@ class RecordingResults:
             return [*(f"{name} {self._kept.digest(name)}" for name in recording_files(self.path)), *self._weighed]
 
     @property
-    def _recording(self) -> RecordedTraining:
+    def _recording(self) -> Log:
         if self._held is None:
-            self._held = read_recording(self.path).weighed(self._weighed)
+            log = read_recording(self.path)
+            log = log.loaded(name for name in log.names if name not in {*CALLS, ACTION})
+            self._held = weighed(log, self._weighed)
         return self._held
 
     def _numbers_of_episodes(self) -> Float:
@@ -126,16 +137,21 @@ class RecordingResults:
 
     def _column(self, reward: str) -> Float:
         if self._held is None and reward not in self._weighed:
-            return read_recording(self.path, only=[f"{REWARD}{reward}"]).rewards[reward]
-        return self._recording.rewards[reward]
+            return read_recording(self.path)[f"{REWARD}{reward}"]
+        return self._recording[f"{REWARD}{reward}"]
 
 
-def terms_in(recording: RecordedTraining, reward: str) -> ByTerm:
-    """What each term of a reward paid in a recording; without terms of one that was given up on the way."""
-    found = recording.terms.get(reward, {})
-    rows = episode_rows(recording.env, recording.episode, recording.terminated | recording.truncated)
+def terms_in(recording: Log, reward: str) -> ByTerm:
+    """What each term of a reward paid in a log of steps; without terms of one that was given up on the way."""
+    names = facts_of(recording).terms.get(reward, ())
+    there = [name for name in (*INTEGERS[:2], *FLAGS) if name in recording]
+    told = recording.rows([*there, *(term_column(reward, name) for name in names)])
+    zeros = np.zeros(len(told), np.int32)
+    env, episode, *ends = (told[name] if name in there else zeros for name in (*INTEGERS[:2], *FLAGS))
+    found = {name: told[term_column(reward, name)] for name in names}
+    rows = episode_rows(env, episode, np.logical_or(*ends))
     is_known = not any(np.isnan(values).any() for values in found.values())
-    return by_term(found if is_known else {}, rows, np.ones(len(recording), bool))
+    return by_term(found if is_known else {}, rows, np.ones(len(told), bool))
 
 
 def numbers_in_environment(folder: Path, files: Path) -> Numbers:
@@ -156,7 +172,7 @@ def numbers_in_environment(folder: Path, files: Path) -> Numbers:
 
 def numbers_of_part(part: Part) -> Numbers:
     """Measures and mean returns of some episodes, by the columns that they have in a table of cells."""
-    did = {f"{BEHAVIOUR}{name}": value for name, value in part.behaviour.items()}
+    did = {f"{FILE_BEHAVIOUR}{name}": value for name, value in part.behaviour.items()}
     return Numbers({**did, **{f"{RETURN}{name}": value for name, value in part.returns.items()}}, part.reasons)
 
 

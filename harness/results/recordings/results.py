@@ -101,6 +101,11 @@ class RecordedResults(Results):
         return (*told, *self.damaged_recordings)
 
     @property
+    def said(self) -> tuple[str, ...]:
+        """See `Results`."""
+        return tuple(line for it in self.studies if it.study for line in it.study.runs.said)
+
+    @property
     def damaged_recordings(self) -> tuple[str, ...]:
         """Recordings that could not be read, a line each."""
         return tuple(dict.fromkeys(line for it in self.studies if it.study for line in it.study.runs.damaged))

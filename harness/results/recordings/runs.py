@@ -5,18 +5,22 @@ from dataclasses import dataclass
 from itertools import combinations
 from pathlib import Path
 from types import MappingProxyType
-from typing import NamedTuple, Self
+from typing import NamedTuple, Protocol, Self
 
 from harness.arrays import Float
+from harness.errors import Unscored, UsageError
 from harness.eta.behaviour_change import WHOLE, Quantity
 from harness.eta.interval import SHARE, UNBOUNDED, Bounds
 from harness.eta.rescaling import Rescaling, rescaling_of
-from harness.record.recording.facts import TrainingFacts
+from harness.log import Log
+from harness.log.log import RECORDED, REWARD, SUCCESS
+from harness.record.recording.facts import TrainingFacts, facts_of
+from harness.results.by_term import ByTerm
 from harness.results.comparison import Group
 from harness.results.measured import DETERMINISTIC, EVALUATION, STOCHASTIC, Moment
-from harness.results.recordings.alike import Likeness
-from harness.results.recordings.episodes import Episodes, Part
-from harness.results.recordings.recording_results import RecordingResults
+from harness.results.recordings.alike import NOTHING_ALIKE, Likeness, likeness_of
+from harness.results.recordings.episodes import Episodes, Part, episodes_of
+from harness.results.recordings.recording_results import terms_in
 
 LAST_SHARE = 0.2
 """The last part of a training, as a share of its steps."""
@@ -27,16 +31,51 @@ MANNERS = (EVALUATION, *(f"{EVALUATION}, {acted}" for acted in (DETERMINISTIC, S
 RANDOM = "random"
 """How actions were chosen without a policy; see `harness.record.recording.facts.Acted`."""
 NO_NAME = "an env without a name"
-SUCCESS = "success"
-"""The measure that decides if there is one of this name; see `harness.environment.SUCCESS`."""
+
+
+class Pay(Protocol):
+    """What rewards paid a training, read from its files where it is asked for."""
+
+    def paid_by(self, reward: str) -> Float:
+        """What a reward pays for each step, (steps,).
+
+        Raises:
+            Unscored: Its log has no steps; says what it has.
+            SchemaError: A file is damaged.
+        """
+
+    def terms_paid(self, reward: str) -> ByTerm:
+        """What each term of a reward paid; without terms of one that has none, or was given up on the way."""
+
+
+@dataclass(frozen=True, eq=False)
+class LogPay:
+    """The pay that a log tells.
+
+    Attributes:
+        log: The log; its rows may be episodes or points.
+    """
+
+    log: Log
+
+    def paid_by(self, reward: str) -> Float:
+        """See `Pay`."""
+        facts = self.log.facts
+        if facts.unit != "step":
+            raise Unscored(f"'{facts.path}' tells {facts.unit}s, and not what was paid for each step")
+        return self.log[f"{REWARD}{reward}"]
+
+    def terms_paid(self, reward: str) -> ByTerm:
+        """See `Pay`; a log without steps tells none."""
+        return terms_in(self.log, reward) if self.log.facts.unit == "step" else ByTerm({}, 0, 0)
 
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """One recorded training, its steps left in their files.
+    """One training, its steps left in their files.
 
     Attributes:
-        recorded: What follows from its files.
+        recorded: What was paid for its steps.
         facts: What is known beside its steps.
         seed: Of the training, or the number that it was given.
         steps: How many environment steps are recorded.
@@ -47,7 +86,7 @@ class Run:
         before: Evaluations before the training ended, in order.
     """
 
-    recorded: RecordingResults
+    recorded: Pay
     facts: TrainingFacts
     seed: int
     steps: int
@@ -59,8 +98,8 @@ class Run:
 
     @property
     def path(self) -> Path:
-        """Its folder."""
-        return self.recorded.path
+        """Its folder, or its file."""
+        return self.facts.path
 
     @property
     def shortfall(self) -> str:
@@ -68,7 +107,7 @@ class Run:
         facts, episodes = self.facts, len(self.episodes.last)
         if episodes < facts.episodes_asked:
             return f"{episodes:,} of {facts.episodes_asked:,} episodes"
-        return f"{self.steps:,} of {facts.steps_asked:,} steps" if self.steps < facts.steps_asked else ""
+        return f"{self.steps:,} of {facts.asked:,} steps" if self.steps < facts.asked else ""
 
     @property
     def reward(self) -> str:
@@ -88,7 +127,7 @@ class Run:
     @property
     def whole(self) -> Part:
         """All of its episodes."""
-        return self.episodes.part(0, self.steps)
+        return self.episodes.whole
 
     def moments(self, steps: int) -> tuple[Moment, ...]:
         """The evaluations during the training, and the one after it, which has so many steps."""
@@ -102,11 +141,39 @@ class Run:
         return self.recorded.paid_by(reward)
 
 
+def run_of(log: Log) -> Run:
+    """The training of a log, whose facts tell the reward that paid it; without a seed it gets -1.
+
+    What the log calls `RECORDED` is what that reward paid. What others would have paid it does not tell.
+
+    Raises:
+        UsageError: The log does not tell the reward, where its episodes end, or when.
+        SchemaError: It is damaged.
+    """
+    if not log.facts.trained_with:
+        raise UsageError(f"'{log.facts.path}' does not tell which reward paid its training: name it")
+    if RECORDED in log.rewards:
+        then, now = (f"{REWARD}{name}" for name in (RECORDED, log.facts.trained_with))
+        terms = {f"{then}/{term}": f"{now}/{term}" for term in log.terms_of(RECORDED)}
+        log = log.renamed({then: now, **terms})
+    log = log.without_starts()
+    facts, episodes = facts_of(log), episodes_of(log)
+    is_of_steps = facts.unit == "step"
+    return Run(
+        LogPay(log),
+        facts,
+        -1 if facts.seed is None else facts.seed,
+        len(log) if is_of_steps else int(episodes.last.max(initial=-1)) + 1,
+        episodes,
+        likeness_of(log) if is_of_steps else NOTHING_ALIKE,
+    )
+
+
 def rescaling_between(runs: Iterable[Run], reward: str, other: str) -> Rescaling | None:
     """What a reward is of another one, by all trainings that know both; None if it is another one."""
     return rescaling_of(
         [
-            run.likeness.lines[other, reward]
+            run.likeness.lines.get((other, reward))
             for run in runs
             if {reward, other} <= {*run.facts.rewards} and run.episodes.knows(reward) and run.episodes.knows(other)
         ]
@@ -154,6 +221,12 @@ class Runs(NamedTuple):
     """Random actions, where they were recorded."""
     control: Mapping[int, Run] = NO_RUNS
     """Trainings by the baseline again with other seeds, each by the seed that it is compared with."""
+    said: tuple[str, ...] = ()
+    """How what was found was sorted and read, a line each; a reader has to know it before the first number."""
+    counted: Mapping[str, str] = MappingProxyType({})
+    """By manner, what stands for episodes: a log of curves has a ``point``, which is a mean over some."""
+    returns_apart: str = ""
+    """Why mean returns are not compared; empty where they are."""
 
     @property
     def env(self) -> str:

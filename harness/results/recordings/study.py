@@ -59,7 +59,7 @@ class Study:
             "trained": list(runs.trained),
             "steps": runs.steps,
             "curve": self.kind,
-            "notes": list(runs.notes),
+            "notes": [*runs.said, *runs.notes],
             "damaged": list(runs.damaged),
             "equal_trainings": [[key_to_json(key) for key in keys] for keys in runs.equal],
             "rescaled": [{"reward": name, "of": other, **it.to_json()} for (name, other), it in runs.rescaled.items()],

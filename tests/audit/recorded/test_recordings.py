@@ -78,7 +78,7 @@ def test_random_actions_in_the_same_folder_count_once(folder):
 
 def test_reward_that_was_given_up_is_left_out_there(tmp_path):
     """One line says where and why; the other training counts."""
-    record(tmp_path / "0", "plain", 0, [0.1, 0.2, 0.3], failures={"reward_thrice": 7})
+    record(tmp_path / "0", "plain", 0, [0.1, 0.2, 0.3], failures={"reward/thrice": 7})
     record(tmp_path / "1", "plain", 1, [0.1, 0.2, 0.3])
     found = audit_recordings(tmp_path)
     (note,) = found.notes
@@ -117,9 +117,9 @@ def test_what_cannot_be_audited_is_one_line(tmp_path, which):
             which, "several envs"
         )
     if which == "two envs":
-        record(runs / "1", "plain", 1, [0.1], env={"id": "Other-v0"})
+        record(runs / "1", "plain", 1, [0.1], spec={"id": "Other-v0"})
     if which == "random of another env":
-        random = record(tmp_path / "random", "plain", 0, [0.1], env={"id": "Other-v0"}, evaluation=True)
+        random = record(tmp_path / "random", "plain", 0, [0.1], spec={"id": "Other-v0"}, evaluation=True)
     with pytest.raises(UsageError, match=told) as caught:
         audit_recordings(runs, random)
     assert "\n" not in str(caught.value)

@@ -48,7 +48,7 @@ def test_evaluations_on_the_way_change_no_training(results: Results, tmp_path: P
         next(it for it in of.plan.cells if (it.reward.label, it.seed) == ("right", 0)) for of in (results, without)
     )
     ways = [of.store.cell_folder(cell) / "training" for of, cell in ((results, one), (without, other))]
-    assert (read_recording(ways[0]).rewards["right"] == read_recording(ways[1]).rewards["right"]).all()
+    assert (read_recording(ways[0])["reward/right"] == read_recording(ways[1])["reward/right"]).all()
 
 
 @pytest.mark.parametrize("deterministic", [True, False])

@@ -20,6 +20,7 @@ from harness.experiment.experiment import check, prepare
 from harness.experiment.plan import Plan, check_experiment, expand
 from harness.experiment.run_cell import run_cell
 from harness.experiment.run_options import RunOptions
+from harness.log import Log
 from harness.policy import load_policy
 from harness.progress import RETURN, SUCCESS
 from harness.record.cell import Cell
@@ -37,7 +38,7 @@ from harness.record.folder import (
 from harness.record.manifest import digests_in, read_manifest
 from harness.record.merge import merge
 from harness.record.recording.facts import TrainingFacts
-from harness.record.recording.recorded_training import RecordedTraining, facts_name, read_recording
+from harness.record.recording.recorded_training import facts_name, read_recording
 from harness.record.recording.recording_writer import write_recording
 from harness.record.status import read_status
 from harness.record.store import Store
@@ -177,7 +178,7 @@ def test_a_cell_leaves_its_folder(folder: Path, registry: Registry):
     assert training.facts.lower_is_better == ("distance",)
     assert training.facts.bounds == evaluation.facts.bounds == {"distance": (0.0, np.inf)}
     assert evaluation.facts.evaluation
-    assert (evaluation.terminated | evaluation.truncated).sum() == 3
+    assert (evaluation["terminated"] | evaluation["truncated"]).sum() == 3
     assert load_policy(place / POLICY).kind == "uniform"
     manifest = Store.open(folder).examine(cell)
     assert set(manifest.environment["sources"]) == {"environments", "algorithms"}
@@ -206,12 +207,12 @@ def test_the_learner_is_paid_by_the_reward_of_its_cell(registry: Registry, given
     cell = _plan(registry).cells[1]
     _done(cell, tmp_path / "cell", given, words)
     training = read_recording(tmp_path / "cell" / TRAINING_RECORDING)
-    ended = np.flatnonzero(training.terminated | training.truncated)
-    paid = np.add.reduceat(training.rewards["right"], [0, *(ended[:-1] + 1)])[: len(ended)]
+    ended = np.flatnonzero(training["terminated"] | training["truncated"])
+    paid = np.add.reduceat(training["reward/right"], [0, *(ended[:-1] + 1)])[: len(ended)]
     assert words[-1].steps == STEPS
     told = next(word.scalars for word in reversed(words) if RETURN in word.scalars)
     assert told[RETURN] == pytest.approx(paid.mean())
-    assert told[SUCCESS] == pytest.approx(training.behaviour["success"][ended].mean())
+    assert told[SUCCESS] == pytest.approx(training["behaviour/success"][ended].mean())
 
 
 def test_trackers_get_the_evaluation(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
@@ -221,13 +222,13 @@ def test_trackers_get_the_evaluation(registry: Registry, given: tuple[Given, ...
     run_cell(_plan(registry).cells[1], tmp_path / "cell", words.append, options)
     (told,) = (word for word in words if any(name.startswith("Evaluation/") for name in word.scalars))
     evaluation = read_recording(tmp_path / "cell" / EVALUATION_RECORDING)
-    ends = evaluation.terminated | evaluation.truncated
+    ends = evaluation["terminated"] | evaluation["truncated"]
     assert told.steps == STEPS
     assert told.scalars == pytest.approx(
         {
-            "Evaluation/Cumulative Reward": evaluation.rewards["right"].sum() / 3,
-            "Evaluation/Success": evaluation.behaviour["success"][ends].mean(),
-            "Evaluation/Distance": evaluation.behaviour["distance"][ends].mean(),
+            "Evaluation/Cumulative Reward": evaluation["reward/right"].sum() / 3,
+            "Evaluation/Success": evaluation["behaviour/success"][ends].mean(),
+            "Evaluation/Distance": evaluation["behaviour/distance"][ends].mean(),
         }
     )
 
@@ -299,9 +300,10 @@ def test_a_reward_that_only_looks_on_fails_alone(broken: tuple[Given, ...], tmp_
     assert failed == "reward right given up in the training, episode 1, step 2: SystemExit: the arm fell off"
     assert remembers.startswith("reward 'right': it remembers something beyond reset()")  # it counts episodes
     training = read_recording(tmp_path / "cell" / TRAINING_RECORDING)
-    unknown = np.isnan(training.rewards["right"])
+    unknown = np.isnan(training["reward/right"])
     assert (unknown.sum(), np.flatnonzero(~unknown).max()) == (STEPS - 10, 9)
-    assert not any(np.isnan(column).any() for column in (training.rewards["near"], *training.behaviour.values()))
+    for name in ("reward/near", "behaviour/success", "behaviour/distance"):
+        assert not np.isnan(training[name]).any()
 
 
 def _cut_short(registry: Registry, given: tuple[Given, ...], folder: Path, words: list[Word] | None = None) -> Any:
@@ -315,7 +317,7 @@ def test_an_evaluation_of_endless_episodes_ends(registry: Registry, given: tuple
     assert _cut_short(registry, given, tmp_path / "cell").status == "done"
     evaluation = read_recording(tmp_path / "cell" / EVALUATION_RECORDING)
     assert (evaluation.facts.cut, evaluation.facts.horizon) == (3, 5)
-    assert np.flatnonzero(evaluation.truncated).tolist() == [4, 9, 14]
+    assert np.flatnonzero(evaluation["truncated"]).tolist() == [4, 9, 14]
 
 
 def test_a_manifest_says_what_never_ended(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
@@ -447,9 +449,9 @@ def test_trainings_are_exported_as_csv(results: Results, tmp_path: Path):
     recorded = read_recording(results.store.cell_folder(cell) / "training")
     table = pyarrow.csv.read_csv(tmp_path / "random-toy" / "near" / "seed-1.csv")
     assert table.column_names[:4] == ["time", "env", "episode", "step"]
-    np.testing.assert_array_equal(table["reward_right"], recorded.rewards["right"])
-    np.testing.assert_array_equal(table["behaviour_distance"], recorded.behaviour["distance"])
-    np.testing.assert_array_equal(table["truncated"], recorded.truncated)
+    np.testing.assert_array_equal(table["reward_right"], recorded["reward/right"])
+    np.testing.assert_array_equal(table["behaviour_distance"], recorded["behaviour/distance"])
+    np.testing.assert_array_equal(table["truncated"], recorded["truncated"])
 
 
 def test_commands_that_need_an_arm_say_so(results: Results):
@@ -482,9 +484,9 @@ def test_a_cell_that_is_done_in_both_folders_is_taken_once(
     assert "\n4 cells: 4 done\n" in report(folder, tmp_path / "other")
 
 
-def _write_again(cell: Path, part: str, change: Callable[[RecordedTraining], RecordedTraining]) -> None:
+def _write_again(cell: Path, part: str, change: Callable[[Log], Log]) -> None:
     """A recording of a cell, changed, as if the cell had left it so."""
-    recording = read_recording(cell / part)
+    recording = read_recording(cell / part).loaded()
     shutil.rmtree(cell / part)
     write_recording(cell / part, change(recording))
     read_manifest(cell).write(cell)
@@ -496,7 +498,7 @@ def test_two_trainings_of_a_cell_that_differ_are_refused(folder: Path, tmp_path:
     shutil.copytree(folder, tmp_path / "other")
     cell = Store.open(folder).read_plan().cells[1]
     _write_again(
-        Store(tmp_path / "other").cell_folder(cell), part, lambda it: replace(it, truncated=np.roll(it.truncated, 1))
+        Store(tmp_path / "other").cell_folder(cell), part, lambda it: it.add({"truncated": np.roll(it["truncated"], 1)})
     )
     with pytest.raises(UsageError, match=f"Cell {cell.id} .* was trained in '{folder}' .* and the steps differ"):
         merge([folder, tmp_path / "other"], tmp_path / "both")
@@ -580,9 +582,9 @@ def test_table_has_what_the_policies_did(results: Results):
     assert len(rows) == 4
     for row, cell in zip(rows, results.done_cells, strict=True):
         recorded = read_recording(results.store.cell_folder(cell) / EVALUATION_RECORDING)
-        ended = recorded.terminated | recorded.truncated
-        assert row["behaviour_distance"] == pytest.approx(recorded.behaviour["distance"][ended].mean())
-        assert row["return_near"] == pytest.approx(recorded.rewards["near"].sum() / ended.sum())
+        ended = recorded["terminated"] | recorded["truncated"]
+        assert row["behaviour_distance"] == pytest.approx(recorded["behaviour/distance"][ended].mean())
+        assert row["return_near"] == pytest.approx(recorded["reward/near"].sum() / ended.sum())
         assert row["not_measured"] == ""
 
 

@@ -30,7 +30,7 @@ def _done(plan: Plan, folder: Path, given: tuple[Given, ...]) -> Manifest:
 
 def _success(folder: Path) -> float:
     told = read_recording(folder / EVALUATION_RECORDING)
-    return float(told.behaviour["success"][told.truncated].mean())
+    return float(told["behaviour/success"][told["truncated"]].mean())
 
 
 def test_hindsight_learns_from_a_sparse_reward(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
@@ -40,7 +40,7 @@ def test_hindsight_learns_from_a_sparse_reward(registry: Registry, given: tuple[
     assert _success(tmp_path / "with") > 0.6
     assert _success(tmp_path / "without") < 0.3
     told = read_recording(tmp_path / "with" / TRAINING_RECORDING)
-    assert set(np.unique(told.rewards["there"])) <= {-1.0, 0.0}
+    assert set(np.unique(told["reward/there"])) <= {-1.0, 0.0}
 
 
 def test_the_same_cell_is_the_same_recording(registry: Registry, given: tuple[Given, ...], tmp_path: Path):

@@ -156,7 +156,7 @@ def test_crash_costs_only_the_cells_that_it_pays(trained: Path):
         assert remembers.startswith("reward 'crashes': it remembers something beyond reset()")
         training = read_recording(results.store.cell_folder(manifest.cell) / TRAINING_RECORDING)
         assert list(training.rewards) == ["own", "calm", "crashes", "upright"]
-        assert not np.isnan(training.rewards["calm"]).any()
+        assert not np.isnan(training["reward/calm"]).any()
 
 
 def test_first_measure_of_the_file_decides(trained: Path):
@@ -222,7 +222,7 @@ def test_later_file_pays_the_old_recordings(trained: Path, tmp_path: Path, say: 
     for manifest in load_results(trained).done:
         for part in (TRAINING_RECORDING, EVALUATION_RECORDING):
             recording = read_recording(Store.open(trained).cell_folder(manifest.cell) / part)
-            assert -8.0 <= recording.rewards["later"].min() < recording.rewards["later"].max() <= 0.0
+            assert -8.0 <= recording["reward/later"].min() < recording["reward/later"].max() <= 0.0
     assert not verify(trained)
     assert "later  " in say("report", trained)[1]
     assert say("score", trained, "--plugin", tmp_path / "later.py")[1].count("nothing to do") == 19
@@ -234,8 +234,8 @@ def test_later_measure_measures_the_old_recordings(trained: Path, tmp_path: Path
     assert say("score", trained, "--plugin", tmp_path / "behaviour.py")[0] == 0
     cell = next(it.cell for it in load_results(trained).done)
     recording = read_recording(Store.open(trained).cell_folder(cell) / TRAINING_RECORDING)
-    assert np.array_equal(recording.behaviour["tip"], recording.behaviour["height"])
-    assert np.array_equal(recording.behaviour["work"], recording.behaviour["effort"])
+    assert np.array_equal(recording["behaviour/tip"], recording["behaviour/height"])
+    assert np.array_equal(recording["behaviour/work"], recording["behaviour/effort"])
     assert recording.facts.lower_is_better == ("effort", "work")
 
 
@@ -253,7 +253,7 @@ def test_mended_file_pays_what_it_could_not(trained: Path, files: Path, tmp_path
     _lay(tmp_path, crashes=CRASHES.replace("1 / (1 - self.episodes)", "0.5"))
     assert say("score", trained, "--plugin", tmp_path / "crashes.py")[0] == 0
     cell = next(it.cell for it in load_results(trained).done)
-    assert set(read_recording(Store.open(trained).cell_folder(cell) / TRAINING_RECORDING).rewards["crashes"]) == {0.5}
+    assert set(read_recording(Store.open(trained).cell_folder(cell) / TRAINING_RECORDING)["reward/crashes"]) == {0.5}
 
 
 def _loose(folder: Path) -> Path:
@@ -296,7 +296,7 @@ def test_id_in_a_recording_imports_nothing(tmp_path: Path, say: Say):
 
     path = runs / "own-0" / "recording-0.json"
     facts = TrainingFacts.read(path)
-    replace(facts, env={**facts.env, "id": "antigravity:Pendulum-v1"}).write(path)
+    replace(facts, spec={**facts.spec, "id": "antigravity:Pendulum-v1"}).write(path)
     status, told, _ = say("score", runs, "--plugin", tmp_path / "later.py")
     assert (status, "which Gymnasium cannot make by itself. Name an environment" in told) == (1, True)
 

@@ -61,7 +61,8 @@ def _recorded(folder: Path, bodies: dict[str, str]) -> dict[str, Any]:
     for cell in store.read_plan().cells:
         for path in sorted(recordings_in(store.cell_folder(cell))):
             recording = read_recording(path)
-            found |= {f"{cell.reward.name} {path.name} {name}": values for name, values in recording.rewards.items()}
+            rows = recording.rows(f"reward/{name}" for name in recording.rewards)
+            found |= {f"{cell.reward.name} {path.name} {name}": rows[f"reward/{name}"] for name in recording.rewards}
             found[f"{cell.reward.name} {path.name} told"] = [it.column for it in recording.facts.failures] + [
                 *recording.facts.notes
             ]

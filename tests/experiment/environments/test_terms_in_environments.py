@@ -11,11 +11,12 @@ from harness.errors import UsageError
 from harness.experiment.plan import Plan, check_experiment, expand
 from harness.experiment.trials.tried_plan import try_plan
 from harness.record.folder import EVALUATION_RECORDING, TRAINING_RECORDING
-from harness.record.recording.recorded_training import read_recording
+from harness.record.recording.recorded_training import read_recording, weighed
 from harness.registry.given import read_given
 from harness.registry.registry import load_registry
 from harness.results import load_results
 from harness.reward.terms import sum_of
+from tests.record.recording.told import terms_of
 
 PENDULUM = "gymnasium:id=Pendulum-v1"
 GENTLE = """
@@ -111,7 +112,7 @@ def test_trainings_and_evaluations_have_terms(trained: Path):
     for cell in results.done_cells:
         for name in (TRAINING_RECORDING, EVALUATION_RECORDING):
             found = read_recording(results.store.cell_folder(cell) / name)
-            assert np.array_equal(sum_of(found.terms["gentle"]), found.rewards["gentle"])
+            assert np.array_equal(sum_of(terms_of(found, "gentle")), found["reward/gentle"])
             assert found.facts.trained_with == cell.reward.label
 
 
@@ -121,10 +122,10 @@ def test_columns_pay_what_other_weights_pay(trained: Path):
     label = "gentle:effort=5"
     for cell in results.done_cells:
         found = read_recording(results.store.cell_folder(cell) / TRAINING_RECORDING)
-        terms = found.terms["gentle"]
-        weighed = terms["upright"] + 5.0 * terms["effort"] + terms["jerk"]
-        recorded = found.rewards if cell.reward.label == label else found.weighed([label]).rewards
-        assert np.abs(recorded[label] - weighed).max() <= 1e-12
+        terms = terms_of(found, "gentle")
+        expected = terms["upright"] + 5.0 * terms["effort"] + terms["jerk"]
+        recorded = found if cell.reward.label == label else weighed(found, [label])
+        assert np.abs(recorded[f"reward/{label}"] - expected).max() <= 1e-12
     (study,) = (it.study for it in results.studies)
     assert study is not None
     assert set(study.runs.rewards) == {"own", "gentle", label}

@@ -210,9 +210,9 @@ def test_a_recording_in_an_environment_is_paid_again(recorded: Path, tmp_path: P
     paid = pay_dataset(
         found, {"near": as_recorded("near"), "own": as_recorded("own"), "again": step_by_step("it", again)}
     ).paid
-    assert paid["own"] == pytest.approx(live.rewards["own"], abs=FORMATS[form])
-    assert paid["near"] == pytest.approx(live.rewards["near"], abs=FORMATS[form])
-    assert paid["again"] == pytest.approx(live.rewards["near"], abs=FORMATS[form])
+    assert paid["own"] == pytest.approx(live["reward/own"], abs=FORMATS[form])
+    assert paid["near"] == pytest.approx(live["reward/near"], abs=FORMATS[form])
+    assert paid["again"] == pytest.approx(live["reward/near"], abs=FORMATS[form])
 
 
 @pytest.mark.filterwarnings("ignore")

@@ -12,10 +12,10 @@ import pytest
 
 from harness.errors import NewerFormat, SchemaError, UsageError
 from harness.files.sealed import seal, unseal
+from harness.log import Log, in_memory
 from harness.record.recording import recorded_training
 from harness.record.recording.facts import Failure, Source, TrainingFacts
 from harness.record.recording.recorded_training import (
-    RecordedTraining,
     facts_name,
     is_recording,
     part_name,
@@ -29,28 +29,30 @@ FACTS = TrainingFacts(
     behaviour=("success",),
     num_envs=2,
     seed=7,
-    env={"id": "Some-v0", "kwargs": {"gravity": 9.81}},
+    env="Some-v0",
+    spec={"id": "Some-v0", "kwargs": {"gravity": 9.81}},
     versions={"gymnasium": "1.2"},
-    sources={"reward_v1": Source("a" * 64, "def v1(): ..."), "reward_v2": Source("", "what the env pays")},
-    failures=(Failure("reward_v1", env=1, episode=3, step=0, reason="ValueError: no"),),
+    sources={"reward/v1": Source("a" * 64, "def v1(): ..."), "reward/v2": Source("", "what the env pays")},
+    failed=(Failure("reward/v1", env=1, episode=3, step=0, reason="ValueError: no"),),
 )
 
 
-def _training(calls: int, facts: TrainingFacts = FACTS) -> RecordedTraining:
+def _training(calls: int, facts: TrainingFacts = FACTS) -> Log:
     """Two envs, episodes of five steps."""
     time = np.repeat(np.arange(calls), 2)
     numbers = np.random.default_rng(0).normal(size=(3, len(time)))
-    return RecordedTraining(
-        facts=facts,
-        time=time,
-        env=np.tile(np.arange(2, dtype=np.int32), calls),
-        episode=(time // 5).astype(np.int32),
-        step=(time % 5).astype(np.int32),
-        rewards={"v1": numbers[0], "v2": numbers[1]},
-        behaviour={"success": numbers[2]},
-        terminated=time % 5 == 4,
-        truncated=np.zeros(len(time), bool),
-    )
+    columns = {
+        "tick": time,
+        "env": np.tile(np.arange(2, dtype=np.int32), calls),
+        "episode": (time // 5).astype(np.int32),
+        "step": (time % 5).astype(np.int32),
+        "reward/v1": numbers[0],
+        "reward/v2": numbers[1],
+        "behaviour/success": numbers[2],
+        "terminated": time % 5 == 4,
+        "truncated": np.zeros(len(time), bool),
+    }
+    return in_memory(facts, columns)
 
 
 @pytest.fixture
@@ -60,14 +62,12 @@ def small_parts(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(f"harness.record.recording.{module}.PART_ROWS", 7)
 
 
-def _require_same(found: RecordedTraining, expected: RecordedTraining) -> None:
-    for name in ("time", "env", "episode", "step", "terminated", "truncated"):
-        one, other = getattr(found, name), getattr(expected, name)
-        assert one.dtype == other.dtype
-        assert np.array_equal(one, other), name
-    for one, other in ((found.rewards, expected.rewards), (found.behaviour, expected.behaviour)):
-        assert list(one) == list(other)
-        assert all(np.array_equal(one[name], other[name], equal_nan=True) for name in one)
+def _require_same(found: Log, expected: Log) -> None:
+    assert found.names == ("time", *expected.names)
+    assert found["time"].tolist() == [*range(1, len(expected) + 1)]
+    for name in expected.names if len(expected) else ():
+        assert found[name].dtype == expected[name].dtype
+        assert np.array_equal(found[name], expected[name], equal_nan=True), name
 
 
 @pytest.mark.parametrize("calls", [0, 3, 7, 20])
@@ -77,7 +77,7 @@ def test_what_is_written_is_read(tmp_path: Path, calls: int):
     write_recording(tmp_path / "run", _training(calls))
     found = read_recording(tmp_path / "run")
     _require_same(found, _training(calls))
-    assert found.facts == replace(FACTS, closed=True)
+    assert found.facts == replace(FACTS, path=tmp_path / "run", closed=True)
     assert len(found) == 2 * calls
     assert len(list((tmp_path / "run").glob("steps-0-*.parquet"))) == -(-2 * calls // 7)
 
@@ -105,9 +105,9 @@ def test_envs_of_several_recorders_are_numbered_on(folder: Path):
     assert len(read_recording(folder)) == len(expected)  # the writer has not written its step yet
     writer.close()
     found = read_recording(folder)
-    assert found.env[8:11].tolist() == [0, 1, 2]
-    assert found.time[8:11].tolist() == [4, 4, 4]
-    assert found.rewards["v2"][10] == 20.0
+    assert found["env"][8:11].tolist() == [0, 1, 2]
+    assert found["tick"][8:11].tolist() == [4, 4, 4]
+    assert found["reward/v2"][10] == 20.0
     assert (len(found), found.facts.num_envs, found.facts.seed) == (len(expected) + 1, 3, 7)
     assert [failure.env for failure in found.facts.failures] == [1, 3]
     assert found.facts.paid_otherwise == "here"
@@ -133,8 +133,7 @@ def test_recorders_of_other_rewards_are_not_one_training(folder: Path):
 def test_recording_goes_on_as_if_it_had_not_stopped(tmp_path: Path, calls: int):
     """Behind a part that is full or not."""
     whole = _training(12)
-    rows = np.stack([whole.time, whole.env, whole.episode, whole.step, *whole.rewards.values(),
-                     *whole.behaviour.values(), whole.terminated, whole.truncated], axis=1)  # fmt: skip
+    rows = np.stack([whole[name] for name in whole.names], axis=1)
     for part in (rows[: 2 * calls], rows[2 * calls :]):
         writer = RecordingWriter(tmp_path, FACTS, resume=True)
         writer.append(part)
@@ -211,7 +210,7 @@ def test_damage_is_named(folder: Path, damage: Callable[[Path], object], message
     """One line that names the file, or what is wrong with the whole."""
     damage(folder)
     with pytest.raises(SchemaError, match=re.escape(message)):
-        read_recording(folder)
+        read_recording(folder).rows()
 
 
 def test_newer_recording_is_named(folder: Path):
@@ -231,7 +230,7 @@ def test_bounds_are_held(folder: Path, monkeypatch: pytest.MonkeyPatch):
         with monkeypatch.context() as patch:
             patch.setattr(recorded_training, name, 2 if name != "MOST_RECORDERS" else 0)
             with pytest.raises(SchemaError, match=message):
-                read_recording(folder)
+                read_recording(folder).rows()
 
 
 def test_whole_recording_is_not_written_over(folder: Path):
@@ -246,17 +245,20 @@ def test_million_steps_take_30_megabytes(tmp_path: Path):
     count = 100_000
     time = np.arange(count)
     numbers = np.random.default_rng(0).normal(size=(3, count))
-    training = RecordedTraining(
-        facts=TrainingFacts(rewards=("v1", "v2"), trained_with="v1", behaviour=("distance", "success")),
-        time=time,
-        env=np.zeros(count, np.int32),
-        episode=(time // 200).astype(np.int32),
-        step=(time % 200).astype(np.int32),
-        rewards={"v1": numbers[0], "v2": numbers[1]},
-        behaviour={"distance": numbers[2], "success": (time % 200 > 150).astype(float)},
-        terminated=time % 200 == 199,
-        truncated=np.zeros(count, bool),
-    )
+    columns = {
+        "tick": time,
+        "env": np.zeros(count, np.int32),
+        "episode": time // 200,
+        "step": time % 200,
+        "reward/v1": numbers[0],
+        "reward/v2": numbers[1],
+        "behaviour/distance": numbers[2],
+        "behaviour/success": time % 200 > 150,
+        "terminated": time % 200 == 199,
+        "truncated": np.zeros(count, bool),
+    }
+    facts = TrainingFacts(rewards=("v1", "v2"), trained_with="v1", behaviour=("distance", "success"))
+    training = in_memory(facts, columns)
     write_recording(tmp_path, training)
     assert sum(path.stat().st_size for path in tmp_path.iterdir()) <= 3_000_000
 
@@ -275,25 +277,25 @@ def test_only_steps_wait_for_the_disk(tmp_path: Path, monkeypatch: pytest.Monkey
 
 @pytest.mark.parametrize(
     ("column", "row", "value"),
-    [("step", 5, 7), ("step", 0, 1), ("episode", 5, 9), ("time", 4, 1)],
+    [("step", 5, 7), ("step", 0, 1), ("episode", 5, 9), ("tick", 4, 1)],
 )
 def test_steps_that_do_not_follow_one_another_are_refused(tmp_path: Path, column: str, row: int, value: int):
     """A row that is missing, doubled or of another episode would pay episodes otherwise."""
     training = _training(20)
-    getattr(training, column)[row] = value
+    training[column][row] = value
     write_recording(tmp_path / "run", training)
     with pytest.raises(SchemaError, match=r"does not follow|order of time"):
-        read_recording(tmp_path / "run")
+        read_recording(tmp_path / "run").rows(["env"])
 
 
 def test_a_reward_without_a_value_is_refused_unless_a_failure_is_told(tmp_path: Path):
     """Otherwise every mean of it would be none."""
     training = _training(20)
     for name in ("v1", "v2"):
-        training.rewards[name][30] = np.nan
+        training[f"reward/{name}"][30] = np.nan
     write_recording(tmp_path / "run", training)
     with pytest.raises(SchemaError, match="reward_v2 has no value in some steps"):
-        read_recording(tmp_path / "run")
+        read_recording(tmp_path / "run").rows()
 
 
 def test_steps_times_columns_are_bounded_before_they_are_read(folder: Path, monkeypatch: pytest.MonkeyPatch):
@@ -303,4 +305,4 @@ def test_steps_times_columns_are_bounded_before_they_are_read(folder: Path, monk
         "harness.record.recording.recorded_training.read_part", lambda *given: pytest.fail("it was read")
     )
     with pytest.raises(SchemaError, match=r"more than \d+ steps of \d+ columns, 10 numbers are allowed"):
-        read_recording(folder)
+        read_recording(folder).rows()

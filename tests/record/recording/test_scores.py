@@ -19,15 +19,15 @@ FACTS = TrainingFacts(
     rewards=("own", "calm"),
     trained_with="own",
     behaviour=("success",),
-    sources={"reward_own": Source("", "what the env pays"), "reward_calm": Source("a" * 64, "old")},
-    failures=(Failure("reward_calm", 0, 1, 2, "ValueError: no"),),
+    sources={"reward/own": Source("", "what the env pays"), "reward/calm": Source("a" * 64, "old")},
+    failed=(Failure("reward/calm", "ValueError: no", env=0, episode=1, step=2),),
 )
 STEPS = 4
 SCORES = Scores(
-    {"reward_new": np.arange(4.0), "behaviour_effort": np.array([1, np.nan, 3, 4])},
+    {"reward/new": np.arange(4.0), "behaviour/effort": np.array([1, np.nan, 3, 4])},
     ("effort",),
-    {"reward_new": Source("b" * 64, "new"), "behaviour_effort": Source("c" * 64, "effort")},
-    (Failure("behaviour_effort", 0, 0, 1, "KeyError: 'x'"),),
+    {"reward/new": Source("b" * 64, "new"), "behaviour/effort": Source("c" * 64, "effort")},
+    (Failure("behaviour/effort", "KeyError: 'x'", env=0, episode=0, step=1),),
 )
 
 
@@ -44,7 +44,7 @@ def test_what_is_written_is_read(tmp_path: Path):
     """Every column to the last bit, and what is known of it."""
     path = tmp_path / scores_name(0)
     write_scores(path, SCORES)
-    found = read_scores(path, STEPS)
+    found = read_scores(path, lambda: STEPS)
     assert found is not None
     assert replace(found, columns={}).__dict__ == replace(SCORES, columns={}).__dict__
     assert list(found.columns) == list(SCORES.columns)
@@ -57,31 +57,31 @@ def test_recording_has_them_among_its_own(folder: Path):
     write_scores(folder / scores_name(0), SCORES)
     found = read_recording(folder)
     assert (found.facts.rewards, found.facts.behaviour) == (("own", "calm", "new"), ("success", "effort"))
-    assert (found.facts.lower_is_better, found.facts.sources["reward_new"].text) == (("effort",), "new")
-    assert found.rewards["new"].tolist() == [0, 1, 2, 3]
-    assert [failure.column for failure in found.facts.failures] == ["reward_calm", "behaviour_effort"]
+    assert (found.facts.lower_is_better, found.facts.sources["reward/new"].text) == (("effort",), "new")
+    assert found["reward/new"].tolist() == [0, 1, 2, 3]
+    assert [failure.column for failure in found.facts.failures] == ["reward/calm", "behaviour/effort"]
     assert {name: (folder / name).read_bytes() for name in before} == before
 
 
 def test_column_of_a_name_that_was_recorded_takes_its_place(folder: Path):
     """Where it was computed by other code, or given up; its failure is gone then."""
-    later = Scores({"reward_calm": np.full(STEPS, 9.0)}, (), {"reward_calm": Source("d" * 64, "mended")})
+    later = Scores({"reward/calm": np.full(STEPS, 9.0)}, (), {"reward/calm": Source("d" * 64, "mended")})
     write_scores(folder / scores_name(0), later)
     found = read_recording(folder)
-    assert found.rewards["calm"].tolist() == [9.0] * STEPS
+    assert found["reward/calm"].tolist() == [9.0] * STEPS
     assert (found.facts.rewards, found.facts.failures) == (("own", "calm"), ())
-    assert found.facts.sources["reward_calm"].text == "mended"
+    assert found.facts.sources["reward/calm"].text == "mended"
 
 
 def test_earlier_scores_stay(folder: Path):
     """Those of other names; a name that both have is the later one's."""
-    later = Scores({"reward_new": np.zeros(STEPS)}, (), {"reward_new": Source("e" * 64, "newer")})
+    later = Scores({"reward/new": np.zeros(STEPS)}, (), {"reward/new": Source("e" * 64, "newer")})
     both = later.with_earlier(SCORES)
     assert {name: values.tolist()[0] for name, values in both.columns.items()} == {
-        "behaviour_effort": 1,
-        "reward_new": 0,
+        "behaviour/effort": 1,
+        "reward/new": 0,
     }
-    assert (both.sources["reward_new"].text, both.lower_is_better) == ("newer", ("effort",))
+    assert (both.sources["reward/new"].text, both.lower_is_better) == ("newer", ("effort",))
     assert both.failures == SCORES.failures
 
 

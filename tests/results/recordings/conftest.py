@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from harness.log import in_memory
 from harness.record.recording.facts import Failure, TrainingFacts
-from harness.record.recording.recorded_training import RecordedTraining
 from harness.record.recording.recording_writer import write_recording
 from harness.registry.registry import load_registry
 from harness.results.recordings.loose import LooseStore
@@ -55,38 +55,35 @@ def record(
     measured = {"success": lambda a: (a > 0.5) * 1.0, "arm": lambda a: a} if behaviour is None else behaviour
     steps, ended = np.arange(len(pulled)), (np.arange(len(pulled)) % PULLS == PULLS - 1) & ends
     given_up = tuple(
-        Failure(column, 0, step // PULLS, step % PULLS, "ZeroDivisionError: division by zero")
+        Failure(column, "ZeroDivisionError: division by zero", env=0, episode=step // PULLS, step=step % PULLS)
         for column, step in failures.items()
     )
 
     def values(kind: str, functions: Mapping[str, Callable[[np.ndarray], np.ndarray]]) -> dict[str, np.ndarray]:
         return {
-            name: np.where(steps >= failures.get(f"{kind}_{name}", len(steps)), np.nan, function(pulled))
+            f"{kind}/{name}": np.where(steps >= failures.get(f"{kind}/{name}", len(steps)), np.nan, function(pulled))
             for name, function in functions.items()
         }
 
-    known = {"env": {"id": "Bandit-v0"}, "lower_is_better": (), "closed": True, **facts}
-    write_recording(
-        folder,
-        RecordedTraining(
-            TrainingFacts(
-                rewards=tuple(pays),
-                trained_with=trained_with,
-                behaviour=tuple(measured),
-                seed=seed,
-                failures=given_up,
-                **known,
-            ),
-            steps,
-            np.zeros(len(steps), np.int32),
-            (steps // PULLS).astype(np.int32),
-            (steps % PULLS).astype(np.int32),
-            values("reward", pays),
-            values("behaviour", measured),
-            np.zeros(len(steps), bool),
-            ended,
-        ),
+    known = TrainingFacts(
+        rewards=tuple(pays),
+        trained_with=trained_with,
+        behaviour=tuple(measured),
+        seed=seed,
+        failed=given_up,
+        **{"spec": {"id": "Bandit-v0"}, "closed": True, **facts},
     )
+    columns = {
+        "tick": steps,
+        "env": np.zeros(len(steps), np.int32),
+        "episode": (steps // PULLS).astype(np.int32),
+        "step": (steps % PULLS).astype(np.int32),
+        **values("reward", pays),
+        **values("behaviour", measured),
+        "terminated": np.zeros(len(steps), bool),
+        "truncated": ended,
+    }
+    write_recording(folder, in_memory(known, columns))
     return folder
 
 

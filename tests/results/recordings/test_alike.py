@@ -9,7 +9,8 @@ import pytest
 
 from harness.eta.headline import Answer
 from harness.eta.rescaling import rescaling_of
-from harness.record.recording.recorded_training import RecordedTraining, read_recording
+from harness.log import Log
+from harness.record.recording.recorded_training import read_recording
 from harness.report.page.answer import card_of
 from harness.report.rows.comparison import UNLIKE_STARTS, beside_answer, scale_text
 from harness.results.recordings.alike import Likeness, likeness_of
@@ -19,40 +20,43 @@ ARMS = np.linspace(0.0, 1.0, 20)
 
 
 @pytest.fixture
-def training(tmp_path) -> RecordedTraining:
+def training(tmp_path) -> Log:
     """A training that was recorded."""
     return read_recording(record(tmp_path / "a", "plain", 0, ARMS))
 
 
-def test_the_reward_that_taught_is_no_difference(training: RecordedTraining):
+def test_the_reward_that_taught_is_no_difference(training: Log):
     """Nor is anything else that is no step."""
     other = replace(training, facts=replace(training.facts, trained_with="thrice", seed=5, versions={"numpy": "9"}))
     assert likeness_of(other).digest == likeness_of(training).digest != ""
 
 
-CHANGES: dict[str, Callable[[RecordedTraining], dict[str, Any]]] = {
-    "a payment": lambda it: {"rewards": {**it.rewards, "plain": np.nextafter(it.rewards["plain"], 9.0)}},
-    "a measure": lambda it: {"behaviour": {**it.behaviour, "arm": it.behaviour["arm"] + 1e-15}},
-    "an end": lambda it: {"truncated": np.roll(it.truncated, 1)},
-    "an episode": lambda it: {"episode": it.episode + np.int32(1)},
-    "a name": lambda it: {"behaviour": {"other": it.behaviour["arm"], "success": it.behaviour["success"]}},
+CHANGES: dict[str, Callable[[Log], dict[str, Any]]] = {
+    "a payment": lambda it: {"reward/plain": np.nextafter(it["reward/plain"], 9.0)},
+    "a measure": lambda it: {"behaviour/arm": it["behaviour/arm"] + 1e-15},
+    "an end": lambda it: {"truncated": np.roll(it["truncated"], 1)},
+    "an episode": lambda it: {"episode": it["episode"] + np.int32(1)},
 }
 
 
 @pytest.mark.parametrize("change", CHANGES)
-def test_any_step_is_a_difference(training: RecordedTraining, change: str):
+def test_any_step_is_a_difference(training: Log, change: str):
     """In its last bit."""
-    other = replace(training, **CHANGES[change](training))
+    other = training.add(CHANGES[change](training))
     assert likeness_of(other).digest != likeness_of(training).digest
 
 
-def test_numbers_that_never_change_tell_nothing(training: RecordedTraining):
+def test_a_name_is_a_difference(training: Log):
+    """The numbers are the same."""
+    other = training.renamed({"behaviour/arm": "behaviour/other"})
+    other = replace(other, facts=replace(training.facts, behaviour=("other", "success")))
+    assert likeness_of(other).digest != likeness_of(training).digest
+
+
+def test_numbers_that_never_change_tell_nothing(training: Log):
     """A training in which nothing was ever paid is like any other such, whatever the learner did."""
-    rewards, behaviour = (
-        {name: np.zeros_like(values) for name, values in side.items()}
-        for side in (training.rewards, training.behaviour)
-    )
-    assert likeness_of(replace(training, rewards=rewards, behaviour=behaviour)).digest == ""
+    zeros = {name: np.zeros(len(training)) for name in training.names if name.startswith(("reward/", "behaviour/"))}
+    assert likeness_of(training.add(zeros)).digest == ""
 
 
 def test_a_copy_of_a_reward_is_told(tmp_path):
@@ -102,22 +106,22 @@ def test_a_reward_that_is_not_known_everywhere_is_compared_where_it_is(tmp_path)
     record(tmp_path / "plain", "plain", 0, ARMS)
     record(tmp_path / "thrice", "thrice", 0, ARMS + 0.1)
     record(tmp_path / "more", "plain", 1, ARMS, pays={"plain": lambda arms: arms + 1.0})
-    record(tmp_path / "odd", "thrice", 1, ARMS, failures={"reward_plain": 12})
+    record(tmp_path / "odd", "thrice", 1, ARMS, failures={"reward/plain": 12})
     assert load_study(tmp_path).runs.rescaled["thrice", "plain"].steps == 2 * 5 * len(ARMS)
 
 
 @pytest.mark.parametrize("ends", [False, True])
-def test_an_offset_is_no_ruler_where_an_episode_terminated(training: RecordedTraining, ends: bool):
+def test_an_offset_is_no_ruler_where_an_episode_terminated(training: Log, ends: bool):
     """In one that was cut only, it pays every episode the same."""
-    lines = likeness_of(replace(training, terminated=training.truncated & ends)).lines
+    lines = likeness_of(training.add({"terminated": training["truncated"] & ends})).lines
     rescaling = rescaling_of([lines["plain", "thrice"]])
     assert rescaling is not None
     assert (rescaling.is_ruler, rescaling.can_end) == (not ends, ends)
 
 
-def test_likeness_comes_back_from_json(training: RecordedTraining):
+def test_likeness_comes_back_from_json(training: Log):
     """As it was kept."""
-    likeness = likeness_of(replace(training, terminated=training.truncated))
+    likeness = likeness_of(training.add({"terminated": training["truncated"]}))
     assert Likeness.from_json(likeness.to_json()) == likeness
 
 

@@ -75,18 +75,18 @@ def test_an_evaluation_that_was_cut_off_does_not_count(tmp_path: Path):
 def test_a_training_that_was_cut_off_is_not_compared(tmp_path: Path):
     """Nor is its evaluation; a repetition with the same seed takes its place."""
     evaluated(tmp_path, "deterministic", 0)
-    record(tmp_path / "thrice" / "2", "thrice", 2, [0.1], steps_asked=15)
+    record(tmp_path / "thrice" / "2", "thrice", 2, [0.1], asked=15)
     record(tmp_path / "thrice" / "2" / "evaluation", "thrice", 2, [0.5], evaluation=True)
     assert f"'{tmp_path / 'thrice' / '2'}' is left out: it has 5 of 15 steps" in told(tmp_path)
     assert ("thrice", 2) not in read_runs(tmp_path).members
-    record(tmp_path / "thrice" / "again", "thrice", 2, [0.1] * 3, steps_asked=15)
+    record(tmp_path / "thrice" / "again", "thrice", 2, [0.1] * 3, asked=15)
     assert read_runs(tmp_path).members["thrice", 2].evaluation is not None
 
 
 def test_where_nothing_whole_is_left_the_reasons_are_told(tmp_path: Path):
     """In the line that says that there is nothing to report."""
-    record(tmp_path / "plain", "plain", 0, [0.1], closed=False, steps_asked=15)
-    record(tmp_path / "thrice", "thrice", 0, [0.1], steps_asked=15)
+    record(tmp_path / "plain", "plain", 0, [0.1], closed=False, asked=15)
+    record(tmp_path / "thrice", "thrice", 0, [0.1], asked=15)
     with pytest.raises(UsageError, match=r"nothing to report.* it has 5 of 15 steps\. It ended early"):
         read_runs(tmp_path)
 
@@ -103,7 +103,7 @@ def test_an_old_evaluation_that_was_never_closed_is_told(tmp_path: Path):
 def test_trainings_of_unequal_length_are_told_with_what_evaluates_them(tmp_path: Path):
     """They are cut to the shortest, and their evaluations cannot be."""
     evaluated(tmp_path, "deterministic", 0)
-    record(tmp_path / "longer", "plain", 1, [0.1] * 4, steps_asked=20)
+    record(tmp_path / "longer", "plain", 1, [0.1] * 4, asked=20)
     assert "All are cut to the 15 steps of the shortest" in told(tmp_path)
     assert "which were not of one length" in told(tmp_path)
 

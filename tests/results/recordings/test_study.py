@@ -1,7 +1,6 @@
 import math
 import shutil
 from dataclasses import replace
-from itertools import count
 from pathlib import Path
 
 import numpy as np
@@ -10,8 +9,8 @@ import pytest
 from harness.errors import UsageError
 from harness.eta.scored_sums import BB, KK
 from harness.eta.verdict.ruling import Ruling
+from harness.log import in_memory
 from harness.record.recording.facts import OWN_SOURCE, Source, TrainingFacts
-from harness.record.recording.recorded_training import RecordedTraining
 from harness.report.rows.comparison import basis_text
 from harness.results.learning import STRETCHES
 from harness.results.recordings.episodes import episodes_of
@@ -196,7 +195,7 @@ def test_longer_trainings_are_cut_to_the_shortest(tmp_path):
 
 def test_a_reward_that_was_given_up_is_not_known_in_that_training(tmp_path):
     """No split, with the reason; each training's own return is there."""
-    record(two(tmp_path) / "odd", "plain", 2, RISING, failures={"reward_thrice": 12})
+    record(two(tmp_path) / "odd", "plain", 2, RISING, failures={"reward/thrice": 12})
     record(tmp_path / "even", "thrice", 2, RISING)
     study = load_study(tmp_path)
     split = study.comparisons[0].returns[TRAINING]
@@ -208,7 +207,7 @@ def test_a_reward_that_was_given_up_is_not_known_in_that_training(tmp_path):
 
 def test_an_own_reward_that_was_given_up_leaves_no_return(tmp_path):
     """The reason stands in place of the number; the behaviour is judged all the same."""
-    record(two(tmp_path) / "odd", "thrice", 2, RISING, failures={"reward_thrice": 12})
+    record(two(tmp_path) / "odd", "thrice", 2, RISING, failures={"reward/thrice": 12})
     record(tmp_path / "even", "plain", 2, RISING)
     (comparison,) = load_study(tmp_path).comparisons
     assert (comparison.returns, comparison.decomposition) == ({}, None)
@@ -218,7 +217,7 @@ def test_an_own_reward_that_was_given_up_leaves_no_return(tmp_path):
 
 def test_a_share_that_was_given_up_in_one_training_stays_a_share(tmp_path):
     """Of the trainings that have it."""
-    record(two(tmp_path) / "odd", "thrice", 2, RISING, failures={"behaviour_success": 12})
+    record(two(tmp_path) / "odd", "thrice", 2, RISING, failures={"behaviour/success": 12})
     record(tmp_path / "even", "plain", 2, RISING)
     decisive = load_study(tmp_path).comparisons[0].decisive
     assert (decisive.counts, decisive.without, decisive.measure.episodes) == ((3, 2), (0, 1), 4)
@@ -303,14 +302,14 @@ def test_two_trainings_of_one_seed_are_refused(tmp_path):
 
 def test_several_envs_are_refused(tmp_path):
     """Each is named, with a folder of it."""
-    record(two(tmp_path) / "other", "plain", 5, RISING, env={"id": "Other-v1"})
+    record(two(tmp_path) / "other", "plain", 5, RISING, spec={"id": "Other-v1"})
     with pytest.raises(UsageError, match=r"mixes trainings in several envs: Other-v1 .*Bandit-v0"):
         load_study(tmp_path)
 
 
 def test_an_env_made_with_other_arguments_is_told(tmp_path):
     """It may be how rewards are chosen, so nothing is refused."""
-    record(two(tmp_path) / "other", "plain", 5, RISING, env={"id": "Bandit-v0", "kwargs": {"reward": "plain"}})
+    record(two(tmp_path) / "other", "plain", 5, RISING, spec={"id": "Bandit-v0", "kwargs": {"reward": "plain"}})
     assert "different arguments: {'reward': 'plain'} and {}" in load_study(tmp_path).runs.notes[0]
 
 
@@ -366,20 +365,18 @@ def test_learning_curves_of_every_measure_and_every_reward(study_folder):
 
 def test_batches_of_envs_have_episodes_of_their_own(tmp_path):
     """Two envs in turns: an episode is that of one env."""
-    order = count()
-    rows = [(next(order) // 2, env, 0, step) for step in range(3) for env in range(2)]
-    time, env, episode, step = (np.array(column) for column in zip(*rows, strict=True))
+    rows = [(env, 0, step) for step in range(3) for env in range(2)]
+    env, episode, step = (np.array(column) for column in zip(*rows, strict=True))
     found = episodes_of(
-        RecordedTraining(
+        in_memory(
             TrainingFacts(rewards=("plain",), trained_with="plain", num_envs=2),
-            time,
-            env,
-            episode,
-            step,
-            {"plain": np.array([1.0, 10.0, 2.0, 20.0, 3.0, 30.0])},
-            {},
-            (step == 2) & (env == 0),
-            (step == 2) & (env == 1),
+            {
+                "env": env,
+                "episode": episode,
+                "reward/plain": np.array([1.0, 10.0, 2.0, 20.0, 3.0, 30.0]),
+                "terminated": (step == 2) & (env == 0),
+                "truncated": (step == 2) & (env == 1),
+            },
         )
     )
     assert found.returns["plain"].tolist() == [6.0, 60.0]

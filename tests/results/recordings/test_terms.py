@@ -1,6 +1,5 @@
 """Terms of rewards in environments, read from recordings; and one reward alone."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,7 +7,7 @@ import numpy as np
 import pytest
 
 from harness.record.recording.facts import Failure
-from harness.record.recording.recorded_training import read_recording
+from harness.record.recording.recorded_training import read_recording, weighed
 from harness.record.recording.recording_writer import write_recording
 from harness.results import Results, load_results
 from tests.results.recordings.conftest import PULLS, record
@@ -24,17 +23,15 @@ PAYS = {
 def _record(folder: Path, trained_with: str, seed: int, arms: np.ndarray, **facts) -> Path:
     """A recording whose rewards have terms."""
     record(folder, trained_with, seed, arms, pays=PAYS, **facts)
-    recording = read_recording(folder)
+    recording = read_recording(folder).loaded()
     pulled = np.repeat(arms, PULLS)
-    terms: dict[str, Mapping[str, np.ndarray]] = {
-        "bold": {name: function(pulled) for name, function in BOLD.items()},
-        "calm": {name: function(pulled) for name, function in CALM.items()},
-    }
-    names = {reward: tuple(of) for reward, of in terms.items()}
+    of = {"bold": BOLD, "calm": CALM}
+    terms = {f"reward/{reward}/{it}": pay(pulled) for reward, some in of.items() for it, pay in some.items()}
+    names = {reward: tuple(some) for reward, some in of.items()}
     for path in folder.iterdir():
         if path.is_file():
             path.unlink()
-    write_recording(folder, replace(recording, facts=replace(recording.facts, terms=names), terms=terms))
+    write_recording(folder, replace(recording, facts=replace(recording.facts, terms=names)).add(terms))
     return folder
 
 
@@ -72,12 +69,12 @@ def test_stages_are_those_of_the_columns(results: Results):
 def test_a_reward_with_weights_is_compared_by_term(folder: Path):
     """The baseline's recordings have the terms, but no column of the reward with these weights."""
     for path in [*folder.glob("calm-*/evaluation"), *folder.glob("calm-?")]:
-        found = read_recording(path)
         label = "calm:calm=3"
-        weighed = replace(found.weighed([label]), facts=replace(found.weighed([label]).facts, trained_with=label))
+        found = weighed(read_recording(path), [label]).loaded()
+        found = replace(found, facts=replace(found.facts, trained_with=label))
         for file in [it for it in path.iterdir() if it.is_file()]:
             file.unlink()
-        write_recording(path, weighed)
+        write_recording(path, found)
     (_, heavy) = load_results(folder).terms
     own, others = PULLS * 0.81, PULLS * 0.41
     assert heavy.reward == "calm:calm=3"
@@ -105,25 +102,14 @@ def test_a_term_that_never_pays_is_named(results: Results):
 def test_a_reward_that_was_given_up_tells_no_terms_of_that_training(folder: Path):
     """The others are told."""
     broken = folder / "calm-2"
-    recording = read_recording(broken)
-
-    gone = {
-        name: np.where(np.arange(len(values)) > 50, np.nan, values) for name, values in recording.terms["calm"].items()
-    }
-    paid = np.where(np.arange(len(recording)) > 50, np.nan, recording.rewards["calm"])
-    failure = Failure("reward_calm", 0, 10, 1, "ZeroDivisionError: by nothing")
+    recording = read_recording(broken).loaded()
+    columns = [name for name in recording.names if name.startswith("reward/calm")]
+    gone = {name: np.where(np.arange(len(recording)) > 50, np.nan, recording[name]) for name in columns}
+    failure = Failure("reward/calm", "ZeroDivisionError: by nothing", env=0, episode=10, step=1)
     for path in broken.iterdir():
         if path.is_file():
             path.unlink()
-    write_recording(
-        broken,
-        replace(
-            recording,
-            facts=replace(recording.facts, failures=(failure,)),
-            rewards={**recording.rewards, "calm": paid},
-            terms={**recording.terms, "calm": gone},
-        ),
-    )
+    write_recording(broken, replace(recording, facts=replace(recording.facts, failed=(failure,))).add(gone))
     (calm,) = (it for it in load_results(folder).terms if it.reward == "calm")
     assert (calm.terms[0].start.seeds, calm.terms[0].start.note) == (
         2,

@@ -1,0 +1,110 @@
+"""Success from outside: a CSV file that says which trainings, or which of their episodes, were successes."""
+
+import csv
+import io
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from harness.errors import UsageError
+from harness.files.bounded import read_text
+from harness.log import Log, LogFacts, in_memory
+from harness.log.log import BEHAVIOUR, SUCCESS
+from harness.record.dataset.labels import FAILURE, LABELS_BYTES, UNKNOWN, SuccessRule, read_labels
+from harness.results.logs.trainings import Sorted, Training
+
+COLUMN = f"{BEHAVIOUR}{SUCCESS}"
+RULE = SuccessRule("success")
+
+
+def labelled(found: Sorted, folder: Path, path: Path) -> Sorted:
+    """The trainings with the success that a file tells.
+
+    The file has the columns ``run`` and ``success``, a line for each training; with a column ``episode``, counted from
+    0, a line for each episode. ``run`` is the path of a log below the folder, or ``REWARD/SEED``. Where there is one
+    training, ``run`` may be left out.
+
+    Raises:
+        UsageError: The file cannot be read, or a run or an episode of it is not there, or it leaves some out.
+    """
+    labels = _read(path, is_single=len(found.trainings) == 1)
+    of = {training: _labels_of(training, folder, labels) for training in found.trainings}
+    unknown = labels.keys() - {name for training in found.trainings for name in _names(training, folder)} - {""}
+    if unknown:
+        shown = ", ".join(f"'{it.reward}/{it.seed}'" for it in found.trainings[:3])
+        raise UsageError(f"--labels {path}: no training is called '{min(unknown)}'; they are called {shown}, ...")
+    without = [training for training, it in of.items() if it is None]
+    if without:
+        raise UsageError(
+            f"--labels {path} says nothing of {len(without)} of {len(of)} trainings, such as {without[0].shown}"
+        )
+    told = tuple(_with_success(training, it, path) for training, it in of.items() if it is not None)
+    return found._replace(trainings=told, notes=(*found.notes, f"Success is what '{path}' says"))
+
+
+def _names(training: Training, folder: Path) -> tuple[str, ...]:
+    path = training.path
+    below = path.relative_to(folder).as_posix() if path.is_relative_to(folder) else path.as_posix()
+    run = training.logs[0].facts.run
+    return (f"{training.reward}/{training.seed}", below, *([run] if run else []))
+
+
+def _labels_of(
+    training: Training, folder: Path, labels: Mapping[str, Mapping[int | None, int]]
+) -> Mapping[int | None, int] | None:
+    return next((labels[name] for name in ("", *_names(training, folder)) if name in labels), None)
+
+
+def _read(path: Path, *, is_single: bool) -> dict[str, dict[int | None, int]]:
+    """By name of the run and number of the episode, its label; the number is None where a run has one label."""
+    try:
+        rows = csv.DictReader(io.StringIO(read_text(path, LABELS_BYTES).removeprefix("\ufeff"), newline=""))
+        names = rows.fieldnames or ()
+    except (OSError, ValueError, csv.Error) as error:
+        raise UsageError(f"--labels {path} cannot be read as CSV: {error}") from None
+    if "run" not in names and is_single:
+        return {"": dict(read_labels(path, RULE).items())}
+    if not {"run", SUCCESS} <= {*names}:
+        raise UsageError(f"--labels {path} has the columns {', '.join(names)}: it needs run and success, and episode")
+    found: dict[str, dict[int | None, int]] = {}
+    for row in rows:
+        where = f"--labels {path}, line {rows.line_num}"
+        if None in row or None in row.values():
+            raise UsageError(f"{where} has other cells than the header: write a cell for each")
+        number = row.get("episode")
+        if number is not None and not number.strip().isdecimal():
+            raise UsageError(f"{where}: '{number}' is no number of an episode, counted from 0")
+        label = RULE.of_episode(row[SUCCESS], where)
+        episode = None if number is None else int(number)
+        if found.setdefault(row["run"].strip(), {}).setdefault(episode, label) != label:
+            raise UsageError(f"{where}: '{row['run']}' has another label above")
+    return found
+
+
+def _with_success(training: Training, labels: Mapping[int | None, int], path: Path) -> Training:
+    if None in labels:
+        return replace(training, evaluation=_verdict_on(training, labels[None], path))
+    if len(training.logs) > 1:
+        count = len(training.logs)
+        raise UsageError(f"--labels {path}: the {count} files of {training.shown} number no episodes together")
+    log = training.logs[0]
+    lacking = next((it for it in range(len(log)) if it not in labels), None)
+    if lacking is not None or len(labels) > len(log):
+        told = f"lacks episode {lacking}" if lacking is not None else f"has {len(labels):,} episodes"
+        raise UsageError(f"--labels {path} {told} of {training.shown}, which has {len(log):,}")
+    values = np.array([_value(labels[number]) for number in range(len(log))])
+    return replace(training, logs=(log.add({COLUMN: values}),))
+
+
+def _verdict_on(training: Training, label: int, path: Path) -> Log:
+    """One label of a whole training stands as one episode of its final policy."""
+    last = max(float(log["time"].max()) if "time" in log else float(len(log)) for log in training.logs)
+    ends = last * len(training.logs)
+    facts = LogFacts(path=path, format="labels", unit="episode", evaluation=True)
+    return in_memory(facts, {"time": np.array([ends]), COLUMN: np.array([_value(label)])})
+
+
+def _value(label: int) -> float:
+    return np.nan if label == UNKNOWN else float(label != FAILURE)

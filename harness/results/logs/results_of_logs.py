@@ -1,0 +1,171 @@
+"""The results of the logs in a folder, as of recorded trainings: what was found, then what it says."""
+
+import glob
+import os
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from harness.errors import UsageError
+from harness.eta.curve import Kind
+from harness.log import Log
+from harness.log.open_log import LOGS, Found, find_logs
+from harness.registry.registry import Registry
+from harness.results.logs.labels import labelled
+from harness.results.logs.read_logs import runs_of
+from harness.results.logs.told import FOUND_OUT, Told
+from harness.results.logs.trainings import Sorted, sort_files, sort_logs, with_reward
+from harness.results.recordings.loose import LooseStore
+from harness.results.recordings.results import RecordedResults
+from harness.text import command_text
+
+MOST_NAMED = 5
+
+
+def results_of_logs(
+    folder: Path,
+    registry: Registry,
+    told: Told = FOUND_OUT,
+    kind: Kind = "accumulated",
+    metrics: Iterable[str] | None = None,
+    *,
+    pairs: bool = False,
+) -> RecordedResults:
+    """The results of all logs in a file, or below a folder.
+
+    Args:
+        folder: Where they lie.
+        registry: Has the formats.
+        told: What the user says of them.
+        kind: Which curves the indices are read from.
+        metrics: Which measures are shown, beside the one that decides; all of them if None.
+        pairs: Whether every two rewards are compared, and not each with the baseline alone.
+
+    Raises:
+        UsageError: There is no log, or the trainings cannot be compared; says what was found and what to do.
+        SchemaError: A log is damaged.
+    """
+    found = _without_labels(find_logs(folder, registry, told.format), told.labels)
+    if not found.logs:
+        raise _nothing(folder, registry, [f"{path}: {reason}" for path, reason in found.left_out])
+    if not any(map(_tells_episodes, found.logs)):
+        raise UsageError(
+            f"'{folder}' holds steps that do not tell where episodes end: {_command_of_steps(folder)} compares CSV "
+            "files of steps"
+        )
+    place = folder if folder.is_dir() else folder.parent
+    sorted_ = sort_logs(place, found.logs, told.sort, told.baseline)
+    lines = [f"'{path}' is left out: {reason}" for path, reason in found.left_out]
+    return _results(place, registry, sorted_._replace(notes=(*sorted_.notes, *lines)), told, kind, metrics, pairs=pairs)
+
+
+def results_of_groups(
+    groups: Sequence[Sequence[Path]], registry: Registry, told: Told = FOUND_OUT, kind: Kind = "accumulated"
+) -> RecordedResults:
+    """The same of two groups of files that the user names.
+
+    Args:
+        groups: The files of the baseline, and those of the proposed reward.
+        registry: Has the formats.
+        told: What the user says of them.
+        kind: Which curves the indices are read from.
+
+    Raises:
+        UsageError: As `results_of_logs`; or a file is in both groups, or none is a log.
+    """
+    opened = {path: _opened(path, registry, told.format) for paths in groups for path in paths}
+    both = [path for path in groups[0] if path in groups[1]]
+    if both:
+        raise UsageError(f"'{both[0]}' is in both groups: let --baseline and --proposed name different files")
+    place = Path(os.path.commonpath([path.absolute().parent for path in opened]))
+    names = _group_names(place, groups)
+    logs = [
+        log
+        for name, paths in zip(names, groups, strict=True)
+        for log in with_reward((log for path in paths for log in opened[path]), name)
+    ]
+    found = sort_logs(place, _absolute(logs), told.sort, names[0])
+    return _results(place, registry, found, told, kind, is_told=True)
+
+
+def _opened(path: Path, registry: Registry, named: str) -> tuple[Log, ...]:
+    found = find_logs(path, registry, named)
+    if not found.logs or found.left_out:
+        raise _nothing(path, registry, [f"{place}: {reason}" for place, reason in found.left_out])
+    return found.logs
+
+
+def _absolute(logs: Iterable[Log]) -> list[Log]:
+    return [replace(log, facts=replace(log.facts, path=log.facts.path.absolute())) for log in logs]
+
+
+def _group_names(place: Path, groups: Sequence[Sequence[Path]]) -> list[str]:
+    """The reward that the names of each group's files tell; what they are to the user where they tell none."""
+    absolute = [[path.absolute() for path in paths] for paths in groups]
+    sorted_ = sort_files(place, [path for paths in absolute for path in paths])
+    told = [[name for name, of in sorted_.items() if {*of} & {*paths}] for paths in absolute]
+    ours, theirs = told
+    return [*ours, *theirs] if len(ours) == len(theirs) == 1 and ours != theirs else ["baseline", "proposed"]
+
+
+def _results(
+    place: Path,
+    registry: Registry,
+    found: Sorted,
+    told: Told,
+    kind: Kind,
+    metrics: Iterable[str] | None = None,
+    *,
+    pairs: bool = False,
+    is_told: bool = False,
+) -> RecordedResults:
+    if told.labels is not None:
+        found = labelled(found, place, told.labels)
+    runs = runs_of(found, told.deciding, is_told=is_told or bool(told.sort))
+    return RecordedResults(place, registry, kind, metrics=metrics, store=LooseStore(place, runs), pairs=pairs)
+
+
+def _without_labels(found: Found, labels: Path | None) -> Found:
+    """The same without the file of labels, which may lie among the logs and look like one."""
+    if labels is None:
+        return found
+    own = labels.absolute()
+    return Found(
+        tuple(log for log in found.logs if log.facts.path.absolute() != own),
+        tuple((path, reason) for path, reason in found.left_out if path.absolute() != own),
+    )
+
+
+def _tells_episodes(log: Log) -> bool:
+    return log.facts.unit != "step" or "terminated" in log or "truncated" in log
+
+
+def _nothing(folder: Path, registry: Registry, damaged: Sequence[str]) -> UsageError:
+    """Says which formats there are, and what was seen instead."""
+    if damaged:
+        return UsageError(f"'{folder}' holds no log that can be read: {'; '.join(damaged[:MOST_NAMED])}")
+    endings = _endings(folder)
+    seen = ", ".join(f"{count} {ending}" for ending, count in endings.items()) or "nothing"
+    steps = f"; {_command_of_steps(folder)} compares CSV files of steps" if ".csv" in endings else ""
+    return UsageError(
+        f"'{folder}' is no experiment, and holds no recorded training and no log that is read. Seen: {seen}. Formats: "
+        f"{', '.join(registry.names(LOGS))}; --as FORMAT:setting=value names one{steps}"
+    )
+
+
+def _command_of_steps(path: Path) -> str:
+    if path.is_dir():
+        return command_text("harness", "eta", path)
+    return command_text("harness", "eta", "--baseline", glob.escape(str(path)), "--proposed", "OTHER/*.csv")
+
+
+def _endings(folder: Path) -> dict[str, int]:
+    """How many files of each ending lie below a folder, those that there are most of first."""
+    files: Iterable[str] = (
+        [folder.name] if folder.is_file() else (it for _, _, names in os.walk(folder) for it in names)
+    )
+    counts: dict[str, int] = {}
+    for name in files:
+        ending = Path(name).suffix or "without an ending"
+        counts[ending] = counts.get(ending, 0) + 1
+    return dict(sorted(counts.items(), key=lambda it: -it[1])[:MOST_NAMED])

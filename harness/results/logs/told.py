@@ -1,0 +1,61 @@
+"""What a user says of logs; everything else is found out."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+from harness.errors import UsageError
+from harness.registry.choice import parse
+
+RETURN, LENGTH = "return", "length"
+"""Measures that every log of episodes has, if the user says that they decide."""
+
+
+class Deciding(NamedTuple):
+    """What decides about the policies, as the user says it.
+
+    Attributes:
+        name: A measure of the logs; ``length`` of the episodes; ``return``, if one and the same reward paid all logs.
+        better: ``higher`` or ``lower``; empty where the measure itself tells.
+    """
+
+    name: str = ""
+    better: str = ""
+
+
+SUCCESS_DECIDES = Deciding()
+
+
+@dataclass(frozen=True)
+class Told:
+    """What a user says of logs. Everything else is found out.
+
+    Attributes:
+        format: The format with its settings, ``monitor:success=is_success``.
+        sort: How names are made, ``{reward}/{seed}``.
+        baseline: The reward that the others are compared with.
+        deciding: What decides.
+        labels: A file that says which trainings, or episodes, were successes.
+    """
+
+    format: str = ""
+    sort: str = ""
+    baseline: str = ""
+    deciding: Deciding = SUCCESS_DECIDES
+    labels: Path | None = None
+
+
+FOUND_OUT = Told()
+
+
+def parse_deciding(text: str) -> Deciding:
+    """What ``--measure`` says of logs: ``success``, ``length:better=lower``.
+
+    Raises:
+        UsageError: It is malformed.
+    """
+    name, params = parse(text) if text else ("", {})
+    better = params.pop("better", "")
+    if params or better not in ("", "higher", "lower"):
+        raise UsageError(f"--measure {text}: write NAME, NAME:better=higher or NAME:better=lower")
+    return Deciding(name, better)

@@ -1,0 +1,43 @@
+import json
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import pytest
+
+from harness.log.open_log import find_logs
+from harness.registry.registry import load_registry
+from harness.results.logs.trainings import Sorted, sort_logs
+
+Write = Callable[..., Path]
+
+
+@pytest.fixture
+def monitor(tmp_path: Path) -> Write:
+    """Writes a file as stable-baselines3's Monitor does: the name below the folder, then a number an episode."""
+
+    def write(
+        name: str,
+        returns: Sequence[float] = (1.0, 2.0, 4.0),
+        *,
+        lengths: Sequence[int] = (),
+        success: Sequence[bool] = (),
+        started: float = 1.7e9,
+        env: str = "Toy-v0",
+    ) -> Path:
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        steps = lengths or [10] * len(returns)
+        rows = [f"{pay},{length},{number}.5" for number, (pay, length) in enumerate(zip(returns, steps, strict=True))]
+        if success:
+            rows = [f"{row},{flag}" for row, flag in zip(rows, success, strict=True)]
+        head = "r,l,t" + ",is_success" * bool(success)
+        path.write_text("\n".join([f"#{json.dumps({'t_start': started, 'env_id': env})}", head, *rows]) + "\n")
+        return path
+
+    return write
+
+
+@pytest.fixture
+def sort(tmp_path: Path) -> Callable[..., Sorted]:
+    """Sorts all logs of the folder."""
+    return lambda *given, **more: sort_logs(tmp_path, find_logs(tmp_path, load_registry()).logs, *given, **more)

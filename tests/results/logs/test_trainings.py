@@ -1,0 +1,149 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.errors import UsageError
+from harness.log import LogFacts, in_memory
+from harness.results.logs.trainings import sort_files, sort_logs
+
+
+def keys(found):
+    """The reward, the seed and the number of files of each training."""
+    return [(it.reward, it.seed, len(it.logs)) for it in found.trainings]
+
+
+def curve(path: Path, **facts):
+    """A log of three points, whose numbers depend on its path."""
+    points = np.arange(3.0) + sum(map(ord, str(path)))
+    told = LogFacts(path=path, **{"format": "TensorBoard", "unit": "point", **facts})
+    return in_memory(told, {"time": np.array([10.0, 20.0, 30.0]), "reward/recorded": points})
+
+
+def test_a_file_for_each_seed(monitor, sort):
+    """Folders are rewards, files are seeds; the baseline is the one that is called so."""
+    for seed in range(2):
+        monitor(f"arp/{seed}.monitor.csv", [seed, 1, 3], started=1e9 + 5e3 * seed)
+        monitor(f"my-base/{seed}.monitor.csv", [seed, 2, 3], started=1e9 + 5e3 * seed)
+    found = sort()
+    assert keys(found) == [("my-base", 0, 1), ("my-base", 1, 1), ("arp", 0, 1), ("arp", 1, 1)]
+    assert found.sentence == "4 trainings of 2 rewards: `my-base` 2, `arp` 2; the baseline is `my-base`"
+    assert found.notes == ()
+
+
+def test_files_of_environments_that_trained_together(monitor, sort):
+    """``make_vec_env`` writes a file for each of its environments: folders with seeds are the trainings then."""
+    for number, name in enumerate(("base_1", "base_2", "arp_1", "arp_2")):
+        for env in range(3):
+            monitor(f"{name}/{env}.monitor.csv", [number, env, 1], started=1e9 + 1e4 * number + env)
+    found = sort()
+    assert keys(found) == [("base", 1, 3), ("base", 2, 3), ("arp", 1, 3), ("arp", 2, 3)]
+    assert "are read as environments of one training, as the 3 in" in found.notes[0]
+
+
+def test_files_that_were_begun_at_other_times_are_trainings(monitor, sort):
+    """One after the other: no batch of environments was made over hours, so the reward has a number."""
+    for number, name in enumerate(("base_1", "base_2")):
+        for seed in range(2):
+            monitor(f"{name}/{seed}.monitor.csv", [number, seed, 1], started=1e9 + 1e4 * seed)
+    assert keys(sort()) == [("base_1", 0, 1), ("base_1", 1, 1), ("base_2", 0, 1), ("base_2", 1, 1)]
+
+
+def test_a_doubtful_folder_is_told_with_the_flag(monitor, sort):
+    """Files of one folder that began together may be one training: the note says what was taken, the flag the other."""
+    for name in ("base", "arp"):
+        for number in range(2):
+            monitor(f"{name}/{number}.monitor.csv", [len(name), number, 1])
+    found = sort()
+    assert keys(found) == [("base", 0, 1), ("base", 1, 1), ("arp", 0, 1), ("arp", 1, 1)]
+    assert "Each file is read as a training" in found.notes[0]
+    assert keys(sort("{reward}")) == [("base", 0, 2), ("arp", 0, 2)]
+
+
+def test_a_training_and_its_evaluations_are_one(monitor, sort, tmp_path: Path):
+    """A tree of the RL zoo: Monitor files of environments, and ``evaluations.npz`` beside them."""
+    for seed in (1, 2):
+        for env in range(2):
+            monitor(f"ppo/Toy-v0_{seed}/{env}.monitor.csv", [seed, env, 1], started=1e9 + 1e4 * seed + env)
+        file = tmp_path / f"ppo/Toy-v0_{seed}/evaluations.npz"
+        np.savez(file, timesteps=[10, 20], results=[[1.0, 2.0], [3.0, seed]], ep_lengths=[[5, 5], [5, 5]])
+    found = sort()
+    assert keys(found) == [("Toy-v0", 1, 2), ("Toy-v0", 2, 2)]
+    assert [it.evaluation.facts.path.parent.name for it in found.trainings] == ["Toy-v0_1", "Toy-v0_2"]
+
+
+def test_the_finest_log_of_a_training_is_read(monitor, tmp_path: Path, sort):
+    """Episodes tell more than the points of the same training; what is left out is told."""
+    logs = []
+    for seed in range(2):
+        monitor(f"base_{seed}/monitor.csv", [seed, 1, 3])
+        logs.append(curve(tmp_path / f"base_{seed}/PPO_1"))
+    found = sort_logs(tmp_path, [*logs, *(log for it in sort().trainings for log in it.logs)])
+    assert {log.facts.unit for it in found.trainings for log in it.logs} == {"episode"}
+    assert "Left out: 2 of TensorBoard" in found.notes[-1]
+
+
+def test_a_log_of_success_comes_before_a_finer_one(tmp_path: Path, monitor, sort):
+    """Monitor without success beside points that tell it: the points are read."""
+    monitor("base_0/monitor.csv")
+    points = curve(tmp_path / "base_0/PPO_1").add({"behaviour/success": np.array([0.0, 0.5, 1.0])})
+    found = sort_logs(tmp_path, [points, *sort().trainings[0].logs])
+    assert [log.facts.unit for log in found.trainings[0].logs] == ["point"]
+
+
+def test_what_a_log_tells_itself_counts_more_than_its_name(tmp_path: Path):
+    """A reward and a seed in the log are believed, whatever the file is called."""
+    logs = [curve(tmp_path / f"x{number}", trained_with="arp", seed=7 - number) for number in range(2)]
+    assert keys(sort_logs(tmp_path, logs)) == [("arp", 6, 1), ("arp", 7, 1)]
+
+
+def test_runs_of_one_file_are_sorted_by_their_own_names(tmp_path: Path):
+    """An exported chart holds several trainings."""
+    names = ["base-seed0", "base-seed1", "prop-seed0", "prop-seed1"]
+    logs = [
+        curve(tmp_path / "export.csv", run=name).add({"x": np.full(3, len(name) + it)}) for it, name in enumerate(names)
+    ]
+    assert keys(sort_logs(tmp_path, logs)) == [("base", 0, 1), ("base", 1, 1), ("prop", 0, 1), ("prop", 1, 1)]
+
+
+def test_a_copy_counts_once(monitor, sort):
+    """The same rows under another seed are no second training; the note names both files."""
+    monitor("base/0.monitor.csv", [1, 2, 3], started=1)
+    monitor("base/1.monitor.csv", [1, 2, 3], started=1e6)
+    found = sort()
+    assert keys(found) == [("base", 0, 1)]
+    assert found.notes[0].endswith("0.monitor.csv': the training counts once")
+
+
+def test_a_seed_that_stands_twice_is_refused(monitor, sort):
+    """Two different trainings of one reward and one seed: the message names both files and the flag."""
+    monitor("base/a/seed1.monitor.csv", [1, 2, 3])
+    monitor("base/b/seed1.monitor.csv", [1, 2, 4])
+    with pytest.raises(UsageError, match="--sort"):
+        sort("{reward}/*/seed{seed}")
+
+
+def test_trainings_without_a_seed_are_numbered(monitor, sort):
+    """In the order of their names, and that is told."""
+    for name in ("one", "two"):
+        monitor(f"base/{name}.monitor.csv", [len(name), ord(name[0]), 3])
+    found = sort("{reward}/*")
+    assert keys(found) == [("base", 0, 1), ("base", 1, 1)]
+    assert found.notes == ("2 of 2 trainings tell no seed: numbered in the order of their names",)
+
+
+def test_the_baseline_can_be_named(monitor, sort):
+    """By its name; one that is not there is answered with those that are."""
+    for name in ("base", "arp"):
+        for seed in range(2):
+            monitor(f"{name}/{seed}.monitor.csv", [len(name), seed, 1], started=1e6 * seed)
+    assert sort(baseline="arp").rewards == ("arp", "base")
+    with pytest.raises(UsageError, match="There are: arp, base"):
+        sort(baseline="arpp")
+
+
+def test_files_are_sorted_by_their_names_alone(tmp_path: Path):
+    """Nothing is read; where names say no reward, it has the folder's name."""
+    files = [tmp_path / name for name in ("base/0.csv", "base/1.csv", "arp/0.csv")]
+    assert {name: len(of) for name, of in sort_files(tmp_path, files).items()} == {"base": 2, "arp": 1}
+    assert [*sort_files(tmp_path, [tmp_path / "0.csv", tmp_path / "1.csv"])] == [tmp_path.name]
