@@ -197,13 +197,13 @@ class Log:
 
     @cached_property
     def last_rows(self) -> NDArray[np.int64]:
-        """Of steps: row numbers of the ends of finished episodes, in the order of the rows."""
+        """The row numbers of the ends of finished episodes, in the order of the rows; of a log of steps."""
         ended: NDArray[np.int64] = np.flatnonzero(self["terminated"] | self["truncated"])
         return ended
 
     @cached_property
     def episodes(self) -> list[NDArray[np.int64]]:
-        """Of steps: row numbers of each finished episode in order, by env; its start row first, if there is one."""
+        """The row numbers of each finished episode in order, by env, its start row first; of a log of steps."""
         env, episode, terminated, truncated = map(self.load(EPISODES).__getitem__, EPISODES)
         return episode_rows(env, episode, terminated | truncated)
 

@@ -22,6 +22,8 @@ from harness.registry.registry import Registry
 from harness.report.document import report_text
 from harness.report.summary.cells import write_cells
 from harness.results import Results
+from harness.results.comparison import Group
+from harness.results.learning import curve_of_training
 from harness.score.installed_reward import InstalledReward
 
 GIVEN = {
@@ -36,6 +38,7 @@ class Reads:
     def __init__(self) -> None:
         self.files: list[Path] = []
         self.held: WeakSet[Log] = WeakSet()
+        self.most = 0
 
     @property
     def names(self) -> set[str]:
@@ -47,6 +50,7 @@ class Reads:
         self.files.append(path)
         trace = read_trace(path)
         self.held.add(trace)
+        self.most = max(self.most, len(self.held))
         return trace
 
 
@@ -113,6 +117,15 @@ def test_comparisons_hold_no_trace(toys: Registry, run_here: Callable[..., Resul
     assert len(results.combinations) == 2
     assert reads.files != []
     assert len(reads.held) == 0
+
+
+def test_learning_curves_hold_one_trace_at_a_time(ended: Results, reads: Reads):
+    """With nothing kept: hundreds of trainings would fill the memory."""
+    remove_kept(ended)
+    results = fresh(ended)
+    cells = [cell for cell in results.done_cells if cell.reward.label == "dense"]
+    curve_of_training(results, Group.of(cells[0]), "dense", cells)
+    assert (len(reads.files), reads.most) == (2, 1)
 
 
 def test_records_of_cells_read_no_trace_after_a_run(ended: Results, monkeypatch: pytest.MonkeyPatch):

@@ -68,7 +68,7 @@ def test_evaluation_is_the_cell_s_own(train: Train, transferred_here: list[Order
         home = read_trace(results.store.cell_folder(cell) / EVALUATION)
         away = read_trace(folder_of(results, cell, other) / EVALUATION)
         assert len(home) == len(away) > 0
-        for name, column in home.columns.items():
+        for name, column in home.rows().columns.items():
             np.testing.assert_allclose(away[name], column, atol=1e-12)
 
 

@@ -16,6 +16,8 @@ from tests.copied_cells import copy_experiment, keep_as_a_run_does, many_rewards
 
 FOLDERS = {"one combination": (["arp"], 100), "fifty": (many_rewards(49), 4)}
 SPEED, MEMORY = 0.09, 0.4
+UNKEPT_SECONDS, UNKEPT_MEGABYTES = 100.0, 800.0
+"""Of CPU time, and of memory, that the first report of 1,000 cells of 55,000 steps may take."""
 READ = """
 import hashlib, pathlib, sys
 for path in pathlib.Path(sys.argv[1]).rglob("*"):
@@ -31,15 +33,16 @@ def report(folder: Path) -> Taken:
     return measure(sys.executable, "-c", "from harness.cli.app import main; main()", "report", folder, "--json")
 
 
-def copies(tmp_path: Path, steps: int, proposed: list[str], seeds: int, executor: str) -> Path:
-    """Of four trainings under each of two rewards."""
+def copies(tmp_path: Path, steps: int, proposed: list[str], seeds: int, executor: str, *, kept: bool = True) -> Path:
+    """Of four trainings under each of two rewards; of each copy that is kept which a run keeps, or nothing."""
     run(
         out=tmp_path / "real", sim="kinematic", algo="random", robot="unity-arm", task="arp-2021", seeds=4, steps=steps,
         evaluation_episodes=2, jobs=2, executor=executor,
     )  # fmt: skip
     registry = load_registry()
     copy_experiment(tmp_path / "real", tmp_path / "copies", proposed, seeds, registry)
-    keep_as_a_run_does(tmp_path / "copies", registry)
+    if kept:
+        keep_as_a_run_does(tmp_path / "copies", registry)
     return tmp_path / "copies"
 
 
@@ -66,3 +69,15 @@ def test_report_of_many_cells(tmp_path: Path, require_ratio: Callable[..., None]
     ratio = statistics.median(reading.cpu_seconds / reported.cpu_seconds for reading, reported in turns)
     require_ratio(ratio, SPEED, f"(report {many.cpu_seconds:.1f} s)", "time")
     require_ratio(few / many.megabytes, MEMORY, f"({many.megabytes:.0f} MB)", "memory")
+
+
+@pytest.mark.slow
+@pytest.mark.bench
+def test_first_report_of_a_thousand_cells(tmp_path: Path, require_ratio: Callable[..., None]):
+    """Where nothing is kept, as of a folder that was merged: it reads all traces, and holds one at a time."""
+    folder = copies(tmp_path, 55_000, ["arp"], 500, "processes", kept=False)
+    first = report(folder)
+    assert len(json.loads(first.out)["cells"]) == 1000
+    assert report(folder).out == first.out
+    require_ratio(UNKEPT_SECONDS / first.cpu_seconds, 1.0, f"(report {first.cpu_seconds:.0f} s)", "time")
+    require_ratio(UNKEPT_MEGABYTES / first.megabytes, 1.0, f"({first.megabytes:.0f} MB)", "memory")
