@@ -23,7 +23,7 @@ class Failed:
 
     @property
     def told(self) -> str:
-        """That it was given up, and why; a subclass may know where."""
+        """The reason in words; a subclass may know where it was given up."""
         return f"given up: {self.reason}"
 
 

@@ -16,7 +16,9 @@ from harness.errors import UsageError
 from harness.eta.rescaling import Line
 from harness.eta.seed_mean import mean_over_seeds
 from harness.log import Log
-from harness.record.recording.recorded_training import read_recording, weighed
+from harness.log.log import REWARD
+from harness.record.recording.facts import facts_of
+from harness.record.recording.recorded_training import INTEGERS, read_recording, weighed
 from harness.results.recordings.episodes import Part
 from harness.results.recordings.read_runs import env_of, read_all, without_short
 from harness.results.recordings.runs import LAST_SHARE, Run
@@ -124,7 +126,8 @@ def _pairs(folder: Path, runs: Sequence[Run], rewards: tuple[str, ...]) -> tuple
     largest: dict[tuple[str, str], list[StepApart]] = {pair: [] for pair in each}
     notes: list[str] = []
     for run in runs:
-        recording = weighed(read_recording(run.path), rewards).loaded()
+        log = weighed(read_recording(run.path), rewards)
+        recording = log.loaded([*INTEGERS, *(f"{REWARD}{name}" for name in facts_of(log).rewards)])
         paid = paid_in(recording, run.episodes)
         notes += _unknown(_name(folder, run), paid, rewards)
         for pair, found in each.items():

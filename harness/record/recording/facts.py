@@ -355,5 +355,5 @@ class RecordingForm(TypedDict):
 
 
 KEYS = tuple(RecordingForm.__annotations__)[1:]
-"""Of the file, in order, without its format."""
+"""The keys of the file in order, without its format."""
 FORM: TypeAdapter[RecordingForm] = TypeAdapter(RecordingForm)

@@ -67,7 +67,7 @@ def likeness_of(recording: Log) -> Likeness:
 
 
 def _digest(recording: Log) -> str:
-    """Of the columns under the names that they have in files."""
+    """SHA-256 of the columns under the names that they have in files."""
     numbers = {file_column(name): recording[name] for name in facts_of(recording).numbers}
     if all((values == values[:1]).all() for values in numbers.values()):
         return ""

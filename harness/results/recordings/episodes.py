@@ -124,7 +124,7 @@ def episodes_of(log: Log) -> Episodes:
 
 
 def _of_rows(log: Log, facts: TrainingFacts) -> Float:
-    """Of a log whose rows are episodes, or points."""
+    """What `Episodes.of` takes, of a log whose rows are episodes, or points."""
     if TIME not in log:
         raise UsageError(f"'{facts.path}' does not tell how many environment steps were taken before its {facts.unit}s")
     rows = log.rows([TIME, *facts.numbers])
@@ -135,7 +135,7 @@ def _of_rows(log: Log, facts: TrainingFacts) -> Float:
 
 
 def _of_steps(log: Log, facts: TrainingFacts) -> Float:
-    """Of a log whose rows are steps, a piece after the other: what open episodes were paid so far goes on."""
+    """What `Episodes.of` takes, of a log of steps, a piece at a time: the sums of open episodes go on in the next."""
     ends = [name for name in ("terminated", "truncated") if name in log]
     if not ends:
         raise UsageError(f"'{facts.path}' does not tell where episodes end: no column 'terminated' or 'truncated'")
