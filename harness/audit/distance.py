@@ -1,49 +1,89 @@
-"""How far apart two rewards are, apart from scale, offset and potential shaping."""
+"""How far apart two rewards are, apart from scale and offset; in a canonical form also apart from potential shaping."""
 
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
-from typing import Any
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TypeAlias
 
-from harness.audit.canonical import Coverage, canonical_values
-from harness.audit.rollout import Rollout
-from harness.audit.unit_vectors import centred_unit, distance_between
-from harness.reward import Reward
+import numpy as np
+
+from harness.arrays import Float
+
+EPIC, DARD, STARC = FORMS = ("EPIC", "DARD", "STARC")
+NOTHING = 1e-9
+"""A canonical reward whose spread is a smaller share than this of the largest value paid is constant."""
+SHAPING = "one of the two is nothing but an offset and shaping by a potential"
+
+
+@dataclass(frozen=True, eq=False)
+class Form:
+    """A reward in one canonical form.
+
+    Attributes:
+        unit: Over the compared transitions, of length 1; None where the form is constant, of STARC where it is 0.
+        reason: Why the reward has no such form; else empty.
+    """
+
+    unit: Float | None
+    reason: str = ""
+
+
+Forms: TypeAlias = Mapping[str, Form]
+"""A reward in some of `FORMS`, by name."""
 
 
 @dataclass(frozen=True)
 class Distance:
-    """Pearson distance of two rewards in canonical form.
+    """How far apart two rewards are in one canonical form.
 
     Attributes:
-        value: sqrt((1 - rho) / 2), in [0, 1]: 0 the same but for scale, offset and potential shaping, 0.71
-            unrelated, 1 opposite; None where exactly one of the two is nothing but an offset and potential shaping.
-        transitions: How many recorded steps it rests on.
-        reason: Why there is no value, where it is another reason.
+        value: In [0, 1]: 0 the same but for scale, offset and potential shaping, 0.71 unrelated, 1 opposite; None
+            where it is not defined.
+        reason: Why not; else empty.
     """
 
     value: float | None
-    transitions: int
     reason: str = ""
 
-    def to_json(self) -> dict[str, Any]:
-        """Plain data; the reason is left out where there is none."""
-        return {name: value for name, value in asdict(self).items() if name != "reason" or value}
+
+def compare_forms(one: str, of_one: Forms, other: str, of_other: Forms) -> dict[str, Distance]:
+    """The distances of two rewards, of which the names are given too, by form."""
+    return {form: _compare({one: of_one[form], other: of_other[form]}) for form in of_one}
 
 
-def reward_distance(
-    one: Reward, other: Reward, rollouts: Sequence[Rollout], gamma: float, coverage: Coverage
-) -> Distance:
-    """How differently two rewards rank what can be done in the recorded rollouts.
+def _compare(forms: Mapping[str, Form]) -> Distance:
+    told = next((f"{name}: {form.reason}" for name, form in forms.items() if form.reason), "")
+    units = [form.unit for form in forms.values()]
+    value = None if told else distance_between(units[0], units[-1])
+    return Distance(value, told or ("" if value is not None else SHAPING))
 
-    The transitions that are compared are all recorded steps of all scripts, each weighing the same.
+
+def distance_between(one: Float | None, other: Float | None) -> float | None:
+    """Half the length between two vectors of length 1, in [0, 1]; None stands for a vector of length 0.
+
+    Of two that `centred_unit` made it is sqrt((1 - rho) / 2), with rho their correlation. It is 0 where both are None,
+    and None, not defined, where one of them is.
+    """
+    if one is None and other is None:
+        return 0.0
+    if one is None or other is None:
+        return None
+    return min(1.0, float(np.linalg.norm(one - other)) / 2.0)
+
+
+def centred_unit(values: Float, largest: float) -> Float | None:
+    """The values without their mean and of length 1; None where they are constant.
 
     Args:
-        one: A reward.
-        other: Another one; the order does not count.
-        rollouts: One of each script.
-        gamma: Discount per step.
-        coverage: `harness.audit.canonical.anywhere` for EPIC, `harness.audit.canonical.nearby` for DARD.
+        values: Of each transition, (transitions,), at least one.
+        largest: The largest that the reward paid; what is small beside it is nothing.
     """
-    first, second = (canonical_values(reward, rollouts, gamma, coverage) for reward in (one, other))
-    value = distance_between(centred_unit(*first), centred_unit(*second))
-    return Distance(value, sum(int(rollout.running.sum()) for rollout in rollouts))
+    return unit(values - values.mean(), largest)
+
+
+def unit(values: Float, largest: float) -> Float | None:
+    """The same without taking the mean away; None where they are 0."""
+    length = float(np.linalg.norm(values))
+    if not length > NOTHING * largest * np.sqrt(len(values)):
+        return None
+    scaled: Float = values / length
+    return scaled

@@ -1,9 +1,10 @@
 """Two rewards over several sets of recorded steps: the means of their distances."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
+from harness.audit.distance import Distance
 from harness.audit.recorded.paid import Apart
 from harness.audit.recorded.step_apart import StepApart
 from harness.eta.interval import SHARE
@@ -25,6 +26,8 @@ class Pair:
         each: What the means are made of, by recording or measurement.
         rescaling: What the other one is, if it is the first one but for scale and offset; else None.
         largest: The steps that they pay most differently; empty where they were not looked for.
+        forms: By canonical form, how far apart they are without potential shaping; empty where nobody asked.
+        reasons: By canonical form without a value: why.
     """
 
     one: str
@@ -36,6 +39,8 @@ class Pair:
     each: tuple[Apart, ...]
     rescaling: Rescaling | None = None
     largest: tuple[StepApart, ...] = ()
+    forms: Mapping[str, SeedMean] = field(default_factory=dict)
+    reasons: Mapping[str, str] = field(default_factory=dict)
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
@@ -48,11 +53,18 @@ class Pair:
             "rescaled": self.rescaling and self.rescaling.to_json(),
             "each": [{"steps": it.steps, "returns": it.returns, "discordant": it.order.discordant} for it in self.each],
             "largest": [step.to_json() for step in self.largest],
+            **{form: mean_json(mean) for form, mean in self.forms.items()},
+            **({"reasons": dict(self.reasons)} if self.forms else {}),
         }
 
 
 def pair_of(
-    one: str, other: str, each: Sequence[Apart], lines: Sequence[Line | None], largest: Sequence[StepApart] = ()
+    one: str,
+    other: str,
+    each: Sequence[Apart],
+    lines: Sequence[Line | None],
+    largest: Sequence[StepApart] = (),
+    forms: Sequence[Mapping[str, Distance]] = (),
 ) -> Pair:
     """The means, with intervals over recordings or measurements.
 
@@ -62,7 +74,10 @@ def pair_of(
         each: How far apart they are, by recording or measurement.
         lines: The line of what they paid, in the same order.
         largest: See `Pair`.
+        forms: How far apart they are by canonical form, by measurement.
     """
+    told = [(form, it.reason) for each_form in forms for form, it in each_form.items()]
+    means = {form: mean_within([it[form].value for it in forms]) for form in (forms[0] if forms else ())}
     return Pair(
         one,
         other,
@@ -73,6 +88,8 @@ def pair_of(
         tuple(each),
         rescaling_of(lines),
         tuple(largest),
+        means,
+        {form: reason for form, reason in reversed(told) if reason and means[form].mean is None},
     )
 
 

@@ -5,7 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from harness.record.recording.recorded_training import RecordedTraining
+from harness.audit.recorded.paid import episode_numbers, steps_of
+from harness.log import Log
+from harness.log.log import REWARD
 
 MOST = 3
 """So many steps are told of each pair."""
@@ -43,29 +45,24 @@ class StepApart:
         return asdict(self)
 
 
-def steps_apart(folder: str, recording: RecordedTraining, one: str, other: str) -> list[StepApart]:
-    """The steps of a recording with the largest differences, largest first, one of an episode at most.
+def steps_apart(folder: str, log: Log, one: str, other: str) -> list[StepApart]:
+    """The steps of a log with the largest differences, largest first, one of an episode at most.
 
     None where a reward pays all steps the same.
     """
-    values = np.stack([recording.rewards[one], recording.rewards[other]])
+    rows = np.flatnonzero(steps_of(log))
+    values = np.stack([log[f"{REWARD}{one}"][rows], log[f"{REWARD}{other}"][rows]])
     spread = values.std(axis=1, keepdims=True)
     if not (spread > 1e-9 * np.abs(values).max(axis=1, keepdims=True)).all():
         return []
     deviations = (values - values.mean(axis=1, keepdims=True)) / spread
     difference = np.abs(deviations[0] - deviations[1])
     falling = np.argsort(-difference, kind="stable")
-    most = int(recording.episode.max()) + 1
-    _, first = np.unique(recording.env[falling].astype(np.int64) * most + recording.episode[falling], return_index=True)
+    _, first = np.unique(episode_numbers(log)[rows[falling]], return_index=True)
     largest = falling[np.sort(first)[:MOST]]
-    return [
-        StepApart(
-            folder,
-            int(recording.env[row]),
-            int(recording.episode[row]),
-            int(recording.step[row]),
-            (float(values[0, row]), float(values[1, row])),
-            (float(deviations[0, row]), float(deviations[1, row])),
-        )
-        for row in largest[difference[largest] >= LEAST]
-    ]
+    found = []
+    for row in largest[difference[largest] >= LEAST]:
+        env, episode, step = (int(log[name][rows[row]]) if name in log else 0 for name in ("env", "episode", "step"))
+        (first_paid, other_paid), (first_from, other_from) = values[:, row].tolist(), deviations[:, row].tolist()
+        found.append(StepApart(folder, env, episode, step, (first_paid, other_paid), (first_from, other_from)))
+    return found

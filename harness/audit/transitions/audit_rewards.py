@@ -1,7 +1,7 @@
 """`harness.audit_rewards`: how far apart rewards are in any Gymnasium environment, potential shaping left out too."""
 
 import tempfile
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,23 +10,24 @@ import gymnasium
 import numpy as np
 from gymnasium.wrappers import TimeLimit
 
-from harness.audit.recorded.earned import Earned
-from harness.audit.recorded.paid import Paid, compare_paid, paid_in, pairs_of
-from harness.audit.recorded.pair import mean_within, pair_of
-from harness.audit.recorded.recordings import RANDOM
+from harness.audit.audit import Audit
+from harness.audit.distance import FORMS, Form, Forms, compare_forms
+from harness.audit.questions import ENVIRONMENT, NO_SUCCESS, NOT_ASKED, deciding_measure, on_best, rank_success
+from harness.audit.recorded.earned import Earned, earned_in_episodes
+from harness.audit.recorded.paid import Paid, compare_paid, episodes_in, paid_in, pairs_of
+from harness.audit.recorded.pair import Pair, pair_of
+from harness.audit.recorded.pair_grid import SCALE
+from harness.audit.recorded.recordings import RANDOM, log_of_recording
 from harness.audit.transitions.asked import of_transitions
-from harness.audit.transitions.canonical_forms import one_by_one
-from harness.audit.transitions.form_distances import FORMS, FormVector, draw_coverages, form_distance, form_vector
-from harness.audit.transitions.reward_audit import FormsOfPair, RewardAudit
+from harness.audit.transitions.canonical_forms import draw_coverages, forms_of, one_by_one
 from harness.errors import UsageError
 from harness.eta.rescaling import line_of
-from harness.eta.seed_mean import mean_over_seeds
-from harness.record.recording.recorded_training import read_recording
 from harness.recorder.record_rewards import RecordRewards
 from harness.recorder.walk import KeepWalks, Walk
-from harness.results.recordings.episodes import episodes_of
+from harness.results.recordings.episodes import Episodes, count_text
 from harness.reward.given import OWN, Given
 
+GAMMA, EPISODES = 0.99, 10
 MEASUREMENTS = 5
 """Each has episodes and samples of its own; intervals are over them."""
 
@@ -39,11 +40,13 @@ def audit_rewards(
     rewards: Mapping[str, Given],
     *,
     policies: Mapping[str, Policy] | None = None,
-    gamma: float = 0.99,
-    episodes: int = 10,
+    gamma: float = GAMMA,
+    episodes: int = EPISODES,
     steps: int = 1_000,
     seed: int = 0,
-) -> RewardAudit:
+    behaviour: Mapping[str, Given] | None = None,
+    compared: Collection[str] | None = None,
+) -> Audit:
     """How far apart rewards are: in the steps of random actions and of policies, and as EPIC, DARD and STARC see them.
 
     The last three do not change when gamma phi(s') - phi(s) is added to a reward. They ask it about transitions that
@@ -58,6 +61,8 @@ def audit_rewards(
         episodes: Of each policy in each of 5 measurements.
         steps: Most of an episode; a longer one is cut.
         seed: Of all that is drawn.
+        behaviour: Measures of what policies do, as of `harness.RecordRewards`; no reward enters them.
+        compared: Names of the rewards that are told of, ``own`` among them if it is; None for all.
 
     Raises:
         UsageError: Something of that cannot be used, or a reward fails in a step that was taken.
@@ -67,24 +72,48 @@ def audit_rewards(
     made = _make(env)
     try:
         taken = [
-            _take(made, rewards, policies, episodes, steps, np.random.default_rng([seed, number]))
+            _take(made, rewards, behaviour or {}, policies, episodes, steps, np.random.default_rng([seed, number]))
             for number in range(MEASUREMENTS)
         ]
     finally:
         if made is not env:
             made.close()
-    names = taken[0].names
-    found = [_measure(it, gamma) for it in taken]
-    return RewardAudit(
-        made.spec.id if made.spec is not None else type(made.unwrapped).__name__,
-        (RANDOM, *policies),
-        gamma,
-        MEASUREMENTS,
-        episodes,
-        sum(len(walk.actions) for it in taken for walk in it.walks),
-        names,
-        tuple(_pair(pair, taken, found) for pair in pairs_of(names)),
-        tuple(_earned(policy, taken, names) for policy in (RANDOM, *policies)),
+    names = tuple(name for name in taken[0].rewards if compared is None or name in compared)
+    return _audit_of(made, taken, names, gamma, episodes)
+
+
+def _audit_of(env: Env, taken: "Sequence[_Taken]", names: tuple[str, ...], gamma: float, episodes: int) -> Audit:
+    name = env.spec.id if env.spec is not None else type(env.unwrapped).__name__
+    found = [_forms(it, names, gamma) for it in taken]
+    acting = tuple(taken[0].episodes)
+    by_policy = {policy: [it.episodes[policy] for it in taken] for policy in acting}
+    earned = tuple(_earned(policy, each, names) for policy, each in by_policy.items())
+    everything = [it for each in by_policy.values() for it in each]
+    success, steps = deciding_measure(everything), sum(len(walk.actions) for it in taken for walk in it.walks)
+    return Audit(
+        title=f"{name}: rewards {', '.join(names)}; discount {gamma:g}",
+        setting=(),
+        facts={
+            "env": name,
+            "policies": list(acting),
+            "gamma": gamma,
+            "measurements": MEASUREMENTS,
+            "episodes": episodes,
+            "steps": steps,
+        },
+        rewards=names,
+        pairs=tuple(_pair(pair, taken, found) for pair in pairs_of(names)),
+        earned=earned,
+        success=success,
+        rankings={reward: rank_success(everything, reward, success) for reward in names} if success else {},
+        verdict=tuple(on_best(earned, names, success)),
+        measured=(
+            f"{SCALE} Measured {MEASUREMENTS} times in the transitions of {', '.join(acting)}, each time with "
+            f"{count_text(episodes, 'new episode')} of each and new samples, {steps:,} steps in all. The 95% intervals "
+            "are over these measurements. They say how much another measurement with the same policies would differ. "
+            "Other policies meet other transitions, where the distances are others.",
+        ),
+        not_asked=(*NOT_ASKED[ENVIRONMENT], *([] if success else [NO_SUCCESS])),
     )
 
 
@@ -134,25 +163,21 @@ class _Taken:
         rewards: By name, as given, ``own`` among them.
         walks: Of all policies, one after the other.
         paid: For their steps.
-        returns: By policy, then by reward, (episodes,).
+        episodes: By policy.
         rng: Where samples are drawn from.
     """
 
     rewards: Mapping[str, Given]
     walks: list[Walk]
     paid: Paid
-    returns: Mapping[str, Mapping[str, Any]]
+    episodes: Mapping[str, Episodes]
     rng: np.random.Generator
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The names of the rewards."""
-        return tuple(self.rewards)
 
 
 def _take(
     env: Env,
     rewards: Mapping[str, Given],
+    behaviour: Mapping[str, Given],
     policies: Mapping[str, Policy],
     episodes: int,
     steps: int,
@@ -164,24 +189,37 @@ def _take(
     acting = {RANDOM: lambda observation: env.action_space.sample(), **policies}
     walks: list[Walk] = []
     paid: list[Paid] = []
-    returns = {}
+    found: dict[str, Episodes] = {}
     with tempfile.TemporaryDirectory(prefix="harness-audit-") as folder:
         for number, (name, policy) in enumerate(acting.items()):
             path = Path(folder) / str(number)
-            walks += _record(env, rewards, policy, path, seeds, steps)
-            recording = read_recording(path)
-            paid.append(paid_in(recording, episodes_of(recording)))
-            returns[name] = paid[-1].returns
+            walks += _record(env, rewards, behaviour, policy, path, seeds, steps)
+            log = log_of_recording(path)
+            found[name] = episodes_in(log)
+            paid.append(paid_in(log, found[name]))
     own = _own(rewards)
-    return _Taken(rewards if own in rewards else {**rewards, own: OWN}, walks, sum(paid[1:], paid[0]), returns, rng)
+    return _Taken(rewards if own in rewards else {**rewards, own: OWN}, walks, sum(paid[1:], paid[0]), found, rng)
 
 
 def _record(
-    env: Env, rewards: Mapping[str, Given], policy: Policy, path: Path, seeds: Iterable[int], steps: int
+    env: Env,
+    rewards: Mapping[str, Given],
+    behaviour: Mapping[str, Given],
+    policy: Policy,
+    path: Path,
+    seeds: Iterable[int],
+    steps: int,
 ) -> list[Walk]:
     keeper = KeepWalks(TimeLimit(env, steps))
     recorder = RecordRewards(
-        keeper, path, trained_with=_own(rewards), rewards=rewards, evaluation=True, seed=0, on_error="raise"
+        keeper,
+        path,
+        trained_with=_own(rewards),
+        rewards=rewards,
+        behaviour=behaviour,
+        evaluation=True,
+        seed=0,
+        on_error="raise",
     )
     try:
         for seed in seeds:
@@ -195,49 +233,28 @@ def _record(
     return keeper.walks
 
 
-@dataclass(frozen=True, eq=False)
-class _Measured:
-    """By canonical form and reward, a vector or why there is none."""
-
-    vectors: Mapping[tuple[str, str], FormVector | str]
-
-    def distance(self, form: str, one: str, other: str) -> float | str | None:
-        """None where it is not defined, the reason where a reward cannot be asked."""
-        first, second = self.vectors[form, one], self.vectors[form, other]
-        if isinstance(first, str):
-            return f"{one}: {first}"
-        if isinstance(second, str):
-            return f"{other}: {second}"
-        return form_distance(first, second)
-
-
-def _measure(taken: _Taken, gamma: float) -> _Measured:
-    pays, reasons = of_transitions(taken.rewards, taken.walks, taken.paid.steps)
+def _forms(taken: _Taken, names: Sequence[str], gamma: float) -> dict[str, Forms]:
+    """Each reward in every canonical form, or why it has none."""
+    pays, reasons = of_transitions({name: taken.rewards[name] for name in names}, taken.walks, taken.paid.steps)
     coverages = draw_coverages(taken.walks, taken.rng)
-    vectors: dict[tuple[str, str], FormVector | str] = {
-        (form, name): form_vector(one_by_one(pays[name]), form, gamma, coverages) if name in pays else reasons[name]
-        for form in FORMS
-        for name in taken.names
+    return {
+        name: forms_of(one_by_one(pays[name]), gamma, coverages)
+        if name in pays
+        else dict.fromkeys(FORMS, Form(None, reasons[name]))
+        for name in names
     }
-    return _Measured(vectors)
 
 
-def _pair(pair: tuple[str, str], taken: Sequence[_Taken], found: Sequence[_Measured]) -> FormsOfPair:
-    distances, reasons = {}, {}
-    for form in FORMS:
-        each = [it.distance(form, *pair) for it in found]
-        told = [it for it in each if isinstance(it, str)]
-        known = [] if told else [it for it in each if isinstance(it, float)]
-        distances[form] = mean_within(known)
-        if told:
-            reasons[form] = told[0]
-        elif not known:
-            reasons[form] = "one of the two is nothing but an offset and shaping by a potential"
-    lines = [line_of(*(it.paid.steps[name] for name in pair)) for it in taken]
-    return FormsOfPair(pair_of(*pair, [compare_paid(it.paid, *pair) for it in taken], lines), distances, reasons)
+def _pair(pair: tuple[str, str], taken: Sequence[_Taken], found: Sequence[Mapping[str, Forms]]) -> Pair:
+    one, other = pair
+    return pair_of(
+        one,
+        other,
+        [compare_paid(it.paid, one, other) for it in taken],
+        [line_of(it.paid.steps[one], it.paid.steps[other]) for it in taken],
+        forms=[compare_forms(one, it[one], other, it[other]) for it in found],
+    )
 
 
-def _earned(policy: str, taken: Sequence[_Taken], names: Iterable[str]) -> Earned:
-    returns = {name: np.concatenate([it.returns[policy][name] for it in taken]).tolist() for name in names}
-    count = len(next(iter(returns.values())))
-    return Earned(policy, count, {name: mean_over_seeds(values) for name, values in returns.items()})
+def _earned(policy: str, each: Sequence[Episodes], names: Sequence[str]) -> Earned:
+    return earned_in_episodes(policy, each, names, tuple(each[0].behaviour))

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.audit.payoff import holding_pays, never_paid, payoff_of, temptations
+from harness.audit.questions import holding_pays, never_paid, payoff_of, temptations
 from harness.audit.score import score_rollout
 from harness_plugins.rewards.arp import Arp
 from harness_plugins.rewards.baseline import Baseline
