@@ -130,7 +130,7 @@ def forms_of_distances(reward: Reward, rollouts: Sequence[Rollout], gamma: float
         gamma: Discount per step.
     """
     coverages: dict[str, Coverage] = {EPIC: anywhere, DARD: nearby}
-    return {form: Form(centred_unit(*canonical_values(reward, rollouts, gamma, of))) for form, of in coverages.items()}
+    return {form: centred_unit(*canonical_values(reward, rollouts, gamma, of)) for form, of in coverages.items()}
 
 
 def canonical_values(

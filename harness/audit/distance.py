@@ -1,7 +1,6 @@
 """How far apart two rewards are, apart from scale and offset; in a canonical form also apart from potential shaping."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
@@ -14,47 +13,28 @@ NOTHING = 1e-9
 SHAPING = "one of the two is nothing but an offset and shaping by a potential"
 
 
-@dataclass(frozen=True, eq=False)
-class Form:
-    """A reward in one canonical form.
-
-    Attributes:
-        unit: Over the compared transitions, of length 1; None where the form is constant, of STARC where it is 0.
-        reason: Why the reward has no such form; else empty.
-    """
-
-    unit: Float | None
-    reason: str = ""
+Form: TypeAlias = Float | str | None
+"""A reward in one canonical form, over the compared transitions and of length 1; None where it is constant, of STARC
+where it is 0; a line where the reward has no such form: why."""
+Distance: TypeAlias = float | str
+"""How far apart two rewards are in one canonical form, in [0, 1]: 0 the same but for scale, offset and potential
+shaping, 0.71 unrelated, 1 opposite; a line where that is not defined: why."""
 
 
-Forms: TypeAlias = Mapping[str, Form]
-"""A reward in some of `FORMS`, by name."""
+def compare_forms(
+    one: str, of_one: Mapping[str, Form], other: str, of_other: Mapping[str, Form]
+) -> dict[str, Distance]:
+    """The distances of two rewards by form; their names stand before what is said of them."""
+    return {form: _compare(one, of_one[form], other, of_other[form]) for form in of_one}
 
 
-@dataclass(frozen=True)
-class Distance:
-    """How far apart two rewards are in one canonical form.
-
-    Attributes:
-        value: In [0, 1]: 0 the same but for scale, offset and potential shaping, 0.71 unrelated, 1 opposite; None
-            where it is not defined.
-        reason: Why not; else empty.
-    """
-
-    value: float | None
-    reason: str = ""
-
-
-def compare_forms(one: str, of_one: Forms, other: str, of_other: Forms) -> dict[str, Distance]:
-    """The distances of two rewards, of which the names are given too, by form."""
-    return {form: _compare({one: of_one[form], other: of_other[form]}) for form in of_one}
-
-
-def _compare(forms: Mapping[str, Form]) -> Distance:
-    told = next((f"{name}: {form.reason}" for name, form in forms.items() if form.reason), "")
-    units = [form.unit for form in forms.values()]
-    value = None if told else distance_between(units[0], units[-1])
-    return Distance(value, told or ("" if value is not None else SHAPING))
+def _compare(one: str, first: Form, other: str, second: Form) -> Distance:
+    if isinstance(first, str):
+        return f"{one}: {first}"
+    if isinstance(second, str):
+        return f"{other}: {second}"
+    value = distance_between(first, second)
+    return SHAPING if value is None else value
 
 
 def distance_between(one: Float | None, other: Float | None) -> float | None:

@@ -1,24 +1,27 @@
 """A reward on the scripted movements of an arm: everything is asked of it. Trains nothing."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.audit.audit import Audit, OfScripts
 from harness.audit.canonical import forms_of_distances
-from harness.audit.distance import compare_forms
 from harness.audit.probe import needed_beside_distances
 from harness.audit.properties import properties_of, workspace_ratios
 from harness.audit.questions import finishing_of
 from harness.audit.recorded.earned import earned_in_episodes
-from harness.audit.recorded.paid import Paid, compare_paid
-from harness.audit.recorded.pair import pair_of
+from harness.audit.recorded.paid import acted_in
+from harness.audit.recorded.pair import pairs_in
 from harness.audit.recorded.pair_grid import SCALE
 from harness.audit.rollout import Rollout
 from harness.audit.score import Score, score_rollout
 from harness.audit.transitions.rollout_forms import COMPARED, forms_of_rollouts
 from harness.audit.verdict import verdict_of
-from harness.eta.rescaling import Line, line_of
+from harness.log import Log, LogFacts, in_memory
+from harness.log.log import REWARD
 from harness.results.recordings.episodes import Episodes
 from harness.results.recordings.runs import SUCCESS
 from harness.reward import Reward
@@ -59,7 +62,7 @@ def audit_reward(
     needed = needed_beside_distances(reward, scores)
     because = tuple(dict.fromkeys((*needed, *needed_beside_distances(against, others))))
     forms_in = forms_of_rollouts if because else forms_of_distances
-    forms = compare_forms(other, forms_in(against, rollouts, gamma), name, forms_in(reward, rollouts, gamma))
+    forms = {who: forms_in(it, rollouts, gamma) for who, it in ((other, against), (name, reward))}
     finishing = finishing_of(scores, gamma)
     asked = OfScripts(
         finishing,
@@ -70,15 +73,13 @@ def audit_reward(
         min(COMPARED, finishing.steps) if because else finishing.steps,
     )
     both = [dict(zip((other, name), of, strict=True)) for of in zip(others, scores, strict=True)]
-    paid = sum(map(_paid, both[1:]), _paid(both[0]))
+    pairs, _ = pairs_in([acted_in("scripts", _log(both))], (other, name), [forms])
     return Audit(
         title=name,
         setting=(setting,) if setting else (),
         facts={},
         rewards=tuple(both[0]),
-        pairs=(
-            pair_of(other, name, [compare_paid(paid, other, name)], list(map(_line, others, scores)), forms=[forms]),
-        ),
+        pairs=pairs,
         earned=tuple(
             earned_in_episodes(score.rollout.script, [_episodes(of)], list(of), (SUCCESS, STEPS))
             for score, of in zip(scores, both, strict=True)
@@ -93,10 +94,23 @@ def audit_reward(
     )
 
 
-def _paid(scores: Mapping[str, Score]) -> Paid:
-    """What both rewards paid in one rollout, the events left out, which the task pays under either."""
-    steps = {name: score.values[score.rollout.running] for name, score in scores.items()}
-    return Paid(steps, {name: score.values.sum(axis=0) for name, score in scores.items()}, {})
+def _log(both: Sequence[Mapping[str, Score]]) -> Log:
+    """What both rewards paid in all rollouts, the events left out, which the task pays under either."""
+    rollouts = [next(iter(scores.values())).rollout for scores in both]
+
+    def flat(values: Iterable[NDArray[Any]]) -> NDArray[Any]:
+        return np.concatenate([of[rollout.running] for of, rollout in zip(values, rollouts, strict=True)])
+
+    after = [np.vstack([rollout.running[1:], np.zeros_like(rollout.running[:1])]) for rollout in rollouts]
+    ends = [rollout.running & ~now for rollout, now in zip(rollouts, after, strict=True)]
+    columns = {
+        "env": flat(np.broadcast_to(np.arange(len(rollout.reached)), rollout.running.shape) for rollout in rollouts),
+        "episode": flat(np.full(rollout.running.shape, number) for number, rollout in enumerate(rollouts)),
+        "terminated": flat(end & rollout.reached for end, rollout in zip(ends, rollouts, strict=True)),
+        "truncated": flat(ends),
+        **{f"{REWARD}{name}": flat(scores[name].values for scores in both) for name in both[0]},
+    }
+    return in_memory(LogFacts(path=Path(), format="scripts"), columns)
 
 
 def _episodes(scores: Mapping[str, Score]) -> Episodes:
@@ -105,10 +119,3 @@ def _episodes(scores: Mapping[str, Score]) -> Episodes:
     returns = {name: score.paid.sum(axis=0) for name, score in scores.items()}
     measures = {SUCCESS: np.asarray(rollout.reached, np.float64), STEPS: rollout.steps}
     return Episodes(np.cumsum(rollout.steps).astype(np.int64) - 1, returns, measures, {})
-
-
-def _line(other: Score, score: Score) -> Line | None:
-    """What a reward paid in the steps of a rollout, over what the other one paid; the event terms are the task's."""
-    running = score.rollout.running
-    can_end = bool(score.rollout.reached.any())
-    return line_of(other.values[running], score.values[running], can_end=can_end)

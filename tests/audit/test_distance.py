@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from harness.audit.canonical import anywhere, canonical_values, forms_of_distances, nearby
-from harness.audit.distance import DARD, EPIC, SHAPING, Distance, Form, compare_forms
+from harness.audit.distance import DARD, EPIC, SHAPING, compare_forms, distance_between
 from harness.audit.rollout import Rollout, record_rollouts
 from harness.reach import ReachTask
 from harness.registry.choice import choose
@@ -35,9 +35,8 @@ def short(robot):
 
 
 def reward_distance(one, other, rollouts, form):
-    """In one canonical form."""
-    forms = (forms_of_distances(reward, rollouts, GAMMA) for reward in (one, other))
-    return compare_forms("one", next(forms), "other", next(forms))[form].value
+    """In one canonical form; None where it is not defined."""
+    return distance_between(*(forms_of_distances(reward, rollouts, GAMMA)[form] for reward in (one, other)))
 
 
 @pytest.fixture(scope="module", params=COVERAGES)
@@ -137,15 +136,15 @@ def test_the_distance_is_pearsons(rollouts, form):
 def test_all_running_steps_count(rollouts, form):
     """What is compared is every step of every episode, and none after its end."""
     found = forms_of_distances(Arp(), rollouts, GAMMA)[form]
-    assert len(found.unit) == sum(int(rollout.steps.sum()) for rollout in rollouts)
+    assert len(found) == sum(int(rollout.steps.sum()) for rollout in rollouts)
 
 
 def test_what_has_no_distance_says_why():
     """Whose form is missing, or that one of the two is constant; two constants are the same."""
-    some, constant, missing = Form(np.array([1.0, 0.0])), Form(None), Form(None, "it is odd")
-    assert compare_forms("a", {EPIC: some}, "b", {EPIC: missing}) == {EPIC: Distance(None, "b: it is odd")}
-    assert compare_forms("a", {EPIC: some}, "b", {EPIC: constant}) == {EPIC: Distance(None, SHAPING)}
-    assert compare_forms("a", {EPIC: constant}, "b", {EPIC: constant}) == {EPIC: Distance(0.0)}
+    some, constant, missing = np.array([1.0, 0.0]), None, "it is odd"
+    assert compare_forms("a", {EPIC: some}, "b", {EPIC: missing}) == {EPIC: "b: it is odd"}
+    assert compare_forms("a", {EPIC: some}, "b", {EPIC: constant}) == {EPIC: SHAPING}
+    assert compare_forms("a", {EPIC: constant}, "b", {EPIC: constant}) == {EPIC: 0.0}
 
 
 @settings(max_examples=6)

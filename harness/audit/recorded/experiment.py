@@ -1,23 +1,24 @@
-"""The rewards of an arm's experiment beside one another: what its policies did, and what each reward would have paid."""
+"""The rewards of an arm's experiment beside one another: what its policies did, and what each reward pays for it."""
 
 from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from harness.arrays import Float
 from harness.audit.audit import Audit
 from harness.audit.questions import NO_FORMS, NOT_RANKED, on_best
 from harness.audit.recorded.earned import Earned, earned_in_episodes, earned_in_parts
-from harness.audit.recorded.paid import Apart, Paid, compare_paid, pairs_of
-from harness.audit.recorded.pair import pair_of
+from harness.audit.recorded.paid import Acted, episodes_in
+from harness.audit.recorded.pair import pairs_in
 from harness.audit.recorded.pair_grid import SCALE
 from harness.audit.recorded.recordings import RANDOM, chosen_rewards, title_of
+from harness.audit.recorded.step_apart import MOST
 from harness.errors import Unscored, UsageError
 from harness.eta.headline import SUCCESS
-from harness.eta.rescaling import Line, line_of
+from harness.log import Log, LogFacts, in_memory
+from harness.log.log import REWARD
 from harness.record.cell import Cell
 from harness.record.folder import TRACE
-from harness.record.trace import episode_rows, read_trace
+from harness.record.trace import read_trace
 from harness.registry.choice import Choice
 from harness.results.recordings.episodes import Episodes, Part, count_text
 from harness.results.results import Results
@@ -47,27 +48,20 @@ def audit_experiment(results: Results, only: Sequence[str] = ()) -> Audit:
     measures = sorted(results.measures, key=lambda name: name != SUCCESS)  # all others stay in their order
     groups = [[it for it in cells if not results.is_control(it)] for cells in results.groups.values()]
     earned = [row for cells in groups for row in _earned(results, cells, payers, rewards, measures)]
-    each: dict[tuple[str, str], list[Apart]] = {pair: [] for pair in pairs_of(tuple(payers))}
-    lines: dict[tuple[str, str], list[Line | None]] = {pair: [] for pair in each}
-    for cell in results.done_cells if each else ():
-        paid, can_end = _paid(results, cell, payers)
-        for (one, other), found in each.items():
-            if {one, other} <= paid.steps.keys():
-                found.append(compare_paid(paid, one, other))
-                lines[one, other].append(line_of(paid.steps[one], paid.steps[other], can_end=can_end))
+    pairs, told = pairs_in([_paid(results, cell, payers) for cell in results.done_cells], tuple(payers), most=MOST)
     count = len(results.done_cells)
     return Audit(
         title=title_of(f"'{results.folder}'", count_text(count, "training"), rewards),
         setting=(),
         facts={"experiment": str(results.folder), "trainings": count},
         rewards=rewards,
-        pairs=tuple(pair_of(*pair, each[pair], lines[pair]) for pair in each),
+        pairs=pairs,
         earned=tuple(earned),
         success=SUCCESS if SUCCESS in measures else "",
         verdict=tuple(on_best(earned, rewards, SUCCESS if SUCCESS in measures else "")),
-        measured=(f"{SCALE} Means over trainings, 95% intervals over them in brackets.",) if each else (),
+        measured=(f"{SCALE} Means over trainings, 95% intervals over them in brackets.",) if pairs else (),
         not_asked=(NOT_RANKED, NO_FORMS.format("a trace")),
-        notes=tuple(notes),
+        notes=(*notes, *told),
         damaged=tuple(f"cell {it.cell.id}: {it.reason}" for it in results.damaged),
     )
 
@@ -121,12 +115,16 @@ def _part(results: Results, cell: Cell, payers: Mapping[str, InstalledReward]) -
     return Part(next(iter(measured.episodes.values())), returns, measured.own, {})
 
 
-def _paid(results: Results, cell: Cell, payers: Mapping[str, InstalledReward]) -> tuple[Paid, bool]:
-    """What rewards pay the training of a cell, and whether its episodes can end before their time."""
-    trace, of = read_trace(results.store.cell_folder(cell) / TRACE, KEYS), results.of(cell)
-    steps: dict[str, Float] = {label: np.asarray(of.paid_by(it), np.float64) for label, it in payers.items()}
-    episodes = episode_rows(trace["env"], trace["episode"], trace["terminated"] | trace["truncated"])
-    returns = {label: np.array([paid[rows].sum() for rows in episodes]) for label, paid in steps.items()}
-    of.finish()
-    taken = trace["step"] > 0
-    return Paid({label: paid[taken] for label, paid in steps.items()}, returns, {}), bool(trace["terminated"].any())
+def _paid(results: Results, cell: Cell, payers: Mapping[str, InstalledReward]) -> Acted:
+    """The training of a cell, paid by rewards."""
+    folder, of = results.store.cell_folder(cell), results.of(cell)
+
+    def read() -> Log:
+        trace = read_trace(folder / TRACE, KEYS)
+        paid = {f"{REWARD}{label}": of.paid_by(payer) for label, payer in payers.items()}
+        of.finish()
+        columns = {**{name: trace[name] for name in KEYS}, "start": trace["step"] == 0, **paid}
+        return in_memory(LogFacts(path=folder, format="trace"), columns)
+
+    log = read()
+    return Acted(f"cells/{cell.id}", len(log), episodes_in(log), read)

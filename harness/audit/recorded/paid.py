@@ -1,9 +1,8 @@
 """What several rewards paid for the same steps or episodes, and how far apart two of them are in that."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import combinations
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,14 +30,33 @@ class Paid:
     returns: Mapping[str, Float]
     unknown: Mapping[str, str]
 
-    def __add__(self, other: "Paid") -> "Paid":
-        """The steps of both, by rewards that are known in both."""
-        both = [name for name in self.steps if name in other.steps]
-        return Paid(
-            {name: np.concatenate([self.steps[name], other.steps[name]]) for name in both},
-            {name: np.concatenate([self.returns[name], other.returns[name]]) for name in both},
-            {**other.unknown, **self.unknown},
-        )
+
+@dataclass(frozen=True, eq=False)
+class Acted:
+    """What one training, one evaluation of a policy, or random actions left.
+
+    Attributes:
+        name: Where it lies, in words.
+        steps: How many rows there are.
+        episodes: Those that ended.
+        log: Reads its rows.
+        taught: The reward that taught; of a log that does not say it, what else tells it from others.
+        evaluation: Whether a finished policy acted.
+        manner: How it chose actions, ``deterministic``; may be empty.
+    """
+
+    name: str
+    steps: int
+    episodes: Episodes
+    log: Callable[[], Log]
+    taught: str = ""
+    evaluation: bool = False
+    manner: str = ""
+
+
+def acted_in(name: str, log: Log, taught: str = "", evaluation: bool = False) -> Acted:
+    """What is in a log."""
+    return Acted(name, len(log), episodes_in(log), lambda: log, taught, evaluation)
 
 
 def paid_in(log: Log, episodes: Episodes) -> Paid:
@@ -103,15 +121,6 @@ def _ends(log: Log) -> Mask:
     return ends
 
 
-class EpisodeOrder(NamedTuple):
-    """How two rewards order the same episodes."""
-
-    discordant: float | None
-    """Share of the pairs of episodes that the two put in opposite orders, of those that both tell apart."""
-    told_apart: float | None
-    """Share of all pairs of episodes that both tell apart; None below two episodes."""
-
-
 @dataclass(frozen=True)
 class Apart:
     """How far apart two rewards are in one set of recorded steps. Scale and offset of a reward do not matter.
@@ -120,17 +129,21 @@ class Apart:
         steps: Pearson distance of what they pay for each step, sqrt((1 - rho) / 2), in [0, 1]; None where one of them,
             and not the other, pays every step the same.
         returns: The same of the returns of finished episodes; None also below two of them.
-        order: How they order these episodes.
+        discordant: Share of the pairs of episodes that the two put in opposite orders, of those that both tell apart.
+        told_apart: Share of all pairs of episodes that both tell apart; None below two episodes.
     """
 
     steps: float | None
     returns: float | None
-    order: EpisodeOrder
+    discordant: float | None
+    told_apart: float | None
 
 
 def compare_paid(paid: Paid, one: str, other: str) -> Apart:
     """How far apart two rewards are, both known in `paid`."""
-    return Apart(_pearson(paid.steps, one, other), _pearson(paid.returns, one, other), _order(paid.returns, one, other))
+    return Apart(
+        _pearson(paid.steps, one, other), _pearson(paid.returns, one, other), *_order(paid.returns, one, other)
+    )
 
 
 def pairs_of(names: tuple[str, ...]) -> list[tuple[str, str]]:
@@ -145,23 +158,23 @@ def _pearson(values: Mapping[str, Float], one: str, other: str) -> float | None:
     return distance_between(first, second)
 
 
-def _order(returns: Mapping[str, Float], one: str, other: str) -> EpisodeOrder:
-    """From Kendall's tau-b, which scipy finds without looking at every pair."""
+def _order(returns: Mapping[str, Float], one: str, other: str) -> tuple[float | None, float | None]:
+    """The shares of `Apart`. From Kendall's tau-b, which scipy finds without looking at all pairs."""
     from scipy.stats import kendalltau
 
     count = len(returns[one])
     pairs = count * (count - 1) // 2
     if not pairs:
-        return EpisodeOrder(None, None)
+        return None, None
     # Sums in another order differ in the last digits: such returns are equal.
     first, second = (_rounded(returns[name]) for name in (one, other))
     ties_one, ties_other = _ties(first), _ties(second)
     apart = pairs - ties_one - ties_other + _ties(np.stack([first, second], axis=1))
     if not apart:
-        return EpisodeOrder(None, 0.0)
+        return None, 0.0
     tau = float(kendalltau(first, second).statistic)
     surplus = round(tau * float(np.sqrt(pairs - ties_one) * np.sqrt(pairs - ties_other)))
-    return EpisodeOrder((apart - surplus) / 2 / apart, apart / pairs)
+    return (apart - surplus) / 2 / apart, apart / pairs
 
 
 def _rounded(values: Float) -> Float:

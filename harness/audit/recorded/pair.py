@@ -4,12 +4,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from harness.audit.distance import Distance
-from harness.audit.recorded.paid import Apart
-from harness.audit.recorded.step_apart import StepApart
+from harness.audit.distance import Distance, Form, compare_forms
+from harness.audit.recorded.paid import Acted, Apart, compare_paid, paid_in, pairs_of
+from harness.audit.recorded.step_apart import StepApart, steps_apart
 from harness.eta.interval import SHARE
-from harness.eta.rescaling import Line, Rescaling, rescaling_of
+from harness.eta.rescaling import Line, Rescaling, line_of, rescaling_of
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
+
+NOT_RECORDED = "not recorded"
 
 
 @dataclass(frozen=True)
@@ -51,7 +53,7 @@ class Pair:
             "discordant": mean_json(self.discordant),
             "told_apart": mean_json(self.told_apart),
             "rescaled": self.rescaling and self.rescaling.to_json(),
-            "each": [{"steps": it.steps, "returns": it.returns, "discordant": it.order.discordant} for it in self.each],
+            "each": [{"steps": it.steps, "returns": it.returns, "discordant": it.discordant} for it in self.each],
             "largest": [step.to_json() for step in self.largest],
             **{form: mean_json(mean) for form, mean in self.forms.items()},
             **({"reasons": dict(self.reasons)} if self.forms else {}),
@@ -76,21 +78,72 @@ def pair_of(
         largest: See `Pair`.
         forms: How far apart they are by canonical form, by measurement.
     """
-    told = [(form, it.reason) for each_form in forms for form, it in each_form.items()]
-    means = {form: mean_within([it[form].value for it in forms]) for form in (forms[0] if forms else ())}
+    means = {
+        form: mean_within([None if isinstance(it[form], str) else it[form] for it in forms])
+        for form in (forms[0] if forms else ())
+    }
+    told = [(form, why) for it in reversed(forms) for form, why in it.items() if isinstance(why, str)]
     return Pair(
         one,
         other,
         mean_within([it.steps for it in each]),
         mean_within([it.returns for it in each]),
-        mean_within([it.order.discordant for it in each]),
-        mean_within([it.order.told_apart for it in each]),
+        mean_within([it.discordant for it in each]),
+        mean_within([it.told_apart for it in each]),
         tuple(each),
         rescaling_of(lines),
         tuple(largest),
         means,
-        {form: reason for form, reason in reversed(told) if reason and means[form].mean is None},
+        {form: why for form, why in told if means[form].mean is None},
     )
+
+
+def pairs_in(
+    compared: Sequence[Acted],
+    rewards: tuple[str, ...],
+    forms: Sequence[Mapping[str, Mapping[str, Form]]] = (),
+    most: int = 0,
+) -> tuple[tuple[Pair, ...], list[str]]:
+    """Every two rewards beside one another, and a line for each reward that is not known everywhere.
+
+    Args:
+        compared: What means are over.
+        rewards: Names.
+        forms: By measurement and name, the rewards in canonical forms.
+        most: So many steps are told that the two pay most differently.
+    """
+    each: dict[tuple[str, str], list[Apart]] = {pair: [] for pair in pairs_of(rewards)}
+    lines: dict[tuple[str, str], list[Line | None]] = {pair: [] for pair in each}
+    largest: dict[tuple[str, str], list[StepApart]] = {pair: [] for pair in each}
+    notes: list[str] = []
+    for it in compared if each else ():
+        log = it.log()
+        paid = paid_in(log, it.episodes)
+        can_end = "terminated" in log and bool(log["terminated"].any())
+        unknown = [name for name in rewards if name not in paid.returns]
+        notes += [
+            f"'{it.name}' does not count for reward {name!r}: {paid.unknown.get(name, NOT_RECORDED)}"
+            for name in unknown
+        ]
+        for (one, other), found in each.items():
+            if {one, other} <= paid.returns.keys():
+                found.append(compare_paid(paid, one, other))
+            if {one, other} <= paid.steps.keys():
+                lines[one, other].append(line_of(paid.steps[one], paid.steps[other], can_end=can_end))
+                known = [*largest[one, other], *(steps_apart(it.name, log, one, other) if most else ())]
+                largest[one, other] = sorted(known, key=lambda step: -step.difference)[:most]
+    notes += [f"No recording knows both {one!r} and {other!r}" for (one, other), found in each.items() if not found]
+    pairs = [
+        pair_of(
+            *pair,
+            each[pair],
+            lines[pair],
+            largest[pair],
+            [compare_forms(pair[0], of[pair[0]], pair[1], of[pair[1]]) for of in forms],
+        )
+        for pair in each
+    ]
+    return tuple(pairs), notes
 
 
 def mean_within(values: Sequence[float | None]) -> SeedMean:

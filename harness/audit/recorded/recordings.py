@@ -1,59 +1,27 @@
 """The rewards of recorded trainings, and of logs that other programs wrote, beside one another. Trains nothing."""
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from functools import partial
 from pathlib import Path
 
 from harness.audit.audit import Audit
-from harness.audit.questions import (
-    LOGS,
-    NO_SUCCESS,
-    NOT_ASKED,
-    RECORDED,
-    deciding_measure,
-    on_best,
-    rank_success,
-)
+from harness.audit.questions import LOGS, NO_SUCCESS, NOT_ASKED, RECORDED, deciding_measure, on_best, rank_success
 from harness.audit.recorded.earned import Earned, earned_in_episodes, earned_in_parts
-from harness.audit.recorded.paid import Apart, Paid, compare_paid, episodes_in, paid_in, pairs_of
-from harness.audit.recorded.pair import Pair, pair_of
+from harness.audit.recorded.paid import Acted, acted_in
+from harness.audit.recorded.pair import pairs_in
 from harness.audit.recorded.pair_grid import SCALE
-from harness.audit.recorded.step_apart import MOST, StepApart, steps_apart
+from harness.audit.recorded.step_apart import MOST
 from harness.errors import UsageError
-from harness.eta.rescaling import Line, line_of
 from harness.log import Failed, Log, LogFacts, in_memory
 from harness.log.log import BEHAVIOUR, REWARD
 from harness.record.recording.recorded_training import read_recording
 from harness.registry.names import unknown_name
-from harness.results.recordings.episodes import Episodes, count_text
+from harness.results.recordings.episodes import count_text
 from harness.results.recordings.read_runs import env_of, read_all, without_short
 from harness.results.recordings.runs import LAST_SHARE, Run
 from harness.results.recordings.runs import RANDOM as ACTED_AT_RANDOM
 
 RANDOM = "random actions"
-
-
-@dataclass(frozen=True, eq=False)
-class Acted:
-    """What one training, one evaluation of a policy, or random actions left.
-
-    Attributes:
-        name: Where it lies, in words.
-        taught: The reward that taught; of a log that does not say it, what else tells it from others.
-        evaluation: Whether a finished policy acted.
-        manner: How it chose actions, ``deterministic``; may be empty.
-        steps: How many rows there are.
-        episodes: Those that ended.
-        log: Reads its rows.
-    """
-
-    name: str
-    taught: str
-    evaluation: bool
-    manner: str
-    steps: int
-    episodes: Episodes
-    log: Callable[[], Log]
 
 
 def audit_recordings(folder: Path, random: Path | None = None, only: Sequence[str] = ()) -> Audit:
@@ -156,19 +124,16 @@ def _read(folder: Path) -> tuple[list[Run], list[str]]:
 
 def _of_run(folder: Path, run: Run) -> Acted:
     name = run.path.relative_to(folder).as_posix() if run.path.is_relative_to(folder) else run.path.as_posix()
-    rewards = tuple(run.episodes.returns)
-    evaluation, manner = run.facts.evaluation, run.facts.acted
-    return Acted(
-        name, run.reward, evaluation, manner, run.steps, run.episodes, lambda: log_of_recording(run.path, rewards)
-    )
+    rewards, facts = tuple(run.episodes.returns), run.facts
+    read = partial(log_of_recording, run.path, rewards)
+    return Acted(name, run.steps, run.episodes, read, run.reward, facts.evaluation, facts.acted)
 
 
 def _of_log(path: Path, log: Log) -> Acted:
     place = log.facts.path
     name = place.relative_to(path).as_posix() if place.is_relative_to(path) and place != path else place.name
     name = f"{name}, {log.facts.run}" if log.facts.run else name
-    taught = log.facts.trained_with or name
-    return Acted(name, taught, log.facts.evaluation, "", len(log), episodes_in(log), lambda: log)
+    return acted_in(name, log, log.facts.trained_with or name, log.facts.evaluation)
 
 
 def _audit(
@@ -194,7 +159,12 @@ def _audit(
     measures = sorted(named, key=lambda name: name != success)  # all others stay in their order
     chance = [earned_in_episodes(RANDOM, [it.episodes for it in at_random], rewards, measures)] if at_random else []
     early, final = _earned(trainings, evaluations, rewards, measures)
-    pairs, told = _pairs(compared, rewards)
+    pairs, told = pairs_in(compared, rewards, most=MOST)
+    if not pairs:
+        told.append(
+            f"There is only one reward, {rewards[0]}, so none is compared with it. Record another one beside it, see "
+            "docs/your-environment.md"
+        )
     known = [name for name in rewards if all(name in it.episodes.returns for it in judged)] if success else []
     count, kind = len(compared), "training" if trainings else "evaluation"
     few = "" if count >= 3 else " No intervals below three of them."
@@ -239,36 +209,6 @@ def chosen_rewards(known: Iterable[str], only: Sequence[str], where: str) -> tup
                 "pay recorded steps"
             )
     return tuple(name for name in names if name in only) if only else names
-
-
-def _pairs(compared: Sequence[Acted], rewards: tuple[str, ...]) -> tuple[tuple[Pair, ...], list[str]]:
-    """Every pair; and a line for each reward that is not known in a recording."""
-    if len(rewards) < 2:
-        alone = f"There is only one reward, {', '.join(rewards) or 'none'}, so none is compared with it"
-        return (), [f"{alone}. Record another one beside it, see docs/your-environment.md"]
-    each: dict[tuple[str, str], list[Apart]] = {pair: [] for pair in pairs_of(rewards)}
-    lines: dict[tuple[str, str], list[Line | None]] = {pair: [] for pair in each}
-    largest: dict[tuple[str, str], list[StepApart]] = {pair: [] for pair in each}
-    notes: list[str] = []
-    for it in compared:
-        log = it.log()
-        paid = paid_in(log, it.episodes)
-        notes += _unknown(it.name, paid, rewards)
-        can_end = "terminated" in log and bool(log["terminated"].any())
-        for (one, other), found in each.items():
-            if {one, other} <= paid.returns.keys():
-                found.append(compare_paid(paid, one, other))
-            if {one, other} <= paid.steps.keys():
-                lines[one, other].append(line_of(paid.steps[one], paid.steps[other], can_end=can_end))
-                known = [*largest[one, other], *steps_apart(it.name, log, one, other)]
-                largest[one, other] = sorted(known, key=lambda step: -step.difference)[:MOST]
-    notes += [f"No recording knows both {one!r} and {other!r}" for (one, other), found in each.items() if not found]
-    return tuple(pair_of(*pair, each[pair], lines[pair], largest[pair]) for pair in each), notes
-
-
-def _unknown(name: str, paid: Paid, rewards: Iterable[str]) -> list[str]:
-    missing = [it for it in rewards if it not in paid.returns]
-    return [f"'{name}' does not count for reward {it!r}: {paid.unknown.get(it, 'not recorded')}" for it in missing]
 
 
 def _earned(

@@ -1,27 +1,26 @@
 """`harness.audit_rewards`: how far apart rewards are in any Gymnasium environment, potential shaping left out too."""
 
 import tempfile
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import gymnasium
 import numpy as np
 from gymnasium.wrappers import TimeLimit
 
 from harness.audit.audit import Audit
-from harness.audit.distance import FORMS, Form, Forms, compare_forms
+from harness.audit.distance import FORMS, Form
 from harness.audit.questions import ENVIRONMENT, NO_SUCCESS, NOT_ASKED, deciding_measure, on_best, rank_success
-from harness.audit.recorded.earned import Earned, earned_in_episodes
-from harness.audit.recorded.paid import Paid, compare_paid, episodes_in, paid_in, pairs_of
-from harness.audit.recorded.pair import Pair, pair_of
+from harness.audit.recorded.earned import earned_in_episodes
+from harness.audit.recorded.paid import Acted, acted_in
+from harness.audit.recorded.pair import pairs_in
 from harness.audit.recorded.pair_grid import SCALE
 from harness.audit.recorded.recordings import RANDOM, log_of_recording
 from harness.audit.transitions.asked import of_transitions
 from harness.audit.transitions.canonical_forms import draw_coverages, forms_of, one_by_one
 from harness.errors import UsageError
-from harness.eta.rescaling import line_of
+from harness.log.log import REWARD
 from harness.recorder.record_rewards import RecordRewards
 from harness.recorder.walk import KeepWalks, Walk
 from harness.results.recordings.episodes import Episodes, count_text
@@ -69,27 +68,24 @@ def audit_rewards(
     """
     policies = policies or {}
     _check(rewards, policies, gamma, episodes, steps, seed)
-    made = _make(env)
+    made, drawn = _make(env), [np.random.default_rng([seed, number]) for number in range(MEASUREMENTS)]
     try:
-        taken = [
-            _take(made, rewards, behaviour or {}, policies, episodes, steps, np.random.default_rng([seed, number]))
-            for number in range(MEASUREMENTS)
-        ]
+        taken = [_take(made, rewards, behaviour or {}, policies, episodes, steps, rng) for rng in drawn]
     finally:
         if made is not env:
             made.close()
-    names = tuple(name for name in taken[0].rewards if compared is None or name in compared)
-    return _audit_of(made, taken, names, gamma, episodes)
-
-
-def _audit_of(env: Env, taken: "Sequence[_Taken]", names: tuple[str, ...], gamma: float, episodes: int) -> Audit:
-    name = env.spec.id if env.spec is not None else type(env.unwrapped).__name__
-    found = [_forms(it, names, gamma) for it in taken]
-    acting = tuple(taken[0].episodes)
-    by_policy = {policy: [it.episodes[policy] for it in taken] for policy in acting}
-    earned = tuple(_earned(policy, each, names) for policy, each in by_policy.items())
-    everything = [it for each in by_policy.values() for it in each]
-    success, steps = deciding_measure(everything), sum(len(walk.actions) for it in taken for walk in it.walks)
+    given = {**rewards, _own(rewards): OWN}
+    names = tuple(name for name in given if compared is None or name in compared)
+    forms = [_forms(it, {name: given[name] for name in names}, gamma) for it in taken]
+    pairs, _ = pairs_in([it.acted for it in taken], names, forms)
+    acting = (RANDOM, *policies)
+    by_policy = {policy: [it.of(number, episodes) for it in taken] for number, policy in enumerate(acting)}
+    earned = tuple(
+        earned_in_episodes(policy, each, names, tuple(behaviour or {})) for policy, each in by_policy.items()
+    )
+    everything = [it.acted.episodes for it in taken]
+    success, count = deciding_measure(everything), sum(it.acted.steps for it in taken)
+    name = made.spec.id if made.spec is not None else type(made.unwrapped).__name__
     return Audit(
         title=f"{name}: rewards {', '.join(names)}; discount {gamma:g}",
         setting=(),
@@ -99,17 +95,17 @@ def _audit_of(env: Env, taken: "Sequence[_Taken]", names: tuple[str, ...], gamma
             "gamma": gamma,
             "measurements": MEASUREMENTS,
             "episodes": episodes,
-            "steps": steps,
+            "steps": count,
         },
         rewards=names,
-        pairs=tuple(_pair(pair, taken, found) for pair in pairs_of(names)),
+        pairs=pairs,
         earned=earned,
         success=success,
         rankings={reward: rank_success(everything, reward, success) for reward in names} if success else {},
         verdict=tuple(on_best(earned, names, success)),
         measured=(
             f"{SCALE} Measured {MEASUREMENTS} times in the transitions of {', '.join(acting)}, each time with "
-            f"{count_text(episodes, 'new episode')} of each and new samples, {steps:,} steps in all. The 95% intervals "
+            f"{count_text(episodes, 'new episode')} of each and new samples, {count:,} steps in all. The 95% intervals "
             "are over these measurements. They say how much another measurement with the same policies would differ. "
             "Other policies meet other transitions, where the distances are others.",
         ),
@@ -155,23 +151,19 @@ def _make(env: Env | str | Callable[[], Env]) -> Env:
     return made
 
 
-@dataclass(frozen=True, eq=False)
-class _Taken:
-    """The steps of one measurement.
+class _Taken(NamedTuple):
+    """One measurement: its steps, those of all policies one after the other, and where samples are drawn from."""
 
-    Attributes:
-        rewards: By name, as given, ``own`` among them.
-        walks: Of all policies, one after the other.
-        paid: For their steps.
-        episodes: By policy.
-        rng: Where samples are drawn from.
-    """
-
-    rewards: Mapping[str, Given]
+    acted: Acted
     walks: list[Walk]
-    paid: Paid
-    episodes: Mapping[str, Episodes]
     rng: np.random.Generator
+
+    def of(self, number: int, episodes: int) -> Episodes:
+        """The episodes of one policy."""
+        last, returns, behaviour, _ = vars(self.acted.episodes).values()
+        own = slice(number * episodes, (number + 1) * episodes)
+        parts = ({name: values[own] for name, values in of.items()} for of in (returns, behaviour))
+        return Episodes(last[own], *parts, {})
 
 
 def _take(
@@ -186,75 +178,34 @@ def _take(
     """Every policy meets the same episodes."""
     seeds = [int(number) for number in rng.integers(2**31, size=episodes)]
     env.action_space.seed(seeds[0])
-    acting = {RANDOM: lambda observation: env.action_space.sample(), **policies}
-    walks: list[Walk] = []
-    paid: list[Paid] = []
-    found: dict[str, Episodes] = {}
+    keeper, own = KeepWalks(TimeLimit(env, steps)), _own(rewards)
     with tempfile.TemporaryDirectory(prefix="harness-audit-") as folder:
-        for number, (name, policy) in enumerate(acting.items()):
-            path = Path(folder) / str(number)
-            walks += _record(env, rewards, behaviour, policy, path, seeds, steps)
-            log = log_of_recording(path)
-            found[name] = episodes_in(log)
-            paid.append(paid_in(log, found[name]))
-    own = _own(rewards)
-    return _Taken(rewards if own in rewards else {**rewards, own: OWN}, walks, sum(paid[1:], paid[0]), found, rng)
+        path = Path(folder) / "steps"
+        recorder = RecordRewards(
+            keeper, path, trained_with=own, rewards=rewards, behaviour=behaviour, evaluation=True, seed=0,
+            on_error="raise",
+        )  # fmt: skip
+        try:
+            for policy in (lambda observation: env.action_space.sample(), *policies.values()):
+                for seed in seeds:
+                    observation, _ = recorder.reset(seed=seed)
+                    ended = False
+                    while not ended:
+                        observation, _, terminated, truncated, _ = recorder.step(policy(observation))
+                        ended = terminated or truncated
+        finally:
+            recorder.finish()
+        return _Taken(acted_in("", log_of_recording(path)), keeper.walks, rng)
 
 
-def _record(
-    env: Env,
-    rewards: Mapping[str, Given],
-    behaviour: Mapping[str, Given],
-    policy: Policy,
-    path: Path,
-    seeds: Iterable[int],
-    steps: int,
-) -> list[Walk]:
-    keeper = KeepWalks(TimeLimit(env, steps))
-    recorder = RecordRewards(
-        keeper,
-        path,
-        trained_with=_own(rewards),
-        rewards=rewards,
-        behaviour=behaviour,
-        evaluation=True,
-        seed=0,
-        on_error="raise",
-    )
-    try:
-        for seed in seeds:
-            observation, _ = recorder.reset(seed=seed)
-            ended = False
-            while not ended:
-                observation, _, terminated, truncated, _ = recorder.step(policy(observation))
-                ended = terminated or truncated
-    finally:
-        recorder.finish()
-    return keeper.walks
-
-
-def _forms(taken: _Taken, names: Sequence[str], gamma: float) -> dict[str, Forms]:
+def _forms(taken: _Taken, rewards: Mapping[str, Given], gamma: float) -> dict[str, Mapping[str, Form]]:
     """Each reward in every canonical form, or why it has none."""
-    pays, reasons = of_transitions({name: taken.rewards[name] for name in names}, taken.walks, taken.paid.steps)
+    log = taken.acted.log()
+    pays, reasons = of_transitions(rewards, taken.walks, {name: log[f"{REWARD}{name}"] for name in rewards})
     coverages = draw_coverages(taken.walks, taken.rng)
     return {
         name: forms_of(one_by_one(pays[name]), gamma, coverages)
         if name in pays
-        else dict.fromkeys(FORMS, Form(None, reasons[name]))
-        for name in names
+        else dict.fromkeys(FORMS, reasons[name])
+        for name in rewards
     }
-
-
-def _pair(pair: tuple[str, str], taken: Sequence[_Taken], found: Sequence[Mapping[str, Forms]]) -> Pair:
-    one, other = pair
-    return pair_of(
-        one,
-        other,
-        [compare_paid(it.paid, one, other) for it in taken],
-        [line_of(it.paid.steps[one], it.paid.steps[other]) for it in taken],
-        forms=[compare_forms(one, it[one], other, it[other]) for it in found],
-    )
-
-
-def _earned(policy: str, each: Sequence[Episodes], names: Sequence[str]) -> Earned:
-    return earned_in_episodes(policy, each, names, tuple(each[0].behaviour))

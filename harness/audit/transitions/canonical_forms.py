@@ -94,15 +94,15 @@ def forms_of(ask: Ask, gamma: float, coverages: Sequence[Coverage]) -> dict[str,
 
 def _form(ask: Ask, form: str, gamma: float, coverages: Sequence[Coverage]) -> Form:
     if form == STARC and gamma == 1.0:
-        return Form(None, "it takes the value of a state away, which needs a discount below 1")
+        return "it takes the value of a state away, which needs a discount below 1"
     try:
         with np.errstate(all="ignore"):  # what is not finite is refused
             values = np.concatenate([_FORM[form](ask, gamma, coverage) for coverage in coverages])
             largest = max(float(np.abs(paid_by(ask, coverage)).max()) for coverage in coverages)
     except NoTransitionReward as error:
-        return Form(None, str(error))
+        return str(error)
     # EPIC and DARD compare by correlation; STARC's standard form has length 1, and keeps its mean.
-    return Form((unit if form == STARC else centred_unit)(values, largest))
+    return (unit if form == STARC else centred_unit)(values, largest)
 
 
 def paid_by(ask: Ask, coverage: Coverage) -> Float:
