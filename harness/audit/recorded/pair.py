@@ -1,5 +1,6 @@
 """Two rewards over several sets of recorded steps: the means of their distances."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -10,8 +11,6 @@ from harness.audit.recorded.step_apart import StepApart, steps_apart
 from harness.eta.interval import SHARE
 from harness.eta.rescaling import Line, Rescaling, line_of, rescaling_of
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
-
-NOT_RECORDED = "not recorded"
 
 
 @dataclass(frozen=True)
@@ -78,10 +77,8 @@ def pair_of(
         largest: See `Pair`.
         forms: How far apart they are by canonical form, by measurement.
     """
-    means = {
-        form: mean_within([None if isinstance(it[form], str) else it[form] for it in forms])
-        for form in (forms[0] if forms else ())
-    }
+    known = {form: [it[form] for it in forms] for form in (forms[0] if forms else ())}
+    means = {form: mean_within([it if isinstance(it, float) else None for it in of]) for form, of in known.items()}
     told = [(form, why) for it in reversed(forms) for form, why in it.items() if isinstance(why, str)]
     return Pair(
         one,
@@ -115,16 +112,14 @@ def pairs_in(
     each: dict[tuple[str, str], list[Apart]] = {pair: [] for pair in pairs_of(rewards)}
     lines: dict[tuple[str, str], list[Line | None]] = {pair: [] for pair in each}
     largest: dict[tuple[str, str], list[StepApart]] = {pair: [] for pair in each}
-    notes: list[str] = []
+    notes, lacking = list[str](), Counter[str]()
     for it in compared if each else ():
         log = it.log()
         paid = paid_in(log, it.episodes)
         can_end = "terminated" in log and bool(log["terminated"].any())
-        unknown = [name for name in rewards if name not in paid.returns]
-        notes += [
-            f"'{it.name}' does not count for reward {name!r}: {paid.unknown.get(name, NOT_RECORDED)}"
-            for name in unknown
-        ]
+        unknown = {name: why for name, why in paid.unknown.items() if name in rewards}
+        notes += [f"'{it.name}' does not count for reward {name!r}: {why}" for name, why in unknown.items()]
+        lacking.update(name for name in rewards if name not in paid.returns and name not in unknown)
         for (one, other), found in each.items():
             if {one, other} <= paid.returns.keys():
                 found.append(compare_paid(paid, one, other))
@@ -132,6 +127,7 @@ def pairs_in(
                 lines[one, other].append(line_of(paid.steps[one], paid.steps[other], can_end=can_end))
                 known = [*largest[one, other], *(steps_apart(it.name, log, one, other) if most else ())]
                 largest[one, other] = sorted(known, key=lambda step: -step.difference)[:most]
+    notes += [f"{count:,} of {len(compared):,} did not record reward {name!r}" for name, count in lacking.items()]
     notes += [f"No recording knows both {one!r} and {other!r}" for (one, other), found in each.items() if not found]
     pairs = [
         pair_of(

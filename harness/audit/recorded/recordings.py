@@ -1,6 +1,7 @@
 """The rewards of recorded trainings, and of logs that other programs wrote, beside one another. Trains nothing."""
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -13,7 +14,8 @@ from harness.audit.recorded.pair_grid import SCALE
 from harness.audit.recorded.step_apart import MOST
 from harness.errors import UsageError
 from harness.log import Failed, Log, LogFacts, in_memory
-from harness.log.log import BEHAVIOUR, REWARD
+from harness.log.log import BEHAVIOUR, REWARD, Columns
+from harness.log.log import RECORDED as PAID
 from harness.record.recording.recorded_training import read_recording
 from harness.registry.names import unknown_name
 from harness.results.recordings.episodes import count_text
@@ -22,6 +24,11 @@ from harness.results.recordings.runs import LAST_SHARE, Run
 from harness.results.recordings.runs import RANDOM as ACTED_AT_RANDOM
 
 RANDOM = "random actions"
+UNITS = {
+    "episode": "A row is an episode, so rewards are compared by episodes alone",
+    "point": "A row is a point of a curve, the mean of some episodes, and is taken for an episode",
+}
+"""What is told of logs whose rows are no steps."""
 
 
 def audit_recordings(folder: Path, random: Path | None = None, only: Sequence[str] = ()) -> Audit:
@@ -66,26 +73,25 @@ def audit_logs(
 
     Args:
         path: Where they lie.
-        logs: At least one.
+        logs: Those that were read.
         left_out: What could not be read, and why.
         only: The rewards that are told of; all of them if empty.
 
     Raises:
-        UsageError: There is nothing to compare.
+        UsageError: There is none, or none has a row.
     """
-    units = sorted({log.facts.unit for log in logs})
-    told = {
-        "step": "",
-        "episode": "A row is an episode, so rewards are compared by episodes alone",
-        "point": "A row is a point of a curve, the mean of some episodes, and is taken for an episode",
-    }
-    notes = [told[unit] for unit in units if told[unit]]
+    left = [f"'{place}' is left out: {why}" for place, why in left_out]
+    if not logs:
+        raise UsageError(". ".join([f"'{path}' holds no log that is read: harness list logs tells which are", *left]))
+    notes = [line for unit, line in UNITS.items() if any(log.facts.unit == unit for log in logs)]
     notes += dict.fromkeys(line for log in logs for line in (*log.facts.notes, log.facts.thinned) if line)
-    notes += [f"'{place}' is left out: {why}" for place, why in left_out]
     names = dict.fromkeys(log.facts.env for log in logs if log.facts.env)
-    noun = " and ".join(sorted({log.facts.format for log in logs}))
-    acted = [_of_log(path, log) for log in logs]
-    return _audit(f"'{path}'", ", ".join(names) or str(path), noun, acted, [], only, notes, (), NOT_ASKED[LOGS])
+    told = [log.facts.trained_with or _place(path, log) for log in logs]
+    acted = [_of_log(path, log, taught, len({*told}) > 1) for log, taught in zip(logs, told, strict=True)]
+    audit = _audit(
+        f"'{path}'", ", ".join(names) or str(path), "logged", acted, [], only, (*notes, *left), (), NOT_ASKED[LOGS]
+    )
+    return replace(audit, setting=(", ".join(sorted({log.facts.format for log in logs})),))
 
 
 def log_of_recording(path: Path, weighed: Iterable[str] = ()) -> Log:
@@ -129,11 +135,31 @@ def _of_run(folder: Path, run: Run) -> Acted:
     return Acted(name, run.steps, run.episodes, read, run.reward, facts.evaluation, facts.acted)
 
 
-def _of_log(path: Path, log: Log) -> Acted:
+def _place(path: Path, log: Log) -> str:
+    """What tells the trainings of a log from others: its folder below `path`, or its own name in that."""
     place = log.facts.path
+    inside = place.relative_to(path) if place.is_relative_to(path) else place
+    return inside.parent.as_posix() if len(inside.parts) > 1 else place.name
+
+
+def _of_log(path: Path, log: Log, taught: str, several: bool) -> Acted:
+    """One log. Where there are several rewards, its own pay is that of the one that taught."""
+    place, own = log.facts.path, f"{REWARD}{PAID}"
     name = place.relative_to(path).as_posix() if place.is_relative_to(path) and place != path else place.name
+    if several and own in log:
+        log = _renamed(log, own, f"{REWARD}{taught}")
     name = f"{name}, {log.facts.run}" if log.facts.run else name
-    return acted_in(name, log, log.facts.trained_with or name, log.facts.evaluation)
+    return acted_in(name, log, taught, log.facts.evaluation)
+
+
+def _renamed(log: Log, old: str, new: str) -> Log:
+    """The same log with another name for one of its columns."""
+
+    def read(names: tuple[str, ...]) -> Iterable[Columns]:
+        asked = {name: old if name == new else name for name in names}
+        return ({name: table[of] for name, of in asked.items()} for table in log.read(tuple(asked.values())))
+
+    return replace(log, columns=tuple(new if name == old else name for name in log.columns), read=read)
 
 
 def _audit(

@@ -50,19 +50,20 @@ def steps_apart(folder: str, log: Log, one: str, other: str) -> list[StepApart]:
 
     None where a reward pays all steps the same.
     """
-    rows = np.flatnonzero(steps_of(log))
+    rows, episodes = np.flatnonzero(steps_of(log)), episode_numbers(log)
     values = np.stack([log[f"{REWARD}{one}"][rows], log[f"{REWARD}{other}"][rows]])
     spread = values.std(axis=1, keepdims=True)
     if not (spread > 1e-9 * np.abs(values).max(axis=1, keepdims=True)).all():
         return []
     deviations = (values - values.mean(axis=1, keepdims=True)) / spread
     difference = np.abs(deviations[0] - deviations[1])
-    falling = np.argsort(-difference, kind="stable")
-    _, first = np.unique(episode_numbers(log)[rows[falling]], return_index=True)
-    largest = falling[np.sort(first)[:MOST]]
-    found = []
-    for row in largest[difference[largest] >= LEAST]:
-        env, episode, step = (int(log[name][rows[row]]) if name in log else 0 for name in ("env", "episode", "step"))
-        (first_paid, other_paid), (first_from, other_from) = values[:, row].tolist(), deviations[:, row].tolist()
-        found.append(StepApart(folder, env, episode, step, (first_paid, other_paid), (first_from, other_from)))
-    return found
+    found: dict[int, StepApart] = {}  # by episode
+    for place in np.argsort(-difference, kind="stable").tolist():
+        if len(found) == MOST or difference[place] < LEAST:
+            break
+        row = rows[place]
+        env, episode, step = (int(log[name][row]) if name in log else 0 for name in ("env", "episode", "step"))
+        (first, second), (first_from, second_from) = values[:, place].tolist(), deviations[:, place].tolist()
+        apart = StepApart(folder, env, episode, step, (first, second), (first_from, second_from))
+        found.setdefault(int(episodes[row]), apart)
+    return list(found.values())

@@ -160,10 +160,11 @@ class _Taken(NamedTuple):
 
     def of(self, number: int, episodes: int) -> Episodes:
         """The episodes of one policy."""
-        last, returns, behaviour, _ = vars(self.acted.episodes).values()
-        own = slice(number * episodes, (number + 1) * episodes)
-        parts = ({name: values[own] for name, values in of.items()} for of in (returns, behaviour))
-        return Episodes(last[own], *parts, {})
+        all_of, own = self.acted.episodes, slice(number * episodes, (number + 1) * episodes)
+        returns, behaviour = (
+            {name: values[own] for name, values in of.items()} for of in (all_of.returns, all_of.behaviour)
+        )
+        return Episodes(all_of.last[own], returns, behaviour, {})
 
 
 def _take(

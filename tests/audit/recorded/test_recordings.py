@@ -1,15 +1,17 @@
 """A folder of recordings: distances, what behaviour earned, and what is left out."""
 
 from io import StringIO
+from pathlib import Path
 
 import numpy as np
 import pytest
 from rich.console import Console
 
 from harness.audit.audit import audit_table
-from harness.audit.recorded.recordings import audit_recordings
+from harness.audit.recorded.recordings import audit_logs, audit_recordings
 from harness.errors import UsageError
 from harness.eta.rescaling import Rescaling
+from harness.log import LogFacts, in_memory
 from tests.results.recordings.conftest import PULLS, record
 
 
@@ -207,3 +209,33 @@ def test_rewards_can_be_chosen(folder):
     assert audit_recordings(folder / "runs", only=["square"]).rewards == ("square",)
     with pytest.raises(UsageError, match=r"No reward 'squar'\. There is: plain, square"):
         audit_recordings(folder / "runs", only=["squar"])
+
+
+def monitored(path, place, pays):
+    """A log of episodes."""
+    facts = LogFacts(path=path / place, format="made", unit="episode")
+    return in_memory(facts, {"reward/recorded": np.asarray(pays, float)})
+
+
+def test_own_pay_of_logs_in_several_folders_is_of_several_rewards(tmp_path):
+    """It cannot be compared, so each stands in a column of its own, and no pair has a number."""
+    logs = [monitored(tmp_path, place, np.arange(10.0)) for place in ("a/0.csv", "a/1.csv", "b/0.csv")]
+    found = audit_logs(tmp_path, logs, [])
+    assert found.rewards == ("a", "b")
+    late = {row.behaviour: row.returns for row in found.earned}["trained with a, last fifth"]
+    assert (late["a"].mean, late["a"].seeds, late["b"].mean) == (8.5, 2, None)
+    assert found.pairs[0].returns.mean is None
+    assert "No recording knows both 'a' and 'b'" in found.notes
+
+
+def test_logs_of_one_folder_share_their_reward(tmp_path):
+    """It is called recorded, as nobody says what it is."""
+    found = audit_logs(tmp_path / "a", [monitored(tmp_path / "a", "0.csv", [1.0, 2.0])], [(Path("x"), "it is damaged")])
+    assert (found.rewards, found.pairs) == (("recorded",), ())
+    assert "'x' is left out: it is damaged" in found.notes
+
+
+def test_folder_without_a_log_is_refused(tmp_path):
+    """With what was left out."""
+    with pytest.raises(UsageError, match=r"holds no log that is read: .* 'x' is left out: it is damaged"):
+        audit_logs(tmp_path, [], [(Path("x"), "it is damaged")])
