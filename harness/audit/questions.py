@@ -215,19 +215,21 @@ def on_best(rows: Sequence[Earned], rewards: Sequence[str], measure: str) -> lis
         rewards: Names.
         measure: Of success.
     """
-    known = [(mean, row) for row in rows if measure and (mean := row.measures[measure].mean) is not None]
+    known = [row for row in rows if measure and row.measures[measure].mean is not None]
     if len(known) < 2:
         return []
-    best, good = max(known, key=lambda it: it[0])
-    lines = []
+    good = max(known, key=lambda row: row.measures[measure].mean or 0.0)
+    best, lines = good.measures[measure], []
     for name in rewards:
-        paid = best_paid([row for _, row in known], name)
-        success = next((mean for mean, row in known if row is paid), best)
-        if paid is not None and success == best:
-            lines.append(f"{name} pays most for what succeeds most: {paid.behaviour} ({measure} {success:.3g}).")
-        elif paid is not None:
-            lines.append(
-                f"{name} pays most for: {paid.behaviour} ({measure} {success:.3g}). What succeeds most is another "
-                f"behaviour: {good.behaviour} ({best:.3g})."
-            )
+        paid = best_paid(known, name)
+        if paid is None:
+            continue
+        success = paid.measures[measure]
+        told = f"{paid.behaviour} ({measure} {success.mean:.3g})"
+        if success.mean == best.mean:
+            lines.append(f"{name} pays most for what succeeds most: {told}.")
+            continue
+        apart = success.high is not None and best.low is not None and success.high < best.low
+        other = f"{good.behaviour} ({best.mean:.3g}){'' if apart else ', which may be chance'}"
+        lines.append(f"{name} pays most for: {told}. What succeeds most is another behaviour: {other}.")
     return lines

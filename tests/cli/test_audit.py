@@ -331,3 +331,16 @@ def test_logs_of_another_program_are_audited(harness, tmp_path):
     assert data["ranks_success"]["recorded"]["value"] == 1.0
     assert data["earned"][-1]["measures"]["success"]["mean"] == 1.0
     assert "A row is an episode, so rewards are compared by episodes alone" in data["notes"]
+
+
+def test_reward_that_is_gone_is_left_out_of_an_experiment(harness, quick, gentle):
+    """Its policies are shown, and what other rewards pay them; with its file it pays too."""
+    assert harness("run", *quick, "--seeds", 1, "--reward", "gentle", "--out", "own", *gentle[:2]).status == 0
+    answer = harness("audit", "own", "--json")
+    data = json.loads(answer.out)
+    assert (answer.status, data["notes"][0][:31]) == (0, "What gentle pays is not known: ")
+    trained = next(row for row in data["earned"] if row["behaviour"] == "trained with gentle, evaluations")
+    assert trained["returns"]["gentle"]["mean"] is None
+    assert trained["returns"]["baseline"]["mean"] is not None
+    again = json.loads(harness("audit", "own", "--json", *gentle[:2]).out)
+    assert again["pairs"][0]["rewards"] == ["baseline", "gentle"]

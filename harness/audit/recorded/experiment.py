@@ -7,14 +7,14 @@ import numpy as np
 from harness.audit.audit import Audit
 from harness.audit.questions import NO_FORMS, NOT_RANKED, on_best
 from harness.audit.recorded.earned import Earned, earned_in_episodes, earned_in_parts
-from harness.audit.recorded.paid import Acted, episodes_in
+from harness.audit.recorded.paid import Acted, acted_in
 from harness.audit.recorded.pair import pairs_in
 from harness.audit.recorded.pair_grid import SCALE
 from harness.audit.recorded.recordings import RANDOM, chosen_rewards, title_of
 from harness.audit.recorded.step_apart import MOST
 from harness.errors import Unscored, UsageError
 from harness.eta.headline import SUCCESS
-from harness.log import Log, LogFacts, in_memory
+from harness.log import LogFacts, in_memory
 from harness.log.log import REWARD
 from harness.record.cell import Cell
 from harness.record.folder import TRACE
@@ -48,7 +48,7 @@ def audit_experiment(results: Results, only: Sequence[str] = ()) -> Audit:
     measures = sorted(results.measures, key=lambda name: name != SUCCESS)  # all others stay in their order
     groups = [[it for it in cells if not results.is_control(it)] for cells in results.groups.values()]
     earned = [row for cells in groups for row in _earned(results, cells, payers, rewards, measures)]
-    pairs, told = pairs_in([_paid(results, cell, payers) for cell in results.done_cells], tuple(payers), most=MOST)
+    pairs, told = pairs_in((_paid(results, cell, payers) for cell in results.done_cells), tuple(payers), most=MOST)
     count = len(results.done_cells)
     return Audit(
         title=title_of(f"'{results.folder}'", count_text(count, "training"), rewards),
@@ -76,6 +76,9 @@ def _payers(results: Results, labels: Mapping[str, Choice]) -> tuple[dict[str, I
             installed = results.installed(choice)
             if label in trained:
                 installed.require_unchanged(results.of(trained[label]).pays_recorded(installed))
+            for cell in results.done_cells:
+                results.of(cell).paid_by(installed)  # it is kept
+                results.of(cell).finish()
             payers[label] = installed
         except Unscored as error:
             notes.append(f"What {label} pays is not known: {error}")
@@ -117,14 +120,9 @@ def _part(results: Results, cell: Cell, payers: Mapping[str, InstalledReward]) -
 
 def _paid(results: Results, cell: Cell, payers: Mapping[str, InstalledReward]) -> Acted:
     """The training of a cell, paid by rewards."""
-    folder, of = results.store.cell_folder(cell), results.of(cell)
-
-    def read() -> Log:
-        trace = read_trace(folder / TRACE, KEYS)
-        paid = {f"{REWARD}{label}": of.paid_by(payer) for label, payer in payers.items()}
-        of.finish()
-        columns = {**{name: trace[name] for name in KEYS}, "start": trace["step"] == 0, **paid}
-        return in_memory(LogFacts(path=folder, format="trace"), columns)
-
-    log = read()
-    return Acted(f"cells/{cell.id}", len(log), episodes_in(log), read)
+    path, of = results.store.cell_folder(cell) / TRACE, results.of(cell)
+    trace = read_trace(path, KEYS)
+    paid = {f"{REWARD}{label}": of.paid_by(payer) for label, payer in payers.items()}
+    of.finish()
+    columns = {**{name: trace[name] for name in KEYS}, "start": trace["step"] == 0, **paid}
+    return acted_in(f"cells/{cell.id}", in_memory(LogFacts(path=path, format="trace"), columns))

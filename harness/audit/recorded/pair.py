@@ -1,7 +1,7 @@
 """Two rewards over several sets of recorded steps: the means of their distances."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -96,7 +96,7 @@ def pair_of(
 
 
 def pairs_in(
-    compared: Sequence[Acted],
+    compared: Iterable[Acted],
     rewards: tuple[str, ...],
     forms: Sequence[Mapping[str, Mapping[str, Form]]] = (),
     most: int = 0,
@@ -113,7 +113,9 @@ def pairs_in(
     lines: dict[tuple[str, str], list[Line | None]] = {pair: [] for pair in each}
     largest: dict[tuple[str, str], list[StepApart]] = {pair: [] for pair in each}
     notes, lacking = list[str](), Counter[str]()
+    count = 0
     for it in compared if each else ():
+        count += 1
         log = it.log()
         paid = paid_in(log, it.episodes)
         can_end = "terminated" in log and bool(log["terminated"].any())
@@ -127,7 +129,7 @@ def pairs_in(
                 lines[one, other].append(line_of(paid.steps[one], paid.steps[other], can_end=can_end))
                 known = [*largest[one, other], *(steps_apart(it.name, log, one, other) if most else ())]
                 largest[one, other] = sorted(known, key=lambda step: -step.difference)[:most]
-    notes += [f"{count:,} of {len(compared):,} did not record reward {name!r}" for name, count in lacking.items()]
+    notes += [f"{number:,} of {count:,} did not record reward {name!r}" for name, number in lacking.items()]
     notes += [f"No recording knows both {one!r} and {other!r}" for (one, other), found in each.items() if not found]
     pairs = [
         pair_of(
