@@ -27,7 +27,7 @@ GOES_WITH: Mapping[str, tuple[str, ...]] = {
     "--against": (TASK, ENVIRONMENT),
     "--episodes": (TASK, ENVIRONMENT),
     "--gamma": (TASK, ENVIRONMENT),
-    "--random": (RECORDINGS,),
+    "--random": (RECORDINGS, EXPERIMENT),
     "--as": (LOGS,),
 }
 """What a flag goes with; --reward, --plugin and --json go with all, and the flags of data sets with them alone."""
@@ -207,6 +207,8 @@ def _of_folder(
             from harness.audit.recorded.experiment import audit_experiment
             from harness.cli.audits import audits_of
 
+            if random is not None:
+                raise UsageError(f"--random does not go with '{folder}', whose own cells acted at random: leave it out")
             audit = audit_experiment(results, only)
             scripted = dict.fromkeys(
                 f"{label}: {' '.join(payoffs.verdict)}"
