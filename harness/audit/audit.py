@@ -1,80 +1,80 @@
-"""Everything that is asked about a reward, answered."""
+"""The one result of an audit, and its one table: of scripted movements, an environment, recorded trainings, a log."""
 
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import asdict, dataclass, field
+from io import StringIO
 from typing import Any
 
-from harness.audit.canonical import Coverage, anywhere, nearby
-from harness.audit.distance import Distance, reward_distance
-from harness.audit.payoff import Payoff, Temptation, holding_pays, never_paid, payoff_of, temptations
-from harness.audit.probe import needed_beside_distances
-from harness.audit.properties import Property, properties_of
-from harness.audit.rollout import Rollout
-from harness.audit.score import Score, score_rollout
-from harness.audit.transitions.form_distances import DARD, EPIC, STARC
-from harness.audit.transitions.rollout_distances import transition_distances
-from harness.audit.workspace import workspace_ratios
-from harness.eta.rescaling import Line, Rescaling, line_of, rescaling_of
-from harness.reward import Reward
+from rich import box
+from rich.console import Console, Group, RenderableType
+from rich.table import Table
+from rich.text import Text
 
-TRIED = 64
-"""So many episodes of each script are enough to try properties on."""
+from harness.audit.dataset.dataset_audit import auc_text
+from harness.audit.distance import DARD, EPIC, STARC
+from harness.audit.number import number
+from harness.audit.probe import why_not_asked
+from harness.audit.properties import FACTOR, Property
+from harness.audit.questions import Finishing, Payoff
+from harness.audit.recorded.earned import Earned
+from harness.audit.recorded.pair import Pair
+from harness.audit.recorded.pair_grid import (
+    MADE_UP,
+    TRANSITIONS,
+    add_answer,
+    answer_grid,
+    earned_grid,
+    pair_grid,
+    pair_lines,
+)
+from harness.eta.auc import Auc
+
+WIDTH = 100
+COLUMN = (
+    "Compare down a column: each reward has a scale of its own. Means whose intervals overlap may differ by chance. "
+    "The interval of random actions is over episodes, that of trainings over trainings."
+)
+RANKING = "The chance that an episode with {} is paid more than one without; 0.5: no better than a coin."
+EVENTS = "Event terms are the task's, and stay as they are."
+KEYS = {EPIC: "distance", DARD: "reachable_distance", STARC: "starc_distance"}
+"""What JSON calls the distances of rewards on scripted movements."""
 
 
 @dataclass(frozen=True)
-class Audit:
-    """What a reward pays for.
+class OfScripts:
+    """What only scripted movements of an arm can answer of a reward.
 
     Attributes:
-        gamma: Discount of the discounted figures.
-        payoffs: One of each scripted policy, the best return first.
-        undiscounted: What pays more than finishing, without discount.
-        discounted: The same with it.
-        holding_pays: Whether standing still at the start does.
-        steps: How many steps the policies took in all.
-        never_paid: The terms that paid nothing in any of them.
+        finishing: What it pays for.
         properties: Bounded, scale-free, potential-based.
         workspace: Of each policy, by what its shaped return grows when all distances double.
-        distance: To the reward it was compared with: EPIC.
-        reachable_distance: The same, in steps that the arm can do: DARD.
-        starc_distance: STARC, where one of the two reads more than distances; else None.
         needed: The fields beside distances that the reward needs.
         recorded_because: The same of either reward: because of them the distances rest on recorded transitions.
-        rescaling: What the reward is, if it is the one that it was compared with but for scale and offset; else None.
+        compared: How many recorded steps the distances rest on.
     """
 
-    gamma: float
-    payoffs: tuple[Payoff, ...]
-    undiscounted: tuple[Temptation, ...]
-    discounted: tuple[Temptation, ...]
-    holding_pays: bool
-    steps: int
-    never_paid: tuple[str, ...]
+    finishing: Finishing
     properties: tuple[Property, ...]
-    workspace: dict[str, float | None]
-    distance: Distance
-    reachable_distance: Distance
-    starc_distance: Distance | None
+    workspace: Mapping[str, float | None]
     needed: tuple[str, ...]
     recorded_because: tuple[str, ...]
-    rescaling: Rescaling | None
+    compared: int
 
-    def to_json(self) -> dict[str, Any]:
-        """Plain data, finite numbers only. What a reward of distances without terms has not is left out."""
+    def to_json(self, pair: Pair) -> dict[str, Any]:
+        """Plain data. What a reward of distances without terms has not is left out."""
+        of = self.finishing
         more = {
-            "never_paid": list(self.never_paid) if self.payoffs[0].terms else None,
-            "starc_distance": self.starc_distance and self.starc_distance.to_json(),
+            "never_paid": list(of.never_paid) if of.payoffs[0].terms else None,
             "recorded_transitions_because_of": list(self.recorded_because) or None,
         }
         return {
-            "gamma": self.gamma,
-            "policies": [payoff.to_json() for payoff in self.payoffs],
-            "best": self.payoffs[0].policy,
+            "gamma": of.gamma,
+            "policies": [payoff.to_json() for payoff in of.payoffs],
+            "best": of.payoffs[0].policy,
             "not_finishing_pays": [
-                {**asdict(temptation), "margin": temptation.margin}
-                for temptation in (*self.undiscounted, *self.discounted)
+                {**asdict(temptation), "margin": temptation.margin} for temptation in (*of.undiscounted, *of.discounted)
             ],
-            "holding_pays": self.holding_pays,
+            "holding_pays": of.holding_pays,
             "properties": {
                 answer.name.replace("-", "_"): {
                     "holds": answer.holds,
@@ -83,72 +83,168 @@ class Audit:
                 }
                 for answer in self.properties
             },
-            "workspace_twice_as_large": self.workspace,
-            "distance": self.distance.to_json(),
-            "reachable_distance": self.reachable_distance.to_json(),
-            "rescaled": self.rescaling and self.rescaling.to_json(),
+            "workspace_twice_as_large": dict(self.workspace),
+            **{KEYS[form]: self._distance(pair, form) for form in pair.forms},
+            "rescaled": pair.rescaling and pair.rescaling.to_json(),
             **{name: value for name, value in more.items() if value is not None},
         }
 
+    def _distance(self, pair: Pair, form: str) -> dict[str, Any]:
+        reason = pair.reasons.get(form)
+        told = {"reason": reason} if reason else {}
+        return {"value": pair.forms[form].mean, "transitions": self.compared, **told}
 
-def audit_reward(reward: Reward, against: Reward, rollouts: Sequence[Rollout], gamma: float) -> Audit:
-    """What `reward` pays for in the rollouts of the scripted policies.
 
-    Args:
-        reward: The reward.
-        against: The one that it is compared with.
-        rollouts: One of each script.
-        gamma: The learner's discount per step, in (0, 1].
+@dataclass(frozen=True, kw_only=True)
+class Audit:
+    """What was found of rewards.
 
-    Raises:
-        SimulationDiverged: One of the two pays a number that is not finite.
-        UsageError: One of the two reads what no step of an arm has, or its terms are none.
+    Attributes:
+        title: What was audited.
+        setting: Where and how, a line each.
+        facts: The same as plain data, the first keys of JSON.
+        rewards: Names.
+        pairs: Rewards beside one another.
+        earned: What each behaviour was like, and what it earned under each reward.
+        success: The measure that says which episodes succeeded; empty where there is none.
+        rankings: By reward, whether it ranks these episodes as success does.
+        verdict: The answer in words, a line each.
+        scripts: What only scripted movements can answer, of the last of `rewards`; None of other subjects.
+        measured: What the numbers and their intervals rest on, a line each.
+        not_asked: Questions that this subject leaves open, and why, a line each.
+        notes: What to keep in mind, a line each.
+        damaged: What could not be read, a line each.
     """
-    scores = [score_rollout(reward, rollout) for rollout in rollouts]
-    others = [score_rollout(against, rollout) for rollout in rollouts]
-    payoffs = [payoff_of(score, gamma) for score in scores]
-    needed, of_other = needed_beside_distances(reward, scores), needed_beside_distances(against, others)
-    because = tuple(dict.fromkeys((*needed, *of_other)))
-    distances = distances_of(reward, against, rollouts, gamma, recorded=bool(because))
-    return Audit(
-        gamma,
-        tuple(sorted(payoffs, key=lambda payoff: -payoff.total)),
-        tuple(temptations(scores, 1.0)),
-        tuple(temptations(scores, gamma)),
-        holding_pays(payoffs),
-        sum(int(rollout.running.sum()) for rollout in rollouts),
-        never_paid(scores),
-        properties_of(reward, [rollout.distances[:, :TRIED] for rollout in rollouts], gamma, needed),
-        {rollout.script: None for rollout in rollouts} if needed else workspace_ratios(reward, rollouts),
-        distances[EPIC],
-        distances[DARD],
-        distances.get(STARC),
-        needed,
-        because,
-        rescaling_of([_line(*of) for of in zip(others, scores, strict=True)]),
+
+    title: str
+    setting: tuple[str, ...]
+    facts: Mapping[str, Any]
+    rewards: tuple[str, ...]
+    pairs: tuple[Pair, ...]
+    earned: tuple[Earned, ...]
+    success: str = ""
+    rankings: Mapping[str, Auc] = field(default_factory=dict)
+    verdict: tuple[str, ...] = ()
+    scripts: OfScripts | None = None
+    measured: tuple[str, ...] = ()
+    not_asked: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+    damaged: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        return table_text(self)
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data, finite numbers only."""
+        return {
+            **self.facts,
+            "verdict": list(self.verdict),
+            **(self.scripts.to_json(self.pairs[0]) if self.scripts else {}),
+            "rewards": list(self.rewards),
+            "pairs": [pair.to_json() for pair in self.pairs],
+            "earned": [row.to_json() for row in self.earned],
+            "success_told_by": self.success,
+            "ranks_success": {name: auc.to_json() for name, auc in self.rankings.items()},
+            "not_asked": list(self.not_asked),
+            "notes": list(self.notes),
+            "damaged": list(self.damaged),
+        }
+
+
+def table_text(audit: Audit) -> str:
+    """The table as text, 100 columns wide."""
+    text = StringIO()
+    Console(file=text, width=WIDTH, color_system=None).print(audit_table(audit))
+    return "\n".join(line.rstrip() for line in text.getvalue().rstrip().splitlines())
+
+
+def audit_table(audit: Audit) -> RenderableType:
+    """What ``harness audit`` prints of any subject."""
+    return Group(
+        Text(audit.title, style="bold"),
+        *map(Text, audit.setting),
+        *(Text(f"{line}.") for line in audit.notes),
+        Text(),
+        *(_of_behaviours(audit) if audit.scripts is None else _of_payoffs(audit.scripts)),
+        *(Text(line, style="" if number else "bold") for number, line in enumerate(audit.verdict)),
+        *([Text()] if audit.verdict else []),
+        *_answers(audit),
+        *(part for pair in audit.pairs for part in _of_pair(audit, pair)),
+        *map(Text, audit.measured),
+        *map(Text, audit.not_asked),
     )
 
 
-def distances_of(
-    reward: Reward, against: Reward, rollouts: Sequence[Rollout], gamma: float, *, recorded: bool
-) -> dict[str, Distance]:
-    """How far apart two rewards are, by canonical form.
-
-    Args:
-        reward: A reward.
-        against: Another one; the order does not count.
-        rollouts: One of each script.
-        gamma: Discount per step.
-        recorded: Whether to ask about recorded transitions, or else about made-up distances.
-    """
-    if recorded:
-        return transition_distances(reward, against, rollouts, gamma)
-    coverages: dict[str, Coverage] = {EPIC: anywhere, DARD: nearby}
-    return {form: reward_distance(reward, against, rollouts, gamma, of) for form, of in coverages.items()}
+def _of_pair(audit: Audit, pair: Pair) -> Iterator[RenderableType]:
+    """How far apart two rewards are."""
+    scripts = audit.scripts
+    yield Text(f"{pair.one} and {pair.other}", style="bold")
+    yield pair_grid(pair, MADE_UP if scripts is not None and not scripts.recorded_because else TRANSITIONS)
+    for line in pair_lines(pair):
+        yield Text(f"{line} {EVENTS}" if scripts is not None else line)
+    yield Text()
 
 
-def _line(other: Score, score: Score) -> Line | None:
-    """What a reward paid in the steps of a rollout, over what the other one paid; the event terms are the task's."""
-    running = score.rollout.running
-    can_end = bool(score.rollout.reached.any())
-    return line_of(other.values[running], score.values[running], can_end=can_end)
+def _of_behaviours(audit: Audit) -> Iterator[RenderableType]:
+    """What behaviour was like, and what it earned."""
+    if audit.earned:
+        yield from (earned_grid(audit.earned, audit.rewards), Text(), Text(COLUMN), Text())
+
+
+def _of_payoffs(scripts: OfScripts) -> Iterator[RenderableType]:
+    """What scripted policies earned, in two lines of headings, so that names and values are whole in 60 columns."""
+    payoffs = scripts.finishing.payoffs
+    grid = _grid(
+        "policy", ("return", "shaped\nalone", f"return\ngamma {scripts.finishing.gamma:g}", "steps", "success")
+    )
+    for place, payoff in enumerate(payoffs):
+        name = f"{payoff.policy} (best)" if place == 0 else payoff.policy
+        grid.add_row(Text(name), *map(Text, _cells(payoff)), style="bold" if place == 0 else "")
+    yield from (grid, Text())
+    if payoffs[0].terms:
+        grid = _grid("term", [payoff.policy for payoff in payoffs])
+        for name in payoffs[0].terms:
+            grid.add_row(Text(name), *(Text(number(payoff.terms[name])) for payoff in payoffs))
+        yield from (Text("What each term paid in an episode, without discount:\n"), grid, Text())
+
+
+def _grid(first: str, headings: Iterable[str]) -> Table:
+    """A column of names, and columns of numbers."""
+    grid = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0))
+    grid.add_column(first, overflow="fold", no_wrap=first == "policy")
+    for heading in headings:
+        grid.add_column(Text(heading), justify="right", no_wrap=True)
+    return grid
+
+
+def _cells(payoff: Payoff) -> Iterable[str]:
+    yield from map(number, (payoff.total, payoff.shaped, payoff.total_discounted))
+    yield f"{payoff.steps:.1f}"
+    yield f"{payoff.success:.0%}"
+
+
+def _answers(audit: Audit) -> Iterator[RenderableType]:
+    """What is asked, the answer, and what that rests on."""
+    grid = answer_grid()
+    if audit.scripts is not None:
+        _add_properties(grid, audit.scripts)
+    for name, auc in audit.rankings.items():
+        add_answer(
+            grid, f"{name} and {audit.success}", auc_text(auc), f"{auc.answer}{auc.reason and f': {auc.reason}'}"
+        )
+    if grid.row_count:
+        yield from (grid, Text())
+    if audit.rankings:
+        yield from (Text(RANKING.format(audit.success)), Text())
+
+
+def _add_properties(grid: Table, scripts: OfScripts) -> None:
+    asked, larger = [answer.name for answer in scripts.properties], f"all distances times {FACTOR:g}"
+    if scripts.needed:
+        add_answer(grid, "\n".join((*asked, larger)), "n/a", why_not_asked(scripts.needed))
+        return
+    for answer in scripts.properties:
+        add_answer(grid, answer.name, "yes" if answer.holds else "no", answer.evidence)
+    ratios = [f"{policy} {'n/a' if ratio is None else number(ratio)}" for policy, ratio in scripts.workspace.items()]
+    told = f"the shaped return grows by a factor: {', '.join(ratios)}; the event terms stay the same"
+    add_answer(grid, larger, "", told)

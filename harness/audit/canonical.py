@@ -1,6 +1,6 @@
 """Rewards in a form that scale alone sets apart: offset and potential shaping are gone from it.
 
-These forms are for rewards that read distances alone; see `harness.audit.transitions.rollout_distances` for the
+These forms are for rewards that read distances alone; see `harness.audit.transitions.rollout_forms` for the
 others. A state is what a step begins with: distance d, smallest distance so far, begin distance, step count and carry.
 The next state follows from the state and the next distance d' alone, so that a reward is a function R(s, d'). There are
 two forms:
@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float
+from harness.audit.distance import DARD, EPIC, Form, centred_unit
 from harness.audit.rollout import Rollout
 from harness.audit.score import paid_along
 from harness.reward import Carry, Reward, Steps, pay
@@ -118,6 +119,18 @@ def nearby(rollouts: Sequence[Rollout]) -> Nearby:
 
 Coverage: TypeAlias = Callable[[Sequence[Rollout]], Expectation]
 """`anywhere` or `nearby`: where steps may lead, from what was recorded."""
+
+
+def forms_of_distances(reward: Reward, rollouts: Sequence[Rollout], gamma: float) -> dict[str, Form]:
+    """A reward of distances alone in EPIC's form and in DARD's, over all recorded steps.
+
+    Args:
+        reward: The reward.
+        rollouts: One of each script.
+        gamma: Discount per step.
+    """
+    coverages: dict[str, Coverage] = {EPIC: anywhere, DARD: nearby}
+    return {form: centred_unit(*canonical_values(reward, rollouts, gamma, of)) for form, of in coverages.items()}
 
 
 def canonical_values(

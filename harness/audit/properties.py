@@ -1,6 +1,6 @@
 """Properties of a reward, each tried on numbers: a 'no' is proved by its counter-example, a 'yes' is not proved."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +9,7 @@ from harness.arrays import Float
 from harness.audit.number import number
 from harness.audit.potential import PotentialFit, fit_potential, waiting_at_target, worst_detour
 from harness.audit.probe import probe_distances, why_not_asked
+from harness.audit.rollout import Rollout
 from harness.audit.score import pay_distances
 from harness.reward import Reward
 
@@ -19,6 +20,9 @@ GROWN = 1.5
 BOUNDED, SCALE_FREE, POTENTIAL_BASED = "bounded", "scale-free", "potential-based"
 SCALES = (0.5, 2.0, 8.0)
 """Powers of two: scaling by them rounds nothing, so that what was equal stays equal."""
+
+FACTOR = 2.0
+"""By so much distances are larger in a larger workspace."""
 
 
 @dataclass(frozen=True)
@@ -114,6 +118,22 @@ def potential_based(reward: Reward, tried: Sequence[Float], gamma: float) -> Pro
     if found[0].gamma != gamma:
         text += f"; this does not hold for a learner that discounts by {gamma:g}"
     return Property(POTENTIAL_BASED, True, text, found[0].gamma)
+
+
+def workspace_ratios(reward: Reward, rollouts: Sequence[Rollout]) -> Mapping[str, float | None]:
+    """Shaped return of each script with all distances `FACTOR` times as large, over that with them as they are.
+
+    The event terms are the task's and stay: a ratio of 2 halves their weight. None where nothing is paid.
+    """
+    return {rollout.script: _ratio(reward, rollout) for rollout in rollouts}
+
+
+def _ratio(reward: Reward, rollout: Rollout) -> float | None:
+    usual, larger = (
+        float(np.where(rollout.running, pay_distances(reward, factor * rollout.distances), 0.0).sum())
+        for factor in (1.0, FACTOR)
+    )
+    return larger / usual if usual and np.isfinite(larger / usual) else None
 
 
 def _why_not(fit: PotentialFit, detours: dict[float, float]) -> str:

@@ -1,24 +1,44 @@
-"""``harness audit``: what a reward pays for, what the rewards of recorded trainings paid, and rewards on data sets."""
+"""``harness audit``: what rewards pay for, whatever there is to pay."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from harness.cli.datasets import audit_rewards_on, names_dataset, show_answer
 from harness.cli.flags import audit as flags
 from harness.cli.flags import dataset as of_dataset
-from harness.cli.flags.shared import AsJson, Names, PluginFiles, RecordedFolder, RobotName, TaskName
+from harness.cli.flags.shared import AsJson, PluginFiles, RobotName, TaskName
 from harness.cli.output import complain, say, say_json
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
+    from harness.audit.audit import Audit
     from harness.registry.choice import Choice
     from harness.registry.registry import Registry
 
+TASK, ENVIRONMENT, EXPERIMENT, RECORDINGS, LOGS, DATASET = (
+    "a task", "an environment", "an experiment", "a folder of recorded trainings", "a log", "a data set",
+)  # fmt: skip
+GOES_WITH: Mapping[str, tuple[str, ...]] = {
+    "--robot": (TASK, DATASET),
+    "--sim": (TASK,),
+    "--against": (TASK, ENVIRONMENT),
+    "--episodes": (TASK, ENVIRONMENT),
+    "--gamma": (TASK, ENVIRONMENT),
+    "--random": (RECORDINGS, EXPERIMENT),
+    "--as": (LOGS,),
+}
+"""What a flag goes with; --reward, --plugin and --json go with all, and the flags of data sets with them alone."""
+NEEDS = {
+    "--random": "a FOLDER of recorded trainings: harness audit FOLDER --random RANDOM",
+    "--as": "a FOLDER of logs that other programs wrote: harness audit FOLDER --as NAME",
+}
+
 
 def audit(
-    folder: RecordedFolder = None,
+    subject: flags.Subject = None,
     reward: flags.RewardName = None,
     task: TaskName = None,
     robot: RobotName = None,
@@ -27,6 +47,7 @@ def audit(
     episodes: flags.Episodes = None,
     gamma: flags.Gamma = None,
     random: flags.RandomFolder = None,
+    log_format: flags.LogFormatName = None,
     places: of_dataset.Places = None,
     success: of_dataset.Success = None,
     labels: of_dataset.LabelsFile = None,
@@ -38,23 +59,35 @@ def audit(
     plugin: PluginFiles = None,
     as_json: AsJson = False,
 ) -> int:
-    """Say what a reward pays for. The reward and its terms pay scripted movements and made-up episodes. Trains nothing.
+    """Say what rewards pay for. Trains nothing.
 
-    With a FOLDER of recorded trainings: say how far apart the rewards are on the recorded steps, and what each trained
-    behaviour earned under each reward.
+    Of a TASK of an arm: what the reward and its terms pay scripted movements and made-up episodes.
 
-    With a data set, minari:NAME or lerobot:FOLDER: say of each reward whether it ranks recorded behaviour as success
-    does. Rewards are the recorded ones and functions of --plugin, or those of --reward.
+    Of an ENVIRONMENT: how far apart rewards are in the steps of random actions, potential shaping left out too.
+
+    Of a FOLDER of trainings, of an experiment, or of logs: what each behaviour was like, what it earned under each
+    reward, and how far apart the rewards are on the recorded steps.
+
+    Of a data set: whether each reward ranks recorded behaviour as success does.
     """
-    if folder is not None and names_dataset(folder):
+    if subject is not None and task is not None:
+        raise UsageError(f"--task {task} does not go with '{subject}': name one of them")
+    named = subject or task
+    of_dataset_alone = {
+        "--places": places, "--success": success, "--labels": labels, "--success-above": success_above,
+        "--cluster": cluster, "--partial": partial or None, "--beginner": beginner, "--html": html,
+    }  # fmt: skip
+    others = {
+        "--robot": robot, "--sim": sim, "--against": against, "--episodes": episodes, "--gamma": gamma,
+        "--random": random, "--as": log_format,
+    }  # fmt: skip
+    if named is not None and names_dataset(named):
         from harness.registry.choice import split_list
 
-        beside = {"--task": task, "--sim": sim, "--against": against, "--episodes": episodes, "--gamma": gamma}
-        _refuse_beside(folder, {**beside, "--random": random}, "a data set")
-        names = split_list([reward] if reward else [])
+        _refuse_others(DATASET, named, others, {})
         found = audit_rewards_on(
-            folder,
-            names,
+            named,
+            split_list([reward] if reward else []),
             plugin,
             places=places,
             robot=robot,
@@ -66,90 +99,151 @@ def audit(
             beginner=beginner,
         )
         return show_answer(found, as_json, html)
-    of_datasets = {
-        "--places": places, "--success": success, "--labels": labels, "--success-above": success_above,
-        "--cluster": cluster, "--partial": partial or None, "--beginner": beginner, "--html": html,
-    }  # fmt: skip
-    for flag, given in of_datasets.items():
-        if given is not None:
-            raise UsageError(f"{flag} needs a data set: harness audit minari:NAME, or harness audit lerobot:FOLDER")
-    if folder is not None:
-        _refuse_beside(
-            folder,
-            {
-                "--reward": reward, "--task": task, "--robot": robot, "--sim": sim, "--against": against,
-                "--episodes": episodes, "--gamma": gamma, "--plugin": plugin,
-            },
-        )  # fmt: skip
-        return _audit_folder(folder, random, as_json)
-    if random is not None:
-        raise UsageError("--random needs a FOLDER of recorded trainings: harness audit FOLDER --random RANDOM")
-    if reward is None:
-        raise UsageError("Missing option '--reward'; or name a folder of recorded trainings")
-    _audit_rewards(
-        reward,
-        "fd100-reach" if task is None else task,
-        robot,
-        sim,
-        "baseline" if against is None else against,
-        100 if episodes is None else episodes,
-        0.95 if gamma is None else gamma,
-        plugin,
-        as_json,
-    )
-    return 0
-
-
-def _refuse_beside(folder: Path, beside: Mapping[str, object], noun: str = "a folder of recorded trainings") -> None:
-    for flag, given in beside.items():
-        if given is not None:
-            raise UsageError(f"{flag} does not go with {noun}: leave out {flag} or '{folder}'")
-
-
-def _audit_folder(folder: Path, random: Path | None, as_json: bool) -> int:
-    """Status 1 where a recording is damaged."""
-    from harness.audit.recorded.recordings import audit_recordings
-
-    found = audit_recordings(folder, random)
-    if as_json:
-        say_json(found.to_json())
-    else:
-        from harness.audit.recorded.recorded_table import recorded_table
-        from harness.cli.terminal import show
-
-        show(recorded_table(found))
-    for line in found.damaged:
-        complain(f"left out, damaged: {line}")
-    return 1 if found.damaged else 0
-
-
-def _audit_rewards(
-    rewards: str,
-    task: str,
-    robot: str | None,
-    sim: str | None,
-    against: str,
-    episodes: int,
-    gamma: float,
-    plugin: Names,
-    as_json: bool,
-) -> None:
-    from harness.audit.audit import audit_reward
-    from harness.audit.rollout import record_rollouts
-    from harness.audit.score import score_rollout
-    from harness.env.ideal import IdealSimulator
-    from harness.registry.choice import choose, split_list
     from harness.registry.given import read_given
     from harness.registry.registry import load_registry
+
+    registry = load_registry(given=read_given(plugin))
+    kind = _kind_of(subject, task, registry)
+    _refuse_others(kind, named, others, of_dataset_alone)
+    if kind == TASK:
+        if reward is None:
+            raise UsageError("Missing option '--reward'; or name an environment, or a folder of recorded trainings")
+        audits = _on_scripts(registry, reward, named, robot, sim, against, episodes, gamma)
+    elif kind == ENVIRONMENT:
+        from harness.audit.transitions.environment import audit_environment
+        from harness.registry.choice import choose
+
+        chosen = choose(registry, "environments", str(named))
+        audits = [audit_environment(chosen, registry, reward, against, gamma, episodes)]
+    else:
+        audits = [_of_folder(kind, Path(str(named)), registry, reward, random, log_format)]
+    return _show(audits, as_json)
+
+
+def _kind_of(subject: str | None, task: str | None, registry: "Registry") -> str:
+    """What is audited.
+
+    Raises:
+        UsageError: There is nothing of that name.
+    """
+    from harness.experiment.environments.plan import kind_of_task, require_known
+    from harness.record.store import Store
+    from harness.results.recordings.read_runs import has_recordings
+
+    if subject is not None and Path(subject).exists():
+        folder = Path(subject)
+        if folder.is_dir() and Store.is_experiment(folder):
+            return EXPERIMENT
+        return RECORDINGS if folder.is_dir() and has_recordings(folder) else LOGS
+    name = subject or task
+    if name is None:
+        return TASK
+    if kind_of_task(name, registry) == "environments":
+        return ENVIRONMENT
+    try:
+        require_known(name, registry)
+    except UsageError as error:
+        raise UsageError(
+            str(error) if subject is None else f"There is no file or folder '{subject}'. {error}"
+        ) from None
+    return TASK
+
+
+def _refuse_others(
+    kind: str, named: str | None, others: Mapping[str, object], of_dataset_alone: Mapping[str, object]
+) -> None:
+    """Refuse the flags that make no sense of such a subject.
+
+    Raises:
+        UsageError: One is given.
+    """
+    for flag, given in of_dataset_alone.items():
+        if given is not None:
+            raise UsageError(f"{flag} needs a data set: harness audit minari:NAME, or harness audit lerobot:FOLDER")
+    for flag, given in others.items():
+        if given is not None and kind not in GOES_WITH[flag]:
+            if kind == TASK:
+                raise UsageError(f"{flag} needs {NEEDS[flag]}")
+            raise UsageError(f"{flag} does not go with {kind}: leave out {flag} or '{named}'")
+
+
+def _show(audits: "Sequence[Audit]", as_json: bool) -> int:
+    """Print what was found; status 1 where something is damaged."""
+    if as_json:
+        say_json(audits[0].to_json() if len(audits) == 1 else [it.to_json() for it in audits])
+    else:
+        from harness.audit.audit import audit_table
+        from harness.cli.terminal import show
+
+        for number, it in enumerate(audits):
+            if number:
+                say("")
+            show(audit_table(it))
+    damaged = [line for it in audits for line in it.damaged]
+    for line in damaged:
+        complain(f"left out, damaged: {line}")
+    return 1 if damaged else 0
+
+
+def _of_folder(
+    kind: str, folder: Path, registry: "Registry", reward: str | None, random: Path | None, log_format: str | None
+) -> "Audit":
+    """What lies in a folder: recordings of an experiment or loose ones, cells of an arm, or logs of other programs."""
+    from harness.audit.recorded.recordings import audit_logs, audit_recordings
+    from harness.registry.choice import split_list
+
+    only = split_list(reward) if reward else []
+    if kind == LOGS:
+        from harness.log.open_log import find_logs
+
+        found = find_logs(folder, registry, log_format or "")
+        return audit_logs(folder, found.logs, found.left_out, only)
+    if kind == EXPERIMENT:
+        from harness.results.load import read_results
+        from harness.results.recordings.results import RecordedResults
+
+        results = read_results(folder, registry)
+        if not isinstance(results, RecordedResults):
+            from harness.audit.recorded.experiment import audit_experiment
+            from harness.cli.audits import audits_of
+
+            if random is not None:
+                raise UsageError(f"--random does not go with '{folder}', whose own cells acted at random: leave it out")
+            audit = audit_experiment(results, only)
+            scripted = dict.fromkeys(
+                f"{label}: {' '.join(payoffs.verdict)}"
+                for (_, _, label), payoffs in audits_of(results).items()
+                if label in audit.rewards
+            )
+            return replace(audit, verdict=(*audit.verdict, *scripted))
+    return audit_recordings(folder, random, only)
+
+
+def _on_scripts(
+    registry: "Registry",
+    rewards: str,
+    task: str | None,
+    robot: str | None,
+    sim: str | None,
+    against: str | None,
+    episodes: int | None,
+    gamma: float | None,
+) -> "list[Audit]":
+    """An audit of each reward."""
+    from harness.audit.rollout import record_rollouts
+    from harness.audit.score import score_rollout
+    from harness.audit.scripts import audit_reward
+    from harness.env.ideal import IdealSimulator
+    from harness.registry.choice import choose, split_list
     from harness.robot.load import load_robot
 
+    episodes, gamma = 100 if episodes is None else episodes, 0.95 if gamma is None else gamma
     if episodes < 1:
         raise UsageError(f"--episodes {episodes}: must be at least 1")
     if not 0.0 < gamma <= 1.0:
         raise UsageError(f"--gamma {gamma:g}: must be above 0 and at most 1")
-    registry = load_registry(given=read_given(plugin))
-    *choices, compared = (choose(registry, "rewards", name) for name in (*split_list(rewards), against))
-    chosen, where = choose(registry, "tasks", task), sim and choose(registry, "simulators", sim)
+    *choices, compared = (choose(registry, "rewards", name) for name in (*split_list(rewards), against or "baseline"))
+    chosen, where = choose(registry, "tasks", task or "fd100-reach"), sim and choose(registry, "simulators", sim)
     engine = where.build(registry, "simulators") if where else IdealSimulator()
     label = where.label if where else "no simulator: joints move exactly as commanded"
     world = chosen.build(registry, "tasks")
@@ -158,28 +252,14 @@ def _audit_rewards(
     *judged, other = (choice.build(registry, "rewards") for choice in (*choices, compared))
     with _named(compared, registry):
         score_rollout(other, rollouts[0])
+    setting = f"{label} · {robot} · {chosen.label} · {episodes} episodes of at most {world.horizon} steps"
+    told = {"simulator": label, "robot": robot, "task": chosen.label, "episodes": episodes}
     found = []
     for choice, reward in zip(choices, judged, strict=True):
         with _named(choice, registry):
-            found.append(audit_reward(reward, other, rollouts, gamma))
-    if as_json:
-        from harness.audit.verdict import verdict_of
-
-        setting = {"simulator": label, "robot": robot, "task": chosen.label, "episodes": episodes}
-        shown = [
-            {"reward": choice.label, "against": compared.label, **setting, "verdict": verdict_of(it), **it.to_json()}
-            for choice, it in zip(choices, found, strict=True)
-        ]
-        say_json(shown if len(shown) > 1 else shown[0])
-        return
-    from harness.audit.audit_table import audit_table
-    from harness.cli.terminal import show
-
-    text = f"{label} · {robot} · {chosen.label} · {episodes} episodes of at most {world.horizon} steps"
-    for number, (choice, it) in enumerate(zip(choices, found, strict=True)):
-        if number:
-            say("")
-        show(audit_table(it, choice.label, text, compared.label))
+            audit = audit_reward(reward, other, rollouts, gamma, (choice.label, compared.label), setting)
+        found.append(replace(audit, facts={"reward": choice.label, "against": compared.label, **told}))
+    return found
 
 
 @contextmanager

@@ -72,7 +72,7 @@ def _record(cell: "Cell", registry: "Registry") -> "tuple[Rollout, ...] | str":
 
 def _ask(cell: "Cell", registry: "Registry", rollouts: "tuple[Rollout, ...] | str") -> "Payoffs":
     """What the cell's reward pays in these rollouts."""
-    from harness.audit.payoff import never_paid, payoff_of, temptations
+    from harness.audit.questions import finishing_of
     from harness.audit.score import score_rollout
     from harness.audit.verdict import on_finishing, on_terms
     from harness.errors import reason_of
@@ -82,14 +82,11 @@ def _ask(cell: "Cell", registry: "Registry", rollouts: "tuple[Rollout, ...] | st
         return Payoffs((f"Not known: {rollouts}",), {}, {})
     try:
         reward = cell.reward.build(registry, "rewards")
-        scores = [score_rollout(reward, rollout) for rollout in rollouts]
+        found = finishing_of([score_rollout(reward, rollout) for rollout in rollouts], GAMMA)
     except (Exception, SystemExit) as error:
         return Payoffs((f"Not known: {reason_of(error)}",), {}, {})
-    payoffs = sorted((payoff_of(score, GAMMA) for score in scores), key=lambda payoff: -payoff.total)
-    plain, discounted = (temptations(scores, gamma) for gamma in (1.0, GAMMA))
-    steps = sum(int(rollout.running.sum()) for rollout in rollouts)
     return Payoffs(
-        (on_finishing(GAMMA, payoffs, plain, discounted), *on_terms(never_paid(scores), steps)),
-        {payoff.policy: payoff.total for payoff in payoffs},
-        {payoff.policy: payoff.success for payoff in payoffs},
+        (on_finishing(found), *on_terms(found)),
+        {payoff.policy: payoff.total for payoff in found.payoffs},
+        {payoff.policy: payoff.success for payoff in found.payoffs},
     )

@@ -35,7 +35,8 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "audit": (
             "harness audit --reward arp",
             "harness audit --reward arp:k2=3 --against dense",
-            "harness audit recorded",
+            "harness audit gymnasium:id=Pendulum-v1 --plugin my_rewards.py",
+            "harness audit my-results",
         ),
         "bench": (
             "harness bench --sim mujoco --algo sac",

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from harness.audit.canonical import anywhere, canonical_values, nearby
-from harness.audit.distance import reward_distance
+from harness.audit.canonical import anywhere, canonical_values, forms_of_distances, nearby
+from harness.audit.distance import DARD, EPIC, SHAPING, compare_forms, distance_between
 from harness.audit.rollout import Rollout, record_rollouts
 from harness.reach import ReachTask
 from harness.registry.choice import choose
@@ -20,7 +20,7 @@ from harness_plugins.rewards.baseline import Baseline
 REGISTRY = load_registry()
 GAMMA = 0.95
 NAMES = REGISTRY.names("rewards")
-COVERAGES = {"EPIC": anywhere, "DARD": nearby}
+COVERAGES = {EPIC: anywhere, DARD: nearby}
 
 
 def build(name):
@@ -34,16 +34,21 @@ def short(robot):
     return record_rollouts(IdealSimulator(), robot, ReachTask(horizon=30), 8)
 
 
+def reward_distance(one, other, rollouts, form):
+    """In one canonical form; None where it is not defined."""
+    return distance_between(*(forms_of_distances(reward, rollouts, GAMMA)[form] for reward in (one, other)))
+
+
 @pytest.fixture(scope="module", params=COVERAGES)
-def coverage(request):
+def form(request):
     """What makes the difference between the two distances."""
-    return COVERAGES[request.param]
+    return request.param
 
 
 @pytest.fixture(scope="module")
-def between(short, coverage):
+def between(short, form):
     """The distance of two rewards, or None."""
-    return lambda one, other: reward_distance(one, other, short, GAMMA, coverage).value
+    return lambda one, other: reward_distance(one, other, short, form)
 
 
 @pytest.fixture(scope="module")
@@ -120,18 +125,26 @@ def test_shaping_alone_is_at_no_distance(between, toolbox):
     assert between(toolbox.potential(GAMMA), toolbox.potential(GAMMA, lambda distance: distance**2)) == 0.0
 
 
-def test_the_distance_is_pearsons(rollouts, coverage):
+def test_the_distance_is_pearsons(rollouts, form):
     """sqrt((1 - rho) / 2), with rho from numpy."""
-    values = [canonical_values(reward, rollouts, GAMMA, coverage)[0] for reward in (Arp(), Baseline())]
+    values = [canonical_values(reward, rollouts, GAMMA, COVERAGES[form])[0] for reward in (Arp(), Baseline())]
     rho = np.corrcoef(*values)[0, 1]
-    found = reward_distance(Arp(), Baseline(), rollouts, GAMMA, coverage).value
+    found = reward_distance(Arp(), Baseline(), rollouts, form)
     assert found == pytest.approx(np.sqrt((1.0 - rho) / 2.0))
 
 
-def test_all_running_steps_count(rollouts, coverage):
+def test_all_running_steps_count(rollouts, form):
     """What is compared is every step of every episode, and none after its end."""
-    found = reward_distance(Arp(), Baseline(), rollouts, GAMMA, coverage)
-    assert found.transitions == sum(int(rollout.steps.sum()) for rollout in rollouts)
+    found = forms_of_distances(Arp(), rollouts, GAMMA)[form]
+    assert len(found) == sum(int(rollout.steps.sum()) for rollout in rollouts)
+
+
+def test_what_has_no_distance_says_why():
+    """Whose form is missing, or that one of the two is constant; two constants are the same."""
+    some, constant, missing = np.array([1.0, 0.0]), None, "it is odd"
+    assert compare_forms("a", {EPIC: some}, "b", {EPIC: missing}) == {EPIC: "b: it is odd"}
+    assert compare_forms("a", {EPIC: some}, "b", {EPIC: constant}) == {EPIC: SHAPING}
+    assert compare_forms("a", {EPIC: constant}, "b", {EPIC: constant}) == {EPIC: 0.0}
 
 
 @settings(max_examples=6)
@@ -148,10 +161,7 @@ def test_dard_also_cancels_potentials_of_the_step_and_the_begin(short, toolbox, 
         )  # fmt: skip
         return Baseline()((), sample)[1] + GAMMA * after - before
 
-    epic, dard = (
-        reward_distance(toolbox.paying(shaped), Baseline(), short, GAMMA, coverage).value
-        for coverage in (anywhere, nearby)
-    )
+    epic, dard = (reward_distance(toolbox.paying(shaped), Baseline(), short, form) for form in (EPIC, DARD))
     assert dard == pytest.approx(0.0, abs=1e-9)
     assert epic > 1e-3
 
@@ -168,5 +178,5 @@ def test_dard_does_not_ask_about_steps_that_cannot_be_done(toolbox):
     distances = np.vstack([np.zeros(40), np.cumsum(changes, axis=0)]) + np.linspace(0.5, 2.0, 40)
     made = [Rollout("made", {"distance": distances}, 0.0 * changes, np.ones(changes.shape, bool), np.zeros(40, bool))]
     reward = toolbox.paying(jumping)
-    assert reward_distance(reward, Baseline(), made, GAMMA, nearby).value == pytest.approx(0.0, abs=1e-9)
-    assert reward_distance(reward, Baseline(), made, GAMMA, anywhere).value > 0.1
+    assert reward_distance(reward, Baseline(), made, DARD) == pytest.approx(0.0, abs=1e-9)
+    assert reward_distance(reward, Baseline(), made, EPIC) > 0.1

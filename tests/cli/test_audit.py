@@ -6,6 +6,7 @@ import sys
 
 import pytest
 
+from harness.results import load_results
 from tests.results.recordings.conftest import record
 
 FEW = ("--episodes", 6)
@@ -39,8 +40,8 @@ def test_properties_and_distance_are_shown(harness):
         "scale-free no",
         "potential-based no",
         "all distances times 2",
-        "EPIC distance to baseline 0.",
-        "DARD distance to baseline 0.",
+        "EPIC distance 0.",
+        "DARD distance 0.",
     ):
         assert text in out
 
@@ -132,7 +133,8 @@ def test_several_rewards_have_a_table_each(harness, gentle):
     out = harness("audit", "--reward", "dense,gentle", "--against", "arp", *gentle).out
     assert out.startswith("dense\n")
     assert "\n\ngentle\n" in out
-    assert out.count("EPIC distance to arp") == 2
+    assert "\narp and dense\n" in out
+    assert "\narp and gentle\n" in out
 
 
 @pytest.mark.parametrize(
@@ -204,12 +206,13 @@ def test_recorded_trainings_are_audited(harness, recordings):
     assert (answer.status, answer.err) == (0, "")
     out = " ".join(answer.out.split())
     for text in (
-        "Bandit-v0: 3 recorded trainings, rewards plain, square",
+        "Bandit-v0: 3 recorded trainings, 2 rewards: plain, square",
         "plain and square distance by steps 0.",
         "Paid most differently: '0', env 0, episode",
-        "random actions 2 1.25",
+        "random actions 2 0 0.25 1.25",
         "trained with plain, last",
-        "harness.audit_rewards in Python computes them",
+        "Not asked: EPIC, DARD and STARC.",
+        "an arm, and a recording has none.",
     ):
         assert text in out
 
@@ -235,10 +238,14 @@ def test_damaged_recording_is_status_1(harness, recordings):
 @pytest.mark.parametrize(
     ("arguments", "text"),
     [
-        (("runs", "--reward", "arp"), "--reward does not go with a folder of recorded trainings"),
+        (("runs", "--reward", "arp"), "No reward 'arp'. There is: plain, square. Those are recorded in 'runs'"),
         (("runs", "--gamma", "0.9"), "--gamma does not go with"),
         (("runs", "--episodes", "100"), "--episodes does not go with"),
-        (("nowhere",), "'nowhere' holds no recorded training"),
+        (("nowhere",), "There is no file or folder 'nowhere'. No task 'nowhere'."),
+        (("runs", "--task", "fd100-reach"), "--task fd100-reach does not go with 'runs': name one of them"),
+        (("gymnasium:id=Pendulum-v1", "--sim", "ideal"), "--sim does not go with an environment"),
+        (("runs", "--success", "done"), "--success needs a data set"),
+        (("--reward", "arp", "--as", "monitor"), "--as needs a FOLDER of logs"),
         (("runs", "--random", "nowhere"), "'nowhere' holds no recorded training"),
         (("--random", "random"), "--random needs a FOLDER"),
     ],
@@ -248,3 +255,93 @@ def test_usage_errors_of_folders_are_one_line(harness, recordings, arguments, te
     answer = harness("audit", *arguments)
     assert (answer.status, answer.out, answer.err.count("\n")) == (2, "", 1)
     assert text in answer.err
+
+
+HOVER = """
+import numpy as np
+
+
+def hover(step):
+    return -np.abs(step.observation[..., 2])
+
+
+def upright(step):
+    return step.observation[0] > 0.9
+"""
+IN_PENDULUM = ("--plugin", "hover.py", "--episodes", 1)
+
+
+@pytest.fixture
+def hover(tmp_path):
+    """The file of two rewards of the pendulum."""
+    (tmp_path / "hover.py").write_text(HOVER)
+
+
+@pytest.mark.parametrize("asked", [("gymnasium:id=Pendulum-v1",), ("--task", "gymnasium:id=Pendulum-v1")])
+def test_an_environment_is_audited_as_a_task_is(harness, hover, asked):
+    """By its name, however it is given; the questions of an arm are left open in a line."""
+    answer = harness("audit", *asked, "--reward", "hover", *IN_PENDULUM)
+    assert (answer.status, answer.err) == (0, "")
+    out = " ".join(answer.out.split())
+    assert out.startswith("Pendulum-v1: rewards own, hover; discount 0.99")
+    assert "own and hover distance by steps 0." in out
+    assert "random actions 5 -" in out
+    assert "they move an arm, and an environment has none" in out
+
+
+def test_an_environment_without_names_compares_all_that_pay_it(harness, hover):
+    """Its own reward, and those of the file, each two of them; functions are asked about other steps too."""
+    data = json.loads(harness("audit", "gymnasium:id=Pendulum-v1", "--json", *IN_PENDULUM).out)
+    assert [pair["rewards"] for pair in data["pairs"]] == [["own", "hover"], ["own", "upright"], ["hover", "upright"]]
+    assert 0.0 < data["pairs"][2]["EPIC"]["mean"] < 1.0
+    assert data["pairs"][0]["reasons"]["EPIC"].startswith("own: it is what the env pays")
+
+
+def test_a_task_is_named_first_or_by_a_flag(harness):
+    """Both say the same."""
+    call = ("--reward", "arp", "--json", *FEW)
+    first, flag = (
+        json.loads(harness("audit", *asked, *call).out) for asked in (("fd100-reach",), ("--task", "fd100-reach"))
+    )
+    assert first == flag
+
+
+def test_an_experiment_of_an_arm_shows_what_its_policies_did(harness, finished):
+    """Success beside what each reward pays, and what its rewards pay for; reports say the same of each."""
+    finished(2)
+    data = json.loads(harness("audit", "mine", "--json").out)
+    rows = {row["behaviour"]: row for row in data["earned"]}
+    assert [*rows] == ["random actions", "trained with baseline, evaluations", "trained with arp, evaluations"]
+    (told,) = load_results("mine").returns
+    for name in ("baseline", "arp"):
+        row = rows[f"trained with {name}, evaluations"]
+        assert row["measures"]["success_rate"]["count"] == 2
+        assert row["returns"]["arp"]["mean"] == pytest.approx(told.returns["arp"][name].mean + told.events[name].mean)
+    assert 0.0 < data["pairs"][0]["steps"]["mean"] < 1.0
+    assert any(line.startswith("arp: Not finishing pays more") for line in data["verdict"])
+    assert harness("audit", "mine", "--random", "mine").err.startswith("harness: --random does not go with 'mine'")
+
+
+def test_logs_of_another_program_are_audited(harness, tmp_path):
+    """Their episodes tell whether pay ranks them as success does; what they cannot tell is said."""
+    rows = "\n".join(f"{paid},10,{paid}.5,{int(paid > 5)}" for paid in range(10))
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run/monitor.csv").write_text(f'#{{"t_start": 1.0, "env_id": "Toy-v0"}}\nr,l,t,is_success\n{rows}\n')
+    data = json.loads(harness("audit", "run", "--json").out)
+    assert (data["env"], data["rewards"], data["pairs"]) == ("Toy-v0", ["recorded"], [])
+    assert data["ranks_success"]["recorded"]["value"] == 1.0
+    assert data["earned"][-1]["measures"]["success"]["mean"] == 1.0
+    assert "A row is an episode, so rewards are compared by episodes alone" in data["notes"]
+
+
+def test_reward_that_is_gone_is_left_out_of_an_experiment(harness, quick, gentle):
+    """Its policies are shown, and what other rewards pay them; with its file it pays too."""
+    assert harness("run", *quick, "--seeds", 1, "--reward", "gentle", "--out", "own", *gentle[:2]).status == 0
+    answer = harness("audit", "own", "--json")
+    data = json.loads(answer.out)
+    assert (answer.status, data["notes"][0][:31]) == (0, "What gentle pays is not known: ")
+    trained = next(row for row in data["earned"] if row["behaviour"] == "trained with gentle, evaluations")
+    assert trained["returns"]["gentle"]["mean"] is None
+    assert trained["returns"]["baseline"]["mean"] is not None
+    again = json.loads(harness("audit", "own", "--json", *gentle[:2]).out)
+    assert again["pairs"][0]["rewards"] == ["baseline", "gentle"]

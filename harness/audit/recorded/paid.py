@@ -1,18 +1,19 @@
-"""What several rewards paid for the same steps, and how far apart two of them are in that."""
+"""What several rewards paid for the same steps or episodes, and how far apart two of them are in that."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import combinations
-from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from harness.arrays import Float
-from harness.audit.unit_vectors import centred_unit, distance_between
+from harness.arrays import Float, Mask
+from harness.audit.distance import centred_unit, distance_between
 from harness.log import Log
-from harness.log.log import REWARD
-from harness.record.recording.facts import facts_of
+from harness.log.log import BEHAVIOUR, REWARD
 from harness.results.recordings.episodes import Episodes
+
+NOT_KNOWN = "not a number in some rows"
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,37 +30,96 @@ class Paid:
     returns: Mapping[str, Float]
     unknown: Mapping[str, str]
 
-    def __add__(self, other: "Paid") -> "Paid":
-        """The steps of both, by rewards that are known in both."""
-        both = [name for name in self.steps if name in other.steps]
-        return Paid(
-            {name: np.concatenate([self.steps[name], other.steps[name]]) for name in both},
-            {name: np.concatenate([self.returns[name], other.returns[name]]) for name in both},
-            {**other.unknown, **self.unknown},
-        )
+
+@dataclass(frozen=True, eq=False)
+class Acted:
+    """What one training, one evaluation of a policy, or random actions left.
+
+    Attributes:
+        name: Where it lies, in words.
+        steps: How many rows there are.
+        episodes: Those that ended.
+        log: Reads its rows.
+        taught: The reward that taught; of a log that does not say it, what else tells it from others.
+        evaluation: Whether a finished policy acted.
+        manner: How it chose actions, ``deterministic``; may be empty.
+    """
+
+    name: str
+    steps: int
+    episodes: Episodes
+    log: Callable[[], Log]
+    taught: str = ""
+    evaluation: bool = False
+    manner: str = ""
 
 
-def paid_in(recording: Log, episodes: Episodes) -> Paid:
-    """What the rewards of a recording paid, in its steps and in its finished episodes."""
-    names = facts_of(recording).rewards
-    told = recording.rows(f"{REWARD}{name}" for name in names)
-    rewards = {name: told[f"{REWARD}{name}"] for name in names}
-    unknown = {
-        name: episodes.reasons.get(f"{REWARD}{name}", "not a number in some steps")
-        for name, values in rewards.items()
-        if f"{REWARD}{name}" in episodes.reasons or np.isnan(values).any()
-    }
-    known = [name for name in rewards if name not in unknown]
-    return Paid({name: rewards[name] for name in known}, {name: episodes.returns[name] for name in known}, unknown)
+def acted_in(name: str, log: Log, taught: str = "", evaluation: bool = False) -> Acted:
+    """What is in a log."""
+    return Acted(name, len(log), episodes_in(log), lambda: log, taught, evaluation)
 
 
-class EpisodeOrder(NamedTuple):
-    """How two rewards order the same episodes."""
+def paid_in(log: Log, episodes: Episodes) -> Paid:
+    """What the rewards of a log paid, in its steps and in its finished episodes; of a log of episodes, in these alone.
 
-    discordant: float | None
-    """Share of the pairs of episodes that the two put in opposite orders, of those that both tell apart."""
-    told_apart: float | None
-    """Share of all pairs of episodes that both tell apart; None below two episodes."""
+    Args:
+        log: Of steps, of episodes, or of points, which are taken for episodes.
+        episodes: Its episodes, see `episodes_in`.
+    """
+    failed = {it.column: it.reason for it in log.facts.failed}
+    told, unknown = episodes.part(0, len(log)).reasons, {}
+    pays = {name: log[f"{REWARD}{name}"] for name in log.rewards}
+    for name, paid in pays.items():
+        if np.isnan(paid).any() or np.isnan(episodes.returns[name]).any():
+            column = f"{REWARD}{name}"
+            unknown[name] = episodes.reasons.get(column) or failed.get(column) or told.get(name, NOT_KNOWN)
+    known = [name for name in pays if name not in unknown]
+    steps = steps_of(log) if log.facts.unit == "step" else None
+    of_steps = {} if steps is None else {name: np.asarray(pays[name], np.float64)[steps] for name in known}
+    return Paid(of_steps, {name: episodes.returns[name] for name in known}, unknown)
+
+
+def episodes_in(log: Log) -> Episodes:
+    """The finished episodes of a log, in the order in which they ended; `last` counts rows.
+
+    Of a log of episodes or points every row is one.
+    """
+    pays: dict[str, Float] = {name: np.asarray(log[f"{REWARD}{name}"], np.float64) for name in log.rewards}
+    measures: dict[str, Float] = {name: np.asarray(log[f"{BEHAVIOUR}{name}"], np.float64) for name in log.measures}
+    if log.facts.unit != "step":
+        return Episodes(np.arange(len(log)), pays, measures, {})
+    steps, numbers = steps_of(log), np.unique(episode_numbers(log), return_inverse=True)[1]
+    ended = np.flatnonzero(_ends(log) & steps)
+    sums = {name: np.bincount(numbers, np.where(steps, paid, 0.0)) for name, paid in pays.items()}
+    returns = {name: np.asarray(of[numbers[ended]], np.float64) for name, of in sums.items()}
+    return Episodes(ended, returns, {name: values[ended] for name, values in measures.items()}, {})
+
+
+def episode_numbers(log: Log) -> NDArray[np.int64]:
+    """A number for each row, the same in all rows of one episode, (rows,)."""
+    env, episode = (
+        np.asarray(log[name], np.int64) if name in log else np.zeros(len(log), np.int64) for name in ("env", "episode")
+    )
+    return env * (int(episode.max(initial=0)) + 1) + episode
+
+
+def steps_of(log: Log) -> Mask:
+    """Which rows are steps, and no starts of episodes, (rows,)."""
+    return ~np.asarray(log["start"], bool) if "start" in log else np.ones(len(log), bool)
+
+
+def _ends(log: Log) -> Mask:
+    """Which rows end an episode. Where no column tells it, the last episode of each env may still go on."""
+    flags: list[Mask] = [np.asarray(log[name], bool) for name in ("terminated", "truncated") if name in log]
+    numbers = episode_numbers(log)
+    ends: Mask = np.zeros(len(log), bool)
+    if flags:
+        ends |= flags[0] | flags[-1]
+        return ends
+    known, from_end = np.unique(numbers[::-1], return_index=True)
+    env = np.asarray(log["env"])[len(log) - 1 - from_end] if "env" in log else np.zeros(len(known))
+    ends[(len(log) - 1 - from_end)[:-1][np.diff(env) == 0]] = True
+    return ends
 
 
 @dataclass(frozen=True)
@@ -70,17 +130,21 @@ class Apart:
         steps: Pearson distance of what they pay for each step, sqrt((1 - rho) / 2), in [0, 1]; None where one of them,
             and not the other, pays every step the same.
         returns: The same of the returns of finished episodes; None also below two of them.
-        order: How they order these episodes.
+        discordant: Share of the pairs of episodes that the two put in opposite orders, of those that both tell apart.
+        told_apart: Share of all pairs of episodes that both tell apart; None below two episodes.
     """
 
     steps: float | None
     returns: float | None
-    order: EpisodeOrder
+    discordant: float | None
+    told_apart: float | None
 
 
 def compare_paid(paid: Paid, one: str, other: str) -> Apart:
     """How far apart two rewards are, both known in `paid`."""
-    return Apart(_pearson(paid.steps, one, other), _pearson(paid.returns, one, other), _order(paid.returns, one, other))
+    return Apart(
+        _pearson(paid.steps, one, other), _pearson(paid.returns, one, other), *_order(paid.returns, one, other)
+    )
 
 
 def pairs_of(names: tuple[str, ...]) -> list[tuple[str, str]]:
@@ -89,29 +153,29 @@ def pairs_of(names: tuple[str, ...]) -> list[tuple[str, str]]:
 
 
 def _pearson(values: Mapping[str, Float], one: str, other: str) -> float | None:
-    if len(values[one]) < 2:
+    if one not in values or len(values[one]) < 2:
         return None
     first, second = (centred_unit(values[name], float(np.abs(values[name]).max())) for name in (one, other))
     return distance_between(first, second)
 
 
-def _order(returns: Mapping[str, Float], one: str, other: str) -> EpisodeOrder:
-    """From Kendall's tau-b, which scipy finds without looking at every pair."""
+def _order(returns: Mapping[str, Float], one: str, other: str) -> tuple[float | None, float | None]:
+    """The shares of `Apart`. From Kendall's tau-b, which scipy finds without looking at all pairs."""
     from scipy.stats import kendalltau
 
     count = len(returns[one])
     pairs = count * (count - 1) // 2
     if not pairs:
-        return EpisodeOrder(None, None)
+        return None, None
     # Sums in another order differ in the last digits: such returns are equal.
     first, second = (_rounded(returns[name]) for name in (one, other))
     ties_one, ties_other = _ties(first), _ties(second)
     apart = pairs - ties_one - ties_other + _ties(np.stack([first, second], axis=1))
     if not apart:
-        return EpisodeOrder(None, 0.0)
+        return None, 0.0
     tau = float(kendalltau(first, second).statistic)
     surplus = round(tau * float(np.sqrt(pairs - ties_one) * np.sqrt(pairs - ties_other)))
-    return EpisodeOrder((apart - surplus) / 2 / apart, apart / pairs)
+    return (apart - surplus) / 2 / apart, apart / pairs
 
 
 def _rounded(values: Float) -> Float:

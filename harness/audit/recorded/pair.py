@@ -1,13 +1,15 @@
 """Two rewards over several sets of recorded steps: the means of their distances."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
-from harness.audit.recorded.paid import Apart
-from harness.audit.recorded.step_apart import StepApart
+from harness.audit.distance import Distance, Form, compare_forms
+from harness.audit.recorded.paid import Acted, Apart, compare_paid, paid_in, pairs_of
+from harness.audit.recorded.step_apart import StepApart, steps_apart
 from harness.eta.interval import SHARE
-from harness.eta.rescaling import Line, Rescaling, rescaling_of
+from harness.eta.rescaling import Line, Rescaling, line_of, rescaling_of
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
 
 
@@ -25,6 +27,8 @@ class Pair:
         each: What the means are made of, by recording or measurement.
         rescaling: What the other one is, if it is the first one but for scale and offset; else None.
         largest: The steps that they pay most differently; empty where they were not looked for.
+        forms: By canonical form, how far apart they are without potential shaping; empty where nobody asked.
+        reasons: By canonical form without a value: why.
     """
 
     one: str
@@ -36,6 +40,8 @@ class Pair:
     each: tuple[Apart, ...]
     rescaling: Rescaling | None = None
     largest: tuple[StepApart, ...] = ()
+    forms: Mapping[str, SeedMean] = field(default_factory=dict)
+    reasons: Mapping[str, str] = field(default_factory=dict)
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
@@ -46,13 +52,20 @@ class Pair:
             "discordant": mean_json(self.discordant),
             "told_apart": mean_json(self.told_apart),
             "rescaled": self.rescaling and self.rescaling.to_json(),
-            "each": [{"steps": it.steps, "returns": it.returns, "discordant": it.order.discordant} for it in self.each],
+            "each": [{"steps": it.steps, "returns": it.returns, "discordant": it.discordant} for it in self.each],
             "largest": [step.to_json() for step in self.largest],
+            **{form: mean_json(mean) for form, mean in self.forms.items()},
+            **({"reasons": dict(self.reasons)} if self.forms else {}),
         }
 
 
 def pair_of(
-    one: str, other: str, each: Sequence[Apart], lines: Sequence[Line | None], largest: Sequence[StepApart] = ()
+    one: str,
+    other: str,
+    each: Sequence[Apart],
+    lines: Sequence[Line | None],
+    largest: Sequence[StepApart] = (),
+    forms: Sequence[Mapping[str, Distance]] = (),
 ) -> Pair:
     """The means, with intervals over recordings or measurements.
 
@@ -62,18 +75,73 @@ def pair_of(
         each: How far apart they are, by recording or measurement.
         lines: The line of what they paid, in the same order.
         largest: See `Pair`.
+        forms: How far apart they are by canonical form, by measurement.
     """
+    known = {form: [it[form] for it in forms] for form in (forms[0] if forms else ())}
+    means = {form: mean_within([it if isinstance(it, float) else None for it in of]) for form, of in known.items()}
+    told = [(form, why) for it in reversed(forms) for form, why in it.items() if isinstance(why, str)]
     return Pair(
         one,
         other,
         mean_within([it.steps for it in each]),
         mean_within([it.returns for it in each]),
-        mean_within([it.order.discordant for it in each]),
-        mean_within([it.order.told_apart for it in each]),
+        mean_within([it.discordant for it in each]),
+        mean_within([it.told_apart for it in each]),
         tuple(each),
         rescaling_of(lines),
         tuple(largest),
+        means,
+        {form: why for form, why in told if means[form].mean is None},
     )
+
+
+def pairs_in(
+    compared: Iterable[Acted],
+    rewards: tuple[str, ...],
+    forms: Sequence[Mapping[str, Mapping[str, Form]]] = (),
+    most: int = 0,
+) -> tuple[tuple[Pair, ...], list[str]]:
+    """Every two rewards beside one another, and a line for each reward that is not known everywhere.
+
+    Args:
+        compared: What means are over.
+        rewards: Names.
+        forms: By measurement and name, the rewards in canonical forms.
+        most: So many steps are told that the two pay most differently.
+    """
+    each: dict[tuple[str, str], list[Apart]] = {pair: [] for pair in pairs_of(rewards)}
+    lines: dict[tuple[str, str], list[Line | None]] = {pair: [] for pair in each}
+    largest: dict[tuple[str, str], list[StepApart]] = {pair: [] for pair in each}
+    notes, lacking = list[str](), Counter[str]()
+    count = 0
+    for it in compared if each else ():
+        count += 1
+        log = it.log()
+        paid = paid_in(log, it.episodes)
+        can_end = "terminated" in log and bool(log["terminated"].any())
+        unknown = {name: why for name, why in paid.unknown.items() if name in rewards}
+        notes += [f"'{it.name}' does not count for reward {name!r}: {why}" for name, why in unknown.items()]
+        lacking.update(name for name in rewards if name not in paid.returns and name not in unknown)
+        for (one, other), found in each.items():
+            if {one, other} <= paid.returns.keys():
+                found.append(compare_paid(paid, one, other))
+            if {one, other} <= paid.steps.keys():
+                lines[one, other].append(line_of(paid.steps[one], paid.steps[other], can_end=can_end))
+                known = [*largest[one, other], *(steps_apart(it.name, log, one, other) if most else ())]
+                largest[one, other] = sorted(known, key=lambda step: -step.difference)[:most]
+    notes += [f"{number:,} of {count:,} did not record reward {name!r}" for name, number in lacking.items()]
+    notes += [f"No recording knows both {one!r} and {other!r}" for (one, other), found in each.items() if not found]
+    pairs = [
+        pair_of(
+            *pair,
+            each[pair],
+            lines[pair],
+            largest[pair],
+            [compare_forms(pair[0], of[pair[0]], pair[1], of[pair[1]]) for of in forms],
+        )
+        for pair in each
+    ]
+    return tuple(pairs), notes
 
 
 def mean_within(values: Sequence[float | None]) -> SeedMean:

@@ -1,11 +1,12 @@
 """Two rewards beside one another, and what behaviour earned under them, as a terminal shows it."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from rich import box
 from rich.table import Table
 from rich.text import Text
 
+from harness.audit.distance import DARD, EPIC, STARC
 from harness.audit.number import number
 from harness.audit.recorded.earned import Earned, best_paid
 from harness.audit.recorded.pair import Pair
@@ -15,13 +16,31 @@ from harness.eta.seed_mean import SeedMean
 MISSING = "n/a"
 STEPS = "of what both pay for the same steps"
 RETURNS = "of the returns of the same episodes"
+TRANSITIONS = {
+    EPIC: "without potential shaping, beside steps to any state that was met",
+    DARD: "without potential shaping, beside steps near in time",
+    STARC: "without potential shaping, less the value of steps near in time",
+}
+MADE_UP = {
+    EPIC: "without potential shaping, beside steps to any recorded distance",
+    DARD: "without potential shaping, beside steps that the arm can do from there",
+}
+"""What the distances by canonical form say: by recorded transitions, or by distances alone."""
+SCALE = "Distances: 0 the same but for scale and offset, 0.71 unrelated, 1 opposite."
+MOST_MEASURES = 3
+"""So many measures of behaviour are shown; JSON has all."""
 
 
-def pair_grid(pair: Pair) -> Table:
-    """What is asked, the answer, and what it means."""
+def pair_grid(pair: Pair, meanings: Mapping[str, str] = TRANSITIONS) -> Table:
+    """What is asked, the answer, and what it means.
+
+    Args:
+        pair: Two rewards.
+        meanings: What their distances say, by canonical form.
+    """
     grid = answer_grid()
     for question, mean, meaning, why in (
-        ("distance by steps", pair.steps, STEPS, "one of the two pays every step the same"),
+        ("distance by steps", pair.steps, STEPS, "one of the two pays every step the same, or no steps were kept"),
         ("distance by episodes", pair.returns, RETURNS, "one of the two pays every episode the same, or there is one"),
     ):
         add_answer(grid, question, distance_text(mean), why if mean.mean is None else told_in(mean, pair, meaning))
@@ -30,6 +49,13 @@ def pair_grid(pair: Pair) -> Table:
         told = f"of the pairs of episodes that both tell apart; these are {pair.told_apart.mean:.0%} of all pairs"
         meaning = told_in(pair.discordant, pair, told)
     add_answer(grid, "opposite order", share_text(pair.discordant), meaning)
+    reasons = set(pair.reasons.values())
+    if pair.forms and len(pair.reasons) == len(pair.forms) and len(reasons) == 1:
+        add_answer(grid, ", ".join(pair.forms), MISSING, reasons.pop())
+        return grid
+    for form, distance in pair.forms.items():
+        meaning = told_in(distance, pair, meanings[form])
+        add_answer(grid, f"{form} distance", distance_text(distance), pair.reasons.get(form, meaning))
     return grid
 
 
@@ -82,23 +108,27 @@ def _step_text(pair: Pair, step: StepApart) -> str:
 
 
 def earned_grid(rows: Sequence[Earned], rewards: Sequence[str]) -> Table:
-    """A row for each behaviour, a column for each reward; what earned most under a reward is marked."""
+    """A row for each behaviour: what it was like, and what it earned. What earned most under a reward is marked."""
     grid = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0))
-    grid.add_column("mean return\nof an episode", overflow="fold")
+    grid.add_column("mean\nof an episode", overflow="fold")
     grid.add_column("episodes", justify="right")
+    measures = list(dict.fromkeys(name for row in rows for name in row.measures))[:MOST_MEASURES]
+    for name in measures:
+        grid.add_column(Text(name.replace("_", "_\n")), justify="right", overflow="fold")
     for name in rewards:
         grid.add_column(Text(f"paid by\n{name}"), justify="right", overflow="fold")
-    best = {name: best_paid(rows, name) for name in rewards}
+    best = {name: best_paid(rows, name) if len(rows) > 1 else None for name in rewards}
     for row in rows:
-        values = (_earned_text(row.returns[name], row is best[name]) for name in rewards)
-        grid.add_row(Text(row.behaviour), f"{row.episodes:,}", *map(Text, values))
+        showed = (_mean_text(row.measures.get(name)) for name in measures)
+        earned = (_mean_text(row.returns[name], " (most)" * (row is best[name])) for name in rewards)
+        grid.add_row(Text(row.behaviour), f"{row.episodes:,}", *map(Text, (*showed, *earned)))
     return grid
 
 
-def _earned_text(mean: SeedMean, is_best: bool) -> str:
-    if mean.mean is None:
+def _mean_text(mean: SeedMean | None, mark: str = "") -> str:
+    if mean is None or mean.mean is None:
         return MISSING
-    lines = [f"{number(mean.mean)} (most)" if is_best else number(mean.mean)]
+    lines = [f"{number(mean.mean)}{mark}"]
     if mean.low is not None and mean.high is not None:
         lines.append(f"[{number(mean.low)}, {number(mean.high)}]")
     return "\n".join(lines)

@@ -1,110 +1,97 @@
-"""`audit_recordings`: the rewards of recorded trainings beside one another, in any environment. Trains nothing."""
+"""The rewards of recorded trainings, and of logs that other programs wrote, beside one another. Trains nothing."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import Any
 
-import numpy as np
-
-from harness.arrays import Float
-from harness.audit.recorded.earned import Earned
-from harness.audit.recorded.paid import Apart, Paid, compare_paid, paid_in, pairs_of
-from harness.audit.recorded.pair import Pair, pair_of
-from harness.audit.recorded.step_apart import MOST, StepApart, steps_apart
+from harness.audit.audit import Audit
+from harness.audit.questions import LOGS, NO_SUCCESS, NOT_ASKED, RECORDED, deciding_measure, on_best, rank_success
+from harness.audit.recorded.earned import Earned, earned_in_episodes, earned_in_parts
+from harness.audit.recorded.paid import Acted, acted_in
+from harness.audit.recorded.pair import pairs_in
+from harness.audit.recorded.pair_grid import SCALE
+from harness.audit.recorded.step_apart import MOST
 from harness.errors import UsageError
-from harness.eta.rescaling import Line
-from harness.eta.seed_mean import mean_over_seeds
 from harness.log import Log
-from harness.log.log import REWARD
-from harness.record.recording.facts import facts_of
-from harness.record.recording.recorded_training import INTEGERS, read_recording, weighed
-from harness.results.recordings.episodes import Part
+from harness.log.log import RECORDED as PAID
+from harness.log.log import REWARD, Columns
+from harness.record.recording.recorded_training import read_recording, weighed
+from harness.registry.names import unknown_name
+from harness.results.recordings.episodes import count_text
 from harness.results.recordings.read_runs import env_of, read_all, without_short
 from harness.results.recordings.runs import LAST_SHARE, Run
+from harness.results.recordings.runs import RANDOM as ACTED_AT_RANDOM
 
 RANDOM = "random actions"
+UNITS = {
+    "episode": "A row is an episode, so rewards are compared by episodes alone",
+    "point": "A row is a point of a curve, the mean of some episodes, and is taken for an episode",
+}
+"""What is told of logs whose rows are no steps."""
 
 
-@dataclass(frozen=True)
-class RecordedAudit:
-    """What the rewards of a folder of recordings paid for the same steps.
-
-    Attributes:
-        env: Its id.
-        compared: Folders of the recordings that distances are means over.
-        evaluations: Whether these are evaluations, because the folder holds no training.
-        rewards: That were recorded.
-        pairs: Every two of them.
-        earned: What each recorded behaviour earned.
-        notes: What to keep in mind, a line each.
-        damaged: What could not be read, a line each.
-    """
-
-    env: str
-    compared: tuple[str, ...]
-    evaluations: bool
-    rewards: tuple[str, ...]
-    pairs: tuple[Pair, ...]
-    earned: tuple[Earned, ...]
-    notes: tuple[str, ...]
-    damaged: tuple[str, ...]
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data, finite numbers only."""
-        return {
-            "env": self.env,
-            "recordings": list(self.compared),
-            "evaluations": self.evaluations,
-            "rewards": list(self.rewards),
-            "pairs": [pair.to_json() for pair in self.pairs],
-            "earned": [row.to_json() for row in self.earned],
-            "notes": list(self.notes),
-            "damaged": list(self.damaged),
-        }
-
-
-def audit_recordings(folder: Path, random: Path | None = None) -> RecordedAudit:
-    """How far apart the rewards in a folder of recordings are, and what recorded behaviour earned under each.
+def audit_recordings(folder: Path, random: Path | None = None, only: Sequence[str] = ()) -> Audit:
+    """How far apart the rewards in a folder of recordings are, what behaviour was like, and what it earned under each.
 
     Args:
-        folder: With recordings of one env, at any depth.
-        random: With recordings of random actions in the same env, if there are any.
+        folder: With recordings of one env, at any depth: those of an experiment too.
+        random: With recordings of random actions in the same env, if they lie somewhere else.
+        only: The rewards that are told of; all of them if empty.
 
     Raises:
         UsageError: There is nothing to compare, or the recordings are of several envs.
     """
     found, damaged = _read(folder)
-    at_random, damaged_too = ([], []) if random is None else _read(random)
-    paths = {run.path.resolve() for run in at_random}  # they may lie in the same folder
+    apart, damaged_too = ([], []) if random is None else _read(random)
+    paths = {run.path.resolve() for run in apart}  # they may lie in the same folder
     found = [run for run in found if run.path.resolve() not in paths]
-    env, notes = env_of(folder, [*found, *at_random])
+    env, notes = env_of(folder, [*found, *apart])
     _, short = without_short(found)
-    notes += short
     found = [run for run in found if not (run.facts.evaluation and run.shortfall)]
-    trainings, evaluations = ([run for run in found if run.facts.evaluation is it] for it in (False, True))
-    compared = trainings or evaluations or at_random
-    if not any(run.steps for run in compared):
-        raise UsageError(f"'{folder}' has nothing to compare: no recording in it has a step")
-    rewards = tuple(dict.fromkeys(name for run in compared for name in run.facts.rewards))
-    if len(rewards) < 2:
-        raise UsageError(
-            f"'{folder}' has nothing to compare: its recordings have only one reward, {rewards[0]!r}. Record another "
-            "one beside it, see docs/your-environment.md"
-        )
-    notes += [f"'{run.path}' is left out: it has no steps" for run in found if not run.steps]
-    pairs, told = _pairs(folder, [run for run in compared if run.steps], rewards)
-    earned = [*_earned_at_random(at_random, rewards), *_earned(trainings, evaluations, rewards)]
-    return RecordedAudit(
+    at_random = [*apart, *(run for run in found if run.facts.acted == ACTED_AT_RANDOM)]
+    # Evaluations before the training ended are of other policies than the one that it left.
+    acted = [run for run in found if run not in at_random and not run.facts.after]
+    notes += [*short, *(f"'{run.path}' is left out: it has no steps" for run in found if not run.steps)]
+    return _audit(
+        f"'{folder}'",
         env,
-        tuple(_name(folder, run) for run in compared if run.steps),
-        not trainings,
-        rewards,
-        pairs,
-        tuple(earned),
-        (*notes, *told),
+        "recorded",
+        [_of_run(folder, run) for run in acted if run.steps],
+        [_of_run(folder, run) for run in at_random if run.steps],
+        only,
+        notes,
         (*damaged, *damaged_too),
+        NOT_ASKED[RECORDED],
     )
+
+
+def audit_logs(
+    path: Path, logs: Sequence[Log], left_out: Iterable[tuple[Path, str]], only: Sequence[str] = ()
+) -> Audit:
+    """The same of logs that other programs wrote, as far as their rows tell it.
+
+    Args:
+        path: Where they lie.
+        logs: Those that were read.
+        left_out: What could not be read, and why.
+        only: The rewards that are told of; all of them if empty.
+
+    Raises:
+        UsageError: There is none, or none has a row.
+    """
+    left = [f"'{place}' is left out: {why}" for place, why in left_out]
+    if not logs:
+        raise UsageError(". ".join([f"'{path}' holds no log that is read: harness list logs tells which are", *left]))
+    notes = [line for unit, line in UNITS.items() if any(log.facts.unit == unit for log in logs)]
+    notes += dict.fromkeys(line for log in logs for line in (*log.facts.notes, log.facts.thinned) if line)
+    names = dict.fromkeys(log.facts.env for log in logs if log.facts.env)
+    told = [log.facts.trained_with or _place(path, log) for log in logs]
+    acted = [_of_log(path, log, taught, len({*told}) > 1) for log, taught in zip(logs, told, strict=True)]
+    audit = _audit(
+        f"'{path}'", ", ".join(names) or str(path), "logged", acted, [], only, (*notes, *left), (), NOT_ASKED[LOGS]
+    )
+    return replace(audit, setting=(", ".join(sorted({log.facts.format for log in logs})),))
 
 
 def _read(folder: Path) -> tuple[list[Run], list[str]]:
@@ -115,71 +102,147 @@ def _read(folder: Path) -> tuple[list[Run], list[str]]:
     return found, damaged
 
 
-def _name(folder: Path, run: Run) -> str:
-    return run.path.relative_to(folder).as_posix() if run.path.is_relative_to(folder) else run.path.as_posix()
+def _of_run(folder: Path, run: Run) -> Acted:
+    name = run.path.relative_to(folder).as_posix() if run.path.is_relative_to(folder) else run.path.as_posix()
+    rewards, facts = tuple(run.episodes.returns), run.facts
+    read = partial(_log_of, run.path, rewards)
+    return Acted(name, run.steps, run.episodes, read, run.reward, facts.evaluation, facts.acted)
 
 
-def _pairs(folder: Path, runs: Sequence[Run], rewards: tuple[str, ...]) -> tuple[tuple[Pair, ...], list[str]]:
-    """Every pair; and a line for each reward that is not known in a recording."""
-    each: dict[tuple[str, str], list[Apart]] = {pair: [] for pair in pairs_of(rewards)}
-    lines: dict[tuple[str, str], list[Line | None]] = {pair: [] for pair in each}
-    largest: dict[tuple[str, str], list[StepApart]] = {pair: [] for pair in each}
-    notes: list[str] = []
-    for run in runs:
-        log = weighed(read_recording(run.path), rewards)
-        recording = log.loaded([*INTEGERS, *(f"{REWARD}{name}" for name in facts_of(log).rewards)])
-        paid = paid_in(recording, run.episodes)
-        notes += _unknown(_name(folder, run), paid, rewards)
-        for pair, found in each.items():
-            if set(pair) <= paid.steps.keys():
-                found.append(compare_paid(paid, *pair))
-                lines[pair].append(run.likeness.lines[pair])
-                largest[pair] = _most(largest[pair], _name(folder, run), recording, *pair)
-    notes += [f"No recording knows both {one!r} and {other!r}" for (one, other), found in each.items() if not found]
-    return tuple(pair_of(*pair, each[pair], lines[pair], largest[pair]) for pair in each), notes
+def _log_of(path: Path, rewards: Sequence[str]) -> Log:
+    """The steps of a recording, paid by these rewards, also by those with other weights as far as terms tell it."""
+    return weighed(read_recording(path), rewards)
 
 
-def _unknown(name: str, paid: Paid, rewards: Iterable[str]) -> list[str]:
-    missing = [it for it in rewards if it not in paid.steps]
-    return [f"'{name}' does not count for reward {it!r}: {paid.unknown.get(it, 'not recorded')}" for it in missing]
+def _place(path: Path, log: Log) -> str:
+    """What tells the trainings of a log from others: its folder below `path`, or its own name in that."""
+    place = log.facts.path
+    inside = place.relative_to(path) if place.is_relative_to(path) else place
+    return inside.parent.as_posix() if len(inside.parts) > 1 else place.name
 
 
-def _most(known: Sequence[StepApart], name: str, recording: Log, one: str, other: str) -> list[StepApart]:
-    found = [*known, *steps_apart(name, recording, one, other)]
-    return sorted(found, key=lambda step: -step.difference)[:MOST]
+def _of_log(path: Path, log: Log, taught: str, several: bool) -> Acted:
+    """One log. Where there are several rewards, its own pay is that of the one that taught."""
+    place, own = log.facts.path, f"{REWARD}{PAID}"
+    name = place.relative_to(path).as_posix() if place.is_relative_to(path) and place != path else place.name
+    if several and own in log:
+        log = _renamed(log, own, f"{REWARD}{taught}")
+    name = f"{name}, {log.facts.run}" if log.facts.run else name
+    return acted_in(name, log, taught, log.facts.evaluation)
 
 
-def _earned_at_random(runs: Sequence[Run], rewards: tuple[str, ...]) -> list[Earned]:
-    """Its episodes are independent of one another, so that intervals are over them."""
-    if not runs:
-        return []
-    returns = {name: mean_over_seeds(_known_returns(runs, name)) for name in rewards}
-    return [Earned(RANDOM, sum(len(run.episodes.last) for run in runs), returns)]
+def _renamed(log: Log, old: str, new: str) -> Log:
+    """The same log with another name for one of its columns."""
+
+    def read(names: tuple[str, ...]) -> Iterable[Columns]:
+        asked = {name: old if name == new else name for name in names}
+        return ({name: table[of] for name, of in asked.items()} for table in log.read(tuple(asked.values())))
+
+    return replace(log, columns=tuple(new if name == old else name for name in log.columns), read=read)
 
 
-def _known_returns(runs: Sequence[Run], reward: str) -> list[float]:
-    found: list[Float] = [run.episodes.returns[reward] for run in runs if reward in run.episodes.returns]
-    whole = np.concatenate([np.zeros(0), *found])
-    return [] if np.isnan(whole).any() else whole.tolist()
+def _audit(
+    where: str,
+    env: str,
+    noun: str,
+    acted: Sequence[Acted],
+    at_random: Sequence[Acted],
+    only: Sequence[str],
+    notes: Sequence[str],
+    damaged: tuple[str, ...],
+    not_asked: tuple[str, ...],
+) -> Audit:
+    """What is told of any recorded steps or episodes."""
+    trainings, evaluations = ([it for it in acted if it.evaluation is kind] for kind in (False, True))
+    compared = trainings or evaluations or at_random
+    if not compared:
+        raise UsageError(f"{where} has nothing to compare: no recording in it has a step")
+    rewards = chosen_rewards(dict.fromkeys(name for it in compared for name in it.episodes.returns), only, where)
+    judged = evaluations or trainings or at_random
+    success = deciding_measure([it.episodes for it in judged])
+    named = dict.fromkeys(name for it in (*acted, *at_random) for name in it.episodes.behaviour)
+    measures = sorted(named, key=lambda name: name != success)  # all others stay in their order
+    chance = [earned_in_episodes(RANDOM, [it.episodes for it in at_random], rewards, measures)] if at_random else []
+    early, final = _earned(trainings, evaluations, rewards, measures)
+    pairs, told = pairs_in(compared, rewards, most=MOST)
+    if not pairs:
+        told.append(
+            f"There is only one reward, {rewards[0]}, so none is compared with it. Record another one beside it, see "
+            "docs/your-environment.md"
+        )
+    known = [name for name in rewards if all(name in it.episodes.returns for it in judged)] if success else []
+    count, kind = len(compared), "training" if trainings else "evaluation"
+    few = "" if count >= 3 else " No intervals below three of them."
+    return Audit(
+        title=title_of(env, count_text(count, f"{noun} {kind}"), rewards),
+        setting=(),
+        facts={"env": env, "recordings": [it.name for it in compared], "evaluations": not trainings},
+        rewards=rewards,
+        pairs=pairs,
+        earned=(*chance, *early, *final),
+        success=success,
+        rankings={name: rank_success([it.episodes for it in judged], name, success) for name in known},
+        verdict=tuple(on_best([*chance, *final], rewards, success)),
+        measured=(f"{SCALE} Means over {kind}s, 95% intervals over them in brackets.{few}",) if pairs else (),
+        not_asked=(*not_asked, *([] if success else [NO_SUCCESS])),
+        notes=(*notes, *told),
+        damaged=damaged,
+    )
 
 
-def _earned(trainings: Sequence[Run], evaluations: Sequence[Run], rewards: tuple[str, ...]) -> Iterable[Earned]:
-    """By the reward that taught: early, late, and in evaluations; means of trainings, intervals over them."""
-    for taught in dict.fromkeys(run.reward for run in (*trainings, *evaluations)):
-        members = [run for run in trainings if run.reward == taught and run.steps]
-        stretches = {
-            "first fifth": [run.episodes.part(0, round(LAST_SHARE * run.steps)) for run in members],
-            "last fifth": [run.episodes.part(round((1.0 - LAST_SHARE) * run.steps), run.steps) for run in members],
-            "evaluations": [it.episodes.part(0, it.steps) for it in evaluations if it.reward == taught],
-        }
-        for stretch, parts in stretches.items():
-            if parts:
-                yield _mean(f"trained with {taught}, {stretch}", parts, rewards)
+def title_of(what: str, counted: str, rewards: Sequence[str]) -> str:
+    """What was audited, ``Pendulum-v1: 4 recorded trainings, 2 rewards: own, calm``."""
+    return f"{what}: {counted}, {count_text(len(rewards), 'reward')}: {', '.join(rewards)}"
 
 
-def _mean(behaviour: str, parts: Sequence[Part], rewards: tuple[str, ...]) -> Earned:
-    returns = {
-        name: mean_over_seeds([value for part in parts if (value := part.returns.get(name)) is not None])
-        for name in rewards
-    }
-    return Earned(behaviour, sum(part.episodes for part in parts), returns)
+def chosen_rewards(known: Iterable[str], only: Sequence[str], where: str) -> tuple[str, ...]:
+    """The rewards that are told of.
+
+    Args:
+        known: Those that are recorded.
+        only: Those that the user named; all if empty.
+        where: In which folder, quoted.
+
+    Raises:
+        UsageError: One of them is not recorded.
+    """
+    names = tuple(known)
+    for name in only:
+        if name not in names:
+            raise UsageError(
+                f"{unknown_name('reward', name, names)} Those are recorded in {where}; harness score lets another one "
+                "pay recorded steps"
+            )
+    return tuple(name for name in names if name in only) if only else names
+
+
+def _earned(
+    trainings: Sequence[Acted], evaluations: Sequence[Acted], rewards: Sequence[str], measures: Sequence[str]
+) -> tuple[list[Earned], list[Earned]]:
+    """By the reward that taught, means of trainings with intervals over them: while learning; of the final policies.
+
+    Without evaluations the last part of a training stands for its final policy.
+    """
+    early: list[Earned] = []
+    final: list[Earned] = []
+    for taught in dict.fromkeys(it.taught for it in (*trainings, *evaluations)):
+        who, members = f"trained with {taught}", [it for it in trainings if it.taught == taught]
+        first = [it.episodes.part(0, round(LAST_SHARE * it.steps)) for it in members]
+        last = [it.episodes.part(round((1.0 - LAST_SHARE) * it.steps), it.steps) for it in members]
+        by_manner: dict[str, list[Acted]] = {}
+        for it in (it for it in evaluations if it.taught == taught):
+            by_manner.setdefault(it.manner, []).append(it)
+        evaluated = [
+            earned_in_parts(
+                f"{who}, {f'{manner} ' if manner else ''}evaluations",
+                [it.episodes.part(0, it.steps) for it in of],
+                rewards,
+                measures,
+            )
+            for manner, of in sorted(by_manner.items())
+        ]
+        if members:
+            early.append(earned_in_parts(f"{who}, first fifth", first, rewards, measures))
+            (early if evaluated else final).append(earned_in_parts(f"{who}, last fifth", last, rewards, measures))
+        final += evaluated
+    return early, final

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from harness.audit.recorded.paid import episode_numbers, steps_of
 from harness.log import Log
 from harness.log.log import REWARD
 
@@ -44,30 +45,25 @@ class StepApart:
         return asdict(self)
 
 
-def steps_apart(folder: str, recording: Log, one: str, other: str) -> list[StepApart]:
-    """The steps of a recording with the largest differences, largest first, one of an episode at most.
+def steps_apart(folder: str, log: Log, one: str, other: str) -> list[StepApart]:
+    """The steps of a log with the largest differences, largest first, one of an episode at most.
 
     None where a reward pays all steps the same.
     """
-    values = np.stack([recording[f"{REWARD}{one}"], recording[f"{REWARD}{other}"]])
+    rows, episodes = np.flatnonzero(steps_of(log)), episode_numbers(log)
+    values = np.stack([log[f"{REWARD}{one}"][rows], log[f"{REWARD}{other}"][rows]])
     spread = values.std(axis=1, keepdims=True)
     if not (spread > 1e-9 * np.abs(values).max(axis=1, keepdims=True)).all():
         return []
     deviations = (values - values.mean(axis=1, keepdims=True)) / spread
     difference = np.abs(deviations[0] - deviations[1])
-    falling = np.argsort(-difference, kind="stable")
-    env, episode = recording["env"].astype(np.int64), recording["episode"]
-    most = int(episode.max()) + 1
-    _, first = np.unique(env[falling] * most + episode[falling], return_index=True)
-    largest = falling[np.sort(first)[:MOST]]
-    return [
-        StepApart(
-            folder,
-            int(env[row]),
-            int(episode[row]),
-            int(recording["step"][row]),
-            (float(values[0, row]), float(values[1, row])),
-            (float(deviations[0, row]), float(deviations[1, row])),
-        )
-        for row in largest[difference[largest] >= LEAST]
-    ]
+    found: dict[int, StepApart] = {}  # by episode
+    for place in np.argsort(-difference, kind="stable").tolist():
+        if len(found) == MOST or difference[place] < LEAST:
+            break
+        row = rows[place]
+        env, episode, step = (int(log[name][row]) if name in log else 0 for name in ("env", "episode", "step"))
+        (first, second), (first_from, second_from) = values[:, place].tolist(), deviations[:, place].tolist()
+        apart = StepApart(folder, env, episode, step, (first, second), (first_from, second_from))
+        found.setdefault(int(episodes[row]), apart)
+    return list(found.values())

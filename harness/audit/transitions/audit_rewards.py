@@ -1,32 +1,33 @@
 """`harness.audit_rewards`: how far apart rewards are in any Gymnasium environment, potential shaping left out too."""
 
 import tempfile
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import gymnasium
 import numpy as np
 from gymnasium.wrappers import TimeLimit
 
-from harness.audit.recorded.earned import Earned
-from harness.audit.recorded.paid import Paid, compare_paid, paid_in, pairs_of
-from harness.audit.recorded.pair import mean_within, pair_of
+from harness.audit.audit import Audit
+from harness.audit.distance import FORMS, Form
+from harness.audit.questions import ENVIRONMENT, NO_SUCCESS, NOT_ASKED, deciding_measure, on_best, rank_success
+from harness.audit.recorded.earned import earned_in_episodes
+from harness.audit.recorded.paid import Acted, acted_in
+from harness.audit.recorded.pair import pairs_in
+from harness.audit.recorded.pair_grid import SCALE
 from harness.audit.recorded.recordings import RANDOM
 from harness.audit.transitions.asked import of_transitions
-from harness.audit.transitions.canonical_forms import one_by_one
-from harness.audit.transitions.form_distances import FORMS, FormVector, draw_coverages, form_distance, form_vector
-from harness.audit.transitions.reward_audit import FormsOfPair, RewardAudit
+from harness.audit.transitions.canonical_forms import draw_coverages, forms_of, one_by_one
 from harness.errors import UsageError
-from harness.eta.rescaling import line_of
-from harness.eta.seed_mean import mean_over_seeds
+from harness.log.log import REWARD
 from harness.record.recording.recorded_training import read_recording
 from harness.recorder.record_rewards import RecordRewards
 from harness.recorder.walk import KeepWalks, Walk
-from harness.results.recordings.episodes import episodes_of
+from harness.results.recordings.episodes import Episodes, count_text
 from harness.reward.given import OWN, Given
 
+GAMMA, EPISODES = 0.99, 10
 MEASUREMENTS = 5
 """Each has episodes and samples of its own; intervals are over them."""
 
@@ -39,11 +40,13 @@ def audit_rewards(
     rewards: Mapping[str, Given],
     *,
     policies: Mapping[str, Policy] | None = None,
-    gamma: float = 0.99,
-    episodes: int = 10,
+    gamma: float = GAMMA,
+    episodes: int = EPISODES,
     steps: int = 1_000,
     seed: int = 0,
-) -> RewardAudit:
+    behaviour: Mapping[str, Given] | None = None,
+    compared: Collection[str] | None = None,
+) -> Audit:
     """How far apart rewards are: in the steps of random actions and of policies, and as EPIC, DARD and STARC see them.
 
     The last three do not change when gamma phi(s') - phi(s) is added to a reward. They ask it about transitions that
@@ -58,33 +61,56 @@ def audit_rewards(
         episodes: Of each policy in each of 5 measurements.
         steps: Most of an episode; a longer one is cut.
         seed: Of all that is drawn.
+        behaviour: Measures of what policies do, as of `harness.RecordRewards`; no reward enters them.
+        compared: Names of the rewards that are told of, ``own`` among them if it is; None for all.
 
     Raises:
         UsageError: Something of that cannot be used, or a reward fails in a step that was taken.
     """
     policies = policies or {}
     _check(rewards, policies, gamma, episodes, steps, seed)
-    made = _make(env)
+    made, drawn = _make(env), [np.random.default_rng([seed, number]) for number in range(MEASUREMENTS)]
     try:
-        taken = [
-            _take(made, rewards, policies, episodes, steps, np.random.default_rng([seed, number]))
-            for number in range(MEASUREMENTS)
-        ]
+        taken = [_take(made, rewards, behaviour or {}, policies, episodes, steps, rng) for rng in drawn]
     finally:
         if made is not env:
             made.close()
-    names = taken[0].names
-    found = [_measure(it, gamma) for it in taken]
-    return RewardAudit(
-        made.spec.id if made.spec is not None else type(made.unwrapped).__name__,
-        (RANDOM, *policies),
-        gamma,
-        MEASUREMENTS,
-        episodes,
-        sum(len(walk.actions) for it in taken for walk in it.walks),
-        names,
-        tuple(_pair(pair, taken, found) for pair in pairs_of(names)),
-        tuple(_earned(policy, taken, names) for policy in (RANDOM, *policies)),
+    given = {**rewards, _own(rewards): OWN}
+    names = tuple(name for name in given if compared is None or name in compared)
+    forms = [_forms(it, {name: given[name] for name in names}, gamma) for it in taken]
+    pairs, _ = pairs_in([it.acted for it in taken], names, forms)
+    acting = (RANDOM, *policies)
+    by_policy = {policy: [it.of(number, episodes) for it in taken] for number, policy in enumerate(acting)}
+    earned = tuple(
+        earned_in_episodes(policy, each, names, tuple(behaviour or {})) for policy, each in by_policy.items()
+    )
+    everything = [it.acted.episodes for it in taken]
+    success, count = deciding_measure(everything), sum(it.acted.steps for it in taken)
+    name = made.spec.id if made.spec is not None else type(made.unwrapped).__name__
+    return Audit(
+        title=f"{name}: rewards {', '.join(names)}; discount {gamma:g}",
+        setting=(),
+        facts={
+            "env": name,
+            "policies": list(acting),
+            "gamma": gamma,
+            "measurements": MEASUREMENTS,
+            "episodes": episodes,
+            "steps": count,
+        },
+        rewards=names,
+        pairs=pairs,
+        earned=earned,
+        success=success,
+        rankings={reward: rank_success(everything, reward, success) for reward in names} if success else {},
+        verdict=tuple(on_best(earned, names, success)),
+        measured=(
+            f"{SCALE} Measured {MEASUREMENTS} times in the transitions of {', '.join(acting)}, each time with "
+            f"{count_text(episodes, 'new episode')} of each and new samples, {count:,} steps in all. The 95% intervals "
+            "are over these measurements. They say how much another measurement with the same policies would differ. "
+            "Other policies meet other transitions, where the distances are others.",
+        ),
+        not_asked=(*NOT_ASKED[ENVIRONMENT], *([] if success else [NO_SUCCESS])),
     )
 
 
@@ -126,33 +152,26 @@ def _make(env: Env | str | Callable[[], Env]) -> Env:
     return made
 
 
-@dataclass(frozen=True, eq=False)
-class _Taken:
-    """The steps of one measurement.
+class _Taken(NamedTuple):
+    """One measurement: its steps, those of all policies one after the other, and where samples are drawn from."""
 
-    Attributes:
-        rewards: By name, as given, ``own`` among them.
-        walks: Of all policies, one after the other.
-        paid: For their steps.
-        returns: By policy, then by reward, (episodes,).
-        rng: Where samples are drawn from.
-    """
-
-    rewards: Mapping[str, Given]
+    acted: Acted
     walks: list[Walk]
-    paid: Paid
-    returns: Mapping[str, Mapping[str, Any]]
     rng: np.random.Generator
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The names of the rewards."""
-        return tuple(self.rewards)
+    def of(self, number: int, episodes: int) -> Episodes:
+        """The episodes of one policy."""
+        all_of, own = self.acted.episodes, slice(number * episodes, (number + 1) * episodes)
+        returns, behaviour = (
+            {name: values[own] for name, values in of.items()} for of in (all_of.returns, all_of.behaviour)
+        )
+        return Episodes(all_of.last[own], returns, behaviour, {})
 
 
 def _take(
     env: Env,
     rewards: Mapping[str, Given],
+    behaviour: Mapping[str, Given],
     policies: Mapping[str, Policy],
     episodes: int,
     steps: int,
@@ -161,83 +180,34 @@ def _take(
     """Every policy meets the same episodes."""
     seeds = [int(number) for number in rng.integers(2**31, size=episodes)]
     env.action_space.seed(seeds[0])
-    acting = {RANDOM: lambda observation: env.action_space.sample(), **policies}
-    walks: list[Walk] = []
-    paid: list[Paid] = []
-    returns = {}
+    keeper, own = KeepWalks(TimeLimit(env, steps)), _own(rewards)
     with tempfile.TemporaryDirectory(prefix="harness-audit-") as folder:
-        for number, (name, policy) in enumerate(acting.items()):
-            path = Path(folder) / str(number)
-            walks += _record(env, rewards, policy, path, seeds, steps)
-            recording = read_recording(path)
-            paid.append(paid_in(recording, episodes_of(recording)))
-            returns[name] = paid[-1].returns
-    own = _own(rewards)
-    return _Taken(rewards if own in rewards else {**rewards, own: OWN}, walks, sum(paid[1:], paid[0]), returns, rng)
+        path = Path(folder) / "steps"
+        recorder = RecordRewards(
+            keeper, path, trained_with=own, rewards=rewards, behaviour=behaviour, evaluation=True, seed=0,
+            on_error="raise",
+        )  # fmt: skip
+        try:
+            for policy in (lambda observation: env.action_space.sample(), *policies.values()):
+                for seed in seeds:
+                    observation, _ = recorder.reset(seed=seed)
+                    ended = False
+                    while not ended:
+                        observation, _, terminated, truncated, _ = recorder.step(policy(observation))
+                        ended = terminated or truncated
+        finally:
+            recorder.finish()
+        return _Taken(acted_in("", read_recording(path)), keeper.walks, rng)
 
 
-def _record(
-    env: Env, rewards: Mapping[str, Given], policy: Policy, path: Path, seeds: Iterable[int], steps: int
-) -> list[Walk]:
-    keeper = KeepWalks(TimeLimit(env, steps))
-    recorder = RecordRewards(
-        keeper, path, trained_with=_own(rewards), rewards=rewards, evaluation=True, seed=0, on_error="raise"
-    )
-    try:
-        for seed in seeds:
-            observation, _ = recorder.reset(seed=seed)
-            ended = False
-            while not ended:
-                observation, _, terminated, truncated, _ = recorder.step(policy(observation))
-                ended = terminated or truncated
-    finally:
-        recorder.finish()
-    return keeper.walks
-
-
-@dataclass(frozen=True, eq=False)
-class _Measured:
-    """By canonical form and reward, a vector or why there is none."""
-
-    vectors: Mapping[tuple[str, str], FormVector | str]
-
-    def distance(self, form: str, one: str, other: str) -> float | str | None:
-        """None where it is not defined, the reason where a reward cannot be asked."""
-        first, second = self.vectors[form, one], self.vectors[form, other]
-        if isinstance(first, str):
-            return f"{one}: {first}"
-        if isinstance(second, str):
-            return f"{other}: {second}"
-        return form_distance(first, second)
-
-
-def _measure(taken: _Taken, gamma: float) -> _Measured:
-    pays, reasons = of_transitions(taken.rewards, taken.walks, taken.paid.steps)
+def _forms(taken: _Taken, rewards: Mapping[str, Given], gamma: float) -> dict[str, Mapping[str, Form]]:
+    """Each reward in every canonical form, or why it has none."""
+    log = taken.acted.log()
+    pays, reasons = of_transitions(rewards, taken.walks, {name: log[f"{REWARD}{name}"] for name in rewards})
     coverages = draw_coverages(taken.walks, taken.rng)
-    vectors: dict[tuple[str, str], FormVector | str] = {
-        (form, name): form_vector(one_by_one(pays[name]), form, gamma, coverages) if name in pays else reasons[name]
-        for form in FORMS
-        for name in taken.names
+    return {
+        name: forms_of(one_by_one(pays[name]), gamma, coverages)
+        if name in pays
+        else dict.fromkeys(FORMS, reasons[name])
+        for name in rewards
     }
-    return _Measured(vectors)
-
-
-def _pair(pair: tuple[str, str], taken: Sequence[_Taken], found: Sequence[_Measured]) -> FormsOfPair:
-    distances, reasons = {}, {}
-    for form in FORMS:
-        each = [it.distance(form, *pair) for it in found]
-        told = [it for it in each if isinstance(it, str)]
-        known = [] if told else [it for it in each if isinstance(it, float)]
-        distances[form] = mean_within(known)
-        if told:
-            reasons[form] = told[0]
-        elif not known:
-            reasons[form] = "one of the two is nothing but an offset and shaping by a potential"
-    lines = [line_of(*(it.paid.steps[name] for name in pair)) for it in taken]
-    return FormsOfPair(pair_of(*pair, [compare_paid(it.paid, *pair) for it in taken], lines), distances, reasons)
-
-
-def _earned(policy: str, taken: Sequence[_Taken], names: Iterable[str]) -> Earned:
-    returns = {name: np.concatenate([it.returns[policy][name] for it in taken]).tolist() for name in names}
-    count = len(next(iter(returns.values())))
-    return Earned(policy, count, {name: mean_over_seeds(values) for name, values in returns.items()})

@@ -16,16 +16,21 @@ It is the form that the paper calls value-adjusted levelling, with the recorded 
 may follow a. Each of the three is unchanged to rounding when gamma phi(s') - phi(s) is added to R, whatever phi is.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from harness.arrays import Float
-from harness.audit.transitions.asked import OfTransition
+from harness.audit.distance import DARD, EPIC, FORMS, STARC, Form, centred_unit, unit
+from harness.audit.transitions.asked import NoTransitionReward, OfTransition
 from harness.recorder.walk import Walk
 
+TRANSITIONS = 500
+"""So many of all recorded transitions are compared, evenly spread."""
+SAMPLES = 64
+"""So many actions and states stand for EPIC's A and S'."""
 NEAR = 5
 """Steps that are at most so many before or after are near in time."""
 
@@ -55,6 +60,49 @@ class Coverage:
     chosen: Sequence[int]
     actions: Sequence[Any]
     states: Sequence[Any]
+
+
+def draw_coverages(walks: Sequence[Walk], rng: np.random.Generator, most: int = TRANSITIONS) -> list[Coverage]:
+    """The transitions that are compared, `most` of them, and EPIC's samples: actions and states, of all that were met.
+
+    All walks have the same samples, so that EPIC's form is one function. A walk of which nothing is compared is left
+    out.
+    """
+    ends = np.cumsum([len(walk.actions) for walk in walks])
+    begins, count = [0, *ends[:-1].tolist()], int(ends[-1])
+    chosen = np.unique(np.linspace(0, count - 1, min(most, count)).round().astype(int))
+    actions = [action for walk in walks for action in walk.actions]
+    states = [state for walk in walks for state in walk.states[1:]]
+    drawn = [[values[place] for place in rng.integers(count, size=SAMPLES)] for values in (actions, states)]
+    found = [
+        Coverage(walk, (chosen[(begin <= chosen) & (chosen < end)] - begin).tolist(), *drawn)
+        for walk, begin, end in zip(walks, begins, ends, strict=True)
+    ]
+    return [coverage for coverage in found if coverage.chosen]
+
+
+def forms_of(ask: Ask, gamma: float, coverages: Sequence[Coverage]) -> dict[str, Form]:
+    """A reward in all of `FORMS`.
+
+    Args:
+        ask: The reward.
+        gamma: Discount per step; at 1 the reward has no STARC form.
+        coverages: Of the walks, see `draw_coverages`.
+    """
+    return {form: _form(ask, form, gamma, coverages) for form in FORMS}
+
+
+def _form(ask: Ask, form: str, gamma: float, coverages: Sequence[Coverage]) -> Form:
+    if form == STARC and gamma == 1.0:
+        return "it takes the value of a state away, which needs a discount below 1"
+    try:
+        with np.errstate(all="ignore"):  # what is not finite is refused
+            values = np.concatenate([_FORM[form](ask, gamma, coverage) for coverage in coverages])
+            largest = max(float(np.abs(paid_by(ask, coverage)).max()) for coverage in coverages)
+    except NoTransitionReward as error:
+        return str(error)
+    # EPIC and DARD compare by correlation; STARC's standard form has length 1, and keeps its mean.
+    return (unit if form == STARC else centred_unit)(values, largest)
 
 
 def paid_by(ask: Ask, coverage: Coverage) -> Float:
@@ -93,6 +141,9 @@ def starc_form(ask: Ask, gamma: float, coverage: Coverage) -> Float:
     chosen = np.asarray(coverage.chosen)
     form: Float = paid_by(ask, coverage) + gamma * value[chosen + 1] - value[chosen]
     return form
+
+
+_FORM: Mapping[str, Callable[[Ask, float, Coverage], Float]] = {EPIC: epic_form, DARD: dard_form, STARC: starc_form}
 
 
 def near(t: int, steps: int) -> range:

@@ -15,14 +15,6 @@ TASKS, ROBOTS, TRACKERS = names_of("tasks", "environments"), names_of("robots"),
 """What a shell offers behind these flags."""
 
 ExperimentFolder = Annotated[Path, typer.Argument(help="The experiment's folder.", metavar="DIR")]
-RecordedFolder = Annotated[
-    Path | None,
-    typer.Argument(
-        help="A folder of trainings that harness.RecordRewards recorded; or a data set, minari:NAME or lerobot:FOLDER.",
-        metavar="[FOLDER|DATASET]",
-        show_default=False,
-    ),
-]
 SimulatorNames = Annotated[
     Names, typer.Option(help="Simulators, such as mujoco.", metavar="NAME,...", autocompletion=SIMULATORS)
 ]

@@ -6,13 +6,13 @@ import pytest
 from rich.console import Console
 
 from harness.audit.recorded.earned import Earned, best_paid
-from harness.audit.recorded.paid import Apart, EpisodeOrder
+from harness.audit.recorded.paid import Apart
 from harness.audit.recorded.pair import mean_within, pair_of
 from harness.audit.recorded.pair_grid import earned_grid, pair_grid
 from harness.eta.seed_mean import SeedMean
 
-NOTHING = Apart(None, None, EpisodeOrder(None, None))
-SOME = Apart(0.25, 0.5, EpisodeOrder(0.125, 0.5))
+NOTHING = Apart(None, None, None, None)
+SOME = Apart(0.25, 0.5, 0.125, 0.5)
 
 
 def shown(what) -> str:
@@ -31,7 +31,7 @@ def test_numbers_stand_beside_what_they_mean():
 
 def test_what_is_not_defined_says_why():
     """Where it is defined in some only, in how many."""
-    assert "distance by steps n/a one of the two pays every step the same" in shown(
+    assert "distance by steps n/a one of the two pays every step the same, or no steps were kept" in shown(
         pair_grid(pair_of("a", "b", [NOTHING], []))
     )
     assert "for the same steps; defined in 2 of 3" in shown(pair_grid(pair_of("a", "b", [SOME, NOTHING, SOME], [])))

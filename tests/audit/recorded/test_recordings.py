@@ -1,15 +1,17 @@
 """A folder of recordings: distances, what behaviour earned, and what is left out."""
 
 from io import StringIO
+from pathlib import Path
 
 import numpy as np
 import pytest
 from rich.console import Console
 
-from harness.audit.recorded.recorded_table import recorded_table
-from harness.audit.recorded.recordings import audit_recordings
+from harness.audit.audit import audit_table
+from harness.audit.recorded.recordings import audit_logs, audit_recordings
 from harness.errors import UsageError
 from harness.eta.rescaling import Rescaling
+from harness.log import LogFacts, in_memory
 from tests.results.recordings.conftest import PULLS, record
 
 
@@ -101,21 +103,19 @@ def test_damaged_recording_is_told(folder):
     """The others count."""
     (folder / "runs/1/recording-0.json").write_text("{")
     found = audit_recordings(folder / "runs")
-    assert (len(found.damaged), found.compared) == (1, ("0", "2"))
+    assert (len(found.damaged), found.facts["recordings"]) == (1, ["0", "2"])
 
 
-@pytest.mark.parametrize("which", ["none", "one reward", "two envs", "random of another env", "no step"])
+@pytest.mark.parametrize("which", ["none", "two envs", "random of another env", "no step"])
 def test_what_cannot_be_audited_is_one_line(tmp_path, which):
     """It says what was given and what to do."""
     runs, random = tmp_path / "runs", None
     runs.mkdir()
     told = "holds no recorded training"
     if which != "none":
-        pays = {"plain": lambda a: a} if which == "one reward" else {"plain": lambda a: a, "b": lambda a: -a}
+        pays = {"plain": lambda a: a, "b": lambda a: -a}
         record(runs / "0", "plain", 0, [] if which == "no step" else [0.1, 0.2], pays=pays)
-        told = {"one reward": "one reward, 'plain'", "no step": "no recording in it has a step"}.get(
-            which, "several envs"
-        )
+        told = "no recording in it has a step" if which == "no step" else "several envs"
     if which == "two envs":
         record(runs / "1", "plain", 1, [0.1], spec={"id": "Other-v0"})
     if which == "random of another env":
@@ -132,7 +132,7 @@ def test_a_reward_that_is_another_but_for_its_scale_is_told(study_folder):
     assert pair.rescaling == Rescaling(pytest.approx(3.0), pytest.approx(3.0), 12 * 40 * PULLS, None)
     assert found.to_json()["pairs"][0]["rescaled"] == pair.rescaling.to_json()
     text = StringIO()
-    Console(file=text, width=200).print(recorded_table(found))
+    Console(file=text, width=200).print(audit_table(found))
     told = "thrice is 3 x plain + 3, in all 2,400 steps, for which plain paid more than 100 different numbers."
     assert told in text.getvalue()
 
@@ -140,3 +140,102 @@ def test_a_reward_that_is_another_but_for_its_scale_is_told(study_folder):
 def test_another_reward_has_no_such_line(folder):
     """It is at a distance."""
     assert audit_recordings(folder / "runs").pairs[0].rescaling is None
+
+
+def test_behaviour_is_told_beside_what_it_earned(folder):
+    """Every measure of the recordings, of random actions too; success decides."""
+    found = audit_recordings(folder / "runs", folder / "random")
+    random, early, late, final = found.earned
+    assert [row.measures["success"].mean for row in (random, early, final)] == [0.0, 0.0, 1.0]
+    assert 0.5 < late.measures["success"].mean <= 1.0
+    assert final.measures["arm"].mean == 1.0
+    assert found.success == "success"
+
+
+def test_random_actions_of_an_experiment_are_no_policy(folder):
+    """They lie among its evaluations, and a recording says how it acted: 800 episodes are not 900."""
+    pays = {"plain": lambda a: a + 1.0, "square": lambda a: (a - 0.5) ** 2}
+    for manner in ("deterministic", "stochastic"):
+        for seed in range(2):
+            place = folder / f"runs/{manner}-{seed}"
+            record(place, "plain", seed, [0.9] * 4, pays=pays, evaluation=True, acted=manner)
+    record(folder / "runs/by-chance", "plain", 0, [0.1] * 3, pays=pays, evaluation=True, acted="random")
+    rows = {row.behaviour: row for row in audit_recordings(folder / "runs").earned}
+    assert rows["random actions"].episodes == 3
+    for manner in ("deterministic", "stochastic"):
+        row = rows[f"trained with plain, {manner} evaluations"]
+        assert (row.episodes, row.returns["plain"].seeds) == (8, 2)
+        assert row.returns["plain"].mean == pytest.approx(1.9 * PULLS)
+
+
+def test_evaluations_before_the_end_are_not_those_of_the_final_policy(folder):
+    """They evaluate what the training left behind."""
+    pays = {"plain": lambda a: a + 1.0, "square": lambda a: (a - 0.5) ** 2}
+    record(folder / "runs/early", "plain", 1, [0.0] * 5, pays=pays, evaluation=True, after=10)
+    assert audit_recordings(folder / "runs").earned[-1].episodes == 2
+
+
+def test_a_reward_is_told_to_rank_episodes_as_success_does_or_not(tmp_path):
+    """AUC by counting pairs: one pays the arm, which success follows; the other its opposite."""
+    pays = {"plain": lambda a: a, "against": lambda a: -a}
+    for seed in range(3):
+        record(tmp_path / str(seed), "plain", seed, [0.1, 0.3, 0.6, 0.9], pays=pays)
+    found = audit_recordings(tmp_path)
+    assert {name: auc.value for name, auc in found.rankings.items()} == {"plain": 1.0, "against": 0.0}
+    assert (found.rankings["plain"].above, found.rankings["plain"].clusters) == (6, 3)
+
+
+def test_a_reward_that_pays_most_for_what_succeeds_less_is_named(folder):
+    """With both behaviours and their success."""
+    pays = {"plain": lambda a: a + 1.0, "square": lambda a: (a - 0.5) ** 2}
+    record(folder / "runs/s", "square", 5, [0.9] * 5, pays=pays)
+    record(folder / "runs/s-final", "square", 5, [0.0] * 5, pays=pays, evaluation=True)
+    record(folder / "runs/p-final", "plain", 1, [0.8] * 5, pays=pays, evaluation=True)
+    lines = audit_recordings(folder / "runs").verdict
+    assert lines[0].startswith("plain pays most for what succeeds most: trained with plain, evaluations (success 1)")
+    assert lines[1].startswith("square pays most for: trained with square, evaluations (success 0).")
+
+
+def test_one_reward_alone_is_told_of(tmp_path):
+    """Nothing stands beside it, and a line says what to do."""
+    record(tmp_path / "0", "plain", 0, [0.1, 0.9], pays={"plain": lambda a: a})
+    found = audit_recordings(tmp_path)
+    assert (found.pairs, found.rewards, found.earned[-1].returns["plain"].mean) == ((), ("plain",), 0.9 * PULLS)
+    assert "There is only one reward, plain" in found.notes[0]
+
+
+def test_rewards_can_be_chosen(folder):
+    """One that is not recorded is refused."""
+    assert audit_recordings(folder / "runs", only=["square"]).rewards == ("square",)
+    with pytest.raises(UsageError, match=r"No reward 'squar'\. There is: plain, square"):
+        audit_recordings(folder / "runs", only=["squar"])
+
+
+def monitored(path, place, pays):
+    """A log of episodes."""
+    facts = LogFacts(path=path / place, format="made", unit="episode")
+    return in_memory(facts, {"reward/recorded": np.asarray(pays, float)})
+
+
+def test_own_pay_of_logs_in_several_folders_is_of_several_rewards(tmp_path):
+    """It cannot be compared, so each stands in a column of its own, and no pair has a number."""
+    logs = [monitored(tmp_path, place, np.arange(10.0)) for place in ("a/0.csv", "a/1.csv", "b/0.csv")]
+    found = audit_logs(tmp_path, logs, [])
+    assert found.rewards == ("a", "b")
+    late = {row.behaviour: row.returns for row in found.earned}["trained with a, last fifth"]
+    assert (late["a"].mean, late["a"].seeds, late["b"].mean) == (8.5, 2, None)
+    assert found.pairs[0].returns.mean is None
+    assert "No recording knows both 'a' and 'b'" in found.notes
+
+
+def test_logs_of_one_folder_share_their_reward(tmp_path):
+    """It is called recorded, as nobody says what it is."""
+    found = audit_logs(tmp_path / "a", [monitored(tmp_path / "a", "0.csv", [1.0, 2.0])], [(Path("x"), "it is damaged")])
+    assert (found.rewards, found.pairs) == (("recorded",), ())
+    assert "'x' is left out: it is damaged" in found.notes
+
+
+def test_folder_without_a_log_is_refused(tmp_path):
+    """With what was left out."""
+    with pytest.raises(UsageError, match=r"holds no log that is read: .* 'x' is left out: it is damaged"):
+        audit_logs(tmp_path, [], [(Path("x"), "it is damaged")])

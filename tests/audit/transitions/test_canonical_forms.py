@@ -7,17 +7,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from harness.audit.distance import EPIC, FORMS, STARC, centred_unit, distance_between
 from harness.audit.transitions.canonical_forms import (
     NEAR,
     Coverage,
     dard_form,
+    draw_coverages,
     epic_form,
+    forms_of,
     near,
     one_by_one,
     starc_form,
 )
-from harness.audit.transitions.form_distances import EPIC, FORMS, STARC, draw_coverages, form_distance, form_vector
-from harness.audit.unit_vectors import centred_unit, distance_between
 from harness.recorder.walk import Walk
 
 STATES, ACTIONS = 4, 3
@@ -50,11 +51,8 @@ def coverages(seed, **given):
 
 def distances(one, other, gamma, seed):
     """By form."""
-    found = {}
-    for form in FORMS:
-        vectors = [form_vector(asked(values), form, gamma, coverages(seed)) for values in (one, other)]
-        found[form] = form_distance(*vectors)
-    return found
+    forms = [forms_of(asked(values), gamma, coverages(seed)) for values in (one, other)]
+    return {form: distance_between(forms[0][form], forms[1][form]) for form in FORMS}
 
 
 @given(seeds, gammas, st.floats(0.1, 10.0))
@@ -152,7 +150,8 @@ def test_starc_keeps_the_mean_and_epic_does_not():
     def pay(state, action, following):
         return float(action == 2)
 
-    epic, starc = (form_vector(one_by_one(pay), form, 0.9, coverages(0)).unit for form in (EPIC, STARC))
+    forms = forms_of(one_by_one(pay), 0.9, coverages(0))
+    epic, starc = forms[EPIC], forms[STARC]
     assert epic.mean() == pytest.approx(0.0, abs=1e-12)
     assert abs(starc.mean()) > 1e-3
 

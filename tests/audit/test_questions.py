@@ -5,8 +5,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.audit.payoff import holding_pays, never_paid, payoff_of, temptations
+from harness.audit.questions import (
+    deciding_measure,
+    finishing_of,
+    holding_pays,
+    never_paid,
+    on_best,
+    payoff_of,
+    rank_success,
+    temptations,
+)
+from harness.audit.recorded.earned import Earned
 from harness.audit.score import score_rollout
+from harness.eta.seed_mean import SeedMean
+from harness.results.recordings.episodes import Episodes
 from harness_plugins.rewards.arp import Arp
 from harness_plugins.rewards.baseline import Baseline
 
@@ -114,3 +126,62 @@ def test_a_term_that_never_pays_is_told(scores, toolbox):
     )
     assert never_paid(scores(reward)) == ("dock",)
     assert never_paid(scores(Baseline())) == ()
+
+
+def test_finishing_is_told_in_one_answer(scores):
+    """Policies by return, what tempts with a discount and without, and in how many steps that was found."""
+    paid = scores(Baseline())
+    found = finishing_of(paid, 0.95)
+    assert found.payoffs == tuple(sorted((payoff_of(it, 0.95) for it in paid), key=lambda it: -it.total))
+    assert (list(found.undiscounted), list(found.discounted)) == (temptations(paid, 1.0), temptations(paid, 0.95))
+    assert found.steps == sum(int(it.rollout.steps.sum()) for it in paid)
+
+
+def episodes(paid, **measures):
+    """Of one training."""
+    values = {name: np.asarray(of, float) for name, of in measures.items()}
+    return Episodes(np.arange(len(paid)), {"a": np.asarray(paid, float)}, values, {})
+
+
+def test_pairs_of_a_success_and_a_failure_are_counted():
+    """Over all trainings; an episode of which nobody knows whether it succeeded is left out."""
+    rng = np.random.default_rng(0)
+    each = [episodes(rng.normal(size=6), success=rng.integers(2, size=6)) for _ in range(4)]
+    each.append(episodes([100.0, -100.0], success=[np.nan, 1.0]))
+    paid = np.concatenate([it.returns["a"] for it in each])
+    reached = np.concatenate([it.behaviour["success"] for it in each])
+    wins = [float(one > other) for one in paid[reached == 1.0] for other in paid[reached == 0.0]]
+    found = rank_success(each, "a", "success")
+    assert found.value == pytest.approx(np.mean(wins))
+    assert (found.above, found.below) == ((reached == 1.0).sum(), (reached == 0.0).sum())
+
+
+@pytest.mark.parametrize(
+    ("measures", "name"),
+    [
+        ({"done": [0.0, 1.0], "success": [1.0, 0.0]}, "success"),
+        ({"arm": [0.5, 1.0], "done": [0.0, 1.0]}, "done"),
+        ({"success": [0.5, 1.0]}, ""),
+        ({}, ""),
+    ],
+)
+def test_measure_of_success_is_0_or_1(measures, name):
+    """The one of this name, if it is."""
+    assert deciding_measure([episodes([1.0, 2.0], **measures)]) == name
+
+
+def behaviour(name, success, paid):
+    """With intervals of the width 0.1."""
+    return Earned(name, 9, {"a": SeedMean(paid)}, {"s": SeedMean(success, success - 0.05, success + 0.05, 3)})
+
+
+def test_reward_that_pays_most_for_another_behaviour_is_named():
+    """It may be chance where intervals of success overlap; a single behaviour says nothing."""
+    good, bad, near = behaviour("good", 0.9, 1.0), behaviour("bad", 0.2, 5.0), behaviour("near", 0.85, 7.0)
+    (line,) = on_best([good, bad], ["a"], "s")
+    assert line == "a pays most for: bad (s 0.2). What succeeds most is another behaviour: good (0.9)."
+    (line,) = on_best([good, bad, near], ["a"], "s")
+    assert line.endswith("good (0.9), which may be chance.")
+    (line,) = on_best([good, behaviour("worse", 0.1, 0.0)], ["a"], "s")
+    assert line == "a pays most for what succeeds most: good (s 0.9)."
+    assert on_best([good], ["a"], "s") == on_best([good, bad], ["a"], "") == []

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from harness.audit.distance import EPIC, FORMS, SHAPING, STARC, compare_forms
 from harness.audit.rollout import record_rollouts
 from harness.audit.score import score_rollout
-from harness.audit.transitions.form_distances import EPIC, FORMS, STARC
-from harness.audit.transitions.rollout_distances import ask_of, rows_of_rollouts, transition_distances
+from harness.audit.transitions.rollout_forms import ask_of, forms_of_rollouts, rows_of_rollouts
 from harness.env.ideal import IdealSimulator
 from harness.reach import ReachTask
 from harness.reward.forms import reward_class
@@ -70,13 +70,21 @@ def rollouts():
 
 
 @pytest.fixture(scope="module")
-def between(rollouts):
-    """The values of two rewards by form."""
+def distances(rollouts):
+    """The distances of two rewards by form."""
 
-    def between(one, other, gamma=GAMMA):
-        return {form: it.value for form, it in transition_distances(one, other, rollouts, gamma).items()}
+    def distances(one, other, gamma=GAMMA):
+        return compare_forms(
+            "one", forms_of_rollouts(one, rollouts, gamma), "other", forms_of_rollouts(other, rollouts, gamma)
+        )
 
-    return between
+    return distances
+
+
+@pytest.fixture(scope="module")
+def between(distances):
+    """The same; None where there is none."""
+    return lambda one, other: {form: None if it == SHAPING else it for form, it in distances(one, other).items()}
 
 
 def test_scale_and_potential_shaping_are_no_distance(between):
@@ -154,22 +162,19 @@ def test_walks_are_the_episodes(rollouts):
     assert all(len(walk.states) == len(walk.actions) + 1 for walk in walks)
 
 
-def test_a_number_that_is_not_finite_is_a_reason(rollouts):
+def test_a_number_that_is_not_finite_is_a_reason(distances):
     """A reward that pays no number for a jump, which no arm makes."""
 
     def broken(step):
         far = np.abs(step.distance - step.previous_distance) > 0.25
         return np.where(far, np.nan, step.action[:, 0])
 
-    found = transition_distances(GENTLE, reward_class(broken)(), rollouts, GAMMA)[EPIC]
-    assert (found.value, found.reason) == (
-        None, "asked about another step than the one taken, it pays a number that is not finite",
-    )  # fmt: skip
+    found = distances(GENTLE, reward_class(broken)())[EPIC]
+    assert found == "other: asked about another step than the one taken, it pays a number that is not finite"
 
 
-def test_starc_needs_a_discount(rollouts):
+def test_starc_needs_a_discount(distances):
     """Without one the value of a state has no bound; the other forms do without."""
-    found = transition_distances(GENTLE, Dense(), rollouts, 1.0)
-    assert found[STARC].value is None
-    assert "discount below 1" in found[STARC].reason
-    assert found[EPIC].value is not None
+    found = distances(GENTLE, Dense(), 1.0)
+    assert "discount below 1" in found[STARC]
+    assert isinstance(found[EPIC], float)

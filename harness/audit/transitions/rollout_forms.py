@@ -19,12 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float, read_only
-from harness.audit.distance import Distance
+from harness.audit.distance import Form
 from harness.audit.rollout import Rollout, States
 from harness.audit.score import paid_along
 from harness.audit.transitions.asked import NoTransitionReward
-from harness.audit.transitions.canonical_forms import Ask, Step
-from harness.audit.transitions.form_distances import FORMS, STARC, draw_coverages, form_distance, form_vector
+from harness.audit.transitions.canonical_forms import Ask, Step, draw_coverages, forms_of
 from harness.recorder.walk import Walk
 from harness.reward import Carry, Reward, pay, take
 from harness.reward.steps import step_between
@@ -92,29 +91,17 @@ def ask_of(reward: Reward, rollouts: Sequence[Rollout], rows: Rows) -> Ask:
     return ask
 
 
-def transition_distances(one: Reward, other: Reward, rollouts: Sequence[Rollout], gamma: float) -> dict[str, Distance]:
-    """How differently two rewards rank recorded steps, by canonical form.
+def forms_of_rollouts(reward: Reward, rollouts: Sequence[Rollout], gamma: float) -> dict[str, Form]:
+    """A reward in every canonical form, over recorded steps that are the same at every call.
 
     Args:
-        one: A reward.
-        other: Another one; the order does not count.
+        reward: The reward.
         rollouts: One of each script.
         gamma: Discount per step.
     """
     rows = rows_of_rollouts(rollouts)
     coverages = draw_coverages(rows.walks, np.random.default_rng(0), COMPARED)
-    compared = sum(len(coverage.chosen) for coverage in coverages)
-    asks = [ask_of(reward, rollouts, rows) for reward in (one, other)]
-
-    def distance(form: str) -> Distance:
-        if form == STARC and gamma == 1.0:
-            return Distance(None, compared, "it takes the value of a state away, which needs a discount below 1")
-        first, second = (form_vector(ask, form, gamma, coverages) for ask in asks)
-        if isinstance(first, str) or isinstance(second, str):
-            return Distance(None, compared, next(it for it in (first, second) if isinstance(it, str)))
-        return Distance(form_distance(first, second), compared)
-
-    return {form: distance(form) for form in FORMS}
+    return forms_of(ask_of(reward, rollouts, rows), gamma, coverages)
 
 
 def _with_a_last_step(states: States) -> States:

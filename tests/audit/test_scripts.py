@@ -5,12 +5,11 @@ import json
 import numpy as np
 import pytest
 
-from harness.audit.audit import audit_reward
 from harness.audit.number import number
 from harness.audit.probe import needed_beside_distances
 from harness.audit.rollout import Rollout
 from harness.audit.score import score_rollout
-from harness.audit.verdict import verdict_of
+from harness.audit.scripts import audit_reward
 from harness.errors import SimulationDiverged
 from harness.eta.rescaling import Rescaling
 from harness.registry.choice import choose
@@ -31,7 +30,7 @@ def judge(rollouts):
 
 def test_policies_come_by_return(judge):
     """The best first."""
-    totals = [payoff.total for payoff in judge(Baseline()).payoffs]
+    totals = [payoff.total for payoff in judge(Baseline()).scripts.finishing.payoffs]
     assert totals == sorted(totals, reverse=True)
 
 
@@ -39,25 +38,25 @@ def test_policies_come_by_return(judge):
 def test_the_verdict_warns_of_not_finishing(judge, reward):
     """Baseline and ARP pay not finishing more, and the first line says so with both figures."""
     found = judge(reward)
+    payoffs = found.scripts.finishing.payoffs
     best, finish = (
-        next(payoff for payoff in found.payoffs if payoff.policy == name)
-        for name in (found.payoffs[0].policy, "finish")
+        next(payoff for payoff in payoffs if payoff.policy == name) for name in (payoffs[0].policy, "finish")
     )
-    line = verdict_of(found)[0]
+    line = found.verdict[0]
     assert line.startswith("Not finishing pays more than finishing: ")
     assert f"{best.policy} earns {number(best.total)} per episode, finish {number(finish.total)}" in line
 
 
 def test_the_verdict_on_the_relative_reward_is_good(judge, toolbox):
     """Finishing pays most, and nothing is warned of."""
-    lines = verdict_of(judge(toolbox.relative))
+    lines = judge(toolbox.relative).verdict
     assert len(lines) == 1
     assert lines[0].startswith("Finishing pays most: ")
 
 
 def test_a_potential_is_judged_by_its_discount(judge, toolbox):
     """At the learner's discount finishing pays most; that holding pays without is explained."""
-    lines = verdict_of(judge(toolbox.potential(0.95)))
+    lines = judge(toolbox.potential(0.95)).verdict
     assert lines[0].startswith("Finishing pays most")
     assert lines[1].startswith("Holding still pays")
     assert "the discount takes it back" in lines[1]
@@ -65,7 +64,7 @@ def test_a_potential_is_judged_by_its_discount(judge, toolbox):
 
 def test_a_bonus_per_step_is_warned_of_twice(judge, toolbox):
     """It pays for not finishing, and for holding still."""
-    lines = verdict_of(judge(toolbox.paying(lambda sample: 0.2 + 0.0 * sample.distance)))
+    lines = judge(toolbox.paying(lambda sample: 0.2 + 0.0 * sample.distance)).verdict
     assert lines[0].startswith("Not finishing pays more")
     assert lines[1].startswith("Holding still pays")
     assert "takes it back" not in lines[1]
@@ -78,21 +77,21 @@ def test_scripts_that_miss_their_aim_are_named(rollouts):
         Rollout(run.script, run.states, run.events, run.running, spoilt.get(run.script, run.reached))
         for run in rollouts
     ]
-    lines = verdict_of(audit_reward(Baseline(), Baseline(), mixed, 0.95))
+    lines = audit_reward(Baseline(), Baseline(), mixed, 0.95).verdict
     assert "finish reached the target in only 50% of the episodes." in lines
     assert any(line.startswith("hover could not stay outside epsilon: 25%") for line in lines)
 
 
 def test_a_larger_workspace_pays_metres_in_proportion(judge):
     """All returns of the baseline double with the distances; what is 0 has no ratio."""
-    ratios = judge(Baseline()).workspace
+    ratios = dict(judge(Baseline()).scripts.workspace)
     assert ratios.pop("hold") is None
     assert list(ratios.values()) == pytest.approx([2.0] * len(ratios))
 
 
 def test_a_larger_workspace_leaves_a_scale_free_reward(judge, toolbox):
     """The relative gain pays the same."""
-    ratios = judge(toolbox.relative).workspace
+    ratios = judge(toolbox.relative).scripts.workspace
     assert [ratios[name] for name in ("finish", "hover", "random")] == pytest.approx([1.0] * 3)
 
 
@@ -103,22 +102,23 @@ def test_every_reward_can_be_audited(judge, name):
     data = json.loads(json.dumps(found.to_json(), allow_nan=False))
     assert data["best"] == data["policies"][0]["policy"]
     assert data["properties"].keys() == {"bounded", "scale_free", "potential_based"}
-    assert verdict_of(found)
+    assert found.verdict
 
 
 def test_both_distances_are_written(judge):
     """EPIC's under its old name, DARD's beside it; they are not the same number."""
     found = judge(Arp())
     data = found.to_json()
-    assert data["distance"] == {"value": found.distance.value, "transitions": found.distance.transitions}
-    assert data["reachable_distance"]["value"] == found.reachable_distance.value
-    assert 0.0 < found.reachable_distance.value < found.distance.value
+    epic, dard = (found.pairs[0].forms[name].mean for name in ("EPIC", "DARD"))
+    assert data["distance"] == {"value": epic, "transitions": found.scripts.finishing.steps}
+    assert data["reachable_distance"]["value"] == dard
+    assert 0.0 < dard < epic
 
 
 @pytest.mark.parametrize("name", [name for name in FAIR if name in REGISTRY.names("rewards")])
 def test_these_rewards_do_not_tempt(judge, name):
     """At the learner's discount no script earns more than finishing."""
-    assert judge(choose(REGISTRY, "rewards", name).build(REGISTRY, "rewards")).discounted == ()
+    assert judge(choose(REGISTRY, "rewards", name).build(REGISTRY, "rewards")).scripts.finishing.discounted == ()
 
 
 def test_the_other_reward_must_be_finite_too(rollouts, toolbox):
@@ -145,13 +145,13 @@ def test_a_reward_that_is_another_but_for_its_scale_is_recognised(judge, rollout
     """In every step of the scripted policies."""
     found = judge(choose(REGISTRY, "rewards", name).build(REGISTRY, "rewards"))
     steps = sum(int(rollout.running.sum()) for rollout in rollouts)
-    assert found.rescaling == Rescaling(pytest.approx(factor), pytest.approx(offset), steps, None)
+    assert found.pairs[0].rescaling == Rescaling(pytest.approx(factor), pytest.approx(offset), steps, None)
     assert found.to_json()["rescaled"]["steps"] == steps
 
 
 def test_another_reward_is_no_rescaling(judge):
     """ARP pays gains otherwise than losses."""
-    assert judge(Arp()).rescaling is None
+    assert judge(Arp()).pairs[0].rescaling is None
     assert judge(Arp()).to_json()["rescaled"] is None
 
 
@@ -183,9 +183,9 @@ def test_a_reward_of_distances_with_terms_is_asked_about_made_up_ones(judge):
         return step.begin_distance - step.distance
 
     found, same = (judge(reward_class(function)()) for function in (two, one))
-    assert found.needed == found.recorded_because == ()
-    assert found.properties == same.properties
-    assert (found.distance, found.reachable_distance) == (same.distance, same.reachable_distance)
+    assert found.scripts.needed == found.scripts.recorded_because == ()
+    assert found.scripts.properties == same.scripts.properties
+    assert found.pairs[0].forms == same.pairs[0].forms
 
 
 def test_the_other_reward_may_read_more(rollouts):
@@ -195,9 +195,9 @@ def test_the_other_reward_may_read_more(rollouts):
         return -(step.action**2).sum(-1)
 
     found = audit_reward(Baseline(), reward_class(action)(), rollouts, 0.95)
-    assert found.recorded_because == ("action",)
-    assert found.needed == ()
-    assert found.properties == audit_reward(Baseline(), Baseline(), rollouts, 0.95).properties
+    assert found.scripts.recorded_because == ("action",)
+    assert found.scripts.needed == ()
+    assert found.scripts.properties == audit_reward(Baseline(), Baseline(), rollouts, 0.95).scripts.properties
 
 
 @pytest.mark.parametrize(("more", "needed"), [(0.0, ()), (1.0, ("action",))])
