@@ -1,4 +1,4 @@
-"""Data sets of Minari and LeRobot, given to a command in the place of a folder."""
+"""Data sets, given to a command in the place of a folder."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,10 +11,15 @@ if TYPE_CHECKING:
 
 
 def names_dataset(target: str | Path) -> bool:
-    """Whether a command got a data set, ``minari:NAME`` or ``lerobot:FOLDER``."""
+    """Whether a command got a data set: ``minari:NAME``, ``lerobot:FOLDER``, or an HDF5 file."""
     from harness.record.dataset.open_dataset import is_dataset
 
-    return is_dataset(str(target))
+    def formats() -> list[str]:
+        from harness.registry.registry import load_registry
+
+        return list(load_registry().names("logs"))
+
+    return is_dataset(str(target), formats)
 
 
 def audit_rewards_on(
@@ -91,7 +96,7 @@ def score_dataset(
     from harness.registry.registry import load_registry
 
     registry = load_registry(given=read_given(plugin))
-    arm, opened = places_of(places, robot, registry), open_dataset(dataset, None, partial=partial)
+    arm, opened = places_of(places, robot, registry), open_dataset(dataset, registry, partial=partial)
     paid = pay_dataset(opened, rewards_of(opened, registry, rewards, arm), arm)
     into, terms = scores_place(opened.facts.path, out), paid.terms
     write_dataset_scores(paid, into)

@@ -16,7 +16,11 @@ behaviour/NAME                 a measure that no reward enters: after a step, of
 observation, observation/PATH  what was seen after the step
 action, action/PATH            what was done in it
 before/NAME                    any of these before the step, such as before/observation, where the log tells it itself
+seen                           whether it is known what was seen after the step, where that is not so of every step; in
+                               other rows an observation is NaN, or 0 in a column of whole numbers
+info/NAME                      what the environment told after the step; NaN in rows of which it is not known
 state/NAME                     what the simulator told after the step
+operator, task, file           of data sets: who acted, what was to be done, and where the episode lies; text
 =============================  =====================================================================================
 
 A cell's trace has columns of its own names, see `harness.record.trace`.
@@ -42,7 +46,9 @@ MOST_ROWS = 200_000_000
 """The most rows that a log may have."""
 LARGEST = 1e150
 """The largest number, whose square is still finite."""
-REWARD, BEHAVIOUR = "reward/", "behaviour/"
+REWARD, BEHAVIOUR, BEFORE, INFO = "reward/", "behaviour/", "before/", "info/"
+OBSERVATION, ACTION, SEEN = "observation", "action", "seen"
+OPERATOR, TASK, FILE = "operator", "task", "file"
 RECORDED = "recorded"
 """The reward that a log's own column of pay holds, where nobody says which it is."""
 SUCCESS = "success"
@@ -108,14 +114,30 @@ class Log:
             UsageError: The log does not have a column.
             SchemaError: It is damaged, or has more rows than are allowed.
         """
+        first = 0
+        for table in _regrouped((part.columns for part in self.tables(columns)), rows):
+            yield Rows(table, first)
+            first += len(next(iter(table.values())))
+
+    def tables(self, columns: Iterable[str]) -> Iterator[Rows]:
+        """The same in tables of any size, as the reader gives them. A column may have another shape in each of them.
+
+        Raises:
+            UsageError: The log does not have a column.
+            SchemaError: It is damaged, or has more rows than are allowed.
+        """
         names = tuple(dict.fromkeys(columns))
         for name in names:
             if name not in self.columns and name not in self.added:
                 raise missing_column(name, self.names, f"{self.facts.path} has")
         own = tuple(name for name in names if name not in self.added) or self.columns[:1]
         first = 0
-        for table in _regrouped(self.facts, self.read(own), rows):
+        for table in self.read(own):
+            if len({len(values) for values in table.values()}) != 1:
+                raise _uneven(self.facts, table)
             count = len(next(iter(table.values())))
+            if first + count > MOST_ROWS:
+                raise SchemaError(f"{self.facts.path} has more than the {MOST_ROWS:,} rows that are allowed")
             more = {name: self.added[name][first : first + count] for name in names if name in self.added}
             found = {**table, **more}
             yield Rows({name: found[name] for name in names}, first)
@@ -199,17 +221,12 @@ def _uneven(facts: LogFacts, columns: Columns) -> SchemaError:
     return SchemaError(f"{facts.path}: its columns have different numbers of rows: {told}")
 
 
-def _regrouped(facts: LogFacts, tables: Iterable[Columns], rows: int) -> Iterator[Columns]:
+def _regrouped(tables: Iterable[Columns], rows: int) -> Iterator[Columns]:
     """The same rows in tables of `rows` rows; the last one may be shorter."""
     waiting: list[Columns] = []
-    held = total = 0
+    held = 0
     for table in tables:
-        if len({len(values) for values in table.values()}) != 1:
-            raise _uneven(facts, table)
-        count = len(next(iter(table.values())))
-        total, held = total + count, held + count
-        if total > MOST_ROWS:
-            raise SchemaError(f"{facts.path} has more than the {MOST_ROWS:,} rows that are allowed")
+        held += len(next(iter(table.values())))
         waiting.append(table)
         if held >= rows:
             whole = _joined(waiting)

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,6 @@ from harness.arrays import Float, Mask
 from harness.errors import HarnessError, UsageError
 from harness.experiment.environments.paid_again import PayAgain
 from harness.record.cell import Cell
-from harness.record.dataset.dataset import Nested
 from harness.record.folder import EVALUATION, EVALUATION_RECORDING, TRACE, TRAINING_RECORDING
 from harness.record.recording.recorded_training import RecordedTraining, read_recording, recordings_in
 from harness.record.trace import Trace, read_trace
@@ -25,6 +24,8 @@ from harness.reward.needs import needs_of
 from harness.score.scorer import pay_trace
 from harness.text import file_stems
 
+Nested: TypeAlias = Any
+"""Rows of an observation or an action: an array (rows, ...), or a dict or a tuple of `Nested`."""
 TRAINING, EVALUATED = "training", "evaluation"
 TERMS = "harness_terms"
 """The key of the metadata that tells, by column, which term of which reward it is."""

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from harness.arrays import Float, Mask
 from harness.audit.dataset.dataset_audit import DatasetAudit, PaidStep, RewardAnswer, WrongPair
 from harness.audit.dataset.paid_dataset import Labels, PaidDataset, pay_dataset
-from harness.audit.dataset.rewards import OfPiece, given_rewards, places_of, rewards_of
+from harness.audit.dataset.rewards import Payer, given_rewards, places_of, rewards_of
 from harness.audit.dataset.withheld import answer_that_holds, level_that_holds, lines_of, of_its_own_return
 from harness.audit.recorded.paid import Paid, compare_paid, pairs_of
 from harness.audit.recorded.pair import Pair, pair_of
@@ -20,9 +20,10 @@ from harness.errors import UsageError
 from harness.eta.auc import Auc, auc_of, rounded
 from harness.eta.clustered_share import share_of
 from harness.eta.rescaling import line_of
-from harness.record.dataset.dataset import RECORDED, Dataset
+from harness.log import Log
+from harness.log.log import RECORDED
 from harness.record.dataset.labels import FAILURE, SUCCESS, UNKNOWN, parse_success, read_labels
-from harness.record.dataset.open_dataset import open_dataset
+from harness.record.dataset.open_dataset import facts_of, open_dataset
 from harness.registry.registry import Registry, load_registry
 from harness.score.places import ArmPlaces
 
@@ -94,15 +95,15 @@ def audit_dataset(
     arm = places_of(places, robot, plugins)
     by_file = cluster == FILE
     outside = _outside(success, labels, success_above)
-    open_it = bound(open_dataset, cluster="" if by_file else cluster, partial=partial)
-    opened = open_it(dataset, None if outside is not None else success)
-    other = open_it(beginner, None) if beginner is not None else None
-    if success_above is not None and RECORDED not in opened.facts.rewards:
+    open_it = bound(open_dataset, registry=plugins, cluster="" if by_file else cluster, partial=partial)
+    opened = open_it(dataset, success="" if outside is not None else success)
+    other = open_it(beginner) if beginner is not None else None
+    if success_above is not None and RECORDED not in opened.rewards:
         raise UsageError(
-            f"--success-above needs a recorded reward, and {opened.facts.name} has none: give --labels FILE"
+            f"--success-above needs a recorded reward, and {facts_of(opened).name} has none: give --labels FILE"
         )
 
-    def paying(of: Dataset) -> dict[str, OfPiece]:
+    def paying(of: Log) -> dict[str, Payer]:
         if isinstance(rewards, Mapping):
             return given_rewards(rewards, arm)
         return rewards_of(of, plugins, rewards, arm, labelled=outside is not None or beginner is not None)
@@ -184,7 +185,7 @@ def _notes(paid: PaidDataset, below: PaidDataset | None, grouped: _Grouped, plac
         )
     elif unknown:
         notes.append(f"Episodes left out, since nothing says whether they succeeded: {unknown:,}")
-    declared = paid.facts.declared_tasks
+    declared = paid.facts.declared.get("tasks")
     if declared is not None and declared != len(grouped.names):
         notes.append(f"The metadata declares {declared:,} tasks, and {len(grouped.names):,} are in what is used")
     if grouped.untold:

@@ -2,13 +2,17 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
 
+from harness.audit.dataset.steps import VECTORS, each_row, flat_rows, infos_of, seen_after, vectors_of
 from harness.errors import Unscored, UsageError
-from harness.record.dataset.dataset import Dataset, Piece, each_row, leaves
+from harness.log import Log, Rows
+from harness.log.log import ACTION, OBSERVATION, REWARD
+from harness.record.dataset.open_dataset import facts_of
 from harness.recorder.column import as_number
 from harness.recorder.sealed import ReadOnlyDict
 from harness.recorder.trial import Guarded
@@ -19,10 +23,10 @@ from harness.reward.given import Before, Given, Now, zeros_of
 from harness.reward.steps import steps_type
 from harness.score.places import JOINTS_DEG, ArmPay, ArmPlaces, fields_read, parse_places
 
-OfPiece: TypeAlias = Callable[[Piece], Paid]
-"""What a reward pays the steps of a piece, (steps,), and its terms. It is given the pieces in their order.
+Payer: TypeAlias = Callable[[Rows], Paid]
+"""What a reward pays some steps of one episode, (steps,), and its terms. It is given all steps in their order.
 
-One that needs what was seen after a step leaves out the last of the piece, where nothing is known of that.
+One that needs what was seen after a step leaves out the last one, where nothing is known of that.
 """
 
 
@@ -48,9 +52,15 @@ class Unseen:
     __pow__ = __matmul__ = __rmatmul__ = __hash__ = __format__ = _look
 
 
-def as_recorded(name: str) -> OfPiece:
+@dataclass(frozen=True)
+class Recorded:
     """What was recorded under a name: also of the last step, whatever was seen after it."""
-    return lambda piece: Paid(piece.rewards[name])
+
+    name: str
+
+    def __call__(self, rows: Rows) -> Paid:
+        """Of some steps."""
+        return Paid(rows[f"{REWARD}{self.name}"])
 
 
 class _StepByStep:
@@ -63,33 +73,35 @@ class _StepByStep:
         self._reward = reward
         self._before: Any = None
 
-    def __call__(self, piece: Piece) -> Paid:
-        if piece.first == 0:
+    def __call__(self, rows: Rows) -> Paid:
+        if rows["step"][0] <= 1:
             self._before = None
             if callable(reset := getattr(self._reward, "reset", None)):
                 reset()
-        for part in (*leaves(piece.observations), *leaves(piece.actions), *piece.infos.values()):
-            part.setflags(write=False)
-        seen, unseen = piece.seen, Unseen()
-        if not any(part.size for part in leaves(piece.observations)):
-            seen, unseen = len(piece), Unseen(NOT_SEEN)
-            observations = iter([unseen] * (len(piece) + 1))
+        for values in rows.columns.values():
+            values.setflags(write=False)
+        count, seen, unseen = len(rows), seen_after(rows), Unseen()
+        started, after = (vectors_of(rows.columns, name) for name in VECTORS[:2])
+        if isinstance(after, dict) and not after:
+            seen, unseen = count, Unseen(NOT_SEEN)
+            observed, observations = unseen, iter([unseen] * count)
         else:
-            observations = each_row(piece.observations)
-        paid, observed = list[list[float]](), next(observations)
-        for row, action in enumerate(each_row(piece.actions)):
-            info = ReadOnlyDict({key: values[row] for key, values in piece.infos.items()})
+            observed, observations = next(each_row(started, 1)), each_row(after, count)
+        infos, paid = infos_of(rows.columns), list[list[float]]()
+        for row, action in enumerate(each_row(vectors_of(rows.columns, ACTION), count)):
+            info = ReadOnlyDict({key: values[row] for key, values in infos.items()})
             if self._before is None:
                 before = _AtStart._make((observed, zeros_of(action)))
             else:
                 before = Before._make((observed, *self._before))
-            self._before, observed = (action, info), next(observations, unseen)
+            now = next(observations)
+            self._before, observed = (action, info), now if row < seen else unseen
             step = Now._make((observed, action, info, before))
             if row < seen:
                 paid.append(self._reward(step))
             elif (last := self._without_next(step, unseen)) is not None:
                 paid.append(last)
-        if unseen.looked_at and seen == len(piece):  # and went on
+        if unseen.looked_at and seen == count:  # and went on
             unseen[0]
         numbers = np.array(paid).reshape(len(paid), 1 + len(self._reward.terms)).T
         return Paid(numbers[0], dict(zip(self._reward.terms, numbers[1:], strict=True)))
@@ -107,7 +119,7 @@ NOT_SEEN = "it looks at an observation, and the observations of this data set ho
 _AtStart = steps_type(("observation", "action"))
 
 
-def step_by_step(name: str, given: Given) -> OfPiece:
+def step_by_step(name: str, given: Given) -> Payer:
     """A reward of an environment, see `harness.reward.given`, of this name.
 
     Raises:
@@ -128,7 +140,7 @@ def number_or_nan(value: Any) -> float:
     return math.nan if isinstance(value, float | np.floating) and not math.isfinite(value) else as_number(value)
 
 
-def of_arm(reward: Reward, places: ArmPlaces) -> OfPiece:
+def of_arm(reward: Reward, places: ArmPlaces) -> Payer:
     """An arm's reward, by where the end effector and the target stand in an observation.
 
     It pays all steps of a piece at once, unless it remembers something. Beside distances it may read ``action``,
@@ -136,19 +148,23 @@ def of_arm(reward: Reward, places: ArmPlaces) -> OfPiece:
     """
     pay, needed = ArmPay(reward), fields_read(reward)
 
-    def paid(piece: Piece) -> Paid:
-        far, seen = places.distances(piece.observations), piece.seen
-        more = places.fields(piece.observations, needed)
-        if "action" in needed and isinstance(piece.actions, np.ndarray):
-            acted = np.asarray(piece.actions[:seen], np.float64).reshape(seen, -1)
-            more["action"] = np.concatenate([np.zeros((1, acted.shape[1])), acted])
+    def paid(rows: Rows) -> Paid:
+        seen = seen_after(rows)
+        after = vectors_of({name: values[:seen] for name, values in rows.columns.items()}, OBSERVATION)
         with np.errstate(all="ignore"):  # what is not finite is refused by whoever asked
             try:
-                if piece.first == 0:
-                    pay.begin(far[0], {name: values[:1] for name, values in more.items()})
+                if rows["step"][0] <= 1:
+                    before = vectors_of({name: values[:1] for name, values in rows.columns.items()}, VECTORS[0])
+                    begun = places.fields(before, needed)
+                    if "action" in needed:
+                        begun["action"] = np.zeros_like(flat_rows(rows, ACTION)[:1])
+                    pay.begin(places.distances(before)[0], begun)
                 if not seen:
                     return Paid(np.empty(0))
-                return pay.pay(far[1:], {name: values[1:] for name, values in more.items()})
+                more = places.fields(after, needed)
+                if "action" in needed:
+                    more["action"] = flat_rows(rows, ACTION)[:seen]
+                return pay.pay(places.distances(after), more)
             except MissingField as error:
                 raise Unscored(str(error)) from error
 
@@ -180,8 +196,8 @@ def places_of(text: str | None, robot: str | None, registry: Registry) -> ArmPla
 
 
 def rewards_of(
-    dataset: Dataset, registry: Registry, names: Sequence[str], places: ArmPlaces | None, labelled: bool = True
-) -> dict[str, OfPiece]:
+    dataset: Log, registry: Registry, names: Sequence[str], places: ArmPlaces | None, labelled: bool = True
+) -> dict[str, Payer]:
     """The rewards that pay a data set, by name.
 
     Args:
@@ -196,13 +212,13 @@ def rewards_of(
         UsageError: A name is not known, or an arm's reward has no map of places.
     """
     functions = registry.functions_of("reward")
-    there = dataset.facts.rewards
-    found: dict[str, OfPiece] = {}
+    facts, there = facts_of(dataset), dataset.rewards
+    found: dict[str, Payer] = {}
     for name in names or (*there, *functions):
         if name in functions:
             found[name] = step_by_step(name, functions[name].make())
         elif name in there:
-            found[name] = as_recorded(name)
+            found[name] = Recorded(name)
         else:
             choice = choose(registry, "rewards", name)
             if places is None:
@@ -213,22 +229,22 @@ def rewards_of(
             found[choice.label] = of_arm(choice.build(registry, "rewards"), places)
     if not found:
         broken = " ".join(registry.broken_files())
-        untold = not (dataset.facts.success or labelled)
+        untold = not (facts.success or labelled)
         raise UsageError(
-            f"{dataset.facts.name} has no recorded reward{', and nothing says which episodes succeeded' * untold}: "
+            f"{facts.name} has no recorded reward{', and nothing says which episodes succeeded' * untold}: "
             "give functions with --plugin FILE, or --reward NAME with --places MAP"
             f"{'; and labels with --labels episodes.csv, or --success KEY' * untold}.{f' {broken}' if broken else ''}"
         )
     return found
 
 
-def given_rewards(rewards: Mapping[str, Any], places: ArmPlaces | None) -> dict[str, OfPiece]:
+def given_rewards(rewards: Mapping[str, Any], places: ArmPlaces | None) -> dict[str, Payer]:
     """Rewards that Python gives: those of a step, see `harness.reward.given`, and those of an arm.
 
     Raises:
         UsageError: An arm's reward has no map of places.
     """
-    found: dict[str, OfPiece] = {}
+    found: dict[str, Payer] = {}
     for name, given in rewards.items():
         if not hasattr(given, "initial_carry"):
             found[name] = step_by_step(name, given)

@@ -6,8 +6,7 @@ import pytest
 
 from harness.audit.dataset.paid_dataset import pay_dataset
 from harness.audit.dataset.rewards import step_by_step
-from harness.record.dataset.open_dataset import open_dataset
-from tests.record.dataset.written import episode, write_minari
+from tests.record.dataset.written import episode, opened, write_minari
 
 pytestmark = pytest.mark.bench
 STEPS = 200
@@ -38,7 +37,7 @@ def test_a_data_set_beside_a_bare_loop(tmp_path, require_speed, amount):
                     paid.append(_far(observations[row], actions[row], observations[row + 1], info))
 
     def through_the_harness() -> None:
-        found = pay_dataset(open_dataset(f"minari:{folder}"), {"far": step_by_step("it", _far)})
+        found = pay_dataset(opened(f"minari:{folder}"), {"far": step_by_step("it", _far)})
         assert found.paid["far"].tolist() == paid
 
     bare()
