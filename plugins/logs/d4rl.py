@@ -78,16 +78,8 @@ class D4RL:
             operator=operator_key(self.cluster, infos, path),
             notes=notes,
         )
-        columns: tuple[str, ...] = (
-            "episode",
-            "step",
-            "terminated",
-            "truncated",
-            PAY,
-            f"{BEFORE}{OBSERVATION}",
-            OBSERVATION,
-            ACTION,
-        )
+        columns: tuple[str, ...] = ("episode", "step", "terminated", "truncated", PAY)
+        columns += (f"{BEFORE}{OBSERVATION}", OBSERVATION, ACTION)
         columns += tuple(f"{INFO}{key}" for key in infos)
         more = {SEEN: NEXT not in arrays, LABEL: rule is not None, OPERATOR: bool(facts.operator)}
         columns += tuple(name for name, is_there in more.items() if is_there)

@@ -2,7 +2,7 @@
 
 import json
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -85,7 +85,7 @@ class Robomimic:
                 total = whole(data.attrs.get("total"))
                 census = take_census(path, Declared(None, total, lengths=seen.told), seen.steps, self.partial)
                 masks = _masks(path, file)
-                listed = _listed(path, masks, self.mask) if self.mask else census.episodes
+                listed = _listed(path, masks, self.mask, seen.steps) if self.mask else census.episodes
                 numbers = tuple(sorted(it for it in census.episodes & listed if seen.steps[it]))
                 if not numbers:
                     raise SchemaError(f"{path} has no demonstration with a step")
@@ -160,10 +160,13 @@ def _masks(path: Path, file: Any) -> dict[str, frozenset[int]]:
     return found
 
 
-def _listed(path: Path, masks: Mapping[str, frozenset[int]], key: str) -> frozenset[int]:
+def _listed(path: Path, masks: Mapping[str, frozenset[int]], key: str, there: Collection[int]) -> frozenset[int]:
+    """The demonstrations that a filter key lists."""
     if key not in masks:
-        there = ", ".join(masks) or "none"
-        raise UsageError(f"{path} has no filter key '{key}'; it has {there}.{did_you_mean(key, masks)}")
+        told = ", ".join(masks) or "none"
+        raise UsageError(f"{path} has no filter key '{key}'; it has {told}.{did_you_mean(key, masks)}")
+    if gone := sorted(masks[key] - {*there}):
+        raise SchemaError(f"{path}: the filter key {key} lists demo_{gone[0]}, which is not there")
     return masks[key]
 
 

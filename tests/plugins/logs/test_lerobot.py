@@ -7,6 +7,7 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
+from harness.audit.dataset.audit_dataset import audit_dataset
 from harness.errors import NewerFormat, SchemaError, UsageError
 from harness.record.dataset import dataset as sizes
 from tests.record.dataset.frames import write_frames
@@ -117,3 +118,22 @@ def test_no_data_set_is_one_line(tmp_path: Path) -> None:
     """No data set is one line."""
     with pytest.raises(UsageError, match=r"meta/info\.json"):
         opened(f"lerobot:{tmp_path}")
+
+
+def test_a_folder_without_success_answers_as_far_as_it_can(tmp_path: Path) -> None:
+    """Recorded pay and functions are told apart, labels from a file rank them, and what is missing is said."""
+    pay = np.random.default_rng(0).normal(size=(10, 6))
+    episodes = [_frames(6, **{"next.reward": row, "observation.state": np.outer(row, np.ones(3))}) for row in pay]
+    text = f"lerobot:{write_frames(tmp_path / 'd', episodes)}"
+    opposite = {
+        "recorded": lambda step: float(step.info["next.reward"]),
+        "less": lambda step: -step.info["next.reward"],
+    }
+    found = audit_dataset(text, opposite)
+    assert (found.successes, found.failures, found.pairs[0].steps.mean) == (0, 0, pytest.approx(1.0))
+    assert any("--success KEY, or give --labels episodes.csv or --success-above RETURN" in note for note in found.notes)
+    labels = tmp_path / "labels.csv"
+    labels.write_text("episode,success\n" + "".join(f"{number},{number % 2}\n" for number in range(10)))
+    (ranked,) = audit_dataset(text, labels=labels).rewards
+    returns = np.float32(pay).sum(axis=1, dtype=float)
+    assert ranked.by_success.value == pytest.approx(np.mean(returns[1::2][:, None] > returns[::2]))
