@@ -88,8 +88,9 @@ def score_dataset(
     """Write what rewards pay each step of a data set; status 1 where one could not pay."""
     import numpy as np
 
+    from harness.audit.dataset.arm_pay import places_of
     from harness.audit.dataset.paid_dataset import pay_dataset
-    from harness.audit.dataset.rewards import places_of, rewards_of
+    from harness.audit.dataset.rewards import rewards_of
     from harness.audit.dataset.scores_file import scores_place, write_dataset_scores
     from harness.record.dataset.open_dataset import open_dataset
     from harness.registry.given import read_given

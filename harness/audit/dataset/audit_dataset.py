@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial as bound
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from harness.arrays import Float, Mask
 from harness.audit.dataset.dataset_audit import DatasetAudit, PaidStep, RewardAnswer, WrongPair
 from harness.audit.dataset.paid_dataset import Labels, PaidDataset, pay_dataset
-from harness.audit.dataset.rewards import Payer, given_rewards, places_of, rewards_of
+from harness.audit.dataset.rewards import Payer, given_rewards, rewards_of
 from harness.audit.dataset.withheld import answer_that_holds, level_that_holds, lines_of, of_its_own_return
 from harness.audit.recorded.paid import Paid, compare_paid, pairs_of
 from harness.audit.recorded.pair import Pair, pair_of
@@ -25,7 +25,9 @@ from harness.log.log import RECORDED
 from harness.record.dataset.labels import FAILURE, SUCCESS, UNKNOWN, parse_success, read_labels
 from harness.record.dataset.open_dataset import facts_of, open_dataset
 from harness.registry.registry import Registry, load_registry
-from harness.score.places import ArmPlaces
+
+if TYPE_CHECKING:
+    from harness.score.places import ArmPlaces
 
 MOST_PAIRS, MOST_STEPS = 5, 3
 """So many wrongly ranked pairs, and steps, are told of each reward."""
@@ -92,7 +94,11 @@ def audit_dataset(
         SchemaError: A data set is damaged, or is not what its metadata declares.
     """
     plugins = registry or load_registry()
-    arm = places_of(places, robot, plugins)
+    arm = None
+    if places is not None or robot is not None:
+        from harness.audit.dataset.arm_pay import places_of
+
+        arm = places_of(places, robot, plugins)
     by_file = cluster == FILE
     outside = _outside(success, labels, success_above)
     open_it = bound(open_dataset, registry=plugins, cluster="" if by_file else cluster, partial=partial)
@@ -141,7 +147,7 @@ def _unmatched(outside: Labels, paid: PaidDataset) -> list[str]:
 
 
 def judge(
-    paid: PaidDataset, below: PaidDataset | None = None, places: ArmPlaces | None = None, by_file: bool = False
+    paid: PaidDataset, below: PaidDataset | None = None, places: "ArmPlaces | None" = None, by_file: bool = False
 ) -> DatasetAudit:
     """What the paid steps say.
 
@@ -173,7 +179,7 @@ def judge(
     )
 
 
-def _notes(paid: PaidDataset, below: PaidDataset | None, grouped: _Grouped, places: ArmPlaces | None) -> list[str]:
+def _notes(paid: PaidDataset, below: PaidDataset | None, grouped: _Grouped, places: "ArmPlaces | None") -> list[str]:
     """What was left out, and what to keep in mind."""
     notes = [*paid.facts.notes, *paid.notes]
     notes += [f"{below.facts.name}: {line}" for line in (*below.facts.notes, *below.notes)] if below else []

@@ -1,12 +1,16 @@
 """How far each step of a data set moves."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from harness.arrays import Float
 from harness.audit.dataset.steps import flat_rows, vectors_of
 from harness.log import Rows
 from harness.log.log import BEFORE, OBSERVATION
-from harness.score.places import ArmPlaces
+
+if TYPE_CHECKING:
+    from harness.score.places import ArmPlaces
 
 LEARNT = 4_096
 """After so many steps it is known how much a number of an observation changes in a step."""
@@ -18,7 +22,7 @@ class Movement:
     Observations of another size, in the env of another task, have a scale of their own.
     """
 
-    def __init__(self, places: ArmPlaces | None) -> None:
+    def __init__(self, places: "ArmPlaces | None") -> None:
         self._places = places
         self._waiting: dict[int, list[tuple[int, Float]]] = {}
         self._count: dict[int, int] = {}

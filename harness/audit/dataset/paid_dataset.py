@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +21,9 @@ from harness.record.dataset.dataset import MOST_EPISODES, DatasetFacts
 from harness.record.dataset.labels import FAILURE, SUCCESS, UNKNOWN
 from harness.record.dataset.open_dataset import facts_of
 from harness.reward import LARGEST_PAID
-from harness.score.places import ArmPlaces
+
+if TYPE_CHECKING:
+    from harness.score.places import ArmPlaces
 
 MOST_STEPS = 20_000_000
 """The most steps of a data set: one number of each is kept, and one for each reward, 0.32 GB with one reward."""
@@ -165,7 +168,7 @@ class Labels:
 
 
 def pay_dataset(
-    dataset: Log, rewards: Mapping[str, Payer], places: ArmPlaces | None = None, labels: Labels | None = None
+    dataset: Log, rewards: Mapping[str, Payer], places: "ArmPlaces | None" = None, labels: Labels | None = None
 ) -> PaidDataset:
     """Pay all steps of a data set, reading some at a time.
 

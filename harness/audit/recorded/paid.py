@@ -3,15 +3,16 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import combinations
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from harness.arrays import Float
 from harness.audit.unit_vectors import centred_unit, distance_between
-from harness.record.recording.facts import REWARD
-from harness.record.recording.recorded_training import RecordedTraining
-from harness.results.recordings.episodes import Episodes
+
+if TYPE_CHECKING:  # recordings are not loaded where a data set is audited
+    from harness.record.recording.recorded_training import RecordedTraining
+    from harness.results.recordings.episodes import Episodes
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,8 +39,10 @@ class Paid:
         )
 
 
-def paid_in(recording: RecordedTraining, episodes: Episodes) -> Paid:
+def paid_in(recording: "RecordedTraining", episodes: "Episodes") -> Paid:
     """What the rewards of a recording paid, in its steps and in its finished episodes."""
+    from harness.record.recording.facts import REWARD
+
     unknown = {
         name: episodes.reasons.get(f"{REWARD}{name}", "not a number in some steps")
         for name, values in recording.rewards.items()

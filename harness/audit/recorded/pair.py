@@ -2,13 +2,15 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from harness.audit.recorded.paid import Apart
-from harness.audit.recorded.step_apart import StepApart
 from harness.eta.interval import SHARE
 from harness.eta.rescaling import Line, Rescaling, rescaling_of
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
+
+if TYPE_CHECKING:
+    from harness.audit.recorded.step_apart import StepApart
 
 
 @dataclass(frozen=True)
@@ -35,7 +37,7 @@ class Pair:
     told_apart: SeedMean
     each: tuple[Apart, ...]
     rescaling: Rescaling | None = None
-    largest: tuple[StepApart, ...] = ()
+    largest: "tuple[StepApart, ...]" = ()
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
@@ -52,7 +54,7 @@ class Pair:
 
 
 def pair_of(
-    one: str, other: str, each: Sequence[Apart], lines: Sequence[Line | None], largest: Sequence[StepApart] = ()
+    one: str, other: str, each: Sequence[Apart], lines: Sequence[Line | None], largest: "Sequence[StepApart]" = ()
 ) -> Pair:
     """The means, with intervals over recordings or measurements.
 

@@ -1,6 +1,7 @@
 """Two rewards beside one another, and what behaviour earned under them, as a terminal shows it."""
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from rich import box
 from rich.table import Table
@@ -9,8 +10,10 @@ from rich.text import Text
 from harness.audit.number import number
 from harness.audit.recorded.earned import Earned, best_paid
 from harness.audit.recorded.pair import Pair
-from harness.audit.recorded.step_apart import StepApart
 from harness.eta.seed_mean import SeedMean
+
+if TYPE_CHECKING:
+    from harness.audit.recorded.step_apart import StepApart
 
 MISSING = "n/a"
 STEPS = "of what both pay for the same steps"
@@ -73,7 +76,7 @@ def share_text(mean: SeedMean) -> str:
     return f"{mean.mean:.1%}" if low is None else f"{mean.mean:.1%} [{100.0 * low:.1f}, {100.0 * (high or 0.0):.1f}]"
 
 
-def _step_text(pair: Pair, step: StepApart) -> str:
+def _step_text(pair: Pair, step: "StepApart") -> str:
     told = [
         f"{name} pays {number(paid)} ({abs(deviation):.1f} sd {'above' if deviation >= 0.0 else 'below'} its mean)"
         for name, paid, deviation in zip((pair.one, pair.other), step.paid, step.deviations, strict=True)

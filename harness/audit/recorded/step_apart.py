@@ -1,11 +1,12 @@
 """The steps for which two rewards pay most differently."""
 
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from harness.record.recording.recorded_training import RecordedTraining
+if TYPE_CHECKING:
+    from harness.record.recording.recorded_training import RecordedTraining
 
 MOST = 3
 """So many steps are told of each pair."""
@@ -43,7 +44,7 @@ class StepApart:
         return asdict(self)
 
 
-def steps_apart(folder: str, recording: RecordedTraining, one: str, other: str) -> list[StepApart]:
+def steps_apart(folder: str, recording: "RecordedTraining", one: str, other: str) -> list[StepApart]:
     """The steps of a recording with the largest differences, largest first, one of an episode at most.
 
     None where a reward pays all steps the same.

@@ -7,10 +7,12 @@ import pyarrow.parquet as pq
 import pytest
 
 from harness.audit.dataset import paid_dataset
+from harness.audit.dataset.arm_pay import of_arm
 from harness.audit.dataset.audit_dataset import audit_dataset
 from harness.audit.dataset.paid_dataset import pay_dataset
-from harness.audit.dataset.rewards import Recorded, of_arm, step_by_step
+from harness.audit.dataset.rewards import Recorded
 from harness.audit.dataset.scores_file import write_dataset_scores
+from harness.audit.dataset.step_by_step import step_by_step
 from harness.errors import UsageError
 from harness.eta.auc import AGAINST, CANNOT_TELL, RANKS
 from harness.record.dataset import dataset as sizes

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from harness.audit.dataset.paid_dataset import pay_dataset
-from harness.audit.dataset.rewards import step_by_step
+from harness.audit.dataset.step_by_step import step_by_step
 from tests.record.dataset.written import episode, opened, write_minari
 
 pytestmark = pytest.mark.bench
