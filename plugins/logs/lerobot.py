@@ -372,11 +372,12 @@ def _rows(layout: _Layout, whole: _Frames, count: int, names: tuple[str, ...]) -
 
 
 def _column(layout: _Layout, name: str, frames: _Frames, whole: _Frames, seen: Mask) -> NDArray[Any]:
-    described = {OPERATOR: _operators, TASK: _tasks, FILE_COLUMN: lambda _, frames: frames.files}
+    described = {OPERATOR: _operators, TASK: _tasks}
     if name in described:
         return described[name](layout, frames)
-    if name == SEEN:
-        return seen
+    known = {SEEN: seen, FILE_COLUMN: frames.files}
+    if name in known:
+        return known[name]
     if name == LABEL:
         return _success(layout, frames, seen)
     if name in layout.seen:
@@ -396,7 +397,7 @@ def _after(layout: _Layout, key: str, frames: _Frames, whole: _Frames, seen: Mas
 
 
 def _success(layout: _Layout, frames: _Frames, seen: Mask) -> Float:
-    """Of each step; what is said of a whole episode stands in its last one."""
+    """Labels of each step; what is said of a whole episode stands in its last one."""
     rule, numbers = layout.rule, frames.columns[EPISODE]
     assert rule is not None  # or there is no such column
     where = f"{layout.facts.path / frames.files[0]}, from episode {numbers[0]} on"

@@ -347,7 +347,7 @@ class _Episode:
         return one_number(table[name], f"{self._noun(name)}") if name.startswith(REWARD) else table[name]
 
     def _success(self, values: NDArray[Any] | None, first: int, count: int) -> Float:
-        """Of each step; what is said of the whole episode stands in its last one."""
+        """Labels of each step; what is said of the whole episode stands in its last one."""
         rule = self._layout.rule
         assert rule is not None  # or there is no such column
         if values is not None:

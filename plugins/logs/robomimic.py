@@ -305,7 +305,7 @@ def _column(
 def _labels(
     rule: SuccessRule, demo: Any, values: NDArray[Any] | None, count: int, is_last: bool, noun: str
 ) -> NDArray[np.int8]:
-    """Of each step; what an attribute says of the whole demonstration stands in its last one."""
+    """Labels of each step; what an attribute says of the whole demonstration stands in its last one."""
     if values is not None:
         return rule.of_steps(values, noun)
     told = np.full(count, UNKNOWN, np.int8)

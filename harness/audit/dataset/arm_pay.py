@@ -4,8 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.audit.dataset.rewards import Payer
-from harness.audit.dataset.steps import VECTORS, flat_rows, seen_after, vectors_of
+from harness.audit.dataset.steps import VECTORS, Payer, flat_rows, seen_after, vectors_of
 from harness.errors import Unscored, UsageError
 from harness.log import Rows
 from harness.log.log import ACTION, OBSERVATION

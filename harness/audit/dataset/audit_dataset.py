@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from harness.arrays import Float, Mask
 from harness.audit.dataset.dataset_audit import DatasetAudit, PaidStep, RewardAnswer, WrongPair
 from harness.audit.dataset.paid_dataset import Labels, PaidDataset, pay_dataset
-from harness.audit.dataset.rewards import Payer, given_rewards, rewards_of
+from harness.audit.dataset.rewards import given_rewards, rewards_of
+from harness.audit.dataset.steps import Payer
 from harness.audit.dataset.withheld import answer_that_holds, level_that_holds, lines_of, of_its_own_return
 from harness.audit.recorded.paid import Paid, compare_paid, pairs_of
 from harness.audit.recorded.pair import Pair, pair_of

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from harness.arrays import Float, Mask
 from harness.audit.dataset.identity import Fingerprint
 from harness.audit.dataset.movement import Movement
-from harness.audit.dataset.rewards import Payer, Recorded
-from harness.audit.dataset.steps import flaw_of, seen_after, steps_by_episode
+from harness.audit.dataset.rewards import Recorded
+from harness.audit.dataset.steps import Payer, flaw_of, seen_after, steps_by_episode
 from harness.errors import HarnessError, SchemaError, Unscored, one_line
 from harness.log import Log, Rows
 from harness.log.log import ACTION, BEFORE, BEHAVIOUR, FILE, INFO, OBSERVATION, OPERATOR, RECORDED, REWARD, SEEN, TASK

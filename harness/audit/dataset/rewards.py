@@ -3,10 +3,11 @@
 What asks functions, and what knows arms, is loaded only where one pays.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
+from harness.audit.dataset.steps import Payer
 from harness.errors import UsageError
 from harness.log import Log, Rows
 from harness.log.log import REWARD
@@ -18,12 +19,6 @@ from harness.reward import Paid
 if TYPE_CHECKING:
     from harness.score.places import ArmPlaces
 
-Payer: TypeAlias = Callable[[Rows], Paid]
-"""What a reward pays some steps of one episode, (steps,), and its terms. It is given all steps in their order.
-
-One that needs what was seen after a step leaves out the last one, where nothing is known of that.
-"""
-
 
 @dataclass(frozen=True)
 class Recorded:
@@ -32,7 +27,7 @@ class Recorded:
     name: str
 
     def __call__(self, rows: Rows) -> Paid:
-        """Of some steps."""
+        """The pay of some steps."""
         return Paid(rows[f"{REWARD}{self.name}"])
 
 

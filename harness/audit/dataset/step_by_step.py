@@ -5,8 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.audit.dataset.rewards import Payer
-from harness.audit.dataset.steps import VECTORS, each_row, infos_of, seen_after, vectors_of
+from harness.audit.dataset.steps import VECTORS, Payer, each_row, infos_of, seen_after, vectors_of
 from harness.log import Rows
 from harness.log.log import ACTION
 from harness.recorder.column import as_number

@@ -1,6 +1,6 @@
 """The steps of a data set, an episode after the other, and what a reward is given of them."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from itertools import pairwise
 from typing import Any, TypeAlias
 
@@ -10,9 +10,15 @@ from harness.arrays import Float
 from harness.errors import SchemaError
 from harness.log import Log, Rows
 from harness.log.log import ACTION, BEFORE, INFO, LARGEST, OBSERVATION, REWARD, SEEN, Array
+from harness.reward import Paid
 
 Nested: TypeAlias = Any
 """Rows of an observation or an action: an array (rows, ...), or a dict or a tuple of `Nested`."""
+Payer: TypeAlias = Callable[[Rows], Paid]
+"""What a reward pays some steps of one episode, (steps,), and its terms. It is given all steps in their order.
+
+One that needs what was seen after a step leaves out the last one, where nothing is known of that.
+"""
 INDEX = "_index_"
 """How the parts of a tuple are called: this and their number."""
 VECTORS = (f"{BEFORE}{OBSERVATION}", OBSERVATION, ACTION)

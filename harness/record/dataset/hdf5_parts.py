@@ -17,6 +17,8 @@ SIGNATURE = b"\x89HDF\r\n\x1a\n"
 MOST_BYTES = 2**40
 CHUNK_BYTES = 2**28
 """The most bytes of a chunk: HDF5 unpacks it whole."""
+INDEX_BYTES = 2**20
+"""What HDF5 keeps of a file's index: each episode is read once, and 32 MiB, its default, hold 200 MB of memory."""
 DEEPEST = 8
 
 
@@ -32,7 +34,11 @@ def open_hdf5(path: Path) -> Any:
         raise UsageError(
             f"A data set in HDF5 needs h5py, which cannot be imported ({error}): pip install 'fd100-harness[minari]'"
         ) from error
-    return h5py.File(path, "r", locking=False)
+    file = h5py.File(path, "r", locking=False)
+    cache = file.id.get_mdc_config()
+    cache.set_initial_size, cache.initial_size, cache.min_size, cache.max_size = True, *[INDEX_BYTES] * 3
+    file.id.set_mdc_config(cache)
+    return file
 
 
 class Array:
