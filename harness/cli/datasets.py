@@ -1,4 +1,4 @@
-"""Data sets of Minari and LeRobot, given to a command in the place of a folder."""
+"""Data sets, given to a command in the place of a folder."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,10 +11,15 @@ if TYPE_CHECKING:
 
 
 def names_dataset(target: str | Path) -> bool:
-    """Whether a command got a data set, ``minari:NAME`` or ``lerobot:FOLDER``."""
+    """Whether a command got a data set: ``minari:NAME``, ``lerobot:FOLDER``, or an HDF5 file."""
     from harness.record.dataset.open_dataset import is_dataset
 
-    return is_dataset(str(target))
+    def formats() -> list[str]:
+        from harness.registry.registry import load_registry
+
+        return list(load_registry().names("logs"))
+
+    return is_dataset(str(target), formats)
 
 
 def audit_rewards_on(
@@ -83,15 +88,16 @@ def score_dataset(
     """Write what rewards pay each step of a data set; status 1 where one could not pay."""
     import numpy as np
 
+    from harness.audit.dataset.arm_pay import places_of
     from harness.audit.dataset.paid_dataset import pay_dataset
-    from harness.audit.dataset.rewards import places_of, rewards_of
+    from harness.audit.dataset.rewards import rewards_of
     from harness.audit.dataset.scores_file import scores_place, write_dataset_scores
     from harness.record.dataset.open_dataset import open_dataset
     from harness.registry.given import read_given
     from harness.registry.registry import load_registry
 
     registry = load_registry(given=read_given(plugin))
-    arm, opened = places_of(places, robot, registry), open_dataset(dataset, None, partial=partial)
+    arm, opened = places_of(places, robot, registry), open_dataset(dataset, registry, partial=partial)
     paid = pay_dataset(opened, rewards_of(opened, registry, rewards, arm), arm)
     into, terms = scores_place(opened.facts.path, out), paid.terms
     write_dataset_scores(paid, into)

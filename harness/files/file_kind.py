@@ -69,8 +69,11 @@ _ARCHIVES: tuple[tuple[re.Pattern[bytes], FileKind], ...] = (
 )
 """ZIP archives by the name of their first member."""
 _LAYOUTS: tuple[tuple[str, FileKind], ...] = (
-    ("terminals", FileKind("an HDF5 data set of D4RL", "Minari has these sets: harness audit minari:NAME")),
-    ("data/demo_", FileKind("an HDF5 data set of robomimic", "its episodes are demonstrations, and no training")),
+    ("terminals", FileKind("an HDF5 data set of D4RL", "judge its rewards: harness audit d4rl:FILE")),
+    (
+        "data/demo_",
+        FileKind("an HDF5 data set of robomimic", "judge its rewards: harness audit robomimic:FILE"),
+    ),
     ("episode_", FileKind("an HDF5 data set of Minari", "name the set itself: harness audit minari:NAME")),
 )
 """HDF5 files by how a name in them begins."""
@@ -124,13 +127,22 @@ def _utf16(head: bytes) -> FileKind | None:
 
 
 def _hdf5(path: Path) -> FileKind:
-    """Which data set an HDF5 file is, where h5py is installed; a name is looked up, no data are read."""
+    """Which data set an HDF5 file is, where h5py is installed."""
+    names = names_in_hdf5(path)
+    return next((kind for begin, kind in _LAYOUTS if any(name.startswith(begin) for name in names)), HDF5)
+
+
+def names_in_hdf5(path: Path) -> list[str]:
+    """The first names at the top of an HDF5 file and in its group ``data``; none where it cannot be opened.
+
+    Names are looked up, no data are read.
+    """
     names: list[str] = []
-    with suppress(Exception):  # whatever a damaged file raises: then it is an HDF5 file
+    with suppress(Exception):  # whatever a damaged file raises, or no h5py: then it is an HDF5 file
         import h5py
 
         with h5py.File(path, "r", locking=False) as file:
             names = [name for name, _ in zip(file, range(MOST_KEYS), strict=False)]
             if isinstance(file.get("data", getlink=True), h5py.HardLink):
                 names += [f"data/{name}" for name, _ in zip(file["data"], range(MOST_KEYS), strict=False)]
-    return next((kind for begin, kind in _LAYOUTS if any(name.startswith(begin) for name in names)), HDF5)
+    return names

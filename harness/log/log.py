@@ -19,7 +19,11 @@ behaviour/NAME                 a measure that no reward enters: after a step, of
 observation, observation/PATH  what was seen after the step
 action, action/PATH            what was done in it
 before/NAME                    any of these before the step, such as before/observation, where the log tells it itself
+seen                           whether it is known what was seen after the step, where that is not so of every step; in
+                               other rows an observation is NaN, or 0 in a column of whole numbers
+info/NAME                      what the environment told after the step; NaN in rows of which it is not known
 state/NAME                     what the simulator told after the step
+operator, task, file           of data sets: who acted, what was to be done, and where the episode lies; text
 =============================  =====================================================================================
 
 A log of steps has ``episode`` and ``step``, a log of episodes ``length`` or ``time``, a log of points ``time`` or
@@ -53,6 +57,9 @@ MOST_ROWS = 200_000_000
 LARGEST = 1e150
 """The largest number, whose square is still finite."""
 TIME, START, REWARD, BEHAVIOUR = "time", "start", "reward/", "behaviour/"
+BEFORE, INFO = "before/", "info/"
+OBSERVATION, ACTION, SEEN = "observation", "action", "seen"
+OPERATOR, TASK, FILE = "operator", "task", "file"
 EPISODES = ("env", "episode", "terminated", "truncated")
 """Columns of steps that tell where episodes begin and end."""
 RECORDED = "recorded"
@@ -127,14 +134,27 @@ class Log:
         """
         names = self._chosen(columns)
         known = {**self._held, **self.added}
-        own = tuple(name for name in names if name not in known)
-        if names and not own:
+        if names and known.keys() >= {*names}:
             whole = Rows({name: known[name] for name in names})
             yield from (whole.part(slice(begin, begin + rows)) for begin in range(0, len(whole), rows))
             return
-        own = own or self.columns[:1]
         first = 0
-        for table in _regrouped(self.facts, self.read(own), rows):
+        for table in _regrouped((part.columns for part in self.tables(names)), rows):
+            yield Rows(table, first)
+            first += len(next(iter(table.values())))
+
+    def tables(self, columns: Iterable[str]) -> Iterator[Rows]:
+        """The same in tables of any size, as the reader gives them. A column may have another shape in each of them.
+
+        Raises:
+            UsageError: The log does not have a column.
+            SchemaError: It is damaged, or has more rows than are allowed.
+        """
+        names = self._chosen(columns)
+        known = {**self._held, **self.added}
+        own = tuple(name for name in names if name not in known) or self.columns[:1]
+        first = 0
+        for table in _checked(self.facts, self.read(own)):
             count = len(next(iter(table.values())))
             more = {name: known[name][first : first + count] for name in names if name in known}
             found = {**table, **more}
@@ -307,11 +327,11 @@ def _uneven(facts: LogFacts, columns: Columns) -> SchemaError:
     return SchemaError(f"{facts.path}: its columns have different numbers of rows: {told}")
 
 
-def _regrouped(facts: LogFacts, tables: Iterable[Columns], rows: int) -> Iterator[Columns]:
+def _regrouped(tables: Iterable[Columns], rows: int) -> Iterator[Columns]:
     """The same rows in tables of `rows` rows; the last one may be shorter."""
     waiting: list[Columns] = []
     held = 0
-    for table in _checked(facts, tables):
+    for table in tables:
         held += len(next(iter(table.values())))
         waiting.append(table)
         if held >= rows:

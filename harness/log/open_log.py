@@ -3,8 +3,9 @@
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
+from dataclasses import fields, replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from harness.errors import HarnessError, SchemaError, UsageError, reason_of
 from harness.files.bounded import open_regular
@@ -29,29 +30,32 @@ class Found(NamedTuple):
     """What is a log and cannot be read, and why."""
 
 
-def open_logs(path: Path, registry: Registry, named: str = "") -> tuple[Log, ...]:
+def open_logs(path: Path, registry: Registry, named: str = "", **settings: Any) -> tuple[Log, ...]:
     """The logs in one file, or in one folder that is a log itself.
 
     Args:
-        path: The file or the folder.
+        path: The file or the folder. A format with the class attribute ``takes_names = True`` also takes a name by
+            which its program finds it.
         registry: Has the formats.
         named: The format with its settings, ``rosbag:topic=/pay``; found by what the file is if empty.
+        settings: Further settings of the format, as flags of a command give them.
 
     Raises:
-        UsageError: It is not there, no format recognises it, or several do.
+        UsageError: It is not there, no format recognises it, or several do; or the format has no such setting.
         SchemaError: It is damaged.
     """
-    if not path.exists():
+    takes_names = named and getattr(_built(named, registry), "takes_names", False)
+    if not takes_names and not path.exists():
         raise UsageError(f"There is no '{path}'")
     if named:
-        return _read(path, named, registry)
+        return _read(path, named, registry, settings)
     names = recognised(path, formats_of(registry))
     if len(names) > 1:
         told = " or ".join(f"--as {name}" for name in names)
         raise UsageError(f"'{path}' could be a log of several formats: say which, {told}")
     if not names:
         raise UsageError(f"'{path}' is no log that is read: harness list logs tells which are")
-    return _read(path, names[0], registry)
+    return _read(path, names[0], registry, settings)
 
 
 def find_logs(path: Path, registry: Registry, named: str = "") -> Found:
@@ -129,12 +133,17 @@ def recognised(path: Path, formats: Mapping[str, LogFormat]) -> list[str]:
     return [name for name, it in formats.items() if it.recognises(path, head)]
 
 
-def _read(path: Path, name: str, registry: Registry) -> tuple[Log, ...]:
+def _read(path: Path, name: str, registry: Registry, settings: Mapping[str, Any] = {}) -> tuple[Log, ...]:
     chosen = choose(registry, LOGS, name)
     spec = registry.get(LOGS, chosen.name)
+    reader = chosen.build(registry, LOGS)
+    for setting in settings:
+        if setting not in {field.name for field in fields(reader)}:
+            raise UsageError(f"--{setting} says nothing of '{path}': a log of the format {chosen.name} has none")
+    reader = replace(reader, **settings)
     with blamed_on(spec, "it read a log"):
         try:
-            logs = tuple(chosen.build(registry, LOGS).read(path))
+            logs = tuple(reader.read(path))
         except HarnessError:
             raise
         except (OSError, ValueError) as error:

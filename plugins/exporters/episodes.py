@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,6 @@ from harness.experiment.environments.paid_again import PayAgain
 from harness.log import Log, Rows
 from harness.log.log import BEHAVIOUR, REWARD, episode_rows
 from harness.record.cell import Cell
-from harness.record.dataset.dataset import Nested
 from harness.record.episode_facts import episode_facts
 from harness.record.folder import EVALUATION, EVALUATION_RECORDING, TRACE, TRAINING_RECORDING
 from harness.record.recording.facts import facts_of, term_column
@@ -29,6 +28,8 @@ from harness.reward.needs import needs_of
 from harness.score.scorer import pay_log
 from harness.text import file_stems
 
+Nested: TypeAlias = Any
+"""Rows of an observation or an action: an array (rows, ...), or a dict or a tuple of `Nested`."""
 TRAINING, EVALUATED = "training", "evaluation"
 TERMS = "harness_terms"
 """The key of the metadata that tells, by column, which term of which reward it is."""

@@ -11,8 +11,8 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from harness.arrays import Float
-from harness.record.dataset.dataset import OPERATOR_KEYS, OWN_REWARDS, leaves
-from harness.record.dataset.lerobot_facts import ACTION, DATA_PATH, INFO, NEXT_STATE, REWARD, STATE
+from harness.record.dataset.dataset import OPERATOR_KEYS, OWN_REWARDS
+from harness.record.dataset.lerobot_facts import ACTION, DATA_PATH, INFO_FILE, NEXT_STATE, REWARD, STATE
 from harness.text import file_stems
 
 from .episodes import TERMS, Exported, Source, Term
@@ -42,7 +42,7 @@ def write_lerobot(source: Source, folder: Path) -> int:
     columns = {label: f"{REWARD}_{stem}" for label, stem in zip(source.rewards, stems, strict=True)}
     named = zip(source.terms, file_stems([it.title for it in source.terms]), strict=True)
     terms = {term: f"{REWARD}_term_{stem}" for term, stem in named}
-    (folder / INFO).parent.mkdir(parents=True)
+    (folder / INFO_FILE).parent.mkdir(parents=True)
     frames = _Frames(folder)
     for number, episode in enumerate(source.episodes()):
         frames.operators.append(episode.operator)
@@ -160,8 +160,9 @@ def _table(
 
 def _flat(rows: Any) -> NDArray[np.float32]:
     """All numbers of each row, float32."""
-    parts = [np.asarray(part, np.float32).reshape(len(part), -1) for part in leaves(rows)]
-    return np.concatenate(parts, axis=1)
+    if isinstance(rows, dict | tuple):
+        return np.concatenate([_flat(part) for part in (rows.values() if isinstance(rows, dict) else rows)], axis=1)
+    return np.asarray(rows, np.float32).reshape(len(rows), -1)
 
 
 def _list(rows: NDArray[np.float32]) -> pa.FixedSizeListArray:
@@ -236,7 +237,7 @@ def _write_info(
         OWN_REWARDS: {column: label for label, column in columns.items()},
         **({TERMS: {column: term.title for term, column in terms.items()}} if terms else {}),
     }
-    (folder / INFO).write_text(json.dumps(told, indent=1), encoding="utf-8")
+    (folder / INFO_FILE).write_text(json.dumps(told, indent=1), encoding="utf-8")
 
 
 def _features(source: Source, frames: _Frames) -> Iterator[tuple[str, dict[str, Any]]]:

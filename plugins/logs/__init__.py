@@ -48,3 +48,23 @@ def register_logs(register: harness.Register) -> None:
         summary="a table whose rows are episodes: episode,reward,length,success and names like these",
     )
     register("steps-csv", "harness.score.csv_steps:StepsCsv", summary="CSV with a column 'reward', a row for each step")
+    register(
+        "minari",
+        "harness_plugins.logs.minari:Minari",
+        summary="Minari: episodes in HDF5, a folder or minari:NAME, a row is a step",
+    )
+    register(
+        "lerobot",
+        "harness_plugins.logs.lerobot:LeRobot",
+        summary="LeRobot 2.0 to 3.0: episodes in Parquet, a row is a step",
+    )
+    register(
+        "d4rl",
+        "harness_plugins.logs.d4rl:D4RL",
+        summary="D4RL: one HDF5 file of many episodes, a row is a step",
+    )
+    register(
+        "robomimic",
+        "harness_plugins.logs.robomimic:Robomimic",
+        summary="robomimic: demonstrations in HDF5, a row is a step",
+    )

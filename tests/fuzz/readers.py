@@ -19,7 +19,6 @@ from harness.motion.limits import JointLimits
 from harness.policy import CARD, WEIGHTS, Greedy, Policy, SquashedGaussian, UniformChoice, load_policy
 from harness.policy.inverse_kinematics import InverseKinematics
 from harness.record.dataset.labels import SuccessRule, read_labels
-from harness.record.dataset.open_dataset import open_dataset
 from harness.record.folder import SCENE
 from harness.record.manifest import Manifest, read_manifest
 from harness.record.recording.facts import TrainingFacts
@@ -46,7 +45,7 @@ from tests.fuzz.mutate import (
     mutate_xml,
 )
 from tests.record.dataset.frames import write_frames
-from tests.record.dataset.written import episode, write_lerobot, write_minari
+from tests.record.dataset.written import episode, opened, write_lerobot, write_minari
 
 Mutate = Callable[[bytes, Random], bytes]
 
@@ -228,7 +227,8 @@ def _datasets(folder: Path) -> dict[str, Reader]:
 
 
 def _exhaust_dataset(name: str) -> None:
-    for _ in open_dataset(name).pieces():
+    log = opened(name)
+    for _ in log.tables(log.names):
         pass
 
 

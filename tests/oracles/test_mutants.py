@@ -1,5 +1,6 @@
 """Readers that are broken on purpose, each as a reader has been broken before: an oracle finds every one."""
 
+import importlib
 import itertools
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -9,13 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from harness.audit.dataset.identity import Fingerprint
 from harness.eta.curve import GroupCurve
 from harness.policy import kinds
 from harness.policy.network import ACTIVATIONS
 from harness.record import cell_folder
-from harness.record.dataset import lerobot, minari
 from harness.record.dataset.census import Census
-from harness.record.dataset.identity import Fingerprint
 from harness.record.dataset.labels import SuccessRule
 from harness.record.recording import recorded_training
 from harness.robot import kinematics
@@ -23,21 +23,20 @@ from harness.score import scorer
 from tests.oracles import settings
 from tests.oracles.test_oracles import faults_of
 
+lerobot = importlib.import_module("harness_plugins.logs.lerobot")
 Break = Callable[[pytest.MonkeyPatch], None]
 TRIED = 24
 """So many inputs are tried before a mutant counts as missed."""
 
 
 def _last_frame_is_not_paid(patch: pytest.MonkeyPatch) -> None:
-    rewards = lerobot._Frames._rewards
+    column = lerobot._column
 
-    def without(self: Any, table: Any, count: int) -> Any:
-        paid = rewards(self, table, count)
-        for values in paid.values():
-            values[-1:] = 0.0 if count == len(table["frame_index"]) else values[-1:]
-        return paid
+    def without(layout: Any, name: str, frames: Any, whole: Any, seen: Any) -> Any:
+        values = column(layout, name, frames, whole, seen)
+        return np.where(seen, values, 0.0) if name.startswith("reward/") else values
 
-    patch.setattr(lerobot._Frames, "_rewards", without)
+    patch.setattr(lerobot, "_column", without)
 
 
 def _label_is_whatever_is_not_zero(patch: pytest.MonkeyPatch) -> None:
@@ -45,7 +44,7 @@ def _label_is_whatever_is_not_zero(patch: pytest.MonkeyPatch) -> None:
 
 
 def _tasks_are_pooled(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(lerobot._Frames, "_task", lambda self, table, number: "")
+    patch.setattr(lerobot, "_tasks", lambda layout, frames: np.full(len(frames), "", object))
 
 
 def _copies_are_counted(patch: pytest.MonkeyPatch) -> None:
@@ -54,12 +53,12 @@ def _copies_are_counted(patch: pytest.MonkeyPatch) -> None:
 
 
 def _metadata_are_not_believed(patch: pytest.MonkeyPatch) -> None:
-    for module in (lerobot, minari):
+    for module in (lerobot, importlib.import_module("harness_plugins.logs.minari")):
         patch.setattr(module, "take_census", lambda path, declared, found, partial: Census(frozenset(found)))
 
 
 def _frames_come_in_any_order(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(lerobot._Frames, "_require_order", lambda self, frame, number, where: None)
+    patch.setattr(lerobot, "_require_order", lambda path, before, frames, begun: None)
 
 
 def _last_step_is_not_summed(patch: pytest.MonkeyPatch) -> None:

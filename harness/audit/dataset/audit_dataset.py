@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial as bound
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from harness.arrays import Float, Mask
 from harness.audit.dataset.dataset_audit import DatasetAudit, PaidStep, RewardAnswer, WrongPair
 from harness.audit.dataset.paid_dataset import Labels, PaidDataset, pay_dataset
-from harness.audit.dataset.rewards import OfPiece, given_rewards, places_of, rewards_of
+from harness.audit.dataset.rewards import given_rewards, rewards_of
+from harness.audit.dataset.steps import Payer
 from harness.audit.dataset.withheld import answer_that_holds, level_that_holds, lines_of, of_its_own_return
 from harness.audit.recorded.paid import Paid, compare_paid, pairs_of
 from harness.audit.recorded.pair import Pair, pair_of
@@ -20,11 +21,14 @@ from harness.errors import UsageError
 from harness.eta.auc import Auc, auc_of, rounded
 from harness.eta.clustered_share import share_of
 from harness.eta.rescaling import line_of
-from harness.record.dataset.dataset import RECORDED, Dataset
+from harness.log import Log
+from harness.log.log import RECORDED
 from harness.record.dataset.labels import FAILURE, SUCCESS, UNKNOWN, parse_success, read_labels
-from harness.record.dataset.open_dataset import open_dataset
+from harness.record.dataset.open_dataset import facts_of, open_dataset
 from harness.registry.registry import Registry, load_registry
-from harness.score.places import ArmPlaces
+
+if TYPE_CHECKING:
+    from harness.score.places import ArmPlaces
 
 MOST_PAIRS, MOST_STEPS = 5, 3
 """So many wrongly ranked pairs, and steps, are told of each reward."""
@@ -91,18 +95,22 @@ def audit_dataset(
         SchemaError: A data set is damaged, or is not what its metadata declares.
     """
     plugins = registry or load_registry()
-    arm = places_of(places, robot, plugins)
+    arm = None
+    if places is not None or robot is not None:
+        from harness.audit.dataset.arm_pay import places_of
+
+        arm = places_of(places, robot, plugins)
     by_file = cluster == FILE
     outside = _outside(success, labels, success_above)
-    open_it = bound(open_dataset, cluster="" if by_file else cluster, partial=partial)
-    opened = open_it(dataset, None if outside is not None else success)
-    other = open_it(beginner, None) if beginner is not None else None
-    if success_above is not None and RECORDED not in opened.facts.rewards:
+    open_it = bound(open_dataset, registry=plugins, cluster="" if by_file else cluster, partial=partial)
+    opened = open_it(dataset, success="" if outside is not None else success)
+    other = open_it(beginner) if beginner is not None else None
+    if success_above is not None and RECORDED not in opened.rewards:
         raise UsageError(
-            f"--success-above needs a recorded reward, and {opened.facts.name} has none: give --labels FILE"
+            f"--success-above needs a recorded reward, and {facts_of(opened).name} has none: give --labels FILE"
         )
 
-    def paying(of: Dataset) -> dict[str, OfPiece]:
+    def paying(of: Log) -> dict[str, Payer]:
         if isinstance(rewards, Mapping):
             return given_rewards(rewards, arm)
         return rewards_of(of, plugins, rewards, arm, labelled=outside is not None or beginner is not None)
@@ -140,7 +148,7 @@ def _unmatched(outside: Labels, paid: PaidDataset) -> list[str]:
 
 
 def judge(
-    paid: PaidDataset, below: PaidDataset | None = None, places: ArmPlaces | None = None, by_file: bool = False
+    paid: PaidDataset, below: PaidDataset | None = None, places: "ArmPlaces | None" = None, by_file: bool = False
 ) -> DatasetAudit:
     """What the paid steps say.
 
@@ -172,7 +180,7 @@ def judge(
     )
 
 
-def _notes(paid: PaidDataset, below: PaidDataset | None, grouped: _Grouped, places: ArmPlaces | None) -> list[str]:
+def _notes(paid: PaidDataset, below: PaidDataset | None, grouped: _Grouped, places: "ArmPlaces | None") -> list[str]:
     """What was left out, and what to keep in mind."""
     notes = [*paid.facts.notes, *paid.notes]
     notes += [f"{below.facts.name}: {line}" for line in (*below.facts.notes, *below.notes)] if below else []
@@ -184,7 +192,7 @@ def _notes(paid: PaidDataset, below: PaidDataset | None, grouped: _Grouped, plac
         )
     elif unknown:
         notes.append(f"Episodes left out, since nothing says whether they succeeded: {unknown:,}")
-    declared = paid.facts.declared_tasks
+    declared = paid.facts.declared.get("tasks")
     if declared is not None and declared != len(grouped.names):
         notes.append(f"The metadata declares {declared:,} tasks, and {len(grouped.names):,} are in what is used")
     if grouped.untold:

@@ -1,21 +1,29 @@
 """A data set paid by several rewards: what is kept of each step and of each episode. Observations are not."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
+from harness.audit.dataset.identity import Fingerprint
 from harness.audit.dataset.movement import Movement
-from harness.audit.dataset.rewards import OfPiece
+from harness.audit.dataset.rewards import Recorded
+from harness.audit.dataset.steps import Payer, flaw_of, seen_after, steps_by_episode
 from harness.errors import HarnessError, SchemaError, Unscored, one_line
-from harness.record.dataset.dataset import RECORDED, Dataset, DatasetFacts, Piece
-from harness.record.dataset.identity import Fingerprint
+from harness.log import Log, Rows
+from harness.log.log import ACTION, BEFORE, BEHAVIOUR, FILE, INFO, OBSERVATION, OPERATOR, RECORDED, REWARD, SEEN, TASK
+from harness.log.log import SUCCESS as SUCCESS_NAME
+from harness.record.dataset.dataset import MOST_EPISODES, DatasetFacts
 from harness.record.dataset.labels import FAILURE, SUCCESS, UNKNOWN
+from harness.record.dataset.open_dataset import facts_of
 from harness.reward import LARGEST_PAID
-from harness.score.places import ArmPlaces
+
+if TYPE_CHECKING:
+    from harness.score.places import ArmPlaces
 
 MOST_STEPS = 20_000_000
 """The most steps of a data set: one number of each is kept, and one for each reward, 0.32 GB with one reward."""
@@ -160,32 +168,52 @@ class Labels:
 
 
 def pay_dataset(
-    dataset: Dataset, rewards: Mapping[str, OfPiece], places: ArmPlaces | None = None, labels: Labels | None = None
+    dataset: Log, rewards: Mapping[str, Payer], places: "ArmPlaces | None" = None, labels: Labels | None = None
 ) -> PaidDataset:
-    """Pay all steps of a data set, reading a piece at a time.
+    """Pay all steps of a data set, reading some at a time.
 
     A reward that fails is left out, and the reason is told; the others go on. So is an episode with a flaw, such as a
     number that is not finite, and one that equals another.
 
     Args:
-        dataset: It.
+        dataset: It, a log of steps.
         rewards: By name.
         places: Where the end effector stands, by which a step is told from standing still; None to take all numbers of
             an observation.
         labels: What says which episodes succeeded; None where the data set does.
 
     Raises:
-        SchemaError: The data set is damaged, or has more than 20 million steps.
+        SchemaError: The data set is damaged, or has no step, or more than 20 million.
         UsageError: The places are none of this data set.
     """
-    kept = _Kept(rewards)
+    kept, facts = _Kept(rewards), facts_of(dataset)
     movement = Movement(places)
-    for piece in dataset.pieces():
-        kept.take(piece)
-        movement.take(piece)
-        if kept.steps > MOST_STEPS:
-            raise SchemaError(f"{dataset.facts.path} has more than {MOST_STEPS:,} steps, which is not allowed")
-    return kept.end(dataset.facts, movement.end(), labels)
+    for rows in steps_by_episode(dataset, _columns(dataset, rewards, labels)):
+        kept.steps += len(rows)
+        if kept.steps > MOST_STEPS or len(kept.episodes) > MOST_EPISODES:
+            raise SchemaError(
+                f"{facts.path} has more than {MOST_STEPS:,} steps or {MOST_EPISODES:,} episodes, which is not allowed"
+            )
+        movement.take(rows, kept.take(rows))
+    if not kept.steps:
+        raise SchemaError(f"{facts.path} has no step")
+    return kept.end(facts, movement.end(), labels)
+
+
+def _columns(dataset: Log, rewards: Mapping[str, Payer], labels: Labels | None) -> Iterator[str]:
+    """What is read: what the environment told only where a function may look at it."""
+    functions = not all(isinstance(reward, Recorded) for reward in rewards.values())
+    for name in dataset.names:
+        if name.startswith(INFO):
+            yield from [name] if functions else []
+        elif name == LABEL:
+            yield from [name] if labels is None else []
+        elif name in (*DESCRIBING, SEEN) or name.startswith((REWARD, OBSERVATION, f"{BEFORE}{OBSERVATION}", ACTION)):
+            yield name
+
+
+LABEL = f"{BEHAVIOUR}{SUCCESS_NAME}"
+DESCRIBING = ("episode", "step", OPERATOR, TASK, FILE)
 
 
 @dataclass
@@ -194,90 +222,97 @@ class _Episode:
 
     number: int
     operator: str
-    task: str
     file: str
     begin: int
     content: Fingerprint
+    tasks: set[str] = field(default_factory=set)
     recorded: float = 0.0
     last: float = np.nan
     flaw: str = ""
 
+    @property
+    def task(self) -> str:
+        """What it does; several tasks in the order of their names."""
+        return " + ".join(sorted(self.tasks))
+
 
 class _Kept:
-    """What is kept of the pieces."""
+    """What is kept of the steps."""
 
-    def __init__(self, rewards: Mapping[str, OfPiece]) -> None:
+    def __init__(self, rewards: Mapping[str, Payer]) -> None:
         self._rewards = rewards
         self._paid: dict[str, list[Float]] = {name: [] for name in rewards}
         self._terms: dict[str, dict[str, list[Float]]] = {name: {} for name in rewards}
         self._failed: dict[str, str] = {}
         self._odd: dict[str, str] = {}
-        self._told: list[NDArray[np.int8]] = []
-        self._episodes: list[_Episode] = []
+        self._told: list[Float] = []
+        self.episodes: list[_Episode] = []
         self.steps = 0
 
-    def take(self, piece: Piece) -> None:
-        if piece.first == 0:
-            begins = _Episode(piece.episode, piece.operator, piece.task, piece.file, self.steps, Fingerprint())
-            self._episodes.append(begins)
-        episode = self._episodes[-1]
-        if piece.task != episode.task and piece.task not in episode.task.split(" + "):
-            episode.task = " + ".join(sorted({*episode.task.split(" + "), *piece.task.split(" + ")}))
-        episode.flaw = episode.flaw or piece.flaw
-        self._told.append(piece.told)
-        self.steps += len(piece)
+    def take(self, rows: Rows) -> int:
+        """The next steps of an episode; of how many it is known what was seen after them, 0 of one with a flaw."""
+        columns, seen = rows.columns, seen_after(rows)
+        if not self.episodes or self.episodes[-1].number != rows["episode"][0]:
+            operator, file = (str(columns[name][0]) if name in columns else "" for name in (OPERATOR, FILE))
+            begin = self.steps - len(rows)
+            self.episodes.append(_Episode(int(rows["episode"][0]), operator, file, begin, Fingerprint()))
+        episode = self.episodes[-1]
+        episode.tasks |= {*columns[TASK].tolist()} if TASK in columns else {""}
+        episode.flaw = episode.flaw or flaw_of(rows, seen)
+        self._told.append(columns[LABEL] if LABEL in columns else np.full(len(rows), np.nan))
         if not episode.flaw:
-            episode.content.take(piece)
-            own = piece.rewards.get(RECORDED, np.full(1, np.nan))
+            episode.content.take(rows)
+            own = columns.get(f"{REWARD}{RECORDED}", np.full(1, np.nan))
             episode.recorded, episode.last = episode.recorded + float(own.sum()), float(own[-1])
         for name, reward in self._rewards.items():
             if name not in self._failed:
-                self._pay(name, reward, piece, episode)
+                self._pay(name, reward, rows, episode)
+        return 0 if episode.flaw else seen
 
-    def _pay(self, name: str, reward: OfPiece, piece: Piece, episode: _Episode) -> None:
-        whole, terms = np.full(len(piece), np.nan), self._terms[name]
+    def _pay(self, name: str, reward: Payer, rows: Rows, episode: _Episode) -> None:
+        whole, terms = np.full(len(rows), np.nan), self._terms[name]
         if not episode.flaw:
             try:
-                found = reward(piece)
+                found = reward(rows)
                 paid = np.asarray(found.total, np.float64)
             except Unscored as error:
-                self._failed[name] = f"episode {piece.episode}: {error}"
+                self._failed[name] = f"episode {episode.number}: {error}"
                 return
             except HarnessError:
                 raise
             except (Exception, SystemExit) as error:  # a plugin may raise anything
-                self._failed[name] = f"episode {piece.episode}: {one_line(error)}"
+                self._failed[name] = f"episode {episode.number}: {one_line(error)}"
                 return
             fits = np.abs(paid) <= LARGEST_PAID
             if not fits.all():
                 told = f"it pays a number that is not finite, or beyond {LARGEST_PAID:g}"
-                self._odd.setdefault(name, f"episode {piece.episode}: ValueError: {told}")
+                self._odd.setdefault(name, f"episode {episode.number}: ValueError: {told}")
             whole[: len(paid)] = np.where(fits, paid, np.nan)
             for term, values in found.terms.items():
                 before = [np.full_like(part, np.nan) for part in self._paid[name]]  # of episodes with a flaw
-                of_piece = np.full(len(piece), np.nan)
-                of_piece[: len(paid)] = np.where(fits, values, np.nan)
-                terms.setdefault(term, before).append(of_piece)
+                of_rows = np.full(len(rows), np.nan)
+                of_rows[: len(paid)] = np.where(fits, values, np.nan)
+                terms.setdefault(term, before).append(of_rows)
         self._paid[name].append(whole)
         for parts in terms.values():
             parts.extend([whole] * (len(self._paid[name]) - len(parts)))
 
     def end(self, facts: DatasetFacts, moved: Float, labels: Labels | None) -> PaidDataset:
         """All of them, without what is left out."""
-        begins = np.array([*(it.begin for it in self._episodes), self.steps], np.int64)
+        begins = np.array([*(it.begin for it in self.episodes), self.steps], np.int64)
         success, shown_last = _told_of(np.concatenate(self._told), begins)
         if labels is not None:
-            success = labels.of(self._episodes)
+            success = labels.of(self.episodes)
             shown_last = success == SUCCESS  # nobody says by which step
-        chosen, notes = _choose(self._episodes, success, facts.pictures_left_out)
+        chosen, notes = _choose(self.episodes, success, facts.pictures_left_out)
         if not chosen.any():
-            flaw = next(it for it in self._episodes if it.flaw)
+            flaw = next(it for it in self.episodes if it.flaw)
             raise SchemaError(
-                f"{facts.path}: no episode can be used, and {len(self._episodes):,} are there. Episode {flaw.number}: "
+                f"{facts.path}: no episode can be used, and {len(self.episodes):,} are there. Episode {flaw.number}: "
                 f"{flaw.flaw}"
             )
         steps = np.repeat(chosen, np.diff(begins))
-        members = [it for it, stays in zip(self._episodes, chosen, strict=True) if stays]
+        members = [it for it, stays in zip(self.episodes, chosen, strict=True) if stays]
         found = PaidDataset(
             facts,
             {name: np.concatenate(parts)[steps] for name, parts in self._paid.items() if name not in self._failed},
@@ -291,7 +326,7 @@ class _Kept:
             tuple(it.operator for it in members),
             tuple(it.task for it in members),
             tuple(it.file for it in members),
-            frozenset(it.number for it in self._episodes),
+            frozenset(it.number for it in self.episodes),
             notes,
             labels is not None and labels.above is not None,
             {
@@ -309,24 +344,21 @@ class _Kept:
         )
 
 
-def _told_of(told: NDArray[np.int8], begins: NDArray[np.int64]) -> tuple[NDArray[np.int8], Mask]:
+def _told_of(told: Float, begins: NDArray[np.int64]) -> tuple[NDArray[np.int8], Mask]:
     """Whether each episode succeeded, and whether its last step alone says so.
 
     A step that is a success makes the episode one. It is a failure if all steps from the first that is known are
     failures: labels may begin late, but they have no gap.
     """
     starts, ends = begins[:-1], begins[1:] - 1
-    known = told != UNKNOWN
+    known, success = ~np.isnan(told), told == SUCCESS
     stops = np.zeros(len(told), np.int64)
     stops[:-1] = known[:-1] & ~known[1:]
     stops[ends] = 0
-    found = np.where(
-        np.maximum.reduceat(told, starts) == SUCCESS,
-        SUCCESS,
-        np.where(known[ends] & (np.add.reduceat(stops, starts) == 0), FAILURE, UNKNOWN),
-    )
-    successes = np.add.reduceat((told == SUCCESS).astype(np.int64), starts)
-    return found.astype(np.int8), (successes == 1) & (told[ends] == SUCCESS)
+    successes = np.add.reduceat(success.astype(np.int64), starts)
+    is_failure = known[ends] & (np.add.reduceat(stops, starts) == 0)
+    found = np.where(successes > 0, SUCCESS, np.where(is_failure, FAILURE, UNKNOWN))
+    return found.astype(np.int8), (successes == 1) & success[ends]
 
 
 def _choose(

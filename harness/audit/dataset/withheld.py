@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from harness.arrays import Float, Mask
 from harness.audit.dataset.paid_dataset import PaidDataset
 from harness.eta.auc import CANNOT_TELL, Auc, auc_of
-from harness.record.dataset.dataset import RECORDED
+from harness.log.log import RECORDED
 from harness.record.dataset.labels import SUCCESS, UNKNOWN
 
 UNPAID = (

@@ -1,4 +1,4 @@
-"""Flags of commands that read data sets of Minari and LeRobot."""
+"""Flags of commands that read data sets."""
 
 from pathlib import Path
 from typing import Annotated

@@ -1,5 +1,5 @@
-"""Data sets of episodes that others recorded, in two formats: Minari (HDF5) and LeRobot (a folder of Parquet files).
+"""What readers of data sets share: facts, labels, what the metadata declare, and HDF5 files that anybody has made.
 
-A `Dataset` says what is known of it and yields its steps piece by piece, so that no more than a piece is in memory.
+A data set of episodes that others recorded is a `harness.log.Log` of steps; its formats are in ``plugins/logs``.
 Nothing in a data set is run: the specification of an env in it is text to be shown.
 """

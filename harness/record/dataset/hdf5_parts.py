@@ -1,15 +1,24 @@
 """Parts of an HDF5 file that anybody may have made: nothing of another file, nothing twice, nothing without end."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from harness.errors import SchemaError, UsageError
-from harness.record.dataset.dataset import MOST_KEYS, MOST_NUMBERS, Nested
+from harness.record.dataset.dataset import MOST_KEYS, MOST_NUMBERS, require_readable, rows_at_once
+from harness.text import shortened
 
+SIGNATURE = b"\x89HDF\r\n\x1a\n"
+"""How an HDF5 file begins."""
+MOST_BYTES = 2**40
 CHUNK_BYTES = 2**28
 """The most bytes of a chunk: HDF5 unpacks it whole."""
+INDEX_BYTES = 2**20
+"""What HDF5 keeps of a file's index: each episode is read once, and 32 MiB, its default, hold 200 MB of memory."""
 DEEPEST = 8
 
 
@@ -23,32 +32,121 @@ def open_hdf5(path: Path) -> Any:
         import h5py
     except ImportError as error:
         raise UsageError(
-            f"A Minari data set needs h5py, which cannot be imported ({error}): pip install 'fd100-harness[minari]'"
+            f"A data set in HDF5 needs h5py, which cannot be imported ({error}): pip install 'fd100-harness[minari]'"
         ) from error
-    return h5py.File(path, "r", locking=False)
+    file = h5py.File(path, "r", locking=False)
+    cache = file.id.get_mdc_config()
+    cache.set_initial_size, cache.initial_size, cache.min_size, cache.max_size = True, *[INDEX_BYTES] * 3
+    file.id.set_mdc_config(cache)
+    return file
+
+
+class Array:
+    """Numbers or texts in the file, (rows, ...), or one of them. They are read later; what it looks like is known.
+
+    Attributes:
+        shape: Of all of it.
+        dtype: Of a number.
+    """
+
+    __slots__ = ("_found", "dtype", "shape")
+
+    def __init__(self, found: Any) -> None:
+        """Take what `h5py.h5o.open` found."""
+        self._found = found
+        self.shape: tuple[int, ...] = found.shape
+        self.dtype: np.dtype[Any] = found.dtype
+
+    def __len__(self) -> int:
+        return self.shape[0] if self.shape else 0
+
+    def __getitem__(self, rows: slice) -> NDArray[Any]:
+        """Some rows. All, or all but one, are read past h5py's selections, which take longer than an episode."""
+        import h5py
+
+        begin, end, _ = rows.indices(len(self))
+        if end - begin < len(self) - 1 or not self.size or self.dtype.hasobject:
+            return np.asarray(h5py.Dataset(self._found, readonly=True)[begin:end])
+        values = np.empty(self.shape, self.dtype)
+        self._found.read(h5py.h5s.ALL, h5py.h5s.ALL, values)
+        return values[begin:end]
+
+    @property
+    def size(self) -> int:
+        """How many numbers there are."""
+        return math.prod(self.shape)
+
+    @property
+    def width(self) -> int:
+        """How many numbers a row has."""
+        return math.prod(self.shape[1:])
+
+    @property
+    def value(self) -> Any:
+        """All of it, of whatever shape."""
+        import h5py
+
+        return h5py.Dataset(self._found, readonly=True)[()]
+
+    @property
+    def holds_numbers(self) -> bool:
+        """Whether it has rows of numbers, and not too many in each."""
+        return self.dtype.kind in "biuf" and self.width <= MOST_NUMBERS
+
+
+class Stretch(NamedTuple):
+    """Consecutive rows of an array, one for each step of an episode."""
+
+    array: Array
+    first: int = 0
+    """The row of the first step."""
 
 
 def address(found: Any) -> int:
-    """Where an object begins in its file: the same of two names for one object."""
+    """Where a group begins in its file: the same of two names for one group."""
     import h5py
 
     return int(h5py.h5o.get_info(found.id).addr)
 
 
-def group_of(path: Path, parent: Any, key: str) -> Any:
-    """A group in a group; see `member_of`.
+def group_of(path: Path, parent: Any, key: str, most: int = MOST_KEYS) -> Any:
+    """A group in a group, of at most so many parts; see `member_of`.
+
+    Raises:
+        SchemaError: It is none, or has more parts.
+    """
+    found = member_of(path, parent, key)
+    if isinstance(found, Array):
+        raise SchemaError(f"{path}: {parent.name}/{key} is no group")
+    if len(found) > most:
+        raise SchemaError(f"{path}: {parent.name}/{key} has {len(found):,} parts, {most:,} are allowed")
+    return found
+
+
+def array_of(path: Path, parent: Any, key: str) -> Array:
+    """An array in a group; see `member_of`.
 
     Raises:
         SchemaError: It is none.
     """
     found = member_of(path, parent, key)
-    if is_array(found):
-        raise SchemaError(f"{path}: {found.name} is no group")
+    if not isinstance(found, Array):
+        raise SchemaError(f"{path}: {parent.name}/{key} is a group, no array")
     return found
 
 
+def find_array(path: Path, parent: Any, key: str) -> Array | None:
+    """An array in a group, or in groups of it, ``a/b``; None if there is none."""
+    found = parent
+    for name in key.split("/"):
+        if isinstance(found, Array) or not found.id.links.exists(name.encode()):
+            return None
+        found = member_of(path, found, name)
+    return found if isinstance(found, Array) else None
+
+
 def member_of(path: Path, parent: Any, key: str) -> Any:
-    """A part of a group; one that lies in another file is refused.
+    """A group or an `Array` in a group; one that lies in another file is refused.
 
     Raises:
         SchemaError: It is missing, leads to another file, or is too large to be unpacked.
@@ -56,27 +154,24 @@ def member_of(path: Path, parent: Any, key: str) -> Any:
     import h5py
     from h5py import h5d, h5g, h5l, h5o
 
-    name = f"{parent.name}/{key}"
     try:
         link = parent.id.links.get_info(key.encode()).type
     except (KeyError, ValueError):  # text that is no name
         raise SchemaError(f"{path}: {parent.name} has no {key}") from None
     if link != h5l.TYPE_HARD:
-        raise SchemaError(f"{path}: {name} is a link to somewhere else, which is not followed")
+        raise SchemaError(f"{path}: {parent.name}/{key} is a link to somewhere else, which is not followed")
     found = h5o.open(parent.id, key.encode())  # h5py's own brackets look up the file for each part
     if isinstance(found, h5g.GroupID):
-        if found.get_num_objs() > MOST_KEYS:
-            raise SchemaError(f"{path}: {name} has {found.get_num_objs():,} parts, {MOST_KEYS:,} are allowed")
         return h5py.Group(found)
     if not isinstance(found, h5d.DatasetID):
-        raise SchemaError(f"{path}: {name} is a type, no data")
-    plan = found.get_create_plist()
+        raise SchemaError(f"{path}: {parent.name}/{key} is a type, no data")
+    array, plan = Array(found), found.get_create_plist()
     layout = plan.get_layout()
-    if layout == h5d.VIRTUAL or plan.get_external_count():
-        raise SchemaError(f"{path}: {name} takes its numbers from other files, which is not followed")
-    if layout == h5d.CHUNKED and math.prod(plan.get_chunk()) * found.get_type().get_size() > CHUNK_BYTES:
-        raise SchemaError(f"{path}: {name} has chunks of more than {CHUNK_BYTES:,} bytes")
-    return h5py.Dataset(found, readonly=True)
+    if layout == h5d.VIRTUAL or (layout == h5d.CONTIGUOUS and plan.get_external_count()):
+        raise SchemaError(f"{path}: {parent.name}/{key} takes its numbers from other files, which is not followed")
+    if layout == h5d.CHUNKED and math.prod(plan.get_chunk()) * array.dtype.itemsize > CHUNK_BYTES:
+        raise SchemaError(f"{path}: {parent.name}/{key} has chunks of more than {CHUNK_BYTES:,} bytes")
+    return array
 
 
 class Walk:
@@ -87,16 +182,16 @@ class Walk:
         self._groups: set[int] = set()
         self._count = 0
 
-    def numbers(self, group: Any, prefix: str = "", depth: int = 0) -> Iterator[tuple[str, Any]]:
+    def numbers(self, group: Any, prefix: str = "", depth: int = 0) -> Iterator[tuple[str, Array]]:
         """All arrays of numbers at any depth, by key, ``a/b``; an array of one number has no rows."""
         for key, found in self._members(group, depth, frozenset()):
-            if not is_array(found):
+            if not isinstance(found, Array):
                 yield from self.numbers(found, f"{prefix}{key}/", depth + 1)
-            elif found.dtype.kind in "biuf" and numbers_of_row(found) <= MOST_NUMBERS:
+            elif found.holds_numbers:
                 yield f"{prefix}{key}", found
 
-    def nested(self, found: Any, left_out: frozenset[str], place: str, depth: int = 0) -> Nested:
-        """An observation or an action as arrays in the file.
+    def columns(self, found: Any, left_out: frozenset[str], place: str, depth: int = 0) -> dict[str, Array]:
+        """The arrays of an observation or an action, by place, ``observations/goal``.
 
         Args:
             found: What stands in the file.
@@ -107,18 +202,15 @@ class Walk:
         Raises:
             SchemaError: It holds no rows of numbers.
         """
-        if is_array(found):
-            if found.ndim < 1 or found.dtype.kind not in "biuf" or numbers_of_row(found) > MOST_NUMBERS:
-                raise SchemaError(f"{self._path}: {found.name} holds no rows of at most {MOST_NUMBERS:,} numbers")
-            return found
+        if isinstance(found, Array):
+            if not found.shape or not found.holds_numbers:
+                raise SchemaError(f"{self._path}: {place} holds no rows of at most {MOST_NUMBERS:,} numbers")
+            return {place: found}
         skipped = frozenset(name for name in found if f"{place}/{name}" in left_out) if left_out else left_out
-        parts = {
-            name: self.nested(part, left_out, f"{place}/{name}", depth + 1)
-            for name, part in self._members(found, depth, skipped)
-        }
-        if parts and all(f"_index_{number}" in parts for number in range(len(parts))):
-            return tuple(parts[f"_index_{number}"] for number in range(len(parts)))
-        return parts
+        columns: dict[str, Array] = {}
+        for name, part in self._members(found, depth, skipped):
+            columns |= self.columns(part, left_out, f"{place}/{name}", depth + 1)
+        return columns
 
     def _members(self, group: Any, depth: int, skipped: frozenset[str]) -> Iterator[tuple[str, Any]]:
         if depth > DEEPEST:
@@ -136,11 +228,54 @@ class Walk:
             yield key, member_of(self._path, group, key)
 
 
-def is_array(found: Any) -> bool:
-    """Whether a part holds rows; h5py would make up the type of its numbers for ``hasattr(found, "dtype")``."""
-    return hasattr(type(found), "dtype")
+def read_stretches(steps: int, parts: Mapping[str, Stretch]) -> Iterator[tuple[int, dict[str, NDArray[Any]]]]:
+    """The rows of some steps after another, by column, and the number of the first of them, counted from 0.
+
+    An array that two columns read, such as observations before and after each step, is read once.
+    """
+    spans: dict[Array, tuple[int, int]] = {}
+    for array, first in parts.values():
+        low, high = spans.get(array, (first, first))
+        spans[array] = min(low, first), max(high, first)
+    rows = rows_at_once(sum(array.dtype.itemsize * array.width for array in spans))
+    for begin in range(0, steps, rows):
+        end = min(begin + rows, steps)
+        held = {array: array[begin + low : end + high] for array, (low, high) in spans.items()}
+        yield (
+            begin,
+            {name: held[array][first - spans[array][0] :][: end - begin] for name, (array, first) in parts.items()},
+        )
 
 
-def numbers_of_row(found: Any) -> int:
-    """How many numbers a row of an array has."""
-    return math.prod(found.shape[1:])
+class Budget:
+    """Counts the numbers that are read of a file, and refuses too many."""
+
+    def __init__(self, path: Path) -> None:
+        self._path, self._values = path, 0
+
+    def take(self, steps: int, parts: Mapping[str, Stretch]) -> None:
+        """Before they are read.
+
+        Raises:
+            SchemaError: They are too many.
+        """
+        self._values += steps * sum(array.width for array in {part.array for part in parts.values()})
+        require_readable(self._path, 1, self._values)
+
+
+def text_of(told: Any) -> str:
+    """What an attribute, or an array of one value, says."""
+    if isinstance(told, np.ndarray) and told.size == 1:
+        told = told.ravel()[0]
+    return shortened(told.decode(errors="replace") if isinstance(told, bytes) else str(told), 200)
+
+
+def one_number(values: NDArray[Any], noun: str) -> NDArray[np.float64]:
+    """A column that has one number of each step, (steps,).
+
+    Raises:
+        SchemaError: It has several.
+    """
+    if values.size != len(values):
+        raise SchemaError(f"{noun} holds {values.size // max(1, len(values)):,} numbers a step, not one")
+    return np.asarray(values, np.float64).reshape(len(values))

@@ -15,8 +15,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.arrays import Float
 from harness.errors import UsageError
 from harness.files.bounded import read_text
+from harness.record.dataset.dataset import OPERATOR_KEYS
 from harness.registry.names import did_you_mean
 from harness.text import shortened
 
@@ -125,6 +127,11 @@ def parse_success(text: str) -> SuccessRule:
     return SuccessRule(found["key"], found["sign"] or "", threshold)
 
 
+def as_measure(told: NDArray[np.int8]) -> Float:
+    """Labels as a measure of steps: 1, 0, and NaN where it is not known."""
+    return np.where(told == UNKNOWN, np.nan, told)
+
+
 def _number(text: str) -> float | None:
     try:
         value = float(text)
@@ -140,10 +147,8 @@ def missing_key(flag: str, key: str, path: Path, known: Iterable[str]) -> UsageE
     return UsageError(f"{flag} {key}: {path} has no such key; it has {shown}.{did_you_mean(key, keys)}")
 
 
-def success_rule(
-    success: SuccessRule | None, told: Collection[str], path: Path, usual: Iterable[str]
-) -> SuccessRule | None:
-    """Where success stands; None where nothing says it, or where it is not looked for.
+def success_rule(success: str, told: Collection[str], path: Path, usual: Iterable[str]) -> SuccessRule | None:
+    """Where success stands; None where nothing says it.
 
     Args:
         success: What the user says of it; without a key the first of the usual ones that is there.
@@ -154,12 +159,22 @@ def success_rule(
     Raises:
         UsageError: The key that the user names is not there.
     """
-    if success is None:
-        return None
-    if success.key and success.key not in told:
-        raise missing_key("--success", success.key, path, told)
+    rule = parse_success(success)
+    if rule.key and rule.key not in told:
+        raise missing_key("--success", rule.key, path, told)
     key = next((key for key in usual if key in told), None)
-    return success if success.key else SuccessRule(key) if key else None
+    return rule if rule.key else SuccessRule(key) if key else None
+
+
+def operator_key(cluster: str, told: Collection[str], path: Path) -> str:
+    """What says who made an episode: what the user names, or the first of the usual keys; empty if nothing does.
+
+    Raises:
+        UsageError: The key that the user names is not there.
+    """
+    if cluster and cluster not in told:
+        raise missing_key("--cluster", cluster, path, told)
+    return cluster or next((key for key in OPERATOR_KEYS if key in told), "")
 
 
 def read_labels(path: Path, rule: SuccessRule) -> dict[int, int]:

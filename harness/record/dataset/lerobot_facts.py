@@ -12,20 +12,21 @@ import pyarrow.parquet as pq
 from harness.errors import NewerFormat, SchemaError
 from harness.files.bounded import parse_json, read_bytes, read_json, require_regular
 from harness.record.dataset.census import Declared
-from harness.record.dataset.dataset import MOST_EPISODES, MOST_KEYS, MOST_NUMBERS
+from harness.record.dataset.dataset import MOST_EPISODES, MOST_KEYS, MOST_NUMBERS, whole
 from harness.text import shortened
 
-INFO, EPISODES, LISTS = Path("meta/info.json"), Path("meta/episodes.jsonl"), Path("meta/episodes")
+INFO_FILE, EPISODES, LISTS = Path("meta/info.json"), Path("meta/episodes.jsonl"), Path("meta/episodes")
 KNOWN = ((2, 0), (2, 1), (3, 0))
 """Versions of the layout."""
 STATE, ACTION, EPISODE, FRAME = "observation.state", "action", "episode_index", "frame_index"
-NEXT_STATE, REWARD, TASK, TASKS = f"next.{STATE}", "next.reward", "task_index", "tasks"
+NEXT_STATE, REWARD, DONE = f"next.{STATE}", "next.reward", "next.done"
+TASK_INDEX, TASKS = "task_index", "tasks"
 NEEDED = (ACTION, EPISODE, FRAME)
-SEEN = "observation."
+SEEN_BEGIN = "observation."
 """How columns begin that were seen before the step."""
 PLAIN_REWARD = "reward"
 """What some call ``next.reward``."""
-SINGLE = (EPISODE, FRAME, TASK)
+SINGLE = (EPISODE, FRAME, TASK_INDEX, DONE)
 """Columns that hold one number of each frame."""
 CHUNK, FILE = "data/chunk_index", "data/file_index"
 DATA_PATH = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
@@ -48,14 +49,16 @@ class Listing(NamedTuple):
     keys: tuple[str, ...]
     rows: Mapping[int, Mapping[str, Any]]
 
+    def value(self, number: int, key: str) -> Any:
+        """What it says of an episode under a key; None if nothing."""
+        return self.rows.get(number, {}).get(key)
+
     def declared(self, info: Mapping[str, Any]) -> Declared:
         """With the totals of ``info.json``."""
         lengths = {
-            number: steps for number, row in self.rows.items() if (steps := count_of(row.get("length"))) is not None
+            number: steps for number, row in self.rows.items() if (steps := whole(row.get("length"))) is not None
         }
-        return Declared(
-            count_of(info.get("total_episodes")), count_of(info.get("total_frames")), self.rows.keys(), lengths
-        )
+        return Declared(whole(info.get("total_episodes")), whole(info.get("total_frames")), self.rows.keys(), lengths)
 
 
 def read_info(path: Path) -> dict[str, Any]:
@@ -111,7 +114,7 @@ def shapes_of(path: Path, features: Mapping[str, Any]) -> dict[str, tuple[int, .
 
 def seen_in(shapes: Mapping[str, Any]) -> tuple[str, ...]:
     """The columns of an observation: ``observation.state``; without it, all that were seen and are numbers."""
-    return (STATE,) if STATE in shapes else tuple(sorted(name for name in shapes if name.startswith(SEEN)))
+    return (STATE,) if STATE in shapes else tuple(sorted(name for name in shapes if name.startswith(SEEN_BEGIN)))
 
 
 def reward_in(shapes: Mapping[str, Any]) -> str:
@@ -154,7 +157,7 @@ def read_listing(folder: Path) -> Listing:
     listed: dict[int, dict[str, Any]] = {}
     keys: dict[str, None] = {}
     for row in rows:
-        number = count_of(row.get(EPISODE))
+        number = whole(row.get(EPISODE))
         if number is None or number in listed:
             raise SchemaError(f"{place} has a row without {EPISODE}, or lists episode {number} twice")
         listed[number] = row
@@ -200,11 +203,6 @@ def _is_single(kind: pa.DataType) -> bool:
     return any(check(kind) for check in kinds)
 
 
-def count_of(value: Any) -> int | None:
-    """A whole number of at least 0; None where it is anything else."""
-    return value if isinstance(value, int) and not isinstance(value, bool) and value >= 0 else None
-
-
 def read_tasks(folder: Path) -> dict[int, str]:
     """By number, what a task is called: ``meta/tasks.jsonl``, or ``meta/tasks.parquet`` with texts as an index."""
     lines, table = folder / "meta/tasks.jsonl", folder / "meta/tasks.parquet"
@@ -216,7 +214,7 @@ def read_tasks(folder: Path) -> dict[int, str]:
         rows = []
     named = {}
     for row in rows:
-        number, text = count_of(row.get(TASK)), row.get("task", row.get("__index_level_0__"))
+        number, text = whole(row.get(TASK_INDEX)), row.get("task", row.get("__index_level_0__"))
         if number is not None and isinstance(text, str):
             named[number] = shortened(text, 200)
     return named

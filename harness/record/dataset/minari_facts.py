@@ -17,7 +17,6 @@ from harness.text import shortened
 METADATA, MAIN = Path("data/metadata.json"), Path("data/main_data.hdf5")
 NEWEST = (0, 5)
 """The newest version of Minari whose files are known."""
-MOST_BYTES = 2**40
 _VERSION = re.compile(r"(\d{1,4})\.(\d{1,4})")
 
 
@@ -69,11 +68,6 @@ def require_known(path: Path, metadata: Mapping[str, Any]) -> None:
     if found and (int(found[1]), int(found[2])) > NEWEST:
         newest = ".".join(map(str, NEWEST))
         raise NewerFormat(f"{path} was written by Minari {found[0]}, and versions up to {newest} are read")
-
-
-def text_of(spec: Any) -> str:
-    """A specification as text; empty if it is none."""
-    return spec if isinstance(spec, str) else ""
 
 
 def pictures_of(metadata: Mapping[str, Any]) -> frozenset[str]:

@@ -1,34 +1,70 @@
-"""Data sets by what users type: ``minari:D4RL/pen/human-v2``, ``lerobot:FOLDER``."""
+"""Data sets by what users type: ``minari:D4RL/pen/human-v2``, ``lerobot:FOLDER``, ``d4rl:FILE``, ``robomimic:FILE``."""
+
+import re
+from collections.abc import Callable, Collection
+from pathlib import Path
+from typing import Any
 
 from harness.errors import UsageError
-from harness.record.dataset.dataset import Dataset
-from harness.record.dataset.labels import parse_success
-from harness.record.dataset.lerobot import open_lerobot
-from harness.record.dataset.minari import open_minari
+from harness.log.log import Log
+from harness.log.open_log import LOGS, open_logs
+from harness.record.dataset.dataset import DatasetFacts
+from harness.record.dataset.hdf5_parts import SIGNATURE
+from harness.registry.registry import Registry
 
-FORMATS = {"minari": open_minari, "lerobot": open_lerobot}
-
-
-def is_dataset(text: str) -> bool:
-    """Whether a text names a data set."""
-    return text.partition(":")[0] in FORMATS and ":" in text
+SYNTAX = "write minari:NAME, lerobot:FOLDER, d4rl:FILE or robomimic:FILE"
+_TYPED = re.compile(r"(?P<format>[A-Za-z][\w/-]+):(?P<settings>\w+=[^:]*(?=:))?:?(?P<place>.*)")
+"""The name of a format; settings of it, if there are any, as in ``robomimic:mask=train:FILE``; and the place."""
 
 
-def open_dataset(text: str, success: str | None = "", cluster: str = "", partial: bool = False) -> Dataset:
+def is_dataset(text: str, formats: Callable[[], Collection[str]]) -> bool:
+    """Whether a text names a data set: by a format, or as an HDF5 file.
+
+    Args:
+        text: What a user typed.
+        formats: Gives the names of all formats; called where there is a colon in the text.
+    """
+    found = _TYPED.fullmatch(text)
+    if found is not None and found["format"] in formats():
+        return True
+    path = Path(text)
+    if not path.is_file():
+        return False
+    with path.open("rb") as file:
+        return file.read(len(SIGNATURE)) == SIGNATURE
+
+
+def open_dataset(text: str, registry: Registry, **settings: str | bool) -> Log:
     """A data set; its steps are read later.
 
     Args:
-        text: ``minari:NAME`` or ``lerobot:FOLDER``.
-        success: What says whether a step, or an episode, was a success: a key, a column or an attribute, also with a
-            threshold, ``KEY>0.5``; found by its name if empty. None where labels come from elsewhere.
-        cluster: What says who made an episode: an attribute of it, or a column; found by its name if empty.
-        partial: Whether less than the metadata declares is enough.
+        text: ``minari:NAME``, ``lerobot:FOLDER``; with settings of the format ``robomimic:mask=train:FILE``; or a file.
+        registry: Has the formats.
+        settings: Further settings of the format, such as ``success``, ``cluster`` and ``partial``. Empty ones are not
+            given.
 
     Raises:
-        UsageError: There is no such data set, or a library is missing.
+        UsageError: There is no such data set, a library is missing, or the format has no such setting.
         SchemaError: It is damaged, of another version, or not what its metadata declares.
     """
-    kind, _, name = text.partition(":")
-    if not is_dataset(text) or not name:
-        raise UsageError(f"'{text}' names no data set: write minari:NAME or lerobot:FOLDER")
-    return FORMATS[kind](name, None if success is None else parse_success(success), cluster, partial)
+    found = _TYPED.fullmatch(text)
+    given: dict[str, Any] = {name: value for name, value in settings.items() if value}
+    if found is None or found["format"] not in registry.names(LOGS):
+        logs = open_logs(Path(text), registry, **given)
+    elif not found["place"]:
+        raise UsageError(f"'{text}' names no data set: {SYNTAX}")
+    else:
+        named = f"{found['format']}:{found['settings']}" if found["settings"] else found["format"]
+        logs = open_logs(Path(found["place"]), registry, named, **given)
+    if len(logs) != 1 or logs[0].facts.unit != "step":
+        told = f"{len(logs)} logs of {logs[0].facts.unit}s"
+        raise UsageError(f"'{text}' holds {told}, and is no data set of steps: {SYNTAX}")
+    return logs[0]
+
+
+def facts_of(log: Log) -> DatasetFacts:
+    """What is known of a data set; of another log of steps, what that tells."""
+    facts = log.facts
+    if isinstance(facts, DatasetFacts):
+        return facts
+    return DatasetFacts(**{**vars(facts), "name": str(facts.path)})

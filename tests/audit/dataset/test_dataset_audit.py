@@ -7,21 +7,22 @@ import pyarrow.parquet as pq
 import pytest
 
 from harness.audit.dataset import paid_dataset
+from harness.audit.dataset.arm_pay import of_arm
 from harness.audit.dataset.audit_dataset import audit_dataset
 from harness.audit.dataset.paid_dataset import pay_dataset
-from harness.audit.dataset.rewards import as_recorded, of_arm, step_by_step
+from harness.audit.dataset.rewards import Recorded
 from harness.audit.dataset.scores_file import write_dataset_scores
+from harness.audit.dataset.step_by_step import step_by_step
 from harness.errors import UsageError
 from harness.eta.auc import AGAINST, CANNOT_TELL, RANKS
-from harness.record.dataset import lerobot, minari
+from harness.record.dataset import dataset as sizes
 from harness.record.dataset.labels import FAILURE, SUCCESS, UNKNOWN
-from harness.record.dataset.open_dataset import open_dataset
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 from harness.reward.forms import reward_class
 from harness.reward.terms import sum_of
 from harness.score.places import parse_places, pay_episode
-from tests.record.dataset.written import episode, write_lerobot, write_minari
+from tests.record.dataset.written import episode, opened, write_lerobot, write_minari
 
 PLACES = "end_effector=0:3,target=3:6"
 STEPS = 12
@@ -70,9 +71,9 @@ def test_the_arm_s_rewards_are_paid_by_a_map(reached: str):
     registry = load_registry()
     arp = choose(registry, "rewards", "arp").build(registry, "rewards")
     places = parse_places(PLACES)
-    paid = pay_dataset(open_dataset(reached), {"arp": of_arm(arp, places)}, places)
-    piece = next(iter(open_dataset(reached).pieces()))
-    expected = pay_episode(arp, places.end_effector(piece.observations), places.target(piece.observations))
+    paid = pay_dataset(opened(reached), {"arp": of_arm(arp, places)}, places)
+    seen = reaching(0, False)["observations"]
+    expected = pay_episode(arp, places.end_effector(seen), places.target(seen))
     assert paid.paid["arp"][:STEPS] == pytest.approx(expected)
     assert audit_dataset(reached, ["arp"], places=PLACES).rewards[0].by_success.answer == RANKS
 
@@ -85,12 +86,10 @@ def test_pieces_do_not_change_the_pay(reached: str, monkeypatch: pytest.MonkeyPa
     def paid():
         places = parse_places(PLACES)
         reward = choose(registry, "rewards", name).build(registry, "rewards")
-        return pay_dataset(
-            open_dataset(reached), {"it": of_arm(reward, places), "near": step_by_step("it", near)}, places
-        )
+        return pay_dataset(opened(reached), {"it": of_arm(reward, places), "near": step_by_step("it", near)}, places)
 
     whole = paid()
-    monkeypatch.setattr(minari, "ROWS", 5)
+    monkeypatch.setattr(sizes, "ROWS", 5)
     pieces = paid()
     assert np.array_equal(whole.paid["it"], pieces.paid["it"])
     assert np.array_equal(whole.paid["near"], pieces.paid["near"])
@@ -111,7 +110,7 @@ def test_a_function_with_a_memory_starts_anew_with_each_episode(reached: str):
             self.steps += 1
             return self.steps
 
-    paid = pay_dataset(open_dataset(reached), {"count": step_by_step("it", Count())})
+    paid = pay_dataset(opened(reached), {"count": step_by_step("it", Count())})
     assert paid.paid["count"][: 2 * STEPS].tolist() == [*range(1, STEPS + 1)] * 2
 
 
@@ -119,7 +118,7 @@ def test_a_function_gets_what_was_recorded(tmp_path: Path):
     """The info after the step among it."""
     folder = write_minari(tmp_path / "d", [episode(3, 1, success=True)])
     seen = []
-    pay_dataset(open_dataset(f"minari:{folder}"), {"see": step_by_step("it", lambda *step: seen.append(step) or 0.0)})
+    pay_dataset(opened(f"minari:{folder}"), {"see": step_by_step("it", lambda *step: seen.append(step) or 0.0)})
     one = episode(3, 1, success=True)
     seen = seen[::2]  # each step is asked twice
     assert np.array_equal(seen[2][0], one["observations"][2])
@@ -226,7 +225,7 @@ def test_episodes_without_a_word_are_left_out(tmp_path: Path):
 def test_lerobot_s_last_frame_tells_a_success(tmp_path: Path):
     """And is paid."""
     folder = write_lerobot(tmp_path / "d", [reaching(0, True), reaching(1, False)])
-    paid = pay_dataset(open_dataset(f"lerobot:{folder}"), {"recorded": as_recorded("recorded")})
+    paid = pay_dataset(opened(f"lerobot:{folder}"), {"recorded": Recorded("recorded")})
     assert paid.told.tolist() == [SUCCESS, FAILURE]
     assert paid.steps == 2 * STEPS
     assert paid.returns["recorded"].tolist() == [STEPS, -STEPS]
@@ -238,10 +237,10 @@ def test_lerobot_s_batches_do_not_change_the_pay(tmp_path: Path, monkeypatch: py
     folder = write_lerobot(tmp_path / "d", [reaching(number, number % 2 == 1) for number in range(5)])
 
     def paid():
-        return pay_dataset(open_dataset(f"lerobot:{folder}"), {"near": step_by_step("it", near)})
+        return pay_dataset(opened(f"lerobot:{folder}"), {"near": step_by_step("it", near)})
 
     whole = paid()
-    monkeypatch.setattr(lerobot, "ROWS", rows)
+    monkeypatch.setattr(sizes, "ROWS", rows)
     pieces = paid()
     assert np.array_equal(whole.paid["near"], pieces.paid["near"], equal_nan=True)
     assert np.array_equal(whole.told, pieces.told)
@@ -258,7 +257,7 @@ def test_joints_of_a_robot_give_the_end_effector(tmp_path: Path):
     dof = len(robot.lower)
     folder = write_minari(tmp_path / "d", [one])
     found = pay_dataset(
-        open_dataset(f"minari:{folder}"),
+        opened(f"minari:{folder}"),
         {
             "arp": of_arm(
                 choose(load_registry(), "rewards", "arp").build(load_registry(), "rewards"),
@@ -293,7 +292,7 @@ def test_too_many_steps_are_refused(reached: str, monkeypatch: pytest.MonkeyPatc
 def test_nothing_is_known_of_an_episode_without_success(tmp_path: Path):
     """It is no failure."""
     folder = write_minari(tmp_path / "d", [{**reaching(0, True), "infos": {}}])
-    assert pay_dataset(open_dataset(f"minari:{folder}"), {"near": step_by_step("it", near)}).told.tolist() == [UNKNOWN]
+    assert pay_dataset(opened(f"minari:{folder}"), {"near": step_by_step("it", near)}).told.tolist() == [UNKNOWN]
 
 
 def test_json_has_finite_numbers_only(reached: str):
@@ -324,10 +323,10 @@ def gentle(step):
 
 def test_terms_of_a_data_set_add_up_to_the_pay(reached: str, monkeypatch: pytest.MonkeyPatch):
     """To the last bit of every step, also where an episode comes in pieces; the first action before is 0."""
-    whole = pay_dataset(open_dataset(reached), {"gentle": step_by_step("gentle", gentle)})
+    whole = pay_dataset(opened(reached), {"gentle": step_by_step("gentle", gentle)})
     assert np.array_equal(sum_of(whole.terms["gentle"]), whole.paid["gentle"])
-    monkeypatch.setattr(minari, "ROWS", 5)
-    pieces = pay_dataset(open_dataset(reached), {"gentle": step_by_step("gentle", gentle)})
+    monkeypatch.setattr(sizes, "ROWS", 5)
+    pieces = pay_dataset(opened(reached), {"gentle": step_by_step("gentle", gentle)})
     for name, values in whole.terms["gentle"].items():
         assert np.array_equal(values, pieces.terms["gentle"][name])
     action = reaching(0, False)["actions"][0]
@@ -336,7 +335,7 @@ def test_terms_of_a_data_set_add_up_to_the_pay(reached: str, monkeypatch: pytest
 
 def test_terms_stand_in_the_file_of_scores(reached: str, tmp_path: Path):
     """In columns of their own."""
-    write_dataset_scores(pay_dataset(open_dataset(reached), {"gentle": step_by_step("gentle", gentle)}), tmp_path / "s")
+    write_dataset_scores(pay_dataset(opened(reached), {"gentle": step_by_step("gentle", gentle)}), tmp_path / "s")
     columns = pq.read_table(tmp_path / "s").column_names
     assert columns == ["episode", "step", "gentle", "gentle/near", "gentle/went", "gentle/jerk"]
 
@@ -356,7 +355,7 @@ NOT_THERE = {
 @pytest.mark.parametrize(("reward", "told"), NOT_THERE.values(), ids=NOT_THERE)
 def test_what_a_data_set_does_not_have_is_told_by_name(reached: str, reward, told: str):
     """The other rewards go on."""
-    paid = pay_dataset(open_dataset(reached), {"it": step_by_step("it", reward), "near": step_by_step("near", near)})
+    paid = pay_dataset(opened(reached), {"it": step_by_step("it", reward), "near": step_by_step("near", near)})
     assert (list(paid.paid), list(paid.failed)) == (["near"], ["it"])
     assert told in paid.failed["it"]
 
@@ -365,7 +364,7 @@ def test_function_of_a_step_may_not_need_the_next_observation(tmp_path: Path):
     """Of the last step nothing is known of that: one that looks is not paid there, the other one is."""
     folder = write_lerobot(tmp_path / "d", [reaching(number, number % 2 == 1) for number in range(5)])
     rewards = {"looks": lambda step: {"it": float(step.observation[0])}, "acts": lambda step: float(step.action[0])}
-    paid = pay_dataset(open_dataset(f"lerobot:{folder}"), {n: step_by_step(n, it) for n, it in rewards.items()})
+    paid = pay_dataset(opened(f"lerobot:{folder}"), {n: step_by_step(n, it) for n, it in rewards.items()})
     last = paid.begins[1:] - 1
     assert np.isnan(paid.paid["looks"][last]).all()
     assert np.isnan(paid.terms["looks"]["it"][last]).all()
@@ -383,7 +382,7 @@ def test_an_arm_s_reward_reads_what_a_data_set_has(reached: str):
 
     places = parse_places(PLACES)
     rewards = {it.__name__: of_arm(reward_class(it)(), places) for it in (effort, speeds)}
-    paid = pay_dataset(open_dataset(reached), rewards, places)
+    paid = pay_dataset(opened(reached), rewards, places)
     assert np.array_equal(sum_of(paid.terms["effort"]), paid.paid["effort"])
     action = np.asarray(reaching(0, False)["actions"], float)
     expected = -np.square(np.diff(action, axis=0, prepend=0.0 * action[:1])).sum(axis=1)

@@ -11,7 +11,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from harness.audit.dataset.audit_dataset import audit_dataset
-from harness.audit.dataset.rewards import Unseen
+from harness.audit.dataset.step_by_step import Unseen
 from harness.errors import SchemaError, UsageError
 from harness.eta.auc import AGAINST, CANNOT_TELL, RANKS
 from harness.recorder.sealed import Sealer

@@ -8,9 +8,8 @@ import pytest
 
 from harness.audit.dataset.audit_dataset import audit_dataset
 from harness.errors import SchemaError
-from harness.record.dataset.open_dataset import open_dataset
 from tests.record.dataset.frames import write_frames
-from tests.record.dataset.written import write_minari
+from tests.record.dataset.written import opened, write_minari
 
 COUNT, STEPS = 24, 6
 PAID = np.random.default_rng(5).normal(size=(COUNT, STEPS)) + 0.2 * (np.arange(COUNT) % 2)[:, None]
@@ -79,10 +78,10 @@ def test_parts_of_an_observation_are_a_dictionary(tmp_path: Path):
     """Numbers under other names than observation.state are seen under these."""
     seen = {"observation.state.eef": np.ones((STEPS, 3)), "observation.environment_state": np.ones((STEPS, 2))}
     folder = write_frames(tmp_path / "d", [frames(it, **seen) for it in range(COUNT)])
-    pieces = list(open_dataset(f"lerobot:{folder}").pieces())
-    assert {key: rows.shape for key, rows in pieces[0].observations.items()} == {
-        "environment_state": (STEPS, 2), "state.eef": (STEPS, 3)
-    }  # fmt: skip
+    rows = opened(f"lerobot:{folder}").rows()
+    shapes = {name: values.shape for name, values in rows.columns.items() if name.startswith("observation")}
+    count = STEPS * COUNT
+    assert shapes == {"observation/environment_state": (count, 2), "observation/state.eef": (count, 3)}
     assert audit_dataset(f"lerobot:{folder}").rewards[0].by_success.value == pytest.approx(AUC)
 
 
@@ -150,4 +149,4 @@ def test_a_minari_data_set_in_another_format_is_called_so(tmp_path: Path):
     told = {"data_format": "arrow", "minari_version": "0.5.4"}
     (tmp_path / "d" / "data" / "metadata.json").write_text(json.dumps(told))
     with pytest.raises(SchemaError, match=r"the format 'arrow'.* data_format='hdf5'"):
-        open_dataset(f"minari:{tmp_path / 'd'}")
+        opened(f"minari:{tmp_path / 'd'}")

@@ -1,13 +1,16 @@
 """What it costs to pay a data set, beside a loop over the same arrays that h5py reads."""
 
+import json
+import sys
+
 import h5py
 import numpy as np
 import pytest
 
 from harness.audit.dataset.paid_dataset import pay_dataset
-from harness.audit.dataset.rewards import step_by_step
-from harness.record.dataset.open_dataset import open_dataset
-from tests.record.dataset.written import episode, write_minari
+from harness.audit.dataset.step_by_step import step_by_step
+from tests.bench.timings.processes import measure
+from tests.record.dataset.written import episode, opened, write_lerobot, write_minari
 
 pytestmark = pytest.mark.bench
 STEPS = 200
@@ -38,8 +41,25 @@ def test_a_data_set_beside_a_bare_loop(tmp_path, require_speed, amount):
                     paid.append(_far(observations[row], actions[row], observations[row + 1], info))
 
     def through_the_harness() -> None:
-        found = pay_dataset(open_dataset(f"minari:{folder}"), {"far": step_by_step("it", _far)})
+        found = pay_dataset(opened(f"minari:{folder}"), {"far": step_by_step("it", _far)})
         assert found.paid["far"].tolist() == paid
 
     bare()
     require_speed(bare, through_the_harness, at_least=0.4, rounds=5)
+
+
+@pytest.mark.parametrize("kind", ["minari", "lerobot"])
+def test_a_million_steps_with_two_rewards(tmp_path, is_timed, amount, kind):
+    """1,000 episodes of 1,000 steps take no more than 5 s of a core, and 0.4 GB."""
+    count, steps = amount(1_000, 4), amount(1_000, 6)
+    made = [dict(episode(steps, number, number % 2 == 1)) for number in range(count)]
+    for one in made:
+        one["infos"] = {**one["infos"], "double": np.concatenate([[0.0], 2.0 * one["rewards"]])}
+    write = write_minari if kind == "minari" else write_lerobot
+    own = {"double" if kind == "minari" else "operator": "double"}
+    folder = write(tmp_path / "d", made, harness_rewards=own)
+    taken = measure(sys.executable, "-m", "harness", "audit", f"{kind}:{folder}", "--json")
+    told = json.loads(taken.out)
+    assert (told["steps"], [it["reward"] for it in told["rewards"]]) == (count * steps, ["recorded", "double"])
+    print(f"\n  {kind}: {taken.cpu_seconds:.1f} s, {taken.megabytes:.0f} MB")  # noqa: T201
+    assert not is_timed or (taken.cpu_seconds <= 5.0 and taken.megabytes <= 400.0)

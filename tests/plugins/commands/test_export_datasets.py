@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 
 import harness
+from harness.audit.dataset.arm_pay import of_arm
 from harness.audit.dataset.audit_dataset import audit_dataset
 from harness.audit.dataset.paid_dataset import pay_dataset
-from harness.audit.dataset.rewards import as_recorded, of_arm, step_by_step
+from harness.audit.dataset.rewards import Recorded
+from harness.audit.dataset.step_by_step import step_by_step
 from harness.cli import main
-from harness.record.dataset.open_dataset import open_dataset
 from harness.record.folder import EVALUATION, TRACE
 from harness.record.recording.recorded_training import read_recording
 from harness.record.trace import read_trace
@@ -21,6 +22,7 @@ from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 from harness.results import load_results
 from harness.score.places import parse_places
+from tests.record.dataset.written import opened
 
 export_command = importlib.import_module("harness_plugins.commands.export")  # not the function of that name
 REWARDS = ("arp", "dense")
@@ -54,7 +56,7 @@ def _export(folder: Path, place: Path) -> int:
 
 def _dataset(place: Path, form: str, kind: str):
     (folder,) = (place / form).glob(f"**/{kind}-v0")
-    return open_dataset(f"{form}:{folder}")
+    return opened(f"{form}:{folder}")
 
 
 @pytest.mark.parametrize("form", FORMATS)
@@ -67,8 +69,7 @@ def test_steps_are_those_of_the_traces(trained: Path, exported: Path, form: str,
         [sum(it[name] for name in ("reward", "reward_ground", "reward_target", "reward_step")) for it in traces]
     )
     taken = np.concatenate([it["step"] > 0 for it in traces])
-    pieces = list(_dataset(exported, form, kind).pieces())
-    found = np.concatenate([piece.rewards["recorded"] for piece in pieces])
+    found = _dataset(exported, form, kind)["reward/recorded"]
     assert sorted(found) == pytest.approx(sorted(paid[taken]), abs=FORMATS[form])
 
 
@@ -79,12 +80,12 @@ def test_rewards_paid_again_are_those_recorded(exported: Path, form: str, kind: 
     """From the positions in the observation."""
     found = _dataset(exported, form, kind)
     names = json.loads((found.facts.path / "data" / "metadata.json").read_text()) if form == "minari" else {}
-    width = next(iter(found.pieces())).observations.shape[1]
+    width = found["observation"].shape[1]
     assert not names or names["observation_names"][-3:] == ["target_x", "target_y", "target_z"]
     places = parse_places(f"end_effector={width - 6}:{width - 3},target={width - 3}:{width}")
     registry = load_registry()
     again = of_arm(choose(registry, "rewards", name).build(registry, "rewards"), places)
-    paid = pay_dataset(found, {"recorded": as_recorded(name), "again": again}, places).paid
+    paid = pay_dataset(found, {"recorded": Recorded(name), "again": again}, places).paid
     assert paid["again"] == pytest.approx(paid["recorded"], abs=FORMATS[form])
 
 
@@ -96,18 +97,17 @@ def test_success_is_a_reached_target(trained: Path, exported: Path, form: str):
     for cell in results.done_cells:
         trace = read_trace(results.store.cell_folder(cell) / EVALUATION)
         reached += sum(bool(trace["reached"][rows].any()) for rows in trace.episodes)
-    found = pay_dataset(_dataset(exported, form, "evaluation"), {"it": as_recorded("recorded")})
+    found = pay_dataset(_dataset(exported, form, "evaluation"), {"it": Recorded("recorded")})
     assert (found.told == 1).sum() == reached
 
 
 def test_both_formats_say_the_same(exported: Path):
     """But for rounding."""
-    one, other = (list(_dataset(exported, form, "evaluation").pieces()) for form in FORMATS)
-    for read in (lambda it: it.observations[1:], lambda it: it.actions, lambda it: it.infos):
-        first, second = ([read(piece) for piece in pieces if len(piece)] for pieces in (one, other))
-        if isinstance(first[0], dict):
-            first, second = [it["distance"] for it in first], [it["next.distance"] for it in second]
-        assert np.concatenate(second) == pytest.approx(np.concatenate(first), abs=1e-6)
+    one, other = (_dataset(exported, form, "evaluation") for form in FORMATS)
+    for name in ("before/observation", "observation", "action"):
+        assert other[name] == pytest.approx(one[name], abs=1e-6)
+    assert other["info/next.distance"] == pytest.approx(one["info/distance"], abs=1e-6)
+    assert "seen" not in other
 
 
 @pytest.mark.parametrize("kind", ["training", "evaluation"])
@@ -130,10 +130,11 @@ def test_minari_reads_what_was_written(exported: Path):
     (folder,) = (exported / "minari").glob("**/evaluation-v0")
     found = minari.MinariDataset(folder / "data")
     one = found[0]
-    piece = next(iter(_dataset(exported, "minari", "evaluation").pieces()))
-    assert np.array_equal(one.observations, piece.observations)
-    assert np.array_equal(one.rewards, piece.rewards["recorded"])
-    assert found.total_steps == sum(len(it) for it in _dataset(exported, "minari", "evaluation").pieces())
+    log = _dataset(exported, "minari", "evaluation")
+    rows = log.rows().part(log["episode"] == 0)
+    assert np.array_equal(one.observations[1:], rows["observation"])
+    assert np.array_equal(one.rewards, rows["reward/recorded"])
+    assert found.total_steps == len(log)
 
 
 def test_a_folder_that_is_there_is_not_written_into(trained: Path, exported: Path, capsys: pytest.CaptureFixture[str]):
@@ -208,7 +209,7 @@ def test_a_recording_in_an_environment_is_paid_again(recorded: Path, tmp_path: P
     live = read_recording(recorded / "one")
     again = _near if form == "minari" else lambda o, a, n, i: -float(np.abs(n[:2]).max())
     paid = pay_dataset(
-        found, {"near": as_recorded("near"), "own": as_recorded("own"), "again": step_by_step("it", again)}
+        found, {"near": Recorded("near"), "own": Recorded("own"), "again": step_by_step("it", again)}
     ).paid
     assert paid["own"] == pytest.approx(live["reward/own"], abs=FORMATS[form])
     assert paid["near"] == pytest.approx(live["reward/near"], abs=FORMATS[form])
@@ -219,9 +220,10 @@ def test_a_recording_in_an_environment_is_paid_again(recorded: Path, tmp_path: P
 def test_tables_stay_tables_in_minari(recorded: Path, tmp_path: Path):
     """With the keys of the environment; LeRobot has one vector."""
     _export(recorded, tmp_path / "out")
-    one, other = (next(iter(_dataset(tmp_path / "out", form, "recorded").pieces())) for form in FORMATS)
-    assert set(one.observations) == {"place", "push"}
-    assert other.observations.shape[1] == 3
+    one, other = (_dataset(tmp_path / "out", form, "recorded") for form in FORMATS)
+    seen = {name for name in one.names if name.startswith("observation")}
+    assert seen == {"observation/place", "observation/push"}
+    assert other["observation"].shape[1] == 3
 
 
 @pytest.mark.parametrize("flag", ["--csv", "--onnx", "--torchscript"])

@@ -8,16 +8,15 @@ import pytest
 
 from harness.errors import SchemaError
 from harness.record.dataset.dataset import MOST_KEYS
-from harness.record.dataset.open_dataset import open_dataset
-from tests.record.dataset.written import episode, write_minari
+from tests.record.dataset.written import episode, opened, write_minari
 
 
 def _changed(folder: Path) -> h5py.File:
     return h5py.File(write_minari(folder / "d", [episode(3)]) / "data/main_data.hdf5", "a")
 
 
-def _read(folder: Path) -> list[object]:
-    return list(open_dataset(f"minari:{folder / 'd'}").pieces())
+def _read(folder: Path) -> None:
+    opened(f"minari:{folder / 'd'}").rows()
 
 
 @pytest.mark.parametrize("part", ["infos", "observations"])

@@ -10,6 +10,10 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from harness.log import Log
+from harness.record.dataset.open_dataset import open_dataset
+from harness.registry.registry import load_registry
+
 Episode = Mapping[str, Any]
 """``observations`` (steps + 1, n), ``actions``, ``rewards``, ``infos``; ``attrs`` of the episode."""
 
@@ -24,6 +28,11 @@ def episode(steps: int, seed: int = 0, success: bool = False, **attrs: Any) -> E
         "infos": {"success": np.array([False] * steps + [success])},
         "attrs": attrs,
     }
+
+
+def opened(text: str, **settings: Any) -> Log:
+    """The data set that a user's text names, with the installed formats."""
+    return open_dataset(text, load_registry(), **settings)
 
 
 def write_minari(folder: Path, episodes: Sequence[Episode], **metadata: Any) -> Path:

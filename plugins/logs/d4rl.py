@@ -1,0 +1,250 @@
+"""An HDF5 file of D4RL: ``observations``, ``actions``, ``rewards``, ``terminals``, ``timeouts``, a row for each step.
+
+Episodes lie one behind the other. One ends where ``terminals`` or ``timeouts`` is true; the row behind it begins
+another, so that it does not tell what was seen after the last step. Only ``next_observations`` does, in files that have
+it.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.arrays import Mask
+from harness.errors import SchemaError
+from harness.files.bounded import reading, require_regular
+from harness.files.file_kind import names_in_hdf5
+from harness.log import Log
+from harness.log.log import ACTION, BEFORE, BEHAVIOUR, INFO, OBSERVATION, OPERATOR, RECORDED, REWARD, SEEN, SUCCESS
+from harness.record.dataset.dataset import SUCCESS_KEYS, DatasetFacts, as_texts, filled_up, require_readable, where_seen
+from harness.record.dataset.hdf5_parts import (
+    MOST_BYTES,
+    SIGNATURE,
+    Array,
+    Stretch,
+    Walk,
+    array_of,
+    find_array,
+    group_of,
+    one_number,
+    open_hdf5,
+    read_stretches,
+)
+from harness.record.dataset.labels import SuccessRule, as_measure, operator_key, success_rule
+
+LABEL, PAY = f"{BEHAVIOUR}{SUCCESS}", f"{REWARD}{RECORDED}"
+NEXT = "next_observations"
+OF_D3RLPY = "episode_terminals"
+
+
+@dataclass(frozen=True)
+class D4RL:
+    """Steps of many episodes, one behind the other.
+
+    Attributes:
+        success: The key of infos that says whether a step was a success, also ``KEY>0.5``; found by its name if empty.
+        cluster: The key of infos that says who made an episode; found by its name if empty.
+        horizon: After so many steps an episode was cut, in a file that has no ``timeouts``; 0 if nobody says it.
+    """
+
+    success: str = ""
+    cluster: str = ""
+    horizon: int = 0
+
+    def recognises(self, path: Path, head: bytes) -> bool:
+        """An HDF5 file with the flag at its top that no other format has there."""
+        return head.startswith(SIGNATURE) and {"observations", "actions", "terminals"} <= {*names_in_hdf5(path)}
+
+    def read(self, path: Path) -> tuple[Log, ...]:
+        """The data set; its steps are read later."""
+        with reading(path, "D4RL data set"):
+            require_regular(path, MOST_BYTES)
+            with open_hdf5(path) as file:
+                arrays = _arrays(path, file)
+                infos = _infos(path, file)
+                total = len(arrays["rewards"])
+                require_readable(path, total, sum(it.width for it in (*arrays.values(), *infos.values())))
+                layout, notes = _episodes_of(path, arrays, self.horizon)
+        rule = success_rule(self.success, infos, path, SUCCESS_KEYS)
+        facts = DatasetFacts(
+            path=path,
+            format="D4RL",
+            name=f"d4rl:{path}",
+            success="" if rule is None else rule.text,
+            operator=operator_key(self.cluster, infos, path),
+            notes=notes,
+        )
+        columns: tuple[str, ...] = ("episode", "step", "terminated", "truncated", PAY)
+        columns += (f"{BEFORE}{OBSERVATION}", OBSERVATION, ACTION)
+        columns += tuple(f"{INFO}{key}" for key in infos)
+        more = {SEEN: NEXT not in arrays, LABEL: rule is not None, OPERATOR: bool(facts.operator)}
+        columns += tuple(name for name, is_there in more.items() if is_there)
+        return (Log(facts, columns, partial(_tables, path, facts, layout, rule)),)
+
+    def write_example(self, folder: Path) -> Path:
+        """Two episodes: one ends, one is cut."""
+        import h5py
+
+        path = folder / "walk-v2.hdf5"
+        with h5py.File(path, "w") as file:
+            file["observations"] = np.arange(14.0, dtype=np.float32).reshape(7, 2)
+            file["actions"] = np.linspace(-1.0, 1.0, 7, dtype=np.float32)[:, None]
+            file["rewards"] = -np.arange(1.0, 8.0, dtype=np.float32)
+            file["terminals"] = np.arange(7) == 2
+            file["timeouts"] = np.arange(7) == 6
+            file["infos/success"] = np.arange(7) == 2
+        return path
+
+
+class _Layout(NamedTuple):
+    """Which rows there are.
+
+    Attributes:
+        steps: How many are read; those of an episode that does not end are not.
+        episode: Number of each row's episode.
+        step: Of each row, counted from 1 in its episode.
+        ends: Whether each row ends an episode.
+        terminated: Whether it says so by ``terminals``.
+    """
+
+    steps: int
+    episode: NDArray[np.int64]
+    step: NDArray[np.int64]
+    ends: Mask
+    terminated: Mask
+
+
+def _arrays(path: Path, file: Any) -> dict[str, Array]:
+    """What has a row for each step.
+
+    Raises:
+        SchemaError: Something is missing, or they have different numbers of rows.
+    """
+    if find_array(path, file, OF_D3RLPY) is not None:
+        raise SchemaError(
+            f"{path} was written by d3rlpy: it has {OF_D3RLPY}, and whether a row's reward is that of its action or of "
+            "the one before depends on the version. Write the episodes as a Minari data set"
+        )
+    arrays = {key: array_of(path, file, key) for key in ("observations", "actions", "rewards", "terminals")}
+    arrays |= {key: found for key in ("timeouts", NEXT) if (found := find_array(path, file, key)) is not None}
+    rows = {key: len(array) for key, array in arrays.items()}
+    if len({*rows.values()}) > 1 or not all(array.shape and array.holds_numbers for array in arrays.values()):
+        told = ", ".join(f"{key} {count:,}" for key, count in rows.items())
+        raise SchemaError(f"{path}: a row of each array is a step, and all hold numbers. It has: {told}")
+    return arrays
+
+
+def _infos(path: Path, file: Any) -> dict[str, Array]:
+    """What the environment told after each step, by key; other arrays say nothing of steps."""
+    if "infos" not in file:
+        return {}
+    found = dict(Walk(path).numbers(group_of(path, file, "infos")))
+    steps = len(array_of(path, file, "rewards"))
+    return {key: array for key, array in found.items() if array.shape and len(array) == steps}
+
+
+def _episodes_of(path: Path, arrays: Mapping[str, Array], horizon: int) -> tuple[_Layout, tuple[str, ...]]:
+    """Where episodes end, and what is told of it.
+
+    Raises:
+        SchemaError: Nothing says where those end that were cut, or what it says is wrong.
+    """
+    terminated = one_number(arrays["terminals"][:], f"{path}: terminals") != 0.0
+    ends = terminated.copy()
+    if "timeouts" in arrays:
+        ends |= one_number(arrays["timeouts"][:], f"{path}: timeouts") != 0.0
+    elif horizon > 0:
+        ends |= _cut_after(horizon, terminated)
+    elif NEXT in arrays:
+        ends |= ~_go_on(arrays)
+    else:
+        raise SchemaError(
+            f"{path} has no timeouts, so that nothing says where an episode ends that was cut: write them into the "
+            "file, or say after how many steps, as d4rl:horizon=1000:FILE"
+        )
+    if NEXT in arrays and len(odd := np.flatnonzero(~(_go_on(arrays) | ends))):
+        raise SchemaError(
+            f"{path}: row {odd[0]} ends no episode by terminals and timeouts, and its {NEXT} is not the observation of "
+            f"the row behind it, as in {len(odd):,} rows: the flags stand in the wrong rows"
+        )
+    last = np.flatnonzero(ends)
+    if not len(last):
+        raise SchemaError(f"{path}: no row of terminals or timeouts is true, so that no episode ends")
+    steps = int(last[-1]) + 1
+    begins = np.concatenate([[0], last[:-1] + 1])
+    lengths = last + 1 - begins
+    episode = np.repeat(np.arange(len(last)), lengths)
+    step = np.arange(steps) - np.repeat(begins, lengths) + 1
+    notes = []
+    if rest := len(ends) - steps:
+        notes.append(f"Left out, since no row ends the episode: the last {rest:,} steps")
+    if single := int((lengths == 1).sum()):
+        notes.append(f"Episodes of a single step, as where terminals stay true while a robot goes on: {single:,}")
+    return _Layout(steps, episode, step, ends[:steps], terminated[:steps]), tuple(notes)
+
+
+def _cut_after(horizon: int, terminated: Mask) -> Mask:
+    """The last step of each episode of so many steps."""
+    rows = np.arange(len(terminated))
+    begins = np.maximum.accumulate(np.where(np.concatenate([[True], terminated[:-1]]), rows, 0))
+    cut: Mask = (rows - begins) % horizon == horizon - 1
+    return cut
+
+
+def _go_on(arrays: Mapping[str, Array]) -> Mask:
+    """Whether what was seen after each row is what the row behind it begins with; never of the last row."""
+    found = np.zeros(len(arrays["rewards"]), bool)
+    parts = {"after": Stretch(arrays[NEXT]), "behind": Stretch(arrays["observations"], 1)}
+    for begin, table in read_stretches(len(found) - 1, parts):
+        same = (table["after"] == table["behind"]) | (np.isnan(table["after"]) & np.isnan(table["behind"]))
+        found[begin : begin + len(same)] = same.reshape(len(same), -1).all(axis=1)
+    return found
+
+
+def _tables(
+    path: Path, facts: DatasetFacts, layout: _Layout, rule: SuccessRule | None, names: tuple[str, ...]
+) -> Iterator[Mapping[str, NDArray[Any]]]:
+    with reading(path, "D4RL data set"), open_hdf5(path) as file:
+        arrays, infos = _arrays(path, file), _infos(path, file)
+        sources = {PAY: "rewards", f"{BEFORE}{OBSERVATION}": "observations", ACTION: "actions"}
+        parts = {name: Stretch(arrays[key]) for name, key in sources.items() if name in names or name == PAY}
+        if OBSERVATION in names:
+            parts[OBSERVATION] = Stretch(arrays[NEXT]) if NEXT in arrays else Stretch(arrays["observations"], 1)
+        keys = {f"{INFO}{key}": key for key in infos} | {OPERATOR: facts.operator}
+        keys |= {LABEL: rule.key} if rule is not None else {}
+        parts |= {name: Stretch(infos[keys[name]]) for name in names if name in keys}
+        for begin, table in read_stretches(layout.steps, parts):
+            rows = slice(begin, begin + len(table[PAY]))
+            yield {name: _column(path, name, rows, table, layout, rule, NEXT in arrays) for name in names}
+
+
+def _column(
+    path: Path,
+    name: str,
+    rows: slice,
+    table: Mapping[str, NDArray[Any]],
+    layout: _Layout,
+    rule: SuccessRule | None,
+    sees_last: bool,
+) -> NDArray[Any]:
+    seen = np.ones(rows.stop - rows.start, bool) if sees_last else ~layout.ends[rows]
+    known: dict[str, NDArray[Any]] = {
+        "episode": layout.episode[rows],
+        "step": layout.step[rows],
+        "terminated": layout.terminated[rows],
+        "truncated": layout.ends[rows] & ~layout.terminated[rows],
+        SEEN: seen,
+    }
+    if name in known:
+        return known[name]
+    if name == PAY:
+        return one_number(table[name], f"{path}: rewards")
+    if name == LABEL and rule is not None:
+        return as_measure(rule.of_steps(table[name], f"{path}: infos/{rule.key}"))
+    if name == OBSERVATION:
+        return where_seen(filled_up(table[name], len(seen)), seen)
+    return as_texts(table[name]) if name == OPERATOR else table[name]

@@ -1,0 +1,188 @@
+"""D4RL's files become logs of steps, or are refused where nothing says which step belongs to which episode.
+
+The layout is that of https://github.com/Farama-Foundation/D4RL/wiki: arrays of one row for each step, of all episodes.
+"""
+
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+
+from harness.audit.dataset.audit_dataset import audit_dataset
+from harness.errors import SchemaError, UsageError
+from harness.log import Rows
+from tests.record.dataset.written import opened
+
+LENGTHS = (3, 1, 4)
+STEPS = sum(LENGTHS)
+ENDS = np.cumsum(LENGTHS) - 1
+TERMINALS = np.isin(np.arange(STEPS), ENDS[:1])
+TIMEOUTS = np.isin(np.arange(STEPS), ENDS[1:])
+
+
+def write(path: Path, **arrays: Any) -> str:
+    """A file of three episodes; the first one ends, the others are cut. None leaves an array out."""
+    rng = np.random.default_rng(0)
+    told = {
+        "observations": rng.normal(size=(STEPS, 3)).astype(np.float32),
+        "actions": rng.normal(size=(STEPS, 2)).astype(np.float32),
+        "rewards": np.arange(STEPS, dtype=np.float32),
+        "terminals": TERMINALS,
+        "timeouts": TIMEOUTS,
+        "infos/qpos": rng.normal(size=(STEPS, 4)),
+        "infos/success": np.arange(STEPS) == 2,
+        "infos/action_log_std": np.zeros(2),
+        "metadata/algorithm": np.bytes_("SAC"),
+        **arrays,
+    }
+    with h5py.File(path, "w") as file:
+        for key, values in told.items():
+            if values is not None:
+                file[key] = values
+    return f"d4rl:{path}"
+
+
+def stored(text: str, key: str) -> np.ndarray:
+    """What stands in the file."""
+    with h5py.File(text.removeprefix("d4rl:"), "r") as file:
+        return np.asarray(file[key])
+
+
+def read(text: str, **settings: object) -> Rows:
+    """All columns of the log."""
+    return opened(text, **settings).rows()
+
+
+def test_episodes_end_where_the_flags_say(tmp_path: Path) -> None:
+    """By terminals and by timeouts; steps are counted in each."""
+    rows = read(write(tmp_path / "d.hdf5"))
+    assert rows["episode"].tolist() == [0, 0, 0, 1, 2, 2, 2, 2]
+    assert rows["step"].tolist() == [1, 2, 3, 1, 1, 2, 3, 4]
+    assert np.flatnonzero(rows["terminated"]).tolist() == [2]
+    assert np.flatnonzero(rows["truncated"]).tolist() == [3, 7]
+
+
+def test_a_step_holds_what_was_seen_before_and_after_it(tmp_path: Path) -> None:
+    """After the last step of an episode nothing is known: the row behind it belongs to another one."""
+    text = write(tmp_path / "d.hdf5")
+    rows, seen = read(text), stored(text, "observations")
+    last = np.isin(np.arange(STEPS), ENDS)
+    assert np.array_equal(rows["before/observation"], seen)
+    assert np.array_equal(rows["observation"][~last], seen[1:][~last[:-1]])
+    assert np.isnan(rows["observation"][last]).all()
+    assert rows["seen"].tolist() == (~last).tolist()
+    assert rows["reward/recorded"].tolist() == list(range(STEPS))
+    assert np.array_equal(rows["info/qpos"], stored(text, "infos/qpos"))
+
+
+def test_next_observations_are_what_was_seen_after_each_step(tmp_path: Path) -> None:
+    """Also after the last one of an episode, of which no row behind it tells."""
+    after = np.concatenate([stored(write(tmp_path / "a.hdf5"), "observations")[1:], np.ones((1, 3), np.float32)])
+    after[ENDS] = 7.0
+    log = opened(write(tmp_path / "d.hdf5", next_observations=after))
+    assert np.array_equal(log["observation"], after)
+    assert "seen" not in log
+
+
+def test_flags_in_the_wrong_rows_are_refused(tmp_path: Path) -> None:
+    """The observation behind a step is not what was seen after it, and no flag says so: D4RL 137."""
+    after = np.concatenate([stored(write(tmp_path / "a.hdf5"), "observations")[1:], np.ones((1, 3), np.float32)])
+    after[ENDS] = 7.0
+    moved = np.isin(np.arange(STEPS), [4, 7])
+    with pytest.raises(SchemaError, match=r"row 3 ends no episode .* the flags stand in the wrong rows"):
+        opened(write(tmp_path / "d.hdf5", timeouts=moved, next_observations=after))
+
+
+def test_a_file_without_timeouts_is_refused(tmp_path: Path) -> None:
+    """An episode that was cut would go on in the next one: D4RL 137."""
+    with pytest.raises(SchemaError, match=r"has no timeouts.* d4rl:horizon=1000:FILE"):
+        opened(write(tmp_path / "d.hdf5", timeouts=None))
+
+
+def test_a_horizon_says_where_episodes_were_cut(tmp_path: Path) -> None:
+    """Counted anew behind each that ended by itself, as D4RL's own reader does."""
+    text = write(tmp_path / "d.hdf5", timeouts=None).replace("d4rl:", "d4rl:horizon=2:")
+    rows = read(text)
+    assert rows["episode"].tolist() == [0, 0, 1, 2, 2, 3, 3]
+    assert np.flatnonzero(rows["truncated"]).tolist() == [1, 4, 6]
+
+
+def test_without_timeouts_next_observations_say_where_episodes_end(tmp_path: Path) -> None:
+    """Where the row behind does not begin with what was seen."""
+    after = np.concatenate([stored(write(tmp_path / "a.hdf5"), "observations")[1:], np.ones((1, 3), np.float32)])
+    after[ENDS] = 7.0
+    rows = read(write(tmp_path / "d.hdf5", timeouts=None, next_observations=after))
+    assert rows["episode"].tolist() == [0, 0, 0, 1, 2, 2, 2, 2]
+
+
+def test_steps_of_an_episode_that_does_not_end_are_left_out(tmp_path: Path) -> None:
+    """And told: their return is not that of a whole episode."""
+    log = opened(write(tmp_path / "d.hdf5", timeouts=np.arange(STEPS) == 3))
+    assert len(log) == 4
+    assert "Left out, since no row ends the episode: the last 4 steps" in log.facts.notes
+
+
+def test_terminals_that_stay_true_are_told(tmp_path: Path) -> None:
+    """As antmaze has them, while the ant goes on."""
+    log = opened(write(tmp_path / "d.hdf5", terminals=np.arange(STEPS) > 1))
+    assert any("Episodes of a single step" in note and note.endswith(": 5") for note in log.facts.notes)
+
+
+def test_a_file_of_d3rlpy_is_refused(tmp_path: Path) -> None:
+    """Its rewards stand a row later in some versions, and its episodes lack their last observation: d3rlpy 98."""
+    with pytest.raises(SchemaError, match=r"written by d3rlpy: it has episode_terminals"):
+        opened(write(tmp_path / "d.hdf5", timeouts=None, episode_terminals=TERMINALS | TIMEOUTS))
+
+
+def test_a_reward_that_needs_the_last_observation_is_not_paid_there(tmp_path: Path) -> None:
+    """An episode of one step has one observation, and no other stands in for the second: d3rlpy 98."""
+    found = audit_dataset(write(tmp_path / "d.hdf5"), {"after": lambda step: float(step.observation[0])})
+    (reward,) = found.rewards
+    assert any(line.startswith("not paid the last step of 2 episodes") for line in reward.unpaid)
+    assert any(line.endswith("1 episodes (the first is 1)") for line in reward.unpaid)
+
+
+def test_success_stands_in_infos(tmp_path: Path) -> None:
+    """Found by its name, and by a threshold."""
+    text = write(tmp_path / "d.hdf5", **{"infos/near": np.linspace(0.0, 1.0, STEPS)})
+    assert read(text)["behaviour/success"].tolist() == [0.0, 0.0, 1.0] + [0.0] * 5
+    assert read(text, success="near>0.5")["behaviour/success"].tolist() == [0.0] * 4 + [1.0] * 4
+    with pytest.raises(UsageError, match=r"--success won: .* it has"):
+        opened(text, success="won")
+
+
+@pytest.mark.parametrize("key", ["rewards", "observations"])
+def test_arrays_of_other_lengths_are_refused(tmp_path: Path, key: str) -> None:
+    """With the length of each."""
+    with pytest.raises(SchemaError, match=r"rewards \d, terminals 8"):
+        opened(write(tmp_path / "d.hdf5", **{key: np.zeros((STEPS - 1, 3) if key == "observations" else STEPS - 1)}))
+
+
+def test_links_to_other_files_are_refused(tmp_path: Path) -> None:
+    """Whatever stands there."""
+    text = write(tmp_path / "d.hdf5")
+    with h5py.File(tmp_path / "d.hdf5", "a") as file:
+        del file["rewards"]
+        file["rewards"] = h5py.ExternalLink(str(tmp_path / "other.hdf5"), "/rewards")
+    with pytest.raises(SchemaError, match="not followed"):
+        opened(text)
+
+
+def test_the_audit_ranks_as_a_computation_of_returns_does(tmp_path: Path) -> None:
+    """By file alone, without its format: 20 episodes of 5 steps, of which every second one succeeds."""
+    rng = np.random.default_rng(1)
+    pay = rng.normal(size=100) + np.repeat(np.arange(20) % 2, 5) * 0.5
+    flags = np.arange(100) % 5 == 4
+    won = flags & (np.arange(100) // 5 % 2 == 1)
+    told = {"observations": rng.normal(size=(100, 3)), "actions": rng.normal(size=(100, 2)), "rewards": pay}
+    write(
+        tmp_path / "d.hdf5", **told, terminals=np.zeros(100, bool), timeouts=flags,
+        **{"infos/qpos": None, "infos/success": won},
+    )  # fmt: skip
+    found = audit_dataset(str(tmp_path / "d.hdf5"))
+    returns = pay.reshape(20, 5).sum(axis=1)
+    expected = np.mean(returns[1::2][:, None] > returns[::2])
+    assert (found.successes, found.failures) == (10, 10)
+    assert found.rewards[0].by_success.value == pytest.approx(expected)

@@ -1,0 +1,162 @@
+"""robomimic's files become logs of steps; what does not fit together is refused.
+
+The layout is that of https://robomimic.github.io/docs/datasets/overview.html.
+"""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+
+from harness.audit.dataset.audit_dataset import audit_dataset
+from harness.errors import SchemaError, UsageError
+from tests.record.dataset.written import opened
+
+LENGTHS = (3, 5, 4)
+ARGS = {"env_name": "Lift", "env_type": 1, "env_kwargs": {"robots": ["Panda"]}}
+
+
+def write(path: Path, drop: tuple[str, ...] = (), masks: dict[str, list[str]] | None = None, **attrs: Any) -> str:
+    """A file of three demonstrations, without what is dropped; `attrs` are those of ``data``."""
+    rng = np.random.default_rng(0)
+    with h5py.File(path, "w") as file:
+        data = file.create_group("data")
+        data.attrs.update({"total": sum(LENGTHS), "env_args": json.dumps(ARGS), **attrs})
+        for number, steps in enumerate(LENGTHS):
+            demo = data.create_group(f"demo_{number}")
+            demo.attrs.update({"num_samples": steps, "model_file": "<mujoco/>", "is_success": number % 2})
+            way, camera = rng.normal(size=(steps + 1, 3)), np.zeros((steps + 1, 4, 4, 3), np.uint8)
+            told = {
+                "obs/robot0_eef_pos": way[:-1], "next_obs/robot0_eef_pos": way[1:],
+                "obs/agentview_image": camera[:-1], "next_obs/agentview_image": camera[1:],
+                "actions": rng.uniform(-1.0, 1.0, (steps, 7)), "rewards": (np.arange(steps) == steps - 1) * 1.0,
+                "dones": (np.arange(steps) == steps - 1).astype(int), "states": rng.normal(size=(steps, 9)),
+            }  # fmt: skip
+            for key, values in told.items():
+                if not key.startswith(drop) or not drop:
+                    demo[key] = values
+        for key, names in (masks or {}).items():
+            file[f"mask/{key}"] = np.array(names, dtype="S8")
+    return f"robomimic:{path}"
+
+
+def stored(path: Path, key: str) -> np.ndarray:
+    """What stands in the file."""
+    with h5py.File(path, "r") as file:
+        return np.concatenate([np.asarray(file[f"data/demo_{number}/{key}"]) for number in range(len(LENGTHS))])
+
+
+def test_a_log_holds_what_was_written(tmp_path: Path) -> None:
+    """What was seen before and after each step, what was done, and what was paid."""
+    rows = opened(write(tmp_path / "d.hdf5")).rows()
+    assert rows["episode"].tolist() == [0] * 3 + [1] * 5 + [2] * 4
+    assert rows["step"].tolist() == [1, 2, 3, 1, 2, 3, 4, 5, 1, 2, 3, 4]
+    columns = {
+        "before/observation/robot0_eef_pos": "obs/robot0_eef_pos",
+        "observation/robot0_eef_pos": "next_obs/robot0_eef_pos",
+        "action": "actions",
+        "reward/recorded": "rewards",
+        "terminated": "dones",
+    }
+    for name, key in columns.items():
+        assert np.array_equal(rows[name], stored(tmp_path / "d.hdf5", key)), name
+
+
+def test_pictures_are_left_out_and_told(tmp_path: Path) -> None:
+    """The env is shown as text."""
+    log = opened(write(tmp_path / "d.hdf5"))
+    assert not any("image" in name for name in log.names)
+    assert "Pictures and texts are left out: agentview_image" in log.facts.notes
+    assert (log.facts.pictures_left_out, json.loads(log.facts.env)) == (True, ARGS)
+
+
+def test_without_next_obs_the_last_step_is_not_seen(tmp_path: Path) -> None:
+    """The steps before it are followed by what the next one begins with."""
+    rows = opened(write(tmp_path / "d.hdf5", drop=("next_obs",))).rows()
+    seen = stored(tmp_path / "d.hdf5", "obs/robot0_eef_pos")
+    last = np.isin(np.arange(len(seen)), np.cumsum(LENGTHS) - 1)
+    assert rows["seen"].tolist() == (~last).tolist()
+    assert np.array_equal(rows["observation/robot0_eef_pos"][~last], seen[1:][~last[:-1]])
+    assert np.isnan(rows["observation/robot0_eef_pos"][last]).all()
+
+
+def test_a_file_of_states_alone_has_steps_and_actions(tmp_path: Path) -> None:
+    """As robosuite's own script leaves it: neither rewards nor observations."""
+    log = opened(write(tmp_path / "d.hdf5", drop=("obs", "next_obs", "rewards", "dones")))
+    assert (log.rewards, len(log), log["action"].shape) == ((), 12, (12, 7))
+    assert any(note.startswith("There are no numbers of obs") for note in log.facts.notes)
+
+
+def test_an_attribute_tells_success(tmp_path: Path) -> None:
+    """Of the whole demonstration, in its last step; rewards and dones tell it if they are named."""
+    text = write(tmp_path / "d.hdf5")
+    told = opened(text)["behaviour/success"]
+    assert told[[2, 7, 11]].tolist() == [0.0, 1.0, 0.0]
+    assert np.isnan(np.delete(told, [2, 7, 11])).all()
+    assert (
+        opened(text, success="rewards")["behaviour/success"].tolist() == stored(tmp_path / "d.hdf5", "rewards").tolist()
+    )
+
+
+def test_a_filter_key_chooses_demonstrations(tmp_path: Path) -> None:
+    """All are read without one, which is told."""
+    text = write(tmp_path / "d.hdf5", masks={"train": ["demo_0", "demo_2"], "valid": ["demo_1"]})
+    assert any(
+        "All demonstrations are read" in note and "train 2, valid 1" in note for note in opened(text).facts.notes
+    )
+    log = opened(text.replace("robomimic:", "robomimic:mask=train:"))
+    assert sorted({*log["episode"].tolist()}) == [0, 2]
+    with pytest.raises(UsageError, match=r"no filter key 'trian'; it has train, valid. Did you mean 'train'"):
+        opened(text.replace("robomimic:", "robomimic:mask=trian:"))
+
+
+def test_a_filter_key_that_lists_what_is_not_there_is_refused(tmp_path: Path) -> None:
+    """With the first of them."""
+    text = write(tmp_path / "d.hdf5", masks={"train": ["demo_0", "demo_9"]})
+    with pytest.raises(SchemaError, match="filter key train lists demo_9, which is not there"):
+        opened(text.replace("robomimic:", "robomimic:mask=train:"))
+
+
+def test_another_total_is_refused(tmp_path: Path) -> None:
+    """Unless a part is enough."""
+    text = write(tmp_path / "d.hdf5", total=13)
+    with pytest.raises(SchemaError, match="13 steps declared, 12 there"):
+        opened(text)
+    assert len(opened(text, partial=True)) == 12
+
+
+def test_arrays_of_other_lengths_are_refused(tmp_path: Path) -> None:
+    """With both numbers."""
+    text = write(tmp_path / "d.hdf5")
+    with h5py.File(tmp_path / "d.hdf5", "a") as file:
+        del file["data/demo_1/rewards"]
+        file["data/demo_1/rewards"] = np.zeros(4)
+    with pytest.raises(SchemaError, match="demo_1 has 5 actions, and 4 rows of reward"):
+        opened(text).rows()
+
+
+@pytest.mark.parametrize("kind", ["external", "soft"])
+def test_links_are_refused(tmp_path: Path, kind: str) -> None:
+    """Whatever they lead to."""
+    text = write(tmp_path / "d.hdf5")
+    with h5py.File(tmp_path / "d.hdf5", "a") as file:
+        del file["data/demo_1/obs/robot0_eef_pos"]
+        outside = h5py.ExternalLink(str(tmp_path / "other.hdf5"), "/x")
+        file["data/demo_1/obs/robot0_eef_pos"] = (
+            outside if kind == "external" else h5py.SoftLink("/data/demo_0/actions")
+        )
+    with pytest.raises(SchemaError, match="not followed"):
+        opened(text).rows()
+
+
+def test_a_file_is_audited_without_its_format(tmp_path: Path) -> None:
+    """A reward of the parts of an observation is paid each step."""
+    write(tmp_path / "d.hdf5")
+    found = audit_dataset(str(tmp_path / "d.hdf5"), {"up": lambda step: float(step.observation["robot0_eef_pos"][2])})
+    returns = np.add.reduceat(stored(tmp_path / "d.hdf5", "next_obs/robot0_eef_pos")[:, 2], [0, 3, 8])
+    (reward,) = found.rewards
+    assert (found.facts.format, found.successes, found.failures) == ("robomimic", 1, 2)
+    assert reward.by_success.value == pytest.approx(np.mean(returns[1] > returns[[0, 2]]))
