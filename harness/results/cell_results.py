@@ -125,6 +125,11 @@ class CellResults:
         told = [(rows[-1], reached[rows].any(), paid[rows].sum()) for rows in trace.episodes]
         return np.array(sorted(told), np.float64).reshape(-1, 3).T.ravel()
 
+    @property
+    def has_read(self) -> bool:
+        """Whether a trace had to be read since the last `finish`, because a result was not kept."""
+        return bool(self._read)
+
     def keep_own(self) -> None:
         """Compute what a report asks of the cell beside metrics and what rewards pay again, if that is not kept."""
         self.rows()

@@ -178,7 +178,8 @@ class Records:
         if cell.id not in self._measured:
             found = self.of(cell)
             self._measured[cell.id] = found.measured({**dict.fromkeys(self.metrics), **self._floors.of(cell)})
-            found.keep_own()  # columns are there now
+            if found.has_read:
+                found.keep_own()  # columns are there now
             found.finish()
         return self._measured[cell.id]
 
