@@ -119,6 +119,7 @@ def test_returns_alone_give_no_verdict(harness, tmp_path: Path):
     assert "only returns are told, and returns of two rewards are not comparable. --labels FILE" in out
     assert "CANNOT TELL" in out
     assert "times that with" not in out
+    assert "The verdict rests" not in out
 
 
 def test_labels_from_outside_decide(harness, tmp_path: Path):

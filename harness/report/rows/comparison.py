@@ -97,7 +97,7 @@ def count_of(comparison: Comparison, manner: str, count: int) -> str:
 
 def basis_text(comparison: Comparison) -> str:
     """Which episodes the verdict rests on, where that needs saying; else empty."""
-    if not comparison.has_trainings or comparison.manner in (DETERMINISTIC, STOCHASTIC):
+    if not comparison.has_trainings or not comparison.changes or comparison.manner in (DETERMINISTIC, STOCHASTIC):
         return ""
     count = comparison.episodes[comparison.manner]
     told = f"{count_of(comparison, comparison.manner, count)} or more of each seed"

@@ -109,7 +109,7 @@ def budget_notes(trainings: Sequence[Training], steps: Sequence[int], noun: str)
     broke_off = ". Leave it out if it broke off" if 2 * shortest < median(steps) else ""
     return [
         f"All are cut to the {shortest:,} {noun} of the shortest, {last.shown}: {len(longer)} of {len(steps)} went on, "
-        f"for {max(longer):,} {noun} at most{broke_off}"
+        f"to {max(longer):,} at most{broke_off}"
     ]
 
 

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from harness.errors import UsageError
 
-_DAY, _HOUR = "20[0-9]{2}[-_]?[01][0-9][-_]?[0-3][0-9]", "[0-9]{2}[-_:]?[0-9]{2}[-_:]?[0-9]{2}"
+_DAY, _HOUR = "20[0-9]{2}[-_]?[01][0-9][-_]?[0-3][0-9]", "[0-2][0-9][-_:h]?[0-5][0-9](?:[-_:m]?[0-9]{2})?"
 _CLOCK = re.compile(rf"(?<![0-9])(?:1[0-9]{{9}}(?:\.[0-9]+)?|{_DAY}(?:[-_T ]?{_HOUR})?)(?![0-9])")
 """Unix seconds since 2001, and dates with or without a time of the day: when somebody trained, never a seed."""
 _NUMBER = re.compile(
@@ -102,9 +102,11 @@ def labels_of(texts: Sequence[str]) -> list[str]:
     if len(different) == 1:
         return [_last_part(texts[0])] * len(texts)
     words = [_WORDS.findall(text) for text in different]
+    numbers = sum(1 for _ in takewhile(str.isdecimal, _shared_at_the_end(words)))
+    words = [it[: len(it) - numbers] for it in words]
     shortest = min(map(len, words))
     begin = min(_shared(words), max(0, shortest - 1))
-    end = min(_shared([list(reversed(it)) for it in words]), max(0, shortest - begin - 1))
+    end = min(len(_shared_at_the_end(words)), max(0, shortest - begin - 1)) + numbers
     while begin and any(_cut(text, begin, end).isdecimal() for text in different):
         begin -= 1
     return [_cut(text, begin, end) for text in texts]
@@ -197,6 +199,12 @@ def _seed_in(name: _Name, alike: Sequence[_Name]) -> _Number | None:
 def _shared(words: Sequence[Sequence[str]]) -> int:
     """With how many equal words all begin."""
     return sum(1 for _ in takewhile(lambda at: len(set(at)) == 1, zip(*words, strict=False)))
+
+
+def _shared_at_the_end(words: Sequence[Sequence[str]]) -> list[str]:
+    """The equal words with which all end, the last one first; a word of each is left."""
+    backwards = [list(reversed(it)) for it in words]
+    return backwards[0][: min(_shared(backwards), max(0, min(map(len, words)) - 1))]
 
 
 def _cut(text: str, begin: int, end: int) -> str:

@@ -80,6 +80,7 @@ def runs_of(found: Sorted, deciding: Deciding = SUCCESS_DECIDES, *, is_told: boo
             *facts_notes(logs),
             *budget_notes(trainings, steps, axis.noun),
             *equal_sentences(equal),
+            *_evaluations_left_out(trainings, axis, shortest),
         ),
         counted=_counted(trainings),
         returns_apart="" if _share_pay(runs) else OWN_ALONE,
@@ -162,8 +163,12 @@ def _axis_of(trainings: Sequence[Training]) -> Axis:
 
 
 def _steps(training: Training, axis: Axis) -> int:
-    """How long it was, over all of its environments."""
-    return int(max(_ends(log, axis)[-1] for log in training.logs)) * len(training.logs)
+    """How long it was, over all of its environments: until its last row, or until a policy of it was evaluated."""
+    trained = int(max(_ends(log, axis)[-1] for log in training.logs)) * len(training.logs)
+    evaluation = training.evaluation
+    if evaluation is None or not axis.column or axis.is_summed or axis.column not in evaluation:
+        return trained
+    return max(trained, int(_ends(evaluation, axis)[-1]))
 
 
 def _ends(log: Log, axis: Axis) -> Float:
@@ -202,6 +207,18 @@ def _evaluations(training: Training, log: Log, measures: Sequence[str], axis: Ax
         run = run_of(in_memory(replace(_facts(training, log.facts.path), evaluation=True), rows))
         runs.append(replace(run, facts=replace(run.facts, after=int(after))))
     return runs
+
+
+def _evaluations_left_out(trainings: Sequence[Training], axis: Axis, until: int) -> list[str]:
+    """A line where the policies that are called final were trained on; none elsewhere."""
+    evaluated = [it.evaluated for it in trainings if it.evaluated is not None]
+    later = sum(axis.column in log and bool(_ends(log, axis)[-1] > until) for log in evaluated)
+    if not later:
+        return []
+    return [
+        f"Evaluations after more than {until:,} {axis.noun} are left out in {later} of {len(trainings)} trainings: the "
+        "policies of the last evaluation up to there are called final"
+    ]
 
 
 def _named_after(training: Training, log: Log) -> Log:

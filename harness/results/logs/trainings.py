@@ -26,7 +26,8 @@ EVENTS = "events.out.tfevents"
 ENDINGS = (".monitor.csv", ".csv", ".npz", ".json", ".jsonl", ".parquet", ".hdf5", ".h5")
 NUMBERED = re.compile("[0-9]+([.][0-9]+)*")
 """Names of files which a batch of environments writes: a number, or one of a process and one of its environment."""
-MOST_NAMED = 5
+EVALUATED = re.compile("eval(uation)?s?([-_](env|logs?|monitor))?", re.IGNORECASE)
+"""Names of files and folders of an environment in which policies were evaluated."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +105,7 @@ def sort_logs(folder: Path, logs: Sequence[Log], template: str = "", baseline: s
         UsageError: Two logs are of one reward and one seed, a name does not fit the template, or there is no such
             reward.
     """
-    notes: list[str] = []
+    logs, notes = _without_evaluated(folder, logs)
     names = _names_of(folder, logs, notes if not template else None)
     named = _named(folder, logs, names, template)
     primary = _primary(logs)
@@ -150,6 +151,25 @@ def _primary(logs: Sequence[Log]) -> tuple[str, bool]:
     kinds = {_kind(log): log for log in logs}
     counts = {kind: sum(_kind(log) == kind for log in logs) for kind in kinds}
     return min(kinds, key=lambda kind: (kind[1], UNITS.index(kinds[kind].facts.unit), -counts[kind], kind[0]))
+
+
+def _without_evaluated(folder: Path, logs: Sequence[Log]) -> tuple[Sequence[Log], list[str]]:
+    """The logs without what Monitor wrote of evaluations, which counts no steps of the training; and a line of them."""
+    evaluated = [log for log in logs if "seconds" in log and any(map(EVALUATED.fullmatch, _parts(folder, log)))]
+    if not evaluated or len(evaluated) == len(logs):
+        return logs, []
+    left = {id(log) for log in evaluated}
+    told = (
+        f"Left out: {len(evaluated)} of Monitor that are called evaluations, such as '{evaluated[0].facts.path}'. They "
+        "do not tell after how many steps of the training they were made"
+    )
+    return [log for log in logs if id(log) not in left], [told]
+
+
+def _parts(folder: Path, log: Log) -> list[str]:
+    path = log.facts.path
+    below = path.relative_to(folder) if path.is_relative_to(folder) else path
+    return [*below.parent.parts, _stem(path.name)]
 
 
 # Names

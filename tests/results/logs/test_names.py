@@ -3,7 +3,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from harness.errors import UsageError
-from harness.results.logs.names import labels_of, sort_by_template, sort_names
+from harness.results.logs.names import labels_of, sort_by_template, sort_names, templates_of
 
 LAYOUTS = (
     "{reward}/{seed}",
@@ -53,6 +53,8 @@ def test_the_order_of_names_says_nothing(layout, rewards, seeds, data):
             [1, 2] * 2,
         ),
         (["ppo/Pendulum-v1_1", "ppo/Pendulum-v1_2"], ["Pendulum-v1"] * 2, [1, 2]),
+        (["base/20240501-1200", "base/20240502-1230"], ["base", "base"], [None, None]),
+        (["ppo/T_1/0", "ppo/T_2/0", "ppo/T_fast_1/0", "ppo/T_fast_2/0"], ["T", "T", "T_fast", "T_fast"], [1, 2] * 2),
         (["0", "1"], ["", ""], [0, 1]),
         (["base", "prop"], ["base", "prop"], [None, None]),
         (["base_0", "base_1", "prop_7"], ["base", "base", "prop"], [0, 1, 7]),
@@ -83,6 +85,23 @@ def test_labels_keep_a_word_where_one_begins_like_another():
 def test_a_template_says_how_names_are_made(template, name, found):
     """The reward, the seed, and the part of the name that is one training."""
     assert sort_by_template(template, [name]) == [found]
+
+
+@pytest.mark.parametrize(
+    ("places", "folder", "each_file"),
+    [
+        (["base", "prop"], "{reward}", "{reward}/{seed}"),
+        (["base_1", "base_2", "prop_1"], "{reward}_{seed}", "{reward}_*/*"),
+        (["base/seed_1", "base/seed_2", "prop/seed_1"], "{reward}/seed_{seed}", "{reward}/seed_*/*"),
+        (["ppo/base", "ppo/prop"], "*/{reward}", "*/{reward}/{seed}"),
+    ],
+)
+def test_templates_say_what_numbered_files_are(places, folder, each_file):
+    """One for each reading; each makes as many trainings as there are folders, or files."""
+    assert {(it.folder, it.each_file) for it in templates_of(places)} == {(folder, each_file)}
+    files = [f"{place}/{number}" for place in places for number in range(2)]
+    assert len({it.place for it in sort_by_template(folder, files)}) == len(places)
+    assert len({it.place for it in sort_by_template(each_file, files)}) == len(files)
 
 
 @pytest.mark.parametrize("template", ["{seed}", "{reward}/{seed}/{seed}", "{reward}-{seed}"])

@@ -67,16 +67,33 @@ def test_environments_of_a_batch_are_one_training(counts):
 def test_evaluations_stand_beside_the_training_that_they_belong_to():
     """The last one up to the shortest budget is the final policy's; those before it are moments."""
     at = {"time": np.repeat([20.0, 40.0, 60.0], 2), SUCCESS: np.array([0.0, 0, 1, 0, 1, 1])}
-    evaluation = in_memory(LogFacts(path=Path("/runs/e.npz"), format="E", unit="episode", evaluation=True), at)
+    facts = LogFacts(path=Path("/runs/e.npz"), format="E", unit="episode", evaluation=True)
+    evaluation, shorter = in_memory(facts, at), in_memory(facts, {name: values[:4] for name, values in at.items()})
+    keys = [(name, seed) for name in ("base", "arp") for seed in (0, 1)]
     found = [
-        Training(name, seed, (episodes(f"{name}{seed}"),), evaluation) for name in ("base", "arp") for seed in (0, 1)
+        Training(name, seed, (episodes(f"{name}{seed}"),), shorter if name == "arp" and seed else evaluation)
+        for name, seed in keys
     ]
     runs = runs_of(trainings(*found))
+    assert runs.said[-1].startswith("Evaluations after more than 50 steps are left out in 3 of 4 trainings")
     run = runs.members["base", 0]
     assert run.evaluation is not None
     assert run.evaluation.whole.behaviour == {"success": 0.5}
     assert [(it.steps, it.values["success"]) for it in run.moments(runs.steps)] == [(20, 0.0), (50, 0.5)]
     assert (runs.group.evaluate_every, runs.group.evaluation_episodes) == (20, 2)
+
+
+def test_an_evaluation_after_the_last_episode_belongs_to_the_training():
+    """All were trained for 60 steps, though their last episodes ended after 50: the final policy is that of 60."""
+    at = {"time": np.array([30.0, 60.0]), SUCCESS: np.array([0.0, 1.0])}
+    evaluation = in_memory(LogFacts(path=Path("/runs/e.npz"), format="E", unit="episode", evaluation=True), at)
+    found = [
+        Training(name, seed, (episodes(f"{name}{seed}"),), evaluation) for name in ("base", "arp") for seed in (0, 1)
+    ]
+    runs = runs_of(trainings(*found))
+    assert runs.steps == 60
+    assert runs.members["base", 0].evaluation.whole.behaviour == {"success": 1.0}
+    assert not any("cut to" in line for line in runs.said)
 
 
 def test_returns_of_two_rewards_are_not_compared():

@@ -136,6 +136,17 @@ def test_a_training_and_its_evaluations_are_one(monitor, sort, tmp_path: Path):
     assert [it.evaluation.facts.path.parent.name for it in found.trainings] == ["Toy-v0_1", "Toy-v0_2"]
 
 
+def test_monitor_files_of_evaluations_are_left_out(monitor, sort):
+    """Their steps are those of the environment that evaluated, and not of the training; that is told."""
+    for seed in range(2):
+        monitor(f"base/seed_{seed}/monitor.csv", [seed, 1, 3], started=1e9 + 1e4 * seed)
+        monitor(f"base/seed_{seed}/eval/monitor.csv", [seed, 1, 4], started=1e9 + 1e4 * seed)
+        monitor(f"base/seed_{seed}/eval.monitor.csv", [seed, 1, 5], started=1e9 + 1e4 * seed)
+    found = sort()
+    assert keys(found) == [("base", 0, 1), ("base", 1, 1)]
+    assert found.notes[0].startswith("Left out: 4 of Monitor that are called evaluations")
+
+
 def test_the_finest_log_of_a_training_is_read(monitor, tmp_path: Path, sort):
     """Episodes tell more than the points of the same training; what is left out is told."""
     logs = []
