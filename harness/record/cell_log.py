@@ -44,7 +44,7 @@ class CellLog:
         own = {name: name for name in trace.columns if name != "reward" and not name.startswith(TERM)}
         terms = {f"{REWARD}{label}/{name.removeprefix(TERM)}": name for name in trace.columns if name.startswith(TERM)}
         names = {**own, "start": "step", "time": "step", f"{REWARD}{label}": "reward", **terms}
-        return (Log(_facts(trace, path, cell), tuple(names), partial(_tables, trace, names), trace.added),)
+        return (Log(_facts(trace, path, cell), tuple(names), partial(_tables, trace, names), {**trace.known}),)
 
     def write_example(self, folder: Path) -> Path:
         """Two episodes of two steps, each with its start row."""
