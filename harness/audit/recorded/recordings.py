@@ -15,7 +15,7 @@ from harness.audit.recorded.step_apart import MOST
 from harness.errors import UsageError
 from harness.log import Log
 from harness.log.log import RECORDED as PAID
-from harness.log.log import REWARD, Columns
+from harness.log.log import REWARD
 from harness.record.recording.recorded_training import read_recording, weighed
 from harness.registry.names import unknown_name
 from harness.results.recordings.episodes import count_text
@@ -126,19 +126,9 @@ def _of_log(path: Path, log: Log, taught: str, several: bool) -> Acted:
     place, own = log.facts.path, f"{REWARD}{PAID}"
     name = place.relative_to(path).as_posix() if place.is_relative_to(path) and place != path else place.name
     if several and own in log:
-        log = _renamed(log, own, f"{REWARD}{taught}")
+        log = log.renamed({own: f"{REWARD}{taught}"})
     name = f"{name}, {log.facts.run}" if log.facts.run else name
     return acted_in(name, log, taught, log.facts.evaluation)
-
-
-def _renamed(log: Log, old: str, new: str) -> Log:
-    """The same log with another name for one of its columns."""
-
-    def read(names: tuple[str, ...]) -> Iterable[Columns]:
-        asked = {name: old if name == new else name for name in names}
-        return ({name: table[of] for name, of in asked.items()} for table in log.read(tuple(asked.values())))
-
-    return replace(log, columns=tuple(new if name == old else name for name in log.columns), read=read)
 
 
 def _audit(

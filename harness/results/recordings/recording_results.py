@@ -128,7 +128,7 @@ class RecordingResults:
     def _recording(self) -> Log:
         if self._held is None:
             log = read_recording(self.path)
-            log = log.loaded(name for name in log.names if name not in {*CALLS, ACTION})
+            log.load(name for name in log.names if name not in {*CALLS, ACTION})
             self._held = weighed(log, self._weighed)
         return self._held
 
