@@ -56,7 +56,7 @@ def steps_apart(folder: str, log: Log, one: str, other: str) -> list[StepApart]:
     deviations = (values - values.mean(axis=1, keepdims=True)) / spread
     difference = np.abs(deviations[0] - deviations[1])
     found: dict[tuple[int, int], StepApart] = {}  # by env and episode
-    for row in np.argsort(-difference, kind="stable").tolist():
+    for row in np.argsort(-difference, kind="stable"):
         if len(found) == MOST or difference[row] < LEAST:
             break
         env, episode, step = (int(log[name][row]) if name in log else 0 for name in ("env", "episode", "step"))
