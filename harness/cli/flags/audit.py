@@ -63,13 +63,3 @@ RandomFolder = Annotated[
         show_default=False,
     ),
 ]
-LogFormatName = Annotated[
-    str | None,
-    typer.Option(
-        "--as",
-        help="The format of logs that other programs wrote, with its settings.",
-        metavar="NAME",
-        show_default="what the files are",
-        autocompletion=names_of("logs"),
-    ),
-]

@@ -27,6 +27,7 @@ from harness.results.logs.told import LENGTH, RETURN, SUCCESS_DECIDES, Deciding
 from harness.results.logs.trainings import Sorted, Training, digest_of
 from harness.results.measured import EVALUATION
 from harness.results.recordings.alike import NOTHING_ALIKE
+from harness.results.recordings.episodes import require_ends
 from harness.results.recordings.runs import LAST, NO_NAME, TRAINING, Run, Runs, run_of
 
 OWN_ALONE = (
@@ -50,26 +51,25 @@ def runs_of(found: Sorted, deciding: Deciding = SUCCESS_DECIDES, *, is_told: boo
     require_comparable(found, is_told=is_told)
     found = without_short(found)
     trainings = found.trainings
-    axis = _axis_of(trainings)
-    steps = [_steps(it, axis) for it in trainings]
-    shortest = min(steps)
+    for training in trainings:
+        require_ends(training.logs[0])
     logs = [log for it in trainings for log in (*it.logs, it.evaluation) if log is not None]
     lower = {name for log in logs for name in log.facts.lower_is_better}
     told = list(dict.fromkeys(name for log in logs for name in log.measures))
     measures = _measures(told, lower, deciding)
-    runs = [_run(it, own, shortest, measures, axis) for it, own in zip(trainings, steps, strict=True)]
+    runs, steps, axis = read_trainings(trainings, measures)
     members = {(run.reward, run.seed): run for run in runs}
     every, episodes = _rhythm(runs)
     equal = equal_trainings({key: run.likeness.digest for key, run in members.items()})
     rewards = tuple(dict.fromkeys(name for name in (*found.rewards, *(it for run in runs for it in run.facts.rewards))))
     return Runs(
-        _group(trainings, shortest, every, episodes),
+        _group(trainings, min(steps), every, episodes),
         rewards,
         found.rewards,
         measures,
         frozenset(lower - {deciding.name} | ({deciding.name} if deciding.better == "lower" else set())),
         members,
-        shortest,
+        min(steps),
         no_steps_notes(logs),
         (),
         equal,
@@ -84,6 +84,17 @@ def runs_of(found: Sorted, deciding: Deciding = SUCCESS_DECIDES, *, is_told: boo
         counted=_counted(trainings),
         returns_apart="" if _share_pay(runs) else OWN_ALONE,
     )
+
+
+def read_trainings(trainings: Sequence[Training], measures: Sequence[str]) -> tuple[list[Run], list[int], "Axis"]:
+    """Each training with its evaluations up to the end of the shortest, and how long each was, counted in what.
+
+    Raises:
+        SchemaError: A log is damaged.
+    """
+    axis = _axis_of(trainings)
+    steps = [_steps(it, axis) for it in trainings]
+    return [_run(it, of, min(steps), measures, axis) for it, of in zip(trainings, steps, strict=True)], steps, axis
 
 
 def _counted(trainings: Sequence[Training]) -> dict[str, str]:
@@ -215,6 +226,7 @@ def _facts(training: Training, path: Path) -> LogFacts:
         path=path,
         format=facts.format,
         unit=unit,
+        run=facts.run,
         trained_with=training.reward,
         seed=training.seed,
         env=facts.env,
