@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Mask
-from harness.errors import SchemaError
+from harness.errors import SchemaError, UsageError
 from harness.files.bounded import reading, require_regular
 from harness.files.file_kind import names_in_hdf5
 from harness.log import Log
@@ -61,6 +61,8 @@ class D4RL:
 
     def read(self, path: Path) -> tuple[Log, ...]:
         """The data set; its steps are read later."""
+        if self.horizon < 0:
+            raise UsageError(f"horizon={self.horizon}: after at least 1 step an episode is cut, or 0 where nobody says")
         with reading(path, "D4RL data set"):
             require_regular(path, MOST_BYTES)
             with open_hdf5(path) as file:
@@ -151,13 +153,16 @@ def _episodes_of(path: Path, arrays: Mapping[str, Array], horizon: int) -> tuple
     """Where episodes end, and what is told of it.
 
     Raises:
+        UsageError: There is a horizon, and ``timeouts`` too.
         SchemaError: Nothing says where those end that were cut, or what it says is wrong.
     """
+    if horizon and "timeouts" in arrays:
+        raise UsageError(f"{path} has timeouts, which say where episodes were cut: leave out horizon={horizon}")
     terminated = one_number(arrays["terminals"][:], f"{path}: terminals") != 0.0
     ends = terminated.copy()
     if "timeouts" in arrays:
         ends |= one_number(arrays["timeouts"][:], f"{path}: timeouts") != 0.0
-    elif horizon > 0:
+    elif horizon:
         ends |= _cut_after(horizon, terminated)
     elif NEXT in arrays:
         ends |= ~_go_on(arrays)
@@ -166,7 +171,7 @@ def _episodes_of(path: Path, arrays: Mapping[str, Array], horizon: int) -> tuple
             f"{path} has no timeouts, so that nothing says where an episode ends that was cut: write them into the "
             "file, or say after how many steps, as d4rl:horizon=1000:FILE"
         )
-    if NEXT in arrays and len(odd := np.flatnonzero(~(_go_on(arrays) | ends))):
+    if NEXT in arrays and len(odd := np.flatnonzero(~(_go_on(arrays) | ends)[:-1])):
         raise SchemaError(
             f"{path}: row {odd[0]} ends no episode by terminals and timeouts, and its {NEXT} is not the observation of "
             f"the row behind it, as in {len(odd):,} rows: the flags stand in the wrong rows"

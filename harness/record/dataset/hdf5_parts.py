@@ -156,7 +156,7 @@ def member_of(path: Path, parent: Any, key: str) -> Any:
 
     try:
         link = parent.id.links.get_info(key.encode()).type
-    except (KeyError, ValueError):  # text that is no name
+    except (KeyError, RuntimeError, ValueError):  # none of that name, or text that is no name
         raise SchemaError(f"{path}: {parent.name} has no {key}") from None
     if link != h5l.TYPE_HARD:
         raise SchemaError(f"{path}: {parent.name}/{key} is a link to somewhere else, which is not followed")
@@ -264,10 +264,11 @@ class Budget:
 
 
 def text_of(told: Any) -> str:
-    """What an attribute, or an array of one value, says."""
+    """What an attribute, or an array of one value, says, on one line."""
     if isinstance(told, np.ndarray) and told.size == 1:
         told = told.ravel()[0]
-    return shortened(told.decode(errors="replace") if isinstance(told, bytes) else str(told), 200)
+    text = told.decode(errors="replace") if isinstance(told, bytes) else str(told)
+    return shortened(" ".join(text.split()), 200)
 
 
 def one_number(values: NDArray[Any], noun: str) -> NDArray[np.float64]:

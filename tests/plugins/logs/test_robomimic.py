@@ -160,3 +160,53 @@ def test_a_file_is_audited_without_its_format(tmp_path: Path) -> None:
     (reward,) = found.rewards
     assert (found.facts.format, found.successes, found.failures) == ("robomimic", 1, 2)
     assert reward.by_success.value == pytest.approx(np.mean(returns[1] > returns[[0, 2]]))
+
+
+def test_dones_in_the_middle_end_no_episode(tmp_path: Path) -> None:
+    """Where they say that the task is done by now, the demonstration goes on."""
+    text = write(tmp_path / "d.hdf5")
+    with h5py.File(tmp_path / "d.hdf5", "a") as file:
+        file["data/demo_1/dones"][:] = [0, 0, 1, 1, 1]
+        file["data/demo_2/dones"][:] = [0, 1, 1, 0]
+    log = opened(text)
+    assert np.flatnonzero(log["terminated"]).tolist() == [2, 7]
+    assert np.nansum(opened(text, success="dones")["behaviour/success"]) == 1 + 3 + 2
+
+
+def test_demonstrations_are_found_by_their_numbers(tmp_path: Path) -> None:
+    """Also behind zeros; steps are those of the group of that name."""
+    text = write(tmp_path / "d.hdf5")
+    pay = stored(tmp_path / "d.hdf5", "actions")
+    with h5py.File(tmp_path / "d.hdf5", "a") as file:
+        file.move("data/demo_1", "data/demo_001")
+    rows = opened(text).rows()
+    assert rows["episode"].tolist() == [0] * 3 + [1] * 5 + [2] * 4
+    assert np.array_equal(rows["action"], pay)
+
+
+@pytest.mark.parametrize(
+    ("name", "told"), [("episode_1", "holds 'episode_1'"), ("demo_00", "demo_0 and demo_00, which have one number")]
+)
+def test_demonstrations_of_other_names_are_refused(tmp_path: Path, name: str, told: str) -> None:
+    """They would be passed over."""
+    text = write(tmp_path / "d.hdf5")
+    with h5py.File(tmp_path / "d.hdf5", "a") as file:
+        file.move("data/demo_1", f"data/{name}")
+    with pytest.raises(SchemaError, match=told):
+        opened(text)
+
+
+def test_what_one_demonstration_lacks_is_named(tmp_path: Path) -> None:
+    """And not what the file is, which the user said."""
+    text = write(tmp_path / "d.hdf5")
+    with h5py.File(tmp_path / "d.hdf5", "a") as file:
+        del file["data/demo_2/rewards"]
+    with pytest.raises(SchemaError, match=r"/data/demo_2 has no rewards"):
+        opened(text).rows()
+
+
+def test_the_env_is_told_on_one_line(tmp_path: Path) -> None:
+    """robomimic's own script writes it with line breaks."""
+    log = opened(write(tmp_path / "d.hdf5", env_args=json.dumps(ARGS, indent=4)))
+    assert "\n" not in log.facts.env
+    assert json.loads(log.facts.env) == ARGS
