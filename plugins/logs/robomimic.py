@@ -167,7 +167,7 @@ def _masks(path: Path, file: Any) -> dict[str, frozenset[int]]:
     masks = group_of(path, file, MASK)
     found: dict[str, frozenset[int]] = {}
     for key in masks:
-        names = [text_of(name) for name in np.atleast_1d(array_of(path, masks, key).value)]
+        names = [text_of(name) for name in np.ravel(array_of(path, masks, key).value)]
         matched = [_DEMO.fullmatch(name) for name in names]
         if not all(matched):
             raise SchemaError(f"{path}: the filter key {key} lists what is called other than demo_0")
@@ -281,6 +281,10 @@ def _parts(layout: _Layout, demo: Any, number: int, names: tuple[str, ...]) -> d
             raise SchemaError(
                 f"{path}: {layout.groups[number]} has {steps:,} actions, and {len(array):,} rows of {name}"
             )
+        one = arrays.get(f"{BEFORE}{name}", array)
+        if one.shape != array.shape:
+            told = f"{list(one.shape)} in obs and {list(array.shape)} in next_obs"
+            raise SchemaError(f"{path}: {layout.groups[number]}: {name} is {told}")
     parts = {name: Stretch(array) for name, array in arrays.items()}
     if not layout.sees_last:
         group = group_of(path, demo, "obs") if layout.keys else None

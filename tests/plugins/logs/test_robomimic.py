@@ -206,7 +206,35 @@ def test_what_one_demonstration_lacks_is_named(tmp_path: Path) -> None:
 
 
 def test_the_env_is_told_on_one_line(tmp_path: Path) -> None:
-    """robomimic's own script writes it with line breaks."""
+    """Robomimic's own script writes it with line breaks."""
     log = opened(write(tmp_path / "d.hdf5", env_args=json.dumps(ARGS, indent=4)))
     assert "\n" not in log.facts.env
     assert json.loads(log.facts.env) == ARGS
+
+
+def test_observations_of_two_shapes_are_refused(tmp_path: Path) -> None:
+    """What was seen after a step has the numbers of what was seen before it."""
+    text = write(tmp_path / "d.hdf5")
+    with h5py.File(tmp_path / "d.hdf5", "a") as file:
+        del file["data/demo_1/next_obs/robot0_eef_pos"]
+        file["data/demo_1/next_obs/robot0_eef_pos"] = np.zeros((5, 4))
+    with pytest.raises(SchemaError, match=r"demo_1: observation/robot0_eef_pos is \[5, 3\] in obs and \[5, 4\] in"):
+        opened(text).rows()
+
+
+def test_a_filter_key_of_too_many_names_is_refused_unread(tmp_path: Path) -> None:
+    """A file may declare them without a byte of them."""
+    text = write(tmp_path / "d.hdf5")
+    with h5py.File(tmp_path / "d.hdf5", "a") as file:
+        file.create_dataset("mask/train", (10**11,), "S8", chunks=(1000,))
+    with pytest.raises(SchemaError, match="an array of names has 100,000,000,000, 2,000,000 are allowed"):
+        opened(text)
+
+
+def test_a_file_that_is_cut_is_told_so(tmp_path: Path) -> None:
+    """No format can say that it is its own."""
+    write(tmp_path / "d.hdf5")
+    whole = (tmp_path / "d.hdf5").read_bytes()
+    (tmp_path / "d.hdf5").write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(SchemaError, match=r"no readable HDF5 file: OSError: .*truncated file"):
+        opened(str(tmp_path / "d.hdf5"))
