@@ -18,8 +18,12 @@ _TYPED = re.compile(r"(?P<format>[A-Za-z][\w/-]+):(?P<settings>\w+=[^:]*(?=:))?:
 """The name of a format; settings of it, if there are any, as in ``robomimic:mask=train:FILE``; and the place."""
 
 
+_FOLDERS = ("meta/info.json", "data/main_data.hdf5")
+"""What a folder holds that is a data set of LeRobot, or of Minari."""
+
+
 def is_dataset(text: str, formats: Callable[[], Collection[str]]) -> bool:
-    """Whether a text names a data set: by a format, or as an HDF5 file.
+    """Whether a text names a data set: by a format, as an HDF5 file, or as a folder that is one.
 
     Args:
         text: What a user typed.
@@ -28,7 +32,7 @@ def is_dataset(text: str, formats: Callable[[], Collection[str]]) -> bool:
     found = _TYPED.fullmatch(text)
     if found is not None and found["format"] in formats():
         return True
-    return _is_hdf5(Path(text))
+    return _is_hdf5(Path(text)) or any((Path(text) / name).is_file() for name in _FOLDERS)
 
 
 def open_dataset(text: str, registry: Registry, **settings: str | bool) -> Log:
