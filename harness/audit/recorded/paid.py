@@ -43,6 +43,7 @@ class Acted:
         taught: The reward that taught; of a log that does not say it, what else tells it from others.
         evaluation: Whether a finished policy acted.
         manner: How it chose actions, ``deterministic``; may be empty.
+        seed: Of the training; None if nobody says it.
     """
 
     name: str
@@ -52,6 +53,12 @@ class Acted:
     taught: str = ""
     evaluation: bool = False
     manner: str = ""
+    seed: int | None = None
+
+    @property
+    def training(self) -> tuple[str, int | str]:
+        """The training that was recorded, or evaluated: by its reward and its seed, as far as that is told."""
+        return self.taught, self.name if self.seed is None else self.seed
 
 
 def acted_in(name: str, log: Log, taught: str = "", evaluation: bool = False) -> Acted:

@@ -106,7 +106,7 @@ def _of_run(folder: Path, run: Run) -> Acted:
     name = run.path.relative_to(folder).as_posix() if run.path.is_relative_to(folder) else run.path.as_posix()
     rewards, facts = tuple(run.episodes.returns), run.facts
     read = partial(_log_of, run.path, rewards)
-    return Acted(name, run.steps, run.episodes, read, run.reward, facts.evaluation, facts.acted)
+    return Acted(name, run.steps, run.episodes, read, run.reward, facts.evaluation, facts.acted, facts.seed)
 
 
 def _log_of(path: Path, rewards: Sequence[str]) -> Log:
@@ -181,7 +181,10 @@ def _audit(
         pairs=pairs,
         earned=(*chance, *early, *final),
         success=success,
-        rankings={name: rank_success([it.episodes for it in judged], name, success) for name in known},
+        rankings={
+            name: rank_success([it.episodes for it in judged], name, success, [it.training for it in judged])
+            for name in known
+        },
         verdict=tuple(on_best([*chance, *final], rewards, success)),
         measured=(f"{SCALE} Means over {kind}s, 95% intervals over them in brackets.{few}",) if pairs else (),
         not_asked=(*not_asked, *([] if success else [NO_SUCCESS])),

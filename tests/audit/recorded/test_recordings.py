@@ -239,3 +239,13 @@ def test_folder_without_a_log_is_refused(tmp_path):
     """With what was left out."""
     with pytest.raises(UsageError, match=r"holds no log that is read: .* 'x' is left out: it is damaged"):
         audit_logs(tmp_path, [], [(Path("x"), "it is damaged")])
+
+
+def test_evaluations_in_two_manners_are_of_one_training(tmp_path):
+    """Intervals of how a reward ranks success are over trainings."""
+    for seed in range(4):
+        record(tmp_path / f"{seed}", "plain", seed, [0.2, 0.8])
+        for manner in ("deterministic", "stochastic"):
+            arms = [0.2, 0.8, 0.4, 0.6]
+            record(tmp_path / f"{seed}-{manner}", "plain", seed, arms, evaluation=True, acted=manner)
+    assert {it.clusters for it in audit_recordings(tmp_path).rankings.values()} == {4}
