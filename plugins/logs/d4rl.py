@@ -169,7 +169,8 @@ def _flag(path: Path, arrays: Mapping[str, Array], key: str) -> Mask:
     odd = np.flatnonzero((values != 0.0) & (values != 1.0))
     if len(odd):
         raise SchemaError(f"{path}: {key} holds {values[odd[0]]:g} in row {odd[0]}, and 0 and 1 are allowed")
-    return values == 1.0
+    is_true: Mask = values == 1.0
+    return is_true
 
 
 def _infos(path: Path, file: Any) -> dict[str, Array]:

@@ -147,8 +147,8 @@ def _overview(path: Path, data: Any) -> _Overview:
     for key in data:
         found = _DEMO.fullmatch(key)
         if found is None:
-            told = one_line_of(shortened(key, 80))
-            raise SchemaError(f"{path}: {DATA} holds '{told}': a demonstration is called demo_ and a number, as demo_0")
+            name = one_line_of(shortened(key, 80))
+            raise SchemaError(f"{path}: {DATA} holds '{name}': a demonstration is called demo_ and a number, as demo_0")
         if seen.groups.setdefault(int(found[1]), key) != key:
             raise SchemaError(f"{path}: {DATA} holds {seen.groups[int(found[1])]} and {key}, which have one number")
     for number, key in sorted(seen.groups.items()):
