@@ -109,7 +109,10 @@ def _audit(
     if not compared:
         raise UsageError(f"{where} has nothing to compare: no recording in it has a step")
     rewards = chosen_rewards(dict.fromkeys(name for run in compared for name in run.episodes.returns), only, where)
-    judged = [run.episodes for run in evaluations or trainings or at_random]
+    acting = evaluations or trainings or at_random
+    judged = [run.episodes for run in acting]
+    # two evaluations of one training are no two trainings
+    owners = [(run.reward, _name_of(folder, run) if run.facts.seed is None else run.seed) for run in acting]
     success = deciding_measure(judged)
     named = dict.fromkeys(name for run in (*acted, *at_random) for name in run.episodes.behaviour)
     measures = sorted(named, key=lambda name: name != success)  # all others stay in their order
@@ -134,7 +137,7 @@ def _audit(
         pairs=pairs,
         earned=(*chance, *early, *final),
         success=success,
-        rankings={name: rank_success(judged, name, success) for name in known},
+        rankings={name: rank_success(judged, name, success, owners) for name in known},
         verdict=tuple(on_best([*chance, *final], rewards, success)),
         measured=(f"{SCALE} Means over {kind}s, 95% intervals over them in brackets.{few}",) if pairs else (),
         not_asked=() if success else (NO_SUCCESS,),

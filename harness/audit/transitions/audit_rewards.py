@@ -195,7 +195,7 @@ def _take(
                         ended = terminated or truncated
         finally:
             recorder.finish()
-        log = read_recording(path).loaded()
+        log = read_recording(path).load()
         return _Taken(log, episodes_of(log), keeper.walks, rng)
 
 

@@ -262,3 +262,13 @@ def test_steps_that_do_not_tell_where_episodes_end_are_compared(tmp_path):
     log = in_memory(LogFacts(path=tmp_path / "steps.csv", format="made"), paid)
     (pair,) = audit_logs(tmp_path, Found((log,), ())).pairs
     assert (pair.steps.mean, pair.returns.mean) == (pytest.approx(1.0), None)
+
+
+def test_evaluations_in_two_manners_are_of_one_training(tmp_path):
+    """Intervals of how a reward ranks success are over trainings."""
+    for seed in range(4):
+        record(tmp_path / f"{seed}", "plain", seed, [0.2, 0.8])
+        for manner in ("deterministic", "stochastic"):
+            arms = [0.2, 0.8, 0.4, 0.6]
+            record(tmp_path / f"{seed}-{manner}", "plain", seed, arms, evaluation=True, acted=manner)
+    assert {it.clusters for it in audit_recordings(tmp_path).rankings.values()} == {4}
