@@ -163,7 +163,9 @@ def _refuse_others(
     """
     for flag, given in of_dataset_alone.items():
         if given is not None:
-            raise UsageError(f"{flag} needs a data set: harness audit minari:NAME, or harness audit lerobot:FOLDER")
+            raise UsageError(
+                f"{flag} needs a data set: harness audit minari:NAME, lerobot:FOLDER, d4rl:FILE or robomimic:FILE"
+            )
     for flag, given in others.items():
         if given is not None and kind not in GOES_WITH[flag]:
             if kind == TASK:

@@ -50,7 +50,8 @@ def report(
 
     DIR may also hold records that --summary wrote, trainings that harness.RecordRewards recorded in any environment, or
     logs of trainings such as monitor.csv, which are sorted by the names of their files: a number is the seed.
-    A data set, minari:NAME or lerobot:FOLDER, shows what its own rewards say; harness audit adds others.
+    A data set, minari:NAME, lerobot:FOLDER, d4rl:FILE or robomimic:FILE, shows what its own rewards say; harness
+    audit adds others.
     """
     if any(map(names_dataset, folders)):
         if len(folders) > 1:

@@ -46,7 +46,9 @@ def score(
         return score_dataset(targets[0], split_list(reward or []), plugin, places, robot, out, partial, as_json)
     for flag, given in (("--places", places), ("--robot", robot), ("--partial", partial or None)):
         if given is not None:
-            raise UsageError(f"{flag} needs a data set: harness score minari:NAME, or harness score lerobot:FOLDER")
+            raise UsageError(
+                f"{flag} needs a data set: harness score minari:NAME, lerobot:FOLDER, d4rl:FILE or robomimic:FILE"
+            )
     folder = Path(targets[0]) if len(targets) == 1 and Path(targets[0]).is_dir() else None
     if folder is not None and _is_of_environments(folder):
         refuse_flags({"--out": out})

@@ -76,7 +76,7 @@ def audit_dataset(
     """Whether rewards rank recorded behaviour as success does.
 
     Args:
-        dataset: ``minari:NAME`` or ``lerobot:FOLDER``.
+        dataset: ``minari:NAME``, ``lerobot:FOLDER``, ``d4rl:FILE`` or ``robomimic:FILE``.
         rewards: By name, rewards of a step, see `harness.reward.given`, or rewards of an arm; or names, as
             ``harness audit --reward`` takes them. Without any: those that are recorded, and the functions of plugin
             files in `registry`.

@@ -9,7 +9,6 @@ from harness.arrays import Float
 from harness.audit.distance import centred_unit, distance_between
 from harness.log import Log
 from harness.log.log import REWARD
-from harness.results.recordings.episodes import episodes_of
 
 NOT_KNOWN = "not a number in some rows"
 
@@ -35,6 +34,8 @@ def paid_in(log: Log) -> Paid:
     Args:
         log: Of steps, of episodes, or of points, which are taken for episodes. Its start rows are no steps.
     """
+    from harness.results.recordings.episodes import episodes_of  # here, since an audit of a data set needs none
+
     episodes, unknown = episodes_of(log), {}
     pays = {name: np.asarray(log[f"{REWARD}{name}"], np.float64) for name in episodes.returns}
     for name, paid in pays.items():
