@@ -13,8 +13,7 @@ from harness.eta.interval import SHARE
 from harness.eta.rescaling import Line, Rescaling, line_of, rescaling_of
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
 from harness.log import Log
-from harness.log.log import EPISODES
-from harness.record.recording.facts import facts_of
+from harness.log.log import BEHAVIOUR, EPISODES, REWARD
 
 
 @dataclass(frozen=True)
@@ -121,7 +120,8 @@ def pairs_in(
     for name, whole in compared if each else ():
         count += 1
         log = whole.without_starts()
-        log = log.load([*EPISODES, "step", *facts_of(log).numbers])
+        numbers = [*(f"{REWARD}{name}" for name in log.rewards), *(f"{BEHAVIOUR}{name}" for name in log.measures)]
+        log = log.load([*EPISODES, "step", *numbers])
         paid = paid_in(log)
         can_end = "terminated" in log and bool(log["terminated"].any())
         unknown = {it: why for it, why in paid.unknown.items() if it in rewards}

@@ -22,7 +22,7 @@ print(*sorted(loaded("audit", sys.argv[1])))
 
 
 def test_an_audit_loads_few_files(tmp_path: Path) -> None:
-    """No more than 80, with the command line and the registry; nothing that knows cells, recordings or arms."""
+    """No more than `MOST`, with the command line and the registry; nothing that knows cells, recordings or arms."""
     folder = write_minari(tmp_path / "d", [episode(6, number, number % 2 == 1) for number in range(12)])
     run = [sys.executable, "-c", COUNT, f"minari:{folder}"]
     environment = {key: value for key, value in os.environ.items() if key != "HARNESS_PLUGINS"}
