@@ -23,6 +23,7 @@ from harness.results.logs.checks import (
     require_comparable,
     without_short,
 )
+from harness.results.logs.labels import LABELS
 from harness.results.logs.told import LENGTH, RETURN, SUCCESS_DECIDES, Deciding
 from harness.results.logs.trainings import Sorted, Training, digest_of
 from harness.results.measured import EVALUATION
@@ -53,7 +54,7 @@ def runs_of(found: Sorted, deciding: Deciding = SUCCESS_DECIDES, *, is_told: boo
     trainings = found.trainings
     for training in trainings:
         require_ends(training.logs[0])
-    logs = [log for it in trainings for log in (*it.logs, it.evaluation) if log is not None]
+    logs = [log for it in trainings for log in it.all_logs]
     lower = {name for log in logs for name in log.facts.lower_is_better}
     told = list(dict.fromkeys(name for log in logs for name in log.measures))
     measures = _measures(told, lower, deciding)
@@ -75,10 +76,11 @@ def runs_of(found: Sorted, deciding: Deciding = SUCCESS_DECIDES, *, is_told: boo
         equal,
         {},
         said=(
-            found.sentence + _deciding_text(measures, told, logs),
+            found.sentence + _deciding_text(measures, told, trainings),
             *found.notes,
-            *facts_notes(logs),
+            *facts_notes([log for log in logs if log.facts.format != LABELS]),
             *budget_notes(trainings, steps, axis.noun),
+            *_final_notes(runs, min(steps), axis.noun),
             *equal_sentences(equal),
         ),
         counted=_counted(trainings),
@@ -112,7 +114,15 @@ def _share_pay(runs: Sequence[Run]) -> bool:
     return all(not np.isnan(run.episodes.returns.get(name, unknown)).any() for run in runs for name in taught)
 
 
-def _deciding_text(measures: Sequence[str], told: Sequence[str], logs: Sequence[Log]) -> str:
+def _final_notes(runs: Sequence[Run], shortest: int, noun: str) -> list[str]:
+    """After how much training the policies were evaluated that count as final, where it was before the end."""
+    ends = sorted({run.evaluation.facts.after for run in runs if run.evaluation is not None} - {shortest})
+    if not ends:
+        return []
+    return [f"As final count policies after {listed([f'{it:,}' for it in ends])} {noun}, which were evaluated last"]
+
+
+def _deciding_text(measures: Sequence[str], told: Sequence[str], trainings: Sequence[Training]) -> str:
     others = [f"`{name}`" for name in told if name not in measures]
     more = f". The logs tell {listed(others)} too: --measure NAME:better=lower lets one decide" if others else ""
     if not measures:
@@ -120,8 +130,10 @@ def _deciding_text(measures: Sequence[str], told: Sequence[str], logs: Sequence[
             "; only returns are told, and returns of two rewards are not comparable. --labels FILE says which "
             f"trainings succeeded, --measure length:better=lower lets the length of episodes decide{more}"
         )
-    lacking = sum(f"{BEHAVIOUR}{measures[0]}" not in log for log in logs) if measures[0] == SUCCESS else 0
-    return f"; {measures[0]} decides" + (f", which {lacking} of {len(logs)} logs do not tell" if lacking else "") + more
+    first, count = measures[0], len(trainings)
+    lacking = sum(not any(f"{BEHAVIOUR}{first}" in log for log in it.all_logs) for it in trainings)
+    without = f", which {lacking} of {count} trainings do not tell" if lacking and first == SUCCESS else ""
+    return f"; {first} decides{without}{more}"
 
 
 def _measures(told: Sequence[str], lower: Collection[str], deciding: Deciding) -> tuple[str, ...]:
@@ -173,8 +185,15 @@ def _axis_of(trainings: Sequence[Training]) -> Axis:
 
 
 def _steps(training: Training, axis: Axis) -> int:
-    """How long it was, over all of its environments."""
-    return int(max(_ends(log, axis)[-1] for log in training.logs)) * len(training.logs)
+    """How long it was, over all of its environments.
+
+    An episode that had not ended has no row: a policy that was evaluated later than that was trained for longer.
+    """
+    rows = int(max(_ends(log, axis)[-1] for log in training.logs)) * len(training.logs)
+    evaluated = training.evaluation
+    if evaluated is None or axis.is_summed or axis.column not in evaluated:
+        return rows
+    return max(rows, int(_ends(evaluated, axis)[-1]))
 
 
 def _ends(log: Log, axis: Axis) -> Float:
@@ -203,9 +222,13 @@ def _run(training: Training, steps: int, until: int, measures: Sequence[str], ax
 
 def _evaluations(training: Training, log: Log, measures: Sequence[str], axis: Axis, until: int) -> list[Run]:
     """What policies did in each evaluation up to a step of the training, in order."""
-    if axis.column not in log:
+    if log.facts.format == LABELS:
+        ends = np.full(len(log), float(until))
+    elif axis.column in log:
+        ends = _ends(log, axis)
+    else:
         raise UsageError(f"'{log.facts.path}' does not tell the {axis.noun} at which it evaluated: move it elsewhere")
-    columns = _columns(training, log, _ends(log, axis), measures)
+    columns = _columns(training, log, ends, measures)
     runs = []
     for after in np.unique(columns[TIME][columns[TIME] <= until]):
         rows = {name: values[columns[TIME] == after] for name, values in columns.items()}
