@@ -14,6 +14,7 @@ NO_STEPS = "An index of steps, I_N or I_P, needs the reward of each environment 
 def write_monitor(path: Path, returns, lengths, success=None, *, started: float = 1e9) -> None:
     """A file as stable-baselines3's Monitor writes it."""
     path.parent.mkdir(parents=True, exist_ok=True)
+    started += 1e5 * sum(map(ord, path.name))  # seeds one after the other
     rows = [
         [f"{pay:.6f}", int(length), number] for number, (pay, length) in enumerate(zip(returns, lengths, strict=True))
     ]

@@ -38,10 +38,14 @@ def require_comparable(found: Sorted, *, is_told: bool = False) -> None:
     single = [name for name, count in counts.items() if count < 2]
     if single and len(counts) > 1 and not is_told:
         more = f" and {len(single) - 3} more" if len(single) > 3 else ""
-        raise UsageError(
-            f"By the names of their files these are {found.sentence}. There is one training alone of "
-            f"{listed([*single[:3]])}{more}, and chance cannot be told from one: {FLAG}"
-        )
+        alone = f"There is one training alone of {listed([*single[:3]])}{more}, and chance cannot be told from one"
+        batch = next((it for it in trainings if it.reward in single and len(it.logs) > 1), None)
+        if batch:
+            raise UsageError(
+                f"{alone}: the {len(batch.logs)} files in {batch.shown} are environments of one training, as their "
+                "episodes end in step. --sort '{reward}/{seed}' says that each file is a training"
+            )
+        raise UsageError(f"By the names of their files these are {found.sentence}. {alone}: {FLAG}")
 
 
 def _unit_of(training: Training) -> str:

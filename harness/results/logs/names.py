@@ -35,6 +35,15 @@ class Named(NamedTuple):
     """The part of the name that says it: the same of all that belongs to one training."""
 
 
+class Templates(NamedTuple):
+    """How a user says what the numbered files in a folder are; see `sort_by_template`."""
+
+    folder: str
+    """They are one training."""
+    each_file: str
+    """Each of them is one."""
+
+
 class _Number(NamedTuple):
     word: str
     begin: int
@@ -99,6 +108,24 @@ def labels_of(texts: Sequence[str]) -> list[str]:
     while begin and any(_cut(text, begin, end).isdecimal() for text in different):
         begin -= 1
     return [_cut(text, begin, end) for text in texts]
+
+
+def templates_of(places: Sequence[str]) -> list[Templates]:
+    """For folders with such names, the template by which each is one training, and the one by which each file is.
+
+    Args:
+        places: Paths below the folder that is looked at; each once.
+    """
+    return [_templates(named) for named in sort_names(places)] if places else []
+
+
+def _templates(named: Named) -> Templates:
+    before, _, after = named.place.rpartition(named.reward) if named.reward else ("", "", "")
+    text = f"{before}{{reward}}{after}" if before or after or named.reward == named.place else "{reward}"
+    if named.seed is not None:
+        text = re.sub(rf"(?<![0-9])0*{named.seed}(?![0-9])(?!.*[0-9])", "{seed}", text)
+    folder = "/".join(part if "{" in part else "*" for part in text.split("/"))
+    return Templates(folder, f"{folder.replace('{seed}', '*')}/{'*' if '{seed}' in folder else '{seed}'}")
 
 
 def sort_by_template(template: str, names: Sequence[str]) -> list[Named]:

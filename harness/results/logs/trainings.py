@@ -1,8 +1,10 @@
 """Sorts the logs of a folder into trainings: which reward taught each, with which seed, and which log tells it best."""
 
 import hashlib
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
@@ -12,7 +14,8 @@ from harness.errors import UsageError
 from harness.eta.amounts import listed
 from harness.log import Log, Unit
 from harness.log.log import BEHAVIOUR, REWARD, SUCCESS
-from harness.results.logs.names import Named, sort_by_template, sort_names
+from harness.results.logs.lockstep import in_lockstep
+from harness.results.logs.names import Named, Templates, sort_by_template, sort_names, templates_of
 
 UNITS: tuple[Unit, ...] = ("step", "episode", "point")
 """The finest first."""
@@ -21,8 +24,8 @@ PLAIN_FOLDERS = ("eval", "evaluation", "evaluations", "tb", "tensorboard", "log"
 """Names that programs give to what belongs to any training: they say nothing of it."""
 EVENTS = "events.out.tfevents"
 ENDINGS = (".monitor.csv", ".csv", ".npz", ".json", ".jsonl", ".parquet", ".hdf5", ".h5")
-TOGETHER = 60.0
-"""Environments of one training are made within so many seconds, [s]."""
+NUMBERED = re.compile("[0-9]+([.][0-9]+)*")
+"""Names of files which a batch of environments writes: a number, or one of a process and one of its environment."""
 MOST_NAMED = 5
 
 
@@ -118,6 +121,8 @@ def sort_logs(folder: Path, logs: Sequence[Log], template: str = "", baseline: s
         found.setdefault(key, []).append(log)
     best = {key: _best_of(key, of, names, logs, is_told=bool(template)) for key, of in found.items()}
     trainings, copies = _without_copies(_with_seeds(best, notes))
+    if not template:
+        _require_apart(trainings)
     notes += [*copies, *_left_out(logs, trainings)]
     first = _baseline(baseline, dict.fromkeys(it.reward for it in trainings))
     ordered = sorted(trainings, key=lambda it: (it.reward != first, it.reward, it.seed))
@@ -164,50 +169,50 @@ def _names_of(folder: Path, logs: Sequence[Log], notes: list[str] | None) -> dic
         notes: Takes how numbered files are read; None if files of one folder are not looked at.
     """
     names = {number: _name_of(folder, log.facts.path, log.facts.run) for number, log in enumerate(logs)}
+    if all(map(NUMBERED.fullmatch, names.values())):  # of one reward, whose name is the folder's
+        names = {number: f"{folder.resolve().name}/{name}" for number, name in names.items()}
     if notes is None:
         return names
     beside: dict[Path, list[int]] = {}
     for number, log in enumerate(logs):
-        if log.facts.unit == "episode" and not log.facts.evaluation and not log.facts.run:
+        if _may_be_of_a_batch(log):
             beside.setdefault(log.facts.path.parent, []).append(number)
-    several = {place: of for place, of in beside.items() if len(of) > 1 and _are_numbered(logs[it] for it in of)}
-    places = {place: _place_name(folder, place) for place in several}
-    seeds: dict[str, list[Named]] = {}
-    for named in sort_names(list(places.values())) if places else []:
-        seeds.setdefault(named.reward, []).append(named)
-    numbered = {it.place for some in seeds.values() for it in some if it.seed is not None and len(some) > 1}
-    together = {place: of for place, of in several.items() if _began_together(logs[it] for it in of)}
-    batches = {place: of for place, of in together.items() if places[place] in numbered}
+    several = {place: of for place, of in beside.items() if len(_distinct(logs[it] for it in of)) > 1}
+    ways = dict(zip(several, templates_of([_place_name(folder, place) for place in several]), strict=True))
+    together = {place: in_lockstep(logs[it] for it in of) for place, of in several.items()}
+    known = {it for it in together.values() if it is not None}
+    for place, is_one in together.items():
+        if is_one is None and len(known) != 1:  # folders beside one another were written by one program
+            raise UsageError(_doubt_told(place, len(several[place]), ways[place]))
+    batches = {place: of for place, of in several.items() if together[place] or known == {True}}
     for place, of in batches.items():
-        names |= dict.fromkeys(of, places[place])
+        names |= dict.fromkeys(of, _place_name(folder, place))
     if batches:
-        notes.append(_batches_told(batches))
-    elif together:
-        place, of = next(iter(together.items()))
+        place, of = next(iter(batches.items()))
         notes.append(
-            f"Each file is read as a training: the {len(of)} in '{place}' began within {TOGETHER:.0f} seconds. If they "
-            "are environments of one training, say --sort '{reward}'"
+            f"The numbered files of a folder are read as environments of one training, as the {len(of)} in '{place}': "
+            f"their episodes end in step. If each is a training, say --sort '{ways[place].each_file}'"
         )
     return names
 
 
-def _batches_told(batches: Mapping[Path, Sequence[int]]) -> str:
-    place, of = next(iter(batches.items()))
+def _doubt_told(place: Path, count: int, ways: Templates) -> str:
+    """What to say of numbered files that may be one training or several."""
     return (
-        f"The files of a folder are read as environments of one training, as the {len(of)} in '{place}': they began "
-        f"within {TOGETHER:.0f} seconds. If each is a training, say --sort '{{reward}}/{{seed}}'"
+        f"'{place}' holds {count} numbered files of Monitor: of one training's environments, or of {count} trainings? "
+        f"Their times do not tell. Say --sort '{ways.folder}' if a folder is one training, --sort '{ways.each_file}' "
+        "if each file is one"
     )
 
 
-def _are_numbered(logs: Iterable[Log]) -> bool:
-    """Whether their files are called 0, 1, 2, and so on, as a batch of environments calls them."""
-    return all(_stem(log.facts.path.name).isdecimal() for log in logs)
+def _may_be_of_a_batch(log: Log) -> bool:
+    """Whether it is of Monitor, and its file is called 0, 1, 2, or 0.1, as a batch of environments calls its files."""
+    is_trained = log.facts.unit == "episode" and not log.facts.evaluation and not log.facts.run
+    return is_trained and "seconds" in log and _is_numbered(log)
 
 
-def _began_together(logs: Iterable[Log]) -> bool:
-    began = [log.facts.started for log in logs]
-    known = [it for it in began if it is not None]
-    return len(known) == len(began) and max(known) - min(known) < TOGETHER
+def _is_numbered(log: Log) -> bool:
+    return NUMBERED.fullmatch(_stem(log.facts.path.name)) is not None
 
 
 def _name_of(folder: Path, path: Path, run: str) -> str:
@@ -295,10 +300,10 @@ def _best_of(
         return (evaluations[0],), None
     best = min(trained, key=lambda some: (not has_success and SUCCESS not in some[0].measures, *_fineness(some[0])))
     numbers = {id(log): number for number, log in enumerate(logs)}
-    is_batch = len({names[numbers[id(log)]] for log in best}) == 1 and _are_numbered(best)
+    is_batch = len({names[numbers[id(log)]] for log in best}) == 1 and all(map(_is_numbered, best))
     if not (is_told and len({log.facts.path.parent for log in best}) == 1) and not is_batch:
         _require_one(key, best)
-    return tuple(best), evaluation
+    return tuple(_distinct(best)), evaluation
 
 
 def _fineness(log: Log) -> tuple[int, str]:
@@ -322,6 +327,28 @@ def _distinct(logs: Iterable[Log]) -> list[Log]:
     return list(found.values())
 
 
+def _require_apart(trainings: Iterable[Training]) -> None:
+    """Check that trainings of one reward are not environments of one, whatever their files are called.
+
+    Raises:
+        UsageError: Two are: says which, and the flag that says it otherwise.
+    """
+    of: dict[str, list[tuple[float, Training]]] = {}
+    for training in trainings:
+        started = training.logs[0].facts.started
+        if started is not None and training.logs[0].facts.unit == "episode":
+            of.setdefault(training.reward, []).append((started, training))
+    for reward, some in of.items():
+        in_order = [training for _, training in sorted(some, key=lambda it: it[0])]
+        for first, second in pairwise(in_order):  # environments of one training are begun one after the other
+            if in_lockstep([*first.logs, *second.logs]):
+                raise UsageError(
+                    f"{first.shown} and {second.shown} look like two trainings of {reward} by their names, and like "
+                    "two environments of one by their times: their episodes end in step. --sort '{reward}' says that a "
+                    "folder is one, --sort '{reward}/*' that each file is"
+                )
+
+
 def _with_seeds(
     best: Mapping[tuple[str, int | None, str], tuple[tuple[Log, ...], Log | None]], notes: list[str]
 ) -> list[Training]:
@@ -335,7 +362,7 @@ def _with_seeds(
         seed = next(free for free in range(len(best)) if free not in taken[reward]) if told is None else told
         taken[reward].add(seed)
         found.append(Training(reward, seed, logs, evaluation))
-    if numbered:
+    if numbered and len(found) > len({it.reward for it in found}):
         notes.append(f"{numbered} of {len(found)} trainings tell no seed: numbered in the order of their names")
     return found
 

@@ -23,11 +23,13 @@ def monitor(tmp_path: Path) -> Write:
         success: Sequence[bool] = (),
         started: float = 1.7e9,
         env: str = "Toy-v0",
+        at: Sequence[float] = (),
     ) -> Path:
         path = tmp_path / name
         path.parent.mkdir(parents=True, exist_ok=True)
         steps = lengths or [10] * len(returns)
-        rows = [f"{pay},{length},{number}.5" for number, (pay, length) in enumerate(zip(returns, steps, strict=True))]
+        ends = at or [number + 0.5 for number in range(len(steps))]
+        rows = [f"{pay},{length},{end}" for pay, length, end in zip(returns, steps, ends, strict=True)]
         if success:
             rows = [f"{row},{flag}" for row, flag in zip(rows, success, strict=True)]
         head = "r,l,t" + ",is_success" * bool(success)

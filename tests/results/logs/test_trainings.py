@@ -31,14 +31,60 @@ def test_a_file_for_each_seed(monitor, sort):
     assert found.notes == ()
 
 
+def batch(monitor, folder: str, *, paid: float, envs: int = 3, started: float = 1.7e9) -> None:
+    """Files of environments that one training steps together."""
+    for env in range(envs):
+        ends = [number + 1e-4 * env for number in range(1, 7)]
+        monitor(f"{folder}/{env}.monitor.csv", [paid + env + it for it in range(6)], started=started, at=ends)
+
+
 def test_files_of_environments_that_trained_together(monitor, sort):
     """``make_vec_env`` writes a file for each of its environments: folders with seeds are the trainings then."""
     for number, name in enumerate(("base_1", "base_2", "arp_1", "arp_2")):
-        for env in range(3):
-            monitor(f"{name}/{env}.monitor.csv", [number, env, 1], started=1e9 + 1e4 * number + env)
+        batch(monitor, name, paid=10 * number, started=1.7e9 + 1e4 * number)
     found = sort()
     assert keys(found) == [("base", 1, 3), ("base", 2, 3), ("arp", 1, 3), ("arp", 2, 3)]
     assert "are read as environments of one training, as the 3 in" in found.notes[0]
+    assert found.notes[0].endswith("If each is a training, say --sort '{reward}_*/*'")
+    assert [len(it.logs) for it in sort("{reward}_*/*").trainings] == [1] * 12
+
+
+def test_files_of_one_training_are_no_seeds(monitor, sort):
+    """A folder for each reward, and in it the environments of one training: no seed is made of them."""
+    for name in ("base", "arp"):
+        batch(monitor, name, paid=len(name))
+    assert keys(sort()) == [("base", 0, 3), ("arp", 0, 3)]
+    assert keys(sort("{reward}/{seed}")) == [(name, seed, 1) for name in ("base", "arp") for seed in range(3)]
+
+
+def test_what_lies_below_the_folder_of_such_a_training_is_its_own(monitor, sort, tmp_path: Path):
+    """The table of progress that stable-baselines3's logger wrote beside the files of the environments."""
+    for name in ("base", "arp"):
+        batch(monitor, name, paid=len(name))
+        (tmp_path / name / "log").mkdir()
+        table = "rollout/ep_rew_mean,time/total_timesteps\n1.0,10\n2.0,20\n"
+        (tmp_path / name / "log/progress.csv").write_text(table)
+    found = sort()
+    assert keys(found) == [("base", 0, 3), ("arp", 0, 3)]
+    assert "Left out: 2 of table of progress" in found.notes[-1]
+
+
+def test_environments_with_names_of_seeds_are_refused(monitor, sort):
+    """Names say two trainings, times say one: the message says both."""
+    for env in range(2):
+        ends = [number + 1e-4 * env for number in range(1, 7)]
+        monitor(f"base/env_{env}.monitor.csv", [env + it for it in range(6)], at=ends)
+    with pytest.raises(UsageError, match="like two environments of one by their times"):
+        sort()
+    assert keys(sort("{reward}")) == [("base", 0, 2)]
+    assert keys(sort("{reward}/env_{seed}")) == [("base", 0, 1), ("base", 1, 1)]
+
+
+def test_a_copy_of_an_environments_file_counts_once(monitor, sort, tmp_path: Path):
+    """It is no further environment: steps and episodes would count twice."""
+    batch(monitor, "base", paid=1)
+    (tmp_path / "base/3.monitor.csv").write_bytes((tmp_path / "base/0.monitor.csv").read_bytes())
+    assert keys(sort()) == [("base", 0, 3)]
 
 
 def test_files_that_were_begun_at_other_times_are_trainings(monitor, sort):
@@ -49,22 +95,40 @@ def test_files_that_were_begun_at_other_times_are_trainings(monitor, sort):
     assert keys(sort()) == [("base_1", 0, 1), ("base_1", 1, 1), ("base_2", 0, 1), ("base_2", 1, 1)]
 
 
-def test_a_doubtful_folder_is_told_with_the_flag(monitor, sort):
-    """Files of one folder that began together may be one training: the note says what was taken, the flag the other."""
+def test_a_doubtful_folder_is_refused_with_both_flags(monitor, sort):
+    """Files of one folder that began together, with too few episodes to tell: one training or several."""
     for name in ("base", "arp"):
         for number in range(2):
             monitor(f"{name}/{number}.monitor.csv", [len(name), number, 1])
-    found = sort()
-    assert keys(found) == [("base", 0, 1), ("base", 1, 1), ("arp", 0, 1), ("arp", 1, 1)]
-    assert "Each file is read as a training" in found.notes[0]
+    with pytest.raises(UsageError) as refused:
+        sort()
+    message = str(refused.value)
+    assert "of one training's environments, or of 2 trainings?" in message
+    assert "--sort '{reward}' if a folder is one training, --sort '{reward}/{seed}' if each file is one" in message
+    assert keys(sort("{reward}/{seed}")) == [("base", 0, 1), ("base", 1, 1), ("arp", 0, 1), ("arp", 1, 1)]
     assert keys(sort("{reward}")) == [("base", 0, 2), ("arp", 0, 2)]
+
+
+def test_a_doubtful_folder_is_read_as_those_beside_it(monitor, sort):
+    """A training that broke off wrote few episodes; the same program wrote the other folder."""
+    batch(monitor, "base", paid=1)
+    for env in range(2):
+        monitor(f"arp/{env}.monitor.csv", [env, 1], at=[1.0, 2.0])
+    assert keys(sort()) == [("base", 0, 3), ("arp", 0, 2)]
+
+
+def test_files_of_one_folder_have_its_name(monitor, sort, tmp_path: Path):
+    """Where the folder of a reward itself is named, templates fit as they do from above."""
+    for seed in range(2):
+        monitor(f"{seed}.monitor.csv", [seed, 1, 3])
+    assert keys(sort("{reward}/{seed}")) == [(tmp_path.name, 0, 1), (tmp_path.name, 1, 1)]
+    assert keys(sort("{reward}")) == [(tmp_path.name, 0, 2)]
 
 
 def test_a_training_and_its_evaluations_are_one(monitor, sort, tmp_path: Path):
     """A tree of the RL zoo: Monitor files of environments, and ``evaluations.npz`` beside them."""
     for seed in (1, 2):
-        for env in range(2):
-            monitor(f"ppo/Toy-v0_{seed}/{env}.monitor.csv", [seed, env, 1], started=1e9 + 1e4 * seed + env)
+        batch(monitor, f"ppo/Toy-v0_{seed}", paid=seed, envs=2, started=1.7e9 + 1e4 * seed)
         file = tmp_path / f"ppo/Toy-v0_{seed}/evaluations.npz"
         np.savez(file, timesteps=[10, 20], results=[[1.0, 2.0], [3.0, seed]], ep_lengths=[[5, 5], [5, 5]])
     found = sort()
