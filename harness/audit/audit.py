@@ -101,11 +101,11 @@ class Audit:
 
     Attributes:
         title: What was audited.
-        setting: Where and how, a line each.
-        facts: The same as plain data, the first keys of JSON.
+        facts: Where and how as plain data, the first keys of JSON.
         rewards: Names.
         pairs: Rewards beside one another.
         earned: What each behaviour was like, and what it earned under each reward.
+        setting: Where and how, a line each.
         success: The measure that says which episodes succeeded; empty where there is none.
         rankings: By reward, whether it ranks these episodes as success does.
         verdict: The answer in words, a line each.
@@ -117,11 +117,11 @@ class Audit:
     """
 
     title: str
-    setting: tuple[str, ...]
     facts: Mapping[str, Any]
     rewards: tuple[str, ...]
     pairs: tuple[Pair, ...]
     earned: tuple[Earned, ...]
+    setting: tuple[str, ...] = ()
     success: str = ""
     rankings: Mapping[str, Auc] = field(default_factory=dict)
     verdict: tuple[str, ...] = ()

@@ -3,7 +3,7 @@
 Some can be asked of scripted movements alone, some of any episodes. `NOT_ASKED` says which a subject leaves open.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -190,20 +190,26 @@ def deciding_measure(each: Sequence[Episodes]) -> str:
     return SUCCESS if SUCCESS in flags else next(iter(flags), "")
 
 
-def rank_success(each: Sequence[Episodes], reward: str, measure: str) -> Auc:
+def rank_success(
+    each: Sequence[Episodes], reward: str, measure: str, trainings: Sequence[Hashable] | None = None
+) -> Auc:
     """Whether a reward pays episodes that succeed more than those that fail.
 
     Args:
-        each: Of each training; intervals are over these. The episodes of a single one count each by itself.
+        each: Of each training, or of each evaluation of one.
         reward: One that is known in all of them.
         measure: Says which episodes succeeded; see `deciding_measure`.
+        trainings: Which training each is of; a training of its own if None. Intervals are over these, and two
+            evaluations of one are no two of them. The episodes of a single training count each by itself.
     """
-    whose = [number for number, it in enumerate(each) for _ in it.last]
+    numbers: dict[Hashable, int] = {}
+    owners = [numbers.setdefault(it, len(numbers)) for it in (range(len(each)) if trainings is None else trainings)]
+    whose = [owner for owner, it in zip(owners, each, strict=True) for _ in it.last]
     paid, reached = (np.concatenate([of[name] for of in them]) for name, them in (
         (reward, [it.returns for it in each]), (measure, [it.behaviour for it in each])
     ))  # fmt: skip
     told = ~np.isnan(reached) & ~np.isnan(paid)
-    clusters = np.asarray(whose)[told] if len(each) > 1 else None
+    clusters = np.asarray(whose)[told] if len(numbers) > 1 else None
     return auc_of(paid[told], reached[told] > 0.0, clusters)
 
 

@@ -13,7 +13,6 @@ from harness.audit.probe import needed_beside_distances
 from harness.audit.properties import properties_of, workspace_ratios
 from harness.audit.questions import finishing_of
 from harness.audit.recorded.earned import earned_in_episodes
-from harness.audit.recorded.paid import acted_in
 from harness.audit.recorded.pair import pairs_in
 from harness.audit.recorded.pair_grid import SCALE
 from harness.audit.rollout import Rollout
@@ -72,7 +71,7 @@ def audit_reward(
         min(COMPARED, finishing.steps) if because else finishing.steps,
     )
     both = [dict(zip((other, name), of, strict=True)) for of in zip(others, scores, strict=True)]
-    pairs, _ = pairs_in([acted_in("scripts", _log(both))], (other, name), [forms])
+    pairs, _ = pairs_in([("scripts", _log(both))], (other, name), [forms])
     return Audit(
         title=name,
         setting=(setting,) if setting else (),

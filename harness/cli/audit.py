@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from harness.cli.datasets import audit_rewards_on, names_dataset, show_answer
 from harness.cli.flags import audit as flags
 from harness.cli.flags import dataset as of_dataset
+from harness.cli.flags import logs
 from harness.cli.flags.shared import AsJson, PluginFiles, RobotName, TaskName
 from harness.cli.output import complain, say, say_json
 from harness.errors import UsageError
@@ -29,11 +30,13 @@ GOES_WITH: Mapping[str, tuple[str, ...]] = {
     "--gamma": (TASK, ENVIRONMENT),
     "--random": (RECORDINGS, EXPERIMENT),
     "--as": (LOGS,),
+    "--sort": (LOGS,),
 }
 """What a flag goes with; --reward, --plugin and --json go with all, and the flags of data sets with them alone."""
 NEEDS = {
     "--random": "a FOLDER of recorded trainings: harness audit FOLDER --random RANDOM",
     "--as": "a FOLDER of logs that other programs wrote: harness audit FOLDER --as NAME",
+    "--sort": "a FOLDER of logs that other programs wrote: harness audit FOLDER --sort TEMPLATE",
 }
 
 
@@ -47,7 +50,8 @@ def audit(
     episodes: flags.Episodes = None,
     gamma: flags.Gamma = None,
     random: flags.RandomFolder = None,
-    log_format: flags.LogFormatName = None,
+    log_format: logs.AsFormat = None,
+    sort: logs.SortBy = None,
     places: of_dataset.Places = None,
     success: of_dataset.Success = None,
     labels: of_dataset.LabelsFile = None,
@@ -79,7 +83,7 @@ def audit(
     }  # fmt: skip
     others = {
         "--robot": robot, "--sim": sim, "--against": against, "--episodes": episodes, "--gamma": gamma,
-        "--random": random, "--as": log_format,
+        "--random": random, "--as": log_format, "--sort": sort,
     }  # fmt: skip
     if named is not None and names_dataset(named):
         from harness.registry.choice import split_list
@@ -116,7 +120,7 @@ def audit(
         chosen = choose(registry, "environments", str(named))
         audits = [audit_environment(chosen, registry, reward, against, gamma, episodes)]
     else:
-        audits = [_of_folder(kind, Path(str(named)), registry, reward, random, log_format)]
+        audits = [_of_folder(kind, Path(str(named)), registry, reward, random, log_format, sort)]
     return _show(audits, as_json)
 
 
@@ -159,7 +163,9 @@ def _refuse_others(
     """
     for flag, given in of_dataset_alone.items():
         if given is not None:
-            raise UsageError(f"{flag} needs a data set: harness audit minari:NAME, or harness audit lerobot:FOLDER")
+            raise UsageError(
+                f"{flag} needs a data set: harness audit minari:NAME, lerobot:FOLDER, d4rl:FILE or robomimic:FILE"
+            )
     for flag, given in others.items():
         if given is not None and kind not in GOES_WITH[flag]:
             if kind == TASK:
@@ -186,7 +192,13 @@ def _show(audits: "Sequence[Audit]", as_json: bool) -> int:
 
 
 def _of_folder(
-    kind: str, folder: Path, registry: "Registry", reward: str | None, random: Path | None, log_format: str | None
+    kind: str,
+    folder: Path,
+    registry: "Registry",
+    reward: str | None,
+    random: Path | None,
+    log_format: str | None,
+    sort: str | None,
 ) -> "Audit":
     """What lies in a folder: recordings of an experiment or loose ones, cells of an arm, or logs of other programs."""
     from harness.audit.recorded.recordings import audit_logs, audit_recordings
@@ -196,8 +208,7 @@ def _of_folder(
     if kind == LOGS:
         from harness.log.open_log import find_logs
 
-        found = find_logs(folder, registry, log_format or "")
-        return audit_logs(folder, found.logs, found.left_out, only)
+        return audit_logs(folder, find_logs(folder, registry, log_format or ""), only, sort or "")
     if kind == EXPERIMENT:
         from harness.results.load import read_results
         from harness.results.recordings.results import RecordedResults

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def names_dataset(target: str | Path) -> bool:
-    """Whether a command got a data set: ``minari:NAME``, ``lerobot:FOLDER``, or an HDF5 file."""
+    """Whether a command got a data set: ``minari:NAME``, ``d4rl:FILE`` and the like, or an HDF5 file."""
     from harness.record.dataset.open_dataset import is_dataset
 
     def formats() -> list[str]:

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from harness.record.merge import LeftOut
     from harness.registry.given import Given
     from harness.results import Results
+    from harness.results.logs.told import Told
 
 
 def report(
@@ -50,7 +51,8 @@ def report(
 
     DIR may also hold records that --summary wrote, trainings that harness.RecordRewards recorded in any environment, or
     logs of trainings such as monitor.csv, which are sorted by the names of their files: a number is the seed.
-    A data set, minari:NAME or lerobot:FOLDER, shows what its own rewards say; harness audit adds others.
+    A data set, minari:NAME, lerobot:FOLDER, d4rl:FILE or robomimic:FILE, shows what its own rewards say; harness
+    audit adds others.
     """
     if any(map(names_dataset, folders)):
         if len(folders) > 1:
@@ -88,7 +90,7 @@ def report(
     show = partial(show_results, as_json=as_json, html=html, details=details, summary=summary)
     if len(folders) == 1:
         results = load_results(folders[0], curve, metric, plugin or (), pairs=pairs, measures=measure or (), told=told)
-        status = show(results, _details(results, folders))
+        status = show(results, _details(results, folders, told))
         if results.damaged:
             verify = command_text("harness", "verify", folders[0])
             complain(f"damaged cells: {len(results.damaged)}; {verify} says which files")
@@ -130,6 +132,7 @@ def _read_together(
     return read_results(out, registry, curve, metric, is_temporary=True, pairs=pairs), merged.left_out
 
 
-def _details(results: "Results", folders: Sequence[Path]) -> str:
+def _details(results: "Results", folders: Sequence[Path], told: "Told | None" = None) -> str:
     """The command that shows everything behind the overview."""
-    return command_text("harness", "report", *folders, "--details") + results.report_flags
+    given = () if told is None else told.flags
+    return command_text("harness", "report", *folders, "--details", *given) + results.report_flags

@@ -46,7 +46,9 @@ def score(
         return score_dataset(targets[0], split_list(reward or []), plugin, places, robot, out, partial, as_json)
     for flag, given in (("--places", places), ("--robot", robot), ("--partial", partial or None)):
         if given is not None:
-            raise UsageError(f"{flag} needs a data set: harness score minari:NAME, or harness score lerobot:FOLDER")
+            raise UsageError(
+                f"{flag} needs a data set: harness score minari:NAME, lerobot:FOLDER, d4rl:FILE or robomimic:FILE"
+            )
     folder = Path(targets[0]) if len(targets) == 1 and Path(targets[0]).is_dir() else None
     if folder is not None and _is_of_environments(folder):
         refuse_flags({"--out": out})
@@ -154,21 +156,19 @@ def _what_was_paid(paid: "Paid") -> str:
 def _score_experiment(
     folder: Path, names: "Sequence[str]", every: bool, registry: "Registry", as_json: bool
 ) -> dict[str, str]:
+    from harness.record.cell_log import cell_log
     from harness.record.folder import SCORES, TRACE
     from harness.record.out_folder import refuse_links
     from harness.results import load_results
     from harness.results.score_matrix import score_matrices
     from harness.score.rescore import scoring_choice
-    from harness.score.trace_log import open_trace
 
     results = load_results(folder)
     refuse_links(folder)
     if not results.done_cells:
         raise UsageError(f"'{folder}' has no finished cell to score")
     cells = [results.store.cell_folder(cell) for cell in results.done_cells]
-    scoring = [
-        scoring_choice(name, registry, ((open_trace(it / TRACE), it / SCORES) for it in cells)) for name in names
-    ]
+    scoring = [scoring_choice(name, registry, ((cell_log(it / TRACE), it / SCORES) for it in cells)) for name in names]
     trained = [cell.reward for cell in results.done_cells] if every else []
     matrices = score_matrices(results, list({it.label: it for it in [*scoring, *trained]}.values()), registry)
     if as_json:

@@ -122,7 +122,7 @@ def reading(path: Path, noun: str, kind: type[HarnessError] = SchemaError) -> It
         raise
     except Exception as error:  # readers of other people's bytes raise anything
         found = kind_at(path)
-        is_other = found is not None and not path.name.lower().endswith(found.endings)
+        is_other = found is not None and noun not in found.name and not path.name.lower().endswith(found.endings)
         reason = f"it is {found.sentence}" if found is not None and is_other else one_line(error)
         raise kind(f"{path} is no readable {noun}: {reason}") from error
 

@@ -69,12 +69,12 @@ _ARCHIVES: tuple[tuple[re.Pattern[bytes], FileKind], ...] = (
 )
 """ZIP archives by the name of their first member."""
 _LAYOUTS: tuple[tuple[str, FileKind], ...] = (
-    ("terminals", FileKind("an HDF5 data set of D4RL", "judge its rewards: harness audit d4rl:FILE")),
+    ("terminals", FileKind("a D4RL data set in HDF5", "judge its rewards: harness audit d4rl:FILE")),
     (
         "data/demo_",
-        FileKind("an HDF5 data set of robomimic", "judge its rewards: harness audit robomimic:FILE"),
+        FileKind("a robomimic data set in HDF5", "judge its rewards: harness audit robomimic:FILE"),
     ),
-    ("episode_", FileKind("an HDF5 data set of Minari", "name the set itself: harness audit minari:NAME")),
+    ("episode_", FileKind("a Minari data set in HDF5", "name the set itself: harness audit minari:NAME")),
 )
 """HDF5 files by how a name in them begins."""
 

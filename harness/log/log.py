@@ -111,18 +111,17 @@ class Log:
         columns: Names of the columns that there are.
         read: What a reader gives: of these columns the rows in order, in tables of any size. It is called anew for
             each pass, and holds no more than a table.
-        added: Columns that were made later, such as what other rewards pay, (rows, ...) each.
+        known: Columns in memory, (rows, ...) each: those that were made later, such as what other rewards pay, and
+            those that were read and kept. They are not read again.
     """
 
     facts: LogFacts
     columns: tuple[str, ...]
     read: Callable[[tuple[str, ...]], Iterable[Columns]]
-    added: Columns = field(default_factory=dict)
+    known: dict[str, Array] = field(default_factory=dict)
 
     def pieces(self, columns: Iterable[str], rows: int = ROWS) -> Iterator[Rows]:
         """All rows in order, `rows` at a time, fewer only in the last piece; nothing else is held in memory.
-
-        Columns that are kept are not read again.
 
         Args:
             columns: Which of them are read.
@@ -132,14 +131,8 @@ class Log:
             UsageError: The log does not have a column.
             SchemaError: It is damaged, or has more rows than are allowed.
         """
-        names = self._chosen(columns)
-        known = {**self._held, **self.added}
-        if names and known.keys() >= {*names}:
-            whole = Rows({name: known[name] for name in names})
-            yield from (whole.part(slice(begin, begin + rows)) for begin in range(0, len(whole), rows))
-            return
         first = 0
-        for table in _regrouped((part.columns for part in self.tables(names)), rows):
+        for table in _regrouped((part.columns for part in self.tables(columns)), rows):
             yield Rows(table, first)
             first += len(next(iter(table.values())))
 
@@ -151,53 +144,49 @@ class Log:
             SchemaError: It is damaged, or has more rows than are allowed.
         """
         names = self._chosen(columns)
-        known = {**self._held, **self.added}
-        own = tuple(name for name in names if name not in known) or self.columns[:1]
+        if names and self.known.keys() >= {*names}:
+            yield Rows({name: self.known[name] for name in names})
+            return
+        own = tuple(name for name in names if name not in self.known) or self.columns[:1]
         first = 0
         for table in _checked(self.facts, self.read(own)):
-            count = len(next(iter(table.values())))
-            more = {name: known[name][first : first + count] for name in names if name in known}
-            found = {**table, **more}
-            yield Rows({name: found[name] for name in names}, first)
-            first += count
+            rows = slice(first, first + len(next(iter(table.values()))))
+            yield Rows({name: self.known[name][rows] if name in self.known else table[name] for name in names}, first)
+            first = rows.stop
 
     def rows(self, columns: Iterable[str] | None = None) -> Rows:
         """All rows at once, of some columns or of all; see `pieces`.
 
-        Columns that are kept are not read again. A log that is being written stays as long as the first that is kept.
+        A log that is being written stays as long as the first column that is kept.
         """
         names = self._chosen(self.names if columns is None else columns)
-        known = {**self._held, **self.added}
-        own = tuple(name for name in names if name not in known)
-        read = joined(list(_checked(self.facts, self.read(own)))) if own else {}
-        count = len(next(iter(self._held.values()))) if self._held else None
-        return Rows({name: (known if name in known else read).get(name, np.empty(0))[:count] for name in names})
+        own = tuple(name for name in names if name not in self.known)
+        found = {**(joined(list(_checked(self.facts, self.read(own)))) if own else {}), **self.known}
+        count = len(next(iter(self.known.values()))) if self.known else None
+        return Rows({name: found.get(name, np.empty(0))[:count] for name in names})
 
     def __getitem__(self, name: str) -> Array:
         """A whole column, (rows, ...). It is read once and kept."""
-        if name not in self._held:
-            self.load(self._chosen([name]))
-        return self._held[name]
+        if name not in self.known:
+            self.known.update(self.rows([name]).columns)
+        return self.known[name]
 
     def load(self, columns: Iterable[str] | None = None) -> "Log":
         """The log itself, with columns that are read in one pass and kept, or all; those that it lacks are left out."""
         asked = self.names if columns is None else columns
-        wanted = [name for name in asked if name in self and name not in self._held]
-        if wanted:
-            self._held.update(self.rows(wanted).columns)
+        self.known.update(self.rows(name for name in asked if name in self and name not in self.known).columns)
         return self
 
     def __contains__(self, name: object) -> bool:
-        return name in self.columns or name in self.added
+        return name in self.columns or name in self.known
 
     def __len__(self) -> int:
-        known = self._held or self.added
-        return len(next(iter(known.values())) if known else self[self.names[0]])
+        return len(next(iter(self.known.values())) if self.known else self[self.columns[0]])
 
     @property
     def names(self) -> tuple[str, ...]:
         """All columns, those that were added last."""
-        return tuple(dict.fromkeys([*self.columns, *self.added]))
+        return tuple(dict.fromkeys([*self.columns, *self.known]))
 
     @property
     def rewards(self) -> tuple[str, ...]:
@@ -227,10 +216,6 @@ class Log:
         env, episode, terminated, truncated = map(self.load(EPISODES).__getitem__, EPISODES)
         return episode_rows(env, episode, terminated | truncated)
 
-    def loaded(self, columns: Iterable[str] | None = None) -> "Log":
-        """The same log with some columns or all of them, which are read at once and stay in memory."""
-        return in_memory(self.facts, self.rows(columns).columns)
-
     def without_starts(self) -> "Log":
         """The same log without the rows that are the start of an episode, which no step ends in."""
         if START not in self:
@@ -259,17 +244,17 @@ class Log:
                 yield {name: table[old[name]] for name in names}
 
         failed = tuple(replace(it, column=new.get(it.column, it.column)) for it in self.facts.failed)
-        added = {new.get(name, name): values for name, values in self.added.items()}
-        return replace(self, facts=replace(self.facts, failed=failed), columns=tuple(old), read=read, added=added)
+        known = {new.get(name, name): values for name, values in self.known.items()}
+        return Log(replace(self.facts, failed=failed), tuple(old), read, known)
 
     def add(self, columns: Columns) -> "Log":
         """The same log with further columns, (rows, ...) each; one that it has already is replaced."""
-        return replace(self, added={**self.added, **columns})
+        return replace(self, known={**self.known, **columns})
 
     def part(self, rows: slice | NDArray[np.int64] | NDArray[np.bool_]) -> "Log":
         """Some rows of it, by their numbers or flags, in the order in which they are given."""
-        added = {name: values[rows] for name, values in self.added.items()}
-        return replace(self, added=added, read=lambda names: [{name: self[name][rows] for name in names}])
+        known = {name: values[rows] for name, values in self.known.items() if name not in self.columns}
+        return Log(self.facts, self.columns, lambda names: [{name: self[name][rows] for name in names}], known)
 
     def _chosen(self, columns: Iterable[str]) -> tuple[str, ...]:
         names = tuple(dict.fromkeys(columns))
@@ -278,10 +263,6 @@ class Log:
                 raise missing_column(name, self.names, f"{self.facts.path} has")
         return names
 
-    @cached_property
-    def _held(self) -> dict[str, Array]:
-        return {}
-
 
 def in_memory(facts: LogFacts, columns: Columns) -> Log:
     """A log whose columns are all there, (rows, ...) each.
@@ -289,11 +270,9 @@ def in_memory(facts: LogFacts, columns: Columns) -> Log:
     Raises:
         SchemaError: They have different numbers of rows.
     """
-    log = Log(facts, tuple(columns), lambda names: [{name: columns[name] for name in names}])
     if len({len(values) for values in columns.values()}) > 1:
         raise _uneven(facts, columns)
-    log._held.update(columns)
-    return log
+    return Log(facts, tuple(columns), lambda names: [{name: columns[name] for name in names}], dict(columns))
 
 
 def episode_rows(env: Array, episode: Array, ended: NDArray[np.bool_] | None = None) -> list[NDArray[np.int64]]:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from harness.errors import HarnessError, SchemaError, UsageError, reason_of
-from harness.files.bounded import open_regular
+from harness.files.bounded import kind_at, open_regular
 from harness.log.format import HEAD, LogFormat
 from harness.log.log import Log
 from harness.registry.choice import choose
@@ -54,7 +54,9 @@ def open_logs(path: Path, registry: Registry, named: str = "", **settings: Any) 
         told = " or ".join(f"--as {name}" for name in names)
         raise UsageError(f"'{path}' could be a log of several formats: say which, {told}")
     if not names:
-        raise UsageError(f"'{path}' is no log that is read: harness list logs tells which are")
+        kind = None if path.is_dir() else kind_at(path)
+        told = f". It is {kind.sentence}" if kind else ""
+        raise UsageError(f"'{path}' is no log that is read: harness list logs tells which are{told}")
     return _read(path, names[0], registry, settings)
 
 

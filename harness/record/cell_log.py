@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
 
@@ -19,6 +19,7 @@ from harness.record.returns import EVENTS
 from harness.record.trace import COLUMN, FORMAT_KEY, SCALARS, TERM, TraceWriter, part_of, read_parts, read_trace
 
 EXAMPLE_DOF = 2
+APART = f"Events are paid on top of the reward, in the columns {', '.join(EVENTS)}"
 
 
 @dataclass(frozen=True)
@@ -38,13 +39,8 @@ class CellLog:
 
     def read(self, path: Path) -> tuple[Log, ...]:
         """The one training or evaluation; the manifest beside it, if there is one, says of what."""
-        trace = read_parts(path.with_name(TRACE)) if _is_first_part(path) else read_trace(path)
-        cell = read_manifest(path.parent).cell if path.with_name(MANIFEST).is_file() else None
-        label = cell.reward.label if cell else RECORDED
-        own = {name: name for name in trace.columns if name != "reward" and not name.startswith(TERM)}
-        terms = {f"{REWARD}{label}/{name.removeprefix(TERM)}": name for name in trace.columns if name.startswith(TERM)}
-        names = {**own, "start": "step", "time": "step", f"{REWARD}{label}": "reward", **terms}
-        return (Log(_facts(trace, path, cell), tuple(names), partial(_tables, trace, names), trace.added),)
+        log = cell_log(path)
+        return (replace(log, facts=replace(log.facts, notes=(APART,))),)
 
     def write_example(self, folder: Path) -> Path:
         """Two episodes of two steps, each with its start row."""
@@ -57,13 +53,32 @@ class CellLog:
         return folder / TRACE
 
 
+def cell_log(path: Path) -> Log:
+    """A trace of a cell, as `CellLog` reads it.
+
+    Raises:
+        SchemaError: It is no trace that this version reads, or the manifest beside it is damaged.
+    """
+    trace = read_parts(path.with_name(TRACE)) if _is_first_part(path) else read_trace(path)
+    cell = cell_of(path)
+    label = cell.reward.label if cell else RECORDED
+    own = {name: name for name in trace.columns if name != "reward" and not name.startswith(TERM)}
+    terms = {f"{REWARD}{label}/{name.removeprefix(TERM)}": name for name in trace.columns if name.startswith(TERM)}
+    names = {**own, "start": "step", "time": "step", f"{REWARD}{label}": "reward", **terms}
+    return Log(_facts(trace, path, cell), tuple(names), partial(_tables, trace, names), {**trace.known})
+
+
+def cell_of(path: Path) -> Cell | None:
+    """The cell that left a trace, if the manifest beside it says so."""
+    return read_manifest(path.parent).cell if path.with_name(MANIFEST).is_file() else None
+
+
 def _is_first_part(path: Path) -> bool:
     return path.name == part_of(Path(TRACE), 0).name
 
 
 def _facts(trace: Log, path: Path, cell: Cell | None) -> TraceFacts:
     told = {field.name: getattr(trace.facts, field.name) for field in fields(LogFacts)}
-    told["notes"] = (f"Events are paid on top of the reward, in the columns {', '.join(EVENTS)}",)
     if cell is not None:
         told |= {"env": cell.task.label, "algorithm": cell.algorithm.label, "seed": cell.seed}
         told |= {"trained_with": cell.reward.label, "evaluation": path.name != TRACE}

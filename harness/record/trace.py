@@ -319,7 +319,7 @@ def read_parts(path: Path) -> Log:
             raise
     if not parts:
         raise SchemaError(f"{path} has no part yet")
-    whole = replace(parts[0], read=lambda names: chain.from_iterable(part.read(names) for part in parts), added={})
+    whole = replace(parts[0], read=lambda names: chain.from_iterable(part.read(names) for part in parts), known={})
     return whole if OBSTACLE in whole else _with_nothing_touched(whole, sum(map(len, parts)))
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from importlib.metadata import Distribution, EntryPoint
 from types import ModuleType
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import pluggy
 
@@ -21,7 +21,9 @@ from harness.registry.moved import old_names_in
 from harness.registry.names import unknown_name
 from harness.registry.plugin_module import class_of_file, import_file
 from harness.registry.spec import Spec, canonical
-from harness.registry.step_functions import StepFunction, functions_of_file, own_functions, why_no_reward
+
+if TYPE_CHECKING:
+    from harness.registry.step_functions import StepFunction
 
 MENTIONED = 2
 """Plugins that did not load, in the message about a name that is not there."""
@@ -84,9 +86,9 @@ class Registry:
     specs: dict[tuple[str, str], list[Spec]] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
     given: tuple[Given, ...] = ()
-    functions: list[StepFunction] = field(default_factory=list)
+    functions: "list[StepFunction]" = field(default_factory=list)
 
-    def functions_of(self, noun: str) -> dict[str, StepFunction]:
+    def functions_of(self, noun: str) -> "dict[str, StepFunction]":
         """Those that are a ``reward``, or those that are a ``measure``, by name."""
         return {it.name: it for it in self.functions if it.noun == noun}
 
@@ -164,6 +166,8 @@ class Registry:
 
     def why_no_reward(self, name: str) -> str:
         """Why a name is that of a function in a file and of no reward; empty if it is no such name."""
+        from harness.registry.step_functions import why_no_reward  # here, as in `_load_file`
+
         told = ((plugin.name, why_no_reward(name, plugin.own)) for plugin in self.plugins)
         return next((f"In {file}, {why}" for file, why in told if why), "")
 
@@ -304,6 +308,9 @@ def _load_given(given: Given, manager: pluggy.PluginManager, registry: Registry)
 
 
 def _load_file(file: PluginFile, manager: pluggy.PluginManager, registry: Registry) -> None:
+    # here, since it takes what pays and measures steps, which no command needs that is given no file
+    from harness.registry.step_functions import functions_of_file, own_functions
+
     module, origin = import_file(file), Origin(file.name, file.digest[:8])
     functions = [] if hooks_of(module) else functions_of_file(file, module)
     for function in functions:
@@ -336,7 +343,7 @@ def _specs_of_file(file: PluginFile, module: ModuleType, manager: pluggy.PluginM
     return specs
 
 
-def _require_free_function(function: StepFunction, registry: Registry) -> None:
+def _require_free_function(function: "StepFunction", registry: Registry) -> None:
     path = function.file.path
     if not _NAME.fullmatch(function.name):
         told = f"the name '{function.name}' must be lower-case letters, digits, '-' and '_'"

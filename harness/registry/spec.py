@@ -11,8 +11,6 @@ from typing import Any
 from harness.errors import HarnessError, PluginError, UsageError, one_line, sentence
 from harness.hookspecs import NOUNS
 from harness.registry.libraries import is_met, module_of
-from harness.registry.measure_functions import is_measure_function, measure_class
-from harness.reward.forms import is_function_of_steps, reward_class
 
 OURS = "fd100-harness"
 """The distribution whose plugins are built in."""
@@ -85,6 +83,10 @@ class Spec:
             raise UsageError(
                 f"{sentence(NOUNS[self.kind])} '{self.name}' needs {', '.join(self.missing)}: {self.remedy}"
             )
+        # here, since most commands only name plugins
+        from harness.registry.measure_functions import is_measure_function, measure_class
+        from harness.reward.forms import is_function_of_steps, reward_class
+
         module, attribute = self.target.split(":")
         try:
             target = getattr(importlib.import_module(module), attribute)

@@ -20,6 +20,7 @@ beginDistance can change inside an episode (a target that was touched is drawn a
 import csv
 import os
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -29,14 +30,15 @@ import pyarrow as pa
 import pyarrow.csv
 
 from harness.arrays import Float, Mask
-from harness.errors import UsageError
+from harness.errors import SchemaError, UsageError
 from harness.files.bounded import require_regular
 from harness.log import Log, LogFacts
 from harness.log.format import HEAD
 from harness.log.log import LARGEST, RECORDED, REWARD, Array, Columns
+from harness.log.text_table import parse_table
 from harness.reward.row_steps import TOUCHED
 from harness.score.csv_faults import Header, fault_of, read_header
-from harness.score.row_meaning import RowWatch, Watched, watched_columns
+from harness.score.row_meaning import RowWatch, Watched, are_episodes, watched_columns
 
 PAY = f"{REWARD}{RECORDED}"
 """The column of the shaped reward alone; 0 in the row of an episode's start."""
@@ -70,7 +72,7 @@ class StepsCsv:
 
     def recognises(self, path: Path, head: bytes) -> bool:
         """A CSV file with a column 'reward' whose first rows may be steps, and are no episodes."""
-        return names_reward(head) and not _are_episodes(_table_of(head))
+        return names_reward(head) and not _are_episodes(path, head)
 
     def read(self, path: Path) -> tuple[Log, ...]:
         """The one training of the file; see `open_csv`."""
@@ -230,16 +232,12 @@ def _table_of(head: bytes) -> list[list[str]]:
         return [[]]
 
 
-def _are_episodes(table: list[list[str]]) -> bool:
-    header, *rows = table
-    watched = watched_columns(_spelled(header))
-    watch = RowWatch(watched, 2)
-    whole = [row for row in rows if len(row) == len(header)]
-    try:
-        watch.look({it.role: pa.array([row[it.position] for row in whole], pa.string()) for it in watched})
-    except UsageError:  # they are no steps for another reason, which is told where they are read
-        return False
-    return watch.why_episodes() is not None
+def _are_episodes(path: Path, head: bytes) -> bool:
+    with suppress(SchemaError):  # of rows that are no table: the reader names the line
+        table = parse_table(path, head[: head.rfind(b"\n") + 1].decode("utf-8-sig", "ignore"))
+        watched = watched_columns(_spelled(table.names))
+        return are_episodes(table, {it.role: table.names[it.position] for it in watched})
+    return False
 
 
 def _read(path: Path, header: Header, watched: list[Watched], names: tuple[str, ...]) -> Iterator[Columns]:

@@ -1,9 +1,9 @@
 """Logs of steps by the names of their files: this project's traces, and CSV files of anybody."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from harness.errors import UsageError
+from harness.errors import SchemaError, UsageError
 from harness.files.bounded import open_regular, reading
 from harness.files.file_kind import HEAD, kind_of
 from harness.files.matched import matched_paths
@@ -12,8 +12,11 @@ from harness.log.open_log import formats_of, open_logs
 from harness.registry.registry import Registry
 from harness.score.csv_steps import MOST_BYTES, StepsCsv, names_reward, open_csv
 from harness.score.row_meaning import NEEDED, RECORD
+from harness.text import shortened
 
 _PARQUET = b"PAR1"
+SHOWN = 60
+"""The most characters of a name in a message."""
 _NOUNS = {"episode": "an episode", "point": "a point of a curve"}
 
 
@@ -59,9 +62,7 @@ def open_steps(path: Path, registry: Registry | None = None) -> Log:
         if not head:
             raise UsageError(f"{path} is empty")
         if head.startswith(_PARQUET):
-            from harness.score.trace_log import open_trace  # most files are tables of others
-
-            return open_trace(path)
+            return _trace_of(path)
         other = None if registry is None or names_reward(head) else _other_log(path, head, registry)
         if other is not None:
             return other
@@ -69,6 +70,36 @@ def open_steps(path: Path, registry: Registry | None = None) -> Log:
         if kind is not None:
             raise UsageError(f"{path} is {kind.sentence}")
         return open_csv(path)
+
+
+def _trace_of(path: Path) -> Log:
+    """The trace in a Parquet file.
+
+    Raises:
+        SchemaError: It is none.
+        UsageError: It has no rows.
+    """
+    import pyarrow.parquet as pq  # most files are tables of others
+
+    from harness.record.cell_log import cell_log
+    from harness.record.trace import FORMAT_KEY
+
+    with reading(path, "trace"):
+        metadata = pq.read_metadata(path)
+        schema = metadata.schema.to_arrow_schema()
+    if FORMAT_KEY not in (schema.metadata or {}):
+        raise SchemaError(f"{path} is a Parquet file, and no trace: {_what_it_has(schema.names)}")
+    if not metadata.num_rows:
+        raise UsageError(f"{path} has no rows")
+    return cell_log(path)
+
+
+def _what_it_has(names: Sequence[str]) -> str:
+    """What a Parquet file of others is, and what to do with it."""
+    if {"episode_index", "frame_index"} <= set(names):
+        return "it is a part of a LeRobot data set: harness audit lerobot:FOLDER"
+    told = ", ".join(shortened(name, SHOWN) for name in names[:12]) + (", ..." if len(names) > 12 else "")
+    return f"export its rewards as CSV with a column 'reward'; there is: {told}"
 
 
 def _other_log(path: Path, head: bytes, registry: Registry) -> Log | None:

@@ -14,15 +14,15 @@ from harness.files.parquet import require_room
 from harness.files.sums import changed_since_made, note_made
 from harness.files.whole_file import whole_file
 from harness.log import Log
+from harness.log.log import REWARD
+from harness.record.cell_log import cell_of
 from harness.record.folder import MANIFEST
-from harness.record.trace import TERM, to_numpy
+from harness.record.trace import to_numpy
 from harness.registry.choice import Choice, choose, parse
 from harness.registry.names import unknown_name
 from harness.registry.registry import Registry
 from harness.reward import Paid, Reward
-from harness.score.csv_steps import PAY
 from harness.score.scorer import can_be_paid, pay_rewards
-from harness.score.trace_log import paid_by
 from harness.score.weights import RecordedTerms, name_of, recorded_choice, weighted_label, weighted_pay
 
 MOST_BYTES = 2**35
@@ -65,9 +65,10 @@ def rescore(log: Log, rewards: Mapping[str, Reward], into: Path, weighted: Seque
 
 def recorded_terms(name: str, log: Log, into: Path) -> Iterator[RecordedTerms]:
     """What is recorded of the terms of rewards of a name: by the run itself, then by a file of scores beside it."""
-    own, reward = _terms_of(log), paid_by(log)
-    if reward is not None and own and reward.name == name:
-        yield RecordedTerms(reward, tuple(own), lambda: {term: log[column] for term, column in own.items()})
+    reward, own = _own_terms(log)
+    if reward is not None and reward.name == name:
+        label = reward.label
+        yield RecordedTerms(reward, own, lambda: {term: log[f"{REWARD}{label}/{term}"] for term in own})
     if not into.exists() or into.name in changed_since_made(into.parent):
         return
     with reading(into, "file of scores", UsageError):
@@ -80,9 +81,11 @@ def recorded_terms(name: str, log: Log, into: Path) -> Iterator[RecordedTerms]:
             yield RecordedTerms(recorded_choice(label), terms, partial(_read_terms, into, begin, terms))
 
 
-def _terms_of(trace: Log) -> dict[str, str]:
-    """The column of each term of the reward that paid a trace."""
-    return {name.removeprefix(TERM): name for name in trace.columns if name.startswith(TERM) and name != PAY}
+def _own_terms(log: Log) -> tuple[Choice | None, tuple[str, ...]]:
+    """The reward that paid a cell's trace, with all its parameters, and its terms; None if none are recorded."""
+    cell = cell_of(log.facts.path)
+    own = () if cell is None else log.terms_of(cell.reward.label)
+    return (cell.reward if cell and own else None), own
 
 
 def _read_terms(scores: Path, begin: str, terms: Sequence[str]) -> dict[str, Float]:
@@ -109,8 +112,7 @@ def scoring_choice(text: str, registry: Registry, places: Iterable[tuple[Log, Pa
     for log, into in places:
         if found := next(recorded_terms(name, log, into), None):
             return recorded_choice(weighted_label(text, found.terms))
-        reward = paid_by(log)
-        if reward is not None and _terms_of(log):
+        if (reward := _own_terms(log)[0]) is not None:
             known[reward.name] = None
     if known:
         raise UsageError(unknown_name("reward", name, [*registry.names("rewards"), *known]))

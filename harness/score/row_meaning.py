@@ -1,13 +1,14 @@
 """What a row of somebody's table stands for: a step, as an index needs it, or an episode or a mean over many."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 import pyarrow as pa
 
-from harness.arrays import Float
-from harness.errors import UsageError
+from harness.arrays import Float, Ints
+from harness.errors import SchemaError, UsageError
+from harness.log.text_table import TextTable
 from harness.text import shortened
 
 NEEDED = "an index needs the reward of each environment step"
@@ -31,6 +32,10 @@ ENV = "env"
 SEED = ("seed", "random_seed", "rng_seed")
 RUN = ("run", "run_id", "run_name", "run_number", "trial", "trial_id", "experiment", "exp_name", *SEED)
 """Which of several runs a row is of. A seed may also be that of an episode."""
+OF_STEPS = tuple(name for name in COUNTER if name not in (*INDEX, *ACROSS_EPISODES))
+BEGIN_OF_STEPS = ("obs", "action", "state", "done", "terminat", "truncat")
+"""Names of columns, and beginnings of names, that tables of steps have."""
+MOST_RUNS = 10_000
 
 
 class Watched(NamedTuple):
@@ -55,6 +60,76 @@ def watched_columns(names: Sequence[str]) -> list[Watched]:
         if name is not None:
             found.append(Watched(role, name, names.index(name)))
     return found
+
+
+class Fault(NamedTuple):
+    """A row that is no episode after the one before it."""
+
+    row: int
+    why: str
+    is_steps: bool = True
+    """Whether the rows may be steps, so that a format of steps has to read the table."""
+
+
+def are_episodes(table: TextTable, roles: Mapping[str, str]) -> bool:
+    """Whether each row of a table, or of its beginning, is an episode; a table of steps and one of episodes share none.
+
+    Args:
+        table: The table.
+        roles: The columns that it has, by their role as in `Watched`.
+
+    Raises:
+        SchemaError: Its numbers of episodes, or its lengths, are no numbers.
+    """
+    lower = [name.lower() for name in table.names]
+    if not {"episode", "length"} & roles.keys() or not len(table):
+        return False
+    if any(name in OF_STEPS or name.startswith(BEGIN_OF_STEPS) for name in lower):
+        return False
+    faults = [fault_of_episodes(table, roles, rows) for _, rows in runs_in(table, roles)]
+    return not any(fault and fault.is_steps for fault in faults)
+
+
+def runs_in(table: TextTable, roles: Mapping[str, str]) -> Iterator[tuple[str, Ints]]:
+    """Runs in the order in which they begin, and the numbers of their rows; the one of a file that names none is ''.
+
+    Raises:
+        SchemaError: There are too many.
+    """
+    name = roles.get("run", "")
+    runs = [cell.strip() for cell in table.cells[name]] if name else []
+    is_of_episodes = name.lower() in SEED and len(set(runs)) == len(runs) > 1
+    if not name or is_of_episodes:
+        yield "", np.arange(len(table))
+        return
+    if len(set(runs)) > MOST_RUNS:
+        raise SchemaError(f"{table.path}: column '{name}' names more than {MOST_RUNS:,} runs")
+    labels = np.array(runs)
+    for run in dict.fromkeys(runs):
+        yield run, np.flatnonzero(labels == run)
+
+
+def fault_of_episodes(table: TextTable, roles: Mapping[str, str], rows: Ints) -> Fault | None:
+    """The first of these rows, of one run, that is no episode after the one before it; None if all are.
+
+    Raises:
+        SchemaError: Its numbers of episodes, or its lengths, are no numbers.
+    """
+    if "episode" in roles:
+        envs = [table.cells[roles["env"]][row] for row in rows] if "env" in roles else [""] * len(rows)
+        last: dict[str, float] = {}
+        for row, number, env in zip(rows, table.numbers(roles["episode"])[rows], envs, strict=True):
+            if number == last.get(env):
+                return Fault(int(row), f"episode {number:g} stands twice: a row is a step, or there are several runs")
+            if number < last.get(env, -np.inf):
+                return Fault(int(row), f"it goes back to episode {number:g}: the file holds several runs", False)
+            last[env] = number
+        return None
+    lengths = table.numbers(roles["length"])[rows] if "length" in roles else np.empty(0)
+    counts_up = (np.diff(lengths) == 1.0) | (lengths[1:] <= 1.0)
+    if len(lengths) > 2 and counts_up.all():
+        return Fault(int(rows[1]), f"column '{roles['length']}' counts up from row to row: a row is a step")
+    return None
 
 
 class RowWatch:

@@ -15,12 +15,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Mask
-from harness.errors import SchemaError
+from harness.errors import SchemaError, UsageError
 from harness.files.bounded import reading, require_regular
 from harness.files.file_kind import names_in_hdf5
 from harness.log import Log
 from harness.log.log import ACTION, BEFORE, BEHAVIOUR, INFO, OBSERVATION, OPERATOR, RECORDED, REWARD, SEEN, SUCCESS
-from harness.record.dataset.dataset import SUCCESS_KEYS, DatasetFacts, as_texts, filled_up, require_readable, where_seen
+from harness.record.dataset.dataset import (
+    MOST_NUMBERS,
+    SUCCESS_KEYS,
+    DatasetFacts,
+    as_texts,
+    filled_up,
+    require_readable,
+    where_seen,
+)
 from harness.record.dataset.hdf5_parts import (
     MOST_BYTES,
     SIGNATURE,
@@ -38,6 +46,8 @@ from harness.record.dataset.labels import SuccessRule, as_measure, operator_key,
 
 LABEL, PAY = f"{BEHAVIOUR}{SUCCESS}", f"{REWARD}{RECORDED}"
 NEXT = "next_observations"
+MOST_ROWS = 20_000_000
+"""The most steps: the flags of all of them are held at once, 0.7 GB."""
 OF_D3RLPY = "episode_terminals"
 
 
@@ -61,12 +71,16 @@ class D4RL:
 
     def read(self, path: Path) -> tuple[Log, ...]:
         """The data set; its steps are read later."""
+        if self.horizon < 0:
+            raise UsageError(f"horizon={self.horizon}: after at least 1 step an episode is cut, or 0 where nobody says")
         with reading(path, "D4RL data set"):
             require_regular(path, MOST_BYTES)
             with open_hdf5(path) as file:
                 arrays = _arrays(path, file)
                 infos = _infos(path, file)
                 total = len(arrays["rewards"])
+                if total > MOST_ROWS:
+                    raise SchemaError(f"{path} has {total:,} steps, {MOST_ROWS:,} are allowed")
                 require_readable(path, total, sum(it.width for it in (*arrays.values(), *infos.values())))
                 layout, notes = _episodes_of(path, arrays, self.horizon)
         rule = success_rule(self.success, infos, path, SUCCESS_KEYS)
@@ -131,11 +145,32 @@ def _arrays(path: Path, file: Any) -> dict[str, Array]:
         )
     arrays = {key: array_of(path, file, key) for key in ("observations", "actions", "rewards", "terminals")}
     arrays |= {key: found for key in ("timeouts", NEXT) if (found := find_array(path, file, key)) is not None}
+    for key, array in arrays.items():
+        if not array.shape or not array.holds_numbers:
+            kind = f"{list(array.shape)} of {array.dtype}"
+            raise SchemaError(f"{path}: {key} holds no rows of at most {MOST_NUMBERS:,} numbers, but {kind}")
     rows = {key: len(array) for key, array in arrays.items()}
-    if len({*rows.values()}) > 1 or not all(array.shape and array.holds_numbers for array in arrays.values()):
+    if len({*rows.values()}) > 1:
         told = ", ".join(f"{key} {count:,}" for key, count in rows.items())
-        raise SchemaError(f"{path}: a row of each array is a step, and all hold numbers. It has: {told}")
+        raise SchemaError(f"{path}: a row of each array is a step. It has: {told}")
+    if NEXT in arrays and arrays[NEXT].shape != arrays["observations"].shape:
+        told = f"{list(arrays[NEXT].shape)}, and observations {list(arrays['observations'].shape)}"
+        raise SchemaError(f"{path}: {NEXT} are {told}")
     return arrays
+
+
+def _flag(path: Path, arrays: Mapping[str, Array], key: str) -> Mask:
+    """In which rows a flag is true.
+
+    Raises:
+        SchemaError: It is no flag.
+    """
+    values = one_number(arrays[key][:], f"{path}: {key}")
+    odd = np.flatnonzero((values != 0.0) & (values != 1.0))
+    if len(odd):
+        raise SchemaError(f"{path}: {key} holds {values[odd[0]]:g} in row {odd[0]}, and 0 and 1 are allowed")
+    is_true: Mask = values == 1.0
+    return is_true
 
 
 def _infos(path: Path, file: Any) -> dict[str, Array]:
@@ -151,13 +186,16 @@ def _episodes_of(path: Path, arrays: Mapping[str, Array], horizon: int) -> tuple
     """Where episodes end, and what is told of it.
 
     Raises:
+        UsageError: There is a horizon, and ``timeouts`` too.
         SchemaError: Nothing says where those end that were cut, or what it says is wrong.
     """
-    terminated = one_number(arrays["terminals"][:], f"{path}: terminals") != 0.0
+    if horizon and "timeouts" in arrays:
+        raise UsageError(f"{path} has timeouts, which say where episodes were cut: leave out horizon={horizon}")
+    terminated = _flag(path, arrays, "terminals")
     ends = terminated.copy()
     if "timeouts" in arrays:
-        ends |= one_number(arrays["timeouts"][:], f"{path}: timeouts") != 0.0
-    elif horizon > 0:
+        ends |= _flag(path, arrays, "timeouts")
+    elif horizon:
         ends |= _cut_after(horizon, terminated)
     elif NEXT in arrays:
         ends |= ~_go_on(arrays)
@@ -166,7 +204,7 @@ def _episodes_of(path: Path, arrays: Mapping[str, Array], horizon: int) -> tuple
             f"{path} has no timeouts, so that nothing says where an episode ends that was cut: write them into the "
             "file, or say after how many steps, as d4rl:horizon=1000:FILE"
         )
-    if NEXT in arrays and len(odd := np.flatnonzero(~(_go_on(arrays) | ends))):
+    if NEXT in arrays and len(odd := np.flatnonzero(~(_go_on(arrays) | ends)[:-1])):
         raise SchemaError(
             f"{path}: row {odd[0]} ends no episode by terminals and timeouts, and its {NEXT} is not the observation of "
             f"the row behind it, as in {len(odd):,} rows: the flags stand in the wrong rows"

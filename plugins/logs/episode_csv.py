@@ -1,9 +1,8 @@
 """Tables that somebody's own script wrote, a row for each episode: ``episode,reward,length``, and names like these."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -12,7 +11,17 @@ from harness.errors import SchemaError, UsageError
 from harness.log import Log, LogFacts, in_memory
 from harness.log.log import BEHAVIOUR, RECORDED, REWARD, SUCCESS
 from harness.log.text_table import TextTable, first_line, parse_table, read_table, require_columns
-from harness.score.row_meaning import ACROSS_EPISODES, COUNTER, ENV, EPISODE, INDEX, LENGTH, RUN, SEED
+from harness.score.row_meaning import (
+    ACROSS_EPISODES,
+    ENV,
+    EPISODE,
+    LENGTH,
+    RUN,
+    SEED,
+    are_episodes,
+    fault_of_episodes,
+    runs_in,
+)
 from harness.text import shortened
 
 RETURNS = (
@@ -30,22 +39,9 @@ ROLES: Mapping[str, Sequence[str]] = {
     "run": RUN,
 }
 """What columns are for, by their names in lower case; the first that is there."""
-OF_STEPS = tuple(name for name in COUNTER if name not in (*INDEX, *ACROSS_EPISODES))
-BEGIN_OF_STEPS = ("obs", "action", "state", "done", "terminat", "truncat")
-"""Names of columns, and beginnings of names, that tables of steps have."""
-MOST_RUNS = 10_000
 GAPS = "its numbers of episodes have gaps: not every episode stands in it"
 FEW = 5
 """Rows from which on lengths that only rise are taken for a count over all episodes."""
-
-
-class _Fault(NamedTuple):
-    """A row that is no episode after the one before it."""
-
-    row: int
-    why: str
-    is_steps: bool = True
-    """Whether the rows may be steps, so that the table is somebody else's to read."""
 
 
 @dataclass(frozen=True)
@@ -72,10 +68,7 @@ class EpisodeCsv:
         try:
             table = parse_table(path, text, separator=_separator(text))
             roles = self._roles(table.names)
-            if "reward" not in roles or not {"episode", "length"} & roles.keys() or _has_steps(table.names):
-                return False
-            faults = [_fault(table, roles, rows) for _, rows in _runs(table, roles)]
-            return len(table) > 0 and not any(fault and fault.is_steps for fault in faults)
+            return "reward" in roles and are_episodes(table, roles)
         except SchemaError:
             return False
 
@@ -94,7 +87,7 @@ class EpisodeCsv:
             raise UsageError(f"{path} has no column of returns that is known: say reward=NAME. It has: {there}")
         if not len(table):
             raise SchemaError(f"{path} holds no episode yet")
-        return tuple(_log(table, roles, run, rows) for run, rows in _runs(table, roles))
+        return tuple(_log(table, roles, run, rows) for run, rows in runs_in(table, roles))
 
     def write_example(self, folder: Path) -> Path:
         """Four episodes."""
@@ -117,28 +110,8 @@ def _separator(text: str) -> str:
     return max(",;\t", key=first.count)
 
 
-def _has_steps(names: Sequence[str]) -> bool:
-    lower = [name.lower() for name in names]
-    return any(name in OF_STEPS or name.startswith(BEGIN_OF_STEPS) for name in lower)
-
-
-def _runs(table: TextTable, roles: Mapping[str, str]) -> Iterator[tuple[str, Ints]]:
-    """Runs in the order in which they begin, and the numbers of their rows; the one of a file that names none is ''."""
-    name = roles.get("run", "")
-    runs = [cell.strip() for cell in table.cells[name]] if name else []
-    is_of_episodes = name.lower() in SEED and len(set(runs)) == len(runs) > 1
-    if not name or is_of_episodes:
-        yield "", np.arange(len(table))
-        return
-    if len(set(runs)) > MOST_RUNS:
-        raise SchemaError(f"{table.path}: column '{name}' names more than {MOST_RUNS:,} runs")
-    labels = np.array(runs)
-    for run in dict.fromkeys(runs):
-        yield run, np.flatnonzero(labels == run)
-
-
 def _log(table: TextTable, roles: Mapping[str, str], run: str, rows: Ints) -> Log:
-    fault = _fault(table, roles, rows)
+    fault = fault_of_episodes(table, roles, rows)
     if fault:
         raise table.refused(fault.row, fault.why)
     columns: dict[str, Float] = {}
@@ -185,31 +158,7 @@ def _counts(table: TextTable, roles: Mapping[str, str], rows: Ints) -> tuple[dic
     return columns, notes
 
 
-def _numbers_of(table: TextTable, roles: Mapping[str, str], rows: Ints) -> tuple[Float, list[str]]:
-    """Numbers of episodes, and of which env each is."""
-    envs = [table.cells[roles["env"]][row] for row in rows] if "env" in roles else [""] * len(rows)
-    return table.numbers(roles["episode"])[rows], envs
-
-
 def _has_gaps(table: TextTable, roles: Mapping[str, str], rows: Ints) -> bool:
     if "episode" not in roles or "env" in roles:
         return False
-    return bool((np.diff(_numbers_of(table, roles, rows)[0]) != 1.0).any())
-
-
-def _fault(table: TextTable, roles: Mapping[str, str], rows: Ints) -> _Fault | None:
-    """The first row that is no episode after the one before it; None if all are."""
-    if "episode" in roles:
-        last: dict[str, float] = {}
-        for row, number, env in zip(rows, *_numbers_of(table, roles, rows), strict=True):
-            if number == last.get(env):
-                return _Fault(int(row), f"episode {number:g} stands twice: a row is a step, or there are several runs")
-            if number < last.get(env, -np.inf):
-                return _Fault(int(row), f"it goes back to episode {number:g}: the file holds several runs", False)
-            last[env] = number
-        return None
-    lengths = table.numbers(roles["length"])[rows] if "length" in roles else np.empty(0)
-    counts_up = (np.diff(lengths) == 1.0) | (lengths[1:] <= 1.0)
-    if len(lengths) > 2 and counts_up.all():
-        return _Fault(int(rows[1]), f"column '{roles['length']}' counts up from row to row: a row is a step")
-    return None
+    return bool((np.diff(table.numbers(roles["episode"])[rows]) != 1.0).any())

@@ -43,7 +43,7 @@ from harness.record.dataset.hdf5_parts import (
 )
 from harness.record.dataset.labels import UNKNOWN, SuccessRule, as_measure, operator_key, success_rule
 from harness.registry.names import did_you_mean
-from harness.text import shortened
+from harness.text import one_line_of, shortened
 
 LABEL, PAY = f"{BEHAVIOUR}{SUCCESS}", f"{REWARD}{RECORDED}"
 DATA, MASK = "data", "mask"
@@ -51,7 +51,7 @@ ENDED = "terminated"
 ARRAY_COLUMNS = {PAY: "rewards", ENDED: "dones"}
 ARRAYS = tuple(ARRAY_COLUMNS.values())
 """Arrays with a number for each step."""
-_DEMO = re.compile(r"demo_(0|[1-9]\d{0,8})")
+_DEMO = re.compile(r"demo_(\d{1,9})")
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ class Robomimic:
                 numbers = tuple(sorted(it for it in census.episodes & listed if seen.steps[it]))
                 if not numbers:
                     raise SchemaError(f"{path} has no demonstration with a step")
-                demo = group_of(path, data, f"demo_{numbers[0]}")
+                demo = group_of(path, data, seen.groups[numbers[0]])
                 keys, pictures = _keys_seen(path, demo)
                 arrays = tuple(key for key in ARRAYS if find_array(path, demo, key) is not None)
                 env = data.attrs.get("env_args")
@@ -105,7 +105,9 @@ class Robomimic:
             pictures_left_out=bool(pictures),
             notes=(*_notes(keys, pictures, masks, self.mask), *census.notes),
         )
-        layout = _Layout(path, numbers, keys, sees_last, arrays, rule, facts.operator)
+        layout = _Layout(
+            path, {number: seen.groups[number] for number in numbers}, keys, sees_last, arrays, rule, facts.operator
+        )
         return (Log(facts, tuple(layout.columns()), partial(_tables, layout)),)
 
     def write_example(self, folder: Path) -> Path:
@@ -127,17 +129,30 @@ class Robomimic:
 
 
 class _Overview(NamedTuple):
-    """What a first look at all demonstrations tells: steps by number, steps as declared, and attributes."""
+    """What a first look at all demonstrations tells: by number names, steps, and steps as declared; attributes."""
 
+    groups: dict[int, str]
     steps: dict[int, int]
     told: dict[int, int]
     attributes: dict[str, None]
 
 
 def _overview(path: Path, data: Any) -> _Overview:
-    seen = _Overview({}, {}, {})
-    for number in sorted(int(found[1]) for key in data if (found := _DEMO.fullmatch(key))):
-        demo = group_of(path, data, f"demo_{number}")
+    """Look at all demonstrations.
+
+    Raises:
+        SchemaError: One is called otherwise than ``demo_`` and a number, or two have one number.
+    """
+    seen = _Overview({}, {}, {}, {})
+    for key in data:
+        found = _DEMO.fullmatch(key)
+        if found is None:
+            name = one_line_of(shortened(key, 80))
+            raise SchemaError(f"{path}: {DATA} holds '{name}': a demonstration is called demo_ and a number, as demo_0")
+        if seen.groups.setdefault(int(found[1]), key) != key:
+            raise SchemaError(f"{path}: {DATA} holds {seen.groups[int(found[1])]} and {key}, which have one number")
+    for number, key in sorted(seen.groups.items()):
+        demo = group_of(path, data, key)
         seen.steps[number] = len(array_of(path, demo, "actions"))
         if (told := whole(demo.attrs.get("num_samples"))) is not None:
             seen.told[number] = told
@@ -152,7 +167,7 @@ def _masks(path: Path, file: Any) -> dict[str, frozenset[int]]:
     masks = group_of(path, file, MASK)
     found: dict[str, frozenset[int]] = {}
     for key in masks:
-        names = [text_of(name) for name in np.atleast_1d(array_of(path, masks, key).value)]
+        names = [text_of(name) for name in np.ravel(array_of(path, masks, key).value)]
         matched = [_DEMO.fullmatch(name) for name in names]
         if not all(matched):
             raise SchemaError(f"{path}: the filter key {key} lists what is called other than demo_0")
@@ -203,7 +218,7 @@ class _Layout(NamedTuple):
 
     Attributes:
         path: The file.
-        numbers: Of the demonstrations.
+        groups: Names of the demonstrations' groups, by their numbers.
         keys: Of observations.
         sees_last: Whether the file tells what was seen after each step, also the last one.
         arrays: Those of `ARRAYS` that there are.
@@ -212,7 +227,7 @@ class _Layout(NamedTuple):
     """
 
     path: Path
-    numbers: tuple[int, ...]
+    groups: Mapping[int, str]
     keys: tuple[str, ...]
     sees_last: bool
     arrays: tuple[str, ...]
@@ -233,8 +248,8 @@ def _tables(layout: _Layout, names: tuple[str, ...]) -> Iterator[Mapping[str, ND
     path, budget = layout.path, Budget(layout.path)
     with reading(path, "robomimic data set"), open_hdf5(path) as file:
         data = group_of(path, file, DATA, MOST_EPISODES)
-        for number in layout.numbers:
-            demo = group_of(path, data, f"demo_{number}")
+        for number, key in layout.groups.items():
+            demo = group_of(path, data, key)
             parts = _parts(layout, demo, number, names)
             steps = len(parts[ACTION].array)
             budget.take(steps, parts)
@@ -263,7 +278,13 @@ def _parts(layout: _Layout, demo: Any, number: int, names: tuple[str, ...]) -> d
     steps = len(arrays[ACTION])
     for name, array in arrays.items():
         if len(array) != steps or not array.holds_numbers:
-            raise SchemaError(f"{path}: demo_{number} has {steps:,} actions, and {len(array):,} rows of {name}")
+            raise SchemaError(
+                f"{path}: {layout.groups[number]} has {steps:,} actions, and {len(array):,} rows of {name}"
+            )
+        one = arrays.get(f"{BEFORE}{name}", array)
+        if one.shape != array.shape:
+            told = f"{list(one.shape)} in obs and {list(array.shape)} in next_obs"
+            raise SchemaError(f"{path}: {layout.groups[number]}: {name} is {told}")
     parts = {name: Stretch(array) for name, array in arrays.items()}
     if not layout.sees_last:
         group = group_of(path, demo, "obs") if layout.keys else None
@@ -282,7 +303,7 @@ def _column(
     count: int,
     table: Mapping[str, NDArray[Any]],
 ) -> NDArray[Any]:
-    where = f"{layout.path}, demo_{number}"
+    where = f"{layout.path}, {layout.groups[number]}"
     seen = np.arange(begin, begin + count) < steps - (not layout.sees_last)
     known: dict[str, NDArray[Any]] = {
         "episode": np.full(count, number, np.int64),
@@ -298,7 +319,9 @@ def _column(
         return as_measure(_labels(layout.rule, demo, table.get(name), count, last, f"{where}: {layout.rule.key}"))
     if name in ARRAY_COLUMNS:
         numbers = one_number(table[name], f"{where}: {ARRAY_COLUMNS[name]}")
-        return numbers if name == PAY else np.asarray(numbers != 0.0)
+        # Some files have dones in every step that is a success, and the demonstration goes on.
+        is_last = np.arange(begin, begin + count) == steps - 1
+        return numbers if name == PAY else np.asarray(is_last & (numbers != 0.0))
     return where_seen(filled_up(table[name], count), seen) if name.startswith(OBSERVATION) else table[name]
 
 

@@ -185,3 +185,15 @@ def test_reward_that_pays_most_for_another_behaviour_is_named():
     (line,) = on_best([good, behaviour("worse", 0.1, 0.0)], ["a"], "s")
     assert line == "a pays most for what succeeds most: good (s 0.9)."
     assert on_best([good], ["a"], "s") == on_best([good, bad], ["a"], "") == []
+
+
+def test_two_evaluations_of_a_training_are_one_in_intervals():
+    """Four trainings that were evaluated twice are no eight: the interval is over four."""
+    rng = np.random.default_rng(1)
+    each = [episodes(rng.normal(size=6), success=[0.0, 1.0] * 3) for _ in range(4)]
+    twice = [it for it in each for _ in range(2)]
+    found = rank_success(twice, "a", "success", [number for number in range(4) for _ in range(2)])
+    alone = rank_success(each, "a", "success")
+    assert (found.clusters, found.value) == (4, pytest.approx(alone.value))
+    assert (found.low, found.high) == (pytest.approx(alone.low, abs=0.02), pytest.approx(alone.high, abs=0.02))
+    assert found.high - found.low > np.diff([(it := rank_success(twice, "a", "success")).low, it.high])

@@ -328,10 +328,10 @@ def test_logs_of_another_program_are_audited(harness, tmp_path):
     (tmp_path / "run").mkdir()
     (tmp_path / "run/monitor.csv").write_text(f'#{{"t_start": 1.0, "env_id": "Toy-v0"}}\nr,l,t,is_success\n{rows}\n')
     data = json.loads(harness("audit", "run", "--json").out)
-    assert (data["env"], data["rewards"], data["pairs"]) == ("Toy-v0", ["recorded"], [])
-    assert data["ranks_success"]["recorded"]["value"] == 1.0
+    assert (data["env"], data["rewards"], data["pairs"]) == ("Toy-v0", ["run"], [])
+    assert data["ranks_success"]["run"]["value"] == 1.0
     assert data["earned"][-1]["measures"]["success"]["mean"] == 1.0
-    assert "A row is an episode, so rewards are compared by episodes alone" in data["notes"]
+    assert "Read: 1 of Monitor of stable-baselines3, a row is an episode" in data["notes"]
 
 
 def test_reward_that_is_gone_is_left_out_of_an_experiment(harness, quick, gentle):

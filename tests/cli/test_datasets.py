@@ -125,3 +125,12 @@ def test_what_cannot_be_done_is_one_line(call, arguments: tuple[str, ...], told:
     assert (status, out) == (2, "")
     assert told in err
     assert "Traceback" not in err
+
+
+@pytest.mark.parametrize("folder", ["m", "l"])
+@pytest.mark.parametrize("command", ["audit", "report"])
+def test_a_folder_that_is_a_data_set_needs_no_format(call, command: str, folder: str):
+    """It is no training, whose first episodes would stand beside its last ones."""
+    _, typed, _ = call(command, f"{'minari' if folder == 'm' else 'lerobot'}:{folder}", "--json")
+    status, out, _ = call(command, folder, "--json")
+    assert (status, json.loads(out)) == (0, json.loads(typed))

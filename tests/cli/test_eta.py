@@ -186,7 +186,7 @@ def test_what_cannot_be_compared_is_told_in_one_line(harness, recorded, tmp_path
     assert told in answer.err
 
 
-LOADED = 86
+LOADED = 81
 """Modules of this project, of some 500. Others that open files of a plugin, or of a reward, come with these."""
 
 

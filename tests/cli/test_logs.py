@@ -248,3 +248,10 @@ def test_the_page_says_how_logs_were_sorted(harness, monitors, tmp_path: Path):
     assert harness("report", ".", "--html", "page.html").status == 0
     page = (tmp_path / "page.html").read_text()
     assert page.index("10 trainings of 2 rewards") < page.index("HELPS" if "HELPS" in page else "helps")
+
+
+def test_the_command_for_all_numbers_says_how_logs_are_sorted(harness, monitors):
+    """Typed again without these flags, it would sort them by itself."""
+    monitors(0.2, 0.8, seeds=4)
+    told = " ".join(harness("report", ".", "--sort", "{reward}/{seed}", "--baseline", "prop").out.split())
+    assert "--details --sort '{reward}/{seed}' --baseline prop" in told

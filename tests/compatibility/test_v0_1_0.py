@@ -146,7 +146,7 @@ def test_missing_cell_is_done_again(old: Path):
     """With the same rows: bit for bit where machine and numpy are those of then; elsewhere with the same starts."""
     cell = Store.open(old).read_plan().cells[1]
     folder = Store.open(old).cell_folder(cell)
-    then, before = read_trace(folder / TRACE), read_manifest(folder)
+    then, before = read_trace(folder / TRACE).load(), read_manifest(folder)
     shutil.rmtree(folder)
     _, events = _resume(old)
     assert {event.cell for event in events} == {cell}
@@ -159,8 +159,8 @@ def _require_same_rows(found: Log, then: Log, before: Manifest, cell: Cell) -> N
     is_same = describe_machine()["cpu_flags"] == machine["cpu_flags"] and describe_machine()["cpu"] == machine["cpu"]
     if is_same and versions_behind([])["numpy"] == versions["numpy"]:
         assert found.columns == then.columns
-        for name, column in then.columns.items():
-            np.testing.assert_array_equal(found[name], column, err_msg=name)
+        for name in then.columns:
+            np.testing.assert_array_equal(found[name], then[name], err_msg=name)
         return
     assert len(found) >= cell.steps
     for name in ("qpos", "target_x", "distance"):

@@ -9,10 +9,10 @@ import pytest
 
 import harness
 from harness.log import Log
+from harness.record.cell_log import cell_log
 from harness.record.trace import TraceWriter, read_trace
 from harness.reward.row_steps import TOUCHED, targets_touched
 from harness.robot.inverse_kinematics import reach_position
-from harness.score.trace_log import open_trace
 from harness.task import Targets
 from harness.testing.trainings import NegativeDistance
 from harness_plugins.tasks.unity import Arp2021, UnityReach
@@ -162,9 +162,9 @@ def test_target_at_the_horizon_is_paid_and_truncates(tour: Call):
 def test_touched_target_in_a_recording_is_no_start(tour: Call, tmp_path: Path):
     """A recording of arp-2021 has one start row an episode, as the published files: Bd changes inside."""
     tour(*[HOME, FIRST] * 4, task=Arp2021(decision_period=1, horizon=6))
-    log = open_trace(tmp_path / "trace.parquet")
+    log = cell_log(tmp_path / "trace.parquet")
     np.testing.assert_array_equal(np.flatnonzero(log["step"] == 0), [0, 7])
-    assert log["reward"][0] == log["reward"][7] == 0.0
+    assert log["reward/recorded"][0] == log["reward/recorded"][7] == 0.0
     assert len(np.unique(log["begin_distance"][:7])) == 2
     np.testing.assert_array_equal(log["step"], [0, 1, 2, 3, 4, 5, 6, 0, 1, 2])
     touched = targets_touched(*(log[name] for name in TOUCHED))

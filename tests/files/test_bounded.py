@@ -3,6 +3,7 @@
 import os
 from pathlib import Path
 
+import h5py
 import pytest
 
 from harness.errors import SchemaError, UsageError
@@ -77,3 +78,16 @@ def test_digest_is_sha256(tmp_path: Path):
     """As `sha256sum` prints it."""
     (tmp_path / "a").write_bytes(b"abc")
     assert digest_of(tmp_path / "a") == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
+
+
+def test_a_file_that_is_what_it_should_be_is_told_what_is_wrong(tmp_path: Path) -> None:
+    """Not that it is what the reader expected."""
+    path = tmp_path / "demos"
+    with h5py.File(path, "w") as file:
+        file["data/demo_0/actions"] = [1.0]
+    with pytest.raises(SchemaError, match="no readable robomimic data set: KeyError: 'rewards'"):  # noqa: SIM117
+        with reading(path, "robomimic data set"):
+            raise KeyError("rewards")
+    with pytest.raises(SchemaError, match="no readable table: it is a robomimic data set in HDF5"):  # noqa: SIM117
+        with reading(path, "table"):
+            raise ValueError("no text")

@@ -41,7 +41,7 @@ def test_two_columns_of_one_name_are_refused():
 def test_loaded_log_is_read_once():
     """Whatever is asked of it then."""
     passes: list[tuple[str, ...]] = []
-    log = _log(passes).loaded()
+    log = _log(passes).load()
     assert len(log) == 4
     assert log["reward/a"].tolist() == log.rows(["reward/a"])["reward/a"].tolist() == [8, 9, 10, 11]
     assert passes == [("time", "reward/a", "reward/a/x")]

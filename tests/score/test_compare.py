@@ -19,6 +19,7 @@ import harness.score.compared_rows
 from harness.errors import UsageError
 from harness.eta.swaps import p_text
 from harness.hookspecs import PROJECT
+from harness.record.cell_log import cell_log
 from harness.record.manifest import Manifest
 from harness.record.trace import COLUMN, SCALARS, TraceWriter
 from harness.registry.choice import Choice
@@ -26,7 +27,6 @@ from harness.registry.registry import load_registry
 from harness.report.tables.eta import eta_table
 from harness.score.compare import ComparedRuns, compare_logs
 from harness.score.open_steps import match_steps
-from harness.score.trace_log import open_trace
 
 Pay = Callable[[float, float, float], float]
 Run = list[tuple[float, ...]]
@@ -472,8 +472,8 @@ def test_event_terms_are_added_on_demand(tmp_path: Path, make_cell):
     data = compare(*patterns, with_events=True).to_json()
     paid = []
     for seed in range(2):
-        rows = open_trace(tmp_path / f"b{seed}" / "trace.parquet").rows(["reward", "step"])
-        paid.append((rows["reward"] + np.where(rows["step"] % 3 == 1, 10.0, 0.0)).tolist())
+        rows = cell_log(tmp_path / f"b{seed}" / "trace.parquet")
+        paid.append((rows[f"reward/{rows.facts.trained_with}"] + np.where(rows["step"] % 3 == 1, 10.0, 0.0)).tolist())
     negative, positive = indices(paid, accumulated=True)
     assert data["baseline"]["I_P"] == pytest.approx(positive, abs=0.0501)
     assert data["baseline"]["I_N"] == pytest.approx(negative, abs=0.0501)

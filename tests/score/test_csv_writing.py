@@ -56,7 +56,7 @@ def test_recording_is_that_of_the_trace(trace: Path, written: Path):
     found, expected = open_steps(written), open_steps(trace)
     for name in (*EVENTS, *STEPS[1:]):
         np.testing.assert_array_equal(found[name], expected[name], err_msg=name)
-    np.testing.assert_array_equal(found[PAY], expected["reward"])
+    np.testing.assert_array_equal(found[PAY], expected["reward/baseline"])
     np.testing.assert_array_equal(found["start"], expected["step"] == 0)
 
 

@@ -11,13 +11,13 @@ import pytest
 
 from harness.errors import SchemaError, UsageError
 from harness.log import Log, Rows
+from harness.record.cell_log import cell_of
 from harness.record.manifest import Manifest
 from harness.record.trace import COLUMN, SCALARS, TraceWriter
 from harness.registry.choice import Choice
 from harness.score.csv_steps import EVENTS, PAY, STEPS, StepsCsv
 from harness.score.open_steps import match_steps, open_steps
 from harness.score.scorer import can_be_paid, pay_log
-from harness.score.trace_log import paid_by
 from harness_plugins.rewards.relative import Relative
 
 Write = Callable[..., Path]
@@ -250,10 +250,10 @@ def test_a_trace_declares_its_reward(trace: Path):
     """The manifest beside it says what paid it, and its seed; without a manifest nothing is said."""
     log = open_steps(trace)
     assert (log.facts.trained_with, log.facts.seed) == ("arp:k2=2", 7)
-    assert paid_by(log) == Choice("arp", (("k1", 1.0), ("k2", 2.0)), "arp:k2=2")
+    assert cell_of(trace).reward == Choice("arp", (("k1", 1.0), ("k2", 2.0)), "arp:k2=2")
     (trace.parent / "manifest.json").unlink()
     log = open_steps(trace)
-    assert (log.facts.trained_with, log.facts.seed, paid_by(log)) == ("", None, None)
+    assert (log.facts.trained_with, log.facts.seed, cell_of(trace)) == ("", None, None)
 
 
 def test_a_trace_as_csv_is_read_as_the_trace(trace: Path, write: Write):
@@ -263,7 +263,7 @@ def test_a_trace_as_csv_is_read_as_the_trace(trace: Path, write: Write):
     from_csv, from_trace = rows_of(write(",".join(names), *lines)), rows_of(trace)
     for name in (*EVENTS, *STEPS[1:]):
         np.testing.assert_array_equal(from_csv[name], from_trace[name])
-    np.testing.assert_array_equal(from_csv[PAY], from_trace["reward"])
+    np.testing.assert_array_equal(from_csv[PAY], from_trace["reward/arp:k2=2"])
 
 
 def test_a_parquet_file_that_is_no_trace_is_refused(tmp_path: Path):

@@ -19,6 +19,7 @@ import harness.score.scorer as module
 from harness.env import ReachVectorEnv
 from harness.log import Log
 from harness.reach import ReachTask
+from harness.record.cell_log import cell_log
 from harness.record.trace import FORMAT, FORMAT_KEY, TraceWriter, read_trace
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
@@ -27,7 +28,6 @@ from harness.reward.needs import ROWS
 from harness.reward.row_steps import TOUCHED, Rows, targets_touched
 from harness.robot.inverse_kinematics import reach_position
 from harness.score.scorer import Payer, Scorer, pay_log
-from harness.score.trace_log import open_trace
 from harness.testing import IdealSimulator
 from harness_plugins.tasks.unity import Arp2021
 
@@ -214,7 +214,7 @@ def test_recording_of_next_targets_is_scored_as_it_was_paid(text: str, tmp_path:
     columns = {name: trace[name] for name in ("env", "step", "begin_distance", "previous_best", "distance", "reward")}
     table = pa.table({**columns, **{name: trace[name] for name in TOUCHED}})
     pq.write_table(table.replace_schema_metadata({FORMAT_KEY: str(FORMAT).encode()}), path)
-    log = open_trace(path)
+    log = cell_log(path)
     payer = Payer(reward_of(text), log)
     scored = [payer.pay(piece).total for piece in log.pieces(payer.columns, 37)]
     np.testing.assert_array_equal(np.concatenate(scored), trace["reward"])

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial as bound
+from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +16,7 @@ from harness.audit.dataset.paid_dataset import Labels, PaidDataset, pay_dataset
 from harness.audit.dataset.rewards import given_rewards, rewards_of
 from harness.audit.dataset.steps import Payer
 from harness.audit.dataset.withheld import answer_that_holds, level_that_holds, lines_of, of_its_own_return
-from harness.audit.recorded.paid import Paid, compare_paid, pairs_of
+from harness.audit.recorded.paid import Paid, compare_paid
 from harness.audit.recorded.pair import Pair, pair_of
 from harness.errors import UsageError
 from harness.eta.auc import Auc, auc_of, rounded
@@ -75,7 +76,7 @@ def audit_dataset(
     """Whether rewards rank recorded behaviour as success does.
 
     Args:
-        dataset: ``minari:NAME`` or ``lerobot:FOLDER``.
+        dataset: ``minari:NAME``, ``lerobot:FOLDER``, ``d4rl:FILE`` or ``robomimic:FILE``.
         rewards: By name, rewards of a step, see `harness.reward.given`, or rewards of an arm; or names, as
             ``harness audit --reward`` takes them. Without any: those that are recorded, and the functions of plugin
             files in `registry`.
@@ -323,5 +324,5 @@ def _pairs(paid: PaidDataset, groups: NDArray[np.int64]) -> tuple[Pair, ...]:
             [compare_paid(block, one, other) for block in blocks],
             [line_of(block.steps[one], block.steps[other]) for block in blocks],
         )
-        for one, other in pairs_of(names)
+        for one, other in combinations(names, 2)
     )

@@ -2,14 +2,16 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from harness.arrays import Float
 from harness.audit.recorded.pair import mean_json
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
-from harness.results.recordings.episodes import Episodes, Part
+
+if TYPE_CHECKING:
+    from harness.results.recordings.episodes import Episodes, Part
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,7 @@ class Earned:
         return {"behaviour": self.behaviour, "episodes": self.episodes, "returns": returns, "measures": measures}
 
 
-def earned_in_parts(behaviour: str, parts: Sequence[Part], rewards: Sequence[str], measures: Sequence[str]) -> Earned:
+def earned_in_parts(behaviour: str, parts: "Sequence[Part]", rewards: Sequence[str], measures: Sequence[str]) -> Earned:
     """Means over trainings, of each of which there is a part, with intervals over them."""
     return Earned(
         behaviour,
@@ -47,7 +49,7 @@ def earned_in_parts(behaviour: str, parts: Sequence[Part], rewards: Sequence[str
 
 
 def earned_in_episodes(
-    behaviour: str, each: Sequence[Episodes], rewards: Sequence[str], measures: Sequence[str]
+    behaviour: str, each: "Sequence[Episodes]", rewards: Sequence[str], measures: Sequence[str]
 ) -> Earned:
     """Means over episodes that are independent of one another, with intervals over them."""
 

@@ -7,15 +7,14 @@ import numpy as np
 from harness.audit.audit import Audit
 from harness.audit.questions import NO_FORMS, NOT_RANKED, on_best
 from harness.audit.recorded.earned import Earned, earned_in_episodes, earned_in_parts
-from harness.audit.recorded.paid import Acted, acted_in
 from harness.audit.recorded.pair import pairs_in
 from harness.audit.recorded.pair_grid import SCALE
 from harness.audit.recorded.recordings import RANDOM, chosen_rewards, title_of
 from harness.audit.recorded.step_apart import MOST
 from harness.errors import Unscored, UsageError
 from harness.eta.headline import SUCCESS
-from harness.log import LogFacts, in_memory
-from harness.log.log import REWARD
+from harness.log import Log, LogFacts, in_memory
+from harness.log.log import REWARD, START
 from harness.record.cell import Cell
 from harness.record.folder import TRACE
 from harness.record.trace import read_trace
@@ -52,7 +51,6 @@ def audit_experiment(results: Results, only: Sequence[str] = ()) -> Audit:
     count = len(results.done_cells)
     return Audit(
         title=title_of(f"'{results.folder}'", count_text(count, "training"), rewards),
-        setting=(),
         facts={"experiment": str(results.folder), "trainings": count},
         rewards=rewards,
         pairs=pairs,
@@ -118,11 +116,11 @@ def _part(results: Results, cell: Cell, payers: Mapping[str, InstalledReward]) -
     return Part(next(iter(measured.episodes.values())), returns, measured.own, {})
 
 
-def _paid(results: Results, cell: Cell, payers: Mapping[str, InstalledReward]) -> Acted:
+def _paid(results: Results, cell: Cell, payers: Mapping[str, InstalledReward]) -> tuple[str, Log]:
     """The training of a cell, paid by rewards."""
     path, of = results.store.cell_folder(cell) / TRACE, results.of(cell)
-    trace = read_trace(path, KEYS)
+    told = read_trace(path).rows(KEYS).columns
     paid = {f"{REWARD}{label}": of.paid_by(payer) for label, payer in payers.items()}
     of.finish()
-    columns = {**{name: trace[name] for name in KEYS}, "start": trace["step"] == 0, **paid}
-    return acted_in(f"cells/{cell.id}", in_memory(LogFacts(path=path, format="trace"), columns))
+    facts = LogFacts(path=path, format="trace")
+    return f"cells/{cell.id}", in_memory(facts, {**told, START: told["step"] == 0, **paid})

@@ -1,17 +1,14 @@
 """What several rewards paid for the same steps or episodes, and how far apart two of them are in that."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from harness.arrays import Float, Mask
+from harness.arrays import Float
 from harness.audit.distance import centred_unit, distance_between
 from harness.log import Log
-from harness.log.log import BEHAVIOUR, REWARD
-from harness.results.recordings.episodes import Episodes
+from harness.log.log import REWARD
 
 NOT_KNOWN = "not a number in some rows"
 
@@ -31,95 +28,22 @@ class Paid:
     unknown: Mapping[str, str]
 
 
-@dataclass(frozen=True, eq=False)
-class Acted:
-    """What one training, one evaluation of a policy, or random actions left.
-
-    Attributes:
-        name: Where it lies, in words.
-        steps: How many rows there are.
-        episodes: Those that ended.
-        log: Reads its rows.
-        taught: The reward that taught; of a log that does not say it, what else tells it from others.
-        evaluation: Whether a finished policy acted.
-        manner: How it chose actions, ``deterministic``; may be empty.
-    """
-
-    name: str
-    steps: int
-    episodes: Episodes
-    log: Callable[[], Log]
-    taught: str = ""
-    evaluation: bool = False
-    manner: str = ""
-
-
-def acted_in(name: str, log: Log, taught: str = "", evaluation: bool = False) -> Acted:
-    """What is in a log."""
-    return Acted(name, len(log), episodes_in(log), lambda: log, taught, evaluation)
-
-
-def paid_in(log: Log, episodes: Episodes) -> Paid:
+def paid_in(log: Log) -> Paid:
     """What the rewards of a log paid, in its steps and in its finished episodes; of a log of episodes, in these alone.
 
     Args:
-        log: Of steps, of episodes, or of points, which are taken for episodes.
-        episodes: Its episodes, see `episodes_in`.
+        log: Of steps, of episodes, or of points, which are taken for episodes. Its start rows are no steps.
     """
-    failed = {it.column: it.reason for it in log.facts.failed}
-    told, unknown = episodes.part(0, len(log)).reasons, {}
-    pays = {name: log[f"{REWARD}{name}"] for name in log.rewards}
+    from harness.results.recordings.episodes import episodes_of  # here, since an audit of a data set needs none
+
+    episodes, unknown = episodes_of(log), {}
+    pays = {name: np.asarray(log[f"{REWARD}{name}"], np.float64) for name in episodes.returns}
     for name, paid in pays.items():
         if np.isnan(paid).any() or np.isnan(episodes.returns[name]).any():
-            column = f"{REWARD}{name}"
-            unknown[name] = episodes.reasons.get(column) or failed.get(column) or told.get(name, NOT_KNOWN)
+            unknown[name] = episodes.reasons.get(f"{REWARD}{name}", NOT_KNOWN)
     known = [name for name in pays if name not in unknown]
-    steps = steps_of(log) if log.facts.unit == "step" else None
-    of_steps = {} if steps is None else {name: np.asarray(pays[name], np.float64)[steps] for name in known}
+    of_steps = {name: pays[name] for name in known} if log.facts.unit == "step" else {}
     return Paid(of_steps, {name: episodes.returns[name] for name in known}, unknown)
-
-
-def episodes_in(log: Log) -> Episodes:
-    """The finished episodes of a log, in the order in which they ended; `last` counts rows.
-
-    Of a log of episodes or points every row is one.
-    """
-    pays: dict[str, Float] = {name: np.asarray(log[f"{REWARD}{name}"], np.float64) for name in log.rewards}
-    measures: dict[str, Float] = {name: np.asarray(log[f"{BEHAVIOUR}{name}"], np.float64) for name in log.measures}
-    if log.facts.unit != "step":
-        return Episodes(np.arange(len(log)), pays, measures, {})
-    steps, numbers = steps_of(log), np.unique(episode_numbers(log), return_inverse=True)[1]
-    ended = np.flatnonzero(_ends(log) & steps)
-    sums = {name: np.bincount(numbers, np.where(steps, paid, 0.0)) for name, paid in pays.items()}
-    returns = {name: np.asarray(of[numbers[ended]], np.float64) for name, of in sums.items()}
-    return Episodes(ended, returns, {name: values[ended] for name, values in measures.items()}, {})
-
-
-def episode_numbers(log: Log) -> NDArray[np.int64]:
-    """A number for each row, the same in all rows of one episode, (rows,)."""
-    env, episode = (
-        np.asarray(log[name], np.int64) if name in log else np.zeros(len(log), np.int64) for name in ("env", "episode")
-    )
-    return env * (int(episode.max(initial=0)) + 1) + episode
-
-
-def steps_of(log: Log) -> Mask:
-    """Which rows are steps, and no starts of episodes, (rows,)."""
-    return ~np.asarray(log["start"], bool) if "start" in log else np.ones(len(log), bool)
-
-
-def _ends(log: Log) -> Mask:
-    """Which rows end an episode. Where no column tells it, the last episode of each env may still go on."""
-    flags: list[Mask] = [np.asarray(log[name], bool) for name in ("terminated", "truncated") if name in log]
-    numbers = episode_numbers(log)
-    ends: Mask = np.zeros(len(log), bool)
-    if flags:
-        ends |= flags[0] | flags[-1]
-        return ends
-    known, from_end = np.unique(numbers[::-1], return_index=True)
-    env = np.asarray(log["env"])[len(log) - 1 - from_end] if "env" in log else np.zeros(len(known))
-    ends[(len(log) - 1 - from_end)[:-1][np.diff(env) == 0]] = True
-    return ends
 
 
 @dataclass(frozen=True)
@@ -145,11 +69,6 @@ def compare_paid(paid: Paid, one: str, other: str) -> Apart:
     return Apart(
         _pearson(paid.steps, one, other), _pearson(paid.returns, one, other), *_order(paid.returns, one, other)
     )
-
-
-def pairs_of(names: tuple[str, ...]) -> list[tuple[str, str]]:
-    """Every two of them once."""
-    return list(combinations(names, 2))
 
 
 def _pearson(values: Mapping[str, Float], one: str, other: str) -> float | None:

@@ -3,14 +3,17 @@
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import combinations
 from typing import Any
 
 from harness.audit.distance import Distance, Form, compare_forms
-from harness.audit.recorded.paid import Acted, Apart, compare_paid, paid_in, pairs_of
+from harness.audit.recorded.paid import Apart, compare_paid, paid_in
 from harness.audit.recorded.step_apart import StepApart, steps_apart
 from harness.eta.interval import SHARE
 from harness.eta.rescaling import Line, Rescaling, line_of, rescaling_of
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
+from harness.log import Log
+from harness.log.log import BEHAVIOUR, EPISODES, REWARD
 
 
 @dataclass(frozen=True)
@@ -96,7 +99,7 @@ def pair_of(
 
 
 def pairs_in(
-    compared: Iterable[Acted],
+    compared: Iterable[tuple[str, Log]],
     rewards: tuple[str, ...],
     forms: Sequence[Mapping[str, Mapping[str, Form]]] = (),
     most: int = 0,
@@ -104,44 +107,37 @@ def pairs_in(
     """Every two rewards beside one another, and a line for each reward that is not known everywhere.
 
     Args:
-        compared: What means are over.
+        compared: What means are over, by name.
         rewards: Names.
         forms: By measurement and name, the rewards in canonical forms.
         most: So many steps are told that the two pay most differently.
     """
-    each: dict[tuple[str, str], list[Apart]] = {pair: [] for pair in pairs_of(rewards)}
+    each: dict[tuple[str, str], list[Apart]] = {pair: [] for pair in combinations(rewards, 2)}
     lines: dict[tuple[str, str], list[Line | None]] = {pair: [] for pair in each}
     largest: dict[tuple[str, str], list[StepApart]] = {pair: [] for pair in each}
     notes, lacking = list[str](), Counter[str]()
     count = 0
-    for it in compared if each else ():
+    for name, whole in compared if each else ():
         count += 1
-        log = it.log()
-        paid = paid_in(log, it.episodes)
+        log = whole.without_starts()
+        numbers = [*(f"{REWARD}{name}" for name in log.rewards), *(f"{BEHAVIOUR}{name}" for name in log.measures)]
+        log = log.load([*EPISODES, "step", *numbers])
+        paid = paid_in(log)
         can_end = "terminated" in log and bool(log["terminated"].any())
-        unknown = {name: why for name, why in paid.unknown.items() if name in rewards}
-        notes += [f"'{it.name}' does not count for reward {name!r}: {why}" for name, why in unknown.items()]
-        lacking.update(name for name in rewards if name not in paid.returns and name not in unknown)
+        unknown = {it: why for it, why in paid.unknown.items() if it in rewards}
+        notes += [f"'{name}' does not count for reward {it!r}: {why}" for it, why in unknown.items()]
+        lacking.update(it for it in rewards if it not in paid.returns and it not in unknown)
         for (one, other), found in each.items():
             if {one, other} <= paid.returns.keys():
                 found.append(compare_paid(paid, one, other))
             if {one, other} <= paid.steps.keys():
                 lines[one, other].append(line_of(paid.steps[one], paid.steps[other], can_end=can_end))
-                known = [*largest[one, other], *(steps_apart(it.name, log, one, other) if most else ())]
+                known = [*largest[one, other], *(steps_apart(name, log, one, other) if most else ())]
                 largest[one, other] = sorted(known, key=lambda step: -step.difference)[:most]
     notes += [f"{number:,} of {count:,} did not record reward {name!r}" for name, number in lacking.items()]
     notes += [f"No recording knows both {one!r} and {other!r}" for (one, other), found in each.items() if not found]
-    pairs = [
-        pair_of(
-            *pair,
-            each[pair],
-            lines[pair],
-            largest[pair],
-            [compare_forms(pair[0], of[pair[0]], pair[1], of[pair[1]]) for of in forms],
-        )
-        for pair in each
-    ]
-    return tuple(pairs), notes
+    apart = {(one, other): [compare_forms(one, of[one], other, of[other]) for of in forms] for one, other in each}
+    return tuple(pair_of(*it, each[it], lines[it], largest[it], apart[it]) for it in each), notes
 
 
 def mean_within(values: Sequence[float | None]) -> SeedMean:

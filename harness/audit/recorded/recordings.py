@@ -2,33 +2,27 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 from harness.audit.audit import Audit
 from harness.audit.questions import LOGS, NO_SUCCESS, NOT_ASKED, RECORDED, deciding_measure, on_best, rank_success
 from harness.audit.recorded.earned import Earned, earned_in_episodes, earned_in_parts
-from harness.audit.recorded.paid import Acted, acted_in
 from harness.audit.recorded.pair import pairs_in
 from harness.audit.recorded.pair_grid import SCALE
 from harness.audit.recorded.step_apart import MOST
 from harness.errors import UsageError
-from harness.log import Log
-from harness.log.log import RECORDED as PAID
-from harness.log.log import REWARD, Columns
-from harness.record.recording.recorded_training import read_recording, weighed
+from harness.log.open_log import Found
 from harness.registry.names import unknown_name
+from harness.results.logs.checks import facts_notes, require_comparable, without_short
+from harness.results.logs.read_logs import read_trainings
+from harness.results.logs.trainings import sort_logs
 from harness.results.recordings.episodes import count_text
-from harness.results.recordings.read_runs import env_of, read_all, without_short
-from harness.results.recordings.runs import LAST_SHARE, Run
+from harness.results.recordings.read_runs import env_of, read_all
+from harness.results.recordings.read_runs import without_short as without_short_runs
+from harness.results.recordings.runs import LAST_SHARE, NO_NAME, Run
 from harness.results.recordings.runs import RANDOM as ACTED_AT_RANDOM
 
 RANDOM = "random actions"
-UNITS = {
-    "episode": "A row is an episode, so rewards are compared by episodes alone",
-    "point": "A row is a point of a curve, the mean of some episodes, and is taken for an episode",
-}
-"""What is told of logs whose rows are no steps."""
 
 
 def audit_recordings(folder: Path, random: Path | None = None, only: Sequence[str] = ()) -> Audit:
@@ -44,54 +38,47 @@ def audit_recordings(folder: Path, random: Path | None = None, only: Sequence[st
     """
     found, damaged = _read(folder)
     apart, damaged_too = ([], []) if random is None else _read(random)
+    apart = [replace(run, facts=replace(run.facts, acted=ACTED_AT_RANDOM)) for run in apart]
     paths = {run.path.resolve() for run in apart}  # they may lie in the same folder
     found = [run for run in found if run.path.resolve() not in paths]
     env, notes = env_of(folder, [*found, *apart])
-    _, short = without_short(found)
+    _, short = without_short_runs(found)
     found = [run for run in found if not (run.facts.evaluation and run.shortfall)]
-    at_random = [*apart, *(run for run in found if run.facts.acted == ACTED_AT_RANDOM)]
-    # Evaluations before the training ended are of other policies than the one that it left.
-    acted = [run for run in found if run not in at_random and not run.facts.after]
     notes += [*short, *(f"'{run.path}' is left out: it has no steps" for run in found if not run.steps)]
-    return _audit(
-        f"'{folder}'",
-        env,
-        "recorded",
-        [_of_run(folder, run) for run in acted if run.steps],
-        [_of_run(folder, run) for run in at_random if run.steps],
-        only,
-        notes,
-        (*damaged, *damaged_too),
-        NOT_ASKED[RECORDED],
-    )
+    # Evaluations before the training ended are of other policies than the one that it left.
+    final = [run for run in (*apart, *found) if run.steps and (not run.facts.after or _is_random(run))]
+    audit = _audit(folder, f"'{folder}'", env, "recorded", final, only, notes)
+    return replace(audit, damaged=(*damaged, *damaged_too), not_asked=(*NOT_ASKED[RECORDED], *audit.not_asked))
 
 
-def audit_logs(
-    path: Path, logs: Sequence[Log], left_out: Iterable[tuple[Path, str]], only: Sequence[str] = ()
-) -> Audit:
+def audit_logs(path: Path, found: Found, only: Sequence[str] = (), sort: str = "") -> Audit:
     """The same of logs that other programs wrote, as far as their rows tell it.
 
     Args:
         path: Where they lie.
-        logs: Those that were read.
-        left_out: What could not be read, and why.
+        found: Those that were read, and what could not be.
         only: The rewards that are told of; all of them if empty.
+        sort: How names are made, if the user says it; see `harness.results.logs.names.sort_by_template`.
 
     Raises:
-        UsageError: There is none, or none has a row.
+        UsageError: There is none, none has a row, or they cannot be compared.
+        SchemaError: One is damaged.
     """
-    left = [f"'{place}' is left out: {why}" for place, why in left_out]
-    if not logs:
+    left = [f"'{place}' is left out: {why}" for place, why in found.left_out]
+    if not found.logs:
         raise UsageError(". ".join([f"'{path}' holds no log that is read: harness list logs tells which are", *left]))
-    notes = [line for unit, line in UNITS.items() if any(log.facts.unit == unit for log in logs)]
-    notes += dict.fromkeys(line for log in logs for line in (*log.facts.notes, log.facts.thinned) if line)
-    names = dict.fromkeys(log.facts.env for log in logs if log.facts.env)
-    told = [log.facts.trained_with or _place(path, log) for log in logs]
-    acted = [_of_log(path, log, taught, len({*told}) > 1) for log, taught in zip(logs, told, strict=True)]
-    audit = _audit(
-        f"'{path}'", ", ".join(names) or str(path), "logged", acted, [], only, (*notes, *left), (), NOT_ASKED[LOGS]
-    )
-    return replace(audit, setting=(", ".join(sorted({log.facts.format for log in logs})),))
+    folder = path if path.is_dir() else path.parent
+    sorted_ = sort_logs(folder, found.logs, sort)
+    require_comparable(sorted_, is_told=True)
+    sorted_ = without_short(sorted_)
+    logs = [log for it in sorted_.trainings for log in (*it.logs, it.evaluation) if log is not None]
+    measures = list(dict.fromkeys(name for log in logs for name in log.measures))
+    runs, _, _ = read_trainings(sorted_.trainings, measures)
+    everything = [it for run in runs for it in (run, run.evaluation) if it is not None and len(it.recorded.log)]
+    env = next((log.facts.env for log in logs if log.facts.env), NO_NAME)
+    notes = [sorted_.sentence, *sorted_.notes, *facts_notes(logs), *left]
+    audit = _audit(folder, f"'{path}'", env, "logged", everything, only, notes)
+    return replace(audit, not_asked=(*NOT_ASKED[LOGS], *audit.not_asked))
 
 
 def _read(folder: Path) -> tuple[list[Run], list[str]]:
@@ -102,91 +89,59 @@ def _read(folder: Path) -> tuple[list[Run], list[str]]:
     return found, damaged
 
 
-def _of_run(folder: Path, run: Run) -> Acted:
-    name = run.path.relative_to(folder).as_posix() if run.path.is_relative_to(folder) else run.path.as_posix()
-    rewards, facts = tuple(run.episodes.returns), run.facts
-    read = partial(_log_of, run.path, rewards)
-    return Acted(name, run.steps, run.episodes, read, run.reward, facts.evaluation, facts.acted)
+def _is_random(run: Run) -> bool:
+    return run.facts.acted == ACTED_AT_RANDOM
 
 
-def _log_of(path: Path, rewards: Sequence[str]) -> Log:
-    """The steps of a recording, paid by these rewards, also by those with other weights as far as terms tell it."""
-    return weighed(read_recording(path), rewards)
-
-
-def _place(path: Path, log: Log) -> str:
-    """What tells the trainings of a log from others: its folder below `path`, or its own name in that."""
-    place = log.facts.path
-    inside = place.relative_to(path) if place.is_relative_to(path) else place
-    return inside.parent.as_posix() if len(inside.parts) > 1 else place.name
-
-
-def _of_log(path: Path, log: Log, taught: str, several: bool) -> Acted:
-    """One log. Where there are several rewards, its own pay is that of the one that taught."""
-    place, own = log.facts.path, f"{REWARD}{PAID}"
-    name = place.relative_to(path).as_posix() if place.is_relative_to(path) and place != path else place.name
-    if several and own in log:
-        log = _renamed(log, own, f"{REWARD}{taught}")
-    name = f"{name}, {log.facts.run}" if log.facts.run else name
-    return acted_in(name, log, taught, log.facts.evaluation)
-
-
-def _renamed(log: Log, old: str, new: str) -> Log:
-    """The same log with another name for one of its columns."""
-
-    def read(names: tuple[str, ...]) -> Iterable[Columns]:
-        asked = {name: old if name == new else name for name in names}
-        return ({name: table[of] for name, of in asked.items()} for table in log.read(tuple(asked.values())))
-
-    return replace(log, columns=tuple(new if name == old else name for name in log.columns), read=read)
+def _name_of(folder: Path, run: Run) -> str:
+    """Where it lies in a folder, and what its file calls it."""
+    path = run.path.relative_to(folder) if run.path.is_relative_to(folder) else run.path
+    return f"{path.as_posix()}, {run.facts.run}" if run.facts.run else path.as_posix()
 
 
 def _audit(
-    where: str,
-    env: str,
-    noun: str,
-    acted: Sequence[Acted],
-    at_random: Sequence[Acted],
-    only: Sequence[str],
-    notes: Sequence[str],
-    damaged: tuple[str, ...],
-    not_asked: tuple[str, ...],
+    folder: Path, where: str, env: str, noun: str, found: Sequence[Run], only: Sequence[str], notes: Sequence[str]
 ) -> Audit:
     """What is told of any recorded steps or episodes."""
-    trainings, evaluations = ([it for it in acted if it.evaluation is kind] for kind in (False, True))
+    at_random, acted = ([run for run in found if _is_random(run) is kind] for kind in (True, False))
+    trainings, evaluations = ([run for run in acted if run.facts.evaluation is kind] for kind in (False, True))
     compared = trainings or evaluations or at_random
     if not compared:
         raise UsageError(f"{where} has nothing to compare: no recording in it has a step")
-    rewards = chosen_rewards(dict.fromkeys(name for it in compared for name in it.episodes.returns), only, where)
-    judged = evaluations or trainings or at_random
-    success = deciding_measure([it.episodes for it in judged])
-    named = dict.fromkeys(name for it in (*acted, *at_random) for name in it.episodes.behaviour)
+    rewards = chosen_rewards(dict.fromkeys(name for run in compared for name in run.episodes.returns), only, where)
+    acting = evaluations or trainings or at_random
+    judged = [run.episodes for run in acting]
+    # two evaluations of one training are no two trainings
+    owners = [(run.reward, _name_of(folder, run) if run.facts.seed is None else run.seed) for run in acting]
+    success = deciding_measure(judged)
+    named = dict.fromkeys(name for run in (*acted, *at_random) for name in run.episodes.behaviour)
     measures = sorted(named, key=lambda name: name != success)  # all others stay in their order
-    chance = [earned_in_episodes(RANDOM, [it.episodes for it in at_random], rewards, measures)] if at_random else []
+    chance = [earned_in_episodes(RANDOM, [run.episodes for run in at_random], rewards, measures)] if at_random else []
     early, final = _earned(trainings, evaluations, rewards, measures)
-    pairs, told = pairs_in(compared, rewards, most=MOST)
+    names = [_name_of(folder, run) for run in compared]
+    pairs, told = pairs_in(
+        ((name, run.recorded.log) for name, run in zip(names, compared, strict=True)), rewards, most=MOST
+    )
     if not pairs:
         told.append(
             f"There is only one reward, {rewards[0]}, so none is compared with it. Record another one beside it, see "
             "docs/your-environment.md"
         )
-    known = [name for name in rewards if all(name in it.episodes.returns for it in judged)] if success else []
+    known = [name for name in rewards if all(name in it.returns for it in judged)] if success else []
     count, kind = len(compared), "training" if trainings else "evaluation"
     few = "" if count >= 3 else " No intervals below three of them."
     return Audit(
         title=title_of(env, count_text(count, f"{noun} {kind}"), rewards),
-        setting=(),
-        facts={"env": env, "recordings": [it.name for it in compared], "evaluations": not trainings},
+        facts={"env": env, "recordings": names, "evaluations": not trainings},
         rewards=rewards,
         pairs=pairs,
         earned=(*chance, *early, *final),
         success=success,
-        rankings={name: rank_success([it.episodes for it in judged], name, success) for name in known},
+        rankings={name: rank_success(judged, name, success, owners) for name in known},
         verdict=tuple(on_best([*chance, *final], rewards, success)),
         measured=(f"{SCALE} Means over {kind}s, 95% intervals over them in brackets.{few}",) if pairs else (),
-        not_asked=(*not_asked, *([] if success else [NO_SUCCESS])),
+        not_asked=() if success else (NO_SUCCESS,),
         notes=(*notes, *told),
-        damaged=damaged,
     )
 
 
@@ -217,32 +172,26 @@ def chosen_rewards(known: Iterable[str], only: Sequence[str], where: str) -> tup
 
 
 def _earned(
-    trainings: Sequence[Acted], evaluations: Sequence[Acted], rewards: Sequence[str], measures: Sequence[str]
+    trainings: Sequence[Run], evaluations: Sequence[Run], rewards: Sequence[str], measures: Sequence[str]
 ) -> tuple[list[Earned], list[Earned]]:
     """By the reward that taught, means of trainings with intervals over them: while learning; of the final policies.
 
     Without evaluations the last part of a training stands for its final policy.
     """
+
+    def earned(what: str, of: Sequence[Run], begin: float = 0.0, end: float = 1.0) -> Earned:
+        parts = [run.episodes.part(round(begin * run.steps), round(end * run.steps)) for run in of]
+        return earned_in_parts(f"trained with {taught}, {what}", parts, rewards, measures)
+
     early: list[Earned] = []
     final: list[Earned] = []
-    for taught in dict.fromkeys(it.taught for it in (*trainings, *evaluations)):
-        who, members = f"trained with {taught}", [it for it in trainings if it.taught == taught]
-        first = [it.episodes.part(0, round(LAST_SHARE * it.steps)) for it in members]
-        last = [it.episodes.part(round((1.0 - LAST_SHARE) * it.steps), it.steps) for it in members]
-        by_manner: dict[str, list[Acted]] = {}
-        for it in (it for it in evaluations if it.taught == taught):
-            by_manner.setdefault(it.manner, []).append(it)
-        evaluated = [
-            earned_in_parts(
-                f"{who}, {f'{manner} ' if manner else ''}evaluations",
-                [it.episodes.part(0, it.steps) for it in of],
-                rewards,
-                measures,
-            )
-            for manner, of in sorted(by_manner.items())
-        ]
+    for taught in dict.fromkeys(run.reward for run in (*trainings, *evaluations)):
+        members, evaluated = ([run for run in of if run.reward == taught] for of in (trainings, evaluations))
         if members:
-            early.append(earned_in_parts(f"{who}, first fifth", first, rewards, measures))
-            (early if evaluated else final).append(earned_in_parts(f"{who}, last fifth", last, rewards, measures))
-        final += evaluated
+            early.append(earned("first fifth", members, end=LAST_SHARE))
+            last = earned("last fifth", members, begin=1.0 - LAST_SHARE)
+            (early if evaluated else final).append(last)
+        for manner in sorted({run.facts.acted for run in evaluated}):
+            of = [run for run in evaluated if run.facts.acted == manner]
+            final.append(earned(f"{manner} evaluations".lstrip(), of))
     return early, final

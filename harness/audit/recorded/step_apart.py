@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from harness.audit.recorded.paid import episode_numbers, steps_of
 from harness.log import Log
 from harness.log.log import REWARD
 
@@ -46,24 +45,22 @@ class StepApart:
 
 
 def steps_apart(folder: str, log: Log, one: str, other: str) -> list[StepApart]:
-    """The steps of a log with the largest differences, largest first, one of an episode at most.
+    """The steps of a log without start rows with the largest differences, largest first, one of an episode at most.
 
     None where a reward pays all steps the same.
     """
-    rows, episodes = np.flatnonzero(steps_of(log)), episode_numbers(log)
-    values = np.stack([log[f"{REWARD}{one}"][rows], log[f"{REWARD}{other}"][rows]])
+    values = np.stack([log[f"{REWARD}{one}"], log[f"{REWARD}{other}"]])
     spread = values.std(axis=1, keepdims=True)
     if not (spread > 1e-9 * np.abs(values).max(axis=1, keepdims=True)).all():
         return []
     deviations = (values - values.mean(axis=1, keepdims=True)) / spread
     difference = np.abs(deviations[0] - deviations[1])
-    found: dict[int, StepApart] = {}  # by episode
-    for place in np.argsort(-difference, kind="stable").tolist():
-        if len(found) == MOST or difference[place] < LEAST:
+    found: dict[tuple[int, int], StepApart] = {}  # by env and episode
+    for row in np.argsort(-difference, kind="stable"):
+        if len(found) == MOST or difference[row] < LEAST:
             break
-        row = rows[place]
         env, episode, step = (int(log[name][row]) if name in log else 0 for name in ("env", "episode", "step"))
-        (first, second), (first_from, second_from) = values[:, place].tolist(), deviations[:, place].tolist()
+        (first, second), (first_from, second_from) = values[:, row].tolist(), deviations[:, row].tolist()
         apart = StepApart(folder, env, episode, step, (first, second), (first_from, second_from))
-        found.setdefault(int(episodes[row]), apart)
+        found.setdefault((env, episode), apart)
     return list(found.values())

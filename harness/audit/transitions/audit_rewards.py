@@ -13,18 +13,19 @@ from harness.audit.audit import Audit
 from harness.audit.distance import FORMS, Form
 from harness.audit.questions import ENVIRONMENT, NO_SUCCESS, NOT_ASKED, deciding_measure, on_best, rank_success
 from harness.audit.recorded.earned import earned_in_episodes
-from harness.audit.recorded.paid import Acted, acted_in
 from harness.audit.recorded.pair import pairs_in
 from harness.audit.recorded.pair_grid import SCALE
 from harness.audit.recorded.recordings import RANDOM
 from harness.audit.transitions.asked import of_transitions
 from harness.audit.transitions.canonical_forms import draw_coverages, forms_of, one_by_one
 from harness.errors import UsageError
+from harness.log import Log
 from harness.log.log import REWARD
+from harness.record.recording.facts import facts_of
 from harness.record.recording.recorded_training import read_recording
 from harness.recorder.record_rewards import RecordRewards
 from harness.recorder.walk import KeepWalks, Walk
-from harness.results.recordings.episodes import Episodes, count_text
+from harness.results.recordings.episodes import Episodes, count_text, episodes_of
 from harness.reward.given import OWN, Given
 
 GAMMA, EPISODES = 0.99, 10
@@ -78,18 +79,17 @@ def audit_rewards(
     given = {**rewards, _own(rewards): OWN}
     names = tuple(name for name in given if compared is None or name in compared)
     forms = [_forms(it, {name: given[name] for name in names}, gamma) for it in taken]
-    pairs, _ = pairs_in([it.acted for it in taken], names, forms)
+    pairs, _ = pairs_in([("", it.log) for it in taken], names, forms)
     acting = (RANDOM, *policies)
     by_policy = {policy: [it.of(number, episodes) for it in taken] for number, policy in enumerate(acting)}
     earned = tuple(
         earned_in_episodes(policy, each, names, tuple(behaviour or {})) for policy, each in by_policy.items()
     )
-    everything = [it.acted.episodes for it in taken]
-    success, count = deciding_measure(everything), sum(it.acted.steps for it in taken)
+    everything = [it.episodes for it in taken]
+    success, count = deciding_measure(everything), sum(len(it.log) for it in taken)
     name = made.spec.id if made.spec is not None else type(made.unwrapped).__name__
     return Audit(
         title=f"{name}: rewards {', '.join(names)}; discount {gamma:g}",
-        setting=(),
         facts={
             "env": name,
             "policies": list(acting),
@@ -155,17 +155,15 @@ def _make(env: Env | str | Callable[[], Env]) -> Env:
 class _Taken(NamedTuple):
     """One measurement: its steps, those of all policies one after the other, and where samples are drawn from."""
 
-    acted: Acted
+    log: Log
+    episodes: Episodes
     walks: list[Walk]
     rng: np.random.Generator
 
-    def of(self, number: int, episodes: int) -> Episodes:
-        """The episodes of one policy."""
-        all_of, own = self.acted.episodes, slice(number * episodes, (number + 1) * episodes)
-        returns, behaviour = (
-            {name: values[own] for name, values in of.items()} for of in (all_of.returns, all_of.behaviour)
-        )
-        return Episodes(all_of.last[own], returns, behaviour, {})
+    def of(self, number: int, count: int) -> Episodes:
+        """The episodes of one policy, of which each has so many."""
+        facts, own = facts_of(self.log), slice(number * count, (number + 1) * count)
+        return Episodes.of(facts, facts.rewards, facts.behaviour, self.episodes.numbers[:, own])
 
 
 def _take(
@@ -197,12 +195,13 @@ def _take(
                         ended = terminated or truncated
         finally:
             recorder.finish()
-        return _Taken(acted_in("", read_recording(path)), keeper.walks, rng)
+        log = read_recording(path).load()
+        return _Taken(log, episodes_of(log), keeper.walks, rng)
 
 
 def _forms(taken: _Taken, rewards: Mapping[str, Given], gamma: float) -> dict[str, Mapping[str, Form]]:
     """Each reward in every canonical form, or why it has none."""
-    log = taken.acted.log()
+    log = taken.log
     pays, reasons = of_transitions(rewards, taken.walks, {name: log[f"{REWARD}{name}"] for name in rewards})
     coverages = draw_coverages(taken.walks, taken.rng)
     return {

@@ -12,7 +12,8 @@ Subject = Annotated[
     str | None,
     typer.Argument(
         help="A task, such as fd100-reach; an environment, such as gymnasium:id=Pendulum-v1; the folder of an "
-        "experiment, of recorded trainings or of other logs; or a data set, minari:NAME or lerobot:FOLDER.",
+        "experiment, of recorded trainings or of other logs; or a data set: minari:NAME, lerobot:FOLDER, d4rl:FILE or "
+        "robomimic:FILE.",
         metavar="[TASK|ENVIRONMENT|FOLDER|DATASET]",
         show_default="fd100-reach",
         autocompletion=names_of("tasks", "environments"),
@@ -61,15 +62,5 @@ RandomFolder = Annotated[
         help="A folder of recordings with random actions, to compare recorded trainings with.",
         metavar="FOLDER",
         show_default=False,
-    ),
-]
-LogFormatName = Annotated[
-    str | None,
-    typer.Option(
-        "--as",
-        help="The format of logs that other programs wrote, with its settings.",
-        metavar="NAME",
-        show_default="what the files are",
-        autocompletion=names_of("logs"),
     ),
 ]

@@ -51,7 +51,7 @@ class PlayedAgain:
             SchemaError: A file of the cell is damaged.
         """
         self.cell = cell
-        self._recorded = read_recording(folder / EVALUATION_RECORDING).loaded()
+        self._recorded = read_recording(folder / EVALUATION_RECORDING).load()
         self.episodes = _episodes_of(self._recorded)
         policy = load_policy(folder / POLICY)
         with blamed_on(registry.get("environments", cell.task.name), "an env was made"):

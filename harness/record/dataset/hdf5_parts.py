@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.errors import SchemaError, UsageError
-from harness.record.dataset.dataset import MOST_KEYS, MOST_NUMBERS, require_readable, rows_at_once
+from harness.record.dataset.dataset import MOST_EPISODES, MOST_KEYS, MOST_NUMBERS, require_readable, rows_at_once
 from harness.text import shortened
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
@@ -83,9 +83,15 @@ class Array:
 
     @property
     def value(self) -> Any:
-        """All of it, of whatever shape."""
+        """All of it, of whatever shape.
+
+        Raises:
+            ValueError: It is too large for what says one thing, or lists names.
+        """
         import h5py
 
+        if self.size > MOST_EPISODES:
+            raise ValueError(f"an array of names has {self.size:,}, {MOST_EPISODES:,} are allowed")
         return h5py.Dataset(self._found, readonly=True)[()]
 
     @property
@@ -117,9 +123,9 @@ def group_of(path: Path, parent: Any, key: str, most: int = MOST_KEYS) -> Any:
     """
     found = member_of(path, parent, key)
     if isinstance(found, Array):
-        raise SchemaError(f"{path}: {parent.name}/{key} is no group")
+        raise SchemaError(f"{path}: {_place(parent, key)} is no group")
     if len(found) > most:
-        raise SchemaError(f"{path}: {parent.name}/{key} has {len(found):,} parts, {most:,} are allowed")
+        raise SchemaError(f"{path}: {_place(parent, key)} has {len(found):,} parts, {most:,} are allowed")
     return found
 
 
@@ -131,7 +137,7 @@ def array_of(path: Path, parent: Any, key: str) -> Array:
     """
     found = member_of(path, parent, key)
     if not isinstance(found, Array):
-        raise SchemaError(f"{path}: {parent.name}/{key} is a group, no array")
+        raise SchemaError(f"{path}: {_place(parent, key)} is a group, no array")
     return found
 
 
@@ -156,22 +162,27 @@ def member_of(path: Path, parent: Any, key: str) -> Any:
 
     try:
         link = parent.id.links.get_info(key.encode()).type
-    except (KeyError, ValueError):  # text that is no name
+    except (KeyError, RuntimeError, ValueError):  # none of that name, or text that is no name
         raise SchemaError(f"{path}: {parent.name} has no {key}") from None
     if link != h5l.TYPE_HARD:
-        raise SchemaError(f"{path}: {parent.name}/{key} is a link to somewhere else, which is not followed")
+        raise SchemaError(f"{path}: {_place(parent, key)} is a link to somewhere else, which is not followed")
     found = h5o.open(parent.id, key.encode())  # h5py's own brackets look up the file for each part
     if isinstance(found, h5g.GroupID):
         return h5py.Group(found)
     if not isinstance(found, h5d.DatasetID):
-        raise SchemaError(f"{path}: {parent.name}/{key} is a type, no data")
+        raise SchemaError(f"{path}: {_place(parent, key)} is a type, no data")
     array, plan = Array(found), found.get_create_plist()
     layout = plan.get_layout()
     if layout == h5d.VIRTUAL or (layout == h5d.CONTIGUOUS and plan.get_external_count()):
-        raise SchemaError(f"{path}: {parent.name}/{key} takes its numbers from other files, which is not followed")
+        raise SchemaError(f"{path}: {_place(parent, key)} takes its numbers from other files, which is not followed")
     if layout == h5d.CHUNKED and math.prod(plan.get_chunk()) * array.dtype.itemsize > CHUNK_BYTES:
-        raise SchemaError(f"{path}: {parent.name}/{key} has chunks of more than {CHUNK_BYTES:,} bytes")
+        raise SchemaError(f"{path}: {_place(parent, key)} has chunks of more than {CHUNK_BYTES:,} bytes")
     return array
+
+
+def _place(parent: Any, key: str) -> str:
+    """Where a part stands in its file: ``/data/demo_0``."""
+    return f"{parent.name.rstrip('/')}/{key}"
 
 
 class Walk:
@@ -264,10 +275,11 @@ class Budget:
 
 
 def text_of(told: Any) -> str:
-    """What an attribute, or an array of one value, says."""
+    """What an attribute, or an array of one value, says, on one line."""
     if isinstance(told, np.ndarray) and told.size == 1:
         told = told.ravel()[0]
-    return shortened(told.decode(errors="replace") if isinstance(told, bytes) else str(told), 200)
+    text = told.decode(errors="replace") if isinstance(told, bytes) else str(told)
+    return shortened(" ".join(text.split()), 200)
 
 
 def one_number(values: NDArray[Any], noun: str) -> NDArray[np.float64]:

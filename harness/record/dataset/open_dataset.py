@@ -6,10 +6,11 @@ from pathlib import Path
 from typing import Any
 
 from harness.errors import UsageError
+from harness.files.bounded import reading
 from harness.log.log import Log
 from harness.log.open_log import LOGS, open_logs
 from harness.record.dataset.dataset import DatasetFacts
-from harness.record.dataset.hdf5_parts import SIGNATURE
+from harness.record.dataset.hdf5_parts import SIGNATURE, open_hdf5
 from harness.registry.registry import Registry
 
 SYNTAX = "write minari:NAME, lerobot:FOLDER, d4rl:FILE or robomimic:FILE"
@@ -17,8 +18,12 @@ _TYPED = re.compile(r"(?P<format>[A-Za-z][\w/-]+):(?P<settings>\w+=[^:]*(?=:))?:
 """The name of a format; settings of it, if there are any, as in ``robomimic:mask=train:FILE``; and the place."""
 
 
+_FOLDERS = ("meta/info.json", "data/main_data.hdf5")
+"""What a folder holds that is a data set of LeRobot, or of Minari."""
+
+
 def is_dataset(text: str, formats: Callable[[], Collection[str]]) -> bool:
-    """Whether a text names a data set: by a format, or as an HDF5 file.
+    """Whether a text names a data set: by a format, as an HDF5 file, or as a folder that is one.
 
     Args:
         text: What a user typed.
@@ -27,11 +32,7 @@ def is_dataset(text: str, formats: Callable[[], Collection[str]]) -> bool:
     found = _TYPED.fullmatch(text)
     if found is not None and found["format"] in formats():
         return True
-    path = Path(text)
-    if not path.is_file():
-        return False
-    with path.open("rb") as file:
-        return file.read(len(SIGNATURE)) == SIGNATURE
+    return _is_hdf5(Path(text)) or any((Path(text) / name).is_file() for name in _FOLDERS)
 
 
 def open_dataset(text: str, registry: Registry, **settings: str | bool) -> Log:
@@ -50,6 +51,7 @@ def open_dataset(text: str, registry: Registry, **settings: str | bool) -> Log:
     found = _TYPED.fullmatch(text)
     given: dict[str, Any] = {name: value for name, value in settings.items() if value}
     if found is None or found["format"] not in registry.names(LOGS):
+        _require_whole(Path(text))
         logs = open_logs(Path(text), registry, **given)
     elif not found["place"]:
         raise UsageError(f"'{text}' names no data set: {SYNTAX}")
@@ -60,6 +62,24 @@ def open_dataset(text: str, registry: Registry, **settings: str | bool) -> Log:
         told = f"{len(logs)} logs of {logs[0].facts.unit}s"
         raise UsageError(f"'{text}' holds {told}, and is no data set of steps: {SYNTAX}")
     return logs[0]
+
+
+def _is_hdf5(path: Path) -> bool:
+    if not path.is_file():
+        return False
+    with path.open("rb") as file:
+        return file.read(len(SIGNATURE)) == SIGNATURE
+
+
+def _require_whole(path: Path) -> None:
+    """See that an HDF5 file can be opened: of one that is cut every format says that it is none of its own.
+
+    Raises:
+        SchemaError: It cannot.
+    """
+    if _is_hdf5(path):
+        with reading(path, "HDF5 file"), open_hdf5(path):
+            pass
 
 
 def facts_of(log: Log) -> DatasetFacts:

@@ -17,6 +17,8 @@ from harness.results.logs.trainings import Sorted, Training
 
 COLUMN = f"{BEHAVIOUR}{SUCCESS}"
 RULE = SuccessRule("success")
+LABELS = "labels"
+"""The format of what a user says of whole trainings."""
 
 
 def labelled(found: Sorted, folder: Path, path: Path) -> Sorted:
@@ -85,7 +87,7 @@ def _read(path: Path, *, is_single: bool) -> dict[str, dict[int | None, int]]:
 
 def _with_success(training: Training, labels: Mapping[int | None, int], path: Path) -> Training:
     if None in labels:
-        return replace(training, evaluation=_verdict_on(training, labels[None], path))
+        return replace(training, evaluation=_verdict_on(labels[None], path))
     if len(training.logs) > 1:
         count = len(training.logs)
         raise UsageError(f"--labels {path}: the {count} files of {training.shown} number no episodes together")
@@ -98,12 +100,10 @@ def _with_success(training: Training, labels: Mapping[int | None, int], path: Pa
     return replace(training, logs=(log.add({COLUMN: values}),))
 
 
-def _verdict_on(training: Training, label: int, path: Path) -> Log:
-    """One label of a whole training stands as one episode of its final policy."""
-    last = max(float(log["time"].max()) if "time" in log else float(len(log)) for log in training.logs)
-    ends = last * len(training.logs)
-    facts = LogFacts(path=path, format="labels", unit="episode", evaluation=True)
-    return in_memory(facts, {"time": np.array([ends]), COLUMN: np.array([_value(label)])})
+def _verdict_on(label: int, path: Path) -> Log:
+    """One label of a whole training stands as one episode of its final policy: it has no time of its own."""
+    facts = LogFacts(path=path, format=LABELS, unit="episode", evaluation=True)
+    return in_memory(facts, {COLUMN: np.array([_value(label)])})
 
 
 def _value(label: int) -> float:

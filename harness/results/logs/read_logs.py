@@ -23,10 +23,12 @@ from harness.results.logs.checks import (
     require_comparable,
     without_short,
 )
+from harness.results.logs.labels import LABELS
 from harness.results.logs.told import LENGTH, RETURN, SUCCESS_DECIDES, Deciding
 from harness.results.logs.trainings import Sorted, Training, digest_of
 from harness.results.measured import EVALUATION
 from harness.results.recordings.alike import NOTHING_ALIKE
+from harness.results.recordings.episodes import require_ends
 from harness.results.recordings.runs import LAST, NO_NAME, TRAINING, Run, Runs, run_of
 
 OWN_ALONE = (
@@ -50,41 +52,51 @@ def runs_of(found: Sorted, deciding: Deciding = SUCCESS_DECIDES, *, is_told: boo
     require_comparable(found, is_told=is_told)
     found = without_short(found)
     trainings = found.trainings
-    axis = _axis_of(trainings)
-    steps = [_steps(it, axis) for it in trainings]
-    shortest = min(steps)
-    logs = [log for it in trainings for log in (*it.logs, it.evaluation) if log is not None]
+    for training in trainings:
+        require_ends(training.logs[0])
+    logs = [log for it in trainings for log in it.all_logs]
     lower = {name for log in logs for name in log.facts.lower_is_better}
     told = list(dict.fromkeys(name for log in logs for name in log.measures))
     measures = _measures(told, lower, deciding)
-    runs = [_run(it, own, shortest, measures, axis) for it, own in zip(trainings, steps, strict=True)]
+    runs, steps, axis = read_trainings(trainings, measures)
     members = {(run.reward, run.seed): run for run in runs}
     every, episodes = _rhythm(runs)
     equal = equal_trainings({key: run.likeness.digest for key, run in members.items()})
     rewards = tuple(dict.fromkeys(name for name in (*found.rewards, *(it for run in runs for it in run.facts.rewards))))
     return Runs(
-        _group(trainings, shortest, every, episodes),
+        _group(trainings, min(steps), every, episodes),
         rewards,
         found.rewards,
         measures,
         frozenset(lower - {deciding.name} | ({deciding.name} if deciding.better == "lower" else set())),
         members,
-        shortest,
+        min(steps),
         no_steps_notes(logs),
         (),
         equal,
         {},
         said=(
-            found.sentence + _deciding_text(measures, told, logs),
+            found.sentence + _deciding_text(measures, told, trainings),
             *found.notes,
-            *facts_notes(logs),
+            *facts_notes([log for log in logs if log.facts.format != LABELS]),
             *budget_notes(trainings, steps, axis.noun),
+            *_final_notes(runs, min(steps), axis.noun),
             *equal_sentences(equal),
-            *_evaluations_left_out(trainings, axis, shortest),
         ),
         counted=_counted(trainings),
         returns_apart="" if _share_pay(runs) else OWN_ALONE,
     )
+
+
+def read_trainings(trainings: Sequence[Training], measures: Sequence[str]) -> tuple[list[Run], list[int], "Axis"]:
+    """Each training with its evaluations up to the end of the shortest, and how long each was, counted in what.
+
+    Raises:
+        SchemaError: A log is damaged.
+    """
+    axis = _axis_of(trainings)
+    steps = [_steps(it, axis) for it in trainings]
+    return [_run(it, of, min(steps), measures, axis) for it, of in zip(trainings, steps, strict=True)], steps, axis
 
 
 def _counted(trainings: Sequence[Training]) -> dict[str, str]:
@@ -102,7 +114,15 @@ def _share_pay(runs: Sequence[Run]) -> bool:
     return all(not np.isnan(run.episodes.returns.get(name, unknown)).any() for run in runs for name in taught)
 
 
-def _deciding_text(measures: Sequence[str], told: Sequence[str], logs: Sequence[Log]) -> str:
+def _final_notes(runs: Sequence[Run], shortest: int, noun: str) -> list[str]:
+    """After how much training the policies were evaluated that count as final, where it was before the end."""
+    ends = sorted({run.evaluation.facts.after for run in runs if run.evaluation is not None} - {shortest})
+    if not ends:
+        return []
+    return [f"As final count policies after {listed([f'{it:,}' for it in ends])} {noun}, which were evaluated last"]
+
+
+def _deciding_text(measures: Sequence[str], told: Sequence[str], trainings: Sequence[Training]) -> str:
     others = [f"`{name}`" for name in told if name not in measures]
     more = f". The logs tell {listed(others)} too: --measure NAME:better=lower lets one decide" if others else ""
     if not measures:
@@ -110,8 +130,10 @@ def _deciding_text(measures: Sequence[str], told: Sequence[str], logs: Sequence[
             "; only returns are told, and returns of two rewards are not comparable. --labels FILE says which "
             f"trainings succeeded, --measure length:better=lower lets the length of episodes decide{more}"
         )
-    lacking = sum(f"{BEHAVIOUR}{measures[0]}" not in log for log in logs) if measures[0] == SUCCESS else 0
-    return f"; {measures[0]} decides" + (f", which {lacking} of {len(logs)} logs do not tell" if lacking else "") + more
+    first, count = measures[0], len(trainings)
+    lacking = sum(not any(f"{BEHAVIOUR}{first}" in log for log in it.all_logs) for it in trainings)
+    without = f", which {lacking} of {count} trainings do not tell" if lacking and first == SUCCESS else ""
+    return f"; {first} decides{without}{more}"
 
 
 def _measures(told: Sequence[str], lower: Collection[str], deciding: Deciding) -> tuple[str, ...]:
@@ -163,12 +185,15 @@ def _axis_of(trainings: Sequence[Training]) -> Axis:
 
 
 def _steps(training: Training, axis: Axis) -> int:
-    """How long it was, over all of its environments: until its last row, or until a policy of it was evaluated."""
-    trained = int(max(_ends(log, axis)[-1] for log in training.logs)) * len(training.logs)
-    evaluation = training.evaluation
-    if evaluation is None or not axis.column or axis.is_summed or axis.column not in evaluation:
-        return trained
-    return max(trained, int(_ends(evaluation, axis)[-1]))
+    """How long it was, over all of its environments.
+
+    An episode that had not ended has no row: a policy that was evaluated later than that was trained for longer.
+    """
+    rows = int(max(_ends(log, axis)[-1] for log in training.logs)) * len(training.logs)
+    evaluated = training.evaluation
+    if evaluated is None or not axis.column or axis.is_summed or axis.column not in evaluated:
+        return rows
+    return max(rows, int(_ends(evaluated, axis)[-1]))
 
 
 def _ends(log: Log, axis: Axis) -> Float:
@@ -197,9 +222,13 @@ def _run(training: Training, steps: int, until: int, measures: Sequence[str], ax
 
 def _evaluations(training: Training, log: Log, measures: Sequence[str], axis: Axis, until: int) -> list[Run]:
     """What policies did in each evaluation up to a step of the training, in order."""
-    if axis.column not in log:
+    if log.facts.format == LABELS:
+        ends = np.full(len(log), float(until))
+    elif axis.column in log:
+        ends = _ends(log, axis)
+    else:
         raise UsageError(f"'{log.facts.path}' does not tell the {axis.noun} at which it evaluated: move it elsewhere")
-    columns = _columns(training, log, _ends(log, axis), measures)
+    columns = _columns(training, log, ends, measures)
     runs = []
     for after in np.unique(columns[TIME][columns[TIME] <= until]):
         rows = {name: values[columns[TIME] == after] for name, values in columns.items()}
@@ -207,18 +236,6 @@ def _evaluations(training: Training, log: Log, measures: Sequence[str], axis: Ax
         run = run_of(in_memory(replace(_facts(training, log.facts.path), evaluation=True), rows))
         runs.append(replace(run, facts=replace(run.facts, after=int(after))))
     return runs
-
-
-def _evaluations_left_out(trainings: Sequence[Training], axis: Axis, until: int) -> list[str]:
-    """A line where the policies that are called final were trained on; none elsewhere."""
-    evaluated = [it.evaluated for it in trainings if it.evaluated is not None]
-    later = sum(axis.column in log and bool(_ends(log, axis)[-1] > until) for log in evaluated)
-    if not later:
-        return []
-    return [
-        f"Evaluations after more than {until:,} {axis.noun} are left out in {later} of {len(trainings)} trainings: the "
-        "policies of the last evaluation up to there are called final"
-    ]
 
 
 def _named_after(training: Training, log: Log) -> Log:
@@ -232,6 +249,7 @@ def _facts(training: Training, path: Path) -> LogFacts:
         path=path,
         format=facts.format,
         unit=unit,
+        run=facts.run,
         trained_with=training.reward,
         seed=training.seed,
         env=facts.env,

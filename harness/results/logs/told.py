@@ -44,6 +44,17 @@ class Told:
     deciding: Deciding = SUCCESS_DECIDES
     labels: Path | None = None
 
+    @property
+    def flags(self) -> list[str]:
+        """The flags of ``harness report`` that say the same again."""
+        name, better = self.deciding
+        measure = f"{name}:better={better}" if better else name
+        given = {
+            "--as": self.format, "--sort": self.sort, "--baseline": self.baseline, "--measure": measure,
+            "--labels": str(self.labels or ""),
+        }  # fmt: skip
+        return [text for flag, value in given.items() if value for text in (flag, value)]
+
 
 FOUND_OUT = Told()
 

@@ -63,9 +63,14 @@ class Training:
         return self.logs[0].facts.evaluation
 
     @property
+    def all_logs(self) -> tuple[Log, ...]:
+        """Those of the training and that of its evaluations."""
+        return self.logs if self.evaluation is None else (*self.logs, self.evaluation)
+
+    @property
     def evaluated(self) -> Log | None:
-        """What policies did without being trained."""
-        return self.logs[0] if self.is_evaluated_alone else self.evaluation
+        """What policies did without being trained; what somebody else says of it comes first."""
+        return self.logs[0] if self.evaluation is None and self.is_evaluated_alone else self.evaluation
 
 
 class Sorted(NamedTuple):
@@ -408,7 +413,7 @@ def _without_copies(trainings: Sequence[Training]) -> tuple[list[Training], list
 
 def _left_out(logs: Sequence[Log], trainings: Sequence[Training]) -> list[str]:
     """How many logs of each kind say less of a training than another one does."""
-    told = {id(log) for it in trainings for log in (*it.logs, it.evaluation) if log is not None}
+    told = {id(log) for it in trainings for log in it.all_logs}
     kept = {log.facts.format for it in trainings for log in it.logs}
     kinds: dict[str, list[Log]] = {}
     for log in logs:

@@ -7,7 +7,7 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float
+from harness.arrays import Float, Mask
 from harness.errors import SchemaError, UsageError
 from harness.eta.interval import Bounds, are_within
 from harness.log import Log, LogFacts
@@ -15,6 +15,7 @@ from harness.log.log import BEHAVIOUR, REWARD, TIME
 from harness.record.recording.facts import TrainingFacts, facts_of
 
 UNKNOWN = "not a number in some episodes"
+ENDS = ("terminated", "truncated")
 
 
 class Part(NamedTuple):
@@ -114,21 +115,31 @@ class Episodes:
 def episodes_of(log: Log) -> Episodes:
     """The episodes of a log; one that had not ended is left out. Each point of a curve counts as one.
 
+    Where no column tells when episodes end, one has ended if another follows in its env. Where none tells how many
+    steps were taken before the rows of episodes or points, the rows are counted.
+
     Raises:
-        UsageError: The log does not tell where episodes end, or when.
         SchemaError: It is damaged.
     """
     facts = facts_of(log)
-    numbers = _of_steps(log, facts) if facts.unit == "step" else _of_rows(log, facts)
+    numbers = _of_steps(log.without_starts(), facts) if facts.unit == "step" else _of_rows(log, facts)
     return Episodes.of(facts, facts.rewards, facts.behaviour, numbers)
+
+
+def require_ends(log: Log) -> None:
+    """Check that a log of steps itself tells where episodes end.
+
+    Raises:
+        UsageError: It does not.
+    """
+    if log.facts.unit == "step" and not any(name in log for name in ENDS):
+        raise UsageError(f"'{log.facts.path}' does not tell where episodes end: no column 'terminated' or 'truncated'")
 
 
 def _of_rows(log: Log, facts: TrainingFacts) -> Float:
     """What `Episodes.of` takes, of a log whose rows are episodes, or points."""
-    if TIME not in log:
-        raise UsageError(f"'{facts.path}' does not tell how many environment steps were taken before its {facts.unit}s")
-    rows = log.rows([TIME, *facts.numbers])
-    ended = rows[TIME] - 1
+    rows = log.rows([*([TIME] if TIME in log else []), *facts.numbers])
+    ended = rows[TIME] - 1 if TIME in rows else np.arange(len(rows))
     if (np.diff(ended) < 0).any():
         raise SchemaError(f"{facts.path}: its {facts.unit}s do not stand in the order of time")
     return np.array([ended, *(rows[name] for name in facts.numbers)], dtype=np.float64)
@@ -136,14 +147,14 @@ def _of_rows(log: Log, facts: TrainingFacts) -> Float:
 
 def _of_steps(log: Log, facts: TrainingFacts) -> Float:
     """What `Episodes.of` takes, of a log of steps, a piece at a time: the sums of open episodes go on in the next."""
-    ends = [name for name in ("terminated", "truncated") if name in log]
+    ends = [name for name in ENDS if name in log]
     if not ends:
-        raise UsageError(f"'{facts.path}' does not tell where episodes end: no column 'terminated' or 'truncated'")
+        log, ends = log.add({ENDS[1]: _followed(log)}), [ENDS[1]]
     place = [name for name in ("env", "episode") if name in log]
     paid = [f"{REWARD}{name}" for name in facts.rewards]
     open_keys, open_sums, taken = np.empty(0, np.int64), [np.empty(0) for _ in paid], 0
     found: list[Float] = [np.empty((1 + len(facts.numbers), 0))]
-    for steps in log.without_starts().pieces([*place, *ends, *facts.numbers]):
+    for steps in log.pieces([*place, *ends, *facts.numbers]):
         zeros = np.zeros(len(steps), np.int64)
         env, episode = (steps[name].astype(np.int64) if name in place else zeros for name in ("env", "episode"))
         keys = np.concatenate([open_keys, env << 32 | episode])
@@ -162,6 +173,16 @@ def _of_steps(log: Log, facts: TrainingFacts) -> Float:
         open_keys, open_sums = episodes[is_open], [it[is_open] for it in sums]
         taken += len(steps)
     return np.concatenate(found, axis=1)
+
+
+def _followed(log: Log) -> Mask:
+    """Which steps are the last of an episode that another one follows in its env, (steps,)."""
+    zeros = np.zeros(len(log), np.int64)
+    env, episode = (log[name].astype(np.int64) if name in log else zeros for name in ("env", "episode"))
+    order = np.lexsort((episode, env))  # it is stable, so that steps stay in order
+    env, episode, found = env[order], episode[order], np.zeros(len(log), bool)
+    found[order[:-1][(np.diff(env) == 0) & (np.diff(episode) != 0)]] = True
+    return found
 
 
 def count_text(number: int, noun: str) -> str:

@@ -62,6 +62,11 @@ class RecordingResults:
         return TrainingFacts.from_json(self._told["facts"], self.path)
 
     @property
+    def log(self) -> Log:
+        """Its steps, of which no column is read yet; rewards with other weights pay them as far as terms tell it."""
+        return weighed(read_recording(self.path), self._weighed)
+
+    @property
     def steps(self) -> int:
         """How many are recorded."""
         steps: int = self._told["steps"]
@@ -128,7 +133,7 @@ class RecordingResults:
     def _recording(self) -> Log:
         if self._held is None:
             log = read_recording(self.path)
-            log = log.loaded(name for name in log.names if name not in {*CALLS, ACTION})
+            log.load(name for name in log.names if name not in {*CALLS, ACTION})
             self._held = weighed(log, self._weighed)
         return self._held
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from itertools import combinations
 from pathlib import Path
 from types import MappingProxyType
-from typing import NamedTuple, Protocol, Self
+from typing import Final, NamedTuple, Protocol, Self
 
 from harness.arrays import Float
 from harness.errors import Unscored, UsageError
@@ -13,7 +13,7 @@ from harness.eta.behaviour_change import WHOLE, Quantity
 from harness.eta.interval import SHARE, UNBOUNDED, Bounds
 from harness.eta.rescaling import Rescaling, rescaling_of
 from harness.log import Log
-from harness.log.log import RECORDED, REWARD, SUCCESS
+from harness.log.log import RECORDED, REWARD, SUCCESS, TIME
 from harness.record.recording.facts import TrainingFacts, facts_of
 from harness.results.by_term import ByTerm
 from harness.results.comparison import Group
@@ -28,13 +28,17 @@ TRAINING, LAST = WHOLE, "in its last fifth"
 """Where episodes are taken from."""
 MANNERS = (EVALUATION, *(f"{EVALUATION}, {acted}" for acted in (DETERMINISTIC, STOCHASTIC)), LAST, TRAINING)
 """What says most about the final policies comes first. Evaluations in the other manner say how their policies acted."""
-RANDOM = "random"
+RANDOM: Final = "random"
 """How actions were chosen without a policy; see `harness.record.recording.facts.Acted`."""
 NO_NAME = "an env without a name"
 
 
 class Pay(Protocol):
     """What rewards paid a training, read from its files where it is asked for."""
+
+    @property
+    def log(self) -> Log:
+        """All that was kept of the training, paid by every reward that it knows."""
 
     def paid_by(self, reward: str) -> Float:
         """What a reward pays for each step, (steps,).
@@ -147,11 +151,15 @@ def run_of(log: Log) -> Run:
     What the log calls `RECORDED` is what that reward paid. What others would have paid it does not tell.
 
     Raises:
-        UsageError: The log does not tell the reward, where its episodes end, or when.
+        UsageError: The log does not tell the reward, or when episodes or points end.
         SchemaError: It is damaged.
     """
     if not log.facts.trained_with:
         raise UsageError(f"'{log.facts.path}' does not tell which reward paid its training: name it")
+    if log.facts.unit != "step" and TIME not in log:
+        raise UsageError(
+            f"'{log.facts.path}' does not tell how many environment steps were taken before its {log.facts.unit}s"
+        )
     if RECORDED in log.rewards:
         then, now = (f"{REWARD}{name}" for name in (RECORDED, log.facts.trained_with))
         terms = {f"{then}/{term}": f"{now}/{term}" for term in log.terms_of(RECORDED)}

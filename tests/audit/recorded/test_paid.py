@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.audit.recorded.paid import Apart, Paid, compare_paid, episodes_in, paid_in
+from harness.audit.recorded.paid import Apart, Paid, compare_paid, paid_in
+from harness.audit.recorded.pair import pairs_in
 from harness.log import Failed, LogFacts, in_memory
 
 NUMBERS = st.lists(st.integers(-20, 20), min_size=2, max_size=12)
@@ -77,39 +78,32 @@ def log_of(unit="step", failed=(), **columns):
     return in_memory(facts, {name.replace("__", "/"): np.asarray(values) for name, values in columns.items()})
 
 
-def test_steps_are_summed_to_episodes():
-    """Of envs that take turns; one that has not ended is left out, and a measure is that of the last step."""
+def test_steps_and_episodes_of_a_log_are_paid():
+    """Of envs that take turns; an episode that has not ended is left out, and its steps are not."""
     log = log_of(
         env=[0, 1, 0, 1, 0, 1],
         episode=[0, 0, 0, 0, 1, 0],
         terminated=[False, False, True, False, False, False],
         truncated=[False, False, False, False, False, True],
         reward__a=[1.0, 10.0, 2.0, 20.0, 4.0, 30.0],
-        behaviour__success=[0.0, 0.0, 1.0, 0.0, 1.0, 0.0],
     )
-    found = episodes_in(log)
-    assert (found.last.tolist(), found.returns["a"].tolist()) == ([2, 5], [3.0, 60.0])
-    assert found.behaviour["success"].tolist() == [1.0, 0.0]
-    assert paid_in(log, found).steps["a"].tolist() == [1.0, 10.0, 2.0, 20.0, 4.0, 30.0]
+    paid = paid_in(log)
+    assert (paid.returns["a"].tolist(), paid.steps["a"].tolist()) == ([3.0, 60.0], [1.0, 10.0, 2.0, 20.0, 4.0, 30.0])
 
 
 def test_start_of_an_episode_is_no_step():
     """It is paid nothing, and is not compared."""
-    log = log_of(start=[True, False, False], terminated=[False, False, True], reward__a=[9.0, 1.0, 2.0])
-    found = episodes_in(log)
-    assert (found.returns["a"].tolist(), paid_in(log, found).steps["a"].tolist()) == ([3.0], [1.0, 2.0])
-
-
-def test_last_episode_may_go_on_where_nothing_tells_its_end():
-    """Of each env; every one before it has ended, because another followed."""
-    log = log_of(env=[0, 0, 0, 1, 1], episode=[0, 0, 1, 0, 1], reward__a=[1.0, 2.0, 4.0, 8.0, 16.0])
-    assert episodes_in(log).returns["a"].tolist() == [3.0, 8.0]
+    starts, ends = [True, False, False, True, False, False], [False, False, True, False, False, True]
+    paid = {"reward__a": [99.0, 1.0, 2.0, 99.0, 3.0, 5.0], "reward__b": [-99.0, 2.0, 4.0, -99.0, 6.0, 10.0]}
+    log = log_of(start=starts, terminated=ends, episode=[0, 0, 0, 1, 1, 1], **paid)
+    ((pair,), _) = pairs_in([("some", log)], ("a", "b"))
+    assert pair.steps.mean == pytest.approx(0.0, abs=1e-7)
 
 
 def test_rows_of_episodes_are_compared_by_episodes_alone():
     """There are no steps to compare."""
     log = log_of(unit="episode", reward__a=[1.0, 2.0, 4.0], reward__b=[2.0, 4.0, 8.0])
-    apart = compare_paid(paid_in(log, episodes_in(log)), "a", "b")
+    apart = compare_paid(paid_in(log), "a", "b")
     assert (apart.steps, apart.returns, apart.discordant) == (None, pytest.approx(0.0, abs=1e-7), 0.0)
 
 
@@ -117,5 +111,5 @@ def test_reward_that_was_given_up_says_why():
     """It is known in no step then."""
     failed = (Failed("reward/a", "it broke"),)
     log = log_of(failed=failed, terminated=[True, True], reward__a=[1.0, np.nan], reward__b=[1.0, 2.0])
-    paid = paid_in(log, episodes_in(log))
-    assert (paid.unknown, set(paid.returns)) == ({"a": "it broke"}, {"b"})
+    paid = paid_in(log)
+    assert (paid.unknown, set(paid.returns)) == ({"a": "given up: it broke"}, {"b"})

@@ -12,6 +12,7 @@ from harness.audit.recorded.recordings import audit_logs, audit_recordings
 from harness.errors import UsageError
 from harness.eta.rescaling import Rescaling
 from harness.log import LogFacts, in_memory
+from harness.log.open_log import Found
 from tests.results.recordings.conftest import PULLS, record
 
 
@@ -219,23 +220,55 @@ def monitored(path, place, pays):
 
 def test_own_pay_of_logs_in_several_folders_is_of_several_rewards(tmp_path):
     """It cannot be compared, so each stands in a column of its own, and no pair has a number."""
-    logs = [monitored(tmp_path, place, np.arange(10.0)) for place in ("a/0.csv", "a/1.csv", "b/0.csv")]
-    found = audit_logs(tmp_path, logs, [])
+    places = {"a/0.csv": np.arange(10.0), "a/1.csv": np.arange(10.0) + 1.0, "b/0.csv": np.arange(10.0)}
+    logs = tuple(monitored(tmp_path, place, pays) for place, pays in places.items())
+    found = audit_logs(tmp_path, Found(logs, ()))
     assert found.rewards == ("a", "b")
     late = {row.behaviour: row.returns for row in found.earned}["trained with a, last fifth"]
-    assert (late["a"].mean, late["a"].seeds, late["b"].mean) == (8.5, 2, None)
+    assert (late["a"].mean, late["a"].seeds, late["b"].mean) == (9.0, 2, None)
     assert found.pairs[0].returns.mean is None
     assert "No recording knows both 'a' and 'b'" in found.notes
+    assert found.notes[0] == "3 trainings of 2 rewards: `a` 2, `b` 1; the baseline is `a`"
+
+
+def test_names_of_logs_are_sorted_as_the_user_says(tmp_path):
+    """Here the folder is the seed."""
+    logs = tuple(
+        monitored(tmp_path, place, np.arange(10.0) + paid)
+        for paid, place in enumerate(("0/a.csv", "1/a.csv", "1/b.csv"))
+    )
+    found = audit_logs(tmp_path, Found(logs, ()), sort="{seed}/{reward}")
+    late = {row.behaviour: row.returns for row in found.earned}
+    assert (late["trained with a, last fifth"]["a"].seeds, late["trained with b, last fifth"]["b"].seeds) == (2, 1)
 
 
 def test_logs_of_one_folder_share_their_reward(tmp_path):
-    """It is called recorded, as nobody says what it is."""
-    found = audit_logs(tmp_path / "a", [monitored(tmp_path / "a", "0.csv", [1.0, 2.0])], [(Path("x"), "it is damaged")])
-    assert (found.rewards, found.pairs) == (("recorded",), ())
+    """It is called as the folder is, as nobody says what it is."""
+    log = monitored(tmp_path / "a", "0.csv", [1.0, 2.0])
+    found = audit_logs(tmp_path / "a", Found((log,), ((Path("x"), "it is damaged"),)))
+    assert (found.rewards, found.pairs) == (("a",), ())
     assert "'x' is left out: it is damaged" in found.notes
 
 
 def test_folder_without_a_log_is_refused(tmp_path):
     """With what was left out."""
     with pytest.raises(UsageError, match=r"holds no log that is read: .* 'x' is left out: it is damaged"):
-        audit_logs(tmp_path, [], [(Path("x"), "it is damaged")])
+        audit_logs(tmp_path, Found((), ((Path("x"), "it is damaged"),)))
+
+
+def test_steps_that_do_not_tell_where_episodes_end_are_compared(tmp_path):
+    """By steps alone where there is no number of an episode either."""
+    paid = {"reward/a": np.array([1.0, 2.0, 4.0]), "reward/b": np.array([-1.0, -2.0, -4.0])}
+    log = in_memory(LogFacts(path=tmp_path / "steps.csv", format="made"), paid)
+    (pair,) = audit_logs(tmp_path, Found((log,), ())).pairs
+    assert (pair.steps.mean, pair.returns.mean) == (pytest.approx(1.0), None)
+
+
+def test_evaluations_in_two_manners_are_of_one_training(tmp_path):
+    """Intervals of how a reward ranks success are over trainings."""
+    for seed in range(4):
+        record(tmp_path / f"{seed}", "plain", seed, [0.2, 0.8])
+        for manner in ("deterministic", "stochastic"):
+            arms = [0.2, 0.8, 0.4, 0.6]
+            record(tmp_path / f"{seed}-{manner}", "plain", seed, arms, evaluation=True, acted=manner)
+    assert {it.clusters for it in audit_recordings(tmp_path).rankings.values()} == {4}

@@ -11,6 +11,7 @@ from harness.audit.dataset.paid_dataset import pay_dataset
 from harness.audit.dataset.step_by_step import step_by_step
 from tests.bench.timings.processes import measure
 from tests.record.dataset.written import episode, opened, write_lerobot, write_minari
+from tests.results.recordings.conftest import PULLS, record
 
 pytestmark = pytest.mark.bench
 STEPS = 200
@@ -62,4 +63,17 @@ def test_a_million_steps_with_two_rewards(tmp_path, is_timed, amount, kind):
     told = json.loads(taken.out)
     assert (told["steps"], [it["reward"] for it in told["rewards"]]) == (count * steps, ["recorded", "double"])
     print(f"\n  {kind}: {taken.cpu_seconds:.1f} s, {taken.megabytes:.0f} MB")  # noqa: T201
+    assert not is_timed or (taken.cpu_seconds <= 5.0 and taken.megabytes <= 400.0)
+
+
+def test_a_million_recorded_steps_with_two_rewards(tmp_path, is_timed, amount):
+    """A recording of 200,000 episodes of 5 steps takes no more than the same, and reads what its rewards paid alone."""
+    count = amount(200_000, 40)
+    pays = {"plain": lambda arms: arms + 1.0, "square": lambda arms: (arms - 0.5) ** 2}
+    record(tmp_path / "runs/0", "plain", 0, np.linspace(0.0, 0.9, count), pays=pays)
+    taken = measure(sys.executable, "-m", "harness", "audit", str(tmp_path / "runs"), "--json")
+    told = json.loads(taken.out)
+    assert (told["rewards"], sum(row["episodes"] for row in told["earned"])) == (["plain", "square"], 2 * count // 5)
+    assert told["pairs"][0]["steps"]["count"] == 1
+    print(f"\n  {count * PULLS:,} steps: {taken.cpu_seconds:.1f} s, {taken.megabytes:.0f} MB")  # noqa: T201
     assert not is_timed or (taken.cpu_seconds <= 5.0 and taken.megabytes <= 400.0)

@@ -486,7 +486,7 @@ def test_a_cell_that_is_done_in_both_folders_is_taken_once(
 
 def _write_again(cell: Path, part: str, change: Callable[[Log], Log]) -> None:
     """A recording of a cell, changed, as if the cell had left it so."""
-    recording = read_recording(cell / part).loaded()
+    recording = read_recording(cell / part).load()
     shutil.rmtree(cell / part)
     write_recording(cell / part, change(recording))
     read_manifest(cell).write(cell)

@@ -186,3 +186,52 @@ def test_the_audit_ranks_as_a_computation_of_returns_does(tmp_path: Path) -> Non
     expected = np.mean(returns[1::2][:, None] > returns[::2])
     assert (found.successes, found.failures) == (10, 10)
     assert found.rewards[0].by_success.value == pytest.approx(expected)
+
+
+def test_the_last_episode_may_be_cut_by_the_end_of_the_file(tmp_path: Path) -> None:
+    """No row behind it shows what was seen after its last step, as where a file has a million steps and no more."""
+    after = np.concatenate([stored(write(tmp_path / "a.hdf5"), "observations")[1:], np.full((1, 3), 9.0, np.float32)])
+    after[ENDS[:-1]] = 7.0
+    log = opened(write(tmp_path / "d.hdf5", timeouts=np.arange(STEPS) == 3, next_observations=after))
+    assert len(log) == 4
+    assert "Left out, since no row ends the episode: the last 4 steps" in log.facts.notes
+
+
+def test_a_horizon_beside_timeouts_is_refused(tmp_path: Path) -> None:
+    """One of them would be passed over."""
+    text = write(tmp_path / "d.hdf5").replace("d4rl:", "d4rl:horizon=2:")
+    with pytest.raises(UsageError, match=r"has timeouts, .* leave out horizon=2"):
+        opened(text)
+
+
+def test_a_negative_horizon_is_refused(tmp_path: Path) -> None:
+    """Also where nothing else says how long episodes are."""
+    text = write(tmp_path / "d.hdf5", timeouts=None).replace("d4rl:", "d4rl:horizon=-2:")
+    with pytest.raises(UsageError, match="horizon=-2: after at least 1 step"):
+        opened(text)
+
+
+@pytest.mark.parametrize(
+    ("key", "values", "told"),
+    [
+        ("terminals", np.full(STEPS, np.nan), "terminals holds nan in row 0"),
+        ("timeouts", np.arange(STEPS), "timeouts holds 2 in row 2"),
+        ("rewards", np.array([b"1"] * STEPS), r"rewards holds no rows of at most 16,384 numbers, but \[8\] of \|S1"),
+        ("next_observations", np.zeros((STEPS, 2)), r"next_observations are \[8, 2\], and observations \[8, 3\]"),
+    ],
+)
+def test_arrays_that_are_not_what_they_are_called_are_refused(tmp_path: Path, key: str, values: Any, told: str) -> None:
+    """The array is named."""
+    with pytest.raises(SchemaError, match=told):
+        opened(write(tmp_path / "d.hdf5", **{key: values}))
+
+
+def test_more_steps_than_are_held_are_refused_unread(tmp_path: Path) -> None:
+    """A file may declare them without a byte of them."""
+    text = write(tmp_path / "d.hdf5")
+    with h5py.File(tmp_path / "d.hdf5", "a") as file:
+        for key in ("observations", "actions", "rewards", "terminals", "timeouts"):
+            del file[key]
+            file.create_dataset(key, (90_000_000,), "f8", chunks=(1000,))
+    with pytest.raises(SchemaError, match="90,000,000 steps, 20,000,000 are allowed"):
+        opened(text)

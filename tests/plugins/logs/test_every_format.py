@@ -27,6 +27,43 @@ def test_an_example_is_recognised_by_its_own_format_alone(tmp_path: Path, name: 
     assert [other for other, it in FORMATS.items() if it.recognises(path, head)] == [name]
 
 
+HEADS = {
+    "an episode once in each run": ("run,episode,reward", "a,0,-1", "a,1,-2", "b,0,-1"),
+    "an episode once in each seed": ("seed,episode,reward", "3,0,-1", "3,1,-2", "8,0,-1"),
+    "an episode once in each env": ("env,episode,reward,length", "0,0,-1,200", "1,0,-1,200", "0,1,-2,190"),
+    "a counter that rises by a length": ("episode,reward,total_steps", "0,-1,200", "1,-2,390"),
+    "one episode": ("episode,reward,length", "0,-19,200"),
+    "one episode without a length": ("episode,reward", "0,-19"),
+    "pandas numbers the rows": (",episode,reward", "0,0,-19", "1,1,-18"),
+    "lengths alone": ("reward,length", "-19,200", "-18,200"),
+    "lengths that only rise": ("reward,length", "-19,200", "-18,390"),
+}
+"""Beginnings of tables of episodes."""
+OF_STEPS = {
+    "a counter": ("t,reward", "0,0", "1,0.5"),
+    "several steps an episode": ("episode,reward", "0,0.5", "0,0.5", "1,0.5"),
+    "steps of envs": ("env,episode,reward", "0,0,1", "1,0,1", "0,0,1"),
+    "a counter of all episodes": ("episode,global_step,reward", "0,1,1", "0,2,1", "1,3,1"),
+    "lengths so far": ("reward,length", "1,1", "1,2", "1,3"),
+    "observations": ("episode,obs_0,reward", "0,0.5,1", "1,0.5,1"),
+    "how it ended": ("episode,reward,terminated", "0,1,1", "1,1,1"),
+    "two counts": ("step,episode,reward", "1,0,0.5", "1,1,0.5"),
+}
+"""Beginnings of tables of steps."""
+
+
+@pytest.mark.parametrize(
+    ("rows", "name"),
+    [*((rows, "episode-csv") for rows in HEADS.values()), *((rows, "steps-csv") for rows in OF_STEPS.values())],
+    ids=[*HEADS, *OF_STEPS],
+)
+def test_a_table_is_recognised_by_one_format_alone(tmp_path: Path, rows: tuple[str, ...], name: str):
+    """Whoever reads all logs of a folder would read it twice."""
+    path = tmp_path / "it.csv"
+    path.write_text("\n".join([*rows, ""]))
+    assert [other for other, it in FORMATS.items() if it.recognises(path, path.read_bytes())] == [name]
+
+
 @pytest.mark.parametrize("name", FOREIGN)
 def test_an_example_has_returns_or_success_in_every_row(tmp_path: Path, name: str):
     """Through the door that all logs come in by, with finite numbers."""

@@ -160,3 +160,81 @@ def test_a_file_is_audited_without_its_format(tmp_path: Path) -> None:
     (reward,) = found.rewards
     assert (found.facts.format, found.successes, found.failures) == ("robomimic", 1, 2)
     assert reward.by_success.value == pytest.approx(np.mean(returns[1] > returns[[0, 2]]))
+
+
+def test_dones_in_the_middle_end_no_episode(tmp_path: Path) -> None:
+    """Where they say that the task is done by now, the demonstration goes on."""
+    text = write(tmp_path / "d.hdf5")
+    with h5py.File(tmp_path / "d.hdf5", "a") as file:
+        file["data/demo_1/dones"][:] = [0, 0, 1, 1, 1]
+        file["data/demo_2/dones"][:] = [0, 1, 1, 0]
+    log = opened(text)
+    assert np.flatnonzero(log["terminated"]).tolist() == [2, 7]
+    assert np.nansum(opened(text, success="dones")["behaviour/success"]) == 1 + 3 + 2
+
+
+def test_demonstrations_are_found_by_their_numbers(tmp_path: Path) -> None:
+    """Also behind zeros; steps are those of the group of that name."""
+    text = write(tmp_path / "d.hdf5")
+    pay = stored(tmp_path / "d.hdf5", "actions")
+    with h5py.File(tmp_path / "d.hdf5", "a") as file:
+        file.move("data/demo_1", "data/demo_001")
+    rows = opened(text).rows()
+    assert rows["episode"].tolist() == [0] * 3 + [1] * 5 + [2] * 4
+    assert np.array_equal(rows["action"], pay)
+
+
+@pytest.mark.parametrize(
+    ("name", "told"), [("episode_1", "holds 'episode_1'"), ("demo_00", "demo_0 and demo_00, which have one number")]
+)
+def test_demonstrations_of_other_names_are_refused(tmp_path: Path, name: str, told: str) -> None:
+    """They would be passed over."""
+    text = write(tmp_path / "d.hdf5")
+    with h5py.File(tmp_path / "d.hdf5", "a") as file:
+        file.move("data/demo_1", f"data/{name}")
+    with pytest.raises(SchemaError, match=told):
+        opened(text)
+
+
+def test_what_one_demonstration_lacks_is_named(tmp_path: Path) -> None:
+    """And not what the file is, which the user said."""
+    text = write(tmp_path / "d.hdf5")
+    with h5py.File(tmp_path / "d.hdf5", "a") as file:
+        del file["data/demo_2/rewards"]
+    with pytest.raises(SchemaError, match=r"/data/demo_2 has no rewards"):
+        opened(text).rows()
+
+
+def test_the_env_is_told_on_one_line(tmp_path: Path) -> None:
+    """Robomimic's own script writes it with line breaks."""
+    log = opened(write(tmp_path / "d.hdf5", env_args=json.dumps(ARGS, indent=4)))
+    assert "\n" not in log.facts.env
+    assert json.loads(log.facts.env) == ARGS
+
+
+def test_observations_of_two_shapes_are_refused(tmp_path: Path) -> None:
+    """What was seen after a step has the numbers of what was seen before it."""
+    text = write(tmp_path / "d.hdf5")
+    with h5py.File(tmp_path / "d.hdf5", "a") as file:
+        del file["data/demo_1/next_obs/robot0_eef_pos"]
+        file["data/demo_1/next_obs/robot0_eef_pos"] = np.zeros((5, 4))
+    with pytest.raises(SchemaError, match=r"demo_1: observation/robot0_eef_pos is \[5, 3\] in obs and \[5, 4\] in"):
+        opened(text).rows()
+
+
+def test_a_filter_key_of_too_many_names_is_refused_unread(tmp_path: Path) -> None:
+    """A file may declare them without a byte of them."""
+    text = write(tmp_path / "d.hdf5")
+    with h5py.File(tmp_path / "d.hdf5", "a") as file:
+        file.create_dataset("mask/train", (10**11,), "S8", chunks=(1000,))
+    with pytest.raises(SchemaError, match="an array of names has 100,000,000,000, 2,000,000 are allowed"):
+        opened(text)
+
+
+def test_a_file_that_is_cut_is_told_so(tmp_path: Path) -> None:
+    """No format can say that it is its own."""
+    write(tmp_path / "d.hdf5")
+    whole = (tmp_path / "d.hdf5").read_bytes()
+    (tmp_path / "d.hdf5").write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(SchemaError, match=r"no readable HDF5 file: OSError: .*truncated file"):
+        opened(str(tmp_path / "d.hdf5"))

@@ -1,3 +1,4 @@
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -33,6 +34,29 @@ def test_a_label_for_each_training(found, tmp_path: Path):
     runs = runs_of(labelled(found, RUNS, tmp_path / "l.csv"))
     told = {key: run.evaluation.whole.behaviour["success"] for key, run in runs.members.items()}
     assert told == {("base", 0): 0.0, ("base", 1): 1.0, ("arp", 0): 1.0, ("arp", 1): 1.0}
+
+
+def test_a_label_of_a_longer_training_counts(found, tmp_path: Path):
+    """Trainings seldom end with an episode: a label tells of the final policy, wherever the rows are cut."""
+    shorter = replace(found.trainings[0], logs=(found.trainings[0].logs[0].part(slice(2)),))
+    (tmp_path / "l.csv").write_text("run,success\nbase/0,0\nbase/1,0\narp/0,1\narp/1,1\n")
+    runs = runs_of(labelled(Sorted((shorter, *found.trainings[1:]), ()), RUNS, tmp_path / "l.csv"))
+    assert (runs.steps, {run.steps for run in runs.members.values()}) == (8, {8, 12})
+    told = {key: run.evaluation.whole.behaviour["success"] for key, run in runs.members.items()}
+    assert told == {("base", 0): 0.0, ("base", 1): 0.0, ("arp", 0): 1.0, ("arp", 1): 1.0}
+    assert not any("of labels" in line for line in runs.said)
+
+
+def test_a_label_counts_where_evaluations_alone_were_kept(found, tmp_path: Path):
+    """Which tell returns alone."""
+    alone = [
+        replace(it, logs=(replace(log, facts=replace(log.facts, evaluation=True)),))
+        for it in found.trainings
+        for log in it.logs
+    ]
+    (tmp_path / "l.csv").write_text("run,success\nbase/0,0\nbase/1,0\narp/0,1\narp/1,1\n")
+    runs = runs_of(labelled(Sorted(tuple(alone), ()), RUNS, tmp_path / "l.csv"))
+    assert [run.evaluation.whole.behaviour["success"] for run in runs.members.values()] == [0.0, 0.0, 1.0, 1.0]
 
 
 def test_a_label_for_each_episode(found, tmp_path: Path):

@@ -64,23 +64,40 @@ def test_environments_of_a_batch_are_one_training(counts):
     assert run.steps == 5 * max(counts) * len(counts)
 
 
-def test_evaluations_stand_beside_the_training_that_they_belong_to():
-    """The last one up to the shortest budget is the final policy's; those before it are moments."""
+def evaluated(name: str, count: int = 10) -> Training:
+    """Of so many episodes of 5 steps each, evaluated after 20, 40 and 60 steps."""
     at = {"time": np.repeat([20.0, 40.0, 60.0], 2), SUCCESS: np.array([0.0, 0, 1, 0, 1, 1])}
-    facts = LogFacts(path=Path("/runs/e.npz"), format="E", unit="episode", evaluation=True)
-    evaluation, shorter = in_memory(facts, at), in_memory(facts, {name: values[:4] for name, values in at.items()})
-    keys = [(name, seed) for name in ("base", "arp") for seed in (0, 1)]
-    found = [
-        Training(name, seed, (episodes(f"{name}{seed}"),), shorter if name == "arp" and seed else evaluation)
-        for name, seed in keys
-    ]
-    runs = runs_of(trainings(*found))
-    assert runs.said[-1].startswith("Evaluations after more than 50 steps are left out in 3 of 4 trainings")
-    run = runs.members["base", 0]
+    facts = LogFacts(path=Path(f"/runs/{name}.npz"), format="E", unit="episode", evaluation=True)
+    return Training(name[:-1], int(name[-1]), (episodes(name, count),), in_memory(facts, at))
+
+
+def test_evaluations_stand_beside_the_training_that_they_belong_to():
+    """The last one up to the shortest budget counts as the final policy's; those before it are moments."""
+    short = Training("base", 0, (episodes("base0"),))
+    runs = runs_of(trainings(short, *map(evaluated, ("base1", "arp0", "arp1"))))
+    run = runs.members["base", 1]
     assert run.evaluation is not None
     assert run.evaluation.whole.behaviour == {"success": 0.5}
     assert [(it.steps, it.values["success"]) for it in run.moments(runs.steps)] == [(20, 0.0), (50, 0.5)]
-    assert (runs.group.evaluate_every, runs.group.evaluation_episodes) == (20, 2)
+    assert runs.group.evaluation_episodes == 2
+    assert "As final count policies after 40 steps, which were evaluated last" in runs.said
+
+
+def test_a_policy_that_was_evaluated_later_was_trained_for_longer():
+    """The last episode had not ended, and has no row: the evaluation at the end is the final policy's."""
+    runs = runs_of(trainings(*map(evaluated, ("base0", "base1", "arp0", "arp1"))))
+    assert (runs.steps, runs.group.evaluate_every) == (60, 20)
+    assert {key: run.evaluation.whole.behaviour["success"] for key, run in runs.members.items()} == dict.fromkeys(
+        runs.members, 1.0
+    )
+    assert not any("As final" in line for line in runs.said)
+
+
+def test_trainings_that_do_not_tell_success_are_counted():
+    """Not their files: evaluations of a training tell it too."""
+    silent = Training("base", 1, (episodes("base1"),))
+    runs = runs_of(trainings(evaluated("base0"), silent, *map(evaluated, ("arp0", "arp1"))))
+    assert "success decides, which 1 of 4 trainings do not tell" in runs.said[0]
 
 
 def test_an_evaluation_after_the_last_episode_belongs_to_the_training():

@@ -9,7 +9,7 @@ import pytest
 
 from harness.errors import SchemaError, Unscored, UsageError
 from harness.log import Failed, Log, LogFacts, in_memory
-from harness.results.recordings.episodes import episodes_of
+from harness.results.recordings.episodes import episodes_of, require_ends
 from harness.results.recordings.read_runs import runs_of
 from harness.results.recordings.runs import run_of
 from harness.results.recordings.study import compare_all
@@ -78,17 +78,27 @@ def test_start_rows_are_no_steps():
 
 
 def test_log_without_ends_is_refused():
-    """Nobody knows then which steps are one episode."""
+    """Nobody knows then which steps are one episode; and none is told."""
     log = in_memory(LogFacts(path=Path("some"), format="of a test"), {"reward/own": np.zeros(3)})
     with pytest.raises(UsageError, match="'some' does not tell where episodes end"):
-        episodes_of(log)
+        require_ends(log)
+    assert len(episodes_of(log).last) == 0
+
+
+def test_last_episode_may_go_on_where_nothing_tells_its_end():
+    """Of each env; every one before it has ended, because another followed."""
+    columns = {"env": [0, 1, 0, 0, 1], "episode": [0, 0, 0, 1, 1], "reward/a": [1.0, 8.0, 2.0, 4.0, 16.0]}
+    log = in_memory(LogFacts(path=Path("some"), format="of a test"), {k: np.array(v) for k, v in columns.items()})
+    found = episodes_of(log)
+    assert (found.last.tolist(), found.returns["a"].tolist()) == ([1, 2], [8.0, 3.0])
 
 
 def test_episodes_without_a_time_or_out_of_order_are_refused():
     """A curve over steps would be drawn of them otherwise."""
     log = _episodes("base", 0, [1.0, 2.0])
+    assert episodes_of(log.renamed({"time": "seconds"})).last.tolist() == [0, 1]
     with pytest.raises(UsageError, match="does not tell how many environment steps were taken"):
-        episodes_of(log.renamed({"time": "seconds"}))
+        run_of(log.renamed({"time": "seconds"}))
     with pytest.raises(SchemaError, match="do not stand in the order of time"):
         episodes_of(log.add({"time": np.array([20.0, 10.0])}))
 

@@ -23,7 +23,7 @@ PAYS = {
 def _record(folder: Path, trained_with: str, seed: int, arms: np.ndarray, **facts) -> Path:
     """A recording whose rewards have terms."""
     record(folder, trained_with, seed, arms, pays=PAYS, **facts)
-    recording = read_recording(folder).loaded()
+    recording = read_recording(folder).load()
     pulled = np.repeat(arms, PULLS)
     of = {"bold": BOLD, "calm": CALM}
     terms = {f"reward/{reward}/{it}": pay(pulled) for reward, some in of.items() for it, pay in some.items()}
@@ -70,7 +70,7 @@ def test_a_reward_with_weights_is_compared_by_term(folder: Path):
     """The baseline's recordings have the terms, but no column of the reward with these weights."""
     for path in [*folder.glob("calm-*/evaluation"), *folder.glob("calm-?")]:
         label = "calm:calm=3"
-        found = weighed(read_recording(path), [label]).loaded()
+        found = weighed(read_recording(path), [label]).load()
         found = replace(found, facts=replace(found.facts, trained_with=label))
         for file in [it for it in path.iterdir() if it.is_file()]:
             file.unlink()
@@ -102,7 +102,7 @@ def test_a_term_that_never_pays_is_named(results: Results):
 def test_a_reward_that_was_given_up_tells_no_terms_of_that_training(folder: Path):
     """The others are told."""
     broken = folder / "calm-2"
-    recording = read_recording(broken).loaded()
+    recording = read_recording(broken).load()
     columns = [name for name in recording.names if name.startswith("reward/calm")]
     gone = {name: np.where(np.arange(len(recording)) > 50, np.nan, recording[name]) for name in columns}
     failure = Failure("reward/calm", "ZeroDivisionError: by nothing", env=0, episode=10, step=1)
