@@ -63,7 +63,13 @@ def _is_first_part(path: Path) -> bool:
 
 def _facts(trace: Log, path: Path, cell: Cell | None) -> TraceFacts:
     told = {field.name: getattr(trace.facts, field.name) for field in fields(LogFacts)}
-    told["notes"] = (f"Events are paid on top of the reward, in the columns {', '.join(EVENTS)}",)
+    told["notes"] = (
+        f"Events are paid on top of the reward, in the columns {', '.join(EVENTS)}",
+        *(
+            [f"{path.parent} is still trained, or was cut off: its rows up to the last checkpoint"]
+            * _is_first_part(path)
+        ),
+    )
     if cell is not None:
         told |= {"env": cell.task.label, "algorithm": cell.algorithm.label, "seed": cell.seed}
         told |= {"trained_with": cell.reward.label, "evaluation": path.name != TRACE}
