@@ -146,7 +146,7 @@ def test_missing_cell_is_done_again(old: Path):
     """With the same rows: bit for bit where machine and numpy are those of then; elsewhere with the same starts."""
     cell = Store.open(old).read_plan().cells[1]
     folder = Store.open(old).cell_folder(cell)
-    then, before = read_trace(folder / TRACE), read_manifest(folder)
+    then, before = read_trace(folder / TRACE).loaded(), read_manifest(folder)
     shutil.rmtree(folder)
     _, events = _resume(old)
     assert {event.cell for event in events} == {cell}
