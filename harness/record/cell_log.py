@@ -40,7 +40,7 @@ class CellLog:
     def read(self, path: Path) -> tuple[Log, ...]:
         """The one training or evaluation; the manifest beside it, if there is one, says of what."""
         log = cell_log(path)
-        return (replace(log, facts=replace(log.facts, notes=(APART,))),)
+        return (replace(log, facts=replace(log.facts, notes=(APART, *log.facts.notes))),)
 
     def write_example(self, folder: Path) -> Path:
         """Two episodes of two steps, each with its start row."""
@@ -79,6 +79,9 @@ def _is_first_part(path: Path) -> bool:
 
 def _facts(trace: Log, path: Path, cell: Cell | None) -> TraceFacts:
     told = {field.name: getattr(trace.facts, field.name) for field in fields(LogFacts)}
+    if _is_first_part(path):
+        under_way = f"{path.parent} is still trained, or was cut off: its rows up to the last checkpoint"
+        told["notes"] = (*trace.facts.notes, under_way)
     if cell is not None:
         told |= {"env": cell.task.label, "algorithm": cell.algorithm.label, "seed": cell.seed}
         told |= {"trained_with": cell.reward.label, "evaluation": path.name != TRACE}

@@ -285,10 +285,11 @@ def read_trace(path: Path, columns: Sequence[str] | None = None) -> Log:
 
     Raises:
         SchemaError: The file is damaged, is no trace or was written by a newer version. A column that is damaged raises
-            it when it is read.
+            it when it is read, and so does every column of a file that was replaced by then.
     """
     with reading(path, "trace"):
         require_regular(path, TRACE_BYTES)
+        opened = _identity(path)
         with pq.ParquetFile(path) as file:
             schema, metadata = file.schema_arrow, file.metadata
             version = _version(schema, path)
@@ -300,7 +301,7 @@ def read_trace(path: Path, columns: Sequence[str] | None = None) -> Log:
                 raise SchemaError(f"{path} has {metadata.num_rows:,} rows, {MOST_ROWS:,} are allowed")
             require_room(file, stored)
             facts = TraceFacts(path=path, format=f"trace, format {version}", episodes=_facts(file))
-    trace = Log(facts, tuple(chosen), partial(_tables, path, metadata, version))
+    trace = Log(facts, tuple(chosen), partial(_tables, path, opened, metadata, version))
     return trace if OBSTACLE in known else _with_nothing_touched(trace, metadata.num_rows)
 
 
@@ -328,9 +329,19 @@ def part_of(path: Path, number: int) -> Path:
     return path.with_name(f"{path.stem}.{number}")
 
 
-def _tables(path: Path, metadata: pq.FileMetaData, version: int, names: Sequence[str]) -> Iterator[Columns]:
+def _identity(path: Path) -> tuple[int, int, int]:
+    """What a file that takes the place of another has otherwise."""
+    told = path.stat()
+    return told.st_ino, told.st_size, told.st_mtime_ns
+
+
+def _tables(
+    path: Path, opened: tuple[int, int, int], metadata: pq.FileMetaData, version: int, names: Sequence[str]
+) -> Iterator[Columns]:
     """The rows of some columns; the end of the file is not read again."""
     with reading(path, "trace"), pq.ParquetFile(path, metadata=metadata) as file:
+        if _identity(path) != opened:  # its end says where the rows of the other one stood
+            raise SchemaError(f"{path} was replaced since it was opened: type the command again")
         stored = _stored(names, version)
         batches = file.iter_batches(ROWS, columns=stored, use_threads=False)
         tables = (pa.Table.from_batches([batch]) for batch in batches) if metadata.num_rows else [file.read(stored)]

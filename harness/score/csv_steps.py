@@ -71,8 +71,8 @@ class StepsCsv:
     """A table of anybody whose column ``reward`` has what each environment step was paid; see this module."""
 
     def recognises(self, path: Path, head: bytes) -> bool:
-        """A CSV file with a column 'reward' whose first rows may be steps, and are no episodes."""
-        return names_reward(head) and not _are_episodes(path, head)
+        """A CSV file with a column 'reward' of numbers, whose first rows may be steps, and are no episodes."""
+        return names_reward(head) and not _names_rewards(_table_of(head)) and not _are_episodes(path, head)
 
     def read(self, path: Path) -> tuple[Log, ...]:
         """The one training of the file; see `open_csv`."""
@@ -230,6 +230,14 @@ def _table_of(head: bytes) -> list[list[str]]:
         return list(csv.reader(whole)) or [[]]
     except csv.Error:
         return [[]]
+
+
+def _names_rewards(table: list[list[str]]) -> bool:
+    """Whether the column 'reward' has names, as in a table of trainings, and not what was paid."""
+    header, *rows = table
+    at = _spelled(header).index("reward")
+    told = [row[at].strip().lower() for row in rows if len(row) == len(header)]
+    return bool(told) and all(text[:1].isalpha() and text[:3] not in ("nan", "inf") for text in told)
 
 
 def _are_episodes(path: Path, head: bytes) -> bool:

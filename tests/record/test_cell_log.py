@@ -86,6 +86,7 @@ def test_a_training_under_way_has_as_many_rows_as_there_are_by_now(tmp_path: Pat
             lengths.append((len(log), len(log["distance"]), len(log["obstacle"])))
         assert lengths == [(3, 3, 3), (5, 5, 5)]
         assert episode_facts(log) == FACTS
+        assert f"{tmp_path} is still trained, or was cut off: its rows up to the last checkpoint" in log.facts.notes
 
 
 def test_terms_of_a_trace(tmp_path: Path):

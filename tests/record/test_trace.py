@@ -287,6 +287,14 @@ def test_damaged_file_is_refused(path: Path):
         read_trace(path).rows()
 
 
+def test_a_file_that_was_replaced_is_refused(path: Path):
+    """Its end was read when it was opened, and says nothing of the rows of another: they would be other numbers."""
+    trace = write(path, make_rows(50))
+    write(path.with_name("new"), make_rows(50, first=50)).facts.path.replace(path)
+    with pytest.raises(SchemaError, match=r"trace\.parquet was replaced since it was opened: type the command again"):
+        trace["distance"]
+
+
 def test_missing_file_is_refused(path: Path):
     """A file that is not there is a SchemaError that names it."""
     with pytest.raises(SchemaError, match=r"trace\.parquet"):

@@ -168,8 +168,10 @@ def test_a_touched_target_is_read_of_a_file(write: Write):
         (["episode,reward,length", "0,-19,200", "1,-18,200", "2,-17,150"], False),
         (["r,l,t", "-19.8,200,0.0"], False),
         (["step,reward", "0,1", "1000,2"], True),
+        (["step,reward", "0,NaN", "1,2"], True),
+        (["id,reward,seed,steps", "ca8d,sparse,0,3000", "9a17,dense,0,3000"], False),
     ],
-    ids=["steps", "a row", "episodes", "Monitor", "rows are missing"],
+    ids=["steps", "a row", "episodes", "Monitor", "rows are missing", "not a number", "our own table of cells"],
 )
 def test_the_format_recognises_tables_of_steps(write: Write, rows: list[str], is_ours: bool):
     """And leaves tables of episodes to others; what is missing is told where the rows are read."""

@@ -10,7 +10,7 @@ from harness.cli.flags.shared import REWARDS
 TrainingsFolder = Annotated[
     Path | None,
     typer.Argument(
-        help="A folder of trainings that harness.RecordRewards recorded, or of an experiment.",
+        help="A folder of trainings that harness.RecordRewards recorded, of an experiment, or of other logs.",
         metavar="FOLDER",
         show_default=False,
     ),

@@ -100,6 +100,6 @@ def test_env_of_a_batch_is_as_one_alone(simulator: str, task: str, num_envs: int
     batch = record(simulator, task, tuple(range(num_envs)), steps=25)
     for k in {0, num_envs // 2, num_envs - 1}:
         alone, rows = record(simulator, task, (k,), steps=25), batch["env"] == k
-        for name, column in alone.columns.items():
+        for name, column in alone.rows().columns.items():
             if name != "env":
                 np.testing.assert_array_equal(column, batch[name][rows], err_msg=name)
