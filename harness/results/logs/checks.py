@@ -22,7 +22,7 @@ FLAG = "--sort '{reward}/{seed}' says how their names are made, --as FORMAT read
 
 
 def require_comparable(found: Sorted, *, is_told: bool = False) -> None:
-    """Check that trainings are of one environment, and were kept in one way; and that each reward taught several.
+    """Check that trainings are of one environment and algorithm, kept in one way; and that each reward taught several.
 
     Args:
         found: The trainings.
@@ -33,6 +33,14 @@ def require_comparable(found: Sorted, *, is_told: bool = False) -> None:
     """
     trainings = found.trainings
     _require_one(trainings, lambda it: it.logs[0].facts.env, "mixes trainings in several envs", "Name one env's folder")
+    algorithm = "mixes trainings by several algorithms"
+    _require_one(trainings, lambda it: it.logs[0].facts.algorithm, algorithm, "Name one algorithm's folder")
+    for training in trainings:
+        if len(training.logs) > 1 and training.logs[0].facts.unit == "step":
+            raise UsageError(
+                f"{training.shown} has {len(training.logs)} logs of the steps of one training, which are not joined. "
+                "--sort '{reward}/{seed}' says that each is a training"
+            )
     _require_one(trainings, _unit_of, "cannot compare logs of several kinds", FLAG)
     counts = {name: sum(it.reward == name for it in trainings) for name in found.rewards}
     single = [name for name, count in counts.items() if count < 2]

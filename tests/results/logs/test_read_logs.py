@@ -17,7 +17,9 @@ PAY, SUCCESS = "reward/recorded", "behaviour/success"
 def episodes(name: str, count: int = 10, length: int = 5, **columns):
     """A log of episodes, each of so many steps."""
     told = {
-        key: columns.pop(key) for key in ("unit", "env", "declared", "asked", "thinned", "format") if key in columns
+        key: columns.pop(key)
+        for key in ("unit", "env", "algorithm", "declared", "asked", "thinned", "format")
+        if key in columns
     }
     facts = LogFacts(path=Path("/runs") / name, **{"format": "Monitor", "unit": "episode", **told})
     rows = {"time": np.arange(1.0, count + 1) * length, "length": np.full(count, float(length))}
@@ -147,20 +149,28 @@ def test_a_measure_without_a_direction_is_offered_and_does_not_decide():
     ("other", "told"),
     [
         ({"env": "Hopper-v5"}, "mixes trainings in several envs: Toy-v0"),
+        ({"env": "Toy-v0", "algorithm": "SAC"}, "mixes trainings by several algorithms: PPO"),
         ({"env": "Toy-v0", "unit": "point"}, "cannot compare logs of several kinds: episodes of Monitor"),
         ({"env": "Toy-v0", "format": "RLlib"}, "cannot compare logs of several kinds"),
         ({"env": "Toy-v0", "thinned": "means of 100"}, "cannot compare logs of several kinds"),
     ],
 )
 def test_unlike_trainings_are_refused(other, told):
-    """Another env, another unit, another program, or smoothed: the message names a file of each."""
+    """Another env, algorithm, unit or program, or smoothed: the message names a file of each."""
     found = trainings(
-        *(Training("base", seed, (episodes(f"b{seed}", env="Toy-v0"),)) for seed in range(2)),
+        *(Training("base", seed, (episodes(f"b{seed}", env="Toy-v0", algorithm="PPO"),)) for seed in range(2)),
         *(Training("arp", seed, (episodes(f"a{seed}", **other),)) for seed in range(2)),
     )
     with pytest.raises(UsageError, match=told) as refused:
         runs_of(found)
     assert "/runs/a0" in str(refused.value)
+
+
+def test_several_logs_of_the_steps_of_one_training_are_refused():
+    """Nothing says in which order their steps were taken, and the first alone would be another training."""
+    logs = tuple(episodes(name, unit="step") for name in ("first", "second"))
+    with pytest.raises(UsageError, match="has 2 logs of the steps of one training, which are not joined"):
+        runs_of(trainings(Training("base", 0, logs)), is_told=True)
 
 
 def test_one_training_of_a_reward_is_refused_unless_it_was_named():
