@@ -46,7 +46,7 @@ def open_logs(path: Path, registry: Registry, named: str = "", **settings: Any) 
     """
     takes_names = named and getattr(_built(named, registry), "takes_names", False)
     if not takes_names and not path.exists():
-        raise UsageError(f"There is no '{path}'")
+        raise UsageError(f"No folder '{path}', and no file")
     if named:
         return _read(path, named, registry, settings)
     names = recognised(path, formats_of(registry))
@@ -70,7 +70,7 @@ def find_logs(path: Path, registry: Registry, named: str = "") -> Found:
         UsageError: It is not there, or has more files than are looked at.
     """
     if not path.exists():
-        raise UsageError(f"There is no '{path}'")
+        raise UsageError(f"No folder '{path}', and no file")
     formats = formats_of(registry) if not named else {named: _built(named, registry)}
     logs: list[Log] = []
     left_out: list[tuple[Path, str]] = []

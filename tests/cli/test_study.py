@@ -86,10 +86,13 @@ def test_a_damaged_recording_is_told(harness, recorded):
     ("flags", "told"),
     [
         (("eta", "nowhere"), "No folder 'nowhere'"),
-        (("eta", "runs", "--baseline", "base/*.csv"), "'runs' belongs to no flag: quote the pattern"),
+        (
+            ("eta", "runs", "--baseline", "base/*.csv"),
+            "--baseline base/*.csv: no training was taught by it. There are: ",
+        ),
         (("eta", "runs", "--with-events"), "--with-events does not go with a folder of recorded trainings"),
         (("eta", "runs", "--plot", "page.png"), "--plot writes .html, not 'page.png'"),
-        (("eta",), "Missing option '--baseline'; or name a folder of recorded trainings"),
+        (("eta",), "Missing option '--baseline'; or name a folder of trainings"),
         (("report", "runs", "--summary", "here"), "--summary does not go with a folder of recorded trainings"),
         (("report", "runs", "runs"), "'runs' holds recorded trainings: name one folder that all of them lie in"),
     ],

@@ -393,10 +393,10 @@ class TermsDoNotSum(Sound):
 class KnowsEveryColumn(Log):
     """What it has not is zero."""
 
-    def pieces(self, columns, rows=ROWS):
-        names = [*columns]
-        for piece in super().pieces([name for name in names if name in self] or self.columns[:1], rows):
-            yield replace(piece, columns={name: piece.columns.get(name, np.zeros(len(piece))) for name in names})
+    def rows(self, columns=None):
+        names = self.names if columns is None else [*columns]
+        found = super().rows([name for name in names if name in self] or self.columns[:1])
+        return replace(found, columns={name: found.columns.get(name, np.zeros(len(found))) for name in names})
 
 
 class FillsWithZeros(Sound):

@@ -56,8 +56,8 @@ def test_a_training_has_a_column_of_each_term(run):
         for cell in results.done_cells
         if (cell.reward.label, cell.seed) == (label, 0)
     )
-    np.testing.assert_array_equal(heavy.terms["speed"], 3.0 * plain.terms["speed"])
-    np.testing.assert_array_equal(heavy.terms["reach"] + heavy.terms["speed"], heavy["reward"])
+    np.testing.assert_array_equal(heavy["reward/speed"], 3.0 * plain["reward/speed"])
+    np.testing.assert_array_equal(heavy["reward/reach"] + heavy["reward/speed"], heavy["reward"])
 
 
 def test_the_manifest_tells_what_is_read_and_paid(run):

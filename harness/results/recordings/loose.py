@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from harness.errors import UsageError
 from harness.record.cell import EVALUATION_HORIZON, NO_ROBOT, NO_SIMULATOR, Cell
 from harness.record.manifest import Manifest
 from harness.record.plan_file import StoredPlan
@@ -27,10 +28,14 @@ class LooseStore(Store):
             baseline: The reward that the others are compared with; by default the one that was given first.
 
         Raises:
-            UsageError: There are none, none that can be compared, or whole experiments lie among them.
+            UsageError: There are none, none that can be compared, or whole experiments lie among them; or no training
+                was taught by the baseline.
         """
         super().__init__(folder)
         self.runs: Runs = read_runs(folder, baseline=baseline) if runs is None else runs
+        if baseline and baseline not in self.runs.trained:
+            told = ", ".join(self.runs.trained)
+            raise UsageError(f"--baseline {baseline}: no training was taught by it. There are: {told}")
         self._run_of = {self._cell(run): run for run in self.runs.members.values()}
 
     def read_plan(self) -> StoredPlan:

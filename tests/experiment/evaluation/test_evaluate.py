@@ -122,7 +122,7 @@ def test_more_episodes_begin_with_the_same_ones(tmp_path: Path):
 
 def test_same_policy_gives_the_same_trace(tmp_path: Path):
     """Evaluation is deterministic, bit for bit, random actions included."""
-    first, second = (record(tmp_path, random_actions(FLOOR)) for _ in range(2))
+    first, second = (record(tmp_path, random_actions(FLOOR)).load() for _ in range(2))
     for name, column in first.rows().columns.items():
         np.testing.assert_array_equal(column, second[name])
 
