@@ -112,16 +112,20 @@ class Payer:
         Raises:
             MissingField: The reward reads what is not recorded.
         """
-        rows, total, terms = field_rows(piece, self._fields), np.empty(len(piece)), dict[str, Float]()
-        env = piece["env"]
+        rows, env = field_rows(piece, self._fields), piece["env"]
         runs = stretches_of(piece) if is_whole else _envs_of(env)
-        for run in [slice(None)] if runs is None else runs:
-            scorer = self._scorers.setdefault(int(env[run][0]), Scorer(self._reward))
-            part = scorer.pay(rows.part(run))
+        if runs is None:
+            return self._scorer_of(env).pay(rows)
+        total, terms = np.empty(len(piece)), dict[str, Float]()
+        for run in runs:
+            part = self._scorer_of(env[run]).pay(rows.part(run))
             total[run] = part.total
             for name, values in part.terms.items():
                 terms.setdefault(name, np.zeros(len(env)))[run] = values
         return Paid(total, terms)
+
+    def _scorer_of(self, env: Array) -> Scorer:
+        return self._scorers.setdefault(int(env[0]), Scorer(self._reward))
 
 
 def pay_column(log: Log) -> str:
@@ -201,8 +205,9 @@ def _pieces(log: Log, columns: Iterable[str]) -> Iterator[tuple[Rows, bool]]:
 
 def _envs_of(env: Array) -> list[NDArray[np.int64]] | None:
     """The rows of each env; None where all are of one."""
-    numbers = np.unique(env)
-    return [np.flatnonzero(env == number) for number in numbers] if len(numbers) > 1 else None
+    if (env == env[0]).all():
+        return None
+    return [np.flatnonzero(env == number) for number in np.unique(env)]
 
 
 def _sizes_of(log: Log) -> tuple[int | None, int | None]:
@@ -246,8 +251,8 @@ def _map_paid(paid: Paid, function: Callable[[Array], Float]) -> tuple[Float, di
 
 def joined(parts: Sequence[Paid]) -> Paid:
     """What steps are paid, of parts one after the other."""
-    if not parts:
-        return Paid(np.empty(0), {})
+    if len(parts) <= 1:
+        return parts[0] if parts else Paid(np.empty(0), {})
     terms = {name: np.concatenate([part.terms[name] for part in parts]) for name in parts[0].terms}
     return Paid(np.concatenate([part.total for part in parts]), terms)
 
