@@ -13,9 +13,8 @@ from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.registry.sources import fingerprint
 from harness.reward import MissingField, Paid, Reward
-from harness.reward.needs import Needs, needs_of, reads_of
-from harness.reward.row_steps import FIELDS
-from harness.score.scorer import fields_beside_distances, pay_log
+from harness.reward.needs import Needs, needs_of
+from harness.score.scorer import pay_log
 from harness.score.weights import reweighted
 
 
@@ -44,16 +43,6 @@ class InstalledReward:
             if self._is_recorded_by(taught_by):
                 return f"{self.choice.to_json()} as recorded by {taught_by.to_json()}"
             return f"{self.choice.to_json()} {fingerprint(self._reward)}"
-
-    @cached_property
-    def reads_more(self) -> bool:
-        """Whether it reads more of a run than distances.
-
-        Raises:
-            Unscored: It cannot be asked.
-        """
-        with self._told():
-            return not self._is_installed or bool(fields_beside_distances(reads_of(self._reward, FIELDS)))
 
     @property
     def has_terms(self) -> bool:

@@ -135,7 +135,7 @@ def _columns(table: TextTable, success: str) -> tuple[Columns, list[str]]:
             columns[f"{BEHAVIOUR}{name}"] = values
         if name != success:
             (left if values is None else measured).append(name)
-    notes = [f"success from '{success}'"] if success else []
+    notes = [f"Success is read from '{success}'"] if success else []
     notes += [f"taken as measures: {', '.join(measured)}"] if measured else []
     notes += [f"left out, as pay, text or without a name: {', '.join(left)}"] if left else []
     return columns, notes
