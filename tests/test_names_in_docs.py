@@ -186,9 +186,9 @@ WRONG = {
         "```python\nfrom harness.policy import Policy\n\nPolicy.loads(x)\n```",
         "harness.policy.Policy.loads",
     ),
-    "old module": ("as `harness.kinematics.forward`", "harness.kinematics.forward"),
-    "old name": ("a `harness.progress.State`", "harness.progress.State"),
-    "name that is gone": ("see harness.workers", "harness.workers"),
+    "old module": ("as `harness.metric.Way`", "harness.metric.Way"),
+    "old name": ("a `harness.record.trace.Trace`", "harness.record.trace.Trace"),
+    "name that is gone": ("see harness.score.recording", "harness.score.recording"),
 }
 
 

@@ -37,9 +37,9 @@ def test_changelog_of_the_version_is_short():
 
 
 def test_old_names_work_for_one_version():
-    """Their warnings name the version that comes after this one."""
+    """Their warnings name the version that comes after the one that moved them: this one, or the next."""
     first, second, _ = map(int, VERSION.split("."))
-    assert f"{first}.{second + 1}.0" == GONE_IN
+    assert GONE_IN in {f"{first}.{second + 1}.0", f"{first}.{second + 2}.0"}
 
 
 def test_new_plugins_are_written_for_these_interfaces():

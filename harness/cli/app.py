@@ -43,8 +43,6 @@ PANELS: Mapping[str, Mapping[str, str]] = MappingProxyType(
 
 Beside its name stands the module of it in `harness.cli`, and behind a colon the function, where it has another name.
 """
-RETIRED: Mapping[str, str] = MappingProxyType({"repair": "retired:repair"})
-"""Old names that still work in this version, and warn. No help shows them."""
 LONG = ("run", "choose")
 """The commands that show the options which people type, and all with ``--help-all``."""
 UNFORESEEN = 70
@@ -111,9 +109,6 @@ def build_app(only: str | None = None) -> typer.Typer:
             app.command(name, cls=kind, rich_help_panel=panel, epilog=examples, context_settings=settings)(
                 command_of(target)
             )
-    for name, target in RETIRED.items():
-        if only in {None, name}:
-            app.command(name, cls=Command, hidden=True)(command_of(target))
     return app
 
 
@@ -197,7 +192,7 @@ def _with_help(error: TyperException) -> str:
 
 def _run(args: list[str]) -> int:
     args = _take_allowed(args)
-    own = [name for commands in (*PANELS.values(), RETIRED) for name in commands]
+    own = [name for commands in PANELS.values() for name in commands]
     if args and args[0] in own:  # it waits for no plugin
         app = build_app(args[0])
     else:

@@ -65,7 +65,7 @@ class LongCommand(Command):
 
     def format_options(self, ctx: Any, formatter: Any) -> None:
         """Called when the help is written."""
-        shown = {it.name: it for it in self.get_params(ctx) if not getattr(it, "hidden", False)}
+        shown = {it.name: it for it in self.get_params(ctx)}
         grouped = {name for names in (TYPED, *GROUPS.values()) for name in names}
         arguments = [it for it in shown.values() if it.param_type_name == "argument"]
         options = [it for it in shown.values() if it not in arguments]
@@ -91,7 +91,7 @@ class Commands(TyperGroup):
 
     def format_options(self, ctx: Any, formatter: Any) -> None:
         """Called when the help is written: the commands first."""
-        commands = {name: it for name, it in self.commands.items() if not it.hidden}
+        commands = self.commands
         if ctx.meta.get(ALL):
             headings = dict.fromkeys(getattr(it, "rich_help_panel", None) for it in commands.values())
             for heading in headings:

@@ -27,7 +27,6 @@ from harness.cli.flags.shared import (
 from harness.cli.help import HelpAll
 from harness.cli.interrupted import kept_when_interrupted
 from harness.cli.output import complain, say, say_json
-from harness.cli.retired import Mlflow, Tensorboard, Wandb, old_trackers
 from harness.errors import UsageError
 from harness.text import command_text
 
@@ -204,9 +203,6 @@ def run(
     executor: ExecutorName = "processes",
     checkpoint_every: CheckpointEvery = None,
     tracker: TrackerNames = None,
-    tensorboard: Tensorboard = False,
-    wandb: Wandb = False,
-    mlflow: Mlflow = False,
     curve: CurveKind = "accumulated",
     wait: Wait = True,
     changed: Changed = "refuse",
@@ -238,7 +234,7 @@ def run(
 
     measures, files = split_measures(measure or ())
     given |= {
-        "tracker": [*(tracker or ()), *old_trackers(given)],
+        "tracker": tracker or [],
         "metrics": metric,
         "measure": measures or None,
         "seeds": _parse_seeds(seeds),

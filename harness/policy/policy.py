@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float32
 from harness.policy.folder import write_folder
-from harness.registry.moved import found_at, warn_of
 
 Action = NDArray[Any]
 
@@ -60,13 +59,6 @@ class Policy(ABC):
             KeyError: The card or the weights lack something that `act` needs.
             ValueError: A value is not possible, or does not fit the others.
         """
-
-    @staticmethod
-    def load(folder: Path) -> "Policy":
-        """The old name of `harness.policy.load_policy`."""
-        warn_of("harness.policy.Policy.load", "from harness.policy import load_policy")
-        policy: Policy = found_at("harness.policy.load_policy")(folder)  # it imports this module
-        return policy
 
     def save(self, folder: Path, cell: Mapping[str, Any] | None = None) -> None:
         """Make `folder` and write the weights and the card into it.

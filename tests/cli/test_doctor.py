@@ -1,6 +1,7 @@
 import pytest
 
 from harness.cli.doctor import OPTIONAL
+from harness.registry.moved import GONE_IN
 
 
 def test_versions_machine_and_rendering_are_told(harness, rendering):
@@ -62,15 +63,15 @@ def test_broken_plugins_are_told(harness, rendering, install):
     assert status == 1
 
 
-@pytest.mark.filterwarnings("ignore:harness.trace.Trace moved:DeprecationWarning")
+@pytest.mark.filterwarnings("ignore:harness.record.trace.Trace moved:DeprecationWarning")
 def test_old_names_are_told(harness, rendering, install):
     """A plugin that works and imports a name that moved, or was written for earlier interfaces, has a line for each."""
     rendering("true")
     source = "import harness\n@harness.hookimpl\ndef register_rewards(register): pass\n"
-    install("earlier", f"from harness.trace import Trace\nharness_api = 1\n{source}")
+    install("earlier", f"from harness.record.trace import Trace\nharness_api = 1\n{source}")
     status, out, _ = harness("doctor")
     title = "plugin 'earlier' of earlier 1.0: "
-    moved = "harness.trace.Trace moved: from harness.log import Log (the old name goes with 0.3.0)"
+    moved = f"harness.record.trace.Trace moved: from harness.log import Log (the old name goes with {GONE_IN})"
     assert f"{title}written for harness_api 1, this is 2: docs/renamed.md says what changed\n" in out
     assert f"{title}{moved}, in " in out
     assert "all fine" not in out

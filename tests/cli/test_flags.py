@@ -17,7 +17,7 @@ def written_twice(commands: Iterable[Callable[..., object]]) -> set[str]:
     places = defaultdict(set)
     for command in commands:
         for parameter in inspect.signature(command).parameters.values():
-            for info in (it for it in get_args(parameter.annotation)[1:] if not it.hidden):
+            for info in get_args(parameter.annotation)[1:]:
                 places[type(info), info.help, info.metavar, info.show_default].add(id(info))
     return {help_text for (_, help_text, *_), found in places.items() if len(found) > 1}
 

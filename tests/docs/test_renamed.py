@@ -4,7 +4,6 @@ import re
 
 import pytest
 
-from harness.cli.retired import TRACKERS
 from harness.registry.moved import GONE_IN, MODULES, NAMES, REPLACED
 from tests.docs.pages import ROOT
 
@@ -35,9 +34,3 @@ def test_rows_of_another_heading_do_not_count():
 def test_page_says_when_old_names_go():
     """The version that the warnings say."""
     assert f"go with {GONE_IN}" in PAGE
-
-
-@pytest.mark.parametrize("old", [*(f"--{name}" for name in TRACKERS), "harness repair"])
-def test_commands_that_are_retired_are_there(old: str):
-    """Those for which the command line has an old form."""
-    assert f"{old}" in PAGE.partition("\n## JSON\n")[0]

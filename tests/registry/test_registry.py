@@ -11,6 +11,7 @@ import pytest
 from harness.errors import PluginError, UsageError
 from harness.hookspecs import KINDS
 from harness.registry.given import read_given
+from harness.registry.moved import GONE_IN
 from harness.registry.names import did_you_mean, unknown_name
 from harness.registry.registry import Plugin, Registry, load_registry
 from harness.registry.spec import Spec
@@ -240,9 +241,9 @@ def test_plugin_for_the_first_interfaces_loads_with_a_remark(write_plugin: Write
 
 def test_plugin_that_imports_a_name_that_is_gone_is_told_the_new_one(write_plugin: Write):
     """In one line, which `harness list`, `plugins` and `doctor` show."""
-    plugin = _only(load_registry([write_plugin("from harness.workers import run_orders\n" + _reward(), "mine")]))
+    plugin = _only(load_registry([write_plugin("from harness.score.recording import Chunk\n" + _reward(), "mine")]))
     assert plugin.status == "broken"
-    gone = "harness.workers is gone: see harness.authoring.run_jobs, which is used in another way"
+    gone = "harness.score.recording is gone: see harness.log.Log, which is used in another way"
     assert plugin.reason == f"ModuleNotFoundError: {gone}"
 
 
@@ -250,15 +251,15 @@ def test_plugin_file_that_imports_an_old_name_is_told_the_new_one(tmp_path: Path
     """One that was given by hand loads, with a remark for each old name in it."""
     path = tmp_path / "mine.py"
     path.write_text(
-        "from harness.wrapped_reward import WrappedReward\nfrom dataclasses import dataclass\n"
+        "from harness.metric import Metric\nfrom dataclasses import dataclass\n"
         "@dataclass(frozen=True)\nclass Mine:\n"
         "    def initial_carry(self, begin_distance): return ()\n"
         "    def __call__(self, carry, sample): return carry, sample.distance\n"
     )
-    with pytest.warns(DeprecationWarning, match="harness.wrapped_reward"):
+    with pytest.warns(DeprecationWarning, match="harness.metric"):
         plugin = _only(load_registry([], given=read_given([path])))
-    moved = "harness.wrapped_reward.WrappedReward moved: from harness.authoring import WrappedReward"
-    assert (plugin.status, plugin.remarks) == ("ok", (f"{moved} (the old name goes with 0.3.0)",))
+    moved = "harness.metric.Metric moved: from harness.measure import Measure"
+    assert (plugin.status, plugin.remarks) == ("ok", (f"{moved} (the old name goes with {GONE_IN})",))
 
 
 def test_module_named_by_two_entry_points_loads_once(write_plugin: Write):
