@@ -7,7 +7,7 @@ import pytest
 from harness.measure import bounds_of, is_error, is_share
 from harness.registry.choice import build_defaults
 from harness.registry.registry import load_registry
-from harness.testing.metrics.traces import recorded_trace
+from harness_plugins.kit.metrics import recorded_trace
 
 
 @pytest.mark.parametrize(

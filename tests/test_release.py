@@ -44,7 +44,7 @@ def test_old_names_work_for_one_version():
 
 def test_new_plugins_are_written_for_these_interfaces():
     """The scaffold's, those of the examples that state a version, and the one that the page shows."""
-    folders = ("harness/scaffold/templates", "examples", "plugins")
+    folders = ("examples", "plugins")
     texts = [path.read_text(encoding="utf-8") for folder in folders for path in (ROOT / folder).rglob("plugin.py*")]
     texts.append((ROOT / "docs/plugins.md").read_text(encoding="utf-8"))
     stated = {int(it) for text in texts for it in re.findall(r"^harness_api = (\d+)", text, re.MULTILINE)}

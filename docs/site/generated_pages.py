@@ -24,7 +24,7 @@ from harness.experiment.plan import Experiment
 from harness.hookspecs import NOUNS
 from harness.registry.parameters import parameters_of
 from harness.registry.registry import Registry, load_registry
-from harness.testing.kits import EXPORTS, KITS
+from harness_plugins.kit.kits import EXPORTS, KITS
 
 ROOT = Path(__file__).parents[2]
 FOLDER = "generated"
@@ -41,7 +41,8 @@ MODULES = (
     "harness", "harness.simulator", "harness.task", "harness.goal", "harness.environment", "harness.reward",
     "harness.algorithm", "harness.measure", "harness.executor", "harness.tracker", "harness.log", "harness.log.log",
     "harness.progress", "harness.reach", "harness.robot", "harness.policy", "harness.results", "harness.errors",
-    "harness.hookspecs", "harness.authoring", "harness.testing", "harness.pytest_plugin", "harness_plugins.sb3",
+    "harness.hookspecs", "harness.authoring", "harness_plugins.kit", "harness_plugins.kit.pytest_plugin",
+    "harness_plugins.sb3",
 )  # fmt: skip
 """Modules that people import; each has a page."""
 SECTION = re.compile(r"^## (.+)$", re.MULTILINE)

@@ -36,7 +36,7 @@ PANELS: Mapping[str, Mapping[str, str]] = MappingProxyType(
         },
         "Ask more": {name: name for name in ("audit", "eta", "score", "transfer", "tune")},
         "Keep results": {"merge": "merge", "verify": "verify"},
-        "For plugin authors": {"new-plugin": "new_plugin", "check": "check", "plugins": "plugins", "bench": "bench"},
+        "For plugin authors": {"plugins": "plugins", "bench": "bench"},
     }
 )
 """Every command by the heading that it stands under in ``harness --all``: what one needs first comes first.
@@ -196,11 +196,10 @@ def _run(args: list[str]) -> int:
     if args and args[0] in own:  # it waits for no plugin
         app = build_app(args[0])
     else:
-        from harness.cli.commands import add_plugin_commands
-        from harness.registry.registry import load_registry
+        from harness.cli.commands import add_plugin_commands, plugins_for
 
         app = build_app()
-        add_plugin_commands(app, load_registry())
+        add_plugin_commands(app, plugins_for(args))
     command = typer.main.get_command(app)
     status = 0 if args else USAGE  # nothing was asked for: the help says what there is
     return command.main(args or ["--help"], prog_name="harness", standalone_mode=False, obj=own) or status

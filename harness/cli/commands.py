@@ -1,7 +1,7 @@
 """Commands that plugins bring."""
 
 import os
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from typing import Any
 
 import typer
@@ -11,7 +11,10 @@ from harness.cli.examples import epilog_of
 from harness.cli.help import PLAIN, Command
 from harness.cli.unexpected import describe_fault
 from harness.errors import HarnessError, PluginError
-from harness.registry.registry import Registry
+from harness.hookspecs import PROJECT
+from harness.registry.installed import installed
+from harness.registry.registry import Registry, load_registry
+from harness.registry.spec import OURS
 from harness.text import command_text, visible
 
 KIND = "commands"
@@ -20,6 +23,18 @@ EXAMPLES = "examples"
 """The attribute of a command's function that holds what one may type, a line each; shown at the end of its help."""
 PASS_ON = {"allow_extra_args": True, "ignore_unknown_options": True, "help_option_names": []}
 """Every argument goes to the plugin's function, ``--help`` included."""
+
+
+def plugins_for(words: Sequence[str]) -> Registry:
+    """The plugins that a command line needs: only our own where they bring its command.
+
+    Others are not imported then, so `harness check` can say that one ends the process which imports it.
+    """
+    if words and not words[0].startswith("-"):
+        ours = load_registry([point for point in installed(PROJECT) if point.dist and point.dist.name == OURS])
+        if words[0] in ours.names(KIND):
+            return ours
+    return load_registry()
 
 
 def add_plugin_commands(app: typer.Typer, registry: Registry) -> None:
@@ -85,7 +100,7 @@ def _called(registry: Registry, name: str) -> Callable[[typer.Context], Any]:
         one.command(name, cls=Command, epilog=epilog, context_settings=dict(PLAIN))(function)
         try:
             loaded = typer.main.get_command(one)
-            return loaded.main(context.args, prog_name=f"harness {name}", standalone_mode=False)
+            return loaded.main(context.args, prog_name=f"harness {name}", standalone_mode=False, obj=context.obj)
         except (HarnessError, TyperException, OSError, typer.Abort, typer.Exit):
             raise
         except Exception as error:  # whose fault it is that something else passes

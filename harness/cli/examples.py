@@ -48,15 +48,7 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "merge": ("harness merge from-one from-another --out all",),
         "list": ("harness list", "harness list rewards"),
         "describe": ("harness describe arp", "harness describe sac:gamma=0.9", "harness describe fd100-reach"),
-        "new-plugin": ("harness new-plugin reward my-reward", "harness new-plugin simulator my-engine --into plugins"),
         "plugins": ("harness plugins", "harness plugins --check"),
-        "check": (
-            "harness check arp",
-            "harness check sac:gamma=0.9 --kind algorithm",
-            "harness check mujoco --robot robots/mine --json",
-            "harness check --robot robots/mine",
-            "harness check my-reward --plugin my_reward.py",
-        ),
         "doctor": ("harness doctor",),
     }
 )

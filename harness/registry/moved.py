@@ -10,7 +10,7 @@ import sys
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from importlib.machinery import ModuleSpec
-from types import MappingProxyType, ModuleType
+from types import CodeType, MappingProxyType, ModuleType
 from typing import TYPE_CHECKING, Any, cast
 
 import wrapt
@@ -24,7 +24,14 @@ GONE_IN = "0.4.0"
 MODULES: Mapping[str, str] = MappingProxyType(
     {
         "harness.metric": "harness.measure",
+        "harness.pytest_plugin": "harness_plugins.kit.pytest_plugin",
         "harness.score.open_recording": "harness.score.open_steps",
+        "harness.testing": "harness_plugins.kit",
+        "harness.testing.metrics.traces": "harness_plugins.kit.metrics",
+        "harness.testing.rewards.samples": "harness_plugins.kit.reward_samples",
+        "harness.testing.rewards.standard_array": "harness_plugins.kit.reward_samples",
+        "harness.testing.simulators.simulations": "harness_plugins.kit.simulators.simulations",
+        "harness.testing.unity_player": "harness_plugins.kit.unity_player",
     }
 )
 """The module in which the names of each old module stand now, unless `NAMES` or `REPLACED` has them."""
@@ -115,15 +122,21 @@ class _OldModules:
     def find_spec(self, name: str, path: Sequence[str] | None, target: ModuleType | None = None) -> ModuleSpec | None:
         if gone := why_gone(name):
             raise ModuleNotFoundError(gone, name=name)
-        if name not in MODULES:
+        is_parent = any(old.startswith(f"{name}.") for old in MODULES)
+        if name not in MODULES and not is_parent:
             return None
-        return ModuleSpec(name, cast("Loader", self), origin=MODULES[name])
+        return ModuleSpec(name, cast("Loader", self), origin=MODULES.get(name), is_package=is_parent)
 
     def create_module(self, spec: ModuleSpec) -> ModuleType | None:
         return None  # Python makes it
 
     def exec_module(self, module: ModuleType) -> None:
         _give_old_names(module)
+
+    def get_code(self, name: str) -> CodeType:
+        """What ``python -m`` runs of an old name: the program that is called otherwise now."""
+        start = f"import runpy; runpy.run_module({MODULES[name]!r}, run_name='__main__', alter_sys=True)"
+        return compile(f"import warnings; warnings.warn({_moved(name)!r}, DeprecationWarning); {start}", name, "exec")
 
 
 def _give_old_names(module: ModuleType) -> None:

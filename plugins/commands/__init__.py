@@ -7,9 +7,19 @@ import harness
 def register_commands(register: harness.Register) -> None:
     """Announce the built-in commands."""
     register(
+        "check",
+        "harness_plugins.kit.inspection.command:check",
+        summary="Check whether a plugin or robot keeps the rules of its kind. Each result is a sentence with numbers.",
+    )
+    register(
         "export",
         "harness_plugins.commands.export:export",
         summary="Write a policy as ONNX or TorchScript model, or trainings as CSV files.",
+    )
+    register(
+        "new-plugin",
+        "harness_plugins.kit.new_plugin:new_plugin",
+        summary="Write a plugin's package: a working implementation, its tests, a README and a CI workflow.",
     )
     register(
         "parity",

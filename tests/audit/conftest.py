@@ -8,7 +8,7 @@ import pytest
 from harness.audit.rollout import record_rollouts
 from harness.reach import ReachTask
 from harness.robot.load import load_robot
-from harness.testing import IdealSimulator
+from harness_plugins.kit import IdealSimulator
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from harness.audit.rollout import Rollout, record_rollouts
 from harness.reach import ReachTask
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
-from harness.testing import IdealSimulator
+from harness_plugins.kit import IdealSimulator
 from harness_plugins.rewards.arp import Arp
 from harness_plugins.rewards.baseline import Baseline
 

@@ -17,7 +17,7 @@ from harness.registry.registry import load_registry
 from harness.reward.forms import reward_class
 from harness.reward.steps import ARM_BEFORE
 from harness.robot.load import load_robot
-from harness.testing import IdealSimulator
+from harness_plugins.kit import IdealSimulator
 from harness_plugins.tasks.moving import Moving
 from harness_plugins.tasks.pose import Pose
 from harness_plugins.tasks.unity import UnityReach as Unity

@@ -6,7 +6,7 @@ import pytest
 from harness.audit.rollout import record_rollouts
 from harness.audit.scripted import SCRIPTS, plan_actions
 from harness.reach import ReachTask
-from harness.testing import IdealSimulator
+from harness_plugins.kit import IdealSimulator
 
 MOVING = [script for script in SCRIPTS if script != "random"]
 

@@ -9,10 +9,10 @@ from typing import Any
 
 import pytest
 
-from harness.check.orders import OUTPUT
 from harness.experiment.workers.order import Order, read_order
 from harness.experiment.workers.workers import News
 from harness.record.folder import partial_folder
+from harness_plugins.kit.inspection.orders import OUTPUT
 
 BLACK_BOX = Path(__file__).parents[2] / "examples" / "log-format" / "black_box.py"
 HOOKS = """
@@ -109,8 +109,8 @@ class Here(contextlib.nullcontext[Any]):
 @pytest.fixture(autouse=True)
 def checked_here(monkeypatch):
     """Checks are run in this process."""
-    monkeypatch.setattr("harness.check.workshop.Pool", Here)
-    monkeypatch.setattr("harness.check.orders.print_into", lambda path: None)
+    monkeypatch.setattr("harness_plugins.kit.inspection.inspection.Pool", Here)
+    monkeypatch.setattr("harness_plugins.kit.inspection.orders.print_into", lambda path: None)
 
 
 @pytest.fixture

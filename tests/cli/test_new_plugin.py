@@ -2,7 +2,7 @@
 
 import pytest
 
-from harness.scaffold.package import kinds
+from harness_plugins.kit.new_plugin import kinds
 
 
 def test_package_is_written_and_the_next_commands_are_told(harness, tmp_path):

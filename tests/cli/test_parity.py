@@ -10,7 +10,7 @@ FEW = ("--steps", 20, "--episodes", 2)
 WRONG = """
 import harness
 from dataclasses import dataclass
-from harness.testing import IdealSimulator
+from harness_plugins.kit import IdealSimulator
 from harness.env.ideal import IdealSimulation
 
 @harness.hookimpl

@@ -19,9 +19,9 @@ from harness.authoring.generator_state import pack_generator, restore_generator
 from harness.env import ReachVectorEnv
 from harness.policy import Policy, SquashedGaussian
 from harness.progress import Progress, TrainingState, as_state
-from harness.testing import ALGORITHM_CHECKS, violations
-from harness.testing.algorithms import checks as algorithms
 from harness_plugins.algorithms.sac_fast import SacFast
+from harness_plugins.kit import ALGORITHM_CHECKS, algorithms
+from harness_plugins.kit import contract as violations
 
 EPISODE = 20
 """Steps that each candidate is tried."""

@@ -11,7 +11,7 @@ from harness.env import ReachVectorEnv
 from harness.policy import Policy
 from harness.progress import Progress, Ring, TrainingState
 from harness.registry.registry import load_registry
-from harness.testing.algorithms.checks import a_training_goes_on_where_it_stood, checkpoints_change_nothing
+from harness_plugins.kit.algorithms import a_training_goes_on_where_it_stood, checkpoints_change_nothing
 
 REGISTRY = load_registry()
 SMALL: dict[str, Any] = {"net_arch": (8,), "batch_size": 16}

@@ -20,7 +20,7 @@ from harness.reach import ReachTask
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 from harness.robot import Robot
-from harness.testing import (
+from harness_plugins.kit import (
     ALGORITHM_CHECKS,
     EXECUTOR_CHECKS,
     LOG_CHECKS,
@@ -38,16 +38,17 @@ from harness.testing import (
     check_reward,
     check_simulator,
     check_task,
-    violations,
 )
-from harness.testing.algorithms.checks import (
+from harness_plugins.kit import contract as violations
+from harness_plugins.kit.algorithms import (
     a_training_goes_on_where_it_stood,
     checkpoints_change_nothing,
     the_policy_acts_as_it_trained,
     the_return_rises,
 )
-from harness.testing.simulators.frames import frames_show_the_target, render_gives_a_frame_or_says_why_not
-from harness.testing.tasks.checks import (
+from harness_plugins.kit.contract import require
+from harness_plugins.kit.simulators.states import frames_show_the_target, render_gives_a_frame_or_says_why_not
+from harness_plugins.kit.tasks import (
     draws_depend_on_the_stream_alone,
     episodes_are_alike_where_it_says_so,
     starts_are_in_the_joint_ranges,
@@ -55,8 +56,7 @@ from harness.testing.tasks.checks import (
     targets_can_be_reached,
     targets_do_not_depend_on_the_count,
 )
-from harness.testing.trainings import NegativeDistance
-from harness.testing.violations import require
+from harness_plugins.kit.trainings import NegativeDistance
 
 REGISTRY = load_registry()
 ROBOT = harness.load_robot("fd100", REGISTRY)
@@ -154,7 +154,7 @@ def test_task(check: Callable[..., None], name: str):
 @pytest.mark.parametrize("name", REGISTRY.names("tasks"))
 def test_task_with_every_action_mode(name: str, action: str, monkeypatch: pytest.MonkeyPatch):
     """Every registered task keeps the contract whatever the learner does in it; what is drawn is as in `test_task`."""
-    monkeypatch.setattr("harness.testing.tasks.goals.LONGEST", 25)  # `test_task` takes as many as the kit does
+    monkeypatch.setattr("harness_plugins.kit.goals.LONGEST", 25)  # `test_task` takes as many as the kit does
     task, robot = REGISTRY.get("tasks", name).load()(action=action), robot_of(name)
     checks = [check for check in TASK_CHECKS if check not in DRAW_CHECKS]
     assert list(violations(checks, task, robot)) == []
@@ -295,6 +295,6 @@ def test_whatever_a_check_meets_is_a_violation():
 def test_kit_imports_no_engine():
     """Importing the kit imports no engine, no learning library and no plugin."""
     heavy = ["mujoco", "pybullet", "dm_control", "torch", "stable_baselines3", "harness_plugins"]
-    code = f"import sys, harness.testing; print([name for name in {heavy} if name in sys.modules])"
+    code = f"import sys, harness_plugins.kit; print([name for name in {heavy} if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "[]\n"

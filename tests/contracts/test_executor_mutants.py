@@ -13,8 +13,8 @@ import pytest
 
 from harness.executor import CellOptions, Event, Job, OnEvent
 from harness.experiment.jobs import run_jobs
-from harness.testing import EXECUTOR_CHECKS, check_executor, violations
-from harness.testing.executors import checks as executors
+from harness_plugins.kit import EXECUTOR_CHECKS, check_executor, executors
+from harness_plugins.kit import contract as violations
 
 
 @dataclass(frozen=True)

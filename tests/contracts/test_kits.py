@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from harness.hookspecs import KINDS
-from harness.testing.kits import EXPORTS, KITS
-from harness.testing.violations import Check
+from harness_plugins.kit.contract import Check
+from harness_plugins.kit.kits import EXPORTS, KITS
 
 DOCS = Path(__file__).parents[2] / "docs" / "contracts.md"
 PREFIXES = {

@@ -13,8 +13,9 @@ from harness.env.ideal import IdealSimulation
 from harness.registry.registry import load_registry
 from harness.robot import Robot
 from harness.simulator import State
-from harness.testing import IdealSimulator, violations
-from harness.testing.simulators import long_runs
+from harness_plugins.kit import IdealSimulator
+from harness_plugins.kit import contract as violations
+from harness_plugins.kit.simulators import calls as long_runs
 
 REGISTRY = load_registry()
 ROBOT = harness.load_robot("fd100", REGISTRY)

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from harness.testing.memory import PLAYS, require_nothing_kept
+from harness_plugins.kit.memory import PLAYS, require_nothing_kept
 
 STEPS = 100
 KEPT: list[bytes] = []

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from harness.log import Log
-from harness.testing import METRIC_CHECKS, violations
-from harness.testing.metrics import checks as metrics
+from harness_plugins.kit import METRIC_CHECKS, metrics
+from harness_plugins.kit import contract as violations
 
 
 @dataclass

@@ -11,9 +11,9 @@ import pytest
 
 from harness.reward import Array, Carry, Sample, Steps
 from harness.reward.forms import reward_class
-from harness.testing import REWARD_CHECKS, violations
-from harness.testing.rewards import checks as rewards
-from harness.testing.trainings import NegativeDistance
+from harness_plugins.kit import REWARD_CHECKS, rewards
+from harness_plugins.kit import contract as violations
+from harness_plugins.kit.trainings import NegativeDistance
 
 
 @dataclass

@@ -8,7 +8,7 @@ import pytest
 
 from harness.reward.forms import reward_class
 from harness.reward.steps import ARM, ARM_BEFORE
-from harness.testing.rewards.samples import PERIOD, edge_samples, joints_of, random_samples
+from harness_plugins.kit.reward_samples import PERIOD, edge_samples, joints_of, random_samples
 
 EVERY = [random_samples(3), random_samples(4, num_envs=1, steps=30, joints=7), edge_samples()]
 RANDOM = EVERY[:2]

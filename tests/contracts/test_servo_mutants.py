@@ -12,10 +12,11 @@ import harness
 from harness.robot import Robot
 from harness.robot.servo import Servo
 from harness.simulator import Simulation
-from harness.testing import IdealSimulator, violations
-from harness.testing.simulators import servos
-from harness.testing.simulators.checks import SERVO_CONTRACT
-from harness.testing.simulators.servos import SERVO_CHECKS
+from harness_plugins.kit import IdealSimulator
+from harness_plugins.kit import contract as violations
+from harness_plugins.kit.simulators import servos
+from harness_plugins.kit.simulators.checks import SERVO_CONTRACT
+from harness_plugins.kit.simulators.servos import SERVO_CHECKS
 from harness_plugins.simulators.mujoco import Mujoco
 
 ROBOT = harness.load_robot("fd100")

@@ -18,9 +18,8 @@ from harness.motion import Move, MoveJ
 from harness.reach import ReachTask
 from harness.robot import Robot
 from harness.task import Targets
-from harness.testing import TASK_CHECKS, violations
-from harness.testing.tasks import checks as tasks
-from harness.testing.tasks import goals
+from harness_plugins.kit import TASK_CHECKS, goals, tasks
+from harness_plugins.kit import contract as violations
 from harness_plugins.tasks.moving import Moving, MovingGoal
 
 ROBOT = harness.load_robot("fd100")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.testing.kits import EXPORTS, KITS
+from harness_plugins.kit.kits import EXPORTS, KITS
 from tests.docs.pages import FENCE, ROOT
 
 pytest.importorskip("sphinx")

@@ -22,8 +22,7 @@ from harness.cli.app import build_app
 from harness.experiment.plan import Experiment, check_experiment, expand
 from harness.registry.registry import Registry, load_registry
 from harness.results import Results
-from harness.scaffold.package import package_files
-from harness.scaffold.plugin_name import PluginName
+from harness_plugins.kit.new_plugin import PluginName, package_files
 from tests.docs.pages import ROOT, Block, Command, blocks, blocks_of, commands_of
 from tests.docs.ways import HELD, NEEDS, NOT_RUN, SKIPPED
 

@@ -11,8 +11,8 @@ from harness.env import ReachVectorEnv
 from harness.reach import ReachTask
 from harness.robot.inverse_kinematics import reach_position
 from harness.task import Task
-from harness.testing import IdealSimulator
-from harness.testing.trainings import NegativeDistance
+from harness_plugins.kit import IdealSimulator
+from harness_plugins.kit.trainings import NegativeDistance
 
 ROBOT = harness.load_robot("fd100")
 SHORT = ReachTask(horizon=4)

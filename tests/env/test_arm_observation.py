@@ -7,8 +7,8 @@ import harness
 from harness.env import ReachVectorEnv
 from harness.env.arm_observation import ArmObservation
 from harness.reach import ReachTask
-from harness.testing import IdealSimulator
-from harness.testing.trainings import NegativeDistance
+from harness_plugins.kit import IdealSimulator
+from harness_plugins.kit.trainings import NegativeDistance
 
 ROBOT = harness.load_robot("fd100")
 PERIOD = 0.1

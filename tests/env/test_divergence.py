@@ -12,7 +12,7 @@ from harness.errors import SimulationDiverged
 from harness.record.trace import TraceWriter
 from harness.robot import Robot
 from harness.simulator import State
-from harness.testing import IdealSimulator
+from harness_plugins.kit import IdealSimulator
 
 Call = Callable[..., Any]
 

@@ -14,7 +14,7 @@ from harness.record.trace import TraceWriter, read_trace
 from harness.reward.row_steps import TOUCHED, targets_touched
 from harness.robot.inverse_kinematics import reach_position
 from harness.task import Targets
-from harness.testing.trainings import NegativeDistance
+from harness_plugins.kit.trainings import NegativeDistance
 from harness_plugins.tasks.unity import Arp2021, UnityReach
 
 Call = Callable[..., Any]

@@ -14,8 +14,8 @@ from harness.reach import ReachTask
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 from harness.simulator import State
-from harness.testing import IdealSimulator
-from harness.testing.trainings import NegativeDistance
+from harness_plugins.kit import IdealSimulator
+from harness_plugins.kit.trainings import NegativeDistance
 
 REGISTRY = load_registry()
 ROBOT = harness.load_robot("fd100", REGISTRY)

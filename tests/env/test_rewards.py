@@ -7,7 +7,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 
 from harness.reach import ReachTask
-from harness.testing.trainings import NegativeDistance
+from harness_plugins.kit.trainings import NegativeDistance
 
 Call = Callable[..., Any]
 

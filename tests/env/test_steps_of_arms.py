@@ -20,7 +20,7 @@ from harness.registry.registry import load_registry
 from harness.reward import Carry, MissingField, Steps
 from harness.reward.forms import reward_class
 from harness.score.scorer import pay_log
-from harness.testing.trainings import NegativeDistance
+from harness_plugins.kit.trainings import NegativeDistance
 
 Call = Callable[..., Any]
 REGISTRY = load_registry()

@@ -8,7 +8,7 @@ import harness
 from harness.env.ideal import IdealSimulation
 from harness.env.varied_simulation import MOST_IDLE, VariedSimulation
 from harness.robot import Robot
-from harness.testing import IdealSimulator
+from harness_plugins.kit import IdealSimulator
 
 ROBOT = harness.load_robot("fd100")
 

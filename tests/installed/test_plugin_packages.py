@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.scaffold.package import kinds
+from harness_plugins.kit.new_plugin import kinds
 from tests.installed.conftest import Environment, make_environment
 
 EXAMPLES = {
@@ -110,7 +110,7 @@ def test_example_reward_keeps_its_contract(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.syspath_prepend(EXAMPLES["memory-reward"])
     from memory_reward.reward import Steady
 
-    from harness.testing import check_reward
+    from harness_plugins.kit import check_reward
 
     check_reward(Steady())
 

@@ -12,8 +12,8 @@ from harness.env import ReachVectorEnv
 from harness.progress import Progress
 from harness.reach import ReachTask
 from harness.robot.inverse_kinematics import reach_position
-from harness.testing import IdealSimulator
-from harness.testing.trainings import NegativeDistance
+from harness_plugins.kit import IdealSimulator
+from harness_plugins.kit.trainings import NegativeDistance
 from harness_plugins.sb3.callback import ProgressCallback
 from harness_plugins.sb3.vec_env import VecEnvAdapter
 from harness_plugins.tasks.unity import Arp2021

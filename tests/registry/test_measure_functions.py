@@ -17,8 +17,8 @@ from harness.registry.choice import build_defaults
 from harness.registry.given import read_given
 from harness.registry.registry import Registry, load_registry
 from harness.registry.sources import fingerprint
-from harness.testing import check_metric
-from harness.testing.metrics.traces import recorded_trace
+from harness_plugins.kit import check_metric
+from harness_plugins.kit.metrics import recorded_trace
 
 ENDS = ("reached", "ground", "truncated", "truncated", "")
 HEAD = "import numpy as np\n"

@@ -10,7 +10,7 @@ from harness.record.folder import EVALUATION, SCENE, STOCHASTIC
 from harness.record.trace import read_trace, trace_of
 from harness.results import Results, replay
 from harness.results.replay import ShownCells, choose_episodes, first_show, show_cells, shows_of
-from harness.testing.metrics.traces import recorded_trace
+from harness_plugins.kit.metrics import recorded_trace
 
 R, G, T = "reached", "ground", "time-out"
 

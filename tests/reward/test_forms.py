@@ -12,7 +12,7 @@ from harness.registry.registry import load_registry
 from harness.reward.forms import FAILED, is_function_of_steps, reward_class
 from harness.reward.needs import Needs, made_up, needs_of, terms_of
 from harness.reward.terms import pay
-from harness.testing.trainings import NegativeDistance
+from harness_plugins.kit.trainings import NegativeDistance
 
 
 def gentle(step):

@@ -14,8 +14,8 @@ from harness.errors import UsageError
 from harness.registry.registry import load_registry
 from harness.robot import Robot
 from harness.robot.robot import read_robot
-from harness.testing.simulators.checks import SIMULATOR_CHECKS
-from harness.testing.simulators.frames import frames_show_the_target, render_gives_a_frame_or_says_why_not
+from harness_plugins.kit.simulators.checks import SIMULATOR_CHECKS
+from harness_plugins.kit.simulators.states import frames_show_the_target, render_gives_a_frame_or_says_why_not
 from harness_plugins.mujoco_model import build_model
 from harness_plugins.simulators.kinematic import Kinematic
 from harness_plugins.simulators.mujoco import Mujoco

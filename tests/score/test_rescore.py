@@ -12,8 +12,8 @@ from harness.registry.registry import load_registry
 from harness.reward.forms import reward_class
 from harness.score.open_steps import open_steps
 from harness.score.rescore import rescore
-from harness.testing import IdealSimulator
-from harness.testing.trainings import NegativeDistance
+from harness_plugins.kit import IdealSimulator
+from harness_plugins.kit.trainings import NegativeDistance
 
 HEADER = "t,beginDistance,prevBest,distance,delta_distance,reward"
 ROWS = [

@@ -28,7 +28,7 @@ from harness.reward.needs import ROWS
 from harness.reward.row_steps import TOUCHED, Rows, targets_touched
 from harness.robot.inverse_kinematics import reach_position
 from harness.score.scorer import Payer, Scorer, pay_log
-from harness.testing import IdealSimulator
+from harness_plugins.kit import IdealSimulator
 from harness_plugins.tasks.unity import Arp2021
 
 REGISTRY = load_registry()

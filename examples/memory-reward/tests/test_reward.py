@@ -6,7 +6,7 @@ import numpy as np
 from memory_reward.reward import Steady
 
 from harness.reward import Sample
-from harness.testing import check_reward
+from harness_plugins.kit import check_reward
 
 BEGIN = np.array([0.5])
 

@@ -7,7 +7,7 @@ from mesh_arm.robot import FOLDER
 from harness import load_robot
 from harness.reach import ReachTask
 from harness.registry.registry import load_registry
-from harness.testing import check_robot, check_simulator
+from harness_plugins.kit import check_robot, check_simulator
 
 
 @pytest.mark.parametrize("name", ["kinematic", "mujoco", "pybullet"])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from harness import load_robot
-from harness.testing import check_simulator
+from harness_plugins.kit import check_simulator
 
 pytest.importorskip("pinocchio", reason="pinocchio is not installed: pip install pin")
 

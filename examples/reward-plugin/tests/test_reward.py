@@ -2,7 +2,7 @@
 
 from cautious_reward.reward import Cautious
 
-from harness.testing import check_reward
+from harness_plugins.kit import check_reward
 
 
 def test_contract() -> None:

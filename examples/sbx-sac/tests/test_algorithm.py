@@ -5,7 +5,7 @@ import pytest
 
 from harness import make_env
 from harness.progress import Progress
-from harness.testing import check_algorithm
+from harness_plugins.kit import check_algorithm
 
 pytest.importorskip("sbx", reason="sbx is not installed: pip install sbx-rl")
 

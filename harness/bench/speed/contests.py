@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import psutil
 
 from harness.algorithm import Algorithm
+from harness.authoring.checking import closed_motion
 from harness.bench.meter import Meter, TimedMethods
 from harness.bench.speed.contest import CLOCK, Contender
 from harness.bench.speed.entry import Entry, Setting
@@ -21,7 +22,6 @@ from harness.robot import Robot
 from harness.robot.load import load_robot
 from harness.simulator import Simulator
 from harness.task import Task
-from harness.testing.opened import closed_motion
 
 ENGINE_CALLS = ("reset", "drive", "place")
 """The methods of `harness.simulator.Simulation` that an env calls."""

@@ -16,9 +16,9 @@ from harness.env.single_env import ReachEnv
 from harness.errors import UsageError
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
-from harness.testing import IdealSimulator
-from harness.testing.opened import closed_motion
 from harness_plugins.algorithms.ppo import Ppo
+from harness_plugins.kit import IdealSimulator
+from harness_plugins.kit.opened import closed_motion
 
 SIMULATORS = ("kinematic", "mujoco", "dm_control", "pybullet")
 ROBOT = harness.load_robot("fd100")

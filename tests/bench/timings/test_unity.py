@@ -69,7 +69,7 @@ def test_steps_beside_the_bare_loop(
         import harness_plugins.unity_player.protocol  # noqa: F401
     except (ImportError, TypeError):
         pytest.skip("mlagents-envs and its protobuf are not installed here: make unity")
-    from harness.testing.unity_player import write_unity_player
+    from harness_plugins.kit.unity_player import write_unity_player
 
     program = write_unity_player(tmp_path / "player", ["--agents", str(agents)])
     monkeypatch.setenv(PROGRAMS, "")

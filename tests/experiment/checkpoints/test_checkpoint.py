@@ -31,8 +31,8 @@ from harness.record.store import Store
 from harness.record.trace import SCALARS, TraceWriter, read_trace
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
-from harness.testing.trainings import WatchedEnv
 from harness_plugins.executors.processes import Processes
+from harness_plugins.kit.trainings import WatchedEnv
 
 MakeCell = Callable[..., Cell]
 Train = Callable[..., None]

@@ -19,8 +19,8 @@ from harness.policy import CARD, InverseKinematics, Uniform, load_policy
 from harness.reach import ReachTask
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
-from harness.testing.trainings import observations, train
 from harness_plugins.algorithms.ik import Ik
+from harness_plugins.kit.trainings import observations, train
 
 MODES = ("movej", "movej-absolute", "set-joints")
 REGISTRY = load_registry()

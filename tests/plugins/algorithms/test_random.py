@@ -6,8 +6,8 @@ from scipy import stats
 
 from harness.algorithm import learns
 from harness.policy import Uniform, UniformChoice
-from harness.testing.trainings import train
 from harness_plugins.algorithms.random import Random
+from harness_plugins.kit.trainings import train
 
 
 def test_it_says_that_it_does_not_learn():

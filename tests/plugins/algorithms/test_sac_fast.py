@@ -10,10 +10,10 @@ import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from harness.progress import Progress
-from harness.testing.algorithms.checks import the_budget_is_spent_exactly, the_return_rises
-from harness.testing.trainings import WatchedEnv, train
 from harness_plugins.algorithms.sac import Sac
 from harness_plugins.algorithms.sac_fast import SacFast
+from harness_plugins.kit.algorithms import the_budget_is_spent_exactly, the_return_rises
+from harness_plugins.kit.trainings import WatchedEnv, train
 
 
 def test_settings_are_those_of_sac():
@@ -84,7 +84,7 @@ def test_threads_are_left_as_they_were():
 def test_no_library_of_learning_is_imported():
     """Neither torch nor stable-baselines3: it works where they are not installed."""
     code = (
-        "import sys; from harness.testing.trainings import train;"
+        "import sys; from harness_plugins.kit.trainings import train;"
         "from harness_plugins.algorithms.sac_fast import SacFast;"
         "train(SacFast(net_arch=(8,), batch_size=16), 120);"
         "assert not {'torch', 'stable_baselines3', 'jax', 'scipy'} & set(sys.modules)"

@@ -9,13 +9,13 @@ import pytest
 from harness.algorithm import ActionSpace, Algorithm
 from harness.policy import Categorical, Deterministic, Gaussian, Greedy, load_policy
 from harness.progress import Progress
-from harness.testing.algorithms.checks import the_budget_is_spent_exactly
-from harness.testing.trainings import Training, WatchedEnv, observations, train_anew
 from harness_plugins.algorithms.ddqn import Ddqn
 from harness_plugins.algorithms.dqn import Dqn
 from harness_plugins.algorithms.ppo import Ppo
 from harness_plugins.algorithms.sac import Sac
 from harness_plugins.algorithms.td3 import Td3
+from harness_plugins.kit.algorithms import the_budget_is_spent_exactly
+from harness_plugins.kit.trainings import Training, WatchedEnv, observations, train_anew
 
 STEPS = 160
 QUICK_PPO = {"rollout": 32, "batch_size": 16, "num_envs": 1}

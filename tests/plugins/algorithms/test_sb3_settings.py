@@ -8,11 +8,11 @@ from harness.errors import UsageError
 from harness.registry.choice import choose
 from harness.registry.parameters import build
 from harness.registry.registry import load_registry
-from harness.testing.trainings import train_anew
 from harness_plugins.algorithms.ddqn import Ddqn
 from harness_plugins.algorithms.dqn import Dqn
 from harness_plugins.algorithms.ppo import Ppo
 from harness_plugins.algorithms.td3 import Td3
+from harness_plugins.kit.trainings import train_anew
 
 SHARED = {
     "learning_rate": 0.002, "gamma": 0.9, "net_arch": (32, 16), "batch_size": 17, "buffer_size": 100,

@@ -14,9 +14,9 @@ from harness.experiment.evaluation.evaluate import EVALUATION_SEED
 from harness.policy import Gaussian, Policy, Uniform
 from harness.progress import Progress, TrainingState
 from harness.registry.parameters import build
-from harness.testing.trainings import ENV_SEED, WatchedEnv, observations, train
 from harness_plugins.algorithms import spg
 from harness_plugins.algorithms.spg import Learner, Segment, Spg
+from harness_plugins.kit.trainings import ENV_SEED, WatchedEnv, observations, train
 
 # ------------------------------------------------------------------- a decision process of two states, solved exactly
 # The action is a number; above 0 the process mostly goes to the other state. Nothing else of the action matters, so

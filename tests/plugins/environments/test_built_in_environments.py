@@ -13,7 +13,7 @@ from harness.environment import Environment, goal_rewards
 from harness.errors import UsageError
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
-from harness.testing import check_environment
+from harness_plugins.kit import check_environment
 
 GIVEN = (
     "gymnasium:id=Pendulum-v1",

@@ -17,7 +17,7 @@ from typing import Any
 import psutil
 import pytest
 
-from harness.testing.executors.odd_cells import installed
+from harness_plugins.kit.executors import installed
 
 
 class TwoNodes:

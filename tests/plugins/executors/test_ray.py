@@ -23,10 +23,10 @@ from harness.record.cell import Cell
 from harness.record.cell_folder import examine
 from harness.record.folder import LOG, MANIFEST
 from harness.registry.registry import load_registry
-from harness.testing import violations
-from harness.testing.executors import checks as executors
-from harness.testing.executors.odd_cells import odd_cell
 from harness_plugins.executors.ray import Ray
+from harness_plugins.kit import contract as violations
+from harness_plugins.kit import executors
+from harness_plugins.kit.executors import odd_cell
 
 pytestmark = pytest.mark.slow
 

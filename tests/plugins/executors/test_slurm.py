@@ -15,9 +15,9 @@ from harness.errors import UsageError
 from harness.executor import CellOptions, Event, Job
 from harness.record.cell_folder import examine
 from harness.record.folder import LOG, partial_folder
-from harness.testing import EXECUTOR_CHECKS
-from harness.testing.executors.odd_cells import installed, odd_cell
 from harness_plugins.executors.slurm import Slurm
+from harness_plugins.kit import EXECUTOR_CHECKS
+from harness_plugins.kit.executors import installed, odd_cell
 
 pytestmark = [
     pytest.mark.slow,

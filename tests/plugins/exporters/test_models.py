@@ -14,8 +14,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from harness.policy import Categorical, Deterministic, Gaussian, Greedy, Network, SquashedGaussian
-from harness.testing import check_export
 from harness_plugins.exporters import onnx_model, torch_script
+from harness_plugins.kit import check_export
 
 Make = Callable[..., Network]
 Act = Callable[[np.ndarray], np.ndarray]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from harness.testing.metrics.traces import recorded_trace
+from harness_plugins.kit.metrics import recorded_trace
 from harness_plugins.metrics.final_distance import FinalDistance
 
 

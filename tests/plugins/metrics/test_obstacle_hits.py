@@ -3,7 +3,7 @@
 import pytest
 
 from harness.record.trace import trace_of
-from harness.testing.metrics.traces import recorded_trace
+from harness_plugins.kit.metrics import recorded_trace
 from harness_plugins.metrics.obstacle_hits import ObstacleHits
 
 

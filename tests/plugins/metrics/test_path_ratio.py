@@ -7,7 +7,7 @@ from harness.errors import Unmeasured
 from harness.log import Log
 from harness.record.episode_facts import EpisodeFacts, with_episode_facts
 from harness.record.trace import trace_of
-from harness.testing.metrics.traces import recorded_trace
+from harness_plugins.kit.metrics import recorded_trace
 from harness_plugins.metrics.path_ratio import PathRatio
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from harness.log import Log
 from harness.record.trace import trace_of
-from harness.testing.metrics.traces import recorded_trace
+from harness_plugins.kit.metrics import recorded_trace
 from harness_plugins.metrics.smoothness import Smoothness
 
 

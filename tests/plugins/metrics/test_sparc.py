@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from harness.log import Log
 from harness.record.episode_facts import EpisodeFacts
 from harness.record.trace import trace_of
-from harness.testing.metrics.traces import recorded_trace
+from harness_plugins.kit.metrics import recorded_trace
 from harness_plugins.metrics.sparc import Sparc, spectral_arcs
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from harness.testing.metrics.traces import recorded_trace
+from harness_plugins.kit.metrics import recorded_trace
 from harness_plugins.metrics.steps_to_target import StepsToTarget
 
 

@@ -3,7 +3,7 @@
 import pytest
 
 from harness.record.episode_facts import EpisodeFacts, with_episode_facts
-from harness.testing.metrics.traces import recorded_trace
+from harness_plugins.kit.metrics import recorded_trace
 from harness_plugins.metrics.work import Work
 
 

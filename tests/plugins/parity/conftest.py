@@ -7,7 +7,7 @@ import pytest
 
 from harness.env.ideal import IdealSimulation
 from harness.robot.load import load_robot
-from harness.testing import IdealSimulator
+from harness_plugins.kit import IdealSimulator
 from harness_plugins.parity.contenders import Contenders
 from harness_plugins.parity.orders import Setting
 from harness_plugins.parity.parity import compare_simulators

@@ -11,7 +11,7 @@ from harness_plugins.parity.contenders import Missing, choose_contenders
 from harness_plugins.parity.failure import Failure
 
 
-def spec(name, target="harness.testing:IdealSimulator", requires=(), plugin="toys"):
+def spec(name, target="harness_plugins.kit:IdealSimulator", requires=(), plugin="toys"):
     """One that is registered."""
     return Spec("simulators", name, target, "", requires, "extra" if requires else None, plugin, "toy-arm")
 
@@ -70,10 +70,10 @@ def test_a_named_one_that_is_not_installed_is_a_usage_error():
 
 def test_a_broken_plugin_costs_its_simulator_alone():
     """Unless it is named: then it is what was asked for."""
-    both = registry(spec("ideal"), spec("broken", target="harness.testing:Nothing"))
+    both = registry(spec("ideal"), spec("broken", target="harness_plugins.kit:Nothing"))
     contenders = choose_contenders(both, [], None)
     assert isinstance(contenders.simulators["broken"], Failure)
-    assert "harness.testing:Nothing" in contenders.simulators["broken"].reason
+    assert "harness_plugins.kit:Nothing" in contenders.simulators["broken"].reason
     with pytest.raises(PluginError):
         choose_contenders(both, ["broken"], None)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from harness.errors import SimulationDiverged
-from harness.testing import IdealSimulator
+from harness_plugins.kit import IdealSimulator
 from harness_plugins.parity.motions import smooth_motions
 from harness_plugins.parity.track import follow
 

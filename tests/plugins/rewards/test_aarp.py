@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from harness.errors import UsageError
 from harness.registry.parameters import build
 from harness.reward import Sample
-from harness.testing import check_reward
+from harness_plugins.kit import check_reward
 from harness_plugins.rewards.aarp import Aarp
 from harness_plugins.rewards.arp import Arp
 

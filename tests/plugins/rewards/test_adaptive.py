@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.testing import check_reward
+from harness_plugins.kit import check_reward
 from harness_plugins.rewards.adaptive import Adaptive
 
 METRES = st.integers(0, 3072).map(lambda n: n / 1024)

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.testing import check_reward
+from harness_plugins.kit import check_reward
 from harness_plugins.rewards.baseline import Baseline
 from harness_plugins.rewards.baseline_eq21 import BaselineEq21
 

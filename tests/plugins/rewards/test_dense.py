@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from harness.errors import UsageError
 from harness.registry.parameters import build
-from harness.testing import check_reward
+from harness_plugins.kit import check_reward
 from harness_plugins.rewards.dense import Dense
 
 METRES = st.integers(0, 3072).map(lambda n: n / 1024)

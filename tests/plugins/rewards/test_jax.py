@@ -7,7 +7,7 @@ from harness.registry.registry import load_registry
 from harness.reward import Carry, Reward, Steps, pay
 from harness.reward.forms import reward_class
 from harness.reward.steps import map_steps
-from harness.testing.rewards.samples import edge_samples, play, random_samples, values_of
+from harness_plugins.kit.reward_samples import edge_samples, play, random_samples, values_of
 
 jax = pytest.importorskip("jax")
 

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from harness.errors import UsageError
 from harness.registry.parameters import build
-from harness.testing import check_reward
 from harness_plugins.algorithms.sac import Sac
+from harness_plugins.kit import check_reward
 from harness_plugins.rewards.potential import Potential
 
 METRES = st.integers(0, 3072).map(lambda n: n / 1024)

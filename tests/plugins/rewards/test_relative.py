@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from harness.errors import UsageError
 from harness.registry.parameters import build
-from harness.testing import check_reward
+from harness_plugins.kit import check_reward
 from harness_plugins.rewards.relative import FLOOR, Relative
 
 METRES = st.floats(0.0, 1e3)

@@ -9,7 +9,7 @@ import harness
 from harness.errors import UsageError
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
-from harness.testing import check_reward
+from harness_plugins.kit import check_reward
 from harness_plugins.rewards.aarp import Aarp
 from harness_plugins.rewards.arp import Arp
 from harness_plugins.rewards.scaled import Scaled

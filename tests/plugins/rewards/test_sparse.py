@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.testing import check_reward
+from harness_plugins.kit import check_reward
 from harness_plugins.rewards.sparse import Sparse
 
 

@@ -11,8 +11,8 @@ import harness
 from harness.env import ReachVectorEnv
 from harness.progress import Progress
 from harness.reach import ReachTask
-from harness.testing import IdealSimulator
-from harness.testing.trainings import NegativeDistance
+from harness_plugins.kit import IdealSimulator
+from harness_plugins.kit.trainings import NegativeDistance
 from harness_plugins.sb3.callback import ProgressCallback
 from harness_plugins.sb3.vec_env import VecEnvAdapter
 

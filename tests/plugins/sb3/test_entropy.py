@@ -10,8 +10,8 @@ import torch
 import harness
 from harness.env import ReachVectorEnv
 from harness.reach import ReachTask
-from harness.testing import IdealSimulator
-from harness.testing.trainings import NegativeDistance
+from harness_plugins.kit import IdealSimulator
+from harness_plugins.kit.trainings import NegativeDistance
 from harness_plugins.sb3.entropy import actor_entropy
 from harness_plugins.sb3.vec_env import VecEnvAdapter
 

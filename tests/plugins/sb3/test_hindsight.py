@@ -14,8 +14,8 @@ from harness.algorithm import Goals
 from harness.experiment.environments.batch import EnvironmentBatch
 from harness.progress import Progress
 from harness.recorder.record_rewards import RecordRewards
-from harness.testing.trainings import WatchedEnv
 from harness_plugins.algorithms.her import Her
+from harness_plugins.kit.trainings import WatchedEnv
 from harness_plugins.sb3.hindsight import GoalEnvAdapter, HindsightSAC
 from harness_plugins.sb3.policies import squashed_gaussian
 

@@ -9,8 +9,8 @@ import harness
 from harness.env import ReachVectorEnv
 from harness.env.known_arm import kinematics_policy
 from harness.goal import Situation
-from harness.testing import IdealSimulator
-from harness.testing.trainings import NegativeDistance
+from harness_plugins.kit import IdealSimulator
+from harness_plugins.kit.trainings import NegativeDistance
 from harness_plugins.tasks.moving import Moving, MovingGoal
 
 ROBOT = harness.load_robot("fd100")

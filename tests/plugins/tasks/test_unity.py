@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 import harness
 from harness.env import ReachVectorEnv
 from harness.errors import UsageError
-from harness.testing import IdealSimulator
-from harness.testing.trainings import NegativeDistance
+from harness_plugins.kit import IdealSimulator
+from harness_plugins.kit.trainings import NegativeDistance
 from harness_plugins.tasks import unity
 from harness_plugins.tasks.unity import Arp2021, UnityReach
 

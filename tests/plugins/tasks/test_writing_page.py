@@ -10,7 +10,7 @@ import pytest
 import harness
 from harness.env.known_arm import why_not_kinematics
 from harness.goal import Situation
-from harness.testing import check_task
+from harness_plugins.kit import check_task
 
 PAGE = (Path(__file__).parents[3] / "docs" / "writing" / "task.md").read_text(encoding="utf-8")
 ROBOT = harness.load_robot("fd100")

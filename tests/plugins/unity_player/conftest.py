@@ -27,7 +27,7 @@ def player(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable
         import harness_plugins.unity_player.protocol  # noqa: F401
     except (ImportError, TypeError):  # not installed, or protobuf is too new: make unity
         pytest.skip("mlagents-envs and its protobuf are not installed here")
-    from harness.testing.unity_player import write_unity_player
+    from harness_plugins.kit.unity_player import write_unity_player
 
     monkeypatch.setenv(MARK, str(tmp_path))
 
@@ -46,7 +46,7 @@ def players_of(folder: Path) -> list[int]:
     for process in psutil.process_iter():
         try:
             words = process.cmdline()
-            plays = "harness.testing.unity_player" in words or any(word.endswith("guard.py") for word in words)
+            plays = "harness_plugins.kit.unity_player" in words or any(word.endswith("guard.py") for word in words)
             if plays and process.environ().get(MARK) == str(folder) and process.status() != psutil.STATUS_ZOMBIE:
                 found.append(process.pid)
         except psutil.Error:

@@ -65,7 +65,7 @@ def test_a_player_that_dies_costs_its_cell_alone(player, tmp_path: Path):
 def is_playing(pid: int) -> bool:
     """Whether a process is a player, and not what guards it."""
     try:
-        return "harness.testing.unity_player" in psutil.Process(pid).cmdline()
+        return "harness_plugins.kit.unity_player" in psutil.Process(pid).cmdline()
     except psutil.Error:
         return False
 
