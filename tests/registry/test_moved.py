@@ -22,6 +22,7 @@ from harness.registry.moved import (
 OLD = {
     "harness.environment": ["Measure"],
     "harness.metric": ["Metric"],
+    "harness.pytest_plugin": ["pytest_configure"],
     "harness.record.recording.recorded_training": ["RecordedTraining"],
     "harness.record.trace": ["Trace"],
     "harness.score.compare": ["compare_recordings"],
@@ -29,6 +30,12 @@ OLD = {
     "harness.score.recording": ["Chunk", "Recording"],
     "harness.score.rescore": ["RecordingScorer"],
     "harness.score.scorer": ["score_trace", "targets_touched"],
+    "harness.testing": ["Check", "IdealSimulator", "REWARD_CHECKS", "check", "check_reward", "violations"],
+    "harness.testing.metrics.traces": ["recorded_trace"],
+    "harness.testing.rewards.samples": ["edge_samples", "random_samples"],
+    "harness.testing.rewards.standard_array": ["StandardArray"],
+    "harness.testing.simulators.simulations": ["NUM_ENVS", "opened"],
+    "harness.testing.unity_player": ["write_unity_player"],
 }
 """Names that 0.2.0 had, by module: those of its pages, and those to which it sent whoever used a name of 0.1."""
 EVERY = [f"{module}.{name}" for module, names in OLD.items() for name in names]
@@ -151,3 +158,11 @@ def test_names_that_are_gone_are_read_in_a_source():
 def test_other_names_are_no_old_ones(source: str):
     """Of the package itself, of others, and those that are where they were."""
     assert old_names_in(source) == []
+
+
+def test_program_is_started_by_its_old_name():
+    """By ``python -m``, after a warning: the same one, which says what it lacks where the extra is not installed."""
+    command = [sys.executable, "-m", "harness.testing.unity_player", "--help"]
+    ended = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert "harness.testing.unity_player moved: import harness_plugins.kit.unity_player" in ended.stderr
+    assert "usage: " in ended.stdout or "No module named 'mlagents_envs'" in ended.stderr or "'grpc'" in ended.stderr

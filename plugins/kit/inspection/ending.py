@@ -18,6 +18,8 @@ SIGNALS = {
 """By the name of the signal that ended a process."""
 DUMP = "Fatal Python error: "
 """Begins what `faulthandler` writes of a process that crashes or is aborted."""
+OURS = (Path(harness.__file__).parent, Path(__file__).parents[1])
+"""The folders of the harness, and of this kit."""
 _FRAME = re.compile(r'^  File "(?P<file>[^"]+)", line (?P<line>\d+) in ', re.MULTILINE)
 
 
@@ -40,9 +42,9 @@ def split_output(text: str) -> tuple[str, str]:
 
 def is_plugins_own(file: str) -> bool:
     """Whether a file of a stack is of the plugin, or of a library that it uses: not Python's, and not the harness's."""
-    path, ours, python = Path(file), Path(harness.__file__).parent, Path(sysconfig.get_path("stdlib"))
+    path, python = Path(file), Path(sysconfig.get_path("stdlib"))
     is_pythons = python in path.parents and "site-packages" not in path.parts
-    return path.is_absolute() and not is_pythons and ours not in path.parents
+    return path.is_absolute() and not is_pythons and not {*OURS} & {*path.parents}
 
 
 def place_in(dump: str) -> str:
