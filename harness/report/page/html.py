@@ -22,8 +22,7 @@ from harness.report.page.matrix import Matrix, comparisons_csv, matrix_of
 from harness.report.page.page import render_page, write_page
 from harness.report.replay.links import links_of
 from harness.report.replay.section import replay_of
-from harness.report.rows.alone import EXPLANATION as ALONE
-from harness.report.rows.alone import beside, setting_of
+from harness.report.rows.alone import ALONE, beside, setting_of
 from harness.report.rows.comparison import (
     count_cells,
     interim_text,
@@ -35,11 +34,8 @@ from harness.report.rows.comparison import (
 from harness.report.rows.payoff import EXPLANATION as PAYOFFS
 from harness.report.rows.payoff import TITLE as PAYOFF_TITLE
 from harness.report.rows.payoff import Audits
-from harness.report.rows.pools import EXPLANATION as POOLED
-from harness.report.rows.pools import grown_text, joined_text
-from harness.report.rows.race import EXPLANATION as RACE
-from harness.report.rows.race import TITLE as RACE_TITLE
-from harness.report.rows.race import race_told
+from harness.report.rows.pools import POOLED, grown_text, joined_text
+from harness.report.rows.race import RACE, RACE_TITLE, race_told
 from harness.report.rows.ranking import AGREEMENT, CHOICE, task_rows
 from harness.report.rows.ranking import EXPLANATION as RANKING
 from harness.report.rows.ranking import TITLE as RANKING_TITLE
