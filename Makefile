@@ -68,7 +68,7 @@ examples: dev
 
 # The pages in a Chromium that is installed; without one these tests are skipped, and say why.
 browser: dev
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/report/test_browser.py tests/report/summary tests/report/page tests/report/replay \
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/report/test_browser.py tests/plugins/committed tests/report/page tests/report/replay \
 		-m slow -rs --benchmark-disable
 
 # The simulators that are in no lock, with what experiments/engines/requirements.txt names.

@@ -1,8 +1,10 @@
 """Names that a package promises to keep, looked up when they are first used, and the names that it has renamed."""
 
+import ast
 import importlib
 import warnings
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any, NamedTuple
 
 
@@ -36,3 +38,15 @@ def lazy_names(module: str, homes: Mapping[str, str], renamed: Mapping[str, Rena
         return getattr(importlib.import_module(homes[name]), name)
 
     return look_up
+
+
+def homes_in(path: str) -> dict[str, str]:
+    """The module of each name that a face imports for type checkers alone, so that a face lists each name once.
+
+    Args:
+        path: The face's own file.
+    """
+    tree = ast.parse(Path(path).read_text(encoding="utf-8"))
+    blocks = [node.body for node in tree.body if isinstance(node, ast.If)]
+    imports = [node for block in blocks for node in block if isinstance(node, ast.ImportFrom)]
+    return {alias.name: node.module or "" for node in imports for alias in node.names}

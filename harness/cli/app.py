@@ -29,14 +29,13 @@ PANELS: Mapping[str, Mapping[str, str]] = MappingProxyType(
             "compare": "compare",
             "status": "status",
             "watch": "watch",
-            "video": "video",
             "list": "names:list_names",
             "describe": "describe",
             "doctor": "doctor",
         },
         "Ask more": {name: name for name in ("audit", "eta", "score", "transfer", "tune")},
         "Keep results": {"merge": "merge", "verify": "verify"},
-        "For plugin authors": {"plugins": "plugins", "bench": "bench"},
+        "For plugin authors": {"plugins": "plugins"},
     }
 )
 """Every command by the heading that it stands under in ``harness --all``: what one needs first comes first.

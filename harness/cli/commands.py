@@ -19,6 +19,8 @@ from harness.text import command_text, visible
 
 KIND = "commands"
 PANEL = "From plugins"
+OPTION = "--"
+"""What stands in the name of an option that a plugin brings for one of our commands, ``report--summary``."""
 EXAMPLES = "examples"
 """The attribute of a command's function that holds what one may type, a line each; shown at the end of its help."""
 PASS_ON = {"allow_extra_args": True, "ignore_unknown_options": True, "help_option_names": []}
@@ -47,6 +49,8 @@ def add_plugin_commands(app: typer.Typer, registry: Registry) -> None:
     claimed = {spec.name for spec in specs} - set(own)
     qualified = {spec.qualified for spec in specs if spec.name in own}
     for name in sorted({*registry.names(KIND), *claimed, *qualified} - set(own)):
+        if OPTION in name:
+            continue
         if name in _words_to_complete() and name in registry.names(KIND):
             app.command(name, rich_help_panel=PANEL)(registry.get(KIND, name).load())
             continue

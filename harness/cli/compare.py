@@ -7,6 +7,7 @@ import typer
 
 from harness.cli.flags.shared import AsJson
 from harness.cli.output import complain, say_json
+from harness.cli.records import records_in
 
 REGRESSION = 1
 
@@ -21,13 +22,13 @@ def compare(
     Ends with status 1 if a statistical test finds that policies of a proposed reward do worse than before.
     """
     from harness.cli.terminal import show
-    from harness.report.committed import refuse_committed
     from harness.report.tables.two_experiments import between_table
     from harness.results import load_results
     from harness.results.two_experiments import between
 
     for folder in (before, after):
-        refuse_committed(folder, "harness compare")
+        if (records := records_in([folder])) is not None:
+            records.refuse(folder, "harness compare")
     both = load_results(before), load_results(after)
     found = between(*both)
     if as_json:

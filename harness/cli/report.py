@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from harness.cli.datasets import audit_rewards_on, names_dataset, show_answer
-from harness.cli.flags import logs
-from harness.cli.flags import report as flags
+from harness.cli.flags import logs, report as flags
 from harness.cli.flags.shared import AsJson, CurveKind, MetricNames, Names, PluginFiles
 from harness.cli.output import complain, say
 from harness.cli.recordings import (
@@ -19,6 +18,7 @@ from harness.cli.recordings import (
     require_one_folder,
     told_of_logs,
 )
+from harness.cli.records import Records, records_in
 from harness.cli.results_shown import show_results
 from harness.errors import UsageError
 from harness.text import command_text
@@ -70,12 +70,12 @@ def report(
         )
         return show_answer(audit_rewards_on(folders[0], (), None), as_json, html)
     from harness.registry.given import read_given
-    from harness.report.committed import is_committed
     from harness.results import load_results
 
     beside = {"--html": html, "--summary": summary, "--details": details}
-    if any(map(is_committed, folders)):
-        return _show_committed(folders, as_json, [name for name, value in beside.items() if value])
+    records = records_in(folders)
+    if records is not None:
+        return _show_records(records, folders, as_json, [name for name, value in beside.items() if value])
     of_logs = {"--sort": sort, "--as": as_format, "--labels": labels}
     told = None
     if not any(map(is_experiment, folders)) and (as_format or not holds_recordings(folders)):
@@ -104,18 +104,17 @@ def report(
     return 1 if left_out else 0
 
 
-def _show_committed(folders: Sequence[Path], as_json: bool, beside: Sequence[str]) -> int:
+def _show_records(records: Records, folders: Sequence[Path], as_json: bool, beside: Sequence[str]) -> int:
     """Show what records say. Nothing can be computed anew of them."""
     from harness.cli.terminal import show
-    from harness.report.committed import committed_table, committed_text, is_committed, refuse_committed
 
-    for folder in filter(is_committed, folders):
+    for folder in filter(records.are_in, folders):
         for flag in beside or ["Reading several folders together"] * (len(folders) > 1):
-            refuse_committed(folder, flag)
+            records.refuse(folder, flag)
     if as_json:
-        say(committed_text(folders[0]))
+        say(records.text(folders[0]))
     else:
-        show(committed_table(folders[0]))
+        show(records.table(folders[0]))
     return 0
 
 

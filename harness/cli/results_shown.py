@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from harness.cli.output import complain, say
+from harness.cli.records import load_records
 
 if TYPE_CHECKING:
     from harness.results import Results
@@ -39,9 +40,7 @@ def show_results(
         write_page_of(results, html)
         say(f"Report: {html}", err=True)
     if summary is not None:
-        from harness.report.summary.summary import write_summary
-
-        write_summary(results, summary)
+        load_records().write(results, summary)
         say(f"Summary: {summary}", err=True)
     if as_json:
         from harness.report.document import report_text

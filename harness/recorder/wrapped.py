@@ -7,8 +7,10 @@ from typing import Any
 import gymnasium
 from gymnasium.vector import SyncVectorEnv, VectorRewardWrapper, VectorWrapper
 from gymnasium.wrappers import NormalizeObservation, NormalizeReward
-from gymnasium.wrappers.vector import NormalizeObservation as VectorNormalizeObservation
-from gymnasium.wrappers.vector import NormalizeReward as VectorNormalizeReward
+from gymnasium.wrappers.vector import (
+    NormalizeObservation as VectorNormalizeObservation,
+    NormalizeReward as VectorNormalizeReward,
+)
 
 from harness.errors import HarnessError, UsageError
 from harness.record.recording.facts import TrainingFacts

@@ -10,8 +10,8 @@ import tempfile
 
 import pytest
 
-from harness.bench.speed.contest import Round
-from harness.bench.timed_cell import Failed
+from harness_plugins.bench.contest import Round
+from harness_plugins.bench.timed_cell import Failed
 
 QUICK = ("--sim", "ideal", "--algo", "wander", "--steps", 12, "--evaluation-episodes", 2, "--rounds", 1)
 PARTS = {"start_up", "simulator", "reward", "trace", "env", "algorithm", "evaluation", "saving"}
@@ -150,7 +150,7 @@ def timed(monkeypatch):
         return Round({"bare engine": 1e-4, "env": 1e-4 / speed}, {"env": speed})
 
     pretend.broken = ()
-    monkeypatch.setattr("harness.bench.speed.measure.time_contest", pretend)
+    monkeypatch.setattr("harness_plugins.bench.measure.time_contest", pretend)
     return speeds, pretend
 
 

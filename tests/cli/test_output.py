@@ -90,7 +90,7 @@ def test_export_obeys_no_name(harness, finished):
 
 def test_redraw_obeys_no_name(tmp_path: Path):
     """Its own program, without the command line."""
-    command = [sys.executable, "-m", "harness.report.redraw", str(tmp_path / EVIL)]
+    command = [sys.executable, "-m", "harness_plugins.committed.redraw", str(tmp_path / EVIL)]
     told = subprocess.run(command, capture_output=True, check=False).stderr
     assert b"lacks" in told
     assert b"\x1b" not in told

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from harness.bench.speed.contest import Round
-from harness.bench.speed.entry import Setting
+from harness_plugins.bench.contest import Round
+from harness_plugins.bench.entry import Setting
 from tests.registry.test_given import REWARD
 from tests.results.recordings.conftest import record
 
@@ -132,7 +132,7 @@ def test_bench_of_simulators_takes_the_file(harness, tmp_path, monkeypatch):
         orders.append(type(work).from_json(work.to_json()))
         return Round({"env": 1.0}, {})
 
-    monkeypatch.setattr("harness.bench.speed.measure.time_contest", pretend)
+    monkeypatch.setattr("harness_plugins.bench.measure.time_contest", pretend)
     call = ("bench", "simulators", "--num-envs", 2, "--rounds", 1)
     assert harness(*call, "--plugin", "my_sim.py", "--sim", "my_sim").status == 0
     (order,) = orders

@@ -3,7 +3,7 @@ import json
 
 import pytest
 
-from tests.report.summary.kept import RECORDS
+from tests.plugins.committed.kept import RECORDS
 
 
 @pytest.fixture

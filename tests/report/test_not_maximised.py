@@ -24,10 +24,10 @@ from harness.registry.registry import load_registry
 from harness.report.document import report_text
 from harness.report.page.html import write_html
 from harness.report.rows.race import race_told
-from harness.report.summary.summary import write_summary
 from harness.report.tables.comparison import comparison_table
 from harness.report.tables.overview import overview_table
 from harness.results import Results, load_results
+from harness_plugins.committed.summary import write_summary
 
 SWING = Path(__file__).parents[1] / "experiment" / "environments" / "swing.py"
 TOLD = "large was not maximised: it pays random actions more than the policies of all 5 trainings"

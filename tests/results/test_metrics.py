@@ -15,10 +15,10 @@ from harness.record.store import Store
 from harness.registry.registry import Registry, load_registry
 from harness.report.document import report_text
 from harness.report.rows.behaviour import behaviour_grids
-from harness.report.summary.cells import write_cells
 from harness.results import Results
 from harness.results.measured import measure, value_of
 from harness.results.metrics import Unmeasurable, load_metrics, measure_of
+from harness_plugins.committed.cells import write_cells
 from tests.results.folders import ARP, finish, only
 
 HOOKS = """

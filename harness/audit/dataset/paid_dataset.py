@@ -15,8 +15,20 @@ from harness.audit.dataset.rewards import Recorded
 from harness.audit.dataset.steps import Payer, flaw_of, seen_after, steps_by_episode
 from harness.errors import HarnessError, SchemaError, Unscored, one_line
 from harness.log import Log, Rows
-from harness.log.log import ACTION, BEFORE, BEHAVIOUR, FILE, INFO, OBSERVATION, OPERATOR, RECORDED, REWARD, SEEN, TASK
-from harness.log.log import SUCCESS as SUCCESS_NAME
+from harness.log.log import (
+    ACTION,
+    BEFORE,
+    BEHAVIOUR,
+    FILE,
+    INFO,
+    OBSERVATION,
+    OPERATOR,
+    RECORDED,
+    REWARD,
+    SEEN,
+    SUCCESS as SUCCESS_NAME,
+    TASK,
+)
 from harness.record.dataset.dataset import MOST_EPISODES, DatasetFacts
 from harness.record.dataset.labels import FAILURE, SUCCESS, UNKNOWN
 from harness.record.dataset.open_dataset import facts_of

@@ -3,7 +3,9 @@
 import csv
 from collections.abc import Sequence
 from io import StringIO
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from harness.eta.behaviour_change import Change
 from harness.eta.headline import SHORT, Answer
@@ -15,8 +17,8 @@ from harness.report.apart import tell_apart
 from harness.report.rows.behaviour import behaviour_row, percentage, text_of
 from harness.report.rows.comparison import answer_text
 from harness.report.rows.ratios import format_number, interval_text, ratio_text
-from harness.report.summary.cells import plain_text
 from harness.results.comparison import Comparison, Group
+from harness.text import visible
 
 
 class Sortable(NamedTuple):
@@ -64,6 +66,8 @@ class Matrix(NamedTuple):
     """What the map shows in each place, in a sentence."""
 
 
+FORMULAS = ("=", "+", "-", "@")
+"""Characters with which a formula begins in a spreadsheet."""
 KINDS = ("simulator", "algorithm", "robot", "task")
 COLUMNS = (
     *(*KINDS, "steps", "baseline", "proposed", "seeds", "baseline_trainings", "proposed_trainings", "answer"),
@@ -147,6 +151,21 @@ def comparisons_csv(combinations: Sequence[Comparison]) -> str:
         told = (*described, *seeds, combination.headline.answer.value, *ratios, *shares)
         writer.writerow([plain_text(value) for value in told])
     return text.getvalue()
+
+
+def plain_text(value: Any) -> str:
+    """A value as text. Python's text of a float is the shortest that gives the same float back."""
+    if value is None:
+        return ""
+    if isinstance(value, str):
+        return _text(value)
+    return repr(float(value) + 0.0) if isinstance(value, float | np.floating) else str(value)
+
+
+def _text(value: str) -> str:
+    """A text that a spreadsheet does not compute: an apostrophe stands before it if it begins like a formula."""
+    text = visible(value)
+    return f"'{text}" if text.lstrip().startswith(FORMULAS) else text
 
 
 def _describe(group: Group) -> tuple[str, ...]:

@@ -13,7 +13,7 @@ from harness.results.alone import Alone, Stages
 from harness.text import command_text
 
 HEADINGS = ("an episode", "start", "end", "evaluation", "random")
-EXPLANATION = (
+ALONE = (
     "Means over trainings. Start and end are the first and the last tenth of the episodes of each training, evaluation "
     "those of the final policies. Nothing is compared: whether another reward would teach more, or the same, cannot be "
     "seen here."

@@ -10,8 +10,8 @@ from harness.results import Results
 from harness.results.comparison import Comparison, pools_of
 from harness.results.standing import Standing, standing_of
 
-TITLE = "Over all places"
-EXPLANATION = (
+POOLED_TITLE = "Over all places"
+POOLED = (
     "A place is a simulator, a task and an algorithm with which both rewards trained. The first answer is about the "
     "mean over all places. Single places are asked only where that answer stands."
 )

@@ -13,8 +13,8 @@ from harness.results import Results
 from harness.results.comparison import Comparison
 from harness.results.standing import Standing, standing_of, values_of
 
-TITLE = "The race for the best reward"
-EXPLANATION = (
+RACE_TITLE = "The race for the best reward"
+RACE = (
     "A reward leaves the race when another one that is still in it is better, by a test that spends 5 % over all "
     "looks. It is then trained no further. The number compares what a reward paid in its own trainings with what the "
     "baseline paid in its own: the mean return, what was earned (I_P), or what was lost (I_N). It is a ratio, or a "

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from rich.console import RenderableType
 from rich.text import Text
 
-from harness.report.rows.alone import EXPLANATION, alone_grid, beside, size_text, story
+from harness.report.rows.alone import ALONE, alone_grid, beside, size_text, story
 from harness.report.rows.comparison import question
 from harness.report.rows.terms import changed_text, terms_grid
 from harness.report.tables.grid import show_grid
@@ -27,7 +27,7 @@ def alone_lines(results: Results, *, with_all: bool) -> list[RenderableType]:
         return []
     parts = [part for it in results.alone for part in _block(results, it, with_all)]
     told = beside(results, results.alone)
-    parts += [Text(), Text(EXPLANATION, style="dim")]
+    parts += [Text(), Text(ALONE, style="dim")]
     return [*parts, *([Text(), Text(f"To compare it with another reward: {told}")] if told else []), Text()]
 
 

@@ -2,8 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
-from rich.console import Console, ConsoleOptions, RenderableType
-from rich.console import Group as Together
+from rich.console import Console, ConsoleOptions, Group as Together, RenderableType
 from rich.text import Text
 
 from harness.report.answers import STYLES
@@ -15,7 +14,7 @@ from harness.report.rows.comparison import (
     interim_text,
     remarks_on_cells,
 )
-from harness.report.rows.pools import TITLE, pooled_answers
+from harness.report.rows.pools import POOLED_TITLE, pooled_answers
 from harness.report.rows.ratios import Grid, split_grid
 from harness.report.rows.returns import matrix_title, return_grid
 from harness.report.rows.terms import never_texts
@@ -85,7 +84,7 @@ def pooled_lines(combinations: Sequence[Comparison]) -> list[RenderableType]:
     lines = [
         Text.assemble((it.answer, STYLES.get(it.answer, "bold")), f": {it.told}") for it in pooled_answers(combinations)
     ]
-    return [Text(TITLE, style="bold"), *lines] if lines else []
+    return [Text(POOLED_TITLE, style="bold"), *lines] if lines else []
 
 
 def comparison_lines(combinations: Sequence[Comparison]) -> RenderableType:

@@ -3,7 +3,7 @@
 from rich.console import RenderableType
 from rich.text import Text
 
-from harness.report.rows.race import EXPLANATION, TITLE, race_told
+from harness.report.rows.race import RACE, RACE_TITLE, race_told
 from harness.report.tables.grid import show_grid
 from harness.results import Results
 
@@ -14,11 +14,11 @@ def race_lines(results: Results) -> list[RenderableType]:
     if told is None:
         return []
     return [
-        Text(TITLE, style="bold"),
+        Text(RACE_TITLE, style="bold"),
         Text(told.sentence, style="bold"),
         Text(),
         *show_grid(told.grid),
         *(part for line in told.beside for part in (Text(), Text(line))),
         Text(),
-        Text(EXPLANATION, style="dim"),
+        Text(RACE, style="dim"),
     ]

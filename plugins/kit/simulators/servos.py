@@ -15,8 +15,18 @@ from harness.robot import Robot
 from harness.simulator import Simulation, Simulator, State, drives_with_servo
 
 from ..contract import Check, check, require, violations
-from .simulations import NUM_ENVS, PERIOD, copied, drive_out_and_back, opened, ramps, same, start_at_home, turns
-from .simulations import turns as ways_to_turn
+from .simulations import (
+    NUM_ENVS,
+    PERIOD,
+    copied,
+    drive_out_and_back,
+    opened,
+    ramps,
+    same,
+    start_at_home,
+    turns,
+    turns as ways_to_turn,
+)
 
 FAR = 0.5
 """How far a joint is told to go at once, as a share of what it can go [rad or m, of a radian or metre at most]."""

@@ -4,12 +4,12 @@ from collections.abc import Callable
 
 import pytest
 
-from harness.bench.meter import CLOCK
-from harness.bench.stopwatch import Stopwatch
 from harness.experiment.run_cell import run_cell
 from harness.experiment.watch import UNWATCHED, Watch
 from harness.record.cell import Cell
 from harness.registry.choice import Choice
+from harness_plugins.bench.meter import CLOCK
+from harness_plugins.bench.stopwatch import Stopwatch
 
 pytestmark = pytest.mark.bench
 MakeCell = Callable[..., Cell]

@@ -49,7 +49,7 @@ from harness.results import Results, load_results
 from harness.results.load import require_arm
 from harness.results.two_experiments import Between, Verdict, between
 from harness_plugins.exporters.csv_runs import write_runs
-from tests.report.summary.kept import RECORDS
+from tests.plugins.committed.kept import RECORDS
 
 TOY = Path(__file__).with_name("toy.py")
 STEPS = 32

@@ -6,9 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from harness.bench.speed.entry import Entry, Setting
-from harness.bench.speed.timed_contest import TimeContest
-from harness.bench.timed_cell import TimeCell
 from harness.executor import CellOptions
 from harness.experiment.installation import Describe
 from harness.experiment.run_cell import TrainCell
@@ -18,6 +15,9 @@ from harness.registry.choice import Choice
 from harness.registry.given import PluginClass, PluginFile
 from harness.transfer.evaluation import EvaluateElsewhere
 from harness.tune.validation import ValidatePolicy
+from harness_plugins.bench.entry import Entry, Setting
+from harness_plugins.bench.timed_cell import TimeCell
+from harness_plugins.bench.timed_contest import TimeContest
 
 PLUGINS = (PluginFile("/a/mine.py", "x = 'ü'\n"), PluginClass("rewards", "mine:Mine"))
 ENTRY = Entry("simulators", "simulators", "mine")

@@ -1,0 +1,128 @@
+"""Every entry, several rounds, one process at a time."""
+
+import platform
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from harness.algorithm import learns, needs_goals
+from harness.authoring.commands import Registry, choose, describe_machine, parse, split_list, versions_behind
+
+from .contest import Round
+from .entry import Entry, Kind, Setting
+from .speeds import Speed, Speeds
+from .timed_cell import Failed
+from .timed_contest import LeftOut, TimeContest, time_contest
+
+NO_GOALS = "it pays steps again for other goals, and is timed on a task of an arm, which does not allow that"
+SIZES = (1, 64, 1024)
+"""Envs that a simulator is timed with."""
+OnRound = Callable[[int, int, str], None]
+"""Told before each: its number, how many there are, and the entry's title."""
+
+
+def plan_entries(
+    registry: Registry, kinds: Sequence[Kind], sim: Sequence[str], algo: Sequence[str], sizes: Sequence[int]
+) -> tuple[list[Entry], list[tuple[str, str]]]:
+    """What is to be timed.
+
+    Args:
+        registry: The plugins.
+        kinds: Which tables are wanted.
+        sim: Simulators, as a user names them; none for all that are installed.
+        algo: Algorithms, likewise.
+        sizes: Numbers of envs of a simulator.
+
+    Returns:
+        The entries, and what is left out: titles with reasons.
+
+    Raises:
+        UsageError: A name or a parameter is not known, or something that was named is not installed.
+    """
+    entries: list[Entry] = []
+    left_out: list[tuple[str, str]] = []
+    if {"simulators", "peers"} & set(kinds):
+        simulators = _chosen(registry, "simulators", sim, left_out)
+    if {"algorithms", "peers"} & set(kinds):
+        algorithms = _chosen(registry, "algorithms", algo, left_out)
+    if "simulators" in kinds:
+        entries += [Entry("simulators", "simulators", name, size) for name in simulators for size in sizes]
+    if "algorithms" in kinds:
+        goalless = {name: it for name, it in algorithms.items() if not needs_goals(it)}
+        left_out += [(name, NO_GOALS) for name in algorithms.keys() - goalless.keys()]
+        entries += [Entry("algorithms", "algorithms", name) for name, it in goalless.items() if learns(it)]
+    if "peers" in kinds:
+        entries += [
+            Entry("peers", "simulators", name, peer=peer)
+            for name, it in simulators.items()
+            for peer in getattr(it, "peer_envs", dict)()
+        ]
+        entries += [
+            Entry("peers", "algorithms", name, peer=peer)
+            for name, it in algorithms.items()
+            for peer in getattr(it, "peer_trainings", dict)()
+        ]
+    return entries, list(dict.fromkeys(left_out))
+
+
+def _chosen(registry: Registry, kind: str, given: Sequence[str], left_out: list[tuple[str, str]]) -> dict[str, Any]:
+    """By label what was named, or else all; of these, those that cannot be loaded are left out."""
+    found: dict[str, Any] = {}
+    for name in split_list(given) or registry.names(kind):
+        try:
+            choice = choose(registry, kind, name)
+        except Exception as error:
+            if given:
+                raise
+            left_out.append((name, str(error)))
+        else:
+            found[choice.label] = choice.build(registry, kind)
+    return found
+
+
+def measure_speeds(
+    registry: Registry,
+    entries: Sequence[Entry],
+    left_out: Sequence[tuple[str, str]],
+    setting: Setting,
+    rounds: int,
+    on_round: OnRound,
+) -> Speeds:
+    """Time every entry, in a fresh process each round.
+
+    The entries take turns. One that fails, or cannot be timed here, is not tried again.
+
+    Args:
+        registry: The plugins.
+        entries: What to time.
+        left_out: What was left out before; it is told with the rest.
+        setting: What all entries have in common.
+        rounds: How often, >= 1.
+        on_round: Told what goes on.
+    """
+    found: dict[Entry, list[Round]] = {entry: [] for entry in entries}
+    ended: dict[Entry, Failed] = {}
+    with TemporaryDirectory(prefix="harness-bench-") as folder:
+        for number in range(rounds):
+            for place, entry in enumerate(entries):
+                if entry in ended:
+                    continue
+                on_round(number * len(entries) + place + 1, rounds * len(entries), entry.title)
+                times = time_contest(TimeContest(entry, setting, registry.given), Path(folder) / "timing")
+                if isinstance(times, Failed):
+                    ended[entry] = times
+                else:
+                    found[entry].append(times)
+    specs = [registry.get(entry.of, parse(entry.name)[0]) for entry in entries]
+    reasons = {entry.title: why for entry, why in ended.items()}
+    impossible = [(title, why.reason) for title, why in reasons.items() if isinstance(why, LeftOut)]
+    return Speeds(
+        rounds=rounds,
+        setting=setting,
+        speeds=tuple(Speed(entry, tuple(found[entry])) for entry in entries if entry not in ended),
+        failed=tuple((title, why.reason) for title, why in reasons.items() if not isinstance(why, LeftOut)),
+        left_out=(*left_out, *impossible),
+        cpu=describe_machine()["cpu"],
+        versions={"python": platform.python_version(), **versions_behind(specs)},
+    )

@@ -1,0 +1,159 @@
+"""The pictures of a film: episodes of several policies beside one another, with what is going on below."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from harness.arrays import Float
+from harness.authoring.commands import (
+    BACKGROUND,
+    SIDES,
+    Camera,
+    Episode,
+    Scene,
+    Show,
+    Side,
+    camera_for,
+    chain_of,
+    corners_of,
+    draw_arm,
+    end_effector_position,
+    light_colours,
+    require_pillow,
+)
+from harness.text import visible
+
+if TYPE_CHECKING:
+    from PIL import Image, ImageDraw, ImageFont
+
+LIGHT = light_colours()
+INK = LIGHT["ink"]
+COLOURS = tuple(LIGHT[name] for name in SIDES)
+"""The colours of the sides, as on the page."""
+WIDTH, HEIGHT, LINE, LETTERS = 180, 190, 18, 12
+"""The size of one side's picture, of a line of text and of its letters, in pixels. A phone shows two sides whole."""
+COLUMNS = 2
+"""How many sides stand beside one another; others stand below."""
+APART = "   "
+"""What stands between two things that are told; each gets a line."""
+TOLD = 2
+"""The lines below a picture."""
+FRAMES, FEWEST, PER_STEP = 36, 16, 5
+"""The frames of an episode: at most, at least, and for each step of a short one."""
+RATE = 12
+"""Frames per second."""
+HELD = 1.0
+"""How long the end of an episode is held, [s]."""
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One picture of a film, and how long it is seen, [s]."""
+
+    image: "Image.Image"
+    seconds: float
+
+
+def film_of(show: Show) -> Iterator[Frame]:
+    """All episodes of a show, one after the other.
+
+    An episode takes three seconds at most. In a longer one steps pass the faster the later they are, so that one sees
+    how the arm gets to its target, and whether it stays away.
+
+    Raises:
+        UsageError: pillow is missing.
+    """
+    require_pillow()
+    for number, episodes in zip(show.numbers, zip(*(side.episodes for side in show.sides), strict=True), strict=True):
+        ways = [_way(side.scene, episode.qpos) for side, episode in zip(show.sides, episodes, strict=True)]
+        camera = _camera(ways, episodes, show)
+        last = max(int(episode.steps[-1]) for episode in episodes)
+        steps = clock_of(last)
+        for step in steps:
+            views = [
+                _view(side, episode, way, camera, step, COLOURS[index % len(COLOURS)])
+                for index, (side, episode, way) in enumerate(zip(show.sides, episodes, ways, strict=True))
+            ]
+            yield frame_of(views, f"episode {number}, step {step:.0f} of {last}", step == steps[-1])
+
+
+def clock_of(last: int) -> Float:
+    """The step that each frame of an episode of `last` steps shows."""
+    count = int(np.clip(PER_STEP * last, FEWEST, FRAMES))
+    power = 1 if last <= count else 2
+    return last * np.linspace(0.0, 1.0, count) ** power
+
+
+def _way(scene: Scene, qpos: Float) -> Float:
+    """Where the end effector is at each row, (rows, 3), [m]."""
+    return end_effector_position(chain_of(scene), qpos)
+
+
+def _camera(ways: list[Float], episodes: tuple[Episode, ...], show: Show) -> Camera:
+    corners = np.concatenate(
+        [
+            corners_of(side.scene, episode.qpos[row])[0]
+            for side, episode in zip(show.sides, episodes, strict=True)
+            for row in (0, -1)
+        ]
+    )
+    points = np.concatenate([*ways, *(episode.target for episode in episodes), corners.reshape(-1, 3)])
+    return camera_for(points, WIDTH, HEIGHT)
+
+
+def _view(side: Side, episode: Episode, way: Float, camera: Camera, step: float, colour: str) -> "Image.Image":
+    """One side at a moment, with its title and what is measured."""
+    at = float(np.interp(step, episode.steps, np.arange(len(episode.steps))))
+    qpos = np.array([np.interp(step, episode.steps, column) for column in episode.qpos.T])
+    row = round(at)
+    path = np.vstack([way[: int(at) + 1], _way(side.scene, qpos)])
+    measured = f"{side.error} {episode.distance[row]:.3f} {side.unit}".rstrip()
+    outcome = episode.outcome if step >= episode.steps[-1] else ""
+    picture = draw_arm(side.scene, qpos, episode.target[row], path, colour, camera)
+    return view_of(picture, side.title, f"{measured}{APART}paid {episode.paid[row]:.2f}", colour, outcome)
+
+
+def view_of(picture: "Image.Image", title: str, told: str, colour: str, outcome: str) -> "Image.Image":
+    """A side: its picture, WIDTH x HEIGHT; its title above, what is measured below, and how it ended, if it did."""
+    from PIL import Image, ImageDraw
+
+    image = Image.new("RGB", (WIDTH, HEIGHT + (1 + TOLD) * LINE), BACKGROUND)
+    image.paste(picture, (0, LINE))
+    pen = ImageDraw.Draw(image)
+    pen.rectangle((0, 3, 4, LINE - 3), fill=colour)
+    _write(pen, (10, 2), title, INK)
+    first, *others = told.split(APART)
+    for line, text in enumerate((first, APART.join(others))):
+        _write(pen, (10, HEIGHT + (1 + line) * LINE), text, INK)
+    if outcome:
+        half = pen.textlength(outcome, _letters()) / 2 + 6
+        middle, top = WIDTH - 6 - half, LINE + 4
+        pen.rectangle((middle - half, top, middle + half, top + LINE), BACKGROUND, colour, 2)
+        _write(pen, (middle, top + 3), outcome, colour, "ma")
+    return image
+
+
+def frame_of(views: list["Image.Image"], caption: str, is_last: bool) -> Frame:
+    """All sides, two in a row, with a line below; an episode's last frame is held."""
+    from PIL import Image, ImageDraw
+
+    rows, high = -(-len(views) // COLUMNS), views[0].height
+    whole = Image.new("RGB", (WIDTH * min(COLUMNS, len(views)), rows * high + LINE), BACKGROUND)
+    for index, view in enumerate(views):
+        whole.paste(view, (WIDTH * (index % COLUMNS), high * (index // COLUMNS)))
+    _write(ImageDraw.Draw(whole), (10, rows * high), caption, INK)
+    return Frame(whole, HELD if is_last else 1 / RATE)
+
+
+def _write(pen: "ImageDraw.ImageDraw", at: tuple[float, float], text: str, colour: str, anchor: str = "la") -> None:
+    pen.text(at, visible(text), colour, _letters(), anchor)
+
+
+@cache
+def _letters() -> "ImageFont.FreeTypeFont | ImageFont.ImageFont":
+    from PIL import ImageFont
+
+    return ImageFont.load_default(LETTERS)

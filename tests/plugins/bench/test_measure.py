@@ -1,0 +1,99 @@
+"""Entries take turns, each round in a process of its own."""
+
+import pytest
+
+from harness.errors import UsageError
+from harness_plugins.bench.contest import Round
+from harness_plugins.bench.entry import Entry, Setting
+from harness_plugins.bench.measure import measure_speeds, plan_entries
+from harness_plugins.bench.timed_cell import Failed
+from harness_plugins.bench.timed_contest import LeftOut
+
+A, B, C = (Entry("simulators", "simulators", name) for name in ("kinematic", "ideal", "stuck"))
+
+
+@pytest.fixture
+def timed(monkeypatch):
+    """What was timed, in order, and what came of it; no process is started."""
+    order, outcomes = [], {}
+
+    def pretend(work, folder):
+        order.append(work.entry)
+        return outcomes.get(work.entry, Round({"bare engine": 1.0, "env": 2.0}, {"env": 0.5}))
+
+    monkeypatch.setattr("harness_plugins.bench.measure.time_contest", pretend)
+    return order, outcomes
+
+
+def _measure(toys, entries, rounds=2, left_out=()):
+    told = []
+    return measure_speeds(toys, entries, left_out, Setting(), rounds, lambda *news: told.append(news)), told
+
+
+def test_entries_take_turns_and_are_told(timed, toys):
+    """A slow minute meets all of them; each has as many rounds."""
+    found, told = _measure(toys, [A, B])
+    assert timed[0] == [A, B, A, B]
+    assert [len(speed.rounds) for speed in found.speeds] == [2, 2]
+    assert told == [(1, 4, A.title), (2, 4, B.title), (3, 4, A.title), (4, 4, B.title)]
+
+
+def test_what_fails_or_cannot_be_is_not_tried_again(timed, toys):
+    """The others go on; one is a failure, the other is not."""
+    timed[1].update({B: Failed("it broke"), C: LeftOut("no memory")})
+    found, _ = _measure(toys, [A, B, C], left_out=[("before", "not installed")])
+    assert timed[0] == [A, B, C, A]
+    assert found.failed == ((B.title, "it broke"),)
+    assert found.left_out == (("before", "not installed"), (C.title, "no memory"))
+    assert [speed.entry for speed in found.speeds] == [A]
+
+
+def test_versions_are_those_behind_the_plugins(timed, toys):
+    """Python's too: all of them decide how fast it is."""
+    found, _ = _measure(toys, [A, B])
+    assert {"python", "numpy", "toy-arm"} <= set(found.versions)
+
+
+def test_simulators_have_an_entry_for_each_size(toys):
+    """Those that were named, in that order."""
+    entries, left_out = plan_entries(toys, ["simulators"], ["stuck,ideal"], [], (1, 8))
+    told = [(entry.name, entry.num_envs) for entry in entries]
+    assert told == [("stuck", 1), ("stuck", 8), ("ideal", 1), ("ideal", 8)]
+    assert left_out == []
+
+
+def test_algorithms_that_do_not_learn_are_no_entry(toys):
+    """There is no update to time."""
+    entries, _ = plan_entries(toys, ["algorithms"], [], ["random", "ik", "sweep"], (1,))
+    assert [entry.name for entry in entries] == ["sweep"]
+
+
+def test_an_algorithm_that_needs_goals_is_left_out_and_told(toys):
+    """The task that is timed has none that steps could be paid again for."""
+    entries, left_out = plan_entries(toys, ["algorithms"], [], ["her", "sweep"], (1,))
+    assert [entry.name for entry in entries] == ["sweep"]
+    assert [(name, "other goals" in reason) for name, reason in left_out] == [("her", True)]
+
+
+def test_peers_are_those_that_plugins_name(toys):
+    """Of simulators and of algorithms."""
+    entries, _ = plan_entries(toys, ["peers"], ["mujoco", "ideal"], ["sac-fast", "random"], (1,))
+    told = [(entry.of, entry.name, entry.peer) for entry in entries]
+    assert told == [
+        ("simulators", "mujoco", "PandaReach"),
+        ("simulators", "mujoco", "FetchReach"),
+        ("algorithms", "sac-fast", "stable-baselines3"),
+        ("algorithms", "sac-fast", "sbx"),
+    ]
+
+
+@pytest.mark.usefixtures("distant")
+def test_what_is_not_installed_is_left_out_unless_it_was_named():
+    """With what brings it."""
+    from harness.registry.registry import load_registry
+
+    registry = load_registry()
+    _, left_out = plan_entries(registry, ["simulators"], [], [], (1,))
+    assert ("distant", "Simulator 'distant' needs no_such_engine: pip install 'far-away[engine]'") in left_out
+    with pytest.raises(UsageError, match="no_such_engine"):
+        plan_entries(registry, ["simulators"], ["distant"], [], (1,))

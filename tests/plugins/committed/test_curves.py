@@ -1,0 +1,79 @@
+"""The mean curves, thinned."""
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+
+from harness.eta.scored_sums import BB, BK, KB, KK
+from harness_plugins.committed.curves import ROWS, write_curves
+
+LABELS = {"baseline": "baseline", "proposed": "arp"}
+
+
+def read(results):
+    """The table, and its rows by (scored by, trained with)."""
+    table = pq.read_table(pa.BufferReader(write_curves(results.combinations)))
+    found = {}
+    for row in table.to_pylist():
+        found.setdefault((row["scored_by"], row["trained_with"]), []).append(row)
+    return table, found
+
+
+@pytest.mark.parametrize("runs", [((9, 30), (5, 34)), ((20_000, 35_000), (9_000, 46_000))])
+def test_indices_follow_from_the_curves(build, runs):
+    """I_N and I_P of all four pairs: to the digits kept of a short run, within 1 % of a long one."""
+    results = build(baseline=runs[0], proposed={"arp": runs[1]})
+    (combination,) = results.combinations
+    _, curves = read(results)
+    for pair in (BB, BK, KB, KK):
+        rows, index = curves[LABELS[pair[0]], LABELS[pair[1]]], combination.curves[pair].index
+        sums = [sum(pick(row["value"], 0.0) * row["every"] for row in rows) for pick in (min, max)]
+        within = 1e-6 if rows[0]["every"] == 1 else 0.01
+        assert sums == pytest.approx([index.negative_sum, index.positive_sum], rel=within)
+
+
+def test_long_curve_is_thinned(build):
+    """To so many rows at most, over all of its steps, a whole number of steps apart."""
+    _, curves = read(build(seeds=1, baseline=(20_000, 35_000)))
+    rows = curves["baseline", "baseline"]
+    (every,) = {row["every"] for row in rows}
+    assert ROWS / 2 < len(rows) <= ROWS
+    assert [row["step"] for row in rows] == list(range(0, 55_001, every))
+
+
+def test_shared_curve_stands_once(build):
+    """Two rewards compared with one baseline over the same seeds share its curve."""
+    _, curves = read(build(proposed={"arp": (9, 30), "relative": (9, 30)}))
+    assert [row["step"] for row in curves["baseline", "baseline"]] == list(range(40))
+
+
+def test_curves_over_other_seeds_stand_apart(build):
+    """Where a run failed, the baseline is compared over the seeds that are left."""
+    results = build(proposed={"arp": (9, 30), "relative": (9, 30)}, ended={("arp", 1): ("failed", "it broke")})
+    _, curves = read(results)
+    assert {row["seeds"] for row in curves["baseline", "baseline"]} == {"0 2", "0 1 2"}
+
+
+def test_null_control_has_curves_of_its_own(build):
+    """The baseline trained again does not stand where the baseline's runs are looked for."""
+    results = build(a_a=True)
+    asked, control = results.combinations
+    _, curves = read(results)
+    for trained, curve in (("baseline", asked.curves[BB]), ("baseline (other seeds)", control.curves[KK])):
+        assert curve.index.positive_sum == pytest.approx(
+            sum(max(row["value"], 0.0) * row["every"] for row in curves["baseline", trained]), rel=1e-6
+        )
+
+
+def test_unscored_runs_have_their_own_curves(build):
+    """A reward that is gone scores nothing; what its runs were paid is there."""
+    _, curves = read(build(proposed={"gone": (9, 30)}))
+    assert set(curves) == {("baseline", "baseline"), ("gone", "gone")}
+
+
+def test_no_finished_pair_no_rows(build):
+    """The columns are there, and what they mean."""
+    table, _ = read(build(seeds=1, ended={("arp", 0): ("failed", "it broke")}))
+    assert table.num_rows == 0
+    assert table.column_names[-1] == "value"
+    assert b"n is the column 'every'" in table.schema.metadata[b"about"]
