@@ -19,7 +19,8 @@ from harness.environment import Environment
 from harness.errors import HarnessError, UsageError
 from harness.hookspecs import NOUNS
 from harness.log import LogFormat
-from harness.measure import Measure, needs_of as measure_needs
+from harness.measure import Measure
+from harness.measure import needs_of as measure_needs
 from harness.motion import MODES, Discrete, MoveJ
 from harness.registry.choice import choose, parse
 from harness.registry.parameters import Parameter, parameters_of, values_of

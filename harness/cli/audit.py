@@ -7,7 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from harness.cli.datasets import audit_rewards_on, names_dataset, show_answer
-from harness.cli.flags import audit as flags, dataset as of_dataset, logs
+from harness.cli.flags import audit as flags
+from harness.cli.flags import dataset as of_dataset
+from harness.cli.flags import logs
 from harness.cli.flags.shared import AsJson, PluginFiles, RobotName, TaskName
 from harness.cli.output import complain, say, say_json
 from harness.errors import UsageError

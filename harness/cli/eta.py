@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import typer
 
 from harness.cli.datasets import names_dataset
-from harness.cli.flags import eta as flags, logs
+from harness.cli.flags import eta as flags
+from harness.cli.flags import logs
 from harness.cli.flags.shared import AsJson, CurveKind, PluginFiles
 from harness.cli.output import say, say_json
 from harness.cli.recordings import holds_recordings, is_experiment, refuse_flags, told_of_logs

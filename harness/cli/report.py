@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from harness.cli.datasets import audit_rewards_on, names_dataset, show_answer
-from harness.cli.flags import logs, report as flags
+from harness.cli.flags import logs
+from harness.cli.flags import report as flags
 from harness.cli.flags.shared import AsJson, CurveKind, MetricNames, Names, PluginFiles
 from harness.cli.output import complain, say
 from harness.cli.recordings import (

@@ -17,7 +17,8 @@ from harness.record.manifest import now
 from harness.record.out_folder import storage_errors
 from harness.record.store import Store
 from harness.registry.choice import Choice, choose, split_list
-from harness.registry.given import Given as Plugins, read_given
+from harness.registry.given import Given as Plugins
+from harness.registry.given import read_given
 from harness.registry.registry import Registry, load_registry
 from harness.registry.spec import PLANNED, blamed_on
 from harness.results import Results

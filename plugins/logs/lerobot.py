@@ -27,7 +27,6 @@ from harness.log.log import (
     ACTION,
     BEFORE,
     BEHAVIOUR,
-    FILE as FILE_COLUMN,
     INFO,
     OBSERVATION,
     OPERATOR,
@@ -36,6 +35,9 @@ from harness.log.log import (
     SEEN,
     SUCCESS,
     TASK,
+)
+from harness.log.log import (
+    FILE as FILE_COLUMN,
 )
 from harness.record.dataset.census import Census, take_census
 from harness.record.dataset.dataset import (

@@ -5,7 +5,8 @@ from bisect import bisect_right
 
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import given
+from hypothesis import strategies as st
 
 from harness.audit.canonical import CHANGES, GROUPS, SAMPLES, anywhere, canonical_values, nearby
 from harness.audit.rollout import Rollout

@@ -4,7 +4,8 @@ import itertools
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from harness.audit.canonical import anywhere, canonical_values, forms_of_distances, nearby
 from harness.audit.distance import DARD, EPIC, SHAPING, compare_forms, distance_between

@@ -38,6 +38,8 @@ from harness_plugins.kit import (
     check_reward,
     check_simulator,
     check_task,
+)
+from harness_plugins.kit import (
     contract as violations,
 )
 from harness_plugins.kit.algorithms import (

@@ -12,7 +12,8 @@ import pytest
 
 from harness.environment import AnyEnv, GoalReward
 from harness.reward import Given
-from harness_plugins.kit import ENVIRONMENT_CHECKS, contract as violations
+from harness_plugins.kit import ENVIRONMENT_CHECKS
+from harness_plugins.kit import contract as violations
 
 
 class Walk(gymnasium.Env[Any, Any]):

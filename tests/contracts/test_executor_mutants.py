@@ -13,7 +13,8 @@ import pytest
 
 from harness.executor import CellOptions, Event, Job, OnEvent
 from harness.experiment.jobs import run_jobs
-from harness_plugins.kit import EXECUTOR_CHECKS, check_executor, contract as violations, executors
+from harness_plugins.kit import EXECUTOR_CHECKS, check_executor, executors
+from harness_plugins.kit import contract as violations
 
 
 @dataclass(frozen=True)

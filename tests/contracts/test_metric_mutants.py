@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from harness.log import Log
-from harness_plugins.kit import METRIC_CHECKS, contract as violations, metrics
+from harness_plugins.kit import METRIC_CHECKS, metrics
+from harness_plugins.kit import contract as violations
 
 
 @dataclass

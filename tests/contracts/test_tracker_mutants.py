@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from harness_plugins.kit import TRACKER_CHECKS, check_tracker, contract as violations, trackers
+from harness_plugins.kit import TRACKER_CHECKS, check_tracker, trackers
+from harness_plugins.kit import contract as violations
 
 
 class Lines:

@@ -6,7 +6,8 @@ from dataclasses import FrozenInstanceError, fields
 from typing import Any
 
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import given
+from hypothesis import strategies as st
 
 from harness.record.cell import NO_SIMULATOR, Cell
 from harness.registry.choice import Choice

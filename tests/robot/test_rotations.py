@@ -1,7 +1,8 @@
 """How far one orientation is turned from another."""
 
 import numpy as np
-from hypothesis import given, strategies as st
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from harness.robot.rotations import axes_of_rotation, rotation_between, rotation_of_axes

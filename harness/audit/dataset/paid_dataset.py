@@ -26,8 +26,10 @@ from harness.log.log import (
     RECORDED,
     REWARD,
     SEEN,
-    SUCCESS as SUCCESS_NAME,
     TASK,
+)
+from harness.log.log import (
+    SUCCESS as SUCCESS_NAME,
 )
 from harness.record.dataset.dataset import MOST_EPISODES, DatasetFacts
 from harness.record.dataset.labels import FAILURE, SUCCESS, UNKNOWN

@@ -17,8 +17,10 @@ from harness.results.logs.checks import facts_notes, require_comparable, without
 from harness.results.logs.read_logs import read_trainings
 from harness.results.logs.trainings import sort_logs
 from harness.results.recordings.episodes import count_text
-from harness.results.recordings.read_runs import env_of, read_all, without_short as without_short_runs
-from harness.results.recordings.runs import LAST_SHARE, NO_NAME, RANDOM as ACTED_AT_RANDOM, Run
+from harness.results.recordings.read_runs import env_of, read_all
+from harness.results.recordings.read_runs import without_short as without_short_runs
+from harness.results.recordings.runs import LAST_SHARE, NO_NAME, Run
+from harness.results.recordings.runs import RANDOM as ACTED_AT_RANDOM
 
 RANDOM = "random actions"
 

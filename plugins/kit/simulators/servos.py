@@ -25,6 +25,8 @@ from .simulations import (
     same,
     start_at_home,
     turns,
+)
+from .simulations import (
     turns as ways_to_turn,
 )
 

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import given
+from hypothesis import strategies as st
 
 from harness.audit.recorded.paid import Apart, Paid, compare_paid, paid_in
 from harness.audit.recorded.pair import pairs_in

@@ -4,7 +4,8 @@ from itertools import product
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from harness.audit.distance import EPIC, FORMS, STARC, centred_unit, distance_between
 from harness.audit.transitions.canonical_forms import (

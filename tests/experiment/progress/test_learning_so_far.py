@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import given
+from hypothesis import strategies as st
 
 from harness.experiment.progress.learning_so_far import TELL_EVERY, LearningSoFar
 from harness.progress import LAST_EPISODES, RETURN, SPEED, SUCCESS
