@@ -23,7 +23,7 @@ ALLOWED: Mapping[tuple[str, str], str] = {
     ("harness/experiment/workers/worker.py", "sys.stderr"): "flushes it, which is the worker's log",
     ("harness/experiment/workers/worker.py", "faulthandler"): "writes a stack of Python into the worker's log",
     ("harness/experiment/trials/trial.py", "faulthandler"): "writes a stack of Python into the worker's log",
-    ("harness/tune/validation.py", "traceback.print_exc"): "in a worker, whose standard error is its log",
+    ("plugins/tune/outcomes.py", "traceback.print_exc"): "in a worker, whose standard error is its log",
     ("harness/testing/unity_player/__main__.py", "sys.stdout"): "a program of its own, whose output is a log",
     ("harness/testing/unity_player/__main__.py", "sys.stderr"): "a program of its own, whose output is a log",
     ("plugins/bullet_arms/world.py", "sys.stdout"): "flushes it before Bullet's own prints are led elsewhere",

@@ -76,12 +76,16 @@ MODULES: Mapping[str, str] = MappingProxyType(
         "harness.testing.traces": "harness.testing.metrics.traces",
         "harness.trace": "harness.record.trace",
         "harness.trace_parts": "harness.experiment.checkpoints.trace_parts",
-        "harness.transfer_evaluation": "harness.transfer.evaluation",
-        "harness.transfer_matrix": "harness.transfer.matrix",
-        "harness.transfer_record": "harness.transfer.record",
+        "harness.transfer_evaluation": "harness_plugins.transfer.jobs",
+        "harness.transfer_matrix": "harness_plugins.transfer.matrix",
+        "harness.transfer_record": "harness_plugins.transfer.record",
         "harness.urdf": "harness.robot.urdf",
         "harness.watch": "harness.experiment.watch",
         "harness.wrapped_reward": "harness.authoring",
+        "harness.transfer": "harness_plugins.transfer.jobs",
+        "harness.transfer.jobs": "harness_plugins.transfer.jobs",
+        "harness.tune": "harness_plugins.tune.tune",
+        "harness.tune.tune": "harness_plugins.tune.tune",
     }
 )
 """The module in which the names of each old module stand now, unless `NAMES` or `REPLACED` has them."""
@@ -138,12 +142,12 @@ NAMES: Mapping[str, str] = MappingProxyType(
         "harness.testing.tasks.check_task": "harness.testing.check_task",
         "harness.trace.Trace": "harness.log.Log",
         "harness.trace_parts.digest_of": "harness.files.bounded.digest_of",
-        "harness.transfer.TransferEvent": "harness.transfer.jobs.TransferEvent",
-        "harness.transfer.TransferJob": "harness.transfer.jobs.TransferJob",
-        "harness.transfer.TransferPlan": "harness.transfer.jobs.TransferPlan",
-        "harness.transfer.plan_transfers": "harness.transfer.jobs.plan_transfers",
-        "harness.transfer.run_transfers": "harness.transfer.jobs.run_transfers",
-        "harness.transfer.transfer": "harness.transfer.jobs.transfer",
+        "harness.transfer.TransferEvent": "harness_plugins.transfer.jobs.TransferEvent",
+        "harness.transfer.TransferJob": "harness_plugins.transfer.jobs.TransferJob",
+        "harness.transfer.TransferPlan": "harness_plugins.transfer.jobs.TransferPlan",
+        "harness.transfer.plan_transfers": "harness_plugins.transfer.jobs.plan_transfers",
+        "harness.transfer.run_transfers": "harness_plugins.transfer.jobs.run_transfers",
+        "harness.transfer.transfer": "harness_plugins.transfer.jobs.transfer",
     }
 )
 """The new name of each old one whose module is still there, or which stands elsewhere than the rest of its module."""
@@ -174,8 +178,8 @@ REPLACED: Mapping[str, str] = MappingProxyType(
         "harness.shapes.read_shapes": "harness.robot.Robot.link_shapes",
         "harness.statistics": "harness.eta.interval",
         "harness.tip": "harness.robot.chain_end",
-        "harness.transfer_matrix.Series": "harness.transfer.matrix.Evaluation",
-        "harness.transfer_record.read_record": "harness.transfer.record.read_transfer",
+        "harness.transfer_matrix.Series": "harness_plugins.transfer.matrix.Evaluation",
+        "harness.transfer_record.read_record": "harness_plugins.transfer.record.read_transfer",
         "harness.urdf.carriers": "harness.robot.urdf.Urdf",
         "harness.verdict": "harness.eta.headline",
         "harness.worker": "harness.authoring.run_job",
@@ -269,7 +273,8 @@ class _OldModules:
             raise ModuleNotFoundError(gone, name=name)
         if name not in MODULES:
             return None
-        return ModuleSpec(name, cast("Loader", self), origin=MODULES[name])
+        is_room = any(other.startswith(f"{name}.") for other in MODULES)
+        return ModuleSpec(name, cast("Loader", self), origin=MODULES[name], is_package=is_room)
 
     def create_module(self, spec: ModuleSpec) -> ModuleType | None:
         return None  # Python makes it

@@ -130,10 +130,10 @@ def test_names_that_never_were_are_told_by_python():
 
 
 def test_a_room_still_finds_its_modules():
-    """``from harness.transfer import matrix`` asks the room first."""
+    """``from harness.score import scorer`` asks the room first."""
     namespace: dict[str, object] = {}
-    exec("from harness.transfer import matrix", namespace)
-    assert namespace["matrix"] is sys.modules["harness.transfer.matrix"]
+    exec("from harness.score import scorer", namespace)
+    assert namespace["scorer"] is sys.modules["harness.score.scorer"]
 
 
 def test_to_find_old_names_twice_is_to_find_them_once():
