@@ -73,6 +73,10 @@ class Hooks:
         """Targets: a frozen dataclass that is a `harness.log.LogFormat`."""
 
     @hookspec
+    def register_sections(self, register: Register) -> None:
+        """Targets: a frozen dataclass that is a `harness.section.Section`, with the name of its command."""
+
+    @hookspec
     def register_commands(self, register: Register) -> None:
         """Targets: a function that becomes ``harness NAME``; typer turns its typed parameters into options."""
 
@@ -88,6 +92,7 @@ NOUNS = {
     "executors": "executor",
     "trackers": "tracker",
     "logs": "log format",
+    "sections": "section",
     "commands": "command",
 }
 """Every kind of plugin, and the noun for one of it. Each kind has a hook, ``register_simulators`` and so on."""

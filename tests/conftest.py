@@ -281,7 +281,7 @@ def transferred_here(monkeypatch: pytest.MonkeyPatch) -> list[Order]:
             done.append(order)
             on_news(News("ended", order.folder))
 
-    monkeypatch.setattr("harness.transfer.jobs.run_orders", run_here)
+    monkeypatch.setattr("harness_plugins.transfer.jobs.run_orders", run_here)
     return done
 
 

@@ -1,4 +1,4 @@
-"""What commands are written with: flags, output, an experiment's folder, runs, pages. Commands of our own use it too.
+"""What commands are written with: flags, output, experiments, runs, results. Commands of our own use it too.
 
 Every name is looked up when it is first used, so that importing this module imports nothing heavy.
 """
@@ -10,83 +10,217 @@ from typing import TYPE_CHECKING
 from harness.authoring.face import homes_in, lazy_names
 
 if TYPE_CHECKING:
-    from harness.cli.flags.shared import ALGORITHMS as ALGORITHMS, AsJson as AsJson, EvaluationEpisodes as EvaluationEpisodes, ExperimentFolder as ExperimentFolder, Names as Names, PluginFiles as PluginFiles, REWARDS as REWARDS, ROBOT as ROBOT, RobotName as RobotName, SimulatorNames as SimulatorNames, TaskName as TaskName
-    from harness.cli.output import complain as complain, say as say, say_json as say_json
+    from harness.audit.number import number as number
+    from harness.cli.flags.shared import ALGORITHMS as ALGORITHMS
+    from harness.cli.flags.shared import REWARDS as REWARDS
+    from harness.cli.flags.shared import ROBOT as ROBOT
+    from harness.cli.flags.shared import ROBOTS as ROBOTS
+    from harness.cli.flags.shared import SIMULATORS as SIMULATORS
+    from harness.cli.flags.shared import AsJson as AsJson
+    from harness.cli.flags.shared import EvaluationEpisodes as EvaluationEpisodes
+    from harness.cli.flags.shared import ExecutorName as ExecutorName
+    from harness.cli.flags.shared import ExperimentFolder as ExperimentFolder
+    from harness.cli.flags.shared import Jobs as Jobs
+    from harness.cli.flags.shared import Measures as Measures
+    from harness.cli.flags.shared import PluginFiles as PluginFiles
+    from harness.cli.flags.shared import RewardNames as RewardNames
+    from harness.cli.flags.shared import RobotName as RobotName
+    from harness.cli.flags.shared import SimulatorNames as SimulatorNames
+    from harness.cli.flags.shared import TaskName as TaskName
+    from harness.cli.interrupted import kept_when_interrupted as kept_when_interrupted
+    from harness.cli.output import complain as complain
+    from harness.cli.output import say as say
+    from harness.cli.output import say_json as say_json
     from harness.cli.progress import LiveProgress as LiveProgress
+    from harness.cli.terminal import Terminal as Terminal
     from harness.cli.terminal import show as show
     from harness.env import ReachVectorEnv as ReachVectorEnv
     from harness.env.make import World as World
+    from harness.env.make import build_world as build_world
     from harness.env.single_env import ReachEnv as ReachEnv
-    from harness.env.solid_probes import find_missing as find_missing, missing_in_words as missing_in_words, probes_of as probes_of
-    from harness.eta.behaviour_change import Change as Change, Quantity as Quantity, with_intervals as with_intervals
-    from harness.eta.curve import GroupCurve as GroupCurve, curve_of as curve_of
-    from harness.eta.headline import Answer as Answer, DECIDING as DECIDING, SUCCESS as SUCCESS
-    from harness.eta.index import Index as Index, NOTHING as NOTHING, Ratio as Ratio
+    from harness.env.solid_probes import Probe as Probe
+    from harness.env.solid_probes import few_points as few_points
+    from harness.env.solid_probes import find_missing as find_missing
+    from harness.env.solid_probes import missing_in_words as missing_in_words
+    from harness.env.solid_probes import probes_of as probes_of
+    from harness.eta.behaviour_change import Change as Change
+    from harness.eta.behaviour_change import Quantity as Quantity
+    from harness.eta.behaviour_change import with_intervals as with_intervals
+    from harness.eta.curve import GroupCurve as GroupCurve
+    from harness.eta.curve import curve_of as curve_of
+    from harness.eta.headline import DECIDING as DECIDING
+    from harness.eta.headline import SUCCESS as SUCCESS
+    from harness.eta.headline import Answer as Answer
+    from harness.eta.index import NOTHING as NOTHING
+    from harness.eta.index import Index as Index
+    from harness.eta.index import Ratio as Ratio
     from harness.eta.return_split import ReturnSplit as ReturnSplit
     from harness.eta.seed_mean import SeedMean as SeedMean
-    from harness.eta.splits import Decomposition as Decomposition, Split as Split, SplitPath as SplitPath, SumSplit as SumSplit, no_splits as no_splits
+    from harness.eta.seed_mean import mean_lost_share as mean_lost_share
+    from harness.eta.seed_mean import mean_over_seeds as mean_over_seeds
+    from harness.eta.splits import Decomposition as Decomposition
+    from harness.eta.splits import Split as Split
+    from harness.eta.splits import SplitPath as SplitPath
+    from harness.eta.splits import SumSplit as SumSplit
+    from harness.eta.splits import no_splits as no_splits
+    from harness.experiment.changed import changed_cells as changed_cells
+    from harness.experiment.changed import refuse_changed as refuse_changed
+    from harness.experiment.draft import draft_of as draft_of
+    from harness.experiment.draft import leave_record as leave_record
+    from harness.experiment.environments.paid_again import PayAgain as PayAgain
     from harness.experiment.environments.played_again import PlayedAgain as PlayedAgain
-    from harness.experiment.plan import Plan as Plan, check_experiment as check_experiment, expand as expand
-    from harness.experiment.provenance import describe_machine as describe_machine, specs_of as specs_of, versions_behind as versions_behind
+    from harness.experiment.evaluation.evaluator import Evaluator as Evaluator
+    from harness.experiment.experiment import DEFAULT_FOLDER as DEFAULT_FOLDER
+    from harness.experiment.experiment import ExperimentRun as ExperimentRun
+    from harness.experiment.plan import DEFAULT_TASK as DEFAULT_TASK
+    from harness.experiment.plan import Episodes as Episodes
+    from harness.experiment.plan import Names as Names
+    from harness.experiment.plan import Plan as Plan
+    from harness.experiment.plan import Seed as Seed
+    from harness.experiment.plan import SeedCount as SeedCount
+    from harness.experiment.plan import Steps as Steps
+    from harness.experiment.plan import check_experiment as check_experiment
+    from harness.experiment.plan import expand as expand
+    from harness.experiment.provenance import describe_environment as describe_environment
+    from harness.experiment.provenance import describe_machine as describe_machine
+    from harness.experiment.provenance import specs_of as specs_of
+    from harness.experiment.provenance import versions_behind as versions_behind
     from harness.experiment.run_cell import run_cell as run_cell
-    from harness.experiment.watch import Stage as Stage, Watch as Watch
-    from harness.experiment.workers.order import Order as Order, Report as Report
-    from harness.experiment.workers.workers import News as News, run_orders as run_orders
-    from harness.files.bounded import parse_json as parse_json, read_bytes as read_bytes, read_json as read_json, read_text as read_text, reading as reading
+    from harness.experiment.run_options import RunOptions as RunOptions
+    from harness.experiment.task_plan import table_of as table_of
+    from harness.experiment.watch import UNWATCHED as UNWATCHED
+    from harness.experiment.watch import Stage as Stage
+    from harness.experiment.watch import Watch as Watch
+    from harness.experiment.workers.order import Order as Order
+    from harness.experiment.workers.order import Report as Report
+    from harness.experiment.workers.workers import News as News
+    from harness.experiment.workers.workers import run_orders as run_orders
+    from harness.experiment.workers.workers import worker_count as worker_count
+    from harness.experiment.world import world_of as world_of
+    from harness.files.bounded import digest_of as digest_of
+    from harness.files.bounded import parse_json as parse_json
+    from harness.files.bounded import read_bytes as read_bytes
+    from harness.files.bounded import read_json as read_json
+    from harness.files.bounded import read_text as read_text
+    from harness.files.bounded import reading as reading
     from harness.files.parquet import require_room as require_room
-    from harness.files.whole_file import whole_file as whole_file, write_whole as write_whole
-    from harness.record.cell import Cell as Cell, NO_ROBOT as NO_ROBOT, NO_SIMULATOR as NO_SIMULATOR
-    from harness.record.file_forms import Status as Status, require_form as require_form
-    from harness.record.folder import partial_folder as partial_folder, publish as publish
-    from harness.record.manifest import Manifest as Manifest, read_manifest as read_manifest
-    from harness.record.plan_file import EXPERIMENT as EXPERIMENT, PLAN as PLAN
+    from harness.files.whole_file import files_in as files_in
+    from harness.files.whole_file import is_partial as is_partial
+    from harness.files.whole_file import whole_file as whole_file
+    from harness.files.whole_file import write_whole as write_whole
+    from harness.log.log import BEHAVIOUR as BEHAVIOUR
+    from harness.log.log import REWARD as REWARD
+    from harness.log.log import episode_rows as episode_rows
+    from harness.motion.limits import JointLimits as JointLimits
+    from harness.policy.continuous import ContinuousNetwork as ContinuousNetwork
+    from harness.policy.folder import read_folder as read_folder
+    from harness.policy.network import MEAN as MEAN
+    from harness.policy.network import STD as STD
+    from harness.record.cell import NO_ROBOT as NO_ROBOT
+    from harness.record.cell import NO_SIMULATOR as NO_SIMULATOR
+    from harness.record.cell import Cell as Cell
+    from harness.record.cell_folder import require_files as require_files
+    from harness.record.episode_facts import episode_facts as episode_facts
+    from harness.record.file_forms import ChoiceForm as ChoiceForm
+    from harness.record.file_forms import EndingForm as EndingForm
+    from harness.record.file_forms import Status as Status
+    from harness.record.file_forms import require_form as require_form
+    from harness.record.folder import EVALUATION as EVALUATION
+    from harness.record.folder import EVALUATION_RECORDING as EVALUATION_RECORDING
+    from harness.record.folder import MANIFEST as MANIFEST
+    from harness.record.folder import POLICY as POLICY
+    from harness.record.folder import TRACE as TRACE
+    from harness.record.folder import TRAINING_RECORDING as TRAINING_RECORDING
+    from harness.record.folder import WEIGHTS as WEIGHTS
+    from harness.record.folder import partial_folder as partial_folder
+    from harness.record.folder import publish as publish
+    from harness.record.folder import recording_of as recording_of
+    from harness.record.manifest import Ending as Ending
+    from harness.record.manifest import Manifest as Manifest
+    from harness.record.manifest import now as now
+    from harness.record.manifest import read_manifest as read_manifest
+    from harness.record.manifest import read_record as read_record
+    from harness.record.out_folder import folder_lock as folder_lock
+    from harness.record.out_folder import make_folder as make_folder
+    from harness.record.out_folder import refuse_links as refuse_links
+    from harness.record.out_folder import storage_errors as storage_errors
+    from harness.record.plan_file import EXPERIMENT as EXPERIMENT
+    from harness.record.plan_file import PLAN as PLAN
+    from harness.record.recording.csv_writing import write_recording_csv as write_recording_csv
+    from harness.record.recording.facts import facts_of as facts_of
+    from harness.record.recording.facts import term_column as term_column
+    from harness.record.recording.recorded_training import FLAGS as FLAGS
+    from harness.record.recording.recorded_training import is_recording as is_recording
+    from harness.record.recording.recorded_training import read_recording as read_recording
+    from harness.record.recording.recorded_training import recordings_in as recordings_in
+    from harness.record.returns import mean_return as mean_return
     from harness.record.scene import Scene as Scene
-    from harness.registry.choice import Choice as Choice, choose as choose, parse as parse, split_list as split_list
-    from harness.registry.given import Given as Given, given_from_json as given_from_json, given_to_json as given_to_json, read_given as read_given
+    from harness.record.store import Store as Store
+    from harness.record.trace import read_trace as read_trace
+    from harness.recorder.walk import Walk as Walk
+    from harness.registry.choice import Choice as Choice
+    from harness.registry.choice import build_defaults as build_defaults
+    from harness.registry.choice import choose as choose
+    from harness.registry.choice import parse as parse
+    from harness.registry.choice import split_list as split_list
+    from harness.registry.given import Given as Given
+    from harness.registry.given import given_from_json as given_from_json
+    from harness.registry.given import given_to_json as given_to_json
+    from harness.registry.given import read_given as read_given
+    from harness.registry.given import split_measures as split_measures
+    from harness.registry.names import did_you_mean as did_you_mean
     from harness.registry.names import unknown_name as unknown_name
-    from harness.registry.registry import Registry as Registry, load_registry as load_registry
-    from harness.report.answers import word_of as word_of
-    from harness.report.apart import tell_apart as tell_apart
-    from harness.report.document import report_text as report_text
-    from harness.report.facts import Fact as Fact, shared_facts as shared_facts
-    from harness.report.figures.accumulated import draw_both as draw_both
-    from harness.report.figures.chart import Axis as Axis, Chart as Chart, Dots as Dots, Line as Line, Mark as Mark
-    from harness.report.figures.draw import CHARACTER as CHARACTER, SAMPLE as SAMPLE, draw_chart as draw_chart, draw_figure as draw_figure, draw_sample as draw_sample, figure_height as figure_height, legend_of as legend_of, panel_left as panel_left, set_text as set_text, width_of as width_of
-    from harness.report.figures.learning import describe_learning as describe_learning, draw_learning as draw_learning, flat_text as flat_text, learning_heading as learning_heading, learning_names as learning_names
-    from harness.report.figures.palette import SIDES as SIDES, chart_style as chart_style, light_colours as light_colours
-    from harness.report.figures.panel import CurvePanel as CurvePanel, Drawn as Drawn, panels_of as panels_of, reward_range as reward_range
-    from harness.report.figures.points import FEWEST as FEWEST, POINTS as POINTS
-    from harness.report.figures.race import draw_race as draw_race
-    from harness.report.figures.ratio_axis import is_drawable as is_drawable, ticks as ticks
-    from harness.report.figures.split import draw_ratio as draw_ratio, draw_split as draw_split, number_of as number_of, ratio_axis as ratio_axis
-    from harness.report.figures.split_rows import SplitRow as SplitRow, describe_split as describe_split
-    from harness.report.page.matrix import plain_text as plain_text
-    from harness.report.page.page import render_page as render_page, write_page as write_page
-    from harness.report.rows.alone import ALONE as ALONE, alone_grid as alone_grid, setting_of as setting_of, story as story
-    from harness.report.rows.behaviour import along_grid as along_grid, behaviour_grids as behaviour_grids, behaviour_row as behaviour_row, percentage as percentage, text_of as text_of
-    from harness.report.rows.comparison import TESTS as TESTS, answer_text as answer_text, basis_text as basis_text, beside_answer as beside_answer, compared_text as compared_text, count_cells as count_cells, interim_line as interim_line, interim_text as interim_text, question as question, remarks_on_cells as remarks_on_cells, rewards_text as rewards_text, seeds_text as seeds_text, what_decides as what_decides
-    from harness.report.rows.numbers import number_grids as number_grids, splits_of as splits_of
-    from harness.report.rows.pools import POOLED as POOLED, POOLED_TITLE as POOLED_TITLE, pooled_answers as pooled_answers
-    from harness.report.rows.race import RACE as RACE, RACE_TITLE as RACE_TITLE, RaceTold as RaceTold, race_told as race_told
-    from harness.report.rows.ratios import BETTER as BETTER, Grid as Grid, SPLIT as SPLIT, format_number as format_number, ratio_text as ratio_text, ratio_with_interval as ratio_with_interval, scales_text as scales_text
-    from harness.report.rows.returns import MEAN as MEAN
-    from harness.report.rows.terms import terms_grid as terms_grid, terms_of as terms_of
-    from harness.report.tables.grid import show_grid as show_grid
-    from harness.report.tables.overview import WideOrNarrow as WideOrNarrow
-    from harness.report.typography import typeset as typeset
+    from harness.registry.parameters import build as build
+    from harness.registry.parameters import parameters_of as parameters_of
+    from harness.registry.registry import Registry as Registry
+    from harness.registry.registry import load_registry as load_registry
+    from harness.registry.spec import PLANNED as PLANNED
+    from harness.registry.spec import blamed_on as blamed_on
+    from harness.registry.toml_file import read_toml as read_toml
     from harness.results.alone import Alone as Alone
     from harness.results.cell_results import PAID as PAID
-    from harness.results.comparison import Comparison as Comparison, Group as Group, deciding_manner as deciding_manner, pools_of as pools_of
-    from harness.results.learning import Learning as Learning, LearningCurve as LearningCurve, Point as Point
-    from harness.results.overview import decided_by_text as decided_by_text, overview_of as overview_of, short_name as short_name, values_text as values_text
+    from harness.results.comparison import Comparison as Comparison
+    from harness.results.comparison import Group as Group
+    from harness.results.comparison import deciding_manner as deciding_manner
+    from harness.results.comparison import pools_of as pools_of
+    from harness.results.learning import Learning as Learning
+    from harness.results.learning import LearningCurve as LearningCurve
+    from harness.results.learning import Point as Point
+    from harness.results.load import read_results as read_results
+    from harness.results.load import require_arm as require_arm
+    from harness.results.measured import value_of as value_of
+    from harness.results.metrics import named_measures as named_measures
+    from harness.results.overview import decided_by_text as decided_by_text
+    from harness.results.overview import overview_of as overview_of
+    from harness.results.overview import short_name as short_name
+    from harness.results.overview import values_text as values_text
+    from harness.results.recordings.episodes import episodes_of as episodes_of
+    from harness.results.recordings.read_runs import has_recordings as has_recordings
     from harness.results.recordings.results import RecordedResults as RecordedResults
-    from harness.results.replay import Episode as Episode, Show as Show, Side as Side, find_done as find_done, first_show as first_show, show_cells as show_cells
+    from harness.results.replay import Episode as Episode
+    from harness.results.replay import Show as Show
+    from harness.results.replay import Side as Side
+    from harness.results.replay import find_done as find_done
+    from harness.results.replay import first_show as first_show
+    from harness.results.replay import show_cells as show_cells
     from harness.results.seen import ENDED as ENDED
     from harness.results.standing import told_manifests as told_manifests
     from harness.results.table import RANDOM as RANDOM
     from harness.results.verdicts import with_verdicts as with_verdicts
+    from harness.reward.needs import needs_of as needs_of
+    from harness.robot.ground_clearance import Solids as Solids
+    from harness.robot.ground_clearance import build_solids as build_solids
     from harness.robot.kinematics import end_effector_position as end_effector_position
-    from harness.scene.picture import BACKGROUND as BACKGROUND, Camera as Camera, TARGET as TARGET, camera_for as camera_for, chain_of as chain_of, corners_of as corners_of, draw_arm as draw_arm, require_pillow as require_pillow
+    from harness.scene.picture import BACKGROUND as BACKGROUND
+    from harness.scene.picture import TARGET as TARGET
+    from harness.scene.picture import Camera as Camera
+    from harness.scene.picture import camera_for as camera_for
+    from harness.scene.picture import chain_of as chain_of
+    from harness.scene.picture import corners_of as corners_of
+    from harness.scene.picture import draw_arm as draw_arm
+    from harness.scene.picture import require_pillow as require_pillow
+    from harness.score.csv_writing import write_csv as write_csv
+    from harness.score.scorer import pay_log as pay_log
 
 _HOMES = homes_in(__file__)
 

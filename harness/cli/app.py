@@ -33,7 +33,7 @@ PANELS: Mapping[str, Mapping[str, str]] = MappingProxyType(
             "describe": "describe",
             "doctor": "doctor",
         },
-        "Ask more": {name: name for name in ("audit", "eta", "score", "transfer", "tune")},
+        "Ask more": {name: name for name in ("audit", "eta", "score")},
         "Keep results": {"merge": "merge", "verify": "verify"},
         "For plugin authors": {"plugins": "plugins"},
     }

@@ -29,8 +29,6 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "watch": ("harness watch my-results", "harness watch my-results --no-browser --port 8000"),
         "eta": ("harness eta --baseline 'base/*.csv' --proposed 'k2/*.csv'", "harness eta recorded --plot page.html"),
         "score": ("harness score my-results --reward arp:k2=2 --all", "harness score runs.csv --reward sparse"),
-        "transfer": ("harness transfer my-results --to pybullet",),
-        "tune": ("harness tune --sim mujoco --algo sac --reward arp",),
         "audit": (
             "harness audit --reward arp",
             "harness audit --reward arp:k2=3 --against dense",

@@ -26,6 +26,7 @@ EXPLAINED: Mapping[str, str] = MappingProxyType(
         "executors": "where trainings run (--executor)",
         "trackers": "where learning curves are sent (--tracker)",
         "logs": "logs of other programs that report, eta and audit read (--as)",
+        "sections": "what commands of plugins add to the report of an experiment",
         "commands": "commands that plugins add: harness NAME",
     }
 )

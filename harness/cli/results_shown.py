@@ -69,21 +69,20 @@ def write_page_of(results: "Results", html: Path) -> None:
 
 
 def _print_tables(results: "Results", details: bool, command: str) -> None:
-    """The overview, or all there is; in both what policies are worth in other simulators."""
+    """The overview, or all there is; in both what commands of plugins have to say."""
     from harness.cli.terminal import show
     from harness.report.tables.comparison import comparison_table
     from harness.report.tables.overview import overview_table
     from harness.report.tables.ranking import ranking_table
-    from harness.report.tables.transfer import transfer_table
-    from harness.transfer.matrix import load_transfers
+    from harness.section import shown_sections
 
-    transfers = load_transfers(results)
+    sections = shown_sections(results)
     show(comparison_table(results) if details else overview_table(results, command))
     ranking = ranking_table(results, details)
     if ranking is not None:
         show(ranking)
-    if transfers.matrices:
-        show(transfer_table(transfers))
+    for section in sections.values():
+        show(section.table())
 
 
 if TYPE_CHECKING:

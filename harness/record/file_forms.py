@@ -156,15 +156,6 @@ class ManifestForm(EndingForm):
     unit: NotRequired[Line]
 
 
-@with_config(EXACT)
-class TransferForm(EndingForm):
-    """See `harness.transfer.record.TransferRecord`."""
-
-    cell: Name
-    simulator: ChoiceForm
-    policy: Line
-
-
 @with_config(OPEN)
 class TermsForm(TypedDict, total=False):
     """See `harness.record.terms.Terms`."""
@@ -195,7 +186,6 @@ class PlanForm(TypedDict):
 
 
 MANIFEST: TypeAdapter[ManifestForm] = TypeAdapter(ManifestForm)
-TRANSFER: TypeAdapter[TransferForm] = TypeAdapter(TransferForm)
 PLAN: TypeAdapter[PlanForm] = TypeAdapter(PlanForm)
 
 

@@ -27,8 +27,6 @@ TENSORBOARD = "tensorboard"
 """Folder of event files, in cells that an earlier version left."""
 DERIVED = "derived"
 """Folder of an experiment: what follows from its cells; see `harness.results.kept`."""
-TRANSFER = "transfer"
-"""Folder of an experiment: what policies did elsewhere; see `harness.transfer.record`."""
 
 
 def partial_folder(folder: Path) -> Path:

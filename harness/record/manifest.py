@@ -17,7 +17,7 @@ from harness.record.file_forms import Status, require_form
 from harness.record.folder import MANIFEST
 
 SEALED_SINCE = 2
-"""The first format of manifests, those of transfers included, that names the digests of its folder's files."""
+"""The first format of manifests, those of added folders included, that names the digests of its folder's files."""
 SHOWN_DIGITS = 8
 """The digits of a hash of sources, where people read it."""
 OF_A_GOAL = ("error", "unit")
@@ -120,7 +120,7 @@ def read_record(
     """What `read` makes of the ``manifest.json`` in `folder`.
 
     Args:
-        folder: Of a cell, or of an evaluation in another simulator.
+        folder: Of a cell, or one that a command added.
         newest: The newest format that can be read.
         noun: What the file should be, for the message if it is not.
         form: What its keys and values have to be.

@@ -2,7 +2,7 @@
 
 import os
 import shutil
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,6 +11,7 @@ from typing import NamedTuple
 from harness.errors import NewerFormat, SchemaError, UsageError
 from harness.files.bounded import digest_of
 from harness.files.whole_file import files_in, is_partial
+from harness.record.added import Owner, owners
 from harness.record.cell import Cell
 from harness.record.cell_folder import require_files
 from harness.record.file_forms import Status
@@ -19,7 +20,6 @@ from harness.record.folder import (
     EVALUATION_RECORDING,
     TRACE,
     TRAINING_RECORDING,
-    TRANSFER,
     partial_folder,
     publish,
 )
@@ -29,14 +29,13 @@ from harness.record.plan_file import StoredPlan
 from harness.record.recording.recorded_training import STEPS
 from harness.record.store import Store
 from harness.record.united_plan import unite
-from harness.record.verify import read_transfer_ending
 
 RANKS: tuple[Status, ...] = ("done", "failed", "skipped")
 """The states of a cell that is in several folders: the one with the first of these is taken."""
 
 
 class LeftOut(NamedTuple):
-    """A damaged folder of a cell or of a transfer, which was not taken."""
+    """A damaged folder of a cell, or one that a command added, which was not taken."""
 
     path: Path
     reason: str
@@ -58,7 +57,7 @@ class Merged:
 
 
 def merge(folders: Sequence[Path], out: Path, is_temporary: bool = False) -> Merged:
-    """Put the cells of experiments into one folder, whole, with the evaluations of their policies elsewhere.
+    """Put the cells of experiments into one folder, whole, with what commands of plugins added to them.
 
     A cell that is in several folders is taken from the first where it is done, else from the first where it failed.
     What is damaged is left out. What is kept of a cell's results comes with it: a report need not compute it again.
@@ -95,14 +94,14 @@ def merge(folders: Sequence[Path], out: Path, is_temporary: bool = False) -> Mer
 
 def _choose(folders: Sequence[Path]) -> Merged:
     stores = [Store(folder) for folder in dict.fromkeys(folders)]
-    merged = Merged(unite([(store.folder, store.read_plan()) for store in stores]))
+    merged, added = Merged(unite([(store.folder, store.read_plan()) for store in stores])), owners()
     for cell in merged.plan.cells:
         chosen = _choose_cell(cell, stores, merged.left_out)
         if chosen is not None:
             for source in (chosen.cell_folder(cell), chosen.folder / DERIVED / cell.id):
                 if source.is_dir():
                     merged.taken[source.relative_to(chosen.folder)] = source
-            _choose_transfers(cell, [chosen, *(store for store in stores if store is not chosen)], merged)
+            _choose_added(cell, [chosen, *(store for store in stores if store is not chosen)], added, merged)
     return merged
 
 
@@ -139,20 +138,23 @@ def _digests_of_steps(store: Store, manifest: Manifest) -> dict[str, str]:
     return named or {TRACE: digest_of(store.cell_folder(manifest.cell) / TRACE)}  # version 0.1 named none
 
 
-def _choose_transfers(cell: Cell, stores: Iterable[Store], merged: Merged) -> None:
-    """Take the first evaluation of each simulator that is done, else the first that failed."""
+def _choose_added(cell: Cell, stores: Iterable[Store], added: Mapping[str, Owner], merged: Merged) -> None:
+    """Of folders with the same name that commands added take the first that is done, else the first that failed."""
     ranks: dict[Path, Status] = {}
     for store in stores:
-        for folder, status in _transfers_of(cell, store, merged.left_out):
+        for folder, status in _added_to(cell, store, added, merged.left_out):
             place = folder.relative_to(store.folder)
             if place not in ranks or RANKS.index(status) < RANKS.index(ranks[place]):
                 ranks[place], merged.taken[place] = status, folder
 
 
-def _transfers_of(cell: Cell, store: Store, left_out: list[LeftOut]) -> Iterator[tuple[Path, Status]]:
-    for folder in sorted((store.folder / TRANSFER / cell.id).glob("[!.]*")):
+def _added_to(
+    cell: Cell, store: Store, added: Mapping[str, Owner], left_out: list[LeftOut]
+) -> Iterator[tuple[Path, Status]]:
+    places = [(owner, it) for name, owner in added.items() for it in (store.folder / name / cell.id).glob("[!.]*")]
+    for owner, folder in sorted(places, key=lambda place: place[1]):
         try:
-            ending = read_transfer_ending(folder)
+            ending = owner.ending(folder)
             require_files(folder, ending)
         except NewerFormat:
             raise
@@ -164,7 +166,7 @@ def _transfers_of(cell: Cell, store: Store, left_out: list[LeftOut]) -> Iterator
 
 
 def _copy(source: Path, target: Path, may_share: bool, *, is_lasting: bool) -> None:
-    """Copy the folder of a cell, of its kept results or of a transfer; it is there when it is whole."""
+    """Copy the folder of a cell, of its kept results or one that was added; it is there when it is whole."""
     partial = partial_folder(target)
     if partial.exists():
         shutil.rmtree(partial)

@@ -8,9 +8,6 @@ from pathlib import Path
 from harness.errors import StorageError, UsageError
 from harness.record.folder import CHECKPOINT
 
-JOURNAL = "study.log"
-"""The file of a search that grows; see `harness.tune.study`."""
-
 
 @contextmanager
 def folder_lock(path: Path, problem: str, on_wait: Callable[[], None] | None = None) -> Iterator[None]:
@@ -122,7 +119,7 @@ def make_folder(folder: Path, inner: str = "") -> None:
         raise UsageError(f"--out '{folder}' cannot be made: {error.strerror}. Name another folder") from None
 
 
-def refuse_links(folder: Path, rule: str = "nothing is written into a folder with links") -> None:
+def refuse_links(folder: Path, rule: str = "nothing is written into a folder with links", grows: str = "") -> None:
     """See that nothing in a folder leads out of it: what is written there could land elsewhere.
 
     A file with a second name is a link too, where a run would write on in it. All others are replaced.
@@ -130,6 +127,7 @@ def refuse_links(folder: Path, rule: str = "nothing is written into a folder wit
     Args:
         folder: To look through.
         rule: What the message says is not done.
+        grows: The name of a file that is written on too.
 
     Raises:
         UsageError: There is such a link in it; the message names it.
@@ -138,6 +136,6 @@ def refuse_links(folder: Path, rule: str = "nothing is written into a folder wit
         goes_on = CHECKPOINT in files or Path(parent).name.startswith(".")
         for name in (*folders, *files):
             path = Path(parent) / name
-            has_names = (goes_on or name == JOURNAL) and name in files and path.lstat().st_nlink > 1
+            has_names = (goes_on or name == grows) and name in files and path.lstat().st_nlink > 1
             if path.is_symlink() or has_names:
                 raise UsageError(f"'{path}' is a link; {rule}: remove it")

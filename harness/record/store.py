@@ -9,7 +9,7 @@
         random.parquet                 in one cell of each simulator, task and robot
         stochastic.parquet or deterministic.parquet: the other manner than that of evaluation.parquet
         evaluations/<steps>.parquet               where they were asked for
-    transfer/<id>/<simulator id>/  policies evaluated in other simulators; see `harness.transfer.record`
+    NAME/<id>/<...>/               what commands of plugins add; see `harness.record.added`
     results.parquet report.html    made from the cells
 """
 

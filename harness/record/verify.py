@@ -6,7 +6,7 @@ import shutil
 import stat
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
@@ -17,11 +17,12 @@ from harness.files.keyed_file import is_whole
 from harness.files.parquet import require_room
 from harness.files.sums import SUMS, changed_since_made, forget_made, read_sums
 from harness.files.whole_file import files_in, is_partial, write_whole
-from harness.record import file_forms as forms
+from harness.record.added import owners
 from harness.record.cell import Cell
 from harness.record.cell_folder import REMEDY, added_files, examine, require_files
-from harness.record.folder import DERIVED, SCORES, TRANSFER
-from harness.record.manifest import Ending, Manifest, read_manifest, read_record
+from harness.record.file_forms import MOST_CELLS
+from harness.record.folder import DERIVED, SCORES
+from harness.record.manifest import read_manifest
 from harness.record.plan_file import EXPERIMENT, PLAN, is_experiment_of_plan, read_plan
 from harness.record.store import CELLS, REPORT, RESULTS, Store
 
@@ -35,8 +36,8 @@ PLAN_REMEDY = "harness verify --repair puts it together from the cells; the same
 MADE_REMEDY = "harness report or harness score makes it again"
 LINE_REMEDY = f"nothing moves what has this name: take the line out of {SUMS}"
 FOREIGN_REMEDY = "no report reads it and nothing moves it: take it away if it is not yours"
-_CELL, _TRANSFER = re.compile(r"[0-9a-f]{16}"), re.compile(r".+-[0-9a-f]{12}")
-"""Names of folders; see `harness.record.cell.Cell.id` and `harness.transfer.record.simulator_id`."""
+_CELL, _ADDED = re.compile(r"[0-9a-f]{16}"), re.compile(r".+-[0-9a-f]{12}")
+"""Names of folders; see `harness.record.cell.Cell.id` and `harness.record.added`."""
 LONGEST_NAME = 200
 """Bytes of a name that are kept among what is damaged, where a number follows."""
 
@@ -72,7 +73,7 @@ def verify(folder: Path) -> list[Problem]:
     """
     Store.open(folder)
     return [
-        *_links(folder), *_of_plan(folder), *_of_cells(folder), *_gone(folder), *_of_transfers(folder),
+        *_links(folder), *_of_plan(folder), *_of_cells(folder), *_gone(folder), *_of_added(folder),
         *_of_made(folder),
     ]  # fmt: skip
 
@@ -91,7 +92,7 @@ def repair(folder: Path) -> list[Action]:
 
     Nothing is thrown away: what is damaged goes to the folder ``damaged``, of a link a text that says where it led.
     Whoever made the folder wrote its names too. So only what the harness itself makes is moved, in its place: folders
-    of cells and transfers, and regular files. All else is told and left.
+    of cells and those that commands add, and regular files. All else is told and left.
 
     Raises:
         UsageError: The folder is no experiment's, another run is using it, or ``damaged`` is no folder.
@@ -103,7 +104,7 @@ def repair(folder: Path) -> list[Action]:
     done = [_note_link(folder, problem) for problem in links]
     with store.locked():
         done += _mend_plan(folder, store)
-        for problem in [*_of_cells(folder), *_of_transfers(folder)]:
+        for problem in [*_of_cells(folder), *_of_added(folder)]:
             done.append(_set_aside(folder, problem))
         for problem in _of_made(folder):
             done.append(_set_aside_made(folder, problem))
@@ -192,39 +193,28 @@ def _done_in_table(path: Path) -> set[str]:
     with reading(path, "table"):
         require_regular(path, TABLE_BYTES)
         file = pq.ParquetFile(path, read_dictionary=OF_A_CELL)
-        if file.metadata.num_rows > forms.MOST_CELLS:
-            raise SchemaError(f"{path} has more than {forms.MOST_CELLS:,} rows")
+        if file.metadata.num_rows > MOST_CELLS:
+            raise SchemaError(f"{path} has more than {MOST_CELLS:,} rows")
         require_room(file, OF_A_CELL)
         table = file.read(OF_A_CELL)
         done = table.filter(pc.equal(table["status"], "done"))["id"]
         return {str(name) for name in done.unique().to_pylist()}  # a text may stand in very many rows
 
 
-def _of_transfers(folder: Path) -> Iterator[Problem]:
-    for path in _folders(folder / TRANSFER, "*/[!.]*"):
-        if not (_CELL.fullmatch(path.parent.name) and _TRANSFER.fullmatch(path.name)):
-            what = "it has no name that an evaluation elsewhere has"
-            yield Problem(path.relative_to(folder), what, FOREIGN_REMEDY, stays=True)
+def _of_added(folder: Path) -> Iterator[Problem]:
+    """Folders that commands of plugins added."""
+    every = [(name, owner, path) for name, owner in owners().items() for path in _folders(folder / name, "*/[!.]*")]
+    for name, owner, path in every:
+        inside = path.relative_to(folder)
+        if not (_CELL.fullmatch(path.parent.name) and _ADDED.fullmatch(path.name)):
+            yield Problem(inside, f"it has no name that {owner.what} has", FOREIGN_REMEDY, stays=True)
             continue
         try:
-            require_files(path, read_transfer_ending(path))
+            require_files(path, owner.ending(path))
         except NewerFormat:
             raise
         except SchemaError as error:
-            yield Problem(path.relative_to(folder), str(error), "harness transfer does it again")
-
-
-def read_transfer_ending(folder: Path) -> Ending:
-    """How an evaluation in another simulator ended, and the digests of its files.
-
-    Raises:
-        SchemaError: Its manifest is damaged or written by a newer version.
-    """
-
-    def read(data: dict[str, Any]) -> Ending:
-        return Ending(status=data["status"], files=data.get("files", {}))
-
-    return read_record(folder, Manifest.FORMAT, "record of a transfer", forms.TRANSFER, read)
+            yield Problem(inside, str(error), f"harness {name} does it again")
 
 
 def _of_made(folder: Path) -> Iterator[Problem]:

@@ -6,7 +6,7 @@ from typing import Any
 from harness.results import Results
 from harness.results.ranking import ranking_of
 from harness.results.standing import standing_of, told_manifests
-from harness.transfer.matrix import load_transfers
+from harness.section import shown_sections
 
 
 def report_to_json(results: Results) -> dict[str, Any]:
@@ -26,11 +26,10 @@ def report_to_json(results: Results) -> dict[str, Any]:
         told |= {"status": manifest.status, "reason": manifest.reason}
     standing = standing_of(results)
     data["looks"] = standing and standing.to_json()
-    transfers = load_transfers(results)
-    told = {"transfer": transfers.to_json()} if transfers.matrices else {}
-    told |= {"reward_terms": [it.to_json() for it in results.terms]} if results.terms else {}
-    told |= {"alone": [it.to_json() for it in results.alone]} if results.alone else {}
-    return {**data, **told, **results.older_keys()}
+    data |= {name: section.to_json() for name, section in shown_sections(results).items()}
+    data |= {"reward_terms": [it.to_json() for it in results.terms]} if results.terms else {}
+    data |= {"alone": [it.to_json() for it in results.alone]} if results.alone else {}
+    return {**data, **results.older_keys()}
 
 
 def report_text(results: Results) -> str:

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 from harness.authoring.commands import (
     AsJson,
     EvaluationEpisodes,
-    Names,
     PluginFiles,
     RobotName,
     SimulatorNames,
@@ -17,6 +16,8 @@ from harness.authoring.commands import (
 from harness.errors import SchemaError, UsageError
 
 from . import flags
+
+Names = list[str] | None
 
 if TYPE_CHECKING:
     from harness.authoring.commands import Plan, Registry

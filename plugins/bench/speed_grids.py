@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from harness.authoring.commands import Grid
+from harness.authoring.pages import Grid
 
 from .comparison import Change, SpeedChanges
 from .entry import KINDS

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from harness.authoring.commands import Axis, Chart, Dots, Line, Mark, draw_chart, render_page, ticks, write_page
+from harness.authoring.pages import Axis, Chart, Dots, Line, Mark, draw_chart, render_page, ticks, write_page
 
 from .comparison import SpeedChanges, summary
 from .speed_grids import comparison_grid, comparison_lines, left_out_lines, name_of, speed_grids

@@ -3,7 +3,7 @@
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from harness.authoring.commands import show_grid
+from harness.authoring.pages import show_grid
 
 from .comparison import SpeedChanges, summary
 from .speed_grids import comparison_grid, comparison_lines, left_out_lines, speed_grids

@@ -3,7 +3,7 @@
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from harness.authoring.commands import Grid, show_grid
+from harness.authoring.pages import Grid, show_grid
 
 from .cell_times import PARTS, TRAINING
 from .cells import Bench, Timing

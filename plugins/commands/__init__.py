@@ -42,3 +42,23 @@ def register_commands(register: harness.Register) -> None:
         "harness_plugins.video.command:video",
         summary="Make a film of recorded episodes: the arm, its target, what it is paid.",
     )
+    register(
+        "transfer",
+        "harness_plugins.commands.transfer:transfer",
+        summary="Evaluate an experiment's policies in other simulators, and show how much of their success is left.",
+    )
+    register(
+        "tune",
+        "harness_plugins.commands.tune:tune",
+        summary="Search the hyperparameters of one algorithm, with an equal budget for every reward.",
+    )
+
+
+@harness.hookimpl
+def register_sections(register: harness.Register) -> None:
+    """Announce what these commands add to a report."""
+    register(
+        "transfer",
+        "harness_plugins.transfer.section:TransferSection",
+        summary="What policies are worth in other simulators than the one that trained them.",
+    )

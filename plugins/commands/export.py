@@ -10,15 +10,23 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from harness.cli.flags.shared import PluginFiles
-from harness.cli.output import say
+from harness.authoring.commands import (
+    POLICY,
+    PluginFiles,
+    Store,
+    files_in,
+    folder_lock,
+    is_partial,
+    make_folder,
+    partial_folder,
+    publish,
+    read_folder,
+    say,
+    storage_errors,
+    write_whole,
+)
 from harness.errors import UsageError
-from harness.files.whole_file import files_in, is_partial, write_whole
 from harness.policy import CARD, Network, load_policy
-from harness.policy.folder import read_folder
-from harness.record.folder import POLICY, partial_folder, publish
-from harness.record.out_folder import folder_lock, make_folder, storage_errors
-from harness.record.store import Store
 from harness.text import command_text
 
 if TYPE_CHECKING:
@@ -121,8 +129,8 @@ def _write_models(folder: Path, files: dict[Path, Form]) -> None:
 
 def _write_runs(folder: Path, out: Path) -> int:
     """Write the trainings as CSV files; the exit status, 1 if a cell is damaged."""
+    from harness.authoring.commands import has_recordings
     from harness.results import load_results
-    from harness.results.recordings.read_runs import has_recordings
 
     from ..exporters.csv_runs import write_recordings, write_runs
 
@@ -141,10 +149,8 @@ def _write_runs(folder: Path, out: Path) -> int:
 
 def _write_datasets(folder: Path, places: list[tuple[Path, DatasetForm]], plugin: list[str] | None) -> int:
     """Write data sets, each whole or not at all; the exit status, 1 if a cell is damaged or a reward is left out."""
-    from harness.registry.given import read_given
-    from harness.registry.registry import load_registry
+    from harness.authoring.commands import has_recordings, load_registry, read_given
     from harness.results import load_results
-    from harness.results.recordings.read_runs import has_recordings
 
     from ..exporters.episodes import source_of_recordings, sources_of_runs
 

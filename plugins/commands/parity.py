@@ -1,30 +1,54 @@
 """``harness parity``: how far the simulators differ."""
 
+from pathlib import Path
+from typing import Annotated
+
 import typer
 
-from harness.cli.flags.shared import AsJson, PluginFiles
-from harness.cli.output import say, say_json
+from harness.authoring.commands import ROBOT, ROBOTS, SIMULATORS, AsJson, PluginFiles, say, say_json
 from harness.errors import UsageError
 
-from ..parity import flags
+SimulatorNames = Annotated[
+    list[str] | None,
+    typer.Option(
+        help="Simulators, such as mujoco:substeps=40.",
+        show_default="all",
+        metavar="NAME,...",
+        autocompletion=SIMULATORS,
+    ),
+]
+Reference = Annotated[
+    str | None,
+    typer.Option(
+        help="The simulator that the others are compared with.",
+        show_default="mujoco",
+        metavar="NAME",
+        autocompletion=SIMULATORS,
+    ),
+]
+RobotName = Annotated[str, typer.Option(help=ROBOT, metavar="NAME", autocompletion=ROBOTS)]
+Steps = Annotated[int, typer.Option(help="Control periods of each motion.", metavar="N")]
+Episodes = Annotated[int, typer.Option(help="How many motions, and how many dives to the ground.", metavar="N")]
+Seed = Annotated[int, typer.Option(help="The seed of the random motions.", metavar="S")]
+Period = Annotated[float, typer.Option(help="Control period in seconds.", metavar="T")]
+HtmlFile = Annotated[Path | None, typer.Option(help="Write a page with figures to this file.", metavar="FILE")]
 
 
 def parity(
-    sim: flags.SimulatorNames = None,
-    reference: flags.Reference = None,
-    robot: flags.RobotName = "fd100",
-    steps: flags.Steps = 200,
-    episodes: flags.Episodes = 8,
-    seed: flags.Seed = 0,
-    period: flags.Period = 0.1,
+    sim: SimulatorNames = None,
+    reference: Reference = None,
+    robot: RobotName = "fd100",
+    steps: Steps = 200,
+    episodes: Episodes = 8,
+    seed: Seed = 0,
+    period: Period = 0.1,
     plugin: PluginFiles = None,
     as_json: AsJson = False,
-    html: flags.HtmlFile = None,
+    html: HtmlFile = None,
 ) -> None:
     """Drive the same motions through several simulators and show how far they differ. Trains nothing."""
-    from harness.registry.given import read_given
-    from harness.registry.registry import load_registry
-    from harness.robot.load import load_robot
+    from harness import load_robot
+    from harness.authoring.commands import load_registry, read_given
 
     from ..parity.contenders import choose_contenders
     from ..parity.orders import Setting
@@ -42,7 +66,7 @@ def parity(
     if as_json:
         say_json(found.to_json())
     else:
-        from harness.cli.terminal import show
+        from harness.authoring.commands import show
 
         from ..parity.parity_table import parity_table
 

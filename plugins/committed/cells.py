@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from harness.authoring.commands import RANDOM, Manifest, curve_of, plain_text, told_manifests
+from harness.authoring.commands import RANDOM, Manifest, curve_of, told_manifests
+from harness.authoring.pages import plain_text
 from harness.results import Results
 
 OWN = ("first_negative", "crossover", "I_N", "I_P", "final_accumulated_reward")

@@ -4,7 +4,7 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-from harness.authoring.commands import RACE_TITLE, Grid, RaceTold
+from harness.authoring.pages import RACE_TITLE, Grid, RaceTold
 from harness.results import Results
 from harness.text import file_stems
 

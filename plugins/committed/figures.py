@@ -8,14 +8,12 @@ from typing import TypeAlias
 
 import numpy as np
 
-from harness.authoring.commands import (
+from harness.authoring.commands import Comparison, Learning, Split
+from harness.authoring.pages import (
     MEAN,
     RACE_TITLE,
-    Comparison,
     CurvePanel,
-    Learning,
     RaceTold,
-    Split,
     compared_text,
     describe_learning,
     describe_split,

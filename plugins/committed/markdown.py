@@ -4,20 +4,16 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Final, TypeAlias
 
-from harness.authoring.commands import (
+from harness.authoring.commands import EXPERIMENT, NOTHING, Alone, Comparison, Split, overview_of
+from harness.authoring.pages import (
     ALONE,
-    EXPERIMENT,
-    NOTHING,
     POOLED,
     POOLED_TITLE,
     RACE,
     RACE_TITLE,
     SPLIT,
-    Alone,
-    Comparison,
     Fact,
     Grid,
-    Split,
     alone_grid,
     along_grid,
     answer_text,
@@ -29,7 +25,6 @@ from harness.authoring.commands import (
     format_number,
     interim_text,
     number_grids,
-    overview_of,
     pooled_answers,
     question,
     race_told,

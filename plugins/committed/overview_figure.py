@@ -4,19 +4,18 @@ import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
-from harness.authoring.commands import (
+from harness.authoring.commands import Comparison, no_splits
+from harness.authoring.pages import (
     BETTER,
     CHARACTER,
     Axis,
     Chart,
-    Comparison,
     Dots,
     Line,
     Mark,
     SplitRow,
     draw_ratio,
     is_drawable,
-    no_splits,
     number_of,
     ratio_axis,
     scales_text,

@@ -16,13 +16,9 @@ from harness.authoring.commands import (
     PLAN,
     SUCCESS,
     Answer,
-    Grid,
     Status,
-    WideOrNarrow,
     decided_by_text,
     deciding_manner,
-    format_number,
-    interim_line,
     parse_json,
     read_bytes,
     reading,
@@ -30,6 +26,7 @@ from harness.authoring.commands import (
     short_name,
     values_text,
 )
+from harness.authoring.pages import Grid, WideOrNarrow, format_number, interim_line
 from harness.errors import UsageError
 from harness.text import command_text
 

@@ -11,18 +11,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from harness.authoring.commands import (
-    ENDED,
-    TESTS,
-    Comparison,
-    answer_text,
-    behaviour_row,
-    pools_of,
-    rewards_text,
-    with_verdicts,
-    word_of,
-    write_whole,
-)
+from harness.authoring.commands import ENDED, Comparison, pools_of, with_verdicts, write_whole
+from harness.authoring.pages import TESTS, answer_text, behaviour_row, rewards_text, word_of
 
 from .markdown import escape, pooled_part
 from .stored import behaviour_of, stored_comparisons, studied_comparisons

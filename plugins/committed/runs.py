@@ -7,7 +7,8 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from harness.authoring.commands import FEWEST, POINTS, Comparison, CurvePanel, Drawn, panels_of, require_room
+from harness.authoring.commands import Comparison, require_room
+from harness.authoring.pages import FEWEST, POINTS, CurvePanel, Drawn, panels_of
 
 RUNS = "runs.parquet"
 FORMAT = 1

@@ -15,7 +15,8 @@
 import json
 from pathlib import Path
 
-from harness.authoring.commands import EXPERIMENT, PLAN, race_told, report_text
+from harness.authoring.commands import EXPERIMENT, PLAN
+from harness.authoring.pages import race_told, report_text
 from harness.errors import UsageError
 from harness.results import Results
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
-from harness.authoring.commands import (
+from harness.authoring.pages import (
     CHARACTER,
     SAMPLE,
     Chart,

@@ -2,12 +2,16 @@
 
 from pathlib import Path
 
-from harness.record.folder import TRACE, TRAINING_RECORDING
-from harness.record.recording.csv_writing import write_recording_csv
-from harness.record.recording.recorded_training import is_recording, recordings_in
+from harness.authoring.commands import (
+    TRACE,
+    TRAINING_RECORDING,
+    Group,
+    is_recording,
+    recordings_in,
+    write_csv,
+    write_recording_csv,
+)
 from harness.results import Results
-from harness.results.comparison import Group
-from harness.score.csv_writing import write_csv
 from harness.text import file_stems
 
 

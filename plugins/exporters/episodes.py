@@ -9,23 +9,33 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
+from harness.authoring.commands import (
+    BEHAVIOUR,
+    EVALUATION,
+    EVALUATION_RECORDING,
+    FLAGS,
+    REWARD,
+    TRACE,
+    TRAINING_RECORDING,
+    Cell,
+    Choice,
+    Group,
+    PayAgain,
+    Registry,
+    Walk,
+    episode_facts,
+    episode_rows,
+    facts_of,
+    needs_of,
+    pay_log,
+    read_recording,
+    read_trace,
+    recordings_in,
+    term_column,
+)
 from harness.errors import HarnessError, UsageError
-from harness.experiment.environments.paid_again import PayAgain
 from harness.log import Log, Rows
-from harness.log.log import BEHAVIOUR, REWARD, episode_rows
-from harness.record.cell import Cell
-from harness.record.episode_facts import episode_facts
-from harness.record.folder import EVALUATION, EVALUATION_RECORDING, TRACE, TRAINING_RECORDING
-from harness.record.recording.facts import facts_of, term_column
-from harness.record.recording.recorded_training import FLAGS, read_recording, recordings_in
-from harness.record.trace import read_trace
-from harness.recorder.walk import Walk
-from harness.registry.choice import Choice
-from harness.registry.registry import Registry
 from harness.results import Results
-from harness.results.comparison import Group
-from harness.reward.needs import needs_of
-from harness.score.scorer import pay_log
 from harness.text import file_stems
 
 Nested: TypeAlias = Any

@@ -8,8 +8,8 @@ import numpy as np
 import onnx
 from onnx import TensorProto, helper, numpy_helper
 
-from harness.policy.continuous import ContinuousNetwork
-from harness.policy.network import MEAN, STD, Network
+from harness.authoring.commands import MEAN, STD, ContinuousNetwork
+from harness.policy import Network
 
 OPSET, IR_VERSION = 17, 8
 """Versions of ONNX from 2022. They have all that these models need, and programs of that age can read them."""

@@ -8,8 +8,8 @@ from typing import Any
 
 import torch
 
-from harness.policy.continuous import ContinuousNetwork
-from harness.policy.network import MEAN, STD, Network
+from harness.authoring.commands import MEAN, STD, ContinuousNetwork
+from harness.policy import Network
 
 CARD = "card.json"
 ACTIVATIONS = {"relu": torch.nn.ReLU, "tanh": torch.nn.Tanh}

@@ -6,11 +6,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from harness.arrays import Float
-from harness.motion.limits import JointLimits
+from harness.authoring.commands import JointLimits
 from harness.robot import Robot
 
-from .clearance import GroundClearance
-from .motions import Pace, draw_clear, draw_start, draw_swinging, smooth_motions
+from .motions import GroundClearance, Pace, draw_clear, draw_start, draw_swinging, smooth_motions
 
 SLOW, SMOOTH, FAST, SINGULAR, CONTACT = "slow", "smooth", "fast", "singular", "contact"
 CREEP = Pace(0.2, 0.1)

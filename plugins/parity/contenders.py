@@ -4,12 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from harness.authoring.commands import Choice, Registry, choose, split_list
 from harness.errors import PluginError, UsageError
-from harness.registry.choice import Choice, choose, split_list
-from harness.registry.registry import Registry
 from harness.simulator import Simulator
 
-from .failure import Failure
+from .performance import Failure
 
 USUAL = "mujoco"
 """The reference, where it is compared."""

@@ -1,16 +1,87 @@
-"""What every simulator is told."""
+"""What every simulator is told: poses, motions, and dives that end below the ground."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+
 from harness.arrays import Float
-from harness.env.solid_probes import Probe, probes_of
+from harness.authoring import link_frames, reach_position
+from harness.authoring.commands import Probe, build_solids, few_points, probes_of
 from harness.robot import Robot
 
 from .classes import CONTACT, SMOOTH, class_motions, in_order
-from .dives import dive_motions
-from .motions import smooth_motions
-from .placement import random_poses
+from .motions import ACCELERATION, SPEED, draw_start, smooth_motions
+from .track import random_poses
+
+DEPTH = 0.1
+"""A dive's goal lies so far below the ground, [m]."""
+NEAREST, FARTHEST = 0.35, 0.75
+"""Horizontal distance of the goal from the base, as a share of the arm's reach."""
+SIDEWAYS = np.radians(60.0)
+"""The goal is at most so far to either side of the x axis."""
+GOALS = 32
+"""Drawn for each dive, of which the first within reach is taken."""
+POSES = 1_024
+"""Drawn for each dive of an arm whose tip does not reach a goal."""
+
+
+def dive_motions(robot: Robot, seed: int, episodes: int, period: float) -> Float | None:
+    """Joint targets from rest near home straight, in joint space, to a tip `DEPTH` below the ground.
+
+    Where the tip of the arm does not get there, it goes to a pose with a solid `DEPTH` below it.
+
+    Speeds rise and fall as half a sine, to no more than `SPEED` and `ACCELERATION` of the maxima. Whoever arrives
+    before the slowest one waits there.
+
+    Args:
+        robot: The arm.
+        seed: Of all that is drawn.
+        episodes: How many dives, >= 1.
+        period: Control period, [s].
+
+    Returns:
+        (rows, episodes, dof), [rad]; row 0 is where the arm starts. None if the arm reaches no such goal.
+    """
+    ends = [_draw_ends(robot, np.random.default_rng([seed, 1, episode])) for episode in range(episodes)]
+    if None in ends:
+        ends = [_draw_solid_ends(robot, np.random.default_rng([seed, 1, episode])) for episode in range(episodes)]
+    found = [pair for pair in ends if pair is not None]
+    if len(found) < episodes:
+        return None
+    start, goal = np.array(found).swapaxes(0, 1)  # (episodes, dof)
+    periods = _periods(robot, np.abs(goal - start), period)
+    done = np.minimum(np.arange(periods.max() + 1)[:, None] / periods, 1.0)  # (rows, episodes)
+    return np.asarray(start + (0.5 - 0.5 * np.cos(np.pi * done))[..., None] * (goal - start))
+
+
+def _draw_ends(robot: Robot, rng: np.random.Generator) -> tuple[Float, Float] | None:
+    """Joint positions at start and goal, (dof,) each; None if no drawn goal is within reach."""
+    start = draw_start(robot, rng)
+    radius = rng.uniform(NEAREST, FARTHEST, GOALS) * robot.reach
+    angle = rng.uniform(-SIDEWAYS, SIDEWAYS, GOALS)
+    points = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), np.full(GOALS, -DEPTH)])
+    goals, reached = reach_position(robot, points, np.tile(start, (GOALS, 1)))
+    return (start, goals[reached.argmax()]) if reached.any() else None
+
+
+def _draw_solid_ends(robot: Robot, rng: np.random.Generator) -> tuple[Float, Float] | None:
+    """The same for the solids: of the drawn poses the nearest with one in the ground."""
+    start = draw_start(robot, rng)
+    poses = rng.uniform(robot.lower, robot.upper, (POSES, robot.dof))
+    inside = poses[build_solids(few_points(robot.joint_shapes)).lowest(link_frames(robot.chain, poses)) < -DEPTH]
+    far = np.linalg.norm((inside - start) / robot.per_radian, axis=1)
+    return (start, inside[far.argmin()]) if len(inside) else None
+
+
+def _periods(robot: Robot, way: Float, period: float) -> Float:
+    """Control periods that a dive takes at least, whole numbers, (episodes,); `way` is (episodes, dof), [rad].
+
+    Half a sine of speed over a way w in a time T has the largest speed w pi / 2T and acceleration w pi^2 / 2T^2.
+    """
+    for_speed = np.pi * way / (2.0 * SPEED * robot.max_speed)
+    for_acceleration = np.pi * np.sqrt(way / (2.0 * ACCELERATION * robot.max_acceleration))
+    return np.asarray(np.ceil(np.maximum(for_speed, for_acceleration).max(axis=-1) / period), np.float64)
 
 
 @dataclass(frozen=True)

@@ -8,21 +8,24 @@ from typing import Any
 
 import numpy as np
 
-from harness.env.solid_probes import Probe
+from harness.authoring.commands import Probe
 from harness.simulator import family_of
 
 from .classes import CONTACT, Told, told_by
-from .contact import CONTACT_KEYS, Contact, compare_contacts
 from .contenders import Contenders, Missing
-from .cost import time_in_turns
-from .difference import Difference, Response, after_contact, difference_between, response_of
-from .dives import DEPTH
-from .drift import Drift, drift_between
-from .failure import Failure, attempt, part
-from .orders import Orders, Setting, draw_orders
-from .performance import Performance, perform
-from .placement import Placement, placement_of
-from .track import Track
+from .difference import (
+    CONTACT_KEYS,
+    Contact,
+    Difference,
+    Response,
+    after_contact,
+    compare_contacts,
+    difference_between,
+    response_of,
+)
+from .orders import DEPTH, Orders, Setting, draw_orders
+from .performance import Failure, Performance, attempt, part, perform, time_in_turns
+from .track import Drift, Placement, Track, drift_between, placement_of
 
 FORMAT = 1
 """The version of the JSON."""

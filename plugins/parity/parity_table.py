@@ -3,10 +3,11 @@
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from harness.report.tables.grid import show_grid
+from harness.authoring.pages import show_grid
 
-from .class_grids import class_grid, classes_text
 from .grids import (
+    class_grid,
+    classes_text,
     contact_text,
     engines_text,
     failures,

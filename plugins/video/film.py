@@ -10,7 +10,6 @@ import numpy as np
 from harness.arrays import Float
 from harness.authoring.commands import (
     BACKGROUND,
-    SIDES,
     Camera,
     Episode,
     Scene,
@@ -21,9 +20,9 @@ from harness.authoring.commands import (
     corners_of,
     draw_arm,
     end_effector_position,
-    light_colours,
     require_pillow,
 )
+from harness.authoring.pages import SIDES, light_colours
 from harness.text import visible
 
 if TYPE_CHECKING:

@@ -15,11 +15,12 @@ from harness.files.bounded import digest_of
 from harness.files.sealed import seal
 from harness.files.sums import FIRST_LINE, SUMS, note_made
 from harness.record.cell import Cell
-from harness.record.folder import CARD, CHECKPOINT, DERIVED, LOG, MANIFEST, POLICY, SCORES, TRACE, TRANSFER
+from harness.record.folder import CARD, CHECKPOINT, DERIVED, LOG, MANIFEST, POLICY, SCORES, TRACE
 from harness.record.plan_file import EXPERIMENT, PLAN
 from harness.record.running import RUNNING
 from harness.record.store import CELLS, LOCK, REPORT, RESULTS
 from harness.record.verify import DAMAGED
+from harness_plugins.transfer.record import TRANSFER
 
 Forge = Callable[[Path], object]
 ESCAPE = "\x1b]0;owned\x07\x1b[2J\u202e"

@@ -5,8 +5,8 @@ from types import MappingProxyType
 
 NOT_RUN: Mapping[str, str] = MappingProxyType(
     {
-        "tune": "trains for every trial; tests/tune has small searches",
-        "transfer": "starts a process for each policy; tests/transfer does it in one",
+        "tune": "trains for every trial; tests/plugins/tune has small searches",
+        "transfer": "starts a process for each policy; tests/plugins/transfer does it in one",
         "parity": "drives several simulators for seconds; tests/plugins/parity has short drives",
         "bench": "measures for minutes",
         "watch": "serves until it is stopped",
@@ -27,7 +27,7 @@ NEEDS: Mapping[str, str] = MappingProxyType(
         "unity:|unity_player|extra unity": "takes a program and an old protobuf; tests/plugins/unity_player",
         "cells/|CELL": "takes a trained policy; tests/plugins/commands",
         "--cells": "names cells of the reader's",
-        "tuned.toml|tuning.toml": "takes a finished search; tests/tune",
+        "tuned.toml|tuning.toml": "takes a finished search; tests/plugins/tune",
         "score pendulum|report pendulum": "takes a training; tests/experiment/environments/test_reward_files.py",
         "score own": "takes a training; tests/cli/test_score.py",
         "recorded|report runs": "takes the reader's recordings; tests/cli/test_eta.py, tests/results/recordings",
@@ -49,8 +49,8 @@ SKIPPED: Mapping[str, str] = MappingProxyType(
     {
         'pyarrow.parquet.read_table("curves.parquet")': "an excerpt: reads what `harness report --summary` wrote",
         'policy = load_policy(Path("results/runs/mine': "an excerpt: the folder is the reader's; tests/policy",
-        "from harness.transfer.jobs import transfer": "the folder is the reader's; tests/transfer",
-        "from harness.tune.tune import tune": "trains; tests/tune",
+        "from harness_plugins.transfer.jobs import transfer": "the folder is the reader's; tests/plugins/transfer",
+        "from harness_plugins.tune.tune import tune": "trains; tests/plugins/tune",
         'subprocess.check_output([sys.executable, "-m", "harness"': "the reader's folder; tests/cli/test_report.py",
         "RecordVideo(": "takes moviepy, which writes films; tests/env/test_single_env.py draws",
         "evaluate_policy(lambda it:": "trains; tests/test_your_environment.py runs it with fewer steps",

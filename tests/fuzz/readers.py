@@ -35,7 +35,7 @@ from harness.robot.meshes import read_mesh
 from harness.robot.robot import read_robot
 from harness.scene.scene import scene_of
 from harness.score.open_steps import open_steps
-from harness.tune.tuning import read_tuning, resolve
+from harness_plugins.tune.tuning import read_tuning, resolve
 from tests.fuzz.mutate import (
     mutate_bytes,
     mutate_csv,

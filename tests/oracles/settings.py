@@ -16,7 +16,7 @@ from harness.errors import HarnessError
 from harness.experiment.plan import expand, read_experiment
 from harness.policy import CARD, WEIGHTS, load_policy
 from harness.registry.registry import Registry, load_registry
-from harness.tune.tuning import read_tuning, resolve
+from harness_plugins.tune.tuning import read_tuning, resolve
 from tests.oracles.trial import Answer, Refused, Trial
 
 SIMS, ALGOS = ("kinematic", "mujoco"), ("sac", "td3", "random")

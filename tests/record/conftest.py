@@ -10,11 +10,11 @@ from harness.experiment.draft import leave_record
 from harness.experiment.plan import Plan
 from harness.files.sums import note_made
 from harness.record.cell import Cell
-from harness.record.folder import EVALUATION, TRANSFER, partial_folder
+from harness.record.folder import EVALUATION, partial_folder
 from harness.record.store import REPORT, Store
 from harness.registry.choice import Choice
 from harness.results import Results
-from harness.transfer.record import TransferRecord, simulator_id
+from harness_plugins.transfer.record import TRANSFER, TransferRecord, simulator_id
 
 ARP = Choice("arp", (("k1", 1.0), ("k2", 1.5)), "arp")
 

@@ -13,7 +13,7 @@ import pytest
 from harness.errors import UsageError
 from harness.experiment.plan import Plan, check_experiment, expand
 from harness.record.cell import Cell
-from harness.record.folder import DERIVED, MANIFEST, TRACE, TRANSFER
+from harness.record.folder import DERIVED, MANIFEST, TRACE
 from harness.record.manifest import read_manifest
 from harness.record.merge import merge
 from harness.record.plan_file import EXPERIMENT, PLAN, read_plan
@@ -23,6 +23,7 @@ from harness.record.verify import verify
 from harness.registry.registry import Registry
 from harness.report.document import report_text
 from harness.results import Results, load_results
+from harness_plugins.transfer.record import TRANSFER
 
 Run = Callable[..., Path]
 

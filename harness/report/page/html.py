@@ -46,7 +46,6 @@ from harness.report.rows.returns import TITLE as RETURN_TITLE
 from harness.report.rows.terms import EXPLANATION as TERMS
 from harness.report.rows.terms import TITLE as TERMS_TITLE
 from harness.report.rows.terms import never_texts
-from harness.report.rows.transfer import EXPLANATION, TITLE, failure_lines, transfer_block
 from harness.results import Results
 from harness.results.comparison import Comparison, still_to_come
 from harness.results.overview import varying_kinds
@@ -54,7 +53,7 @@ from harness.results.ranking import ranking_of
 from harness.results.replay import shows_of
 from harness.results.return_matrix import ReturnMatrix
 from harness.results.standing import told_manifests
-from harness.transfer.matrix import Transfers, load_transfers
+from harness.section import shown_sections
 
 TEMPLATE = Path(__file__).parent / "report.html.j2"
 LEARNING = "Lines: mean over seeds, evaluated during training{}. Bands: 95% intervals. Dotted: random actions."
@@ -99,9 +98,9 @@ OWN = "own"
 """What an environment's own reward is called."""
 NO_SECTIONS: Mapping[str, Any] = MappingProxyType(
     {
-        **dict.fromkeys(("matrix", "ranking", "returns", "replay", "transfer", "pools", "race")),
+        **dict.fromkeys(("matrix", "ranking", "returns", "replay", "pools", "race")),
         **dict.fromkeys(("success", "unfinished", "manifests", "facts", "downloads", "groups", "warnings", "said"), ()),
-        **dict.fromkeys(("never", "alone"), ()),
+        **dict.fromkeys(("never", "alone", "added"), ()),
         **dict.fromkeys(("again", "experiment", "setting", "advice", "beside"), ""),
         "pictured": False,
     }
@@ -138,7 +137,7 @@ def _render(results: Results, audits: Audits) -> str:
     ]
     groups = groups_of([section["card"] for section in sections], combinations)
     sides = [side for section in sections if section["frames"] for side in section["frames"].sides]
-    ranking, transfer = _ranking(results), _transfer(load_transfers(results))
+    ranking, added = _ranking(results), tuple(shown_sections(results).values())
     returns = _returns(results.returns, is_open)
     return render_page(
         TEMPLATE,
@@ -158,7 +157,7 @@ def _render(results: Results, audits: Audits) -> str:
         ordered=[sections[place] for group in groups for place in group["places"]],
         is_open=is_open,
         pictured=any(side.source for side in sides),
-        has=parts_of(sections, bool(ranking or returns or transfer)),
+        has=parts_of(sections, bool(ranking or returns or added)),
         told=_told(results),
         pools=_pools(results),
         race=_race(results),
@@ -167,7 +166,7 @@ def _render(results: Results, audits: Audits) -> str:
         unfinished=[*remarks_on_cells(results), *dict.fromkeys(side.told for side in sides if not side.source)],
         returns=returns,
         replay=replay_of(shows),
-        transfer=transfer,
+        added=added,
         manifests=told_manifests(results),
         **repeat_of(results),
         downloads=_downloads(results),
@@ -281,15 +280,3 @@ def _returns(matrices: Sequence[ReturnMatrix], is_open: bool) -> dict[str, Any] 
         return None
     blocks = [(matrix_title(matrix), return_grid(matrix)) for matrix in matrices]
     return {"title": RETURN_TITLE, "explanation": RETURNS, "blocks": blocks, "is_open": is_open}
-
-
-def _transfer(transfers: Transfers) -> dict[str, Any] | None:
-    """What the template shows of transfer; None if no transfer is recorded."""
-    if not transfers.matrices:
-        return None
-    return {
-        "title": TITLE,
-        "explanation": EXPLANATION,
-        "blocks": [transfer_block(matrix) for matrix in transfers.matrices],
-        "failed": failure_lines(transfers.failed),
-    }

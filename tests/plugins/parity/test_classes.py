@@ -15,7 +15,7 @@ from harness_plugins.parity.classes import (
     shares_told,
     told_by,
 )
-from harness_plugins.parity.clearance import CLEARANCE, lowest_points, point_heights
+from harness_plugins.parity.motions import CLEARANCE, lowest_points, point_heights
 
 
 @pytest.fixture(scope="module")

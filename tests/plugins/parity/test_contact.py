@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from harness_plugins.parity.contact import GRACE, compare_contacts, first_contacts
+from harness_plugins.parity.difference import GRACE, compare_contacts, first_contacts
 
 ROWS = 20
 

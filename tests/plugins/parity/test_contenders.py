@@ -8,7 +8,7 @@ from harness.errors import PluginError, UsageError
 from harness.registry.registry import Registry
 from harness.registry.spec import Spec
 from harness_plugins.parity.contenders import Missing, choose_contenders
-from harness_plugins.parity.failure import Failure
+from harness_plugins.parity.performance import Failure
 
 
 def spec(name, target="harness_plugins.kit:IdealSimulator", requires=(), plugin="toys"):

@@ -5,10 +5,9 @@ from itertools import chain
 import numpy as np
 import pytest
 
-from harness_plugins.parity import cost
-from harness_plugins.parity.cost import LONGEST_TURN, TURNS, Stopwatch, time_in_turns
-from harness_plugins.parity.failure import Failure
+from harness_plugins.parity import performance
 from harness_plugins.parity.motions import smooth_motions
+from harness_plugins.parity.performance import LONGEST_TURN, TURNS, Failure, Stopwatch, time_in_turns
 
 
 @pytest.fixture
@@ -35,7 +34,7 @@ def test_simulators_take_turns(robot, toolbox, motion, monkeypatch):
             turns.append(self)
             super().take_turn()
 
-    monkeypatch.setattr(cost, "Stopwatch", Noting)
+    monkeypatch.setattr(performance, "Stopwatch", Noting)
     seconds = time_in_turns({"one": toolbox.ideal, "two": toolbox.late}, robot, motion, 0.1)
     assert turns == turns[:2] * TURNS
     assert all(0.0 < second < 1.0 for second in seconds.values())

@@ -7,8 +7,8 @@ import pytest
 
 from harness.robot.ground_clearance import build_solids
 from harness.robot.kinematics import link_frames
-from harness_plugins.parity.dives import DEPTH, dive_motions
 from harness_plugins.parity.motions import ACCELERATION, SPEED
+from harness_plugins.parity.orders import DEPTH, dive_motions
 
 
 @pytest.mark.parametrize("period", [0.1, 0.02])

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from harness_plugins.parity.drift import drift_between
-from harness_plugins.parity.track import Track
+from harness_plugins.parity.track import Track, drift_between
 
 
 @pytest.fixture

@@ -3,7 +3,7 @@
 import pytest
 
 from harness.errors import SimulationDiverged
-from harness_plugins.parity.failure import Failure, attempt, part
+from harness_plugins.parity.performance import Failure, attempt, part
 
 
 def raising(error):

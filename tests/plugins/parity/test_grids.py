@@ -7,11 +7,11 @@ from dataclasses import replace
 import pytest
 from rich.console import Console
 
-from harness_plugins.parity.class_grids import explanations
 from harness_plugins.parity.contenders import Missing
 from harness_plugins.parity.grids import (
     contact_text,
     engines_text,
+    explanations,
     failures,
     not_installed,
     pair_grids,

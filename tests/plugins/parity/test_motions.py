@@ -9,8 +9,15 @@ from harness.errors import UsageError
 from harness.robot.ground_clearance import build_solids
 from harness.robot.kinematics import link_frames
 from harness_plugins.parity.classes import class_motions
-from harness_plugins.parity.clearance import CLEARANCE, GroundClearance, lowest_points, point_heights
-from harness_plugins.parity.motions import ACCELERATION, SPEED, smooth_motions
+from harness_plugins.parity.motions import (
+    ACCELERATION,
+    CLEARANCE,
+    SPEED,
+    GroundClearance,
+    lowest_points,
+    point_heights,
+    smooth_motions,
+)
 
 PERIOD = 0.1
 

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from harness.errors import UsageError
-from harness_plugins.parity.figure import JOINTS, TIPS, draw_all_pairs, draw_pairs
-from harness_plugins.parity.page import write_parity
+from harness_plugins.parity.page import JOINTS, TIPS, draw_all_pairs, draw_pairs, write_parity
 
 
 @pytest.fixture(scope="module")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from harness_plugins.parity.placement import POSES, place_at, placement_of, random_poses
+from harness_plugins.parity.track import POSES, place_at, placement_of, random_poses
 
 
 def test_poses_cover_the_ranges(robot):

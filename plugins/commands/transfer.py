@@ -1,0 +1,64 @@
+"""``harness transfer``: policies trained in one simulator, evaluated in others."""
+
+from typing import Annotated
+
+import typer
+
+from harness.authoring.commands import (
+    SIMULATORS,
+    AsJson,
+    ExperimentFolder,
+    PluginFiles,
+    kept_when_interrupted,
+    say,
+    say_json,
+)
+
+
+def transfer(
+    folder: ExperimentFolder,
+    to: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Simulators to evaluate in, such as mujoco:substeps=40.",
+            show_default="those of the experiment and all that are installed",
+            metavar="NAME,...",
+            autocompletion=SIMULATORS,
+        ),
+    ] = None,
+    jobs: Annotated[
+        int | None, typer.Option(help="How many evaluations run at once.", show_default="as many as cores", metavar="N")
+    ] = None,
+    plugin: PluginFiles = None,
+    as_json: AsJson = False,
+) -> int:
+    """Evaluate an experiment's policies in other simulators, and show how much of their success is left.
+
+    Trains nothing. What is evaluated already is not evaluated again.
+    """
+    from harness.authoring.commands import load_registry, read_given, read_results, worker_count
+
+    from ..transfer.jobs import plan_transfers, run_transfers
+    from ..transfer.matrix import load_transfers
+    from ..transfer.progress import TransferProgress
+
+    at_once, registry = worker_count(jobs), load_registry(given=read_given(plugin))
+    results = read_results(folder, registry)
+    plan = plan_transfers(results, to, registry)
+    with kept_when_interrupted("what was evaluated is kept", folder), TransferProgress(plan) as progress:
+        run_transfers(plan, at_once, progress)
+    transfers = load_transfers(results)
+    if as_json:
+        say_json(transfers.to_json())
+    elif transfers.matrices:
+        from harness.authoring.commands import show
+
+        from ..transfer.shown import transfer_table
+
+        show(transfer_table(transfers))
+    else:
+        say("Nothing to evaluate: the policies were trained in the only simulator that is installed.")
+    return 1 if transfers.failed else 0
+
+
+transfer.examples = ("harness transfer my-results --to pybullet",)  # type: ignore[attr-defined] # harness shows them
