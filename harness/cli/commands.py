@@ -85,7 +85,7 @@ def _called(registry: Registry, name: str) -> Callable[[typer.Context], Any]:
         one.command(name, cls=Command, epilog=epilog, context_settings=dict(PLAIN))(function)
         try:
             loaded = typer.main.get_command(one)
-            return loaded.main(context.args, prog_name=f"harness {name}", standalone_mode=False)
+            return loaded.main(context.args, prog_name=f"harness {name}", standalone_mode=False, obj=context.obj)
         except (HarnessError, TyperException, OSError, typer.Abort, typer.Exit):
             raise
         except Exception as error:  # whose fault it is that something else passes

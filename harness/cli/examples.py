@@ -26,7 +26,6 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
         ),
         "compare": ("harness compare results/before results/after",),
         "status": ("harness status my-results",),
-        "watch": ("harness watch my-results", "harness watch my-results --no-browser --port 8000"),
         "video": ("harness video my-results --out film.gif",),
         "eta": ("harness eta --baseline 'base/*.csv' --proposed 'k2/*.csv'", "harness eta recorded --plot page.html"),
         "score": ("harness score my-results --reward arp:k2=2 --all", "harness score runs.csv --reward sparse"),
@@ -57,7 +56,6 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
             "harness check --robot robots/mine",
             "harness check my-reward --plugin my_reward.py",
         ),
-        "doctor": ("harness doctor",),
     }
 )
 

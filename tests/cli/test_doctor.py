@@ -1,6 +1,6 @@
 import pytest
 
-from harness.cli.doctor import OPTIONAL
+from harness_plugins.doctor.doctor import OPTIONAL
 
 
 def test_versions_machine_and_rendering_are_told(harness, rendering):
