@@ -22,8 +22,18 @@ if TYPE_CHECKING:
     from harness.experiment.provenance import describe_machine as describe_machine
     from harness.experiment.provenance import source_commit as source_commit
     from harness.experiment.provenance import versions_behind as versions_behind
+    from harness.files.bounded import parse_json as parse_json
+    from harness.files.bounded import read_bytes as read_bytes
+    from harness.files.bounded import read_json as read_json
+    from harness.files.bounded import reading as reading
+    from harness.files.bounded import require_regular as require_regular
+    from harness.record.dataset.labels import UNKNOWN as UNKNOWN
+    from harness.record.dataset.labels import SuccessRule as SuccessRule
+    from harness.record.dataset.labels import parse_success as parse_success
+    from harness.record.dataset.open_dataset import MOST_EPISODES as MOST_EPISODES
     from harness.registry.choice import choose as choose
     from harness.registry.libraries import is_met as is_met
+    from harness.registry.names import did_you_mean as did_you_mean
     from harness.registry.registry import Registry as Registry
     from harness.registry.registry import load_registry as load_registry
     from harness.registry.spec import OURS as OURS
@@ -57,8 +67,22 @@ _NAMES = {
         "source_commit",
         "versions_behind",
     ),
+    "harness.files.bounded": (
+        "parse_json",
+        "read_bytes",
+        "read_json",
+        "reading",
+        "require_regular",
+    ),
+    "harness.record.dataset.labels": (
+        "SuccessRule",
+        "UNKNOWN",
+        "parse_success",
+    ),
+    "harness.record.dataset.open_dataset": ("MOST_EPISODES",),
     "harness.registry.choice": ("choose",),
     "harness.registry.libraries": ("is_met",),
+    "harness.registry.names": ("did_you_mean",),
     "harness.registry.registry": (
         "Registry",
         "load_registry",

@@ -17,9 +17,8 @@ from harness.errors import HarnessError, SchemaError, Unscored, one_line
 from harness.log import Log, Rows
 from harness.log.log import ACTION, BEFORE, BEHAVIOUR, FILE, INFO, OBSERVATION, OPERATOR, RECORDED, REWARD, SEEN, TASK
 from harness.log.log import SUCCESS as SUCCESS_NAME
-from harness.record.dataset.dataset import MOST_EPISODES, DatasetFacts
 from harness.record.dataset.labels import FAILURE, SUCCESS, UNKNOWN
-from harness.record.dataset.open_dataset import facts_of
+from harness.record.dataset.open_dataset import MOST_EPISODES, DatasetFacts, facts_of
 from harness.reward import LARGEST_PAID
 
 if TYPE_CHECKING:
