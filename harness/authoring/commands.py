@@ -11,6 +11,7 @@ from harness.authoring.face import homes_in, lazy_names
 
 if TYPE_CHECKING:
     from harness.audit.number import number as number
+    from harness.cli.commands import hidden_commands as hidden_commands
     from harness.cli.flags.shared import ALGORITHMS as ALGORITHMS
     from harness.cli.flags.shared import REWARDS as REWARDS
     from harness.cli.flags.shared import ROBOT as ROBOT
@@ -32,8 +33,12 @@ if TYPE_CHECKING:
     from harness.cli.output import say as say
     from harness.cli.output import say_json as say_json
     from harness.cli.progress import LiveProgress as LiveProgress
+    from harness.cli.records import Records as Records
+    from harness.cli.runnable import example_run as example_run
+    from harness.cli.runnable import usable as usable
     from harness.cli.terminal import Terminal as Terminal
     from harness.cli.terminal import show as show
+    from harness.cli.unexpected import describe_unexpected as describe_unexpected
     from harness.env import ReachVectorEnv as ReachVectorEnv
     from harness.env.make import World as World
     from harness.env.make import build_world as build_world
@@ -81,8 +86,10 @@ if TYPE_CHECKING:
     from harness.experiment.plan import Steps as Steps
     from harness.experiment.plan import check_experiment as check_experiment
     from harness.experiment.plan import expand as expand
+    from harness.experiment.provenance import CHECKOUT as CHECKOUT
     from harness.experiment.provenance import describe_environment as describe_environment
     from harness.experiment.provenance import describe_machine as describe_machine
+    from harness.experiment.provenance import source_commit as source_commit
     from harness.experiment.provenance import specs_of as specs_of
     from harness.experiment.provenance import versions_behind as versions_behind
     from harness.experiment.run_cell import run_cell as run_cell
@@ -103,6 +110,7 @@ if TYPE_CHECKING:
     from harness.files.bounded import read_json as read_json
     from harness.files.bounded import read_text as read_text
     from harness.files.bounded import reading as reading
+    from harness.files.bounded import require_regular as require_regular
     from harness.files.parquet import require_room as require_room
     from harness.files.whole_file import files_in as files_in
     from harness.files.whole_file import is_partial as is_partial
@@ -120,6 +128,10 @@ if TYPE_CHECKING:
     from harness.record.cell import NO_SIMULATOR as NO_SIMULATOR
     from harness.record.cell import Cell as Cell
     from harness.record.cell_folder import require_files as require_files
+    from harness.record.dataset.labels import UNKNOWN as UNKNOWN
+    from harness.record.dataset.labels import SuccessRule as SuccessRule
+    from harness.record.dataset.labels import parse_success as parse_success
+    from harness.record.dataset.open_dataset import MOST_EPISODES as MOST_EPISODES
     from harness.record.episode_facts import episode_facts as episode_facts
     from harness.record.file_forms import ChoiceForm as ChoiceForm
     from harness.record.file_forms import EndingForm as EndingForm
@@ -168,14 +180,17 @@ if TYPE_CHECKING:
     from harness.registry.given import given_to_json as given_to_json
     from harness.registry.given import read_given as read_given
     from harness.registry.given import split_measures as split_measures
+    from harness.registry.libraries import is_met as is_met
     from harness.registry.names import did_you_mean as did_you_mean
     from harness.registry.names import unknown_name as unknown_name
     from harness.registry.parameters import build as build
     from harness.registry.parameters import parameters_of as parameters_of
     from harness.registry.registry import Registry as Registry
     from harness.registry.registry import load_registry as load_registry
+    from harness.registry.spec import OURS as OURS
     from harness.registry.spec import PLANNED as PLANNED
     from harness.registry.spec import blamed_on as blamed_on
+    from harness.registry.targets import examined as examined
     from harness.registry.toml_file import read_toml as read_toml
     from harness.results.alone import Alone as Alone
     from harness.results.cell_results import PAID as PAID
@@ -191,7 +206,9 @@ if TYPE_CHECKING:
     from harness.results.measured import value_of as value_of
     from harness.results.metrics import named_measures as named_measures
     from harness.results.overview import decided_by_text as decided_by_text
+    from harness.results.overview import line_names as line_names
     from harness.results.overview import overview_of as overview_of
+    from harness.results.overview import overview_row as overview_row
     from harness.results.overview import short_name as short_name
     from harness.results.overview import values_text as values_text
     from harness.results.recordings.episodes import episodes_of as episodes_of
@@ -203,6 +220,7 @@ if TYPE_CHECKING:
     from harness.results.replay import find_done as find_done
     from harness.results.replay import first_show as first_show
     from harness.results.replay import show_cells as show_cells
+    from harness.results.replay import shows_of as shows_of
     from harness.results.seen import ENDED as ENDED
     from harness.results.standing import told_manifests as told_manifests
     from harness.results.table import RANDOM as RANDOM
@@ -222,8 +240,7 @@ if TYPE_CHECKING:
     from harness.score.csv_writing import write_csv as write_csv
     from harness.score.scorer import pay_log as pay_log
 
-_HOMES = homes_in(__file__)
-
-__all__ = sorted(_HOMES)  # noqa: PLE0605
-
-__getattr__ = lazy_names(__name__, _HOMES, {})
+else:
+    _HOMES = homes_in(__file__)
+    __all__ = sorted(_HOMES)  # noqa: PLE0605
+    __getattr__ = lazy_names(__name__, _HOMES, {})

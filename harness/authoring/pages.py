@@ -56,6 +56,7 @@ if TYPE_CHECKING:
     from harness.report.page.matrix import plain_text as plain_text
     from harness.report.page.page import render_page as render_page
     from harness.report.page.page import write_page as write_page
+    from harness.report.replay.section import replay_of as replay_of
     from harness.report.rows.alone import ALONE as ALONE
     from harness.report.rows.alone import alone_grid as alone_grid
     from harness.report.rows.alone import setting_of as setting_of
@@ -101,8 +102,7 @@ if TYPE_CHECKING:
     from harness.report.tables.overview import WideOrNarrow as WideOrNarrow
     from harness.report.typography import typeset as typeset
 
-_HOMES = homes_in(__file__)
-
-__all__ = sorted(_HOMES)  # noqa: PLE0605
-
-__getattr__ = lazy_names(__name__, _HOMES, {})
+else:
+    _HOMES = homes_in(__file__)
+    __all__ = sorted(_HOMES)  # noqa: PLE0605
+    __getattr__ = lazy_names(__name__, _HOMES, {})

@@ -26,7 +26,6 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
         ),
         "compare": ("harness compare results/before results/after",),
         "status": ("harness status my-results",),
-        "watch": ("harness watch my-results", "harness watch my-results --no-browser --port 8000"),
         "eta": ("harness eta --baseline 'base/*.csv' --proposed 'k2/*.csv'", "harness eta recorded --plot page.html"),
         "score": ("harness score my-results --reward arp:k2=2 --all", "harness score runs.csv --reward sparse"),
         "audit": (
@@ -40,7 +39,6 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "list": ("harness list", "harness list rewards"),
         "describe": ("harness describe arp", "harness describe sac:gamma=0.9", "harness describe fd100-reach"),
         "plugins": ("harness plugins", "harness plugins --check"),
-        "doctor": ("harness doctor",),
     }
 )
 

@@ -6,6 +6,48 @@ interface that a reader fills; `harness.log.open_log` finds the reader of a file
 
 from harness.log.facts import Failed, LogFacts, Unit
 from harness.log.format import LogFormat
-from harness.log.log import Log, Rows, in_memory
+from harness.log.log import (
+    ACTION,
+    BEFORE,
+    BEHAVIOUR,
+    EPISODES,
+    FILE,
+    INFO,
+    LARGEST,
+    OBSERVATION,
+    OPERATOR,
+    RECORDED,
+    REWARD,
+    SEEN,
+    START,
+    SUCCESS,
+    TASK,
+    Log,
+    Rows,
+    in_memory,
+)
 
-__all__ = ["Failed", "Log", "LogFacts", "LogFormat", "Rows", "Unit", "in_memory"]
+__all__ = [
+    "ACTION",
+    "BEFORE",
+    "BEHAVIOUR",
+    "EPISODES",
+    "FILE",
+    "INFO",
+    "LARGEST",
+    "OBSERVATION",
+    "OPERATOR",
+    "RECORDED",
+    "REWARD",
+    "SEEN",
+    "START",
+    "SUCCESS",
+    "TASK",
+    "Failed",
+    "Log",
+    "LogFacts",
+    "LogFormat",
+    "Rows",
+    "Unit",
+    "in_memory",
+]

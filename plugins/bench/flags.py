@@ -5,7 +5,9 @@ from typing import Annotated
 
 import typer
 
-from harness.authoring.commands import ALGORITHMS, REWARDS, Names
+from harness.authoring.commands import ALGORITHMS, REWARDS
+
+Names = list[str] | None
 
 CELL_ROUNDS, SPEED_ROUNDS = 3, 9
 """How many processes time everything where nobody says: the cells, and all else."""

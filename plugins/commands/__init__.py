@@ -18,6 +18,12 @@ def register_commands(register: harness.Register) -> None:
         summary="Check whether a plugin or robot keeps the rules of its kind. Each result is a sentence with numbers.",
     )
     register(
+        "doctor",
+        "harness_plugins.doctor.doctor:doctor",
+        summary="Show what is installed, what is missing, and what works here. "
+        "Simulators and environments take a step each.",
+    )
+    register(
         "export",
         "harness_plugins.commands.export:export",
         summary="Write a policy as ONNX or TorchScript model, or trainings as CSV files.",
@@ -31,6 +37,11 @@ def register_commands(register: harness.Register) -> None:
         "parity",
         "harness_plugins.commands.parity:parity",
         summary="Drive the same motions through several simulators and show how far they differ. Trains nothing.",
+    )
+    register(
+        "watch",
+        "harness_plugins.watch.watch:watch",
+        summary="Show recorded episodes in the browser. While a run goes on, the page says when more cells have ended.",
     )
     register(
         "report--summary",

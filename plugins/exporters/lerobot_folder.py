@@ -11,10 +11,10 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from harness.arrays import Float
-from harness.record.dataset.dataset import OPERATOR_KEYS, OWN_REWARDS
-from harness.record.dataset.lerobot_facts import ACTION, DATA_PATH, INFO_FILE, NEXT_STATE, REWARD, STATE
 from harness.text import file_stems
 
+from ..datasets.dataset import OPERATOR_KEYS, OWN_REWARDS
+from ..datasets.lerobot_facts import ACTION, DATA_PATH, INFO_FILE, NEXT_STATE, REWARD, STATE
 from .episodes import TERMS, Exported, Source, Term
 
 VERSION = "v3.0"

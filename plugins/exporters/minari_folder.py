@@ -9,9 +9,8 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.record.dataset.dataset import OWN_REWARDS
-from harness.record.dataset.minari_facts import MAIN, METADATA
-
+from ..datasets.dataset import OWN_REWARDS
+from ..datasets.minari_facts import MAIN, METADATA
 from .episodes import TERMS, Exported, Nested, Source, Term
 
 WRITTEN_AS = "0.5.4"

@@ -20,18 +20,22 @@ from harness.files.bounded import reading, require_regular
 from harness.files.file_kind import names_in_hdf5
 from harness.log import Log
 from harness.log.log import ACTION, BEFORE, BEHAVIOUR, INFO, OBSERVATION, OPERATOR, RECORDED, REWARD, SEEN, SUCCESS
-from harness.record.dataset.dataset import (
+from harness.record.dataset.labels import SuccessRule
+from harness.record.dataset.open_dataset import HDF5_SIGNATURE, DatasetFacts, open_hdf5
+
+from ..datasets.dataset import (
     MOST_NUMBERS,
     SUCCESS_KEYS,
-    DatasetFacts,
+    as_measure,
     as_texts,
     filled_up,
+    operator_key,
     require_readable,
+    success_rule,
     where_seen,
 )
-from harness.record.dataset.hdf5_parts import (
+from ..datasets.hdf5_parts import (
     MOST_BYTES,
-    SIGNATURE,
     Array,
     Stretch,
     Walk,
@@ -39,10 +43,8 @@ from harness.record.dataset.hdf5_parts import (
     find_array,
     group_of,
     one_number,
-    open_hdf5,
     read_stretches,
 )
-from harness.record.dataset.labels import SuccessRule, as_measure, operator_key, success_rule
 
 LABEL, PAY = f"{BEHAVIOUR}{SUCCESS}", f"{REWARD}{RECORDED}"
 NEXT = "next_observations"
@@ -67,7 +69,7 @@ class D4RL:
 
     def recognises(self, path: Path, head: bytes) -> bool:
         """An HDF5 file with the flag at its top that no other format has there."""
-        return head.startswith(SIGNATURE) and {"observations", "actions", "terminals"} <= {*names_in_hdf5(path)}
+        return head.startswith(HDF5_SIGNATURE) and {"observations", "actions", "terminals"} <= {*names_in_hdf5(path)}
 
     def read(self, path: Path) -> tuple[Log, ...]:
         """The data set; its steps are read later."""

@@ -36,25 +36,28 @@ from harness.log.log import (
     SUCCESS,
     TASK,
 )
-from harness.log.log import (
-    FILE as FILE_COLUMN,
-)
-from harness.record.dataset.census import Census, take_census
-from harness.record.dataset.dataset import (
+from harness.log.log import FILE as FILE_COLUMN
+from harness.record.dataset.labels import UNKNOWN, SuccessRule
+from harness.record.dataset.open_dataset import DatasetFacts
+from harness.text import shortened
+
+from ..datasets.census import Census, take_census
+from ..datasets.dataset import (
     NOTHING_SEEN,
     OWN_REWARDS,
     SUCCESS_KEYS,
-    DatasetFacts,
+    as_measure,
     as_texts,
+    operator_key,
     own_rewards,
     require_readable,
     rows_at_once,
+    success_rule,
     texts,
     where_seen,
     whole,
 )
-from harness.record.dataset.labels import UNKNOWN, SuccessRule, as_measure, operator_key, success_rule
-from harness.record.dataset.lerobot_facts import (
+from ..datasets.lerobot_facts import (
     CHUNK,
     DATA_PATH,
     DONE,
@@ -79,7 +82,6 @@ from harness.record.dataset.lerobot_facts import (
     shapes_of,
     version_of,
 )
-from harness.text import shortened
 
 MOST_BYTES = 2**35
 GROUP_BYTES = 2**30

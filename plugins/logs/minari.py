@@ -20,17 +20,22 @@ from harness.errors import SchemaError, UsageError
 from harness.files.bounded import reading, require_regular
 from harness.log import Log
 from harness.log.log import ACTION, BEFORE, BEHAVIOUR, INFO, OBSERVATION, OPERATOR, RECORDED, REWARD, SUCCESS, TASK
-from harness.record.dataset.census import Declared, take_census
-from harness.record.dataset.dataset import (
-    MOST_EPISODES,
+from harness.record.dataset.labels import UNKNOWN, SuccessRule
+from harness.record.dataset.open_dataset import MOST_EPISODES, DatasetFacts, open_hdf5
+from harness.text import shortened
+
+from ..datasets.census import Declared, take_census
+from ..datasets.dataset import (
     OWN_REWARDS,
     SUCCESS_KEYS,
-    DatasetFacts,
+    as_measure,
+    operator_key,
     own_rewards,
+    success_rule,
     texts,
     whole,
 )
-from harness.record.dataset.hdf5_parts import (
+from ..datasets.hdf5_parts import (
     MOST_BYTES,
     Array,
     Budget,
@@ -42,20 +47,10 @@ from harness.record.dataset.hdf5_parts import (
     group_of,
     member_of,
     one_number,
-    open_hdf5,
     read_stretches,
     text_of,
 )
-from harness.record.dataset.labels import UNKNOWN, SuccessRule, as_measure, operator_key, success_rule
-from harness.record.dataset.minari_facts import (
-    MAIN,
-    METADATA,
-    dataset_folder,
-    pictures_of,
-    read_metadata,
-    require_known,
-)
-from harness.text import shortened
+from ..datasets.minari_facts import MAIN, METADATA, dataset_folder, pictures_of, read_metadata, require_known
 
 TASK_KEYS = (
     *("task", "task_id", "task_index", "task_name", "env_id", "env_name", "env", "environment", "env_spec"),

@@ -16,20 +16,25 @@ from harness.files.bounded import reading, require_regular
 from harness.files.file_kind import names_in_hdf5
 from harness.log import Log
 from harness.log.log import ACTION, BEFORE, BEHAVIOUR, OBSERVATION, OPERATOR, RECORDED, REWARD, SEEN, SUCCESS
-from harness.record.dataset.census import Declared, take_census
-from harness.record.dataset.dataset import (
-    MOST_EPISODES,
+from harness.record.dataset.labels import UNKNOWN, SuccessRule
+from harness.record.dataset.open_dataset import HDF5_SIGNATURE, MOST_EPISODES, DatasetFacts, open_hdf5
+from harness.registry.names import did_you_mean
+from harness.text import one_line_of, shortened
+
+from ..datasets.census import Declared, take_census
+from ..datasets.dataset import (
     NOTHING_SEEN,
     SUCCESS_KEYS,
-    DatasetFacts,
+    as_measure,
     filled_up,
+    operator_key,
+    success_rule,
     texts,
     where_seen,
     whole,
 )
-from harness.record.dataset.hdf5_parts import (
+from ..datasets.hdf5_parts import (
     MOST_BYTES,
-    SIGNATURE,
     Array,
     Budget,
     Stretch,
@@ -37,13 +42,9 @@ from harness.record.dataset.hdf5_parts import (
     find_array,
     group_of,
     one_number,
-    open_hdf5,
     read_stretches,
     text_of,
 )
-from harness.record.dataset.labels import UNKNOWN, SuccessRule, as_measure, operator_key, success_rule
-from harness.registry.names import did_you_mean
-from harness.text import one_line_of, shortened
 
 LABEL, PAY = f"{BEHAVIOUR}{SUCCESS}", f"{REWARD}{RECORDED}"
 DATA, MASK = "data", "mask"
@@ -73,7 +74,7 @@ class Robomimic:
 
     def recognises(self, path: Path, head: bytes) -> bool:
         """An HDF5 file with a demonstration."""
-        return head.startswith(SIGNATURE) and any(name.startswith("data/demo_") for name in names_in_hdf5(path))
+        return head.startswith(HDF5_SIGNATURE) and any(name.startswith("data/demo_") for name in names_in_hdf5(path))
 
     def read(self, path: Path) -> tuple[Log, ...]:
         """The data set; its steps are read later."""

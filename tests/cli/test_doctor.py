@@ -1,7 +1,7 @@
 import pytest
 
-from harness.cli.doctor import OPTIONAL
 from harness.registry.moved import GONE_IN
+from harness_plugins.doctor.doctor import OPTIONAL
 
 
 def test_versions_machine_and_rendering_are_told(harness, rendering):

@@ -6,8 +6,9 @@ import pytest
 import typer
 
 from harness.cli.app import RETIRED, build_app
-from harness.cli.commands import names_of
+from harness.cli.commands import KIND, names_of
 from harness.cli.examples import EXAMPLES, FIRST_STEPS
+from harness.registry.registry import load_registry
 
 LINES = [line for lines in EXAMPLES.values() for line in lines]
 
@@ -40,3 +41,16 @@ def test_commands_stand_in_groups_what_one_needs_first_at_the_top(harness):
     out = harness("--all").out
     places = [out.index(text) for text in ("Run and read", " demo ", " run ", "Ask more", " audit ", "First steps:")]
     assert places == sorted(places)
+
+
+@pytest.mark.parametrize("name", ["doctor", "watch"])
+def test_examples_of_a_command_from_a_plugin_can_be_typed(harness, monkeypatch, name):
+    """They stand at the end of its help too."""
+    monkeypatch.setenv("COLUMNS", "120")
+    function = load_registry().get(KIND, name).load()
+    app = typer.Typer(add_completion=False)
+    app.command(name)(function)
+    out = harness(name, "--help").out
+    for line in function.examples:
+        assert line in out
+        typer.main.get_command(app).make_context(name, shlex.split(line)[2:])

@@ -4,8 +4,8 @@ from http.client import HTTPConnection
 
 import pytest
 
-from harness.cli.watch import HOST, Pages, open_server
 from harness.errors import UsageError
+from harness_plugins.watch.watch import HOST, Pages, open_server
 
 
 @pytest.fixture

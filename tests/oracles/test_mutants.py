@@ -15,11 +15,11 @@ from harness.eta.curve import GroupCurve
 from harness.policy import kinds
 from harness.policy.network import ACTIVATIONS
 from harness.record import cell_folder
-from harness.record.dataset.census import Census
 from harness.record.dataset.labels import SuccessRule
 from harness.record.recording import recorded_training
 from harness.robot import kinematics
 from harness.score import scorer
+from harness_plugins.datasets.census import Census
 from tests.oracles import settings
 from tests.oracles.test_oracles import faults_of
 

@@ -14,7 +14,7 @@ from harness.audit.recorded.pair import Pair, mean_json
 from harness.audit.recorded.pair_grid import MISSING, add_answer, answer_grid, pair_grid, pair_lines, share_text
 from harness.eta.auc import AGAINST, CANNOT_TELL, RANKS, Auc
 from harness.eta.seed_mean import SeedMean
-from harness.record.dataset.dataset import DatasetFacts
+from harness.record.dataset.open_dataset import DatasetFacts
 
 SCALE = "1: every success is paid more than every failure; 0.5: no better than a coin; 0: every failure is paid more"
 PROMISE = (

@@ -15,25 +15,10 @@ from harness.audit.dataset.rewards import Recorded
 from harness.audit.dataset.steps import Payer, flaw_of, seen_after, steps_by_episode
 from harness.errors import HarnessError, SchemaError, Unscored, one_line
 from harness.log import Log, Rows
-from harness.log.log import (
-    ACTION,
-    BEFORE,
-    BEHAVIOUR,
-    FILE,
-    INFO,
-    OBSERVATION,
-    OPERATOR,
-    RECORDED,
-    REWARD,
-    SEEN,
-    TASK,
-)
-from harness.log.log import (
-    SUCCESS as SUCCESS_NAME,
-)
-from harness.record.dataset.dataset import MOST_EPISODES, DatasetFacts
+from harness.log.log import ACTION, BEFORE, BEHAVIOUR, FILE, INFO, OBSERVATION, OPERATOR, RECORDED, REWARD, SEEN, TASK
+from harness.log.log import SUCCESS as SUCCESS_NAME
 from harness.record.dataset.labels import FAILURE, SUCCESS, UNKNOWN
-from harness.record.dataset.open_dataset import facts_of
+from harness.record.dataset.open_dataset import MOST_EPISODES, DatasetFacts, facts_of
 from harness.reward import LARGEST_PAID
 
 if TYPE_CHECKING:

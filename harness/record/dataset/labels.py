@@ -7,7 +7,6 @@ needs a threshold, ``KEY>0.5``.
 import csv
 import io
 import re
-from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,11 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float
 from harness.errors import UsageError
 from harness.files.bounded import read_text
-from harness.record.dataset.dataset import OPERATOR_KEYS
-from harness.registry.names import did_you_mean
 from harness.text import shortened
 
 UNKNOWN, FAILURE, SUCCESS = -1, 0, 1
@@ -127,54 +123,12 @@ def parse_success(text: str) -> SuccessRule:
     return SuccessRule(found["key"], found["sign"] or "", threshold)
 
 
-def as_measure(told: NDArray[np.int8]) -> Float:
-    """Labels as a measure of steps: 1, 0, and NaN where it is not known."""
-    return np.where(told == UNKNOWN, np.nan, told)
-
-
 def _number(text: str) -> float | None:
     try:
         value = float(text)
     except ValueError:
         return None
     return value if np.isfinite(value) else None
-
-
-def missing_key(flag: str, key: str, path: Path, known: Iterable[str]) -> UsageError:
-    """What is said where a key is not there: the nearest, and all that are."""
-    keys = list(dict.fromkeys(known))
-    shown = shortened(", ".join(keys), 400) or "none"
-    return UsageError(f"{flag} {key}: {path} has no such key; it has {shown}.{did_you_mean(key, keys)}")
-
-
-def success_rule(success: str, told: Collection[str], path: Path, usual: Iterable[str]) -> SuccessRule | None:
-    """Where success stands; None where nothing says it.
-
-    Args:
-        success: What the user says of it; without a key the first of the usual ones that is there.
-        told: The keys that are there.
-        path: Of the data set, for messages.
-        usual: Keys that mostly say it.
-
-    Raises:
-        UsageError: The key that the user names is not there.
-    """
-    rule = parse_success(success)
-    if rule.key and rule.key not in told:
-        raise missing_key("--success", rule.key, path, told)
-    key = next((key for key in usual if key in told), None)
-    return rule if rule.key else SuccessRule(key) if key else None
-
-
-def operator_key(cluster: str, told: Collection[str], path: Path) -> str:
-    """What says who made an episode: what the user names, or the first of the usual keys; empty if nothing does.
-
-    Raises:
-        UsageError: The key that the user names is not there.
-    """
-    if cluster and cluster not in told:
-        raise missing_key("--cluster", cluster, path, told)
-    return cluster or next((key for key in OPERATOR_KEYS if key in told), "")
 
 
 def read_labels(path: Path, rule: SuccessRule) -> dict[int, int]:

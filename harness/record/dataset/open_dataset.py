@@ -1,16 +1,16 @@
 """Data sets by what users type: ``minari:D4RL/pen/human-v2``, ``lerobot:FOLDER``, ``d4rl:FILE``, ``robomimic:FILE``."""
 
 import re
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from harness.errors import UsageError
 from harness.files.bounded import reading
+from harness.log.facts import LogFacts
 from harness.log.log import Log
 from harness.log.open_log import LOGS, open_logs
-from harness.record.dataset.dataset import DatasetFacts
-from harness.record.dataset.hdf5_parts import SIGNATURE, open_hdf5
 from harness.registry.registry import Registry
 
 SYNTAX = "write minari:NAME, lerobot:FOLDER, d4rl:FILE or robomimic:FILE"
@@ -20,6 +20,33 @@ _TYPED = re.compile(r"(?P<format>[A-Za-z][\w/-]+):(?P<settings>\w+=[^:]*(?=:))?:
 
 _FOLDERS = ("meta/info.json", "data/main_data.hdf5")
 """What a folder holds that is a data set of LeRobot, or of Minari."""
+
+MOST_EPISODES = 2_000_000
+HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+"""How an HDF5 file begins."""
+INDEX_BYTES = 2**20
+"""What HDF5 keeps of a file's index: each episode is read once, and 32 MiB, its default, hold 200 MB of memory."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DatasetFacts(LogFacts):
+    """What is known of a data set beside its steps.
+
+    Attributes:
+        name: What a user types for it, ``minari:D4RL/pen/human-v2``.
+        names: By column, ``observation`` and ``action``, what its numbers are called, as far as the metadata says.
+        success: What says whether a step, or an episode, was a success; empty if nothing does.
+        operator: What says who made an episode; empty if nothing does.
+        task: What says which task an episode does; empty if nothing does.
+        pictures_left_out: Whether something that was seen is left out, such as pictures.
+    """
+
+    name: str
+    names: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    success: str = ""
+    operator: str = ""
+    task: str = ""
+    pictures_left_out: bool = False
 
 
 def is_dataset(text: str, formats: Callable[[], Collection[str]]) -> bool:
@@ -68,7 +95,7 @@ def _is_hdf5(path: Path) -> bool:
     if not path.is_file():
         return False
     with path.open("rb") as file:
-        return file.read(len(SIGNATURE)) == SIGNATURE
+        return file.read(len(HDF5_SIGNATURE)) == HDF5_SIGNATURE
 
 
 def _require_whole(path: Path) -> None:
@@ -88,3 +115,22 @@ def facts_of(log: Log) -> DatasetFacts:
     if isinstance(facts, DatasetFacts):
         return facts
     return DatasetFacts(**{**vars(facts), "name": str(facts.path)})
+
+
+def open_hdf5(path: Path) -> Any:
+    """The file, open for reading.
+
+    Raises:
+        UsageError: h5py is not installed.
+    """
+    try:
+        import h5py
+    except ImportError as error:
+        raise UsageError(
+            f"A data set in HDF5 needs h5py, which cannot be imported ({error}): pip install 'fd100-harness[minari]'"
+        ) from error
+    file = h5py.File(path, "r", locking=False)
+    cache = file.id.get_mdc_config()
+    cache.set_initial_size, cache.initial_size, cache.min_size, cache.max_size = True, *[INDEX_BYTES] * 3
+    file.id.set_mdc_config(cache)
+    return file

@@ -15,13 +15,13 @@ from harness.audit.dataset.scores_file import write_dataset_scores
 from harness.audit.dataset.step_by_step import step_by_step
 from harness.errors import UsageError
 from harness.eta.auc import AGAINST, CANNOT_TELL, RANKS
-from harness.record.dataset import dataset as sizes
 from harness.record.dataset.labels import FAILURE, SUCCESS, UNKNOWN
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 from harness.reward.forms import reward_class
 from harness.reward.terms import sum_of
 from harness.score.places import parse_places, pay_episode
+from harness_plugins.datasets import dataset as sizes
 from tests.record.dataset.written import episode, opened, write_lerobot, write_minari
 
 PLACES = "end_effector=0:3,target=3:6"

@@ -9,7 +9,7 @@ import pytest
 
 from harness.audit.dataset.audit_dataset import audit_dataset
 from harness.errors import NewerFormat, SchemaError, UsageError
-from harness.record.dataset import dataset as sizes
+from harness_plugins.datasets import dataset as sizes
 from tests.record.dataset.frames import write_frames
 from tests.record.dataset.written import episode, opened, write_lerobot
 

@@ -9,7 +9,7 @@ import pytest
 
 from harness.errors import NewerFormat, SchemaError, UsageError
 from harness.log import Rows
-from harness.record.dataset import dataset as sizes
+from harness_plugins.datasets import dataset as sizes
 from tests.record.dataset.written import episode, opened, write_minari
 
 

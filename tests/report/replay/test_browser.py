@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.cli.watch import HOST, Pages, open_server
 from harness.report.page.html import write_html
 from harness.results import Results
 from harness.results.replay import shows_of
 from harness.robot.kinematics import end_effector_position
 from harness.scene.picture import chain_of
+from harness_plugins.watch.watch import HOST, Pages, open_server
 from tests.report.conftest import NO_WEBGL
 
 pytestmark = pytest.mark.slow

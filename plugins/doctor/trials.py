@@ -13,12 +13,11 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from typing import NamedTuple
 
+import harness
+from harness.authoring.commands import Registry, choose, is_met, load_registry
 from harness.environment import Environment, examples_of
 from harness.errors import reason_of
 from harness.hookspecs import NOUNS
-from harness.registry.choice import choose
-from harness.registry.libraries import is_met
-from harness.registry.registry import Registry, load_registry
 from harness.text import one_line_of, print_visible
 
 LIMIT = 60.0
@@ -93,7 +92,7 @@ def tried(ready: Iterable[Example]) -> Iterator[Trial]:
 
 def _problem_of(kind: str, name: str) -> str:
     """Why a name does not work here, as a process of its own finds; empty if it does."""
-    command = [sys.executable, "-P", "-m", "harness.doctor.trials", kind, name]
+    command = [sys.executable, "-P", "-m", "harness_plugins.doctor.trials", kind, name]
     try:
         done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=LIMIT, errors="replace")
     except subprocess.TimeoutExpired:
@@ -113,9 +112,7 @@ def take_a_step(kind: str, name: str) -> None:
         Exception: It fails: whatever a library raises.
     """
     if kind == "simulators":
-        from harness.env.make import make_env
-
-        with closing(make_env(name)) as batch:
+        with closing(harness.make_env(name)) as batch:
             batch.reset(seed=0)
             batch.step(batch.action_space.sample())
         return

@@ -8,11 +8,12 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from harness.authoring.commands import read_json, reading
 from harness.errors import NewerFormat, SchemaError, UsageError
-from harness.files.bounded import read_json, reading
-from harness.record.dataset.dataset import MOST_NUMBERS
-from harness.record.dataset.hdf5_parts import DEEPEST
 from harness.text import shortened
+
+from .dataset import MOST_NUMBERS
+from .hdf5_parts import DEEPEST
 
 METADATA, MAIN = Path("data/metadata.json"), Path("data/main_data.hdf5")
 NEWEST = (0, 5)

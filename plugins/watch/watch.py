@@ -7,14 +7,24 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from harness.cli.flags.shared import ExperimentFolder
-from harness.cli.output import complain, say
-from harness.cli.unexpected import describe_unexpected
+from harness.authoring.commands import (
+    ExperimentFolder,
+    complain,
+    describe_unexpected,
+    line_names,
+    overview_of,
+    overview_row,
+    say,
+    shows_of,
+)
+from harness.authoring.pages import question, render_page, replay_of
 from harness.errors import HarnessError, UsageError, one_line
+from harness.results import Results, load_results
 
 if TYPE_CHECKING:
     from http.server import ThreadingHTTPServer
 
+TEMPLATE = Path(__file__).parent / "watch.html.j2"
 HOST = "127.0.0.1"
 """Nobody else on the network sees the page."""
 PATIENCE = 60.0
@@ -41,6 +51,9 @@ def watch(
         server.serve_forever()
 
 
+vars(watch)["examples"] = ("harness watch my-results", "harness watch my-results --no-browser --port 8000")
+
+
 class Pages:
     """What there is to be served; the page is made again when cells have ended since."""
 
@@ -57,9 +70,6 @@ class Pages:
         Raises:
             HarnessError: The folder cannot be read.
         """
-        from harness.report.replay.watch_page import watch_page
-        from harness.results import load_results
-
         state = self.state()
         if self._made[0] != state:
             results = load_results(self._folder)
@@ -120,3 +130,35 @@ def open_server(pages: Pages, port: int) -> "ThreadingHTTPServer":
         return Server((HOST, port), Handler)
     except OSError as error:
         raise UsageError(f"--port {port} cannot be had: {error.strerror}. Give another, or leave it out") from error
+
+
+def _answers(results: Results) -> tuple[tuple[str, ...], list[tuple[str, ...]]] | None:
+    """The comparisons so far: headings, and a row for each; None before there is one."""
+    combinations = [it for it in results.combinations if it.seeds]
+    if not combinations:
+        return None
+    overview, names = overview_of(combinations), line_names(combinations)
+    rows = [overview_row(name, it, True, overview) for name, it in zip(names, combinations, strict=True)]
+    return overview.headings, rows
+
+
+def watch_page(results: Results, state: str) -> str:
+    """The page, as HTML.
+
+    Args:
+        results: The experiment as it stands.
+        state: What the address ``/state`` answers as long as nothing new is there to be shown.
+
+    Raises:
+        UsageError: A library of the extra ``report`` is missing.
+        SchemaError: A file is damaged or written by a newer version.
+    """
+    return render_page(
+        TEMPLATE,
+        "The replay",
+        title=question(results),
+        status=f"{len(results.done)} of {len(results.manifests)} cells are done.",
+        state=state,
+        answers=_answers(results),
+        replay=replay_of(shows_of(results)),
+    )

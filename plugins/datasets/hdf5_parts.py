@@ -8,37 +8,16 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.errors import SchemaError, UsageError
-from harness.record.dataset.dataset import MOST_EPISODES, MOST_KEYS, MOST_NUMBERS, require_readable, rows_at_once
+from harness.authoring.commands import MOST_EPISODES
+from harness.errors import SchemaError
 from harness.text import shortened
 
-SIGNATURE = b"\x89HDF\r\n\x1a\n"
-"""How an HDF5 file begins."""
+from .dataset import MOST_KEYS, MOST_NUMBERS, require_readable, rows_at_once
+
 MOST_BYTES = 2**40
 CHUNK_BYTES = 2**28
 """The most bytes of a chunk: HDF5 unpacks it whole."""
-INDEX_BYTES = 2**20
-"""What HDF5 keeps of a file's index: each episode is read once, and 32 MiB, its default, hold 200 MB of memory."""
 DEEPEST = 8
-
-
-def open_hdf5(path: Path) -> Any:
-    """The file, open for reading.
-
-    Raises:
-        UsageError: h5py is not installed.
-    """
-    try:
-        import h5py
-    except ImportError as error:
-        raise UsageError(
-            f"A data set in HDF5 needs h5py, which cannot be imported ({error}): pip install 'fd100-harness[minari]'"
-        ) from error
-    file = h5py.File(path, "r", locking=False)
-    cache = file.id.get_mdc_config()
-    cache.set_initial_size, cache.initial_size, cache.min_size, cache.max_size = True, *[INDEX_BYTES] * 3
-    file.id.set_mdc_config(cache)
-    return file
 
 
 class Array:

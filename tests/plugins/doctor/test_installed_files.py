@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.doctor.installed_files import file_lines
+from harness_plugins.doctor.doctor import file_lines
 
 FILES = {"toys/__init__.py": "x = 1\n", "toys/page.html.j2": "<p>\n"}
 

@@ -1,22 +1,39 @@
 """``harness doctor``: what is installed, what is missing, and what of it works on this machine."""
 
+import base64
+import hashlib
+import json
+import os
 import subprocess
 import sys
+from importlib.metadata import Distribution, PackageNotFoundError, PackagePath, distribution
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import typer
 
-from harness.cli.commands import hidden_commands
-from harness.cli.output import say
-from harness.cli.runnable import example_run, usable
+from harness.authoring.commands import (
+    CHECKOUT,
+    OURS,
+    Registry,
+    describe_machine,
+    examined,
+    example_run,
+    hidden_commands,
+    load_registry,
+    say,
+    source_commit,
+    usable,
+    versions_behind,
+)
 from harness.hookspecs import NOUNS
-from harness.registry.registry import Registry, load_registry
-from harness.registry.targets import examined
+
+from .trials import half_installed, try_all
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from harness.doctor.trials import Trial
+    from .trials import Trial
 
 OPTIONAL = "Optional, and not installed. You need a line only if you want to use what it names:"
 RENDER = """
@@ -28,6 +45,8 @@ assert numpy.ptp(frame) > 0, "the frame is empty"
 """
 BACKENDS = {"": "libegl1", "egl": "libegl1", "osmesa": "libosmesa6"}
 """What MUJOCO_GL may be on Linux without a display, unset included, and the system package that it takes."""
+REMEDY = "install it again: pip install --force-reinstall --no-deps, and what you installed it from"
+CACHE = "__pycache__"
 
 
 def doctor(context: typer.Context) -> int:
@@ -35,10 +54,6 @@ def doctor(context: typer.Context) -> int:
 
     Ends with status 1 if a plugin is broken, a file of the installation is missing, or something installed fails.
     """
-    from harness.doctor.installed_files import file_lines
-    from harness.doctor.trials import half_installed, try_all
-    from harness.experiment.provenance import CHECKOUT, describe_machine, source_commit, versions_behind
-
     machine, registry = describe_machine(), load_registry()
     specs = list(registry.all_specs())
     say(f"python {sys.version.split()[0]} on {machine['system']}")
@@ -64,6 +79,9 @@ def doctor(context: typer.Context) -> int:
     ]:
         say(line)
     return 1 if at_fault or files or any(trial.problem for trial in trials) else 0
+
+
+vars(doctor)["examples"] = ("harness doctor",)
 
 
 def _group(heading: str, lines: "Sequence[str]") -> list[str]:
@@ -118,11 +136,42 @@ def _rendering(registry: Registry) -> list[str]:
 
 def _try_rendering(backend: str) -> str:
     """``works``, or nothing: a library that is not there fails in its own words, which do not say what to do."""
-    import os
-
     command = [sys.executable, "-c", RENDER]
     # MuJoCo takes an empty MUJOCO_GL for one that is not set.
     tried = subprocess.run(
         command, env={**os.environ, "MUJOCO_GL": backend}, capture_output=True, text=True, check=False
     )
     return "works" if tried.returncode == 0 else ""
+
+
+def file_lines(name: str = OURS) -> list[str]:
+    """One line for each file of a distribution that is missing or was changed since it was installed.
+
+    An editable installation has no files of its own: it uses the checkout, and so does one that is not installed. Nor
+    does the metadata that a build leaves in a checkout list installed files: it has no RECORD.
+    """
+    try:
+        found = distribution(name)
+    except PackageNotFoundError:
+        return []
+    if found.read_text("RECORD") is None or _is_editable(found):
+        return []
+    problems = [(str(path), _problem(path)) for path in found.files or () if CACHE not in path.parts]
+    return [f"file {path} {problem}: {REMEDY}" for path, problem in problems if problem]
+
+
+def _is_editable(found: Distribution) -> bool:
+    told = json.loads(found.read_text("direct_url.json") or "{}")
+    return bool(told.get("dir_info", {}).get("editable"))
+
+
+def _problem(path: PackagePath) -> str:
+    """What is wrong with a file that RECORD names; empty if nothing is."""
+    place = Path(path.locate())
+    if not place.is_file():
+        return "is missing"
+    if path.hash is None:  # RECORD itself
+        return ""
+    digest = hashlib.new(path.hash.mode, place.read_bytes()).digest()
+    told = base64.urlsafe_b64encode(digest).decode().rstrip("=")
+    return "" if told == path.hash.value else "is not what was installed"

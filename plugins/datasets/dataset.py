@@ -1,24 +1,23 @@
 """What data sets of every format have in common: their facts, the bounds on what is read, and usual names."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Mask
-from harness.errors import SchemaError
-from harness.log.facts import LogFacts
-from harness.log.log import RECORDED
+from harness.arrays import Float, Mask
+from harness.authoring.commands import UNKNOWN, SuccessRule, did_you_mean, parse_success
+from harness.errors import SchemaError, UsageError
+from harness.log import RECORDED
 from harness.text import shortened
 
 ROWS = 16_384
 """The most steps that are read at a time."""
 PIECE_BYTES = 2**25
 """The most bytes of the numbers of these, 32 MiB; wide observations come in fewer steps."""
-MOST_STEPS, MOST_EPISODES = 100_000_000, 2_000_000
+MOST_STEPS = 100_000_000
 MOST_NUMBERS = 16_384
 """The most numbers of one observation, or of one action: pictures are left out."""
 MOST_KEYS = 1_000
@@ -33,27 +32,6 @@ OWN_REWARDS = "harness_rewards"
 """The key of the metadata under which `harness export` lists the rewards that it wrote, by column."""
 NOTHING_SEEN = "recorded pay is read, and functions that look at no observation"
 """What is left of a data set whose observations hold no numbers."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class DatasetFacts(LogFacts):
-    """What is known of a data set beside its steps.
-
-    Attributes:
-        name: What a user types for it, ``minari:D4RL/pen/human-v2``.
-        names: By column, ``observation`` and ``action``, what its numbers are called, as far as the metadata says.
-        success: What says whether a step, or an episode, was a success; empty if nothing does.
-        operator: What says who made an episode; empty if nothing does.
-        task: What says which task an episode does; empty if nothing does.
-        pictures_left_out: Whether something that was seen is left out, such as pictures.
-    """
-
-    name: str
-    names: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    success: str = ""
-    operator: str = ""
-    task: str = ""
-    pictures_left_out: bool = False
 
 
 def own_rewards(path: Path, told: Any, known: Mapping[str, Any], taken: tuple[str, ...] = ()) -> dict[str, str]:
@@ -126,3 +104,45 @@ def where_seen(values: NDArray[Any], seen: Mask) -> NDArray[Any]:
     kept = values.copy()
     kept[~seen] = np.nan if values.dtype.kind == "f" else 0
     return kept
+
+
+def as_measure(told: NDArray[np.int8]) -> Float:
+    """Labels as a measure of steps: 1, 0, and NaN where it is not known."""
+    return np.where(told == UNKNOWN, np.nan, told)
+
+
+def missing_key(flag: str, key: str, path: Path, known: Iterable[str]) -> UsageError:
+    """What is said where a key is not there: the nearest, and all that are."""
+    keys = list(dict.fromkeys(known))
+    shown = shortened(", ".join(keys), 400) or "none"
+    return UsageError(f"{flag} {key}: {path} has no such key; it has {shown}.{did_you_mean(key, keys)}")
+
+
+def success_rule(success: str, told: Collection[str], path: Path, usual: Iterable[str]) -> SuccessRule | None:
+    """Where success stands; None where nothing says it.
+
+    Args:
+        success: What the user says of it; without a key the first of the usual ones that is there.
+        told: The keys that are there.
+        path: Of the data set, for messages.
+        usual: Keys that mostly say it.
+
+    Raises:
+        UsageError: The key that the user names is not there.
+    """
+    rule = parse_success(success)
+    if rule.key and rule.key not in told:
+        raise missing_key("--success", rule.key, path, told)
+    key = next((key for key in usual if key in told), None)
+    return rule if rule.key else SuccessRule(key) if key else None
+
+
+def operator_key(cluster: str, told: Collection[str], path: Path) -> str:
+    """What says who made an episode: what the user names, or the first of the usual keys; empty if nothing does.
+
+    Raises:
+        UsageError: The key that the user names is not there.
+    """
+    if cluster and cluster not in told:
+        raise missing_key("--cluster", cluster, path, told)
+    return cluster or next((key for key in OPERATOR_KEYS if key in told), "")

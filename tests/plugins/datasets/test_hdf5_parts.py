@@ -7,7 +7,7 @@ import h5py
 import pytest
 
 from harness.errors import SchemaError
-from harness.record.dataset.dataset import MOST_KEYS
+from harness_plugins.datasets.dataset import MOST_KEYS
 from tests.record.dataset.written import episode, opened, write_minari
 
 

@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 import pytest
 
-from harness.doctor import trials
-from harness.doctor.trials import Example, Trial, examples, half_installed, take_a_step, try_all
 from harness.registry.registry import load_registry
+from harness_plugins.doctor import trials
+from harness_plugins.doctor.trials import Example, Trial, examples, half_installed, take_a_step, try_all
 
 PLUGIN = """
 from dataclasses import dataclass

@@ -9,11 +9,12 @@ from typing import Any, NamedTuple
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from harness.authoring.commands import MOST_EPISODES, parse_json, read_bytes, read_json, require_regular
 from harness.errors import NewerFormat, SchemaError
-from harness.files.bounded import parse_json, read_bytes, read_json, require_regular
-from harness.record.dataset.census import Declared
-from harness.record.dataset.dataset import MOST_EPISODES, MOST_KEYS, MOST_NUMBERS, whole
 from harness.text import shortened
+
+from .census import Declared
+from .dataset import MOST_KEYS, MOST_NUMBERS, whole
 
 INFO_FILE, EPISODES, LISTS = Path("meta/info.json"), Path("meta/episodes.jsonl"), Path("meta/episodes")
 KNOWN = ((2, 0), (2, 1), (3, 0))

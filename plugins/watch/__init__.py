@@ -1,0 +1,1 @@
+"""The replay of an experiment in the browser, while it goes on."""
