@@ -5,8 +5,7 @@ from typing import Annotated
 import typer
 
 from harness.cli.flags.shared import SIMULATORS, AsJson, ExperimentFolder, PluginFiles
-from harness.cli.interrupted import kept_when_interrupted
-from harness.cli.output import say, say_json
+from harness.cli.output import kept_when_interrupted, say, say_json
 
 
 def transfer(

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from harness.cli.flags import tune as flags
 from harness.cli.flags.shared import AsJson, ExecutorName, Jobs, Measures, PluginFiles, RewardNames, RobotName, TaskName
-from harness.cli.interrupted import kept_when_interrupted
-from harness.cli.output import say, say_json
+from harness.cli.output import kept_when_interrupted, say, say_json
 from harness.errors import UsageError
 from harness.text import command_text
 
