@@ -35,7 +35,8 @@ def show_results(
     Raises:
         UsageError: Something cannot be written.
     """
-    complain_of_metrics(results)
+    for name, reason in results.not_measured.items():  # its values are missing, and nothing else
+        complain(f"metric {name}: n/a ({reason})")
     if html is not None:
         write_page_of(results, html)
         say(f"Report: {html}", err=True)
@@ -86,16 +87,6 @@ def _print_tables(results: "Results", details: bool, command: str) -> None:
         show(ranking)
     if transfers.matrices:
         show(transfer_table(transfers))
-
-
-if TYPE_CHECKING:
-    from harness.results import Results
-
-
-def complain_of_metrics(results: "Results") -> None:
-    """One line on standard error for each metric that failed: its values are missing, and nothing else."""
-    for name, reason in results.not_measured.items():
-        complain(f"metric {name}: n/a ({reason})")
 
 
 def make_table_and_page(results: "Results", err: bool = False) -> None:

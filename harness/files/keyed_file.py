@@ -13,8 +13,22 @@ from functools import lru_cache
 from pathlib import Path
 
 from harness.files.bounded import read_bytes
-from harness.files.state_folder import state_folder
 from harness.files.whole_file import whole_files
+
+STATE = "XDG_STATE_HOME"
+"""The environment variable that names a folder for what programs remember; ``~/.local/state`` without it."""
+
+
+def state_folder() -> Path:
+    """The folder, which may not be there yet.
+
+    Raises:
+        RuntimeError: The user has no home folder.
+    """
+    state = Path(os.environ.get(STATE, ""))
+    if not state.is_absolute():  # relative ones are to be ignored, says the standard
+        state = Path.home() / ".local" / "state"
+    return state / "fd100-harness"
 
 
 def write_keyed(path: Path, key: str, content: bytes) -> None:

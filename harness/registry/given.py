@@ -272,12 +272,8 @@ def kind_of(found: type, name: str, kind: str | None = None) -> str:
         return fitting[0]
     if fitting:
         raise UsageError(f"{name} fits several kinds, {' and '.join(fitting)}: register it by a hook")
-    nearest = max(faults, key=lambda one: _share_of_members(one, sample))
+    nearest = max(faults, key=lambda one: sum(hasattr(sample, name) for name in MEMBERS[one]) / len(MEMBERS[one]))
     raise UsageError(f"{name} {faults[nearest]}")
-
-
-def _share_of_members(kind: str, sample: Any) -> float:
-    return sum(hasattr(sample, name) for name in MEMBERS[kind]) / len(MEMBERS[kind])
 
 
 def is_plugin_file(module: str) -> bool:

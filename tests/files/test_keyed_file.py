@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.files.keyed_file import SIZE, is_whole, key_file, machine_key, read_keyed, write_keyed
+from harness.files.keyed_file import SIZE, STATE, is_whole, key_file, machine_key, read_keyed, state_folder, write_keyed
 
 CONTENT = bytes(range(256)) * 4
 
@@ -143,3 +143,17 @@ def test_where_none_can_be_kept_a_process_has_its_own(state: Path):
     state.write_text("a file in the place of the folder")
     assert len(_again()) == SIZE
     assert _again() != _again()
+
+
+@pytest.mark.parametrize("told", ["", "relative/folder"])
+def test_without_a_whole_path_it_is_below_the_home_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, told: str):
+    """The standard says to ignore relative ones."""
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv(STATE, told)
+    assert state_folder() == tmp_path / ".local" / "state" / "fd100-harness"
+
+
+def test_a_folder_that_is_named_is_taken(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+    """As for any program."""
+    monkeypatch.setenv(STATE, str(tmp_path))
+    assert state_folder() == tmp_path / "fd100-harness"
