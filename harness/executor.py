@@ -2,19 +2,20 @@
 
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal, NamedTuple, Protocol, Self, TypeAlias
 
+from harness.files.plain import Plain
 from harness.record.cell import Cell
-from harness.registry.given import Given, given_from_json
+from harness.registry.given import Given
 
 NO_SCALARS: Mapping[str, float] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
-class Limits:
+class Limits(Plain):
     """What a cell may take before its process is ended and the cell counts as failed; 0 for no limit.
 
     Attributes:
@@ -29,7 +30,7 @@ class Limits:
 
 
 @dataclass(frozen=True)
-class CellOptions:
+class CellOptions(Plain):
     """How a cell is run; nothing here changes its result.
 
     Attributes:
@@ -49,16 +50,6 @@ class CellOptions:
     fresh: bool = False
     floor: bool = True
     plugins: tuple[Given, ...] = ()
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data; `from_json` gives the same options back."""
-        return asdict(self)
-
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Self:
-        """The options that `to_json` told."""
-        plugins = given_from_json(data.get("plugins", ()))
-        return cls(**{**data, "limits": Limits(**data["limits"]), "plugins": plugins})
 
 
 class Job(NamedTuple):

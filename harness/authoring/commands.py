@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from harness.cli.flags.shared import RobotName as RobotName
     from harness.cli.flags.shared import SimulatorNames as SimulatorNames
     from harness.cli.flags.shared import TaskName as TaskName
-    from harness.cli.interrupted import kept_when_interrupted as kept_when_interrupted
     from harness.cli.output import complain as complain
+    from harness.cli.output import kept_when_interrupted as kept_when_interrupted
     from harness.cli.output import say as say
     from harness.cli.output import say_json as say_json
     from harness.cli.progress import LiveProgress as LiveProgress
@@ -118,6 +118,7 @@ if TYPE_CHECKING:
     from harness.files.whole_file import write_whole as write_whole
     from harness.log.log import BEHAVIOUR as BEHAVIOUR
     from harness.log.log import REWARD as REWARD
+    from harness.log.log import ROWS as ROWS
     from harness.log.log import episode_rows as episode_rows
     from harness.motion.limits import JointLimits as JointLimits
     from harness.policy.continuous import ContinuousNetwork as ContinuousNetwork
@@ -158,16 +159,20 @@ if TYPE_CHECKING:
     from harness.record.out_folder import storage_errors as storage_errors
     from harness.record.plan_file import EXPERIMENT as EXPERIMENT
     from harness.record.plan_file import PLAN as PLAN
-    from harness.record.recording.csv_writing import write_recording_csv as write_recording_csv
     from harness.record.recording.facts import facts_of as facts_of
+    from harness.record.recording.facts import file_column as file_column
     from harness.record.recording.facts import term_column as term_column
     from harness.record.recording.recorded_training import FLAGS as FLAGS
+    from harness.record.recording.recorded_training import INTEGERS as INTEGERS
+    from harness.record.recording.recorded_training import TICK as TICK
+    from harness.record.recording.recorded_training import TICK_IN_FILE as TICK_IN_FILE
     from harness.record.recording.recorded_training import is_recording as is_recording
     from harness.record.recording.recorded_training import read_recording as read_recording
     from harness.record.recording.recorded_training import recordings_in as recordings_in
     from harness.record.returns import mean_return as mean_return
     from harness.record.scene import Scene as Scene
     from harness.record.store import Store as Store
+    from harness.record.trace import TERM as TERM
     from harness.record.trace import read_trace as read_trace
     from harness.recorder.walk import Walk as Walk
     from harness.registry.choice import Choice as Choice
@@ -237,7 +242,7 @@ if TYPE_CHECKING:
     from harness.scene.picture import corners_of as corners_of
     from harness.scene.picture import draw_arm as draw_arm
     from harness.scene.picture import require_pillow as require_pillow
-    from harness.score.csv_writing import write_csv as write_csv
+    from harness.score.csv_steps import EVENTS as EVENTS
     from harness.score.scorer import pay_log as pay_log
 
 else:

@@ -6,20 +6,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from harness.cli import run as flags
-from harness.cli.flags.shared import (
-    REWARDS,
-    EvaluationEpisodes,
-    ExecutorName,
-    Jobs,
-    Measures,
-    Names,
-    PluginFiles,
-    RobotName,
-    SimulatorNames,
-)
-from harness.cli.help import HelpAll
+from harness.cli.flags.shared import REWARDS, Names, flag
+from harness.cli.help import takes
 from harness.cli.output import say
+from harness.cli.run import RunFlags, foresee_run, given_plugins, read_flags, show_run, train
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
@@ -29,76 +19,65 @@ if TYPE_CHECKING:
     from harness.results import Results
 
 Candidates = Annotated[
-    Names,
-    typer.Option(
-        help="The candidates, such as arp,dense,relative.",
-        show_default="the rewards of the files",
-        metavar="NAME,...",
-        autocompletion=REWARDS,
-    ),
+    Names, flag("NAME,...", "The candidates, such as arp,dense,relative.", "the rewards of the files", offers=REWARDS)
 ]
 Looks = Annotated[
-    str | None,
-    typer.Option(
-        help="The seeds of each reward in each place at each look.",
-        show_default="4,6,8,12,16,24,32",
-        metavar="N,...",
-    ),
+    str | None, flag("N,...", "The seeds of each reward in each place at each look.", "4,6,8,12,16,24,32")
 ]
+Screen = Annotated[
+    bool,
+    typer.Option("--screen", help="First say which rewards pay for not finishing, by scripted movements of the arm."),
+]
+CHOSEN = frozenset(
+    [
+        "experiment",
+        "sim",
+        "algo",
+        "baseline",
+        "task",
+        "robot",
+        "steps",
+        "evaluation_episodes",
+        "evaluate_every",
+        "out",
+        "jobs",
+        "executor",
+        "budget",
+        "changed",
+        "measure",
+        "plugin",
+        "quiet",
+        "as_json",
+        "dry_run",
+        "help_all",
+    ]
+)
+"""The flags of ``harness run`` that mean the same here."""
 
 
-def choose(
-    experiment: flags.ExperimentFile = None,
-    sim: SimulatorNames = None,
-    algo: flags.AlgorithmNames = None,
-    reward: Candidates = None,
-    baseline: flags.Baseline = None,
-    task: flags.TaskNames = None,
-    robot: RobotName = None,
-    looks: Looks = None,
-    steps: flags.Steps = None,
-    evaluation_episodes: EvaluationEpisodes = None,
-    evaluate_every: flags.EvaluateEvery = None,
-    out: flags.OutFolder = None,
-    jobs: Jobs = None,
-    executor: ExecutorName = "processes",
-    budget: flags.BudgetTime = None,
-    changed: flags.Changed = "refuse",
-    measure: Measures = None,
-    plugin: PluginFiles = None,
-    screen: flags.Screen = False,
-    quiet: flags.Quiet = False,
-    as_json: flags.AsJson = False,
-    dry_run: flags.DryRun = False,
-    help_all: HelpAll = False,
-) -> int:
+@takes(RunFlags, CHOSEN, reward=Candidates, looks=Looks, screen=Screen)
+def choose(**given: Any) -> int:
     """Find the best of several rewards. It trains all of them, and drops those that are beaten.
 
     The candidates are the rewards of the files, or those that are named; the baseline takes part too.
     """
-    given: dict[str, Any] = locals()
-    from harness.experiment.run_options import RunOptions
-    from harness.registry.given import PluginFile, read_given, split_measures
+    from harness.registry.given import PluginFile
     from harness.registry.registry import load_registry
 
-    measures, files = split_measures(measure or ())
-    plugins = read_given(plugin, files)
-    given |= {"until": "best", "measure": measures or None, "seeds": None, "margin": None}
-    given |= {"deterministic": None, "evaluation_horizon": None}
-    given["looks"] = None if looks is None else flags.parse_looks(looks)
-    plugins = tuple(replace(it, optional=True) if isinstance(it, PluginFile) else it for it in plugins)
+    plugins = tuple(
+        replace(plugin, optional=True) if isinstance(plugin, PluginFile) else plugin for plugin in given_plugins(given)
+    )
     registry = load_registry(given=plugins)
-    if reward is None and experiment is None and sim:
+    if given["reward"] is None and given["experiment"] is None and given["sim"]:
         given["reward"] = _candidates(registry, plugins)
-    asked = flags.read_asked(experiment, given)
-    options = RunOptions(out=out, jobs=jobs, executor=executor, budget=flags.parse_time(budget), changed=changed)
-    if screen:
+    asked, options = read_flags({**given, "until": "best"})
+    if given["screen"]:
         _screen(asked, registry)
-    if dry_run:
-        return flags.foresee_run(asked, options, plugins, as_json)
-    results, status = flags.train(asked, options, plugins, quiet)
-    flags.show_run(results, as_json)
-    if not as_json:
+    if given["dry_run"]:
+        return foresee_run(asked, options, plugins, given["as_json"])
+    results, status = train(asked, options, plugins, given["quiet"])
+    show_run(results, given["as_json"])
+    if not given["as_json"]:
         _add(results, registry.broken_files())
     return status
 

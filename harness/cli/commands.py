@@ -12,8 +12,7 @@ from harness.cli.help import PLAIN, Command
 from harness.cli.unexpected import describe_fault
 from harness.errors import HarnessError, PluginError
 from harness.hookspecs import PROJECT
-from harness.registry.installed import installed
-from harness.registry.registry import Registry, load_registry
+from harness.registry.registry import Registry, installed, load_registry
 from harness.registry.spec import OURS
 from harness.text import command_text, visible
 

@@ -5,8 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
+from harness.cli.flags.shared import flag
 from harness.cli.output import say
 from harness.errors import HarnessError, UsageError
 from harness.text import command_text
@@ -55,10 +54,7 @@ Where to go on:
 
 
 def demo(
-    out: Annotated[
-        Path | None,
-        typer.Option(help="Leave the experiment in this folder.", show_default="a temporary one", metavar="DIR"),
-    ] = None,
+    out: Annotated[Path | None, flag("DIR", "Leave the experiment in this folder.", "a temporary one")] = None,
 ) -> None:
     """Show how a number gets better while the robot does the same. Takes seconds, and needs no optional library."""
     import tempfile
@@ -99,7 +95,7 @@ class _HereAndNow:
 def _show(results: "Results") -> None:
     from rich.text import Text
 
-    from harness.cli.table_and_page import make_table_and_page
+    from harness.cli.results_shown import make_table_and_page
     from harness.cli.terminal import show
     from harness.record.store import REPORT
     from harness.report.rows.ratios import format_number

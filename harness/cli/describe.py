@@ -4,8 +4,7 @@ from typing import Annotated
 
 import typer
 
-from harness.cli.completion import names_of
-from harness.cli.flags.shared import ROBOTS, PluginFiles
+from harness.cli.flags.shared import ROBOTS, PluginFiles, names_of
 from harness.cli.output import say
 from harness.errors import UsageError
 from harness.hookspecs import KINDS

@@ -4,14 +4,13 @@ import glob
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from harness.cli.datasets import names_dataset
-from harness.cli.flags import eta as flags
 from harness.cli.flags import logs
-from harness.cli.flags.shared import AsJson, CurveKind, PluginFiles
+from harness.cli.flags.shared import REWARDS, AsJson, CurveKind, PluginFiles, flag
 from harness.cli.output import say, say_json
 from harness.cli.recordings import holds_recordings, is_experiment, refuse_flags, told_of_logs
 from harness.cli.results_shown import show_results
@@ -27,21 +26,44 @@ if TYPE_CHECKING:
 
     OfSteps = tuple[Sequence[str], Sequence[str]]
 
+
+TrainingsFolder = Annotated[
+    Path | None,
+    typer.Argument(
+        help="A folder of trainings that harness.RecordRewards recorded, of an experiment, or of other logs.",
+        metavar="FOLDER",
+        show_default=False,
+    ),
+]
+BaselineRuns = Annotated[list[str] | None, flag("GLOB", "Runs of the baseline, such as 'base/*.csv'.", False)]
+ProposedRuns = Annotated[
+    list[str] | None, flag("GLOB", "Runs of the proposed reward. ** stands for any folders.", False)
+]
+WithEvents = Annotated[bool, typer.Option("--with-events", help="Add what the task pays for events to the reward.")]
+BaselineReward = Annotated[
+    str | None, flag("NAME", "The reward that the baseline's runs were trained with.", "found out", offers=REWARDS)
+]
+ProposedReward = Annotated[
+    str | None, flag("NAME", "The reward that the proposed runs were trained with.", "found out", offers=REWARDS)
+]
+PlotFile = Annotated[Path | None, flag("FILE", "Draw the curves into this .html file.")]
+
+
 MOST_NAMED = 5
 
 
 def eta(
     context: typer.Context,
-    folder: flags.TrainingsFolder = None,
-    baseline: flags.BaselineRuns = None,
-    proposed: flags.ProposedRuns = None,
+    folder: TrainingsFolder = None,
+    baseline: BaselineRuns = None,
+    proposed: ProposedRuns = None,
     curve: CurveKind = "accumulated",
-    with_events: flags.WithEvents = False,
-    baseline_reward: flags.BaselineReward = None,
-    proposed_reward: flags.ProposedReward = None,
+    with_events: WithEvents = False,
+    baseline_reward: BaselineReward = None,
+    proposed_reward: ProposedReward = None,
     plugin: PluginFiles = None,
     as_json: AsJson = False,
-    plot: flags.PlotFile = None,
+    plot: PlotFile = None,
     sort: logs.SortBy = None,
     as_format: logs.AsFormat = None,
     measure: logs.DecidedBy = None,
@@ -122,8 +144,7 @@ def _open_groups(
     curve: "Kind",
 ) -> "Results | OfSteps":
     """The results of two groups of logs; the patterns themselves if they are of files of steps."""
-    from harness.files.matched import matched_paths
-    from harness.score.open_steps import is_table_of_steps
+    from harness.score.open_steps import is_table_of_steps, matched_paths
 
     groups = [matched_paths(some, folders=True) for some in patterns]
     if as_format or (not is_table_of_steps(groups[0][0]) and _is_no_log_of_steps(groups[0][0], registry)):

@@ -2,10 +2,11 @@
 
 import inspect
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import fields
 from itertools import takewhile
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import typer
 from typer.core import TyperCommand, TyperGroup
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
 DEFAULT = re.compile(r"  \[default: \((.+)\)\]")
 """A default that is told in words, as typer writes it."""
+CommandFunction = TypeVar("CommandFunction", bound=Callable[..., Any])
 ALL, HELP_ALL = "--all", "--help-all"
 PLAIN = MappingProxyType({"max_content_width": 100})
 """Settings of every command: a wider terminal does not make longer lines."""
@@ -27,7 +29,7 @@ TYPED = ("sim", "algo", "reward", "baseline", "task", "plugin", "seeds", "until"
 """The parameters of ``harness run`` and ``harness choose`` that people type: their short help shows these."""
 GROUPS: Mapping[str, Sequence[str]] = MappingProxyType(
     {
-        "How the answer is found": ("looks", "margin", "measure", "metric", "curve", "screen"),
+        "How the answer is found": ("looks", "margin", "measure", "metrics", "curve", "screen"),
         "How policies are evaluated": (
             *("evaluation_episodes", "evaluate_every", "deterministic", "evaluation_horizon"),
         ),
@@ -122,6 +124,30 @@ def _show_whole(context: typer.Context, parameter: Any, wanted: bool) -> None:
 def whole_help(name: str, text: str) -> Any:
     """The option of this name, which shows all of the help."""
     return typer.Option(name, help=text, callback=_show_whole, is_eager=True, expose_value=False)
+
+
+def takes(
+    flags: type, names: Collection[str] | None = None, **others: Any
+) -> Callable[[CommandFunction], CommandFunction]:
+    """Give a command, a function of ``**given``, the flags that are the fields of a dataclass.
+
+    Args:
+        flags: The dataclass.
+        names: The fields that it takes; all by default.
+        others: Flags that it has besides, or in place of fields; all may be left out.
+    """
+    taken = {it.name: (it.type, it.default) for it in fields(flags) if names is None or it.name in names}
+    taken |= {name: (kind, None) for name, kind in others.items()}
+    parameters = [
+        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=kind)
+        for name, (kind, default) in taken.items()
+    ]
+
+    def give(command: CommandFunction) -> CommandFunction:
+        vars(command)["__signature__"] = inspect.Signature(parameters)
+        return command
+
+    return give
 
 
 HelpAll = Annotated[bool, whole_help(HELP_ALL, "Show every option, in groups.")]

@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from harness.cli.flags.shared import flag
 from harness.cli.output import complain, say
 
 LEFT_OUT = 1
@@ -12,13 +13,10 @@ LEFT_OUT = 1
 
 def merge(
     folders: Annotated[list[Path], typer.Argument(help="Folders of experiments.", metavar="DIR...")],
-    out: Annotated[
-        Path,
-        typer.Option(help="A new folder, or the folder of an experiment that the cells are added to.", metavar="DIR"),
-    ],
+    out: Annotated[Path, flag("DIR", "A new folder, or the folder of an experiment that the cells are added to.")],
 ) -> int:
     """Put the cells of several experiments' folders into one, as if one run had done them. Changes no other folder."""
-    from harness.cli.table_and_page import make_table_and_page
+    from harness.cli.results_shown import make_table_and_page
     from harness.record.merge import merge as put_together
     from harness.record.store import CELLS
     from harness.results import load_results

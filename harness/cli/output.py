@@ -6,6 +6,7 @@ import threading
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any, TextIO
 
 from harness.errors import one_line
@@ -66,3 +67,13 @@ def _show_warning(
 def _show_error_of_thread(error: threading.ExceptHookArgs) -> None:
     if error.exc_value is not None and not isinstance(error.exc_value, SystemExit):
         complain(f"a thread ended: {one_line(error.exc_value)}")
+
+
+@contextmanager
+def kept_when_interrupted(kept: str, folder: Path) -> Iterator[None]:
+    """If KeyboardInterrupt passes, say on standard error what is kept where, and how to go on."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        say(f"harness: interrupted: {kept} in '{folder}'. The same command goes on with the rest", err=True)
+        raise

@@ -5,12 +5,13 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
+
+import typer
 
 from harness.cli.datasets import audit_rewards_on, names_dataset, show_answer
 from harness.cli.flags import logs
-from harness.cli.flags import report as flags
-from harness.cli.flags.shared import AsJson, CurveKind, MetricNames, Names, PluginFiles
+from harness.cli.flags.shared import AsJson, CurveKind, MetricNames, Names, PluginFiles, flag
 from harness.cli.output import complain, say
 from harness.cli.recordings import (
     holds_recordings,
@@ -32,16 +33,52 @@ if TYPE_CHECKING:
     from harness.results.logs.told import Told
 
 
+ExperimentFolders = Annotated[
+    list[Path],
+    typer.Argument(
+        help="The folder of an experiment. Several folders are read as if one run had made them.", metavar="DIR..."
+    ),
+]
+HtmlFile = Annotated[Path | None, flag("FILE", "Write the report page to this file.")]
+Details = Annotated[
+    bool,
+    typer.Option(
+        "--details", help="Print every number of every comparison. With many comparisons this fills many screens."
+    ),
+]
+Pairs = Annotated[
+    bool,
+    typer.Option(
+        "--pairs",
+        help="Compare every two rewards, not each with the baseline alone. All claims are corrected together. In "
+        "environments that is always so.",
+    ),
+]
+SummaryFolder = Annotated[
+    Path | None, flag("FOLDER", "Write records into this folder: small tables and figures, made to be kept and shared.")
+]
+MeasureFiles = Annotated[
+    list[str] | None,
+    flag(
+        "FILE|NAME",
+        "A Python file whose functions measure what an arm does; can be repeated. Of logs: what decides, such as "
+        "success or length:better=lower. return decides where one and the same reward paid all of them.",
+        False,
+        name="--measure",
+    ),
+]
+
+
 def report(
-    folders: flags.ExperimentFolders,
+    folders: ExperimentFolders,
     curve: CurveKind = "accumulated",
     as_json: AsJson = False,
-    html: flags.HtmlFile = None,
-    details: flags.Details = False,
-    summary: flags.SummaryFolder = None,
+    html: HtmlFile = None,
+    details: Details = False,
+    summary: SummaryFolder = None,
     metric: MetricNames = None,
-    pairs: flags.Pairs = False,
-    measure: flags.MeasureFiles = None,
+    pairs: Pairs = False,
+    measure: MeasureFiles = None,
     plugin: PluginFiles = None,
     baseline: logs.BaselineName = None,
     sort: logs.SortBy = None,
@@ -110,8 +147,8 @@ def _show_records(records: Records, folders: Sequence[Path], as_json: bool, besi
     from harness.cli.terminal import show
 
     for folder in filter(records.are_in, folders):
-        for flag in beside or ["Reading several folders together"] * (len(folders) > 1):
-            records.refuse(folder, flag)
+        for name in beside or ["Reading several folders together"] * (len(folders) > 1):
+            records.refuse(folder, name)
     if as_json:
         say(records.text(folders[0]))
     else:

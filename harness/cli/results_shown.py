@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 from harness.cli.output import complain, say
 from harness.cli.records import load_records
+from harness.errors import UsageError
 
 if TYPE_CHECKING:
     from harness.results import Results
@@ -35,7 +36,8 @@ def show_results(
     Raises:
         UsageError: Something cannot be written.
     """
-    complain_of_metrics(results)
+    for name, reason in results.not_measured.items():  # its values are missing, and nothing else
+        complain(f"metric {name}: n/a ({reason})")
     if html is not None:
         write_page_of(results, html)
         say(f"Report: {html}", err=True)
@@ -85,11 +87,38 @@ def _print_tables(results: "Results", details: bool, command: str) -> None:
         show(section.table())
 
 
-if TYPE_CHECKING:
-    from harness.results import Results
+def make_table_and_page(results: "Results", err: bool = False) -> None:
+    """Write ``results.parquet`` and ``report.html``, and say where they are.
+
+    Args:
+        results: The experiment.
+        err: Say it on standard error: standard output is for something else.
+
+    Raises:
+        StorageError: The folder cannot be written.
+    """
+    from harness.cli.results_shown import write_page_of
+    from harness.record.out_folder import storage_errors
+    from harness.record.store import REPORT
+
+    with storage_errors(results.folder):
+        results.write_table()
+    say(f"Results: {results.folder}", err)
+    try:
+        with storage_errors(results.folder):
+            _draw_frames(results)
+            write_page_of(results, results.folder / REPORT)
+        say(f"Report:  {results.folder / REPORT}", err)
+    except UsageError as error:  # the extra is missing: the results are there all the same
+        say(f"No {REPORT}: {error}", err)
 
 
-def complain_of_metrics(results: "Results") -> None:
-    """One line on standard error for each metric that failed: its values are missing, and nothing else."""
-    for name, reason in results.not_measured.items():
-        complain(f"metric {name}: n/a ({reason})")
+def _draw_frames(results: "Results") -> None:
+    """Have environments draw episodes of the policies that are compared, for the page."""
+    from harness.results.recordings.results import RecordedResults
+
+    if isinstance(results, RecordedResults):
+        from harness.experiment.environments.frames import draw_frames
+        from harness.experiment.workers.workers import core_count
+
+        draw_frames(results, core_count())

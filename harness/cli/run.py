@@ -1,7 +1,7 @@
 """``harness run``: train every combination, compare, report."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -23,10 +23,10 @@ from harness.cli.flags.shared import (
     RewardNames,
     RobotName,
     SimulatorNames,
+    flag,
 )
-from harness.cli.help import HelpAll
-from harness.cli.interrupted import kept_when_interrupted
-from harness.cli.output import complain, say, say_json
+from harness.cli.help import HelpAll, takes
+from harness.cli.output import complain, kept_when_interrupted, say, say_json
 from harness.errors import UsageError
 from harness.text import command_text
 
@@ -37,219 +37,170 @@ if TYPE_CHECKING:
     from harness.results import Results
 
 
-ExperimentFile = Annotated[
-    Path | None,
-    typer.Argument(
-        help="An experiment file (TOML). Its keys are named like the flags, which override them.", metavar="FILE"
-    ),
-]
-TaskNames = Annotated[
-    Names,
-    typer.Option(
-        "--task",
-        help="Tasks or environments, such as fetch-reach.",
-        show_default="fd100-reach",
-        metavar="NAME,...",
-        autocompletion=TASKS,
-    ),
-]
-AlgorithmNames = Annotated[
-    Names,
-    typer.Option(help="Algorithms, such as sac:learning_rate=1e-3.", metavar="NAME,...", autocompletion=ALGORITHMS),
-]
-Baseline = Annotated[
-    str | None,
-    typer.Option(
-        help="The reward to compare with; none: train one reward alone.",
-        show_default="baseline",
-        metavar="NAME",
-        autocompletion=REWARDS,
-    ),
-]
-Seeds = Annotated[str | None, typer.Option(help="How many seeds, or a list: 3,7,11.", show_default="6", metavar="N")]
-Until = Annotated[
-    Literal["decided"] | None,
-    typer.Option(help="Train in looks until the answer stands.", show_default="all seeds at once", metavar="decided"),
-]
-Looks = Annotated[
-    str | None,
-    typer.Option(
-        help="With --until: the seeds of each reward in each place at each look.",
-        show_default="6,8,12,16,24,32; of four places and more 2,3,4,6,8,12,16",
-        metavar="N,...",
-    ),
-]
-Margin = Annotated[
-    float | None,
-    typer.Option(
-        help="With --until: a difference of success below this, as a share, ends the training.",
-        show_default="0.10",
-        metavar="SHARE",
-    ),
-]
-BudgetTime = Annotated[
-    str | None,
-    typer.Option(
-        "--budget",
-        help="Begin no cell after this time, such as 2h or 90m; the same command goes on later.",
-        show_default="no limit",
-        metavar="TIME",
-    ),
-]
-Steps = Annotated[
-    int | None, typer.Option(help="Environment steps of each training.", show_default="5000", metavar="N")
-]
-EvaluateEvery = Annotated[
-    int | None,
-    typer.Option(
-        help="Environment steps from one evaluation to the next.", show_default="only at the end", metavar="N"
-    ),
-]
-Deterministic = Annotated[
-    bool | None,
-    typer.Option(
-        "--deterministic/--stochastic",
-        help="Evaluate policies without randomness, or let them draw their actions at random.",
-        show_default="deterministic",
-    ),
-]
-EvaluationHorizon = Annotated[
-    int | None,
-    typer.Option(
-        help="In an environment: steps after which an episode of an evaluation is cut.",
-        show_default="10000",
-        metavar="N",
-    ),
-]
-OutFolder = Annotated[
-    Path | None,
-    typer.Option(help="The experiment's folder.", show_default="one under results/runs/", metavar="DIR"),
-]
-CheckpointEvery = Annotated[
-    int | None,
-    typer.Option(
-        help="Environment steps between checkpoints. A killed cell goes on from its last one. 0: no checkpoints.",
-        show_default="every ten minutes",
-        metavar="N",
-    ),
-]
-TrackerNames = Annotated[
-    Names,
-    typer.Option(
-        help="Also send the learning curves to these: tensorboard, mlflow, wandb:mode=offline.",
-        show_default="nowhere",
-        metavar="NAME,...",
-        autocompletion=TRACKERS,
-    ),
-]
-Wait = Annotated[
-    bool, typer.Option("--wait/--no-wait", help="If another run is using the folder: wait for it, or give up.")
-]
-Changed = Annotated[
-    Literal["refuse", "keep", "again"],
-    typer.Option(
-        help="If a plugin has changed since cells were done: refuse to run, keep these cells, or train them again."
-    ),
-]
-Only = Annotated[
-    str | None,
-    typer.Option(
-        help="Run only the cells that these words describe, such as sac,seed=3.", show_default="all", metavar="NAME,..."
-    ),
-]
-Limit = Annotated[int | None, typer.Option(help="Run at most this many cells.", show_default="all", metavar="N")]
-RetryFailed = Annotated[
-    int, typer.Option(help="How many times to try a failed cell again.", show_default="never", metavar="N")
-]
-FailFast = Annotated[bool, typer.Option("--fail-fast", help="Stop at the first cell that fails.")]
-StallAfter = Annotated[
-    float, typer.Option(help="End a cell that makes no progress for this many seconds. 0: never.", metavar="SECONDS")
-]
-CellTime = Annotated[
-    float, typer.Option(help="The most seconds that a cell may take.", show_default="no limit", metavar="SECONDS")
-]
-CellMemory = Annotated[
-    float, typer.Option(help="The most memory that a cell may use, in GiB.", show_default="no limit", metavar="GIB")
-]
-Fresh = Annotated[bool, typer.Option("--fresh", help="Start a new process for every cell.")]
-Screen = Annotated[
-    bool,
-    typer.Option("--screen", help="First say which rewards pay for not finishing, by scripted movements of the arm."),
-]
-Quiet = Annotated[bool, typer.Option("--quiet", help="Show no progress, only the results.")]
-AsJson = Annotated[bool, typer.Option("--json", help="Print the results as JSON on standard output.")]
-DryRun = Annotated[bool, typer.Option("--dry-run", help="Say what would be run, and for how long. Writes nothing.")]
+@dataclass(frozen=True)
+class RunFlags:
+    """The flags of ``harness run``. Each has the name of the key of an experiment, or of the option, that it sets."""
+
+    experiment: Annotated[
+        Path | None,
+        typer.Argument(
+            help="An experiment file (TOML). Its keys are named like the flags, which override them.", metavar="FILE"
+        ),
+    ] = None
+    sim: SimulatorNames = None
+    algo: Annotated[Names, flag("NAME,...", "Algorithms, such as sac:learning_rate=1e-3.", offers=ALGORITHMS)] = None
+    reward: RewardNames = None
+    baseline: Annotated[
+        str | None,
+        flag("NAME", "The reward to compare with; none: train one reward alone.", "baseline", offers=REWARDS),
+    ] = None
+    task: Annotated[
+        Names,
+        flag("NAME,...", "Tasks or environments, such as fetch-reach.", "fd100-reach", name="--task", offers=TASKS),
+    ] = None
+    robot: RobotName = None
+    seeds: Annotated[str | None, flag("N", "How many seeds, or a list: 3,7,11.", "6")] = None
+    until: Annotated[
+        Literal["decided"] | None, flag("decided", "Train in looks until the answer stands.", "all seeds at once")
+    ] = None
+    looks: Annotated[
+        str | None,
+        flag(
+            "N,...",
+            "With --until: the seeds of each reward in each place at each look.",
+            "6,8,12,16,24,32; of four places and more 2,3,4,6,8,12,16",
+        ),
+    ] = None
+    margin: Annotated[
+        float | None,
+        flag("SHARE", "With --until: a difference of success below this, as a share, ends the training.", "0.10"),
+    ] = None
+    steps: Annotated[int | None, flag("N", "Environment steps of each training.", "5000")] = None
+    evaluation_episodes: EvaluationEpisodes = None
+    evaluate_every: Annotated[
+        int | None, flag("N", "Environment steps from one evaluation to the next.", "only at the end")
+    ] = None
+    deterministic: Annotated[
+        bool | None,
+        typer.Option(
+            "--deterministic/--stochastic",
+            help="Evaluate policies without randomness, or let them draw their actions at random.",
+            show_default="deterministic",
+        ),
+    ] = None
+    evaluation_horizon: Annotated[
+        int | None, flag("N", "In an environment: steps after which an episode of an evaluation is cut.", "10000")
+    ] = None
+    out: Annotated[Path | None, flag("DIR", "The experiment's folder.", "one under results/runs/")] = None
+    jobs: Jobs = None
+    executor: ExecutorName = "processes"
+    checkpoint_every: Annotated[
+        int | None,
+        flag(
+            "N",
+            "Environment steps between checkpoints. A killed cell goes on from its last one. 0: no checkpoints.",
+            "every ten minutes",
+        ),
+    ] = None
+    tracker: Annotated[
+        Names,
+        flag(
+            "NAME,...",
+            "Also send the learning curves to these: tensorboard, mlflow, wandb:mode=offline.",
+            "nowhere",
+            offers=TRACKERS,
+        ),
+    ] = None
+    curve: CurveKind = "accumulated"
+    wait: Annotated[
+        bool, typer.Option("--wait/--no-wait", help="If another run is using the folder: wait for it, or give up.")
+    ] = True
+    changed: Annotated[
+        Literal["refuse", "keep", "again"],
+        typer.Option(
+            help="If a plugin has changed since cells were done: refuse to run, keep these cells, or train them again."
+        ),
+    ] = "refuse"
+    only: Annotated[
+        str | None, flag("NAME,...", "Run only the cells that these words describe, such as sac,seed=3.", "all")
+    ] = None
+    limit: Annotated[int | None, flag("N", "Run at most this many cells.", "all")] = None
+    budget: Annotated[
+        str | None,
+        flag(
+            "TIME",
+            "Begin no cell after this time, such as 2h or 90m; the same command goes on later.",
+            "no limit",
+            name="--budget",
+        ),
+    ] = None
+    retry_failed: Annotated[int, flag("N", "How many times to try a failed cell again.", "never")] = 0
+    fail_fast: Annotated[bool, typer.Option("--fail-fast", help="Stop at the first cell that fails.")] = False
+    stall_after: Annotated[
+        float, flag("SECONDS", "End a cell that makes no progress for this many seconds. 0: never.")
+    ] = 1800.0
+    cell_time: Annotated[float, flag("SECONDS", "The most seconds that a cell may take.", "no limit")] = 0.0
+    cell_memory: Annotated[float, flag("GIB", "The most memory that a cell may use, in GiB.", "no limit")] = 0.0
+    fresh: Annotated[bool, typer.Option("--fresh", help="Start a new process for every cell.")] = False
+    metrics: MetricNames = None
+    measure: Measures = None
+    plugin: PluginFiles = None
+    quiet: Annotated[bool, typer.Option("--quiet", help="Show no progress, only the results.")] = False
+    as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON on standard output.")] = False
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Say what would be run, and for how long. Writes nothing.")
+    ] = False
+    help_all: HelpAll = False
 
 
-def run(
-    experiment: ExperimentFile = None,
-    sim: SimulatorNames = None,
-    algo: AlgorithmNames = None,
-    reward: RewardNames = None,
-    baseline: Baseline = None,
-    task: TaskNames = None,
-    robot: RobotName = None,
-    seeds: Seeds = None,
-    until: Until = None,
-    looks: Looks = None,
-    margin: Margin = None,
-    steps: Steps = None,
-    evaluation_episodes: EvaluationEpisodes = None,
-    evaluate_every: EvaluateEvery = None,
-    deterministic: Deterministic = None,
-    evaluation_horizon: EvaluationHorizon = None,
-    out: OutFolder = None,
-    jobs: Jobs = None,
-    executor: ExecutorName = "processes",
-    checkpoint_every: CheckpointEvery = None,
-    tracker: TrackerNames = None,
-    curve: CurveKind = "accumulated",
-    wait: Wait = True,
-    changed: Changed = "refuse",
-    only: Only = None,
-    limit: Limit = None,
-    budget: BudgetTime = None,
-    retry_failed: RetryFailed = 0,
-    fail_fast: FailFast = False,
-    stall_after: StallAfter = 1800.0,
-    cell_time: CellTime = 0.0,
-    cell_memory: CellMemory = 0.0,
-    fresh: Fresh = False,
-    metric: MetricNames = None,
-    measure: Measures = None,
-    plugin: PluginFiles = None,
-    quiet: Quiet = False,
-    as_json: AsJson = False,
-    dry_run: DryRun = False,
-    help_all: HelpAll = False,
-) -> int:
+@takes(RunFlags)
+def run(**given: Any) -> int:
     """Train with each reward, then compare what the robots do.
 
     It trains with every combination of reward, simulator, algorithm and seed. One such training is called a cell. A
     cell that is done is not run again: the same command goes on where it stopped.
     """
-    given = locals()  # every flag by its name, which is that of the option or of the key that it sets
-    from harness.experiment.run_options import RunOptions
-    from harness.registry.given import read_given, split_measures
-
-    measures, files = split_measures(measure or ())
-    given |= {
-        "tracker": tracker or [],
-        "metrics": metric,
-        "measure": measures or None,
-        "seeds": _parse_seeds(seeds),
-    }
-    given |= {"looks": None if looks is None else parse_looks(looks), "budget": parse_time(budget)}
-    options = RunOptions(**{field.name: given[field.name] for field in fields(RunOptions)})
-    asked, plugins = read_asked(experiment, given), read_given(plugin, files)
-    if dry_run:
-        return foresee_run(asked, options, plugins, as_json)
-    results, status = train(asked, options, plugins, quiet)
-    show_run(results, as_json)
+    (asked, options), plugins = read_flags(given), given_plugins(given)
+    if given["dry_run"]:
+        return foresee_run(asked, options, plugins, given["as_json"])
+    results, status = train(asked, options, plugins, given["quiet"])
+    show_run(results, given["as_json"])
     return status
 
 
-def read_asked(path: Path | None, given: Mapping[str, Any]) -> "Experiment":
+def read_flags(given: Mapping[str, Any]) -> "tuple[Experiment, RunOptions]":
+    """What is asked for, and how it is run.
+
+    Args:
+        given: What was given for each flag, by its name in `RunFlags`; flags that a command has not are missing.
+
+    Raises:
+        UsageError: Nothing is asked for, or a value is malformed.
+    """
+    from harness.experiment.run_options import RunOptions
+    from harness.registry.given import split_measures
+
+    measures, _ = split_measures(given["measure"] or ())
+    read = {
+        **given,
+        "tracker": given.get("tracker") or [],
+        "measure": measures or None,
+        "seeds": _parse_seeds(given.get("seeds")),
+        "looks": _parse_looks(given["looks"]),
+        "budget": _parse_time(given["budget"]),
+    }
+    options = RunOptions(**{field.name: read[field.name] for field in fields(RunOptions) if field.name in read})
+    return _read_asked(given["experiment"], read), options
+
+
+def given_plugins(given: Mapping[str, Any]) -> "tuple[Given, ...]":
+    """The files that were given with ``--plugin`` and ``--measure``."""
+    from harness.registry.given import read_given, split_measures
+
+    return read_given(given["plugin"], split_measures(given["measure"] or ())[1])
+
+
+def _read_asked(path: Path | None, given: Mapping[str, Any]) -> "Experiment":
     """The experiment of a file, of flags, or of both.
 
     Raises:
@@ -258,12 +209,12 @@ def read_asked(path: Path | None, given: Mapping[str, Any]) -> "Experiment":
     from harness.experiment.plan import Experiment, check_experiment, read_experiment
 
     keys = [field.name for field in fields(Experiment) if field.name != "plugins"]
-    told = {key: given[key] for key in keys if given[key] is not None}
+    asked = {key: given[key] for key in keys if given.get(key) is not None}
     if path is not None:
-        return read_experiment(path, told)
-    if not told:
+        return read_experiment(path, asked)
+    if not asked:
         raise UsageError(_what_to_type())
-    return check_experiment(told)
+    return check_experiment(asked)
 
 
 def foresee_run(asked: "Experiment", options: "RunOptions", plugins: "Sequence[Given]", as_json: bool) -> int:
@@ -336,12 +287,9 @@ def _parse_seeds(text: str | None) -> int | list[int] | None:
     return numbers if "," in text else numbers[0]
 
 
-def parse_looks(text: str) -> list[int]:
-    """The numbers of seeds of ``--looks``.
-
-    Raises:
-        UsageError: They are no numbers.
-    """
+def _parse_looks(text: str | None) -> list[int] | None:
+    if text is None:
+        return None
     try:
         return [int(part) for part in text.split(",") if part.strip()]
     except ValueError:
@@ -351,12 +299,8 @@ def parse_looks(text: str) -> list[int]:
 UNITS = {"s": 1.0, "m": 60.0, "h": 3600.0, "d": 86400.0}
 
 
-def parse_time(text: str | None) -> float:
-    """The seconds of ``--budget``; 0 for no limit.
-
-    Raises:
-        UsageError: It is no time.
-    """
+def _parse_time(text: str | None) -> float:
+    """The seconds of ``--budget``; 0 for no limit."""
     if text is None:
         return 0.0
     number, unit = text.strip()[:-1], UNITS.get(text.strip()[-1:], 0.0)
@@ -371,8 +315,7 @@ def parse_time(text: str | None) -> float:
 
 def show_run(results: "Results", as_json: bool) -> None:
     """The comparison on standard output; what was written too, unless JSON is to stand there alone."""
-    from harness.cli.results_shown import show_results
-    from harness.cli.table_and_page import make_table_and_page
+    from harness.cli.results_shown import make_table_and_page, show_results
 
     details = command_text("harness", "report", results.folder, "--details") + results.report_flags
     show_results(results, details, as_json=as_json)

@@ -3,12 +3,13 @@
 from collections.abc import Iterator, Sequence
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
+
+import typer
 
 from harness.cli.datasets import names_dataset, score_dataset
 from harness.cli.flags.dataset import Partial, Places
-from harness.cli.flags.score import Environment, Every, OutFolder, RewardNames, Targets
-from harness.cli.flags.shared import AsJson, PluginFiles, RobotName
+from harness.cli.flags.shared import REWARDS, TASKS, AsJson, PluginFiles, RobotName, flag
 from harness.cli.output import complain, say, say_json
 from harness.cli.recordings import holds_recordings, refuse_flags
 from harness.errors import UsageError
@@ -22,12 +23,38 @@ if TYPE_CHECKING:
     from harness.results.score_matrix import ScoreMatrix
 
 
+Targets = Annotated[
+    list[str],
+    typer.Argument(
+        help="An experiment's folder, a folder of recorded trainings, a data set, or files.",
+        metavar="DIR|DATASET|FILES",
+    ),
+]
+PayingRewards = Annotated[
+    list[str] | None,
+    flag(
+        "NAME,...",
+        "The rewards that pay the runs again, such as arp:k2=2.",
+        "in environments: all functions of --plugin",
+        offers=REWARDS,
+    ),
+]
+Every = Annotated[bool, typer.Option("--all", help="Also use every reward that the experiment trained with.")]
+Environment = Annotated[
+    str | None,
+    flag("NAME", "The environment that recorded trainings were made in.", "by the id in the recording", offers=TASKS),
+]
+ScoresFolder = Annotated[
+    Path | None, flag("DIR", "Folder for the scores of files or of a data set.", "beside each file")
+]
+
+
 def score(
     targets: Targets,
-    reward: RewardNames = None,
+    reward: PayingRewards = None,
     every: Every = False,
     task: Environment = None,
-    out: OutFolder = None,
+    out: ScoresFolder = None,
     places: Places = None,
     partial: Partial = False,
     robot: RobotName = None,
@@ -44,10 +71,10 @@ def score(
             raise UsageError("One data set is scored at a time: name it alone")
         refuse_flags({"--all": every, "--task": task}, "a data set")
         return score_dataset(targets[0], split_list(reward or []), plugin, places, robot, out, partial, as_json)
-    for flag, given in (("--places", places), ("--robot", robot), ("--partial", partial or None)):
+    for name, given in (("--places", places), ("--robot", robot), ("--partial", partial or None)):
         if given is not None:
             raise UsageError(
-                f"{flag} needs a data set: harness score minari:NAME, lerobot:FOLDER, d4rl:FILE or robomimic:FILE"
+                f"{name} needs a data set: harness score minari:NAME, lerobot:FOLDER, d4rl:FILE or robomimic:FILE"
             )
     folder = Path(targets[0]) if len(targets) == 1 and Path(targets[0]).is_dir() else None
     if folder is not None and _is_of_environments(folder):

@@ -33,7 +33,8 @@ def status(
         return
     say(f"{folder}: {'a run is using it' if found.is_in_use else 'no run is using it'}")
     counts = ", ".join(f"{found.count(kind)} {kind}" for kind in KINDS if found.count(kind))
-    say(f"{len(found.cells)} cells: {counts}{_time_left(found.seconds_left)}")
+    left = "" if found.seconds_left is None else f"; {about(found.seconds_left)} left"
+    say(f"{len(found.cells)} cells: {counts}{left}")
     if standing is not None:
         say(f"{standing.text[:1].upper()}{standing.text[1:]}")
     for one in found.cells:
@@ -65,8 +66,3 @@ def _detail(one: "Progress", found: "FolderStatus") -> str:
     unended = unended_text(one.cell, one.running.steps, one.running.mean_return) if seconds >= NUMBERS_AFTER else ""
     parts = [steps, unended, *learned, speed, f"last message {found.now - one.running.told:.0f} s ago"]
     return ", ".join(part for part in parts if part)
-
-
-def _time_left(seconds: float | None) -> str:
-    """The time that is left as text, ``; about 12 min left``."""
-    return "" if seconds is None else f"; {about(seconds)} left"

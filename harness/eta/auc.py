@@ -16,14 +16,16 @@ the square of its weight; what a cluster adds to several tasks is added up befor
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
-from harness.eta.interval import CONFIDENCE, Interval, quantile
+from harness.eta.interval import CONFIDENCE, LEAST_SEEDS, SHARE, Interval, quantile
+from harness.eta.seed_mean import SeedMean
+from harness.files.plain import Plain
 
 RanksAs: TypeAlias = Literal["RANKS AS SUCCESS DOES", "RANKS AGAINST IT", "CANNOT TELL"]
 RANKS, AGAINST, CANNOT_TELL = get_args(RanksAs)
@@ -38,7 +40,7 @@ GRID = 4001
 
 
 @dataclass(frozen=True)
-class Auc:
+class Auc(Plain):
     """How a reward ranks episodes of two kinds.
 
     Attributes:
@@ -64,10 +66,6 @@ class Auc:
     clusters: int
     pairs: int = 0
     tasks: int = 0
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return asdict(self)
 
 
 class _Task(NamedTuple):
@@ -261,3 +259,22 @@ def _ends(value: float, model: Callable[[Float | float], Any], scale: float, rea
     held = np.abs(value - tried) <= np.maximum(reach * np.sqrt(scale * model(tried)), 0.5 / (GRID - 1))
     ends = tried[held]
     return float(ends[0]), float(ends[-1])
+
+
+def share_of(part: Float, whole: Float, clusters: NDArray[np.int64]) -> SeedMean:
+    """How large the sum of `part` is in that of `whole`.
+
+    Args:
+        part: By episode, (episodes,), never above `whole`.
+        whole: Likewise, never negative.
+        clusters: Number of the cluster of each episode, from 0.
+    """
+    count, total = int(clusters.max(initial=-1)) + 1, float(whole.sum())
+    if total <= 0.0:
+        return SeedMean(None, None, None, count)
+    share = float(part.sum()) / total
+    if count < LEAST_SEEDS:
+        return SeedMean(share, None, None, count)
+    apart = np.bincount(clusters, part - share * whole, count) / total
+    reach = quantile(CONFIDENCE, count - 1) * float(np.sqrt(apart @ apart * count / (count - 1)))
+    return SeedMean(share, max(SHARE[0], share - reach), min(SHARE[1], share + reach), count)

@@ -28,6 +28,7 @@ from harness.eta.interval import (
     variance_of,
     why_no_interval,
 )
+from harness.files.plain import Plain
 
 REWARDS, PLACES = 2, 2
 """The fewest rewards and places whose orders can be compared."""
@@ -80,7 +81,7 @@ class Order:
 
 
 @dataclass(frozen=True)
-class Agreement:
+class Agreement(Plain):
     """How alike two or several orders are.
 
     Attributes:
@@ -95,10 +96,6 @@ class Agreement:
     low: float | None = None
     high: float | None = None
     note: str = ""
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return {name: getattr(self, name) for name in ("tau", "low", "high", "note")}
 
 
 class Answer(StrEnum):

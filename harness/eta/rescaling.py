@@ -9,13 +9,14 @@ are in it, from which a reward may be computed again. Steps may come in several 
 two steps of its line, see `Line`.
 """
 
-from collections.abc import Mapping, Sequence, Set
+from collections.abc import Sequence, Set
 from dataclasses import asdict, dataclass, field
-from typing import Any, Self, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from harness.arrays import Float
+from harness.files.plain import Plain
 
 ROUNDINGS = 8.0
 """So many units in the last place a payment may be off the line: a reward takes a few operations. In single precision
@@ -32,7 +33,7 @@ Payment: TypeAlias = tuple[float, float]
 
 
 @dataclass(frozen=True)
-class Line:
+class Line(Plain):
     """The line on which all steps of one recording lie.
 
     Attributes:
@@ -50,16 +51,6 @@ class Line:
     steps: int
     payments: frozenset[float]
     can_end: bool = False
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data; `from_json` gives the same back."""
-        return {**asdict(self), "payments": sorted(self.payments)}
-
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Self:
-        """What `to_json` told, also after a way through JSON."""
-        near, far = ((float(one), float(other)) for one, other in (data["near"], data["far"]))
-        return cls(near, far, data["precision"], data["steps"], frozenset(data["payments"]), data["can_end"])
 
 
 @dataclass(frozen=True)

@@ -14,9 +14,8 @@ from typing import Any
 import numpy as np
 
 from harness.arrays import Float
-from harness.eta.decompose import OWNER, Splitter, split_sum
+from harness.eta.decompose import OWNER, Splitter, noise_of_means, split_sum
 from harness.eta.index import Ratio
-from harness.eta.noise import noise_of_means
 from harness.eta.scored_sums import BB, BK, KB, KK, Pair, ScoredSums, means_without_each
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
 from harness.eta.splits import Split, SumSplit

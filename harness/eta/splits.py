@@ -8,6 +8,7 @@ from typing import Any, NamedTuple, TypeAlias
 from harness.arrays import Float
 from harness.eta.index import Index, Ratio
 from harness.eta.seed_mean import SeedMean
+from harness.files.plain import Plain
 
 DISAGREEMENT = 1.5
 """Two answers to one question disagree where they differ by more than this factor."""
@@ -39,7 +40,7 @@ class Split:
         behaviour: Geometric mean of both paths' behaviours.
         interaction: Ruler on the proposed runs over ruler on the baseline's.
         paths: On the proposed runs, then on the baseline's; empty where the runs were not scored by both rewards.
-        noise: What runs of the baseline give against other runs of it; see `harness.eta.noise`.
+        noise: What runs of the baseline give against other runs of it; see `harness.eta.decompose`.
         p: That there is no difference between the two groups' curves, by an exact test; None where it cannot be told.
         corrected: The same, such that it holds for all claims that are made together.
         outcomes: The difference of the index, the names of the trainings swapped in all ways; see `harness.eta.swaps`.
@@ -106,7 +107,7 @@ Splits: TypeAlias = Mapping[str, Split]
 
 
 @dataclass(frozen=True)
-class SumSplit:
+class SumSplit(Plain):
     """The change of I_N + I_P, NOTE eq. 38, proposed - baseline: ruler + behaviour, each a mean over seeds.
 
     Attributes:
@@ -118,10 +119,6 @@ class SumSplit:
     change: SeedMean
     ruler: SeedMean
     behaviour: SeedMean
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return {name: getattr(self, name).to_json() for name in ("change", "ruler", "behaviour")}
 
 
 @dataclass(frozen=True)

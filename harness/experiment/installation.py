@@ -6,16 +6,17 @@ import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar, Final, Self
+from typing import ClassVar, Final
 
 from harness.errors import HarnessError, UsageError, one_line
 from harness.experiment.provenance import specs_of, versions_behind
 from harness.experiment.workers.order import Order, Report
 from harness.experiment.workers.workers import News, run_orders
+from harness.files.plain import Plain
 from harness.hookspecs import NOUNS
 from harness.record.cell import Cell
 from harness.record.folder import partial_folder, publish
-from harness.registry.given import Given, given_from_json, given_to_json
+from harness.registry.given import Given
 from harness.registry.registry import Registry, load_registry
 from harness.registry.sources import digest_of_modules, source_hash
 from harness.robot.load import load_robot
@@ -79,22 +80,13 @@ def describe_workers(cells: Iterable[Cell], plugins: Sequence[Given] = ()) -> di
 
 
 @dataclass(frozen=True)
-class Describe:
+class Describe(Plain):
     """`describe_installation`, as a worker is told to do it; what is missing is told too."""
 
     cells: tuple[Cell, ...]
     plugins: tuple[Given, ...] = ()
 
     noun: ClassVar[str] = "description"
-
-    def to_json(self) -> dict[str, Any]:
-        """See `harness.experiment.workers.order.Work`."""
-        return {"cells": [cell.to_json() for cell in self.cells], "plugins": given_to_json(self.plugins)}
-
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Self:
-        """See `harness.experiment.workers.order.Work`."""
-        return cls(tuple(Cell.from_json(cell) for cell in data["cells"]), given_from_json(data["plugins"]))
 
     def do(self, folder: Path, report: Report) -> bool:
         """See `harness.experiment.workers.order.Work`."""

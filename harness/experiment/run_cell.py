@@ -1,9 +1,8 @@
 """Train and evaluate one cell: the only place that does. It needs the cell and a folder, nothing else."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar, Self
+from typing import ClassVar
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from harness.experiment.progress.cell import CellProgress
 from harness.experiment.watch import UNWATCHED, Watch
 from harness.experiment.workers.order import Report
 from harness.experiment.world import CellWorld, world_of
+from harness.files.plain import Plain
 from harness.policy import Policy
 from harness.record.cell import Cell
 from harness.record.folder import CHECKPOINT, POLICY, TRACE
@@ -57,22 +57,13 @@ def run_cell(
 
 
 @dataclass(frozen=True)
-class TrainCell:
+class TrainCell(Plain):
     """`run_cell`, as a worker is told to do it."""
 
     cell: Cell
     options: CellOptions = DEFAULTS
 
     noun: ClassVar[str] = "cell"
-
-    def to_json(self) -> dict[str, Any]:
-        """See `harness.experiment.workers.order.Work`."""
-        return {"cell": self.cell.to_json(), "options": self.options.to_json()}
-
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Self:
-        """See `harness.experiment.workers.order.Work`."""
-        return cls(Cell.from_json(data["cell"]), CellOptions.from_json(data["options"]))
 
     def do(self, folder: Path, report: Report) -> bool:
         """See `harness.experiment.workers.order.Work`."""

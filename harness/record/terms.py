@@ -1,12 +1,12 @@
 """What is agreed on before the first training: which questions are asked, and when."""
 
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
-from typing import Any, Self
+from dataclasses import dataclass
+
+from harness.files.plain import Plain
 
 
 @dataclass(frozen=True)
-class Terms:
+class Terms(Plain):
     """How an experiment's answers are found. They stand in ``plan.json`` before anything is trained.
 
     Attributes:
@@ -27,19 +27,6 @@ class Terms:
     averaged: int = 1
     grown: tuple[int, ...] = ()
     joined: tuple[str, ...] = ()
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return {name: list(told) if isinstance(told, tuple) else told for name, told in asdict(self).items()}
-
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Self:
-        """The inverse of `to_json`; what is missing has its default."""
-        known = {field.name for field in fields(cls)}
-        told: dict[str, Any] = {
-            name: tuple(value) if isinstance(value, list) else value for name, value in data.items() if name in known
-        }
-        return cls(**told)
 
 
 FIRST = Terms()

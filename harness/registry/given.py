@@ -12,12 +12,13 @@ import re
 import shlex
 import sys
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Self, TypeAlias
+from typing import Any, TypeAlias
 
 from harness.errors import UsageError, one_line
 from harness.files.bounded import read_text
+from harness.files.plain import Plain, from_plain
 from harness.hookspecs import WORDS
 from harness.registry.members import MEMBERS, missing_members, sample_of
 from harness.registry.sources import imports_of
@@ -37,7 +38,7 @@ _CLASS = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*")
 
 
 @dataclass(frozen=True)
-class PluginFile:
+class PluginFile(Plain):
     """A Python file that registers plugins, as it was when it was read.
 
     Attributes:
@@ -87,15 +88,9 @@ class PluginFile:
         told = {"measures": True} if self.measures and self.stem not in BEHAVIOUR else {}
         return {"path": self.path, "sha256": self.digest, **told}
 
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Self:
-        """What `dataclasses.asdict` told, also after a way through JSON."""
-        beside = tuple((name, text) for name, text in data.get("beside", ()))
-        return cls(**{**data, "beside": beside, "left_out": tuple(data.get("left_out", ()))})
-
 
 @dataclass(frozen=True)
-class PluginClass:
+class PluginClass(Plain):
     """A class that a worker can import.
 
     Attributes:
@@ -128,12 +123,13 @@ Given: TypeAlias = PluginFile | PluginClass
 
 def given_to_json(given: Iterable[Given]) -> list[dict[str, Any]]:
     """Plain data; `given_from_json` gives the same back."""
-    return [asdict(it) for it in given]
+    return [plugin.to_json() for plugin in given]
 
 
 def given_from_json(data: Iterable[Mapping[str, Any]]) -> tuple[Given, ...]:
     """What `given_to_json` told."""
-    return tuple(PluginFile.from_json(it) if "path" in it else PluginClass(**it) for it in data)
+    given: tuple[Given, ...] = from_plain(tuple[Given, ...], data)
+    return given
 
 
 def read_given(
@@ -276,12 +272,8 @@ def kind_of(found: type, name: str, kind: str | None = None) -> str:
         return fitting[0]
     if fitting:
         raise UsageError(f"{name} fits several kinds, {' and '.join(fitting)}: register it by a hook")
-    nearest = max(faults, key=lambda one: _share_of_members(one, sample))
+    nearest = max(faults, key=lambda one: sum(hasattr(sample, name) for name in MEMBERS[one]) / len(MEMBERS[one]))
     raise UsageError(f"{name} {faults[nearest]}")
-
-
-def _share_of_members(kind: str, sample: Any) -> float:
-    return sum(hasattr(sample, name) for name in MEMBERS[kind]) / len(MEMBERS[kind])
 
 
 def is_plugin_file(module: str) -> bool:

@@ -61,7 +61,8 @@ def missing_members(kind: str, thing: Any) -> str:
     fields = {field.name for field in dataclasses.fields(thing)} if dataclasses.is_dataclass(thing) else set()
     lacking = [name for name in members if name not in fields and not _has(thing, name)]
     if lacking:
-        return f"has no {', '.join(lacking)}; {_article(NOUNS[kind])} has {', '.join(members)}"
+        noun = f"{'an' if NOUNS[kind][0] in 'aeiou' else 'a'} {NOUNS[kind]}"
+        return f"has no {', '.join(lacking)}; {noun} has {', '.join(members)}"
     for name, count in members.items():
         if count is not None and not _takes(getattr(thing, name), count + inspect.isclass(thing)):
             arguments = f"{count} argument{'s' * (count != 1)}"
@@ -94,7 +95,3 @@ def _takes(method: Any, count: int) -> bool:
     except ValueError:  # compiled, without a signature
         return True
     return True
-
-
-def _article(noun: str) -> str:
-    return f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}"

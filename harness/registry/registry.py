@@ -1,29 +1,30 @@
 """Who registered what: entry points in, specs out. Nothing heavy is imported before a spec is loaded."""
 
+import os
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+import sys
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from importlib.metadata import Distribution, EntryPoint
+from importlib.metadata import Distribution, EntryPoint, entry_points
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import pluggy
 
 from harness.errors import PluginError, UsageError, one_line, sentence
 from harness.hookspecs import KINDS, NOUNS, PROJECT, Hooks
-from harness.registry.chosen_plugins import Wanted
 from harness.registry.given import Given, PluginClass, PluginFile
 from harness.registry.hooks import fault_of, hooks_of, remark_on
-from harness.registry.installed import installed
 from harness.registry.libraries import module_of
 from harness.registry.moved import old_names_in
-from harness.registry.names import unknown_name
+from harness.registry.names import did_you_mean, unknown_name
 from harness.registry.plugin_module import class_of_file, import_file
-from harness.registry.spec import Spec, canonical
+from harness.registry.spec import OURS, Spec, canonical
 
 if TYPE_CHECKING:
     from harness.registry.step_functions import StepFunction
+
 
 MENTIONED = 2
 """Plugins that did not load, in the message about a name that is not there."""
@@ -404,3 +405,82 @@ def _plugin(
     point: EntryPoint, origin: Origin, status: str, reason: str = "", registered: tuple[str, ...] = ()
 ) -> Plugin:
     return Plugin(point.name, origin.distribution, origin.version, point.module, status, reason, registered)
+
+
+def installed(group: str) -> tuple[EntryPoint, ...]:
+    """The entry points of a group, of all installed distributions.
+
+    To look for them opens a file of every distribution. It is done again where Python searches elsewhere, and where
+    something was installed or removed since, which changes the folder.
+    """
+    return _entry_points(group, tuple((folder, _changed(folder)) for folder in map(os.path.abspath, sys.path)))
+
+
+@lru_cache(maxsize=4)
+def _entry_points(group: str, _: tuple[tuple[str, int], ...]) -> tuple[EntryPoint, ...]:
+    return tuple(entry_points(group=group))
+
+
+def _changed(folder: str) -> int:
+    """When a folder's list of names changed last, [ns]; 0 of what is none."""
+    try:
+        return os.stat(folder).st_mtime_ns
+    except OSError:
+        return 0
+
+
+VARIABLE = "HARNESS_PLUGINS"
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What the variable says, a list with commas: names of plugins to load, and ``-name`` for plugins to leave out.
+
+    A name is that of an entry point, ``clash``, that of a distribution, ``clash-algo``, or both, ``clash-algo/clash``.
+    Where no name without a minus stands, everything else loads; where one stands, the named alone. Built-in plugins
+    load unless one is left out by its name.
+
+    Attributes:
+        named: To load; None where everything is.
+        left_out: Not to load.
+    """
+
+    named: frozenset[str] | None = None
+    left_out: frozenset[str] = frozenset()
+
+    @classmethod
+    def from_environment(cls) -> Self:
+        """What the variable of this process says; everything is wanted where it is not set."""
+        value = os.environ.get(VARIABLE)
+        if value is None:
+            return cls()
+        words = [word.strip() for word in value.split(",") if word.strip()]
+        left_out = frozenset(word[1:].strip() for word in words if word.startswith("-"))
+        named = frozenset(word for word in words if not word.startswith("-"))
+        return cls(named if named or not left_out else None, left_out)
+
+    def why_off(self, plugin: str, distribution: str) -> str:
+        """Why a plugin is not loaded; empty if it is."""
+        names = _names_of(plugin, distribution)
+        if names & self.left_out:
+            return f"left out by {VARIABLE}"
+        if self.named is None or distribution == OURS or names & self.named:
+            return ""
+        return f"not named in {VARIABLE}"
+
+    def unknown(self, plugins: Collection[tuple[str, str]]) -> list[str]:
+        """A line for each name in the variable that is no plugin's.
+
+        Args:
+            plugins: Entry point and distribution of each plugin.
+        """
+        known = {name for plugin in plugins for name in _names_of(*plugin)}
+        asked = sorted((self.named or frozenset()) | self.left_out)
+        return [
+            f"{VARIABLE} names '{it}', which is no plugin.{did_you_mean(it, known)}" for it in asked if it not in known
+        ]
+
+
+def _names_of(plugin: str, distribution: str) -> frozenset[str]:
+    spellings = {distribution, canonical(distribution)}
+    return frozenset({plugin, *spellings, *(f"{spelling}/{plugin}" for spelling in spellings)})

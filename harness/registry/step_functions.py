@@ -110,7 +110,9 @@ def functions_of_file(file: PluginFile, module: ModuleType) -> list[StepFunction
     if public and not (functions or objects or classes):
         raise UsageError(f"Plugin file '{file.path}': {_what_it_has(public)}")
     attributes = [
-        name for name, it in vars(module).items() if name in functions or name in objects or _is_one_of(it, classes)
+        name
+        for name, it in vars(module).items()
+        if name in functions or name in objects or any(it is one for one in classes)
     ]
     names = [file.stem.lower()] if len(attributes) == 1 and not file.measures else attributes
     said = _said(file, module, attributes)
@@ -173,10 +175,6 @@ def _is_called(file: PluginFile, found: Any) -> bool:
 def _is_of_step(found: Any) -> bool:
     """Whether something is called with a step, or with its parts."""
     return takes_step(found) or takes_arguments(found)
-
-
-def _is_one_of(found: Any, classes: Iterable[type]) -> bool:
-    return any(found is it for it in classes)
 
 
 def _what_it_has(functions: Mapping[str, Any]) -> str:

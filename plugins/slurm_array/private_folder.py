@@ -5,7 +5,7 @@ import stat
 from pathlib import Path
 
 from harness.errors import UsageError
-from harness.files.state_folder import STATE, state_folder
+from harness.files.keyed_file import STATE, state_folder
 
 
 def private_folder() -> Path:

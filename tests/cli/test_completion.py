@@ -2,7 +2,7 @@
 
 import pytest
 
-from harness.cli.completion import names_of
+from harness.cli.flags.shared import names_of
 
 
 def offered(kind, begun):

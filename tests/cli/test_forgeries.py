@@ -11,8 +11,7 @@ import pyarrow as pa
 import pytest
 
 from harness.experiment.experiment import run
-from harness.files.keyed_file import with_key
-from harness.files.machine_key import machine_key
+from harness.files.keyed_file import machine_key, with_key
 from harness.record.folder import DERIVED, EVALUATION, MANIFEST, TRACE
 from tests.cli.forging import Forge, change, column, first_cell, in_manifest, in_plan, table
 

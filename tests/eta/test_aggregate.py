@@ -8,7 +8,7 @@ import scipy.stats
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.eta.aggregate import interquartile_mean, performance_profile, probability_of_improvement
+from harness.eta.behaviour_change import interquartile_mean, performance_profile, probability_of_improvement
 
 VALUES = st.lists(st.integers(-5, 5).map(float), min_size=1, max_size=12)
 

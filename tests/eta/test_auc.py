@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 from scipy.special import ndtri
 from scipy.stats import mannwhitneyu
 
-from harness.eta.auc import AGAINST, CANNOT_TELL, RANKS, auc_of
-from harness.eta.clustered_share import share_of
+from harness.eta.auc import AGAINST, CANNOT_TELL, RANKS, auc_of, share_of
 
 PAID = st.lists(st.tuples(st.integers(-9, 9), st.booleans()), min_size=2, max_size=40)
 

@@ -20,10 +20,9 @@ import scipy.stats
 from harness.arrays import Float
 from harness.eta.behaviour_change import Change, Quantity, change_of
 from harness.eta.curve import GroupCurve
-from harness.eta.decompose import decompose
+from harness.eta.decompose import decompose, noise_floor
 from harness.eta.index import Ratio
 from harness.eta.judge import DECIDED
-from harness.eta.noise import noise_floor
 from harness.eta.scored_sums import BB, BK, KB, KK, Pair
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
 from harness.eta.splits import Decomposition, Names, Split

@@ -1,5 +1,6 @@
 """Entry points in, specs out: each hook, and each way in which a plugin can be broken."""
 
+import shutil
 import sys
 from collections.abc import Callable
 from importlib.metadata import EntryPoint, metadata
@@ -10,11 +11,12 @@ import pytest
 
 from harness.errors import PluginError, UsageError
 from harness.hookspecs import KINDS
+from harness.registry import registry as module
 from harness.registry.given import read_given
 from harness.registry.moved import GONE_IN
 from harness.registry.names import did_you_mean, unknown_name
-from harness.registry.registry import Plugin, Registry, load_registry
-from harness.registry.spec import Spec
+from harness.registry.registry import VARIABLE, Plugin, Registry, Wanted, installed, load_registry
+from harness.registry.spec import OURS, Spec
 
 Write = Callable[..., EntryPoint]
 
@@ -443,3 +445,93 @@ def test_module_of_a_package_is_looked_for_without_importing_the_package(
         monkeypatch.syspath_prepend(tmp_path / folder)
     required = ("spread_out.extra", "spread_out.none", "no_such_package.extra")
     assert _spec(required).missing == ("spread_out.none", "no_such_package.extra")
+
+
+@pytest.fixture
+def add(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], Path]:
+    """Install a package with one entry point of the group `seen`, in a folder that is searched from the start."""
+    monkeypatch.syspath_prepend(tmp_path)
+
+    def add_package(name: str) -> Path:
+        folder = tmp_path / f"{name}-1.0.dist-info"
+        folder.mkdir()
+        (folder / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1.0\n")
+        (folder / "entry_points.txt").write_text(f"[seen]\n{name} = {name}\n[other]\n{name} = other\n")
+        return folder
+
+    return add_package
+
+
+def _names() -> list[str]:
+    return sorted(point.name for point in installed("seen"))
+
+
+def test_entry_points_of_a_group_are_found(add: Callable[[str], Path]):
+    """With the distribution that they are of; another group's are not."""
+    assert installed("seen") == ()
+    add("first")
+    (found,) = installed("seen")
+    assert (found.name, found.value, found.dist.name) == ("first", "first", "first")
+
+
+def test_what_is_installed_meanwhile_is_found(add: Callable[[str], Path]):
+    """And what was removed is not: a notebook lives long."""
+    first = add("first")
+    assert _names() == ["first"]
+    add("second")
+    assert _names() == ["first", "second"]
+    shutil.rmtree(first)
+    assert _names() == ["second"]
+
+
+def test_who_searches_elsewhere_finds_what_is_there(add: Callable[[str], Path], monkeypatch: pytest.MonkeyPatch):
+    """A folder that Python no longer searches counts no more."""
+    add("first")
+    assert _names() == ["first"]
+    monkeypatch.setattr("sys.path", [])
+    assert _names() == []
+
+
+def test_distributions_are_read_once(add: Callable[[str], Path], monkeypatch: pytest.MonkeyPatch):
+    """As long as nothing changes: there may be hundreds."""
+    add("first")
+    asked: list[str] = []
+    monkeypatch.setattr(module, "entry_points", lambda group: asked.append(group) or ())
+    for _ in range(3):
+        installed("seen")
+    assert asked == ["seen"]
+
+
+def _loads(monkeypatch: pytest.MonkeyPatch, value: str | None, *plugin: str) -> bool:
+    monkeypatch.delenv(VARIABLE, raising=False)
+    if value is not None:
+        monkeypatch.setenv(VARIABLE, value)
+    return not Wanted.from_environment().why_off(*plugin)
+
+
+@pytest.mark.parametrize(
+    ("value", "loads"),
+    [
+        (None, True), ("", False), ("clash", True), ("other", False), ("-clash", False), ("-other", True),
+        (" -other , -more ", True), ("other,-clash", False), ("clash,-clash", False), ("-clash-algo", False),
+        ("-Clash_Algo/clash", False), ("clash-algo/clash", True), ("-other/clash", True),
+    ],
+)  # fmt: skip
+def test_third_party_plugin(monkeypatch: pytest.MonkeyPatch, value: str | None, loads: bool):
+    """By its entry point, its distribution or both; a minus leaves out, and wins."""
+    assert _loads(monkeypatch, value, "clash", "Clash_Algo") == loads
+
+
+@pytest.mark.parametrize(
+    ("value", "loads"), [("", True), ("clash", True), ("-clash", True), ("-rewards", False), (f"-{OURS}/tasks", True)]
+)
+def test_built_in_plugin_stays_unless_it_is_left_out(monkeypatch: pytest.MonkeyPatch, value: str, loads: bool):
+    """Whoever names one plugin does not lose the simulators."""
+    assert _loads(monkeypatch, value, "rewards", OURS) == loads
+
+
+def test_name_of_no_plugin_is_told(monkeypatch: pytest.MonkeyPatch):
+    """A mistyped one leaves nothing out."""
+    monkeypatch.setenv(VARIABLE, "-clsh,one")
+    told = Wanted.from_environment().unknown([("clash", "clash-algo"), ("one", "ones")])
+    assert told == ["HARNESS_PLUGINS names 'clsh', which is no plugin. Did you mean 'clash'?"]

@@ -15,7 +15,7 @@ import pytest
 from rich.console import Console
 from scipy import stats
 
-import harness.score.compared_rows
+import harness.score.compare
 from harness.errors import UsageError
 from harness.eta.swaps import p_text
 from harness.hookspecs import PROJECT
@@ -245,7 +245,7 @@ def test_a_group_against_itself_is_one(groups: Path):
 def test_pieces_of_any_size_give_the_same(groups: Path, monkeypatch: pytest.MonkeyPatch, held: int):
     """How many rows are held at once changes nothing but the last digit."""
     whole = compare(groups / "base", groups / "k2").to_json()
-    monkeypatch.setattr(harness.score.compared_rows, "HELD", held)
+    monkeypatch.setattr(harness.score.compare, "HELD", held)
     pieces = compare(groups / "base", groups / "k2").to_json()
     assert pieces["baseline"] == whole["baseline"]
     assert pieces["rows_left_out"] == whole["rows_left_out"]

@@ -19,8 +19,7 @@ from harness.audit.dataset.withheld import answer_that_holds, level_that_holds, 
 from harness.audit.recorded.paid import Paid, compare_paid
 from harness.audit.recorded.pair import Pair, pair_of
 from harness.errors import UsageError
-from harness.eta.auc import Auc, auc_of, rounded
-from harness.eta.clustered_share import share_of
+from harness.eta.auc import Auc, auc_of, rounded, share_of
 from harness.eta.rescaling import line_of
 from harness.log import Log
 from harness.log.log import RECORDED

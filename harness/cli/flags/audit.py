@@ -5,8 +5,7 @@ from typing import Annotated
 
 import typer
 
-from harness.cli.completion import names_of
-from harness.cli.flags.shared import REWARDS, SIMULATORS
+from harness.cli.flags.shared import REWARDS, SIMULATORS, names_of
 
 Subject = Annotated[
     str | None,

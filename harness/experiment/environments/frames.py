@@ -6,11 +6,11 @@ Each cell's pictures are drawn in a process of its own: graphics libraries may c
 import io
 import json
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -19,10 +19,11 @@ from harness.executor import Limits, Word
 from harness.experiment.environments.played_again import PlayedAgain
 from harness.experiment.workers.order import Order, Report
 from harness.experiment.workers.workers import News, run_orders
+from harness.files.plain import Plain
 from harness.record.cell import Cell
 from harness.record.folder import partial_folder, publish
 from harness.record.manifest import Manifest
-from harness.registry.given import Given, given_from_json, given_to_json
+from harness.registry.given import Given
 from harness.registry.registry import load_registry
 from harness.results.comparison import Group
 from harness.results.frames import MOST_BYTES, read_frames, write_frames
@@ -93,7 +94,7 @@ def _shown(results: RecordedResults) -> list[Manifest]:
 
 
 @dataclass(frozen=True)
-class DrawFrames:
+class DrawFrames(Plain):
     """Draws the first episode of one cell's evaluation, as a worker is told to do it."""
 
     cell: Cell
@@ -101,15 +102,6 @@ class DrawFrames:
     plugins: tuple[Given, ...] = ()
 
     noun: ClassVar[str] = "drawing"
-
-    def to_json(self) -> dict[str, Any]:
-        """See `harness.experiment.workers.order.Work`."""
-        return {"cell": self.cell.to_json(), "files": self.files, "plugins": given_to_json(self.plugins)}
-
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Self:
-        """See `harness.experiment.workers.order.Work`."""
-        return cls(Cell.from_json(data["cell"]), data["files"], given_from_json(data["plugins"]))
 
     def do(self, folder: Path, report: Report) -> bool:
         """See `harness.experiment.workers.order.Work`."""

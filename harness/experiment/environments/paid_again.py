@@ -4,13 +4,13 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import gymnasium
 
 from harness.environment import AnyEnv, Environment
 from harness.errors import HarnessError, UsageError, one_line
 from harness.experiment.environments.columns import Columns, columns_of
+from harness.files.plain import Plain
 from harness.log.log import BEHAVIOUR, REWARD
 from harness.record.recording.facts import TrainingFacts, facts_of
 from harness.record.recording.recorded_training import (
@@ -39,7 +39,7 @@ OF_BATCH = ("num_envs", "vectorization_mode", "vector_kwargs", "wrappers")
 
 
 @dataclass(frozen=True)
-class Paid:
+class Paid(Plain):
     """What became of one recording.
 
     Attributes:
@@ -55,10 +55,6 @@ class Paid:
     steps: int = 0
     failed: tuple[str, ...] = ()
     refused: str = ""
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return {**vars(self), "folder": str(self.folder), "names": list(self.names), "failed": list(self.failed)}
 
 
 @dataclass(frozen=True)

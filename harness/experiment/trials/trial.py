@@ -3,10 +3,10 @@
 import faulthandler
 import json
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
 
 from harness.errors import HarnessError, one_line
 from harness.executor import Limits
@@ -14,10 +14,11 @@ from harness.experiment.trials.tried import Fault, Tried, fault_of
 from harness.experiment.workers.offspring import Offspring
 from harness.experiment.workers.order import Order, Report
 from harness.experiment.workers.workers import News, Pool
+from harness.files.plain import Plain
 from harness.record.cell import Cell
 from harness.record.folder import LOG, partial_folder, publish
 from harness.registry.choice import Choice
-from harness.registry.given import Given, given_from_json, given_to_json
+from harness.registry.given import Given
 from harness.registry.registry import load_registry
 
 CALL_SECONDS, ENV_SECONDS, ALL_SECONDS = 10.0, 120.0, 300.0
@@ -30,7 +31,7 @@ ANSWER, TIMEOUT = "tried.json", "Timeout ("
 
 
 @dataclass(frozen=True)
-class TryTask:
+class TryTask(Plain):
     """The trial of one task, as a worker is told to do it.
 
     Attributes:
@@ -48,23 +49,6 @@ class TryTask:
     without: tuple[str, ...] = ()
 
     noun: ClassVar[str] = "trial"
-
-    def to_json(self) -> dict[str, Any]:
-        """See `harness.experiment.workers.order.Work`."""
-        rewards = [reward.to_json() for reward in self.rewards]
-        told = {"cell": self.cell.to_json(), "rewards": rewards, "plugins": given_to_json(self.plugins)}
-        return {**told, "notes": self.notes, "without": list(self.without)}
-
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Self:
-        """See `harness.experiment.workers.order.Work`."""
-        return cls(
-            Cell.from_json(data["cell"]),
-            tuple(map(Choice.from_json, data["rewards"])),
-            given_from_json(data["plugins"]),
-            data["notes"],
-            tuple(data["without"]),
-        )
 
     def do(self, folder: Path, report: Report) -> bool:
         """See `harness.experiment.workers.order.Work`."""

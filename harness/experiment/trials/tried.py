@@ -1,20 +1,20 @@
 """What the trial of a task found."""
 
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from traceback import extract_tb
-from typing import Any, Literal, Self, TypeAlias
+from typing import Literal, TypeAlias
 
 import harness
 from harness.errors import one_line
+from harness.files.plain import Plain
 from harness.record.recording.facts import FILE_BEHAVIOUR, FILE_REWARD
 
 Noun: TypeAlias = Literal["reward", "measure"]
 
 
 @dataclass(frozen=True)
-class Fault:
+class Fault(Plain):
     """A reward or a measure that cannot be used.
 
     Attributes:
@@ -41,7 +41,7 @@ class Fault:
 
 
 @dataclass(frozen=True)
-class Tried:
+class Tried(Plain):
     """What the trial of one task, or of one environment, found.
 
     Attributes:
@@ -51,15 +51,6 @@ class Tried:
 
     faults: tuple[Fault, ...] = ()
     notes: tuple[str, ...] = ()
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data; `from_json` gives the same back."""
-        return asdict(self)
-
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Self:
-        """What `to_json` told."""
-        return cls(tuple(Fault(**fault) for fault in data["faults"]), tuple(data["notes"]))
 
 
 def fault_of(column: str, reason: str, *, is_lost: bool = False) -> Fault:

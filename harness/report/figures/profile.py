@@ -4,8 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from harness.eta.aggregate import performance_profile
-from harness.eta.behaviour_change import Change
+from harness.eta.behaviour_change import Change, performance_profile
 from harness.eta.headline import count_seeds
 from harness.report.figures.chart import Chart, Line, share_axis
 

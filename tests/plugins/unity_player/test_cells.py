@@ -122,12 +122,12 @@ def test_killed_runs_and_players_lose_nothing(player, tmp_path: Path):
 def test_rewards_are_paid_again_from_the_exported_file(player, start, tmp_path: Path):
     """What a recording holds is all that the rewards of an arm are functions of, in a task of a step per decision."""
     from harness import RecordRewards
-    from harness.record.recording.csv_writing import write_recording_csv
     from harness.registry.choice import choose
     from harness.registry.registry import load_registry
     from harness.score.csv_steps import open_csv
     from harness.score.scorer import pay_log
     from harness_plugins.environments.unity import Unity
+    from harness_plugins.exporters.csv_runs import write_recording_csv
 
     places = "end_effector=19:22,target=22:25,renewed=22:25"
     unity, registry = Unity(file="x", places=places, pays="baseline+arp+aarp+relative"), load_registry()

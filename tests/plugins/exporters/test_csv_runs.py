@@ -14,9 +14,9 @@ from harness.registry.choice import Choice, choose
 from harness.registry.registry import Registry
 from harness.results import Results
 from harness.score.csv_steps import EVENTS, PAY, STEPS
-from harness.score.csv_writing import COLUMNS, write_csv
 from harness.score.open_steps import open_steps
 from harness.score.rescore import rescore
+from harness_plugins.exporters.csv_runs import COLUMNS, write_csv
 
 THEIRS = "t,beginDistance,prevBest,distance,delta_distance,reward,target x,target y,target z,endEff x,endEff y,endEff z"
 
