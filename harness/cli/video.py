@@ -32,7 +32,6 @@ def video(
     """
     from harness.registry.choice import split_list
     from harness.results import load_results
-    from harness.results.recordings.results import RecordedResults
     from harness.results.replay import first_show, show_cells
     from harness.video.film import film_of
     from harness.video.write import require_kind, write_film
@@ -42,7 +41,7 @@ def video(
     named = split_list(cells or [])
     if len(named) > MOST_CELLS:
         raise UsageError(f"--cells names {len(named)} cells, {MOST_CELLS} are allowed")
-    if isinstance(results, RecordedResults):
+    if results.in_environment:
         from harness.video.environment_film import environment_film
 
         write_film(environment_film(results, named, episodes), out)
