@@ -21,7 +21,7 @@ from harness.report.summary.summary import RECORD, SUMMARY
 from harness.report.tables.overview import WideOrNarrow
 from harness.results.comparison import deciding_manner
 from harness.results.overview import decided_by_text, short_name, values_text
-from harness.results.seen import ENDED
+from harness.results.verdicts import ENDED
 from harness.text import command_text
 
 MOST_BYTES = 64 * 2**20

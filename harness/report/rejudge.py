@@ -18,8 +18,7 @@ from harness.report.rows.comparison import TESTS, answer_text, rewards_text
 from harness.report.summary.markdown import escape, pooled_part
 from harness.report.summary.stored import behaviour_of, stored_comparisons, studied_comparisons
 from harness.results.comparison import Comparison, pools_of
-from harness.results.seen import ENDED
-from harness.results.verdicts import with_verdicts
+from harness.results.verdicts import ENDED, with_verdicts
 
 RECORD, PAGE = "results.json", "summary.md"
 NOTICE = (

@@ -13,8 +13,7 @@ from harness.record.recording.recorded_training import recordings_in
 from harness.record.store import Store
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
-from harness.results.cell_results import CellResults
-from harness.results.floors import Floors
+from harness.results.cell_results import CellResults, Floors
 from harness.results.kept import Kept
 from harness.results.measured import Values
 from harness.results.metrics import load_metrics, with_fingerprints

@@ -10,8 +10,7 @@ from harness.registry.given import read_given
 from harness.registry.registry import Registry, load_registry
 from harness.results.logs.results_of_logs import results_of_logs
 from harness.results.logs.told import FOUND_OUT, Told
-from harness.results.recordings.loose import LooseStore
-from harness.results.recordings.read_runs import has_recordings
+from harness.results.recordings.read_runs import LooseStore, has_recordings
 from harness.results.results import Results
 from harness.text import command_text
 

@@ -31,8 +31,7 @@ from harness.results.recordings.recordings import Recordings
 from harness.results.recordings.study import PlaceStudy
 from harness.results.records import Records
 from harness.results.return_matrix import ReturnMatrix
-from harness.results.rows import comparison_rows
-from harness.results.table import Numbers, cell_to_json, metric_columns, table_of, write_table
+from harness.results.table import Numbers, cell_to_json, comparison_rows, metric_columns, table_of, write_table
 from harness.results.terms_paid import TermsPaid, terms_of
 from harness.results.traces import Traces
 from harness.results.trainings import Source, Trainings
@@ -243,7 +242,7 @@ class Results(Records):
     def comparisons(self) -> Any:
         """A `pandas.DataFrame` with a row per comparison: the answer, its test, what decides, and the numbers.
 
-        `harness.results.rows.comparison_rows` makes the same as a table of pyarrow, which needs no pandas.
+        `harness.results.table.comparison_rows` makes the same as a table of pyarrow, which needs no pandas.
 
         Raises:
             UsageError: pandas is not installed.

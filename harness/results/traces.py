@@ -21,20 +21,18 @@ from harness.record.folder import EVALUATION, RANDOM, TRACE
 from harness.record.manifest import Manifest
 from harness.registry.choice import Choice
 from harness.results.by_term import ByTerm
-from harness.results.cell_results import PAID, CellResults
+from harness.results.cell_results import PAID, CellResults, Floors
 from harness.results.compare import compare_all
 from harness.results.comparison import Comparison, Group
 from harness.results.done_cells import DoneCells
-from harness.results.floors import Floors
 from harness.results.learning import Learning, LearningCurve, LearningRun, learning_points, mean_point, stretches
-from harness.results.measured import DETERMINISTIC, STOCHASTIC, Measured, Moment, Values
+from harness.results.measured import DETERMINISTIC, STOCHASTIC, Measured, Mixture, Moment, Values, mixtures_of
 from harness.results.metrics import measure_of
-from harness.results.mixture import Mixture, mixtures_of
 from harness.results.records import Records
 from harness.results.return_matrix import ReturnMatrix, return_matrices
-from harness.results.seen import Seen
 from harness.results.table import Numbers, numbers_of
 from harness.results.trainings import Did, Ends, Match, Policies, TermsOfTraining
+from harness.results.verdicts import Seen
 from harness.score.installed_reward import InstalledReward
 
 

@@ -16,8 +16,7 @@ from harness.results.by_term import ByTerm
 from harness.results.comparison import Comparison, Group
 from harness.results.frames import Frames
 from harness.results.learning import Learning, LearningCurve
-from harness.results.measured import Measured, Moment
-from harness.results.mixture import Mixture
+from harness.results.measured import Measured, Mixture, Moment
 from harness.results.return_matrix import ReturnMatrix
 from harness.results.table import Numbers
 
@@ -27,7 +26,7 @@ class Seeded(Protocol):
 
     @property
     def seed(self) -> int:
-        """Of the training."""
+        """The seed of the training."""
 
 
 Training = TypeVar("Training", bound=Seeded)

@@ -15,7 +15,7 @@ from harness.results.logs.labels import labelled
 from harness.results.logs.read_logs import runs_of
 from harness.results.logs.told import FOUND_OUT, Told
 from harness.results.logs.trainings import Sorted, sort_files, sort_logs, with_reward
-from harness.results.recordings.loose import LooseStore
+from harness.results.recordings.read_runs import LooseStore
 from harness.results.results import Results
 from harness.text import command_text
 

@@ -14,7 +14,7 @@ from harness.registry.choice import split_list
 from harness.results.comparison import Comparison
 from harness.results.frames import Frames, read_frames
 from harness.results.measured import Measured, Moment
-from harness.results.recordings.loose import LooseStore
+from harness.results.recordings.read_runs import LooseStore
 from harness.results.recordings.recording_results import (
     RecordingResults,
     numbers_in_environment,

@@ -15,8 +15,7 @@ from harness.log.log import BEHAVIOUR, REWARD
 from harness.results.by_term import ByTerm, part_of
 from harness.results.comparison import Comparison
 from harness.results.learning import Learning, LearningCurve, Point, mean_point, stretches
-from harness.results.measured import EVALUATION, Measured, Moment
-from harness.results.mixture import Mixture
+from harness.results.measured import EVALUATION, Measured, Mixture, Moment
 from harness.results.recordings.episodes import Part
 from harness.results.recordings.runs import MANNERS, Run, Runs, meet_same_starts, rescaling_between
 from harness.results.trainings import Did, Ends, Match, Policies, TermsOfTraining

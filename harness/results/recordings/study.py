@@ -26,8 +26,7 @@ from harness.results.recordings.read_runs import read_runs
 from harness.results.recordings.run_trainings import RunTrainings
 from harness.results.recordings.runs import MANNERS, Runs
 from harness.results.records import Records
-from harness.results.seen import Seen
-from harness.results.verdicts import LookOf
+from harness.results.verdicts import LookOf, Seen
 
 Table = Mapping[tuple[str, str], SeedMean]
 """R_r(q) over all seeds, by (r, q): who pays, and whose trainings are paid."""

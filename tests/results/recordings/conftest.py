@@ -11,7 +11,7 @@ from harness.log import in_memory
 from harness.record.recording.facts import Failure, TrainingFacts
 from harness.record.recording.recording_writer import write_recording
 from harness.registry.registry import load_registry
-from harness.results.recordings.loose import LooseStore
+from harness.results.recordings.read_runs import LooseStore
 from harness.results.recordings.study import Study
 from harness.results.results import Results
 
