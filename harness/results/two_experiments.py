@@ -181,14 +181,14 @@ def _correct(families: Sequence[tuple[Change, ...]], level: float) -> list[tuple
     ]
 
 
-def _side_to_json(combination: Comparison) -> dict[str, Any]:
-    etas = {"eta_N": combination.eta_n, "eta_P": combination.eta_p}
+def _side_to_json(comparison: Comparison) -> dict[str, Any]:
+    etas = {"eta_N": comparison.eta_n, "eta_P": comparison.eta_p}
     return {
-        "seeds": list(combination.seeds),
-        "answer": combination.headline.answer.value,
+        "seeds": list(comparison.seeds),
+        "answer": comparison.headline.answer.value,
         **{name: eta.to_json() for name, eta in etas.items()},
     }
 
 
-def _name(combination: Comparison) -> str:
-    return f"{combination.group.title} · {combination.proposed} against {combination.baseline}"
+def _name(comparison: Comparison) -> str:
+    return f"{comparison.group.title} · {comparison.proposed} against {comparison.baseline}"

@@ -129,7 +129,7 @@ def write_html(results: Results, path: Path, audits: Audits = MappingProxyType({
 
 def _render(results: Results, audits: Audits) -> str:
     combinations = results.combinations
-    points = points_of_a_run(sum(2 * len(combination.seeds) for combination in combinations))
+    points = points_of_a_run(sum(2 * len(comparison.seeds) for comparison in combinations))
     matrix = matrix_of(combinations)
     shows = shows_of(results)
     links = links_of(shows, combinations)
@@ -255,7 +255,7 @@ def _pools(results: Results) -> dict[str, Any] | None:
 
 def _titles(combinations: Sequence[Comparison], matrix: Matrix) -> list[str]:
     """A title for each comparison: what is not the same in all."""
-    return [title_of(combination, entry.place) for combination, entry in zip(combinations, matrix.entries, strict=True)]
+    return [title_of(comparison, entry.place) for comparison, entry in zip(combinations, matrix.entries, strict=True)]
 
 
 def _downloads(results: Results) -> list[Download]:
