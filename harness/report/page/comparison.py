@@ -1,7 +1,7 @@
 """One comparison as the page tells it: the answer, the behaviour, the number, what the rewards pay for."""
 
-from collections.abc import Mapping
-from types import MappingProxyType
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from harness.eta.amounts import capitalised
@@ -25,8 +25,8 @@ from harness.report.figures.split import draw_split
 from harness.report.figures.split_rows import describe_split
 from harness.report.figures.sum_split import describe_sum, draw_sum
 from harness.report.figures.trajectories import VIEWS, describe_trajectories, draw_trajectories
-from harness.report.page.answer import card_of
-from harness.report.page.frames import frames_of
+from harness.report.page.answer import Card, card_of
+from harness.report.page.frames import Strips, frames_of
 from harness.report.page.outcomes import Bar, outcome_bars
 from harness.report.replay.links import BASELINE, PROPOSED, EpisodeLinks, Link
 from harness.report.rows.alone import alone_grid, setting_of, story
@@ -42,7 +42,7 @@ from harness.report.rows.behaviour import (
 )
 from harness.report.rows.comparison import basis_text, claims_text, compared_text, rewards_text
 from harness.report.rows.numbers import number_grids
-from harness.report.rows.payoff import Audits, payoff_story
+from harness.report.rows.payoff import Audits, Story, payoff_story
 from harness.report.rows.ratios import Grid, format_number, index_grid, scales_text
 from harness.report.rows.returns import READING, returns_grid
 from harness.report.rows.terms import changed_text, terms_grid, terms_of
@@ -64,25 +64,62 @@ class Panel(NamedTuple):
     caption: str
 
 
-EMPTY: Mapping[str, Any] = MappingProxyType(
-    {
-        **dict.fromkeys(("returns", "frames", "behaviour", "payoffs", "show")),
-        **dict.fromkeys(("tests", "summary", "symbol"), ""),
-        "has_number": False,
-        "place": 1,
-        **dict.fromkeys(
-            ("mixtures", "full", "strips", "outcomes", "episodes", "endings", "showing", "learning", "terms"), ()
-        ),
-        **dict.fromkeys(("splits", "curves", "profiles", "other_behaviour", "numbers", "trajectories"), ()),
-    }
-)
-"""What the template shows of a comparison of which nothing is known."""
+@dataclass(frozen=True, eq=False)
+class Section:
+    """What the template shows of one comparison; what is not known is empty, and left out.
+
+    Attributes:
+        title: What tells it from the others.
+        card: The answer.
+        place: Its number on the page, from 1.
+        show: The number of its show in the replay.
+        full: The sentences about behaviour and number.
+        returns: What each reward pays for an episode.
+        mixtures: Plugins of which several versions were used, a sentence each.
+        tests: How many questions and hints there are.
+        summary: What was compared.
+        behaviour: The measures in the manner that decides, with a figure of each in `strips`, links to episodes in
+            `showing`.
+        outcomes: How episodes ended; with links in `endings`.
+        episodes: Links to all episodes of the replay.
+        frames: Pictures that an environment drew.
+        has_number: Whether anything is told of the number.
+        symbol: The answer in one sign.
+    """
+
+    title: str
+    card: Card
+    place: int = 1
+    show: int | None = None
+    full: Sequence[str] = ()
+    returns: Grid | None = None
+    mixtures: Sequence[str] = ()
+    tests: str = ""
+    summary: str = ""
+    behaviour: Grid | None = None
+    strips: Sequence[str] = ()
+    showing: Sequence[Mapping[str, Link | None]] = ()
+    outcomes: Sequence[Bar] = ()
+    endings: Sequence[Sequence[Link | None]] = ()
+    episodes: Sequence[tuple[str, Link]] = ()
+    frames: Strips | None = None
+    learning: Sequence[Panel] = ()
+    terms: Sequence[Grid] = ()
+    splits: Sequence[Panel] = ()
+    curves: Sequence[Panel] = ()
+    payoffs: Story | None = None
+    profiles: Sequence[Panel] = ()
+    other_behaviour: Sequence[Grid] = ()
+    numbers: Sequence[Grid] = ()
+    has_number: bool = False
+    symbol: str = ""
+    trajectories: Sequence[Panel] = ()
 
 
 def comparison_section(
     results: Results, comparison: Comparison, title: str, points: int, audits: Audits, links: EpisodeLinks | None
-) -> dict[str, Any]:
-    """What the template shows of a combination, with `points` points of each run."""
+) -> Section:
+    """What the template shows of a comparison, with `points` points of each run."""
     headline, first = comparison.headline, results.combinations[0]
     grids = behaviour_grids(comparison)
     changes = [it for rows in (defined_changes, failed_changes) for it in rows(comparison, comparison.manner)]
@@ -92,40 +129,40 @@ def comparison_section(
     payoffs = payoff_story(comparison, audits)
     numbers = number_grids(comparison, results.kind, with_paths=True)[bool(returned.rows or returned.notes) :]
     full = (f"{headline.robot} {basis_text(comparison)}".strip(), headline.number)
-    return {
-        "title": title,
-        "card": card_of(comparison, title),
-        "show": links.place - 1 if links else None,
-        "full": [text for text in full if text],
-        "returns": returned._replace(title="") if returned.rows or returned.notes else None,
-        "mixtures": [mixture.text for mixture in comparison.mixtures],
-        "tests": claims_text(comparison),
-        "summary": describe_comparison(comparison),
-        "behaviour": grids[0] if grids else None,
-        "strips": [draw_strip(change) for change in changes],
-        "outcomes": bars,
-        "episodes": links.all if links else [],
-        "endings": _endings(links, bars),
-        "frames": frames_of(results, comparison),
-        "showing": [
+    return Section(
+        title=title,
+        card=card_of(comparison, title),
+        show=links.place - 1 if links else None,
+        full=[text for text in full if text],
+        returns=returned._replace(title="") if returned.rows or returned.notes else None,
+        mixtures=[mixture.text for mixture in comparison.mixtures],
+        tests=claims_text(comparison),
+        summary=describe_comparison(comparison),
+        behaviour=grids[0] if grids else None,
+        strips=[draw_strip(change) for change in changes],
+        outcomes=bars,
+        episodes=links.all if links else [],
+        endings=_endings(links, bars),
+        frames=frames_of(results, comparison),
+        showing=[
             {"baseline": links.showing(BASELINE, it), "proposed": links.showing(PROPOSED, it)} if links else {}
             for it in changes
         ],
-        "learning": _learning_panels(results, comparison),
-        "terms": [
+        learning=_learning_panels(results, comparison),
+        terms=[
             terms_grid(it)._replace(title=it.reward)
             for it in terms_of(results, comparison, is_first=comparison is first)
         ],
-        "splits": splits,
-        "curves": curves,
-        "payoffs": payoffs,
-        "profiles": _profile_panels(comparison),
-        "other_behaviour": _full([along_grid(comparison), *grids[1:], seeds_grid(comparison)]),
-        "numbers": numbers,
-        "has_number": bool(comparison.seeds and (splits or curves or payoffs or numbers or returned.rows)),
-        "symbol": symbol_of(headline.answer),
-        "trajectories": _trajectory_panels(results, comparison),
-    }
+        splits=splits,
+        curves=curves,
+        payoffs=payoffs,
+        profiles=_profile_panels(comparison),
+        other_behaviour=_full([along_grid(comparison), *grids[1:], seeds_grid(comparison)]),
+        numbers=numbers,
+        has_number=bool(comparison.seeds and (splits or curves or payoffs or numbers or returned.rows)),
+        symbol=symbol_of(headline.answer),
+        trajectories=_trajectory_panels(results, comparison),
+    )
 
 
 def alone_section(results: Results, alone: Alone) -> dict[str, Any]:
