@@ -218,7 +218,6 @@ if TYPE_CHECKING:
     from harness.results.overview import values_text as values_text
     from harness.results.recordings.episodes import episodes_of as episodes_of
     from harness.results.recordings.read_runs import has_recordings as has_recordings
-    from harness.results.recordings.results import RecordedResults as RecordedResults
     from harness.results.replay import Episode as Episode
     from harness.results.replay import Show as Show
     from harness.results.replay import Side as Side
@@ -226,9 +225,9 @@ if TYPE_CHECKING:
     from harness.results.replay import first_show as first_show
     from harness.results.replay import show_cells as show_cells
     from harness.results.replay import shows_of as shows_of
-    from harness.results.seen import ENDED as ENDED
     from harness.results.standing import told_manifests as told_manifests
     from harness.results.table import RANDOM as RANDOM
+    from harness.results.verdicts import ENDED as ENDED
     from harness.results.verdicts import with_verdicts as with_verdicts
     from harness.reward.needs import needs_of as needs_of
     from harness.robot.ground_clearance import Solids as Solids

@@ -211,10 +211,9 @@ def _of_folder(
         return audit_logs(folder, find_logs(folder, registry, log_format or ""), only, sort or "")
     if kind == EXPERIMENT:
         from harness.results.load import read_results
-        from harness.results.recordings.results import RecordedResults
 
         results = read_results(folder, registry)
-        if not isinstance(results, RecordedResults):
+        if not results.in_environment:
             from harness.audit.recorded.experiment import audit_experiment
             from harness.cli.audits import audits_of
 

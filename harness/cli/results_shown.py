@@ -115,9 +115,7 @@ def make_table_and_page(results: "Results", err: bool = False) -> None:
 
 def _draw_frames(results: "Results") -> None:
     """Have environments draw episodes of the policies that are compared, for the page."""
-    from harness.results.recordings.results import RecordedResults
-
-    if isinstance(results, RecordedResults):
+    if results.in_environment:
         from harness.experiment.environments.frames import draw_frames
         from harness.experiment.workers.workers import core_count
 

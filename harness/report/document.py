@@ -16,8 +16,8 @@ def report_to_json(results: Results) -> dict[str, Any]:
         SchemaError: A file is damaged or written by a newer version.
     """
     data = results.to_json()
-    for told, combination in zip(data["combinations"], results.combinations, strict=True):
-        learning = results.learning(combination)
+    for told, comparison in zip(data["combinations"], results.combinations, strict=True):
+        learning = results.learning(comparison)
         told["learning"] = learning and learning.to_json()
     data["evaluation_returns"] = [matrix.to_json() for matrix in results.returns]
     data["ranking"] = ranking_of(results).to_json()

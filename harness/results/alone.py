@@ -1,20 +1,15 @@
 """One reward alone: what it paid, and what its policies did, without a word of better or worse."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from harness.eta.behaviour_change import TRAINING, Quantity
-from harness.eta.headline import DECIDING
+from harness.eta.headline import SUCCESS
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
-from harness.record.cell import Cell
-from harness.record.folder import EVALUATION, RANDOM
-from harness.results.cell_results import PAID
 from harness.results.comparison import Group
-from harness.results.learning import LearningCurve, curve_of_training
-from harness.results.measured import Values
-from harness.results.metrics import measure_of
-from harness.results.records import Records
+from harness.results.learning import LearningCurve
+from harness.results.trainings import Ends, Trainings
 
 NO_BETTER = ""
 """In place of the direction of a measure that has none: pay."""
@@ -76,17 +71,7 @@ class Alone:
         }
 
 
-class OfTraining(NamedTuple):
-    """What one training was paid, and what its policy did, by name."""
-
-    start: Mapping[str, float | None]
-    end: Mapping[str, float | None]
-    evaluation: Mapping[str, float | None]
-    episodes: tuple[int, int]
-    """How many episodes start and end rest on each, and how many the evaluation."""
-
-
-def stages_of(measure: Quantity, trainings: Sequence[OfTraining], random: float | None) -> Stages:
+def stages_of(measure: Quantity, trainings: Sequence[Ends], random: float | None) -> Stages:
     """The means of one measure over trainings.
 
     Args:
@@ -111,61 +96,28 @@ def is_known(stages: Stages) -> bool:
     return any(it.mean is not None for it in (stages.start, stages.end, stages.evaluation))
 
 
-# The cells of an arm
-
-
-def alone_in(records: Records) -> tuple[Alone, ...]:
-    """What each reward did that no other stands beside, of all groups of done cells.
+def alone_of(trainings: Trainings[Any]) -> Alone | None:
+    """What the only reward of these trainings did; None where another one, or a null control, stands beside it.
 
     Raises:
         SchemaError: A file is damaged or written by a newer version.
     """
-    planned: dict[Group, set[str]] = {}
-    for manifest in records.manifests:
-        if manifest.status != "skipped":
-            planned.setdefault(Group.of(manifest.cell), set()).add(manifest.cell.reward.label)
-    if records.plan.control:
-        return ()
-    return tuple(_alone(records, group, cells) for group, cells in records.groups.items() if len(planned[group]) == 1)
-
-
-def _alone(records: Records, group: Group, cells: Sequence[Cell]) -> Alone:
-    ordered = sorted(cells, key=lambda cell: cell.seed)
-    trainings = [_training(records, cell) for cell in ordered]
-    manifest = records.manifest(ordered[0])
-    random: Values = records.measured(ordered[0]).random
-    first = records.named or DECIDING
-    names = sorted(records.metrics, key=lambda name: first.index(name) if name in first else len(first))
-    measures = [measure_of(name, records.metrics[name], TRAINING, trainings[0].episodes[1], manifest) for name in names]
-    found = [stages_of(measure, trainings, random.get(measure.name)) for measure in measures]
-    pay = Quantity(PAID, "", NO_BETTER, TRAINING)
-    curve = curve_of_training(records, group, ordered[0].reward.label, ordered)
-    return Alone(
-        group,
-        ordered[0].reward.label,
-        tuple(cell.seed for cell in ordered),
-        stages_of(pay, trainings, _random_return(records, ordered[0])),
-        tuple(filter(is_known, found)),
-        curve,
-        tuple(curve.points),
-    )
-
-
-def _training(records: Records, cell: Cell) -> OfTraining:
-    found = records.of(cell)
-    start, end, count = found.ends()
-    measured = records.measured(cell)
-    evaluated = {**measured.own, PAID: found.recorded_return(EVALUATION)}
-    found.finish()
-    return OfTraining(start, end, evaluated, (count, next(iter(measured.episodes.values()))))
-
-
-def _random_return(records: Records, cell: Cell) -> float | None:
-    """What the reward pays random actions, where a cell of its own recorded them."""
-    owner = records.floor_of(cell)
-    if owner is None or owner.reward != cell.reward:
+    if not trainings.is_alone:
         return None
-    found = records.of(owner)
-    value = found.recorded_return(RANDOM)
-    found.finish()
-    return value
+    (reward,) = trainings.rewards
+    members, pay = trainings.members(reward), Quantity(trainings.pay_name(reward), "", NO_BETTER, TRAINING)
+    ends, random = [trainings.ends(it) for it in members], trainings.at_random(reward)
+    first = trainings.leading
+    names = sorted(trainings.names, key=lambda name: first.index(name) if name in first else len(first))
+    measures = [trainings.measure(name, TRAINING, ends[0].episodes[1]) for name in names]
+    curve = trainings.learned(reward, members)
+    shown = [name for name in (*first[:1], SUCCESS) if name in curve.points][:1]
+    return Alone(
+        trainings.group,
+        reward,
+        tuple(it.seed for it in members),
+        stages_of(pay, ends, random.get(pay.name)),
+        tuple(filter(is_known, (stages_of(it, ends, random.get(it.name)) for it in measures))),
+        curve,
+        (*shown, pay.name),
+    )

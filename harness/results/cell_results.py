@@ -1,7 +1,7 @@
 """What follows from the files of one done cell, each thing computed once; see `harness.results.kept`."""
 
 import hashlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -14,11 +14,14 @@ from harness.errors import Unmeasured
 from harness.eta.behaviour_change import TRAINING
 from harness.log import Log
 from harness.measure import Measure
+from harness.record.cell import Cell
 from harness.record.cell_folder import is_named
 from harness.record.episode_facts import episode_facts, with_episode_facts
+from harness.record.floor import Floor, floors_in
 from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, TRACE, evaluation_files, other_manner
 from harness.record.manifest import Manifest
 from harness.record.returns import EVENTS, episode_sums, events_of, mean_over_episodes, mean_return
+from harness.record.store import Store
 from harness.record.trace import FLAGS, INTEGERS, read_trace, require_plausible, term_names, terms_of
 from harness.results.by_term import ByTerm, by_term, part_of
 from harness.results.kept import Kept
@@ -299,3 +302,47 @@ def _some(trace: Log, part: str) -> Log:
     chosen = episodes[:count] if part == START else episodes[-count:]
     rows = np.sort(np.concatenate([np.empty(0, np.int64), *chosen]))
     return with_episode_facts(trace.part(rows), replace(episode_facts(trace), ik_steps=None, work=None))
+
+
+class Floors:
+    """The floors of the cells in an experiment's folder."""
+
+    def __init__(self, store: Store, manifests: Iterable[Manifest], of: Callable[[Cell], CellResults]) -> None:
+        """Read nothing yet.
+
+        Args:
+            store: The folder.
+            manifests: The manifests of its cells.
+            of: A function that returns the results of a done cell.
+        """
+        self._of, self._owners = of, floors_in(manifests, store)
+        self._values: dict[str, Values] = {}
+
+    def of(self, cell: Cell) -> Values:
+        """Every metric of random actions in a done cell's simulator, task and robot; empty if no cell has them."""
+        owner = self.owner(cell)
+        if owner is None:
+            return {}
+        if owner.id not in self._values:
+            found = self._of(owner)
+            self._values[owner.id] = found.floor()
+            found.finish()
+        return self._values[owner.id]
+
+    def returns(self, cell: Cell, installed: InstalledReward) -> Float:
+        """What a reward pays each episode of these random actions, events included, (episodes,); empty without any.
+
+        Raises:
+            Unscored: It cannot.
+        """
+        owner = self.owner(cell)
+        if owner is None:
+            return np.zeros(0)
+        found = self._of(owner)
+        returns = found.floor_returns(installed)
+        found.finish()
+        return returns
+
+    def owner(self, cell: Cell) -> Cell | None:
+        """The cell that evaluated random actions in the place of a done cell; None if no cell did."""
+        return cell if self._of(cell).has_floor else self._owners.get(Floor.of(cell))

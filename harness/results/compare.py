@@ -1,187 +1,61 @@
 """Two rewards that trained in one group of cells, compared: the same for traces of an arm and for recordings."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import cached_property
-from typing import Generic, Literal, Protocol, Self, TypeVar
+from typing import Any, Generic
 
-from harness.arrays import Float
 from harness.errors import Unscored
 from harness.eta.behaviour_change import Change, Quantity, change_of
 from harness.eta.curve import GroupCurve
 from harness.eta.decompose import decompose
+from harness.eta.interval import SHARE
 from harness.eta.paid_at_random import PaidAtRandom, paid_at_random
 from harness.eta.return_split import ReturnSplit, split_returns
 from harness.eta.scored_sums import BB, BK, KB, KK, Pair
 from harness.eta.splits import Decomposition
-from harness.eta.swaps import Swaps
-from harness.results.along import Moments, changes_along, learning_changes
+from harness.eta.swaps import Swaps, swaps_of
+from harness.record.terms import FIRST, Terms
 from harness.results.comparison import Comparison, Group, StepChange
-from harness.results.measured import LAST, Measured, Moment, last_values
-from harness.results.mixture import Mixture
+from harness.results.measured import (
+    AREA,
+    LAST,
+    LEARNING,
+    STEPS_TO_GOAL,
+    Measured,
+    Moment,
+    last_values,
+    learning_values,
+    moments_by_due,
+)
+from harness.results.trainings import Match, Training, Trainings
+from harness.results.verdicts import LookOf, with_verdicts
 
 OWN: tuple[Pair, Pair] = (BB, KK)
 CROSSED: tuple[Pair, Pair] = (BK, KB)
-Training = TypeVar("Training")
+Moments = tuple[Sequence[Sequence[Moment]], Sequence[Sequence[Moment]]]
+"""The evaluations of each compared training by the baseline, then of each by the proposed reward."""
 
 
-@dataclass(frozen=True)
-class Match(Generic[Training]):
-    """The trainings of one comparison, in the order of the seeds.
+def compare_all(
+    asked: Sequence[tuple[Trainings[Any], Match[Any]]],
+    seeds: Collection[int],
+    terms: Terms = FIRST,
+    look_of: LookOf | None = None,
+    to_come: int = 0,
+) -> tuple[Comparison, ...]:
+    """All comparisons of an experiment. Their questions are asked together, and all hints are one family.
 
-    Attributes:
-        baseline: The label of the reward that the other one is compared with.
-        proposed: The label of the other one.
-        seeds: The seeds that both have; of the null control those of the baseline. What is paid is compared on them.
-        of_baseline: The trainings by the baseline, of these seeds.
-        of_proposed: The trainings by the other reward, of these seeds.
-        control: The baseline's trainings again with other seeds, if there are some for all seeds.
-        others: The trainings of each reward whose seed the other one lacks, by seed. Behaviour is compared on them too.
+    Args:
+        asked: The trainings that are compared, each with those of its group.
+        seeds: Of all trainings.
+        terms: What was agreed on before the first training.
+        look_of: In an experiment with looks: tells them.
+        to_come: How many planned trainings have not ended yet.
     """
-
-    baseline: str
-    proposed: str
-    seeds: tuple[int, ...]
-    of_baseline: Sequence[Training]
-    of_proposed: Sequence[Training]
-    control: Sequence[Training] = ()
-    others: tuple[Mapping[int, Training], Mapping[int, Training]] = field(default=({}, {}))
-
-    @classmethod
-    def of_seeds(
-        cls,
-        names: tuple[str, str],
-        baseline: Mapping[int, Training],
-        proposed: Mapping[int, Training],
-        control: Mapping[int, Training],
-    ) -> Self:
-        """Sort trainings by what both rewards have.
-
-        Args:
-            names: The labels of both rewards. Equal ones are the null control.
-            baseline: The baseline's trainings, by seed.
-            proposed: The other reward's.
-            control: The baseline's trainings with other seeds, by the seed that they stand beside.
-        """
-        seeds = tuple(sorted(baseline.keys() & proposed.keys()))
-        again = [control[seed] for seed in seeds if seed in control]
-        alone = {seed: baseline[seed] for seed in sorted(baseline.keys() - proposed.keys())}
-        others = {seed: proposed[seed] for seed in sorted(proposed.keys() - baseline.keys())}
-        return cls(
-            *names,
-            seeds,
-            [baseline[seed] for seed in seeds],
-            [proposed[seed] for seed in seeds],
-            again if len(again) == len(seeds) else [],
-            ({}, {}) if names[0] == names[1] else (alone, others),
-        )
-
-    @property
-    def sides(self) -> tuple[Sequence[Training], Sequence[Training]]:
-        """All trainings of both rewards, those of the seeds that both have first."""
-        alone, others = self.others
-        return [*self.of_baseline, *alone.values()], [*self.of_proposed, *others.values()]
-
-    @property
-    def seeds_of(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
-        """The seeds of `sides`."""
-        alone, others = self.others
-        return (*self.seeds, *alone), (*self.seeds, *others)
-
-    @property
-    def is_paired(self) -> bool:
-        """Whether both rewards trained with the same seeds."""
-        return not any(self.others)
-
-    def of(self, who: str) -> Sequence[Training]:
-        """The trainings of one side with the seeds that both have, ``baseline`` or ``proposed``."""
-        return self.of_baseline if who == "baseline" else self.of_proposed
-
-
-class Trainings(Protocol[Training]):
-    """The trainings of one group, as far as a comparison asks about them: cells of an arm, or recordings."""
-
-    @property
-    def group(self) -> Group:
-        """What all of them share."""
-
-    @property
-    def names(self) -> Sequence[str]:
-        """The names of the measures."""
-
-    @property
-    def deciding(self) -> tuple[str, ...]:
-        """The names of the measures that decide, in this order."""
-
-    @property
-    def success(self) -> str:
-        """The name of the share of episodes by which learning is measured; empty if there is none."""
-
-    @property
-    def averaged(self) -> int:
-        """The final policy counts with the mean over so many of the last evaluations, at most."""
-
-    @property
-    def number_of(self) -> Literal["returns", "indices"]:
-        """What the sentence about the number tells. Only what it tells makes a claim, besides the indices."""
-
-    def decided_in(self, episodes: Mapping[str, int]) -> str:
-        """The manner that decides; empty for that of the cells."""
-
-    def measured(self, training: Training) -> Measured:
-        """Every measure of a training, by manner."""
-
-    def moments(self, training: Training) -> Sequence[Moment]:
-        """Its evaluations, the one after the training last."""
-
-    def measure(self, name: str, manner: str, episodes: int) -> Quantity:
-        """What a measure is in the episodes of one manner, of which each seed has so many at least."""
-
-    def has_floor(self, manner: str) -> bool:
-        """Whether random actions are shown beside the episodes of a manner."""
-
-    def reason(self, match: Match[Training], name: str, manner: str) -> str:
-        """Why a measure has no value in some training; empty if it has one in all."""
-
-    def curve(self, match: Match[Training], pair: Pair) -> GroupCurve:
-        """S_r(tau_q) of one pair (r, q).
-
-        Raises:
-            Unscored: It is not known what r pays these trainings.
-        """
-
-    def control(self, match: Match[Training]) -> GroupCurve | None:
-        """The curve of the baseline's trainings with other seeds."""
-
-    def return_manners(self, episodes: Mapping[str, int]) -> Sequence[str]:
-        """The manners in which mean returns are compared."""
-
-    def returned(self, match: Match[Training], pair: Pair, manner: str) -> list[float]:
-        """R_r(q) of every seed, of one pair (r, q).
-
-        Raises:
-            Unscored: It is not known.
-        """
-
-    def paid_beside_random(self, trainings: Sequence[Training]) -> tuple[list[float], Float]:
-        """What one reward paid in the evaluation of each of its trainings, and what it pays random actions.
-
-        Args:
-            trainings: At least one; all by one reward.
-
-        Returns:
-            The mean return of an episode, of each training; the returns of random actions, (episodes,).
-
-        Raises:
-            Unscored: It is not known.
-        """
-
-    def same_steps(self, match: Match[Training]) -> bool:
-        """Whether both rewards taught the same steps: every step of each evaluation of every seed, bit for bit."""
-
-    def mixtures(self, match: Match[Training]) -> tuple[Mixture, ...]:
-        """Plugins of which several versions were used."""
+    swaps = swaps_of(sorted(seeds))
+    return with_verdicts([compare(of, match, swaps) for of, match in asked], terms, look_of, to_come)
 
 
 def compare(trainings: Trainings[Training], match: Match[Training], swaps: Swaps) -> Comparison:
@@ -206,6 +80,9 @@ def compare(trainings: Trainings[Training], match: Match[Training], swaps: Swaps
         decided_in=trainings.decided_in(comparer.episodes),
         number_of=trainings.number_of,
         trained=match.seeds_of,
+        rescaling=trainings.rescaling(match),
+        same_starts=trainings.same_starts(match),
+        counted=trainings.counted,
     )
     if not all(match.seeds_of):
         return empty
@@ -370,3 +247,45 @@ def _fewest_episodes(measured: Sequence[Measured]) -> dict[str, int]:
         for manner in manners
         if all(manner in it.manners for it in measured)
     }
+
+
+def changes_along(
+    group: Group, moments: Moments, names: Sequence[str], change: Callable[..., Change]
+) -> tuple[StepChange, ...]:
+    """The measures that decide, at each evaluation before the end that all trainings have.
+
+    Args:
+        group: What the trainings share.
+        moments: Their evaluations.
+        names: The names of the measures.
+        change: A function of a measure's name, its manner, and the values of both sides by seed.
+    """
+    one, other = ([dict(moments_by_due(its, group.evaluate_every, group.steps)) for its in side] for side in moments)
+    in_all = set.intersection(*(set(its) for its in (*one, *other)))
+
+    def at(due: int) -> tuple[Change, ...]:
+        return tuple(
+            change(
+                name, f"after {due:,} steps", *([its[due].values.get(name) for its in side] for side in (one, other))
+            )
+            for name in names
+        )
+
+    return tuple(StepChange(due, at(due)) for due in sorted(in_all) if due < group.steps)
+
+
+def learning_changes(group: Group, moments: Moments, success: str, change: Callable[..., Change]) -> list[Change]:
+    """How fast the trainings learned, by the share of episodes that end in success.
+
+    Args:
+        group: What the trainings share.
+        moments: Their evaluations.
+        success: The name of that measure.
+        change: A function of a measure, and the values of both sides by seed.
+    """
+    one, other = ([learning_values(its, group.steps, success) for its in side] for side in moments)
+    measures = (
+        Quantity(AREA, "", "higher", LEARNING, bounds=SHARE),
+        Quantity(STEPS_TO_GOAL, "steps", "lower", LEARNING, bounds=(0.0, float(group.steps))),
+    )
+    return [change(it, *([values[it.name] for values in side] for side in (one, other))) for it in measures]

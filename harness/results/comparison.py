@@ -25,8 +25,7 @@ from harness.eta.verdict.deals import smallest_p
 from harness.eta.verdict.ruling import Ruling
 from harness.record.cell import DISCOUNT, EVALUATION_HORIZON, NO_ROBOT, NO_SIMULATOR, UNKNOWN_ALGORITHM, Cell
 from harness.registry.choice import Choice
-from harness.results.measured import DETERMINISTIC, LAST, STOCHASTIC
-from harness.results.mixture import Mixture
+from harness.results.measured import DETERMINISTIC, LAST, STOCHASTIC, Mixture
 from harness.results.pool import Pool
 from harness.text import visible
 

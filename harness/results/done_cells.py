@@ -4,19 +4,20 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from functools import cached_property, partial
 
-from harness.errors import Unscored
+from harness.errors import SchemaError, Unscored
 from harness.measure import Measure
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, RANDOM, TRACE
 from harness.record.manifest import Manifest
+from harness.record.recording.recorded_training import recordings_in
 from harness.record.store import Store
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
-from harness.results.cell_results import CellResults
-from harness.results.floors import Floors
+from harness.results.cell_results import CellResults, Floors
 from harness.results.kept import Kept
 from harness.results.measured import Values
 from harness.results.metrics import load_metrics, with_fingerprints
+from harness.results.recordings.recording_results import RecordingResults, numbers_in_environment
 from harness.results.table import Numbers, metric_columns, numbers_of
 from harness.score.installed_reward import InstalledReward
 
@@ -122,3 +123,49 @@ class DoneCells:
     @cached_property
     def _fingerprinted(self) -> dict[str, tuple[Measure, str]]:
         return with_fingerprints(self.metrics)
+
+
+class DoneRecordings:
+    """Reads the recordings of done cells; see `DoneCells`, which has the same members."""
+
+    columns: tuple[str, ...] = ()
+
+    def __init__(self, store: Store) -> None:
+        """Read nothing yet."""
+        self._store = store
+
+    def numbers(self, done: Manifest) -> Callable[[Values], Numbers]:
+        """Random actions have no columns here."""
+        found = numbers_in_environment(self._store.folder, self._store.cell_folder(done.cell))
+        return lambda random: found
+
+    def floors(self, ended: Iterable[Manifest]) -> Callable[[Cell], Values]:
+        """See `DoneCells`."""
+        return lambda cell: {}
+
+    def keep(self, done: Manifest, compared: Iterable[Choice], scoring: Iterable[Choice]) -> None:
+        """Keep what follows from the recordings of a cell; see `DoneCells`. All rewards have paid them already."""
+        for path in recordings_in(self._store.cell_folder(done.cell)):
+            with suppress(SchemaError):  # the report says so
+                RecordingResults(self._store.folder, path).keep()
+
+
+def done_cells_of(
+    cells: Iterable[Cell],
+    store: Store,
+    registry: Registry,
+    metrics: Iterable[str] | None = None,
+    named: Sequence[str] = (),
+) -> DoneCells | DoneRecordings:
+    """What keeps the results of an experiment's cells as they end.
+
+    Args:
+        cells: The cells of the plan.
+        store: The folder of the experiment.
+        registry: The plugins.
+        metrics: Which metrics of an arm; see `harness.results.metrics.load_metrics`.
+        named: The measures that the experiment names.
+    """
+    if any(cell.is_in_environment for cell in cells):
+        return DoneRecordings(store)
+    return DoneCells(store, registry, metrics, named)

@@ -5,17 +5,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-import numpy as np
-
-from harness.eta.headline import SUCCESS
-from harness.eta.interval import SHARE, UNBOUNDED, Bounds
+from harness.eta.interval import UNBOUNDED, Bounds
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
-from harness.measure import bounds_of, is_share
-from harness.record.cell import Cell
-from harness.results.cell_results import PAID
-from harness.results.comparison import Comparison, Group
+from harness.results.comparison import Group
 from harness.results.measured import Moment, Values, moments_by_due
-from harness.results.records import Records
 
 STRETCHES = 20
 """How many stretches a training has, each a point of its curve: the mean over the episodes that ended in it."""
@@ -98,29 +91,6 @@ class Learning:
         }
 
 
-def learning_of(results: Records, combination: Comparison) -> Learning | None:
-    """The learning curves of a combination: of evaluations, or where there are none of the training itself.
-
-    Of all trainings of each reward. None for the null control, and where one has none.
-
-    Raises:
-        SchemaError: A file is damaged or written by a newer version.
-    """
-    if combination.is_control or not combination.has_trainings:
-        return None
-    sides = list(zip((combination.baseline, combination.proposed), combination.trained, strict=True))
-    if combination.group.evaluate_every:
-        baseline, proposed = (_curve(results, combination, *it) for it in sides)
-        if any(len(run.moments) > 1 for curve in (baseline, proposed) for run in curve.runs):
-            random = {change.name: change.random for change in combination.changes_of(combination.own_manner)}
-            return Learning(baseline, proposed, random)
-    baseline, proposed = (
-        curve_of_training(results, combination.group, label, _cells_of(results, combination.group, label, seeds))
-        for label, seeds in sides
-    )
-    return Learning(baseline, proposed, dict.fromkeys(baseline.points))
-
-
 def learning_points(
     runs: Sequence[LearningRun], metric: str, group: Group, is_share: bool = False, bounds: Bounds = UNBOUNDED
 ) -> tuple[Point, ...]:
@@ -161,47 +131,11 @@ def mean_point(
     return Point(end, mean_over_seeds(known, missing, episodes, bounds))
 
 
-def curve_of_training(results: Records, group: Group, label: str, cells: Sequence[Cell]) -> LearningCurve:
-    """Success, and what the own reward paid, of the episodes that ended in each stretch of the training.
-
-    Args:
-        results: The records.
-        group: What the trainings share.
-        label: Of their reward.
-        cells: The trainings.
-    """
-    learned = [results.learned(cell) for cell in cells]
-    success, paid = [], []
-    for begin, end in stretches(group.steps):
-        ended = [it[1:, slice(*np.searchsorted(it[0], [begin, end]))] for it in learned]
-        means = [it.mean(axis=1).tolist() if it.shape[1] else (None, None) for it in ended]
-        fewest = min(it.shape[1] for it in ended)
-        success.append(mean_point(end, [it[0] for it in means], fewest or None, SHARE))
-        paid.append(mean_point(end, [it[1] for it in means]))
-    return LearningCurve(label, (), {SUCCESS: tuple(success), PAID: tuple(paid)})
-
-
 def _point(moments: list[Moment], metric: str, seeds: int, episodes: int | None, bounds: Bounds) -> Point:
     values = [value for moment in moments if (value := moment.values[metric]) is not None]
     missing = None if len(values) == seeds else f"{seeds - len(values)} of {seeds} seeds have no value here"
     steps = round(sum(moment.steps for moment in moments) / len(moments))
     return Point(steps, mean_over_seeds(values, missing, episodes, bounds))
-
-
-def _curve(results: Records, combination: Comparison, label: str, seeds: Sequence[int]) -> LearningCurve:
-    cells = _cells_of(results, combination.group, label, seeds)
-    runs = tuple(LearningRun(cell.seed, results.moments(cell)) for cell in cells)
-    points = {
-        name: learning_points(runs, name, combination.group, is_share(metric), bounds_of(metric))
-        for name, metric in results.metrics.items()
-    }
-    return LearningCurve(label, runs, points)
-
-
-def _cells_of(results: Records, group: Group, label: str, seeds: Sequence[int]) -> list[Cell]:
-    """The done cells of a reward with these seeds, in their order."""
-    found = {cell.seed: cell for cell in results.done_cells if Group.of(cell) == group and cell.reward.label == label}
-    return [found[seed] for seed in seeds]
 
 
 def _point_to_json(point: Point) -> dict[str, Any]:

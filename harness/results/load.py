@@ -1,21 +1,16 @@
 """Reads the results in a folder, whatever was trained: arms, policies in environments, or recordings that lie loose."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from pathlib import Path
 
 from harness.errors import UsageError
 from harness.eta.curve import Kind
-from harness.record.cell import Cell
 from harness.record.store import Store
 from harness.registry.given import read_given
 from harness.registry.registry import Registry, load_registry
-from harness.results.done_cells import DoneCells
 from harness.results.logs.results_of_logs import results_of_logs
 from harness.results.logs.told import FOUND_OUT, Told
-from harness.results.recordings.done_recordings import DoneRecordings
-from harness.results.recordings.loose import LooseStore
-from harness.results.recordings.read_runs import has_recordings
-from harness.results.recordings.results import RecordedResults
+from harness.results.recordings.read_runs import LooseStore, has_recordings
 from harness.results.results import Results
 from harness.text import command_text
 
@@ -76,44 +71,12 @@ def read_results(
         told: What the user says of logs.
     """
     told = told or FOUND_OUT
-    if not Store.is_experiment(folder) and (told.format or not has_recordings(folder)):
+    if Store.is_experiment(folder):
+        return Results(folder, registry, kind, metrics=metrics, is_temporary=is_temporary, pairs=pairs)
+    if told.format or not has_recordings(folder):
         return results_of_logs(folder, registry, told, kind, metrics, pairs=pairs)
-    if not Store.is_experiment(folder):
-        loose = LooseStore(folder, baseline=told.baseline)
-        return RecordedResults(
-            folder, registry, kind, metrics=metrics, is_temporary=is_temporary, store=loose, pairs=pairs
-        )
-    store = Store.open(folder)
-    cells = store.read_plan().cells
-    kinds = {cell.is_in_environment for cell in cells}
-    if len(kinds) > 1:
-        raise UsageError(f"'{folder}' mixes cells of an arm with cells in environments: report them apart")
-    if kinds == {True}:
-        kind_of: type[Results] = RecordedResults
-    else:
-        kind_of = Results
-    return kind_of(folder, registry, kind, metrics=metrics, is_temporary=is_temporary, store=store, pairs=pairs)
-
-
-def done_cells_of(
-    cells: Iterable[Cell],
-    store: Store,
-    registry: Registry,
-    metrics: Iterable[str] | str | None = None,
-    named: Sequence[str] = (),
-) -> DoneCells | DoneRecordings:
-    """What keeps the results of an experiment's cells as they end.
-
-    Args:
-        cells: The cells of the plan.
-        store: The folder of the experiment.
-        registry: The plugins.
-        metrics: See `load_results`.
-        named: The measures that the experiment names.
-    """
-    if any(cell.is_in_environment for cell in cells):
-        return DoneRecordings(store)
-    return DoneCells(store, registry, metrics, named)
+    loose = LooseStore(folder, baseline=told.baseline)
+    return Results(folder, registry, kind, metrics=metrics, is_temporary=is_temporary, store=loose, pairs=pairs)
 
 
 def require_arm(results: Results, command: str) -> None:
@@ -122,7 +85,7 @@ def require_arm(results: Results, command: str) -> None:
     Raises:
         UsageError: They are in an environment; `command` says what needs more.
     """
-    if isinstance(results, RecordedResults):
+    if results.in_environment:
         raise UsageError(
             f"{command} needs traces of an arm, and the cells of '{results.folder}' are recorded trainings in an "
             f"environment: {command_text('harness', 'report', results.folder)} compares them"

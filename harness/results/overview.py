@@ -114,21 +114,21 @@ def varying_kinds(combinations: Sequence[Comparison]) -> list[str]:
     return [*kinds, *(["steps"] if len({it.group.steps for it in combinations}) > 1 else [])]
 
 
-def group_name(combination: Comparison, varying: Sequence[str]) -> str:
+def group_name(comparison: Comparison, varying: Sequence[str]) -> str:
     """The name of a combination's group: its labels of the kinds that differ."""
-    told = {**combination.group.shown, "steps": f"{combination.group.steps:,} steps"}
+    told = {**comparison.group.shown, "steps": f"{comparison.group.steps:,} steps"}
     return " · ".join(told[kind] for kind in varying)
 
 
-def overview_row(name: str, combination: Comparison, with_intervals: bool, overview: Overview) -> tuple[str, ...]:
+def overview_row(name: str, comparison: Comparison, with_intervals: bool, overview: Overview) -> tuple[str, ...]:
     """The values under the headings of an overview."""
-    answer = combination.headline.answer.value.upper()
-    measured = (name, answer, decider_text(combination), measure_text(combination.decisive))
+    answer = comparison.headline.answer.value.upper()
+    measured = (name, answer, decider_text(comparison), measure_text(comparison.decisive))
     if overview.numbers == "none":
         return measured
     if overview.numbers != "indices":
-        return (*measured, *_returned(combination.main, overview.numbers == "ratio"))
-    splits = combination.splits
+        return (*measured, *_returned(comparison.main, overview.numbers == "ratio"))
+    splits = comparison.splits
     etas = (splits["eta_N"].eta, splits["eta_P"].eta)
     told = (short_value(eta) + (_interval(eta) if with_intervals else "") for eta in etas)
     return (*measured, *told, short_value(splits["eta_P"].ruler))
@@ -157,11 +157,11 @@ def values_text(baseline: float, proposed: float, unit: str, is_share: bool) -> 
     return f"{short_number(baseline)}{ARROW}{short_number(proposed)}{unit and ' '}{unit}"
 
 
-def decider_text(combination: Comparison) -> str:
+def decider_text(comparison: Comparison) -> str:
     """The measure that decided, with its values if the overview has no column for it."""
-    name = combination.headline.decided_by
-    change = next((it for it in combination.decisive_changes if key_of(it) == name), None)
-    first = None if combination.decisive is None else key_of(combination.decisive)
+    name = comparison.headline.decided_by
+    change = next((it for it in comparison.decisive_changes if key_of(it) == name), None)
+    first = None if comparison.decisive is None else key_of(comparison.decisive)
     return decided_by_text(name, first, measure_text(change))
 
 

@@ -91,13 +91,13 @@ class Show:
         title: What the sides have in common.
         numbers: The numbers of the episodes in the evaluation, from 1.
         sides: One, or the baseline's and the proposed reward's.
-        combination: The combination that compares both rewards; None if nothing compares the cells.
+        comparison: The combination that compares both rewards; None if nothing compares the cells.
     """
 
     title: str
     numbers: tuple[int, ...]
     sides: tuple[Side, ...]
-    combination: Comparison | None = None
+    comparison: Comparison | None = None
 
 
 def shows_of(results: Results, most: int = MOST) -> tuple[Show, ...]:
@@ -182,12 +182,12 @@ class ShownCells(NamedTuple):
     cells: tuple[Cell, ...]
     title: str
     titles: tuple[str, ...]
-    combination: Comparison | None = None
+    comparison: Comparison | None = None
 
     @property
     def files(self) -> list[str]:
         """The evaluation of each cell that is shown. For a combination it is the one that decides about the robot."""
-        told = self.combination
+        told = self.comparison
         if told is None or told.manner == told.own_manner:
             return [EVALUATION] * len(self.cells)
         return [other_manner(cell.deterministic) for cell in self.cells]
@@ -236,7 +236,7 @@ def find_done(results: Results, name: str) -> Cell:
 
 def _show(results: Results, pair: ShownCells, most: int) -> Show | None:
     """The show of a pair; None if a cell has no scene, or if no episode ended."""
-    cells, title, titles, combination = pair
+    cells, title, titles, comparison = pair
     folders = [results.store.cell_folder(cell) for cell in cells]
     scenes = [read_scene(folder) for folder in folders]
     known = [scene for scene in scenes if scene is not None]
@@ -261,7 +261,7 @@ def _show(results: Results, pair: ShownCells, most: int) -> Show | None:
         )
         for told, cell, scene, trace, way in zip(titles, cells, known, traces, ways, strict=True)
     )
-    return Show(title, tuple(number + 1 for number in chosen), sides, combination) if chosen else None
+    return Show(title, tuple(number + 1 for number in chosen), sides, comparison) if chosen else None
 
 
 def _read(path: Path, scene: Scene) -> Log:

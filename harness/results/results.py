@@ -3,50 +3,120 @@
 import html
 import importlib.util
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import pyarrow as pa
 
+from harness.arrays import Float
 from harness.errors import UsageError
+from harness.eta.curve import Kind
 from harness.eta.equal import key_to_json
+from harness.log import Log
+from harness.measure import Measure
 from harness.record.cell import Cell
 from harness.record.manifest import Manifest
-from harness.results.alone import Alone, alone_in
-from harness.results.combine import combine
-from harness.results.comparison import Comparison, pools_of
+from harness.record.store import Store
+from harness.registry.registry import Registry
+from harness.results.alone import Alone, alone_of
+from harness.results.comparison import Comparison, Group, pools_of
 from harness.results.frames import Frames
-from harness.results.learning import Learning, learning_of
+from harness.results.learning import Learning
+from harness.results.measured import Measured, Moment, Values, measure
 from harness.results.overview import overview_html
 from harness.results.pool import Pool
+from harness.results.recordings.recordings import Recordings
+from harness.results.recordings.study import PlaceStudy
 from harness.results.records import Records
-from harness.results.return_matrix import ReturnMatrix, return_matrices
-from harness.results.rows import comparison_rows
-from harness.results.table import Numbers, cell_to_json, metric_columns, numbers_of, table_of, write_table
-from harness.results.terms_paid import TermsPaid, terms_of_cells
+from harness.results.return_matrix import ReturnMatrix
+from harness.results.table import Numbers, cell_to_json, comparison_rows, metric_columns, table_of, write_table
+from harness.results.terms_paid import TermsPaid, terms_of
+from harness.results.traces import Traces
+from harness.results.trainings import Source, Trainings
 
 FORMAT = 1
 """The version of what reports say as JSON; docs/json.md explains it."""
 
 
 class Results(Records):
-    """The cells of an experiment that trained an arm; `harness.results.recordings.results` has those of environments.
+    """The cells of an experiment, or recorded trainings, and what compares them."""
 
-    Attributes:
-        subject: What behaves, in words.
-    """
+    def __init__(
+        self,
+        folder: Path,
+        registry: Registry,
+        kind: Kind = "accumulated",
+        *,
+        metrics: Iterable[str] | str | None = None,
+        is_temporary: bool = False,
+        store: Store | None = None,
+        pairs: bool = False,
+    ) -> None:
+        """Read the plan and all manifests; see `Records` for what is not told here.
 
-    subject: ClassVar[str] = "robot"
+        Args:
+            folder: The folder of the experiment, or of the recordings.
+            registry: The plugins, for metrics and rewards.
+            kind: Which curves the indices are read from.
+            metrics: Which metrics; every registered one if None, see `harness.results.metrics.load_metrics`. Of an
+                environment: which of its measures, beside the one that decides.
+            is_temporary: Whether the folder is soon gone.
+            store: Reads the folder.
+            pairs: Whether every two rewards are compared.
+
+        Raises:
+            UsageError: The folder is no experiment's, or mixes cells of an arm with others; or a named metric is not
+                registered.
+            PluginError: A named metric is broken.
+            SchemaError: A newer version wrote a file in it, or its plan is damaged and the cells do not tell either.
+        """
+        super().__init__(folder, registry, kind, is_temporary=is_temporary, store=store, pairs=pairs)
+        kinds = {cell.is_in_environment for cell in self.plan.cells}
+        if len(kinds) > 1:
+            raise UsageError(f"'{folder}' mixes cells of an arm with cells in environments: report them apart")
+        self.in_environment = kinds == {True}
+        self.traces = Traces(self, metrics if not self.in_environment else None)
+        self.recordings = Recordings(self, metrics) if self.in_environment else None
+        self.source: Source = self.recordings or self.traces
+        self.manifests = list(map(self.source.examine, self.manifests))
+
+    @property
+    def subject(self) -> str:
+        """What behaves, in words."""
+        return self.source.subject
+
+    @property
+    def metrics(self) -> Mapping[str, Measure]:
+        """Every registered metric, or those that were chosen, by name; none of an environment."""
+        return self.source.metrics
+
+    @property
+    def measures(self) -> tuple[str, ...]:
+        """The names of all measures of behaviour."""
+        return self.source.measures
+
+    @property
+    def not_measured(self) -> dict[str, str]:
+        """Why each metric failed in a done cell, from the first such cell."""
+        reasons: dict[str, str] = {}
+        for manifest in self.done:
+            reasons = {**self.measured(manifest.cell).reasons, **reasons}
+        return reasons
+
+    @property
+    def studies(self) -> tuple[PlaceStudy, ...]:
+        """The recorded trainings of each algorithm in each environment; none of an arm."""
+        return () if self.recordings is None else self.recordings.studies
 
     @cached_property
     def combinations(self) -> tuple[Comparison, ...]:
         """Every proposed reward against the baseline, or every two rewards where `pairs` was asked for.
 
-        A baseline that is its own proposed reward is the null control.
+        A baseline that is its own proposed reward is the null control; these come last.
         """
-        return combine(self)
+        return tuple(sorted(self.source.comparisons, key=lambda it: it.is_control))
 
     @property
     def pools(self) -> tuple[Pool, ...]:
@@ -56,17 +126,17 @@ class Results(Records):
     @cached_property
     def notes(self) -> tuple[str, ...]:
         """What to keep in mind of the trainings, a line each."""
-        return ()
+        return tuple(self.source.notes)
 
     @property
     def said(self) -> tuple[str, ...]:
         """How what was found was sorted and read, a line each: what to know before the first number."""
-        return ()
+        return tuple(self.source.said)
 
     @property
     def damaged_recordings(self) -> tuple[str, ...]:
         """Recordings that could not be read, a line each; a cell with a damaged file is among `damaged` instead."""
-        return ()
+        return tuple(self.source.damaged)
 
     @cached_property
     def returns(self) -> tuple[ReturnMatrix, ...]:
@@ -75,7 +145,7 @@ class Results(Records):
         Raises:
             SchemaError: A file is damaged or written by a newer version.
         """
-        return tuple(return_matrices(self))
+        return self.source.returns
 
     @cached_property
     def terms(self) -> tuple[TermsPaid, ...]:
@@ -84,7 +154,7 @@ class Results(Records):
         Raises:
             SchemaError: A file is damaged or written by a newer version.
         """
-        return terms_of_cells(self)
+        return tuple(paid for trainings in self.source.trainings for paid in terms_of(trainings))
 
     @cached_property
     def alone(self) -> tuple[Alone, ...]:
@@ -93,23 +163,47 @@ class Results(Records):
         Raises:
             SchemaError: A file is damaged or written by a newer version.
         """
-        return alone_in(self)
+        return tuple(alone for it in self.source.trainings if (alone := alone_of(it)) is not None)
 
-    def learning(self, combination: Comparison) -> Learning | None:
-        """How the policies of a combination behaved while they learned; None if that is not known.
+    def trainings(self, group: Group) -> Trainings[Any]:
+        """The done trainings of a group, which has some."""
+        return next(it for it in self.source.trainings if it.group == group)
+
+    def learning(self, comparison: Comparison) -> Learning | None:
+        """How the policies of a comparison behaved while they learned; None if that is not known.
+
+        Of all trainings of each reward. None for the null control, and where one has none.
 
         Raises:
             SchemaError: A file is damaged or written by a newer version.
         """
-        return learning_of(self, combination)
+        if comparison.is_control or not comparison.has_trainings:
+            return None
+        return self.trainings(comparison.group).learning(comparison)
+
+    def measured(self, cell: Cell) -> Measured:
+        """Every measure of a done cell, by manner; none of a cell in an environment that is not compared."""
+        return self.source.measured(cell)
+
+    def moments(self, cell: Cell) -> tuple[Moment, ...]:
+        """Every evaluation of a done cell during its training, and the one after it."""
+        return self.source.moments(cell)
+
+    def recorded(self, cell: Cell) -> Float:
+        """What a done cell's own reward paid, every row of its training, (rows,)."""
+        return self.source.recorded(cell)
 
     def frames(self, cell: Cell) -> Frames | None:
         """Pictures of an evaluation episode that an environment drew; None of an arm, which has a replay."""
-        return None
+        return self.source.frames(cell)
+
+    def measure(self, trace: Log) -> Values:
+        """Every metric of an evaluation."""
+        return measure(self.metrics, trace)
 
     def older_keys(self) -> dict[str, Any]:
         """What a report says as JSON for readers of version 0.1 alone; these keys leave with the next format."""
-        return {}
+        return self.source.older_keys()
 
     def to_json(self) -> dict[str, Any]:
         """Combinations and cells, plain data; see `harness.report.document` for all that a report says."""
@@ -117,7 +211,7 @@ class Results(Records):
             "format": FORMAT,
             "baseline": self.baseline,
             "curve": self.kind,
-            "combinations": [combination.to_json() for combination in self.combinations],
+            "combinations": [comparison.to_json() for comparison in self.combinations],
             "over_places": [pool.to_json() for pool in self.pools],
             "terms": self.plan.terms.to_json(),
             "cells": [{**cell_to_json(it), "task": it.cell.task.label} for it in self.manifests],
@@ -148,7 +242,7 @@ class Results(Records):
     def comparisons(self) -> Any:
         """A `pandas.DataFrame` with a row per comparison: the answer, its test, what decides, and the numbers.
 
-        `harness.results.rows.comparison_rows` makes the same as a table of pyarrow, which needs no pandas.
+        `harness.results.table.comparison_rows` makes the same as a table of pyarrow, which needs no pandas.
 
         Raises:
             UsageError: pandas is not installed.
@@ -169,7 +263,7 @@ class Results(Records):
 
     def numbers(self, cell: Cell) -> Numbers:
         """The numbers of a done cell, in the columns of `write_table`."""
-        return numbers_of(self.measured(cell), self.metrics)
+        return self.source.numbers(cell)
 
 
 def _data_frame(table: pa.Table, asked: str) -> Any:

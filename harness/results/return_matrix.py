@@ -1,6 +1,6 @@
 """What each reward would have paid the policies that each reward trained. Reads results only."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,12 +10,11 @@ from harness.record.folder import EVALUATION
 from harness.registry.choice import Choice
 from harness.results.cell_results import CellResults
 from harness.results.comparison import Group
-from harness.results.records import Records
 from harness.score.installed_reward import InstalledReward
 
 UNFINISHED = "no finished episode in some seeds"
 
-Trainings = Mapping[Choice, list[CellResults]]
+Scored = Mapping[Choice, Sequence[CellResults]]
 """The cells of each seed, by the reward that they were trained with."""
 
 
@@ -49,22 +48,27 @@ class ReturnMatrix:
         }
 
 
-def return_matrices(results: Records) -> list[ReturnMatrix]:
-    """One matrix per group of cells that are done, scored by every reward of the experiment.
+def return_matrices(
+    scoring: Sequence[Choice], groups: Mapping[Group, Scored], installed: Callable[[Choice], InstalledReward]
+) -> tuple[ReturnMatrix, ...]:
+    """One matrix per group of cells that are done.
+
+    Args:
+        scoring: Every reward of the experiment.
+        groups: The cells of an arm.
+        installed: Gives what pays them again by a reward.
 
     Raises:
         SchemaError: A file is damaged or written by a newer version.
     """
-    scoring = dict.fromkeys(manifest.cell.reward for manifest in results.manifests if manifest.status != "skipped")
-    groups: dict[Group, dict[Choice, list[CellResults]]] = {}
-    for cell in sorted(results.done_cells, key=lambda cell: cell.seed):
-        groups.setdefault(Group.of(cell), {}).setdefault(cell.reward, []).append(results.of(cell))
-    return [_matrix(results, group, list(scoring), trainings) for group, trainings in groups.items()]
+    return tuple(_matrix(installed, group, scoring, trainings) for group, trainings in groups.items())
 
 
-def _matrix(results: Records, group: Group, scoring: list[Choice], found: Trainings) -> ReturnMatrix:
+def _matrix(
+    installed: Callable[[Choice], InstalledReward], group: Group, scoring: Sequence[Choice], found: Scored
+) -> ReturnMatrix:
     trainings = {choice: found[choice] for choice in scoring if choice in found}
-    rewards = _unchanged(results, scoring, trainings)
+    rewards = _unchanged(installed, scoring, trainings)
     rows: dict[str, dict[str, SeedMean]] = {choice.label: {} for choice in scoring}
     events = {}
     for training, cells in trainings.items():
@@ -82,11 +86,11 @@ Scoring = Mapping[Choice, InstalledReward | str]
 """What pays again, by reward; the reason if a reward cannot pay any more."""
 
 
-def _unchanged(results: Records, scoring: list[Choice], trainings: Trainings) -> Scoring:
+def _unchanged(installed: Callable[[Choice], InstalledReward], scoring: Sequence[Choice], trainings: Scored) -> Scoring:
     """The rewards that still pay what they paid in the experiment. A reward without a done cell is not checked."""
     rewards: dict[Choice, InstalledReward | str] = {}
     for choice in scoring:
-        rewards[choice] = reward = results.installed(choice)
+        rewards[choice] = reward = installed(choice)
         try:
             if choice in trainings:
                 reward.require_unchanged(trainings[choice][0].pays_recorded(reward, EVALUATION))

@@ -18,7 +18,7 @@ from harness.record.terms import Terms
 from harness.results.comparison import Comparison
 from harness.results.measured import LAST, last_values
 from harness.results.results import Results
-from harness.results.seen import Seen
+from harness.results.verdicts import Seen
 
 
 @dataclass(frozen=True, eq=False)

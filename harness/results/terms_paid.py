@@ -7,35 +7,16 @@ the sum of its terms, so is that part: here it is told term by term.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
-from harness.errors import Unscored
 from harness.eta.interval import difference_interval, variance_of, why_no_interval
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
-from harness.record.cell import Cell
-from harness.record.folder import EVALUATION, RANDOM, TRACE
-from harness.registry.choice import Choice
 from harness.results.by_term import ByTerm
 from harness.results.comparison import Group
-from harness.results.records import Records
+from harness.results.trainings import TermsOfTraining, Trainings
 
 PATH = "behaviour under {reward}, the ruler on the episodes of {baseline}'s trainings"
 NOTHING = SeedMean(None)
-
-
-class Trained(NamedTuple):
-    """What the terms of one reward paid one training."""
-
-    training: ByTerm | None
-    """In the training itself; None where it is not asked for."""
-    evaluation: ByTerm | None
-    """In the evaluation of its final policy; None where there is none."""
-
-    def final(self, term: str) -> float | None:
-        """What a term paid an episode of the evaluation, or where there is none of the end of the training."""
-        told = self.evaluation or self.training
-        found = told.terms.get(term) if told else None
-        return None if found is None else found.whole if self.evaluation else found.end
 
 
 @dataclass(frozen=True)
@@ -146,9 +127,9 @@ class TermsPaid:
 def terms_paid(
     group: Group,
     names: tuple[str, str],
-    own: Sequence[Trained],
-    others: Sequence[Trained] = (),
-    ours: Sequence[Trained] = (),
+    own: Sequence[TermsOfTraining],
+    others: Sequence[TermsOfTraining] = (),
+    ours: Sequence[TermsOfTraining] = (),
     random: ByTerm | None = None,
     missing: str = "",
 ) -> TermsPaid | None:
@@ -172,7 +153,11 @@ def terms_paid(
 
 
 def _term(
-    name: str, own: Sequence[Trained], others: Sequence[Trained], ours: Sequence[Trained], random: ByTerm | None
+    name: str,
+    own: Sequence[TermsOfTraining],
+    others: Sequence[TermsOfTraining],
+    ours: Sequence[TermsOfTraining],
+    random: ByTerm | None,
 ) -> TermPaid:
     trained = [it.training.terms[name] for it in own if it.training is not None and name in it.training.terms]
     mine, theirs, before = ([it.final(name) for it in side] for side in (own, others, ours))
@@ -206,64 +191,17 @@ def _difference(less: Sequence[float | None], from_: Sequence[float | None]) -> 
     return SeedMean(mean, *difference_interval(one, other, (variance_of(one), variance_of(other))), seeds)
 
 
-# The cells of an arm
-
-
-def terms_of_cells(records: Records) -> tuple[TermsPaid, ...]:
-    """What each term of each reward paid, of all groups of done cells.
+def terms_of(trainings: Trainings[Any]) -> Iterator[TermsPaid]:
+    """What each term paid, of each reward of these trainings that has terms.
 
     Raises:
         SchemaError: A file is damaged or written by a newer version.
     """
-    return tuple(found for group, cells in records.groups.items() for found in _of_group(records, group, cells))
-
-
-def _of_group(records: Records, group: Group, cells: Sequence[Cell]) -> Iterator[TermsPaid]:
-    taught: dict[Choice, list[Cell]] = {}
-    for cell in sorted(cells, key=lambda cell: cell.seed):
-        if not records.is_control(cell):
-            taught.setdefault(cell.reward, []).append(cell)
-    baseline = next((choice for choice in taught if choice.label == records.baseline), None)
-    for choice, own in taught.items():
-        if not any(records.of(cell).term_names() for cell in own):
-            continue
-        pays = _Pays(records, choice)
-        beside = taught[baseline] if baseline is not None and baseline != choice else []
-        others, missing = pays.those(beside)
-        names = (choice.label, beside[0].reward.label if beside else "")
-        has_terms = beside and records.of(beside[0]).term_names()
-        ours = _Pays(records, beside[0].reward).those(beside)[0] if has_terms else []
-        yield from filter(None, [terms_paid(group, names, pays.own(own), others, ours, pays.random(own[0]), missing)])
-
-
-class _Pays:
-    """What the terms of one reward pay cells, one cell after the other in memory."""
-
-    def __init__(self, records: Records, choice: Choice) -> None:
-        self._records, self._reward = records, records.installed(choice)
-
-    def own(self, cells: Sequence[Cell]) -> list[Trained]:
-        """The trainings that it taught, and their evaluations."""
-        return [Trained(self._terms(cell, TRACE), self._terms(cell, EVALUATION)) for cell in cells]
-
-    def those(self, cells: Sequence[Cell]) -> tuple[list[Trained], str]:
-        """The evaluations of trainings that another reward taught; why they cannot be paid."""
-        try:
-            return [Trained(None, self._terms(cell, EVALUATION)) for cell in cells], ""
-        except Unscored as unscored:
-            return [], str(unscored)
-
-    def random(self, cell: Cell) -> ByTerm | None:
-        """Random actions in the same place; None where they are not recorded, or cannot be paid."""
-        owner = self._records.floor_of(cell)
-        try:
-            return None if owner is None else self._terms(owner, RANDOM)
-        except Unscored:
-            return None
-
-    def _terms(self, cell: Cell, file: str) -> ByTerm:
-        found = self._records.of(cell)
-        try:
-            return found.terms_paid(self._reward, file)
-        finally:
-            found.finish()
+    baseline = trainings.baseline
+    for reward in filter(trainings.has_terms, trainings.rewards):
+        is_beside = reward != baseline and baseline in trainings.rewards
+        own = trainings.terms_paid(reward)
+        others, missing = trainings.terms_beside(reward, baseline) if is_beside else ([], "")
+        ours = trainings.terms_paid(baseline) if is_beside and trainings.has_terms(baseline) else []
+        names, random = (reward, baseline if is_beside else ""), trainings.terms_at_random(reward)
+        yield from filter(None, [terms_paid(trainings.group, names, own, others, ours, random, missing)])

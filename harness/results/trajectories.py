@@ -46,7 +46,7 @@ class Trajectories:
     proposed: tuple[Trajectory, ...]
 
 
-def trajectories_of(results: Results, combination: Comparison) -> Trajectories | None:
+def trajectories_of(results: Results, comparison: Comparison) -> Trajectories | None:
     """The end effector's paths under both rewards, for the first seed that both have.
 
     None if there is no such seed, or for the null control, which has only one reward.
@@ -54,15 +54,15 @@ def trajectories_of(results: Results, combination: Comparison) -> Trajectories |
     Raises:
         SchemaError: A file is damaged or written by a newer version.
     """
-    if not combination.seeds or combination.is_control:
+    if not comparison.seeds or comparison.is_control:
         return None
-    seed = combination.seeds[0]
+    seed = comparison.seeds[0]
     cells = {
         cell.reward.label: cell
         for cell in results.done_cells
-        if cell.seed == seed and Group.of(cell) == combination.group
+        if cell.seed == seed and Group.of(cell) == comparison.group
     }
-    sides = [results.store.cell_folder(cells[label]) for label in (combination.baseline, combination.proposed)]
+    sides = [results.store.cell_folder(cells[label]) for label in (comparison.baseline, comparison.proposed)]
     if not all((files / EVALUATION).is_file() for files in sides):  # recordings of no arm
         return None
     baseline, proposed = map(_read, sides)

@@ -14,8 +14,8 @@ from harness.eta.behaviour_change import NO_WORD, Change, change_of
 from harness.eta.headline import is_within, margin_of
 from harness.eta.swaps import ALPHA, Swaps, corrected_p, swaps_of
 from harness.results.comparison import Comparison, Group, still_to_come
-from harness.results.policies import Policies, policies_of
 from harness.results.results import Results
+from harness.results.trainings import Policies
 
 
 class Verdict(StrEnum):
@@ -128,7 +128,7 @@ def between(before: Results, after: Results) -> Between:
         )
     manners = {key: one[key].manner for key in shared}
     trained = [
-        (policies_of(before, one[key], manners[key]), policies_of(after, other[key], manners[key])) for key in shared
+        (_policies(before, one[key], manners[key]), _policies(after, other[key], manners[key])) for key in shared
     ]
     swaps = swaps_of(sorted({seed for first, second in trained for seed in first.did.keys() & second.did.keys()}))
     changes = [_changes(first, second, swaps) for first, second in trained]
@@ -139,6 +139,10 @@ def between(before: Results, after: Results) -> Between:
         tuple(it for key, it in one.items() if key not in other),
         tuple(it for key, it in other.items() if key not in one),
     )
+
+
+def _policies(results: Results, comparison: Comparison, manner: str) -> Policies:
+    return results.trainings(comparison.group).policies(comparison.proposed, manner)
 
 
 def _compared(results: Results) -> dict[tuple[Group, str, str], Comparison]:
@@ -177,14 +181,14 @@ def _correct(families: Sequence[tuple[Change, ...]], level: float) -> list[tuple
     ]
 
 
-def _side_to_json(combination: Comparison) -> dict[str, Any]:
-    etas = {"eta_N": combination.eta_n, "eta_P": combination.eta_p}
+def _side_to_json(comparison: Comparison) -> dict[str, Any]:
+    etas = {"eta_N": comparison.eta_n, "eta_P": comparison.eta_p}
     return {
-        "seeds": list(combination.seeds),
-        "answer": combination.headline.answer.value,
+        "seeds": list(comparison.seeds),
+        "answer": comparison.headline.answer.value,
         **{name: eta.to_json() for name, eta in etas.items()},
     }
 
 
-def _name(combination: Comparison) -> str:
-    return f"{combination.group.title} · {combination.proposed} against {combination.baseline}"
+def _name(comparison: Comparison) -> str:
+    return f"{comparison.group.title} · {comparison.proposed} against {comparison.baseline}"

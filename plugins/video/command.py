@@ -29,7 +29,7 @@ def video(
 
     If the task is an environment, the policies play their evaluations again and the environment draws the pictures.
     """
-    from harness.authoring.commands import RecordedResults, first_show, show_cells, split_list
+    from harness.authoring.commands import first_show, show_cells, split_list
     from harness.results import load_results
 
     from .film import film_of
@@ -40,7 +40,7 @@ def video(
     named = split_list(cells or [])
     if len(named) > MOST_CELLS:
         raise UsageError(f"--cells names {len(named)} cells, {MOST_CELLS} are allowed")
-    if isinstance(results, RecordedResults):
+    if results.in_environment:
         from .environment_film import environment_film
 
         write_film(environment_film(results, named, episodes), out)

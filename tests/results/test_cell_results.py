@@ -22,7 +22,6 @@ from harness.registry.registry import Registry
 from harness.report.document import report_text
 from harness.results import Results
 from harness.results.comparison import Group
-from harness.results.learning import curve_of_training
 from harness.score.installed_reward import InstalledReward
 from harness_plugins.committed.cells import write_cells
 
@@ -102,7 +101,7 @@ def test_first_report_reads_each_trace_whole_once(ended: Results, reads: Reads):
     read = len(reads.files)
     assert read == len(set(reads.files))
     for cell in results.done_cells:
-        results.of(cell).recorded()
+        results.traces.of(cell).recorded()
     assert len(reads.files) == read
 
 
@@ -124,7 +123,7 @@ def test_learning_curves_hold_one_trace_at_a_time(ended: Results, reads: Reads):
     remove_kept(ended)
     results = fresh(ended)
     cells = [cell for cell in results.done_cells if cell.reward.label == "dense"]
-    curve_of_training(results, Group.of(cells[0]), "dense", cells)
+    results.trainings(Group.of(cells[0])).learned("dense", cells)
     assert (len(reads.files), reads.most) == (2, 1)
 
 
@@ -234,7 +233,7 @@ def test_null_control_finds_what_it_needs(
 def test_payer_of_a_reward_keeps_its_own(ended: Results):
     """Two rewards pay one training: neither takes the other's for its own."""
     cell = ended.done_cells[0]
-    of = ended.of(cell)
+    of = ended.traces.of(cell)
     paid = [of.paid_by(InstalledReward(choice, ended.registry)) for choice in {it.reward: 0 for it in ended.done_cells}]
     assert len({tuple(rewards) for rewards in paid}) == 3
 

@@ -12,7 +12,7 @@ from harness.registry.registry import Registry
 from harness.results import Results
 from harness.results.cell_results import PAID
 from harness.results.comparison import Group
-from harness.results.learning import Learning, LearningCurve, LearningRun, Moment, learning_of, learning_points
+from harness.results.learning import Learning, LearningCurve, LearningRun, Moment, learning_points
 from tests.report.conftest import build_results
 
 GROUP = Group("fd100", Choice("reach"), Choice("wander"), 100, 4, evaluate_every=30, simulator=Choice("ideal"))
@@ -81,7 +81,7 @@ def _learning(registry: Registry, run_once: RunOnce, folder: Path, **given: int)
     keys = {"sim": "ideal", "algo": "narrate", "task": "fd100-reach:horizon=5", "seeds": 2, "steps": 12}
     plan = expand(check_experiment({**keys, "evaluation_episodes": 3, **given}), registry)
     results = run_once(plan, folder)
-    return learning_of(results, results.combinations[0])
+    return results.learning(results.combinations[0])
 
 
 def test_learning_is_read_from_the_cells(toys: Registry, run_once: RunOnce, tmp_path: Path):
@@ -127,7 +127,7 @@ def test_all_trainings_are_in_the_curves(tmp_path: Path, learned: dict[int, int]
     """Also those whose seed the other reward lacks, as in the answer; here there is no seed that both have."""
     missing = {("arp", 0): ("failed", ""), ("arp", 1): ("failed", ""), ("baseline", 2): ("failed", "")}
     results = build_results(tmp_path, learned=learned, ended=missing)
-    found = learning_of(results, results.combinations[0])
+    found = results.learning(results.combinations[0])
     seeds = [curve.points["success_rate"][-1].value.seeds for curve in (found.baseline, found.proposed)]
     assert seeds == [2, 1]
 
@@ -135,4 +135,4 @@ def test_all_trainings_are_in_the_curves(tmp_path: Path, learned: dict[int, int]
 def test_without_a_training_there_is_no_curve(tmp_path: Path):
     """Nothing stands beside the other one."""
     results = build_results(tmp_path, seeds=1, ended={("arp", 0): ("failed", "")})
-    assert learning_of(results, results.combinations[0]) is None
+    assert results.learning(results.combinations[0]) is None

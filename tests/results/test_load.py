@@ -12,7 +12,7 @@ from harness.record.cell import Cell
 from harness.record.store import Store
 from harness.results import load_results
 from harness.results.load import require_arm
-from harness.results.recordings.results import RecordedResults
+from harness.results.results import Results
 from tests.results.recordings.conftest import PAYS, record
 
 
@@ -29,7 +29,7 @@ def loose(tmp_path: Path) -> Path:
 def test_recordings_are_cells_of_a_plan(loose: Path):
     """Each is done; the reward that was given first is the baseline."""
     results = load_results(loose)
-    assert isinstance(results, RecordedResults)
+    assert isinstance(results, Results)
     assert not results.is_experiment
     assert results.baseline == "plain"
     assert sorted((it.cell.reward.label, it.cell.seed) for it in results.done) == sorted(

@@ -17,7 +17,7 @@ from harness.results.measured import (
     learning_values,
     moments_by_due,
 )
-from harness.results.records import Records
+from harness.results.results import Results
 from tests.results.folders import finish
 
 MakeCell = Callable[..., Cell]
@@ -32,7 +32,7 @@ def _measure(make_cell: MakeCell, make_plan: Callable[..., Plan], registry: Regi
         cell = make_cell(deterministic=deterministic)
         store = Store.create(tmp_path, make_plan(cell))
         finish(store, cell, [1.0, 0.5], **given)
-        return Records(store.folder, registry).measured(cell)
+        return Results(store.folder, registry).measured(cell)
 
     return measure_one
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 from harness.record.cell import Cell
 from harness.record.manifest import Manifest
 from harness.registry.choice import Choice
-from harness.results.mixture import Mixture, mixtures_of
+from harness.results.measured import Mixture, mixtures_of
 
 OLD, NEW, OLDER = (digits + "0" * 56 for digits in ("9340a572", "f96dd784", "11112222"))
 CEM = Choice("cem", (), "cem")

@@ -16,7 +16,6 @@ from harness.registry.registry import Registry
 from harness.report.rows.comparison import remarks_on_cells
 from harness.results import Results
 from harness.results.load import read_results, require_arm
-from harness.results.records import Records
 from tests.results.folders import ARP, fail, finish
 
 MakeCell = Callable[..., Cell]
@@ -42,23 +41,23 @@ def test_cells_are_listed_in_the_order_of_the_plan(
 
 
 @pytest.fixture(name="controlled")
-def _controlled(make_cell: MakeCell, make_plan: MakePlan, registry: Registry, tmp_path: Path) -> Records:
+def _controlled(make_cell: MakeCell, make_plan: MakePlan, registry: Registry, tmp_path: Path) -> Results:
     """Seeds 0 and 1 of both rewards, and the baseline again with 2 and 3."""
     cells = [make_cell(seed=seed, reward=reward) for seed in (0, 1) for reward in (make_cell().reward, ARP)]
     cells += [make_cell(seed=seed) for seed in (2, 3)]
     store = Store.create(tmp_path, make_plan(*cells, control={0: 2, 1: 3}))
     for cell in cells:
         finish(store, cell, [1.0, 0.5])
-    return Records(store.folder, registry)
+    return Results(store.folder, registry)
 
 
-def test_cells_of_the_null_control_are_done_and_left_out(controlled: Records):
+def test_cells_of_the_null_control_are_done_and_left_out(controlled: Results):
     """They are no run of the experiment's own question."""
     assert [manifest.cell.seed for manifest in controlled.done] == [0, 0, 1, 1, 2, 3]
     assert [cell.seed for cell in controlled.done_cells] == [0, 0, 1, 1]
 
 
-def test_control_is_told_by_reward_and_seed(controlled: Records, make_cell: MakeCell):
+def test_control_is_told_by_reward_and_seed(controlled: Results, make_cell: MakeCell):
     """Neither alone is enough."""
     assert controlled.is_control(make_cell(seed=2))
     assert not controlled.is_control(make_cell(seed=2, reward=ARP))
@@ -70,11 +69,11 @@ def test_seed_of_the_experiment_is_no_control(
 ):
     """Also where another seed's control has it."""
     store = Store.create(tmp_path, make_plan(*(make_cell(seed=seed) for seed in (0, 1, 2)), control={0: 1, 1: 2}))
-    records = Records(store.folder, registry)
+    records = Results(store.folder, registry)
     assert [records.is_control(make_cell(seed=seed)) for seed in (0, 1, 2)] == [False, False, True]
 
 
-def test_cell_is_measured_once(controlled: Records, make_cell: MakeCell):
+def test_cell_is_measured_once(controlled: Results, make_cell: MakeCell):
     """Reading a trace takes longest."""
     assert controlled.measured(make_cell()) is controlled.measured(make_cell())
     assert controlled.moments(make_cell()) is controlled.moments(make_cell())

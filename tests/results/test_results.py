@@ -19,7 +19,7 @@ from harness.record.folder import TRACE
 from harness.record.store import CELLS, RESULTS, Store
 from harness.registry.registry import Registry
 from harness.results import Results, load_results
-from harness.results.rows import SCHEMA
+from harness.results.table import SCHEMA
 from tests.results.folders import ARP, fail
 
 MakeCell = Callable[..., Cell]

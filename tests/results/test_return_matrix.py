@@ -13,7 +13,7 @@ from harness.record.trace import read_trace
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.results import Results
-from harness.results.return_matrix import ReturnMatrix, return_matrices
+from harness.results.return_matrix import ReturnMatrix
 from harness.score.scorer import pay_log
 
 GIVEN = {
@@ -31,7 +31,7 @@ def results(toys: Registry, run_once: Callable[..., Results], tmp_path: Path) ->
 @pytest.fixture
 def matrix(results: Results) -> ReturnMatrix:
     """The one there is."""
-    (matrix,) = return_matrices(results)
+    (matrix,) = results.returns
     return matrix
 
 
@@ -80,7 +80,7 @@ def test_reward_that_has_changed_has_no_return(results: Results):
             changed = Choice("arp", (("k1", 1.0), ("k2", 9.0)), "arp")
             assert manifest.cell.id  # kept: it names the folder
             object.__setattr__(manifest.cell, "reward", changed)
-    (matrix,) = return_matrices(results)
+    (matrix,) = results.returns
     reason = "reward arp now pays its recorded steps differently: it has changed"
     assert {(mean.mean, mean.note) for mean in matrix.returns["arp"].values()} == {(None, reason)}
     assert all(mean.mean is not None for mean in matrix.returns["dense"].values())

@@ -5,7 +5,7 @@ from dataclasses import replace
 from harness.eta.headline import Answer
 from harness.eta.verdict.ruling import Ruling
 from harness.results.comparison import Comparison
-from harness.results.rows import SCHEMA, comparison_rows
+from harness.results.table import SCHEMA, comparison_rows
 from tests.results.test_comparison import CHANGES, CURVES, GROUP, decompose
 
 COMPARED = Comparison(

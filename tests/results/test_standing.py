@@ -7,8 +7,8 @@ from harness.record.store import Store
 from harness.record.terms import Terms
 from harness.registry.registry import Registry
 from harness.results import Results
-from harness.results.seen import Seen
 from harness.results.standing import standing_of, told_manifests
+from harness.results.verdicts import Seen
 from tests.results.folders import fail
 from tests.results.in_looks import RACE, REWARDS, Folder
 

@@ -14,7 +14,8 @@ from harness.record.trace import read_trace, terms_of
 from harness.results import Results, load_results
 from harness.results.by_term import ByTerm, TermMeans
 from harness.results.comparison import Group
-from harness.results.terms_paid import TermsPaid, Trained, terms_paid
+from harness.results.terms_paid import TermsPaid, terms_paid
+from harness.results.trainings import TermsOfTraining
 from tests.results.gentle import GENTLE, run_gentle
 
 STEPS = 100
@@ -24,9 +25,9 @@ def _by_term(start: float, end: float, whole: float, pays: bool = True, name: st
     return ByTerm({name: TermMeans(start, end, whole, pays)}, STEPS, 10)
 
 
-def _trained(start: float, end: float, evaluation: float, pays: bool = True, name: str = "reach") -> Trained:
+def _trained(start: float, end: float, evaluation: float, pays: bool = True, name: str = "reach") -> TermsOfTraining:
     told = _by_term(start, end, 0.0, pays, name)
-    return Trained(told, ByTerm({name: TermMeans(0.0, 0.0, evaluation, pays)}, STEPS, 5))
+    return TermsOfTraining(told, ByTerm({name: TermMeans(0.0, 0.0, evaluation, pays)}, STEPS, 5))
 
 
 @pytest.fixture(name="group")
@@ -76,9 +77,9 @@ def test_a_term_never_paid_only_if_no_training_was_paid_it(group: Group):
 def test_the_term_that_changed_most_is_the_one_that_differs_most_from_the_baseline(group: Group):
     """Where nothing is compared the one that changed most over the training."""
 
-    def both(small: float, large: float, start: float) -> Trained:
+    def both(small: float, large: float, start: float) -> TermsOfTraining:
         means = {"a": TermMeans(start, 0.0, small, True), "b": TermMeans(0.0, 0.0, large, True)}
-        return Trained(ByTerm(means, STEPS, 9), ByTerm(means, STEPS, 9))
+        return TermsOfTraining(ByTerm(means, STEPS, 9), ByTerm(means, STEPS, 9))
 
     alone = _paid(group, ("gentle", ""), [both(0.0, -3.0, 9.0)])
     assert alone.most_changed is not None
@@ -90,14 +91,14 @@ def test_the_term_that_changed_most_is_the_one_that_differs_most_from_the_baseli
 
 def test_without_evaluations_the_end_of_the_trainings_is_compared(group: Group):
     """As recordings that lie loose have none."""
-    own, others = ([Trained(_by_term(0.0, end, 0.0), None)] for end in (7.0, 3.0))
+    own, others = ([TermsOfTraining(_by_term(0.0, end, 0.0), None)] for end in (7.0, 3.0))
     (term,) = _paid(group, ("gentle", "own"), own, others).terms
     assert (term.evaluation.mean, term.others.mean, term.behaviour.mean) == (None, 3.0, 4.0)
 
 
 def test_a_reward_without_terms_has_nothing_to_tell(group: Group):
     """It pays a plain number."""
-    assert terms_paid(group, ("arp", ""), [Trained(ByTerm({}, STEPS, 3), ByTerm({}, STEPS, 3))]) is None
+    assert terms_paid(group, ("arp", ""), [TermsOfTraining(ByTerm({}, STEPS, 3), ByTerm({}, STEPS, 3))]) is None
 
 
 # Of a run

@@ -71,12 +71,12 @@ def _payers(results: Results, labels: Mapping[str, Choice]) -> tuple[dict[str, I
     trained = {cell.reward.label: cell for cell in results.done_cells}
     for label, choice in labels.items():
         try:
-            installed = results.installed(choice)
+            installed = results.traces.installed(choice)
             if label in trained:
-                installed.require_unchanged(results.of(trained[label]).pays_recorded(installed))
+                installed.require_unchanged(results.traces.of(trained[label]).pays_recorded(installed))
             for cell in results.done_cells:
-                results.of(cell).paid_by(installed)  # it is kept
-                results.of(cell).finish()
+                results.traces.of(cell).paid_by(installed)  # it is kept
+                results.traces.of(cell).finish()
             payers[label] = installed
         except Unscored as error:
             notes.append(f"What {label} pays is not known: {error}")
@@ -94,7 +94,7 @@ def _earned(
     first = cells[0]
     where = f" ({first.place.label}, {first.task.label}, {first.learner})" if len(results.groups) > 1 else ""
     values = results.measured(cells[0]).random
-    floor = {label: found for label, it in payers.items() if len(found := results.floor_returns(cells[0], it))}
+    floor = {label: found for label, it in payers.items() if len(found := results.traces.floor_returns(cells[0], it))}
     if floor:
         count = len(next(iter(floor.values())))
         at_random = earned_in_episodes(f"{RANDOM}{where}", [Episodes(np.arange(count), floor, {}, {})], rewards, ())
@@ -107,7 +107,7 @@ def _earned(
 
 def _part(results: Results, cell: Cell, payers: Mapping[str, InstalledReward]) -> Part:
     """The final evaluation of a cell."""
-    of, measured = results.of(cell), results.measured(cell)
+    of, measured = results.traces.of(cell), results.measured(cell)
     returns: dict[str, float | None] = {}
     for label, payer in payers.items():
         shaped, events = of.evaluation_return(payer), of.evaluation_events()
@@ -118,7 +118,7 @@ def _part(results: Results, cell: Cell, payers: Mapping[str, InstalledReward]) -
 
 def _paid(results: Results, cell: Cell, payers: Mapping[str, InstalledReward]) -> tuple[str, Log]:
     """The training of a cell, paid by rewards."""
-    path, of = results.store.cell_folder(cell) / TRACE, results.of(cell)
+    path, of = results.store.cell_folder(cell) / TRACE, results.traces.of(cell)
     told = read_trace(path).rows(KEYS).columns
     paid = {f"{REWARD}{label}": of.paid_by(payer) for label, payer in payers.items()}
     of.finish()

@@ -27,7 +27,7 @@ from harness.registry.given import Given
 from harness.registry.registry import load_registry
 from harness.results.comparison import Group
 from harness.results.frames import MOST_BYTES, read_frames, write_frames
-from harness.results.recordings.results import RecordedResults
+from harness.results.results import Results
 from harness.scene.picture import require_pillow
 from harness.text import one_line_of
 
@@ -47,7 +47,7 @@ MOST_COMPARISONS = 12
 LIMITS = Limits(stall_after=60.0, cell_time=120.0)
 
 
-def draw_frames(results: RecordedResults, at_once: int) -> None:
+def draw_frames(results: Results, at_once: int) -> None:
     """Draw the first episode of one seed of each comparison, as far as that was not done before.
 
     A cell whose environment cannot draw leaves the reason. A folder that allows no writing stays as it is.
@@ -83,7 +83,7 @@ def draw_frames(results: RecordedResults, at_once: int) -> None:
             write_frames(results.folder, done, content)
 
 
-def _shown(results: RecordedResults) -> list[Manifest]:
+def _shown(results: Results) -> list[Manifest]:
     """The done cells of the first seed of each comparison, each once."""
     cells = {(it.reward.label, it.seed, Group.of(it)): it for it in results.done_cells}
     shown: dict[Cell, None] = {}

@@ -11,7 +11,7 @@ from harness.record.store import Store
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.results.comparison import Group
-from harness.results.load import done_cells_of
+from harness.results.done_cells import done_cells_of
 from harness.results.metrics import named_measures
 
 

@@ -6,9 +6,8 @@ from collections.abc import Callable
 
 from harness.record.manifest import Manifest
 from harness.record.store import Store
-from harness.results.done_cells import DoneCells
+from harness.results.done_cells import DoneCells, DoneRecordings
 from harness.results.measured import Values
-from harness.results.recordings.done_recordings import DoneRecordings
 from harness.results.table import Numbers, write_table
 
 EVERY = 30.0

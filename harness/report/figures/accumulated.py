@@ -8,18 +8,18 @@ from harness.report.figures.regions import Region, regions_of
 
 
 def draw_panels(
-    combination: Curved, points: int = POINTS, amount: str = "accumulated reward"
+    comparison: Curved, points: int = POINTS, amount: str = "accumulated reward"
 ) -> tuple[Chart, Chart] | None:
     """A panel for the baseline and one for the proposed reward, on equal axes; None without a finished pair.
 
     Two charts, not one: a narrow screen stacks them.
 
     Args:
-        combination: What to draw.
+        comparison: What to draw.
         points: Of a single run, at most.
         amount: What the curves are.
     """
-    panels = panels_of(combination, points)
+    panels = panels_of(comparison, points)
     return None if panels is None else draw_both(panels, amount)
 
 

@@ -92,15 +92,15 @@ def panel_of(
     return CurvePanel(role, reward, curve.kind, index, seeds, drawn, _drawn(runs.mean(axis=0), curve.stride, POINTS))
 
 
-def panels_of(combination: Curved, points: int = POINTS) -> tuple[CurvePanel, CurvePanel] | None:
+def panels_of(comparison: Curved, points: int = POINTS) -> tuple[CurvePanel, CurvePanel] | None:
     """A panel for the baseline and one for the proposed reward; None without a finished pair."""
-    baseline, proposed = combination.baseline_index, combination.proposed_index
+    baseline, proposed = comparison.baseline_index, comparison.proposed_index
     if baseline is None or proposed is None:
         return None
-    curves, seeds = combination.curves, combination.seeds
+    curves, seeds = comparison.curves, comparison.seeds
     return (
-        panel_of("Baseline", combination.baseline, curves[BB], baseline, seeds, points),
-        panel_of("Proposed", combination.proposed, curves[KK], proposed, seeds, points),
+        panel_of("Baseline", comparison.baseline, curves[BB], baseline, seeds, points),
+        panel_of("Proposed", comparison.proposed, curves[KK], proposed, seeds, points),
     )
 
 

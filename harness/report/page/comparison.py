@@ -1,7 +1,7 @@
 """One comparison as the page tells it: the answer, the behaviour, the number, what the rewards pay for."""
 
-from collections.abc import Mapping
-from types import MappingProxyType
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from harness.eta.amounts import capitalised
@@ -25,8 +25,8 @@ from harness.report.figures.split import draw_split
 from harness.report.figures.split_rows import describe_split
 from harness.report.figures.sum_split import describe_sum, draw_sum
 from harness.report.figures.trajectories import VIEWS, describe_trajectories, draw_trajectories
-from harness.report.page.answer import card_of
-from harness.report.page.frames import frames_of
+from harness.report.page.answer import Card, card_of
+from harness.report.page.frames import Strips, frames_of
 from harness.report.page.outcomes import Bar, outcome_bars
 from harness.report.replay.links import BASELINE, PROPOSED, EpisodeLinks, Link
 from harness.report.rows.alone import alone_grid, setting_of, story
@@ -42,7 +42,7 @@ from harness.report.rows.behaviour import (
 )
 from harness.report.rows.comparison import basis_text, claims_text, compared_text, rewards_text
 from harness.report.rows.numbers import number_grids
-from harness.report.rows.payoff import Audits, payoff_story
+from harness.report.rows.payoff import Audits, Story, payoff_story
 from harness.report.rows.ratios import Grid, format_number, index_grid, scales_text
 from harness.report.rows.returns import READING, returns_grid
 from harness.report.rows.terms import changed_text, terms_grid, terms_of
@@ -64,68 +64,105 @@ class Panel(NamedTuple):
     caption: str
 
 
-EMPTY: Mapping[str, Any] = MappingProxyType(
-    {
-        **dict.fromkeys(("returns", "frames", "behaviour", "payoffs", "show")),
-        **dict.fromkeys(("tests", "summary", "symbol"), ""),
-        "has_number": False,
-        "place": 1,
-        **dict.fromkeys(
-            ("mixtures", "full", "strips", "outcomes", "episodes", "endings", "showing", "learning", "terms"), ()
-        ),
-        **dict.fromkeys(("splits", "curves", "profiles", "other_behaviour", "numbers", "trajectories"), ()),
-    }
-)
-"""What the template shows of a comparison of which nothing is known."""
+@dataclass(frozen=True, eq=False)
+class Section:
+    """What the template shows of one comparison; what is not known is empty, and left out.
+
+    Attributes:
+        title: What tells it from the others.
+        card: The answer.
+        place: Its number on the page, from 1.
+        show: The number of its show in the replay.
+        full: The sentences about behaviour and number.
+        returns: What each reward pays for an episode.
+        mixtures: Plugins of which several versions were used, a sentence each.
+        tests: How many questions and hints there are.
+        summary: What was compared.
+        behaviour: The measures in the manner that decides, with a figure of each in `strips`, links to episodes in
+            `showing`.
+        outcomes: How episodes ended; with links in `endings`.
+        episodes: Links to all episodes of the replay.
+        frames: Pictures that an environment drew.
+        has_number: Whether anything is told of the number.
+        symbol: The answer in one sign.
+    """
+
+    title: str
+    card: Card
+    place: int = 1
+    show: int | None = None
+    full: Sequence[str] = ()
+    returns: Grid | None = None
+    mixtures: Sequence[str] = ()
+    tests: str = ""
+    summary: str = ""
+    behaviour: Grid | None = None
+    strips: Sequence[str] = ()
+    showing: Sequence[Mapping[str, Link | None]] = ()
+    outcomes: Sequence[Bar] = ()
+    endings: Sequence[Sequence[Link | None]] = ()
+    episodes: Sequence[tuple[str, Link]] = ()
+    frames: Strips | None = None
+    learning: Sequence[Panel] = ()
+    terms: Sequence[Grid] = ()
+    splits: Sequence[Panel] = ()
+    curves: Sequence[Panel] = ()
+    payoffs: Story | None = None
+    profiles: Sequence[Panel] = ()
+    other_behaviour: Sequence[Grid] = ()
+    numbers: Sequence[Grid] = ()
+    has_number: bool = False
+    symbol: str = ""
+    trajectories: Sequence[Panel] = ()
 
 
 def comparison_section(
-    results: Results, combination: Comparison, title: str, points: int, audits: Audits, links: EpisodeLinks | None
-) -> dict[str, Any]:
-    """What the template shows of a combination, with `points` points of each run."""
-    headline, first = combination.headline, results.combinations[0]
-    grids = behaviour_grids(combination)
-    changes = [it for rows in (defined_changes, failed_changes) for it in rows(combination, combination.manner)]
-    bars = outcome_bars(combination)
-    returned = returns_grid(combination)
-    splits, curves = _split_panels(combination), _curve_panels(combination, points)
-    payoffs = payoff_story(combination, audits)
-    numbers = number_grids(combination, results.kind, with_paths=True)[bool(returned.rows or returned.notes) :]
-    full = (f"{headline.robot} {basis_text(combination)}".strip(), headline.number)
-    return {
-        "title": title,
-        "card": card_of(combination, title),
-        "show": links.place - 1 if links else None,
-        "full": [text for text in full if text],
-        "returns": returned._replace(title="") if returned.rows or returned.notes else None,
-        "mixtures": [mixture.text for mixture in combination.mixtures],
-        "tests": claims_text(combination),
-        "summary": describe_comparison(combination),
-        "behaviour": grids[0] if grids else None,
-        "strips": [draw_strip(change) for change in changes],
-        "outcomes": bars,
-        "episodes": links.all if links else [],
-        "endings": _endings(links, bars),
-        "frames": frames_of(results, combination),
-        "showing": [
+    results: Results, comparison: Comparison, title: str, points: int, audits: Audits, links: EpisodeLinks | None
+) -> Section:
+    """What the template shows of a comparison, with `points` points of each run."""
+    headline, first = comparison.headline, results.combinations[0]
+    grids = behaviour_grids(comparison)
+    changes = [it for rows in (defined_changes, failed_changes) for it in rows(comparison, comparison.manner)]
+    bars = outcome_bars(comparison)
+    returned = returns_grid(comparison)
+    splits, curves = _split_panels(comparison), _curve_panels(comparison, points)
+    payoffs = payoff_story(comparison, audits)
+    numbers = number_grids(comparison, results.kind, with_paths=True)[bool(returned.rows or returned.notes) :]
+    full = (f"{headline.robot} {basis_text(comparison)}".strip(), headline.number)
+    return Section(
+        title=title,
+        card=card_of(comparison, title),
+        show=links.place - 1 if links else None,
+        full=[text for text in full if text],
+        returns=returned._replace(title="") if returned.rows or returned.notes else None,
+        mixtures=[mixture.text for mixture in comparison.mixtures],
+        tests=claims_text(comparison),
+        summary=describe_comparison(comparison),
+        behaviour=grids[0] if grids else None,
+        strips=[draw_strip(change) for change in changes],
+        outcomes=bars,
+        episodes=links.all if links else [],
+        endings=_endings(links, bars),
+        frames=frames_of(results, comparison),
+        showing=[
             {"baseline": links.showing(BASELINE, it), "proposed": links.showing(PROPOSED, it)} if links else {}
             for it in changes
         ],
-        "learning": _learning_panels(results, combination),
-        "terms": [
+        learning=_learning_panels(results, comparison),
+        terms=[
             terms_grid(it)._replace(title=it.reward)
-            for it in terms_of(results, combination, is_first=combination is first)
+            for it in terms_of(results, comparison, is_first=comparison is first)
         ],
-        "splits": splits,
-        "curves": curves,
-        "payoffs": payoffs,
-        "profiles": _profile_panels(combination),
-        "other_behaviour": _full([along_grid(combination), *grids[1:], seeds_grid(combination)]),
-        "numbers": numbers,
-        "has_number": bool(combination.seeds and (splits or curves or payoffs or numbers or returned.rows)),
-        "symbol": symbol_of(headline.answer),
-        "trajectories": _trajectory_panels(results, combination),
-    }
+        splits=splits,
+        curves=curves,
+        payoffs=payoffs,
+        profiles=_profile_panels(comparison),
+        other_behaviour=_full([along_grid(comparison), *grids[1:], seeds_grid(comparison)]),
+        numbers=numbers,
+        has_number=bool(comparison.seeds and (splits or curves or payoffs or numbers or returned.rows)),
+        symbol=symbol_of(headline.answer),
+        trajectories=_trajectory_panels(results, comparison),
+    )
 
 
 def alone_section(results: Results, alone: Alone) -> dict[str, Any]:
@@ -149,26 +186,26 @@ def _curve_panel(alone: Alone, name: str, stages: Stages | None) -> Panel:
     return _panel(learning_heading(name), chart, caption, "Over environment steps.")
 
 
-def title_of(combination: Comparison, place: str) -> str:
+def title_of(comparison: Comparison, place: str) -> str:
     """The title of a comparison: its place, as far as the page does not say it for all, and the proposed reward."""
-    told = rewards_text(combination) if combination.is_control else combination.proposed
+    told = rewards_text(comparison) if comparison.is_control else comparison.proposed
     return BETWEEN.join(part for part in (place, told) if part)
 
 
-def describe_comparison(combination: Comparison) -> str:
+def describe_comparison(comparison: Comparison) -> str:
     """In plain words: what was compared."""
-    group = combination.group
-    if not combination.has_trainings:
-        return f"{combination.proposed} was to be compared with {combination.baseline}, but {combination.eta_n.note}."
+    group = comparison.group
+    if not comparison.has_trainings:
+        return f"{comparison.proposed} was to be compared with {comparison.baseline}, but {comparison.eta_n.note}."
     paid = (
-        f"trained twice, both times paid by {combination.baseline}, the second time with other seeds"
-        if combination.is_control
-        else f"trained twice, once paid by {combination.baseline}, once by {combination.proposed}"
+        f"trained twice, both times paid by {comparison.baseline}, the second time with other seeds"
+        if comparison.is_control
+        else f"trained twice, once paid by {comparison.baseline}, once by {comparison.proposed}"
     )
     what = ", ".join(f"{kind} {label}" for kind, label in group.shown.items())
-    told = f"{capitalised(what)}. {capitalised(compared_text(combination))}, {group.steps:,} steps each: {paid}."
+    told = f"{capitalised(what)}. {capitalised(compared_text(comparison))}, {group.steps:,} steps each: {paid}."
     scales = scales_text(group.subject)
-    return f"{told} {READING} {scales}" if combination.main else f"{told} {scales}"
+    return f"{told} {READING} {scales}" if comparison.main else f"{told} {scales}"
 
 
 def _endings(links: EpisodeLinks | None, bars: list[Bar]) -> list[list[Link | None]]:
@@ -183,28 +220,28 @@ def _panel(heading: str, chart: Chart, caption: str, what: str) -> Panel:
     return Panel(heading, draw_chart(chart, f"{what} {heading}. {caption}"), caption)
 
 
-def _learning_panels(results: Results, combination: Comparison) -> list[Panel]:
+def _learning_panels(results: Results, comparison: Comparison) -> list[Panel]:
     """The measure that decides, then every other that is known, and every reward, over the training."""
-    learning = results.learning(combination)
+    learning = results.learning(comparison)
     if learning is None:
         return []
-    texts = {change.name: text_of(change) for change in combination.changes_of(combination.manner)}
+    texts = {change.name: text_of(change) for change in comparison.changes_of(comparison.manner)}
     panels = []
-    for name in learning_names(learning, combination):
+    for name in learning_names(learning, comparison):
         text = texts.get(name, format_number)
         chart, caption = draw_learning(learning, name, text), describe_learning(learning, name, text)
         panels.append(_panel(learning_heading(name), chart, caption, "Over environment steps."))
     return panels
 
 
-def _trajectory_panels(results: Results, combination: Comparison) -> list[Panel]:
+def _trajectory_panels(results: Results, comparison: Comparison) -> list[Panel]:
     """Where the end effector went, under each reward."""
-    trajectories = trajectories_of(results, combination)
+    trajectories = trajectories_of(results, comparison)
     if trajectories is None:
         return []
     sides = (
-        (f"Baseline: {combination.baseline}", trajectories.baseline),
-        (f"Proposed: {combination.proposed}", trajectories.proposed),
+        (f"Baseline: {comparison.baseline}", trajectories.baseline),
+        (f"Proposed: {comparison.proposed}", trajectories.proposed),
     )
     drawn = draw_trajectories(trajectories)
     what = "Paths of the end effector."
@@ -215,9 +252,9 @@ def _trajectory_panels(results: Results, combination: Comparison) -> list[Panel]
     ]
 
 
-def _profile_panels(combination: Comparison) -> list[Panel]:
+def _profile_panels(comparison: Comparison) -> list[Panel]:
     """Which share of the seeds reaches how much success."""
-    success = combination.decisive
+    success = comparison.decisive
     is_share = success is not None and text_of(success) is percentage
     chart = draw_profile(success) if success and is_share else None
     if success is None or chart is None:
@@ -225,11 +262,11 @@ def _profile_panels(combination: Comparison) -> list[Panel]:
     return [_panel("Success over seeds", chart, describe_profile(success), "Share of the seeds over success.")]
 
 
-def _split_panels(combination: Comparison) -> list[Panel]:
+def _split_panels(comparison: Comparison) -> list[Panel]:
     """The pay of an episode with its parts, as a ratio or else as a difference; then, of an arm, both indices."""
-    returned = combination.returns.get(combination.manner)
-    panels = [] if returned is None else _return_panel(returned, combination.manner)
-    indices = combination.index_splits if combination.number_of == "indices" and combination.is_split else {}
+    returned = comparison.returns.get(comparison.manner)
+    panels = [] if returned is None else _return_panel(returned, comparison.manner)
+    indices = comparison.index_splits if comparison.number_of == "indices" and comparison.is_split else {}
     drawn = [(name, split, draw_split(name, split)) for name, split in indices.items()]
     return panels + [
         _panel(f"{name} = ruler x behaviour", chart, describe_split(name, split), LOGARITHMIC)
@@ -253,12 +290,12 @@ def _return_panel(returned: ReturnSplit, manner: str) -> list[Panel]:
     return [_panel(f"{what}: change = ruler + behaviour", chart, describe_sum(returned.total), "Differences.")]
 
 
-def _curve_panels(combination: Comparison, points: int) -> list[Panel]:
+def _curve_panels(comparison: Comparison, points: int) -> list[Panel]:
     """The accumulated reward of both trainings, each under its own reward."""
-    charts = draw_panels(combination, points)
+    charts = draw_panels(comparison, points)
     if charts is None:
         return []
-    first, crossover = index_grid(combination.decomposition).rows[:2]
+    first, crossover = index_grid(comparison.decomposition).rows[:2]
     return [
         _panel(
             f"{role}: {reward}",
@@ -267,8 +304,8 @@ def _curve_panels(combination: Comparison, points: int) -> list[Panel]:
             "Accumulated reward over environment steps.",
         )
         for column, role, reward, chart in (
-            (1, "Baseline", combination.baseline, charts[0]),
-            (2, "Proposed", combination.proposed, charts[1]),
+            (1, "Baseline", comparison.baseline, charts[0]),
+            (2, "Proposed", comparison.proposed, charts[1]),
         )
     ]
 

@@ -1,7 +1,6 @@
 """Two groups of recorded runs compared, as one HTML file that opens anywhere, offline."""
 
 from pathlib import Path
-from typing import Any
 
 from harness.eta.curve import GroupCurve
 from harness.eta.headline import Answer
@@ -13,9 +12,9 @@ from harness.report.figures.draw import draw_chart
 from harness.report.figures.split import draw_split
 from harness.report.figures.split_rows import describe_split
 from harness.report.page.answer import Card
-from harness.report.page.comparison import EMPTY, Panel
-from harness.report.page.html import NO_SECTIONS, SHARED, TEMPLATE, parts_of
-from harness.report.page.page import render_page, write_page
+from harness.report.page.comparison import Panel, Section
+from harness.report.page.html import SHARED, Page, parts_of, render
+from harness.report.page.page import write_page
 from harness.report.rows.ratios import index_grid, path_grid, ratio_grid, scales_text, split_grid, sum_grid
 from harness.report.tables.eta import comparison_title, runs_text
 from harness.score.compare import ComparedRuns
@@ -35,43 +34,37 @@ def write_eta_page(comparison: ComparedRuns, path: Path) -> None:
         UsageError: A library of the extra ``report`` is missing, or `path` cannot be written.
     """
     section = _section(comparison)
-    page = render_page(
-        TEMPLATE,
-        "--plot",
-        **{
-            **NO_SECTIONS,
-            "question": comparison_title(comparison),
-            "comparisons": [section],
-            "ordered": [section],
-            "has": parts_of([section], has_more=False),
-            "is_open": True,
-            "told": {**SHARED, "subject": "robot", "cells": "Runs", "is_curve_open": "yes"},
-            "cell_count": runs_text(comparison),
-        },
+    page = Page(
+        question=comparison_title(comparison),
+        comparisons=[section],
+        ordered=[section],
+        has=parts_of([section], has_more=False),
+        is_open=True,
+        told={**SHARED, "subject": "robot", "cells": "Runs", "is_curve_open": "yes"},
+        cell_count=runs_text(comparison),
     )
-    write_page(page, path, "The figure")
+    write_page(render(page, "--plot"), path, "The figure")
 
 
-def _section(comparison: ComparedRuns) -> dict[str, Any]:
+def _section(comparison: ComparedRuns) -> Section:
     """What the template shows of both groups."""
     decomposition, splits = comparison.decomposition, comparison.decomposition.splits
     drawn = [(name, draw_split(name, split), describe_split(name, split)) for name, split in splits.items()]
     figure = draw_chart(draw_groups(comparison), FIGURE.format(kind=comparison.kind))
     cannot = Answer.CANNOT_TELL
     card = Card(runs_text(comparison), word_of(cannot), badge_of(cannot), NO_VERDICT, (), "", pay=comparison.number)
-    return {
-        **EMPTY,
-        "title": runs_text(comparison),
-        "card": card,
-        "summary": " ".join([scales_text("robot"), *(f"{note}." for note in comparison.notes)]),
-        "has_number": True,
-        "splits": [
+    return Section(
+        title=runs_text(comparison),
+        card=card,
+        summary=" ".join([scales_text("robot"), *(f"{note}." for note in comparison.notes)]),
+        has_number=True,
+        splits=[
             Panel(f"{name} = ruler x behaviour", draw_chart(chart, told), told)
             for name, chart, told in drawn
             if chart is not None
         ],
-        "curves": [Panel("Both groups", figure, THIN)],
-        "numbers": [
+        curves=[Panel("Both groups", figure, THIN)],
+        numbers=[
             grid
             for grid in (
                 *(of(splits) for of in (ratio_grid, split_grid, path_grid)),
@@ -80,7 +73,7 @@ def _section(comparison: ComparedRuns) -> dict[str, Any]:
             )
             if grid.rows or grid.notes
         ],
-    }
+    )
 
 
 def draw_groups(comparison: ComparedRuns) -> Chart:

@@ -31,13 +31,13 @@ class Strips(NamedTuple):
     sides: tuple[Side, ...]
 
 
-def frames_of(results: Results, combination: Comparison) -> Strips | None:
+def frames_of(results: Results, comparison: Comparison) -> Strips | None:
     """The pictures of a comparison's first seed; None for the null control, and where an arm has a replay."""
-    if not combination.seeds or combination.is_control:
+    if not comparison.seeds or comparison.is_control:
         return None
-    seed = combination.seeds[0]
-    cells = {it.reward.label: it for it in results.done_cells if it.seed == seed and Group.of(it) == combination.group}
-    rewards = {"Baseline": combination.baseline, "Proposed": combination.proposed}
+    seed = comparison.seeds[0]
+    cells = {it.reward.label: it for it in results.done_cells if it.seed == seed and Group.of(it) == comparison.group}
+    rewards = {"Baseline": comparison.baseline, "Proposed": comparison.proposed}
     if any(reward not in cells for reward in rewards.values()):
         return None
     sides = [_side(results, cells[reward], who, reward) for who, reward in rewards.items()]

@@ -1,27 +1,29 @@
 """The report as one HTML file that opens anywhere, offline."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
 from harness.eta.amounts import trainings_text
 from harness.eta.splits import Names
+from harness.record.manifest import Manifest
 from harness.report.answers import LEGEND
 from harness.report.apart import BETWEEN
 from harness.report.document import report_text
-from harness.report.facts import repeat_of
+from harness.report.facts import Fact, repeat_of
 from harness.report.figures.draw import draw_chart
 from harness.report.figures.forest import EXPLANATION as FOREST
 from harness.report.figures.points import points_of_a_run
 from harness.report.figures.race import draw_race
 from harness.report.page.answer import groups_of, pool_cards
-from harness.report.page.comparison import alone_section, comparison_section, title_of
+from harness.report.page.comparison import Section, alone_section, comparison_section, title_of
 from harness.report.page.download import Download, pack
 from harness.report.page.matrix import Matrix, comparisons_csv, matrix_of
 from harness.report.page.page import render_page, write_page
-from harness.report.replay.links import links_of
-from harness.report.replay.section import replay_of
+from harness.report.replay.links import Link, links_of
+from harness.report.replay.section import Replay, replay_of
 from harness.report.rows.alone import ALONE, beside, setting_of
 from harness.report.rows.comparison import (
     count_cells,
@@ -53,7 +55,7 @@ from harness.results.ranking import ranking_of
 from harness.results.replay import shows_of
 from harness.results.return_matrix import ReturnMatrix
 from harness.results.standing import told_manifests
-from harness.section import shown_sections
+from harness.section import Shown, shown_sections
 
 TEMPLATE = Path(__file__).parent / "report.html.j2"
 LEARNING = "Lines: mean over seeds, evaluated during training{}. Bands: 95% intervals. Dotted: random actions."
@@ -96,16 +98,62 @@ BARS = (
 OTHERS = Names("the baseline", "each other reward")
 OWN = "own"
 """What an environment's own reward is called."""
-NO_SECTIONS: Mapping[str, Any] = MappingProxyType(
-    {
-        **dict.fromkeys(("matrix", "ranking", "returns", "replay", "pools", "race")),
-        **dict.fromkeys(("success", "unfinished", "manifests", "facts", "downloads", "groups", "warnings", "said"), ()),
-        **dict.fromkeys(("never", "alone", "added"), ()),
-        **dict.fromkeys(("again", "experiment", "setting", "advice", "beside"), ""),
-        "pictured": False,
-    }
-)
-"""What the template shows where there is nothing but comparisons."""
+
+
+@dataclass(frozen=True, eq=False)
+class Page:
+    """What the template shows; what is not known is empty, and left out.
+
+    Attributes:
+        question: What was asked.
+        comparisons: Each in its own section, `ordered` by the answer.
+        has: Which parts of the page have something to show.
+        is_open: Whether there are few enough to show all at once.
+        told: Texts that all comparisons share.
+        cell_count: How many cells ended in which way.
+        beside: What to train beside rewards that stand `alone`.
+        again: The command that repeats it, from the text of `experiment`, with `facts` on how it was made.
+    """
+
+    question: str
+    comparisons: Sequence[Section]
+    ordered: Sequence[Section]
+    has: Mapping[str, bool]
+    is_open: bool
+    told: Mapping[str, str]
+    cell_count: str
+    setting: str = ""
+    warnings: Sequence[str] = ()
+    said: Sequence[str] = ()
+    never: Sequence[str] = ()
+    alone: Sequence[Mapping[str, Any]] = ()
+    beside: str = ""
+    matrix: Matrix | None = None
+    success: Sequence[Mapping[str, Link | None]] = ()
+    advice: str = ""
+    groups: Sequence[Mapping[str, Any]] = ()
+    pictured: bool = False
+    pools: Mapping[str, Any] | None = None
+    race: Mapping[str, Any] | None = None
+    ranking: Mapping[str, Any] | None = None
+    unfinished: Sequence[str] = ()
+    returns: Mapping[str, Any] | None = None
+    replay: Replay | None = None
+    added: Sequence[Shown] = ()
+    manifests: Sequence[Manifest] = ()
+    facts: Sequence[Fact] = ()
+    again: str = ""
+    experiment: str = ""
+    downloads: Sequence[Download] = ()
+
+
+def render(page: Page, noun: str) -> str:
+    """The page as HTML.
+
+    Raises:
+        UsageError: The extra ``report`` is missing; `noun` says what for.
+    """
+    return render_page(TEMPLATE, noun, **vars(page))
 
 
 def write_html(results: Results, path: Path, audits: Audits = MappingProxyType({})) -> None:
@@ -124,24 +172,22 @@ def write_html(results: Results, path: Path, audits: Audits = MappingProxyType({
 
 def _render(results: Results, audits: Audits) -> str:
     combinations = results.combinations
-    points = points_of_a_run(sum(2 * len(combination.seeds) for combination in combinations))
+    points = points_of_a_run(sum(2 * len(comparison.seeds) for comparison in combinations))
     matrix = matrix_of(combinations)
     shows = shows_of(results)
     links = links_of(shows, combinations)
     is_open = len(combinations) <= OPEN
     sections = [
-        {**comparison_section(results, it, title, points, audits, found), "place": place}
+        replace(comparison_section(results, it, title, points, audits, found), place=place)
         for place, (it, title, found) in enumerate(
             zip(combinations, _titles(combinations, matrix), links, strict=True), 1
         )
     ]
-    groups = groups_of([section["card"] for section in sections], combinations)
-    sides = [side for section in sections if section["frames"] for side in section["frames"].sides]
+    groups = groups_of([section.card for section in sections], combinations)
+    sides = [side for section in sections if section.frames for side in section.frames.sides]
     ranking, added = _ranking(results), tuple(shown_sections(results).values())
     returns = _returns(results.returns, is_open)
-    return render_page(
-        TEMPLATE,
-        "The HTML report",
+    page = Page(
         question=question(results),
         setting=_setting(results),
         warnings=_warnings(results),
@@ -171,9 +217,10 @@ def _render(results: Results, audits: Audits) -> str:
         **repeat_of(results),
         downloads=_downloads(results),
     )
+    return render(page, "The HTML report")
 
 
-def parts_of(sections: Sequence[Mapping[str, Any]], has_more: bool) -> dict[str, bool]:
+def parts_of(sections: Sequence[Section], has_more: bool) -> dict[str, bool]:
     """Which parts of the page have something to show. A part that has nothing is left out.
 
     Args:
@@ -181,10 +228,10 @@ def parts_of(sections: Sequence[Mapping[str, Any]], has_more: bool) -> dict[str,
         has_more: Whether there is something that is told of all of them together.
     """
     return {
-        "behaviour": any(section["behaviour"] for section in sections),
-        "learning": any(section["learning"] for section in sections),
-        "terms": any(section["terms"] for section in sections),
-        "number": any(section["has_number"] for section in sections),
+        "behaviour": any(section.behaviour for section in sections),
+        "learning": any(section.learning for section in sections),
+        "terms": any(section.terms for section in sections),
+        "number": any(section.has_number for section in sections),
         "matrix": has_more or len(sections) > 1,
     }
 
@@ -250,7 +297,7 @@ def _pools(results: Results) -> dict[str, Any] | None:
 
 def _titles(combinations: Sequence[Comparison], matrix: Matrix) -> list[str]:
     """A title for each comparison: what is not the same in all."""
-    return [title_of(combination, entry.place) for combination, entry in zip(combinations, matrix.entries, strict=True)]
+    return [title_of(comparison, entry.place) for comparison, entry in zip(combinations, matrix.entries, strict=True)]
 
 
 def _downloads(results: Results) -> list[Download]:

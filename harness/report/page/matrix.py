@@ -90,8 +90,8 @@ def matrix_of(combinations: Sequence[Comparison]) -> Matrix:
     ]
     apart, kinds = tell_apart(described), _kinds(combinations)
     entries = [
-        _entry(number, place, combination, kinds)
-        for number, (place, combination) in enumerate(zip(apart.names, combinations, strict=True))
+        _entry(number, place, comparison, kinds)
+        for number, (place, comparison) in enumerate(zip(apart.names, combinations, strict=True))
     ]
     places = list(dict.fromkeys(apart.names))
     rewards = list(dict.fromkeys(entry.proposed for entry in entries))
@@ -137,18 +137,18 @@ def comparisons_csv(combinations: Sequence[Comparison]) -> str:
     text = StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(COLUMNS)
-    for combination in combinations:
-        ratios = [end for eta in (combination.eta_n, combination.eta_p) for end in (eta.value, eta.low, eta.high)]
-        success = combination.decisive
+    for comparison in combinations:
+        ratios = [end for eta in (comparison.eta_n, comparison.eta_p) for end in (eta.value, eta.low, eta.high)]
+        success = comparison.decisive
         shares = (
             (success.baseline, success.proposed, success.difference, success.low, success.high)
             if success
             else (None,) * 5
         )
-        labels = combination.group.labels
-        described = (*(labels.get(kind, "") for kind in KINDS), combination.group.steps, *combination.names)
-        seeds = (len(combination.seeds), *combination.counts)
-        told = (*described, *seeds, combination.headline.answer.value, *ratios, *shares)
+        labels = comparison.group.labels
+        described = (*(labels.get(kind, "") for kind in KINDS), comparison.group.steps, *comparison.names)
+        seeds = (len(comparison.seeds), *comparison.counts)
+        told = (*described, *seeds, comparison.headline.answer.value, *ratios, *shares)
         writer.writerow([plain_text(value) for value in told])
     return text.getvalue()
 
@@ -173,15 +173,15 @@ def _describe(group: Group) -> tuple[str, ...]:
     return (*group.shown.values(), f"{group.steps:,} steps", *evaluated)
 
 
-def _entry(number: int, place: str, combination: Comparison, kinds: _Kinds) -> Entry:
-    headline, change = combination.headline, combination.decisive
+def _entry(number: int, place: str, comparison: Comparison, kinds: _Kinds) -> Entry:
+    headline, change = comparison.headline, comparison.decisive
     difference = "" if change is None or change.difference is None else _points(change)
-    returned = _returned(combination.main)[: 2 + kinds.has_ratios] if kinds.has_returns else ()
-    etas = [_ratio(eta) for eta in (combination.eta_n, combination.eta_p)] if kinds.has_indices else []
+    returned = _returned(comparison.main)[: 2 + kinds.has_ratios] if kinds.has_returns else ()
+    etas = [_ratio(eta) for eta in (comparison.eta_n, comparison.eta_p)] if kinds.has_indices else []
     return Entry(
         anchor_of(number),
         place,
-        f"{combination.proposed} (A/A)" if combination.is_control else combination.proposed,
+        f"{comparison.proposed} (A/A)" if comparison.is_control else comparison.proposed,
         answer_text(headline),
         badge_of(headline.answer),
         symbol_of(headline.answer),

@@ -31,13 +31,13 @@ class Bar(NamedTuple):
     """The same in words."""
 
 
-def outcome_bars(combination: Comparison) -> list[Bar]:
+def outcome_bars(comparison: Comparison) -> list[Bar]:
     """Bars for the baseline, the proposed reward and random actions; empty if the outcomes were not measured."""
-    changes = {change.name: change for change in combination.changes_of(combination.manner)}
+    changes = {change.name: change for change in comparison.changes_of(comparison.manner)}
     success, timeouts = changes.get(SUCCESS), changes.get(TIMEOUTS)
     if success is None or timeouts is None:
         return []
-    names, hits = combination.names, changes.get(OBSTACLES)
+    names, hits = comparison.names, changes.get(OBSTACLES)
     struck = (None, None, None) if hits is None else (hits.baseline, hits.proposed, hits.random)
     sides = (
         ("Baseline", names.baseline, success.baseline, timeouts.baseline, struck[0]),

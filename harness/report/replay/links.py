@@ -98,5 +98,5 @@ def both_outcomes(episodes: Sequence[Episode]) -> str:
 
 def links_of(shows: Sequence[Show], combinations: Sequence[Comparison]) -> list[EpisodeLinks | None]:
     """The links of each comparison; None if it has no episodes to show."""
-    found = {id(show.combination): EpisodeLinks(place, show) for place, show in enumerate(shows, start=1)}
-    return [found.get(id(combination)) for combination in combinations]
+    found = {id(show.comparison): EpisodeLinks(place, show) for place, show in enumerate(shows, start=1)}
+    return [found.get(id(comparison)) for comparison in combinations]

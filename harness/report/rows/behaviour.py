@@ -36,24 +36,24 @@ class BehaviourRow(NamedTuple):
     result: str
 
 
-def behaviour_grids(combination: Comparison) -> list[Grid]:
+def behaviour_grids(comparison: Comparison) -> list[Grid]:
     """A grid for each manner in which behaviour was measured, the one that decides first."""
-    manners = dict.fromkeys([combination.manner, *(change.measure.manner for change in combination.changes)])
-    grids = [_grid(combination, manner) for manner in manners]
+    manners = dict.fromkeys([comparison.manner, *(change.measure.manner for change in comparison.changes)])
+    grids = [_grid(comparison, manner) for manner in manners]
     return [grid for grid in grids if grid.rows]
 
 
-def defined_changes(combination: Comparison, manner: str) -> list[Change]:
+def defined_changes(comparison: Comparison, manner: str) -> list[Change]:
     """The measures, those that decide first. A measure that is not defined under either reward is left out."""
-    changes = [change for change in combination.changes_of(manner) if (change.baseline, change.proposed) != (None,) * 2]
-    first = combination.deciding
+    changes = [change for change in comparison.changes_of(manner) if (change.baseline, change.proposed) != (None,) * 2]
+    first = comparison.deciding
     return sorted(changes, key=lambda change: first.index(change.name) if change.name in first else len(first))
 
 
-def failed_changes(combination: Comparison, manner: str) -> list[Change]:
+def failed_changes(comparison: Comparison, manner: str) -> list[Change]:
     """The measures whose metric failed for every seed. They stand below the others, with the reason."""
-    defined = {change.name for change in defined_changes(combination, manner)}
-    return [change for change in combination.changes_of(manner) if change.reason and change.name not in defined]
+    defined = {change.name for change in defined_changes(comparison, manner)}
+    return [change for change in comparison.changes_of(manner) if change.reason and change.name not in defined]
 
 
 def behaviour_row(change: Change) -> BehaviourRow:
@@ -83,32 +83,32 @@ def value_text(change: Change, value: float) -> str:
     return text_of(change)(value)
 
 
-def along_grid(combination: Comparison) -> Grid:
+def along_grid(comparison: Comparison) -> Grid:
     """What each evaluation on the way hints at. None of them decides; the last row is the end of the trainings."""
-    name = next(iter(combination.deciding), "").replace("_rate", "").replace("_", " ")
+    name = next(iter(comparison.deciding), "").replace("_rate", "").replace("_", " ")
     headings = ("", f"{name}: baseline", "proposed", "difference", "hint")
-    manner = combination.own_manner
-    moments = [*combination.along, StepChange(combination.group.steps, combination.changes_of(manner))]
-    rows = [_moment_row(combination, moment) for moment in moments] if combination.along else []
+    manner = comparison.own_manner
+    moments = [*comparison.along, StepChange(comparison.group.steps, comparison.changes_of(manner))]
+    rows = [_moment_row(comparison, moment) for moment in moments] if comparison.along else []
     return Grid(headings, rows, [], f"Along the budget of training, {manner}")
 
 
-def seeds_grid(combination: Comparison) -> Grid:
+def seeds_grid(comparison: Comparison) -> Grid:
     """What single seeds say where a mean may hide it, in the manner that decides."""
     headings = ("over seeds", "middle half: baseline", "proposed", "chance that a run is better")
     rows: list[tuple[str, ...]] = []
-    for change in combination.changes_of(combination.manner):
+    for change in comparison.changes_of(comparison.manner):
         if change.improvement is not None:
             text = text_of(change)
             rows.append((_name(change), *map(text, change.middles), f"{change.improvement:.0%}"))
     return Grid(headings, rows, [])
 
 
-def _grid(combination: Comparison, manner: str) -> Grid:
-    ordered = defined_changes(combination, manner)
+def _grid(comparison: Comparison, manner: str) -> Grid:
+    ordered = defined_changes(comparison, manner)
     notes = [_note(change) for change in ordered if any(change.without)]
-    rows = [tuple(behaviour_row(change)) for change in (*ordered, *failed_changes(combination, manner))]
-    return Grid(HEADINGS, rows, notes, _title(combination, manner))
+    rows = [tuple(behaviour_row(change)) for change in (*ordered, *failed_changes(comparison, manner))]
+    return Grid(HEADINGS, rows, notes, _title(comparison, manner))
 
 
 def _note(change: Change) -> str:
@@ -118,23 +118,23 @@ def _note(change: Change) -> str:
     return f"{name}: {compared} compared, {sum(change.without)} without a value{why}"
 
 
-def _title(combination: Comparison, manner: str) -> str:
+def _title(comparison: Comparison, manner: str) -> str:
     """How the policies acted, and how many episodes were seen."""
-    episodes = combination.episodes.get(manner)
+    episodes = comparison.episodes.get(manner)
     if episodes is None:
         return f"Behaviour {manner}"
-    seen = count_of(combination, manner, episodes)
+    seen = count_of(comparison, manner, episodes)
     if manner in (DETERMINISTIC, STOCHASTIC):
         return f"Behaviour of the trained policies, {manner}, {seen} per seed"
     return f"Behaviour {manner}, {seen} or more per seed"  # trainings need not have the same number of episodes
 
 
-def _moment_row(combination: Comparison, moment: StepChange) -> tuple[str, ...]:
+def _moment_row(comparison: Comparison, moment: StepChange) -> tuple[str, ...]:
     """The row of an evaluation, with what it hints at."""
-    decisive = next((change for change in moment.changes if change.name in combination.deciding[:1]), None)
+    decisive = next((change for change in moment.changes if change.name in comparison.deciding[:1]), None)
     told = behaviour_row(decisive) if decisive else None
     values = (told.baseline, told.proposed, told.difference) if told else (NOTHING,) * 3
-    return (f"after {moment.steps:,} steps", *values, combination.hint_at(moment))
+    return (f"after {moment.steps:,} steps", *values, comparison.hint_at(moment))
 
 
 def _name(change: Change) -> str:

@@ -30,10 +30,10 @@ INTERIM_TESTS = (
 )
 
 
-def rewards_text(combination: Comparison) -> str:
+def rewards_text(comparison: Comparison) -> str:
     """Which rewards were compared."""
-    told = f"{combination.proposed} against {combination.baseline}"
-    return f"{told}, trained again with other seeds (A/A, the null control)" if combination.is_control else told
+    told = f"{comparison.proposed} against {comparison.baseline}"
+    return f"{told}, trained again with other seeds (A/A, the null control)" if comparison.is_control else told
 
 
 def seeds_text(seeds: Sequence[int]) -> str:
@@ -110,17 +110,17 @@ def basis_text(comparison: Comparison) -> str:
     )
 
 
-def advice(results: Results, combination: Comparison) -> str:
+def advice(results: Results, comparison: Comparison) -> str:
     """What to run for an answer, in a line; empty where `until_decided` is."""
-    command = until_decided(results, combination)
+    command = until_decided(results, comparison)
     return command and f"For an answer with the fewest trainings: {command}"
 
 
-def until_decided(results: Results, combination: Comparison) -> str:
+def until_decided(results: Results, comparison: Comparison) -> str:
     """The command that trains until there is an answer; empty if no number of seeds gives one, or none is needed."""
-    ruling, pool, seeds = combination.ruling, combination.pool, combination.seeds
-    asked = pool if pool is not None and ruling is not None and ruling.is_held else combination
-    if asked.headline.seeds_to_decide is None or seeds != tuple(range(len(seeds))) or combination.is_control:
+    ruling, pool, seeds = comparison.ruling, comparison.pool, comparison.seeds
+    asked = pool if pool is not None and ruling is not None and ruling.is_held else comparison
+    if asked.headline.seeds_to_decide is None or seeds != tuple(range(len(seeds))) or comparison.is_control:
         return ""
     if results.is_temporary or not results.is_experiment:
         return ""
@@ -136,16 +136,16 @@ def _run_text(results: Results, out: str) -> str:
     return command_text("harness", "run", results.folder / EXPERIMENT, "--out", out)
 
 
-def claims_text(combination: Comparison) -> str:
+def claims_text(comparison: Comparison) -> str:
     """How many questions and hints there are, and what a test with so many seeds can show; empty without a seed."""
-    counts, ruling = combination.counts, combination.ruling
-    if not combination.has_trainings or combination.headline.answer is Answer.INTERIM:
+    counts, ruling = comparison.counts, comparison.ruling
+    if not comparison.has_trainings or comparison.headline.answer is Answer.INTERIM:
         return ""
     asked = 1 if ruling is None else ruling.asked
     smallest = smallest_p(*counts)
-    least = f"no p below {smallest:.2g} from {trainings_text(combination.names, counts)}"
-    questions = f"{asked} question{'s' * (asked != 1)} about the {combination.group.subject}, asked together; {least}."
-    hints = f"{combination.claims} hint{'s' * (combination.claims != 1)}, corrected by themselves, decide nothing."
+    least = f"no p below {smallest:.2g} from {trainings_text(comparison.names, counts)}"
+    questions = f"{asked} question{'s' * (asked != 1)} about the {comparison.group.subject}, asked together; {least}."
+    hints = f"{comparison.claims} hint{'s' * (comparison.claims != 1)}, corrected by themselves, decide nothing."
     return f"{questions} {hints}"
 
 
@@ -184,7 +184,7 @@ def question(results: Results) -> str:
     """What the report answers."""
     if results.alone and not results.combinations:
         return f"What did {' and '.join(dict.fromkeys(it.reward for it in results.alone))} pay for?"
-    labels = dict.fromkeys(combination.proposed for combination in results.combinations)
+    labels = dict.fromkeys(comparison.proposed for comparison in results.combinations)
     proposed = [label for label in labels if label != results.baseline]  # that would be A/A
     if results.plan.terms.race:
         names = [results.baseline, *proposed]

@@ -39,26 +39,26 @@ class Story(NamedTuple):
     grid: Grid
 
 
-def payoff_story(combination: Comparison, audits: Audits) -> Story | None:
+def payoff_story(comparison: Comparison, audits: Audits) -> Story | None:
     """The story of a comparison; None if no audit was made."""
-    group = combination.group
-    labels = list(dict.fromkeys((combination.baseline, combination.proposed)))
+    group = comparison.group
+    labels = list(dict.fromkeys((comparison.baseline, comparison.proposed)))
     found = {label: audits[key] for label in labels if (key := (group.robot, group.task.label, label)) in audits}
     if not found:
         return None
     sentences = [
-        f"{label}: {' '.join(payoffs.verdict)}{_done(combination, label, payoffs)}" for label, payoffs in found.items()
+        f"{label}: {' '.join(payoffs.verdict)}{_done(comparison, label, payoffs)}" for label, payoffs in found.items()
     ]
     return Story(tuple(sentences), _grid(found))
 
 
-def _done(combination: Comparison, label: str, payoffs: Payoffs) -> str:
+def _done(comparison: Comparison, label: str, payoffs: Payoffs) -> str:
     """What the robot did that was trained with this reward."""
-    changes = {change.name: change for change in combination.changes_of(combination.manner)}
+    changes = {change.name: change for change in comparison.changes_of(comparison.manner)}
     over, missed = (changes.get(name) for name in ("timeouts", "closest_distance"))
     if not payoffs.returns or over is None:
         return ""
-    is_baseline = label == combination.baseline
+    is_baseline = label == comparison.baseline
     share = over.baseline if is_baseline else over.proposed
     if share is None:
         return ""

@@ -36,9 +36,9 @@ def comparison_table(results: Results) -> RenderableType:
     blocks: list[RenderableType] = [*said_lines(results), *first, *([Text()] if first else [])]
     blocks += alone_lines(results, with_all=True)
     blocks += [_combination_block(results, it, is_first=it is combinations[0]) for it in combinations]
-    if any(combination.has_trainings for combination in combinations):
-        is_split = any(combination.is_split for combination in combinations)
-        read = [READING] if any(combination.main for combination in combinations) else []
+    if any(comparison.has_trainings for comparison in combinations):
+        is_split = any(comparison.is_split for comparison in combinations)
+        read = [READING] if any(comparison.main for comparison in combinations) else []
         told = [
             scales_text(results.subject),
             *([SPLIT] if is_split else []),
@@ -53,24 +53,24 @@ def comparison_table(results: Results) -> RenderableType:
     return Group(*blocks, *map(Text, remarks_on_cells(results)))
 
 
-def _combination_block(results: Results, combination: Comparison, *, is_first: bool) -> RenderableType:
+def _combination_block(results: Results, comparison: Comparison, *, is_first: bool) -> RenderableType:
     """The two answers first, then what they rest on. The page shows more, which would fill many screens here."""
-    headline = combination.headline
+    headline = comparison.headline
     parts: list[RenderableType] = [
-        Text(combination.group.title, style="bold"),
-        Text(rewards_text(combination)),
-        Text(f"{compared_text(combination)} compared, {combination.group.steps:,} training steps per run"),
-        *(Text(mixture.text, style="bold") for mixture in combination.mixtures),
+        Text(comparison.group.title, style="bold"),
+        Text(rewards_text(comparison)),
+        Text(f"{compared_text(comparison)} compared, {comparison.group.steps:,} training steps per run"),
+        *(Text(mixture.text, style="bold") for mixture in comparison.mixtures),
         Text(),
         Text(headline.robot),
-        Text(f"The {combination.group.subject}: {answer_text(headline)}", style="bold"),
+        Text(f"The {comparison.group.subject}: {answer_text(headline)}", style="bold"),
     ]
-    lines = (*beside_answer(combination), basis_text(combination), advice(results, combination))
+    lines = (*beside_answer(comparison), basis_text(comparison), advice(results, comparison))
     parts += [Text(line) for line in lines if line]
     parts += [Text("\nThe number", style="bold"), Text(headline.number)] if headline.number else []
-    parts.append(Text(f"\n{claims_text(combination)}"))
-    grids = [*behaviour_grids(combination), along_grid(combination), *number_grids(combination, results.kind)]
-    for grid in (*grids, *map(terms_grid, terms_of(results, combination, is_first=is_first))):
+    parts.append(Text(f"\n{claims_text(comparison)}"))
+    grids = [*behaviour_grids(comparison), along_grid(comparison), *number_grids(comparison, results.kind)]
+    for grid in (*grids, *map(terms_grid, terms_of(results, comparison, is_first=is_first))):
         parts += show_grid(grid)
     return Group(*parts, Text())
 

@@ -144,14 +144,14 @@ def _bases(combinations: Sequence[Comparison]) -> list[str]:
     return [line for line in dict.fromkeys(map(basis_text, combinations)) if line]
 
 
-def _sentences(results: Results, combination: Comparison) -> list[RenderableType]:
+def _sentences(results: Results, comparison: Comparison) -> list[RenderableType]:
     """Both answers in sentences, and how to get an answer if there is none."""
-    headline = combination.headline
+    headline = comparison.headline
     lines = [
         headline.robot,
-        *beside_answer(combination),
-        basis_text(combination),
+        *beside_answer(comparison),
+        basis_text(comparison),
         headline.number,
-        advice(results, combination),
+        advice(results, comparison),
     ]
     return [part for line in lines if line for part in (Text(), Text(line))]

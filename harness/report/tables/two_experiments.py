@@ -55,9 +55,9 @@ def _row(name: str, pair: BeforeAfter) -> tuple[str, ...]:
     return (name, pair.verdict.value.upper(), _decisive(pair), seeds, _change(answers), *map(_change, etas))
 
 
-def _measure_text(combination: Comparison) -> str:
+def _measure_text(comparison: Comparison) -> str:
     """The measure that decides, for a heading."""
-    return next((SHORT.get(name, name.replace("_", " ")) for name in combination.deciding), "behaviour")
+    return next((SHORT.get(name, name.replace("_", " ")) for name in comparison.deciding), "behaviour")
 
 
 def _decisive(pair: BeforeAfter) -> str:

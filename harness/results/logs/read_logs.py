@@ -27,8 +27,8 @@ from harness.results.logs.labels import LABELS
 from harness.results.logs.told import LENGTH, RETURN, SUCCESS_DECIDES, Deciding
 from harness.results.logs.trainings import Sorted, Training, digest_of
 from harness.results.measured import EVALUATION
-from harness.results.recordings.alike import NOTHING_ALIKE
 from harness.results.recordings.episodes import require_ends
+from harness.results.recordings.recording_results import NOTHING_ALIKE
 from harness.results.recordings.runs import LAST, NO_NAME, TRAINING, Run, Runs, run_of
 
 OWN_ALONE = (

@@ -15,8 +15,8 @@ from harness.results.logs.labels import labelled
 from harness.results.logs.read_logs import runs_of
 from harness.results.logs.told import FOUND_OUT, Told
 from harness.results.logs.trainings import Sorted, sort_files, sort_logs, with_reward
-from harness.results.recordings.loose import LooseStore
-from harness.results.recordings.results import RecordedResults
+from harness.results.recordings.read_runs import LooseStore
+from harness.results.results import Results
 from harness.text import command_text
 
 MOST_NAMED = 5
@@ -30,7 +30,7 @@ def results_of_logs(
     metrics: Iterable[str] | None = None,
     *,
     pairs: bool = False,
-) -> RecordedResults:
+) -> Results:
     """The results of all logs in a file, or below a folder.
 
     Args:
@@ -61,7 +61,7 @@ def results_of_logs(
 
 def results_of_groups(
     groups: Sequence[Sequence[Path]], registry: Registry, told: Told = FOUND_OUT, kind: Kind = "accumulated"
-) -> RecordedResults:
+) -> Results:
     """The same of two groups of files that the user names.
 
     Args:
@@ -118,11 +118,11 @@ def _results(
     *,
     pairs: bool = False,
     is_told: bool = False,
-) -> RecordedResults:
+) -> Results:
     if told.labels is not None:
         found = labelled(found, place, told.labels)
     runs = runs_of(found, told.deciding, is_told=is_told or bool(told.sort))
-    return RecordedResults(place, registry, kind, metrics=metrics, store=LooseStore(place, runs), pairs=pairs)
+    return Results(place, registry, kind, metrics=metrics, store=LooseStore(place, runs), pairs=pairs)
 
 
 def _without_labels(found: Found, labels: Path | None) -> Found:

@@ -10,18 +10,121 @@ from typing import Any
 from harness.errors import SchemaError, UsageError
 from harness.eta.equal import equal_sentences, equal_trainings
 from harness.eta.rescaling import Rescaling
-from harness.record.cell import NO_ROBOT, NO_SIMULATOR, UNKNOWN_ALGORITHM
-from harness.record.plan_file import PLAN
-from harness.record.recording.facts import TrainingFacts
+from harness.record.cell import EVALUATION_HORIZON, NO_ROBOT, NO_SIMULATOR, UNKNOWN_ALGORITHM, Cell
+from harness.record.manifest import Manifest
+from harness.record.plan_file import PLAN, StoredPlan
+from harness.record.recording.facts import OWN_SOURCE, TrainingFacts
 from harness.record.recording.recorded_training import facts_name, recordings_in, weights_of
-from harness.record.store import MOST_NAMED
+from harness.record.store import MOST_NAMED, Store
 from harness.registry.choice import Choice
 from harness.results.comparison import Group
 from harness.results.measured import DETERMINISTIC, STOCHASTIC
-from harness.results.recordings.episodes import count_text
-from harness.results.recordings.notes import notes_on
+from harness.results.recordings.episodes import count_text, cut_text
 from harness.results.recordings.recording_results import RecordingResults
-from harness.results.recordings.runs import NO_CONTROL, NO_NAME, RANDOM, Run, Runs, rescaling_between
+from harness.results.recordings.runs import NO_CONTROL, NO_NAME, RANDOM, Run, Runs, meet_same_starts, rescaling_between
+
+UNLIKE_STARTS = (
+    "The policies did not meet the same starts: the first observations of their evaluations differ, so that luck with "
+    "the starts is part of every difference. An env has to draw everything random from the generator that reset(seed) "
+    "seeds, and every evaluation has to begin with the same seed"
+)
+
+
+def notes_on(everything: Sequence[Run], trained: Sequence[str], members: Mapping[tuple[str, int], Run]) -> list[str]:
+    """How trainings and evaluations differ in what they were given, or ended early.
+
+    Args:
+        everything: All recordings that were read whole, evaluations too.
+        trained: The rewards that taught a policy.
+        members: The trainings that are compared, by reward and seed.
+    """
+    runs = list(members.values())
+    return [
+        *_unclosed(it for it in everything if it.facts.evaluation),
+        *_length_notes(runs, min(run.steps for run in runs)),
+        *([] if meet_same_starts(runs) else [UNLIKE_STARTS]),
+        *_end_notes(trained, members),
+        *_code_notes(everything),
+        *_bounds_notes(everything),
+    ]
+
+
+def _unclosed(evaluations: Iterable[Run]) -> list[str]:
+    """Evaluations that were cut off before recordings told how much was asked for."""
+    return [
+        f"'{run.path}' is no whole evaluation, perhaps: it is still going on, or was killed, after "
+        f"{count_text(len(run.episodes.last), 'episode')}. How many were asked for is not recorded"
+        for run in evaluations
+        if not run.facts.closed and not run.facts.episodes_asked
+    ]
+
+
+def _length_notes(runs: Iterable[Run], shortest: int) -> list[str]:
+    longer = [run.steps for run in runs if run.steps > shortest]
+    last = next(run for run in runs if run.steps == shortest)
+    told = f"All are cut to the {shortest:,} steps of the shortest, '{last.path}'"
+    notes = (
+        [f"{told}: {count_text(len(longer), 'training')} went on, for {max(longer):,} steps at most"] if longer else []
+    )
+    if longer and any(run.evaluation for run in runs):
+        notes.append("Evaluations are of policies at the end of their trainings, which were not of one length")
+    going = [run for run in runs if not run.facts.closed]
+    if going:
+        notes.append(f"Still going on, or ended before the recording was closed: {', '.join(map(_quoted, going))}")
+    return notes
+
+
+def _end_notes(trained: Sequence[str], members: Mapping[tuple[str, int], Run]) -> list[str]:
+    """Trainings in which no episode ended, and evaluations whose episodes were cut, for each reward that trained."""
+    notes = []
+    for reward in trained:
+        runs = [run for (name, _), run in members.items() if name == reward]
+        unended = sum(not len(run.episodes.last) for run in runs)
+        if unended:
+            told = f"No episode ended in {unended} of {count_text(len(runs), 'training')} by {reward}"
+            notes.append(f"{told}: give the environment a time limit")
+        evaluations: dict[int, list[Run]] = {}
+        for evaluation in (run.evaluation for run in runs if run.evaluation is not None):
+            evaluations.setdefault(evaluation.facts.horizon, []).append(evaluation)
+        for horizon, some in evaluations.items():
+            cut = sum(it.facts.cut for it in some)
+            if cut:
+                told = cut_text(cut, sum(len(it.episodes.last) for it in some), horizon)
+                notes.append(f"Policies trained by {reward}: {told}")
+    return notes
+
+
+def _code_notes(runs: Iterable[Run]) -> list[str]:
+    """Rewards and measures that have one name and are not the same."""
+    found: dict[str, dict[str, Path]] = {}
+    for run in runs:
+        for column, source in run.facts.sources.items():
+            if source.text and source.text != OWN_SOURCE:
+                found.setdefault(column, {}).setdefault(source.text, run.path)
+    return [
+        f"The code of {column.replace('/', ' ', 1)} is not the same in '{paths[0]}' and '{paths[1]}': its numbers may "
+        "not be comparable"
+        for column, of in found.items()
+        if len(paths := list(of.values())) > 1
+    ]
+
+
+def _bounds_notes(runs: Iterable[Run]) -> list[str]:
+    """Measures that left the bounds that their recordings name."""
+    left = {
+        name: (run.path, bounds)
+        for run in runs
+        for name, bounds in run.facts.bounds.items()
+        if not run.episodes.is_within(name, bounds)
+    }
+    return [
+        f"{name} leaves its bounds, {low:g} to {high:g}, in '{path}': its intervals are not cut to them"
+        for name, (path, (low, high)) in left.items()
+    ]
+
+
+def _quoted(run: Run) -> str:
+    return f"'{run.path}'"
 
 
 def has_recordings(folder: Path) -> bool:
@@ -327,3 +430,54 @@ def _evaluations(
 
 def _in_order(names: Iterable[Sequence[str]]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(name for some in names for name in some))
+
+
+class LooseStore(Store):
+    """A folder in which recorded trainings lie, at any depth.
+
+    Attributes:
+        runs: The trainings.
+    """
+
+    def __init__(self, folder: Path, runs: Runs | None = None, baseline: str = "") -> None:
+        """Read all recordings, unless they were read already.
+
+        Args:
+            folder: Where they lie.
+            runs: What was read of them; None if nothing was.
+            baseline: The reward that the others are compared with; by default the one that was given first.
+
+        Raises:
+            UsageError: There are none, none that can be compared, or whole experiments lie among them; or no training
+                was taught by the baseline.
+        """
+        super().__init__(folder)
+        self.runs: Runs = read_runs(folder, baseline=baseline) if runs is None else runs
+        if baseline and baseline not in self.runs.trained:
+            told = ", ".join(self.runs.trained)
+            raise UsageError(f"--baseline {baseline}: no training was taught by it. There are: {told}")
+        self._run_of = {self._cell(run): run for run in self.runs.members.values()}
+
+    def read_plan(self) -> StoredPlan:
+        """A plan of these trainings; the reward that was given first is the baseline."""
+        return StoredPlan(self.runs.trained[0], False, {}, tuple(self._run_of), {})
+
+    def examine(self, cell: Cell) -> Manifest:
+        """All of them are done."""
+        return Manifest(cell, status="done")
+
+    def manifests(self) -> list[Manifest]:
+        """The manifests of all trainings."""
+        return list(map(self.examine, self._run_of))
+
+    def cell_folder(self, cell: Cell) -> Path:
+        """The folder of the recording."""
+        return self._run_of[cell].path
+
+    def _cell(self, run: Run) -> Cell:
+        group = self.runs.group
+        reward = Choice(run.reward, (), run.reward)
+        return Cell(
+            NO_SIMULATOR, NO_ROBOT, group.task, group.algorithm, reward, run.seed, group.steps,
+            group.evaluation_episodes, evaluation_horizon=EVALUATION_HORIZON,
+        )  # fmt: skip

@@ -18,9 +18,8 @@ from harness.record.recording.facts import TrainingFacts, facts_of
 from harness.results.by_term import ByTerm
 from harness.results.comparison import Group
 from harness.results.measured import DETERMINISTIC, EVALUATION, STOCHASTIC, Moment
-from harness.results.recordings.alike import NOTHING_ALIKE, Likeness, likeness_of
 from harness.results.recordings.episodes import Episodes, Part, episodes_of
-from harness.results.recordings.recording_results import terms_in
+from harness.results.recordings.recording_results import NOTHING_ALIKE, Likeness, likeness_of, terms_in
 
 LAST_SHARE = 0.2
 """The last part of a training, as a share of its steps."""

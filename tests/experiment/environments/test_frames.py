@@ -15,7 +15,7 @@ from harness.report.page.frames import frames_of
 from harness.report.page.html import write_html
 from harness.results import load_results
 from harness.results.frames import FOREIGN, MOST_BYTES, frames_file, made_of, read_frames
-from harness.results.recordings.results import RecordedResults
+from harness.results.results import Results
 
 pytest.importorskip("PIL")
 TOY = Path(__file__).parent / "toy.py"
@@ -26,27 +26,27 @@ def drawn(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Two rewards, trained and drawn."""
     folder = tmp_path_factory.mktemp("drawn")
     found = run(task="toy", algo="random", steps=16, seeds=2, evaluation_episodes=2, jobs=1, plugins=[TOY], out=folder)
-    assert isinstance(found, RecordedResults)
+    assert isinstance(found, Results)
     draw_frames(found, 1)
     return folder
 
 
 @pytest.fixture
-def results(drawn: Path, tmp_path: Path) -> RecordedResults:
+def results(drawn: Path, tmp_path: Path) -> Results:
     """A copy of them, which a test may change."""
     shutil.copytree(drawn, tmp_path / "results")
     found = load_results(tmp_path / "results", plugins=[TOY])
-    assert isinstance(found, RecordedResults)
+    assert isinstance(found, Results)
     return found
 
 
-def test_the_first_seed_of_a_comparison_is_drawn(results: RecordedResults):
+def test_the_first_seed_of_a_comparison_is_drawn(results: Results):
     """Under both rewards; no other cell is."""
     drawn = [cell for cell in results.done_cells if frames_file(results.folder, cell.id).is_file()]
     assert sorted((cell.reward.label, cell.seed) for cell in drawn) == [("near", 0), ("right", 0)]
 
 
-def test_pictures_stand_side_by_side(results: RecordedResults):
+def test_pictures_stand_side_by_side(results: Results):
     """As many as there are steps to show, within the bound."""
     from PIL import Image
 
@@ -58,7 +58,7 @@ def test_pictures_stand_side_by_side(results: RecordedResults):
     assert len(found.strip) <= MOST_BYTES
 
 
-def test_the_page_has_both_sides(results: RecordedResults):
+def test_the_page_has_both_sides(results: Results):
     """With words for those who cannot see them."""
     strips = frames_of(results, results.combinations[0])
     assert [side.title for side in strips.sides] == ["Baseline: near", "Proposed: right"]
@@ -67,9 +67,7 @@ def test_the_page_has_both_sides(results: RecordedResults):
 
 
 @pytest.mark.parametrize("most", [2, 0], ids=["few", "many"])
-def test_a_page_holds_each_picture_once(
-    results: RecordedResults, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, most: int
-):
+def test_a_page_holds_each_picture_once(results: Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, most: int):
     """However many comparisons there are: the still of the first screen is cut out of it, and leads to it."""
     monkeypatch.setattr("harness.report.page.html.OPEN", most)
     write_html(results, tmp_path / "page.html")
@@ -80,12 +78,12 @@ def test_a_page_holds_each_picture_once(
     assert page.count('href="#strip-1-1"') == 1
 
 
-def test_kept_pictures_are_whole(results: RecordedResults):
+def test_kept_pictures_are_whole(results: Results):
     """As everything that is kept of a cell."""
     assert not verify(results.folder)
 
 
-def test_pictures_of_another_training_are_not_shown(results: RecordedResults):
+def test_pictures_of_another_training_are_not_shown(results: Results):
     """A cell that was done again has none, until they are drawn again."""
     done = results.manifest(results.done_cells[0])
     other = replace(done, files={**done.files, "policy/card.json": "0" * 64})
@@ -93,7 +91,7 @@ def test_pictures_of_another_training_are_not_shown(results: RecordedResults):
 
 
 @pytest.mark.parametrize("content", [b"", b"[]\n", b'{"steps": "many"}\n', b"\x00\n"])
-def test_what_is_not_sound_is_a_reason(results: RecordedResults, content: bytes):
+def test_what_is_not_sound_is_a_reason(results: Results, content: bytes):
     """One line in place of the pictures; nothing else stops."""
     done = results.manifest(results.done_cells[0])
     write_keyed(frames_file(results.folder, done.cell.id), made_of(done), content)
@@ -102,7 +100,7 @@ def test_what_is_not_sound_is_a_reason(results: RecordedResults, content: bytes)
     assert not found.strip
 
 
-def test_a_damaged_file_is_no_picture(results: RecordedResults):
+def test_a_damaged_file_is_no_picture(results: Results):
     """It is drawn again by the next run."""
     done = results.manifest(results.done_cells[0])
     path = frames_file(results.folder, done.cell.id)
@@ -119,7 +117,7 @@ def test_an_environment_that_cannot_draw_says_why(tmp_path: Path):
         task="blind", algo="random", steps=16, seeds=1, evaluation_episodes=2, jobs=1, plugins=[tmp_path / "blind.py"],
         out=tmp_path / "out",
     )  # fmt: skip
-    assert isinstance(found, RecordedResults)
+    assert isinstance(found, Results)
     draw_frames(found, 1)
     told = [side.told for side in frames_of(found, found.combinations[0]).sides]
     assert all("cannot be drawn: its env has no render mode 'rgb_array'" in line for line in told)

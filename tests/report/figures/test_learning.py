@@ -6,14 +6,13 @@ from harness.eta.headline import SUCCESS
 from harness.report.figures.chart import Area, Line
 from harness.report.figures.learning import describe_learning, draw_learning
 from harness.report.rows.ratios import format_number
-from harness.results.learning import learning_of
 
 
 @pytest.fixture
 def learning(build):
     """Baseline 25 %, 50 %, then 75 %; proposed one episode in four more, but at the end."""
     results = build(learned={10: 1, 20: 2})
-    return learning_of(results, results.combinations[0])
+    return results.learning(results.combinations[0])
 
 
 def _named(chart):
@@ -48,7 +47,7 @@ def test_bands_go_around_the_intervals(learning):
 def test_one_seed_has_no_band(build):
     """There is no interval to draw."""
     results = build(seeds=1, learned={10: 1})
-    chart = draw_learning(learning_of(results, results.combinations[0]), SUCCESS)
+    chart = draw_learning(results.learning(results.combinations[0]), SUCCESS)
     assert [band.x for band in _bands(chart)] == [[], []]
 
 

@@ -1,11 +1,10 @@
 """Returns under every reward, as text."""
 
 from harness.report.rows.returns import return_grid
-from harness.results.return_matrix import return_matrices
 
 
 def _matrix(results):
-    (matrix,) = return_matrices(results)
+    (matrix,) = results.returns
     return matrix
 
 

@@ -11,9 +11,9 @@ from harness.log import in_memory
 from harness.record.recording.facts import Failure, TrainingFacts
 from harness.record.recording.recording_writer import write_recording
 from harness.registry.registry import load_registry
-from harness.results.recordings.loose import LooseStore
-from harness.results.recordings.results import RecordedResults
+from harness.results.recordings.read_runs import LooseStore
 from harness.results.recordings.study import Study
+from harness.results.results import Results
 
 PAYS: Mapping[str, Callable[[np.ndarray], np.ndarray]] = {
     "plain": lambda arms: arms + 1.0,
@@ -98,7 +98,7 @@ def study_folder(tmp_path: Path) -> Path:
 
 def load_study(folder: Path, metrics: Sequence[str] | str | None = None) -> Study:
     """The recorded trainings in a folder, compared."""
-    results = RecordedResults(folder, load_registry(), metrics=metrics, store=LooseStore(folder))
+    results = Results(folder, load_registry(), metrics=metrics, store=LooseStore(folder))
     (found,) = results.studies
     assert found.study is not None
     return found.study

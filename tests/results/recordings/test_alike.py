@@ -13,7 +13,7 @@ from harness.log import Log
 from harness.record.recording.recorded_training import read_recording
 from harness.report.page.answer import card_of
 from harness.report.rows.comparison import UNLIKE_STARTS, beside_answer, scale_text
-from harness.results.recordings.alike import Likeness, likeness_of
+from harness.results.recordings.recording_results import Likeness, likeness_of
 from tests.results.recordings.conftest import load_study, record
 
 ARMS = np.linspace(0.0, 1.0, 20)

@@ -12,7 +12,7 @@ from harness.log import Failed, Log, LogFacts, in_memory
 from harness.results.recordings.episodes import episodes_of, require_ends
 from harness.results.recordings.read_runs import runs_of
 from harness.results.recordings.runs import run_of
-from harness.results.recordings.study import compare_all
+from harness.results.recordings.study import studies_of_runs
 
 
 def _episodes(reward: str, seed: int | None, returns: list[float], **facts: Any) -> Log:
@@ -140,7 +140,7 @@ def test_logs_of_episodes_are_compared():
     ]
     runs = runs_of(Path(), [run_of(log) for log in logs], baseline="base")
     assert (runs.trained, runs.measures, runs.steps) == (("base", "new"), ("success",), 400)
-    (study,) = compare_all(Path(), [runs], "accumulated")
+    (study,) = studies_of_runs(Path(), [runs], "accumulated")
     (comparison,) = study.comparisons
     (change,) = (it for it in comparison.changes if it.measure.manner == "over the training")
     assert (change.baseline, change.proposed) == (pytest.approx(6.5 / 40), pytest.approx(32.5 / 40))

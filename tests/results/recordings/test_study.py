@@ -14,11 +14,10 @@ from harness.record.recording.facts import OWN_SOURCE, Source, TrainingFacts
 from harness.report.rows.comparison import basis_text
 from harness.results.learning import STRETCHES
 from harness.results.recordings.episodes import episodes_of
-from harness.results.recordings.learning import learning_of, return_name
-from harness.results.recordings.places import PlaceStudy
 from harness.results.recordings.read_runs import read_runs
+from harness.results.recordings.run_trainings import return_name
 from harness.results.recordings.runs import EVALUATION, LAST, TRAINING
-from harness.results.recordings.study import compare_all
+from harness.results.recordings.study import PlaceStudy, studies_of_runs
 from tests.results.recordings.conftest import PAYS, PULLS, load_study, record
 
 RISING = np.linspace(0.0, 1.0, 20)
@@ -138,7 +137,7 @@ def test_studies_of_one_experiment_are_one_family(tmp_path):
             for seed in range(5):
                 record(tmp_path / group / f"{reward}-{seed}", reward, seed, [arm + 0.01 * seed for arm in arms])
     alone = load_study(tmp_path / "first")
-    together = compare_all(tmp_path, [read_runs(tmp_path / group) for group in ("first", "second")], "accumulated")
+    together = studies_of_runs(tmp_path, [read_runs(tmp_path / group) for group in ("first", "second")], "accumulated")
     count = alone.comparisons[0].claims
     assert count > 1
     assert [it.comparisons[0].claims for it in together] == [2 * count, 2 * count]
@@ -353,7 +352,7 @@ def test_a_training_that_goes_on_is_told(tmp_path):
 def test_learning_curves_of_every_measure_and_every_reward(study_folder):
     """Twenty points each, the mean over the episodes that ended in a stretch."""
     study = load_study(study_folder)
-    learning = learning_of(study.runs, study.comparisons[0])
+    learning = study.trainings.learning(study.comparisons[0])
     assert list(learning.random) == ["success", "arm", return_name("plain"), return_name("thrice")]
     points = learning.proposed.points["arm"]
     assert [point.steps for point in points] == [10 * (place + 1) for place in range(STRETCHES)]
@@ -423,7 +422,7 @@ def test_an_interval_stays_within_the_bounds_that_were_recorded(tmp_path):
     study = load_study(apart(tmp_path, bounds={"height": (-1.0, 1.0)}))
     found = study.comparisons[0].decisive
     assert (found.low, found.high) == (-2.0, 2.0)
-    band = learning_of(study.runs, study.comparisons[0]).baseline.band("height")
+    band = study.trainings.learning(study.comparisons[0]).baseline.band("height")
     assert {(low, high) for _, low, high in band} == {(-1.0, 1.0)}
 
 
@@ -507,7 +506,7 @@ def unlike(tmp_path: Path) -> Path:
 def test_trainings_without_a_common_seed_have_learning_curves(unlike: Path):
     """All of them, as in the answer."""
     study = load_study(unlike)
-    learning = learning_of(study.runs, study.comparisons[0])
+    learning = study.trainings.learning(study.comparisons[0])
     assert [curve.points["arm"][0].value.seeds for curve in (learning.baseline, learning.proposed)] == [4, 3]
 
 
