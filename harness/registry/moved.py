@@ -24,12 +24,12 @@ GONE_IN = "0.3.0"
 MODULES: Mapping[str, str] = MappingProxyType(
     {
         "harness.acting": "harness.authoring",
-        "harness.attempt": "harness.experiment.checkpoints.attempt",
+        "harness.attempt": "harness.experiment.checkpoints.checkpoint",
         "harness.carry": "harness.reward",
         "harness.cell": "harness.record.cell",
-        "harness.cell_evaluations": "harness.experiment.evaluation.cell",
+        "harness.cell_evaluations": "harness.experiment.cell_progress",
         "harness.cell_folder": "harness.record.folder",
-        "harness.cell_progress": "harness.experiment.progress.cell",
+        "harness.cell_progress": "harness.experiment.cell_progress",
         "harness.change": "harness.eta.behaviour_change",
         "harness.checkpoint": "harness.experiment.checkpoints.checkpoint",
         "harness.choice": "harness.registry.choice",
@@ -68,7 +68,7 @@ MODULES: Mapping[str, str] = MappingProxyType(
         "harness.store": "harness.record.store",
         "harness.streams": "harness.env.random_streams",
         "harness.substeps": "harness.authoring",
-        "harness.task_form": "harness.experiment.task_form",
+        "harness.task_form": "harness.experiment.task_plan",
         "harness.testing.ideal": "harness.env.ideal",
         "harness.testing.samples": "harness.testing.rewards.samples",
         "harness.testing.simulations": "harness.testing.simulators.simulations",
@@ -151,8 +151,8 @@ NAMES: Mapping[str, str] = MappingProxyType(
 REPLACED: Mapping[str, str] = MappingProxyType(
     {
         "harness.decompose.no_split": "harness.eta.decompose.decompose",
-        "harness.evaluate": "harness.experiment.evaluation.evaluate",
-        "harness.evaluation_scalars": "harness.experiment.evaluation.scalars",
+        "harness.evaluate": "harness.experiment.arm_evaluation",
+        "harness.evaluation_scalars": "harness.experiment.world",
         "harness.event_log": "harness.tracker",
         "harness.experiment.run_plan": "harness.run",
         "harness.joint_numbers": "harness.robot.joint_limits",

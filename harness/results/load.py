@@ -17,7 +17,6 @@ from harness.results.recordings.loose import LooseStore
 from harness.results.recordings.read_runs import has_recordings
 from harness.results.recordings.results import RecordedResults
 from harness.results.results import Results
-from harness.text import command_text
 
 
 def load_results(
@@ -114,16 +113,3 @@ def done_cells_of(
     if any(cell.is_in_environment for cell in cells):
         return DoneRecordings(store)
     return DoneCells(store, registry, metrics, named)
-
-
-def require_arm(results: Results, command: str) -> None:
-    """Check that the cells are of an arm of the harness, and left traces.
-
-    Raises:
-        UsageError: They are in an environment; `command` says what needs more.
-    """
-    if isinstance(results, RecordedResults):
-        raise UsageError(
-            f"{command} needs traces of an arm, and the cells of '{results.folder}' are recorded trainings in an "
-            f"environment: {command_text('harness', 'report', results.folder)} compares them"
-        )

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any, ClassVar, Self
 
 from harness.env.make import build_world
+from harness.experiment.arm_evaluation import record_evaluation
 from harness.experiment.draft import draft_of
-from harness.experiment.evaluation.evaluator import Evaluator
 from harness.experiment.provenance import describe_environment
 from harness.experiment.workers.order import Report
 from harness.policy import load_policy
@@ -43,8 +43,8 @@ def evaluate_elsewhere(
         registry, cell = load_registry(given=plugins), replace(trained, simulator=simulator)
         robot = load_robot(cell.robot, registry)
         draft.note(environment=describe_environment(cell, robot, registry, KINDS))
-        evaluator = Evaluator(build_world(cell, robot, registry), cell.evaluation_episodes)
-        evaluator.record(load_policy(cell_folder / POLICY), cell.deterministic, draft.partial / EVALUATION)
+        world, policy = build_world(cell, robot, registry), load_policy(cell_folder / POLICY)
+        record_evaluation(world, policy, cell.acted, cell.evaluation_episodes, draft.partial / EVALUATION)
     return draft.record
 
 

@@ -22,9 +22,10 @@ from harness.registry.given import read_given
 from harness.registry.registry import Registry, load_registry
 from harness.registry.spec import PLANNED, blamed_on
 from harness.results import Results
-from harness.results.load import read_results, require_arm
+from harness.results.load import read_results
 from harness.robot.load import load_robot
 from harness.simulator import require_drives
+from harness.text import command_text
 from harness.transfer.evaluation import EvaluateElsewhere
 from harness.transfer.matrix import Transfers, load_transfers
 from harness.transfer.record import TransferRecord, policy_digest, read_transfer, simulator_id
@@ -118,8 +119,12 @@ def plan_transfers(results: Results, to: str | Sequence[Given] | None, registry:
         UsageError: No cell is done, a simulator is not known or not installed, or a cell's task, reward or robot is
             gone.
     """
-    require_arm(results, "harness transfer")
     cells = results.done_cells
+    if any("simulators" not in it.cell.plugins for it in results.manifests):
+        raise UsageError(
+            f"harness transfer needs traces of an arm, and the cells of '{results.folder}' are recorded trainings in "
+            f"an environment: {command_text('harness', 'report', results.folder)} compares them"
+        )
     if not cells:
         raise UsageError(f"'{results.folder}' has no finished cell: nothing is trained that could be evaluated")
     simulators, left_out = _choose(to, registry) if to is not None else _choose_all(cells, registry)

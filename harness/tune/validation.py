@@ -1,7 +1,7 @@
 """Validation: episodes that policies of a search are judged by.
 
 Their starts and targets are drawn from another seed than those of the evaluation after a training
-(`harness.experiment.evaluation.evaluate`). So no comparison that follows uses the episodes that chose the settings.
+(`harness.experiment.arm_evaluation`). So no comparison that follows uses the episodes that chose the settings.
 """
 
 import shutil
@@ -94,7 +94,8 @@ def record_validation(
 ) -> None:
     """Let `policy` do `episodes` episodes where the cell was trained, and record them in `folder`."""
     world = world_of(cell, registry, folder, report, UNWATCHED)
-    world.validate(policy, episodes, folder / f"{recording_of(EVALUATION)}{world.suffix}", VALIDATION_SEED)
+    path = folder / f"{recording_of(EVALUATION)}{world.suffix}"
+    world.evaluate(policy, "deterministic", episodes, path, seed=VALIDATION_SEED)
 
 
 def _leave_reason(folder: Path, reason: str) -> None:

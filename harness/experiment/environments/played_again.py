@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from harness.environment import AnyEnv, Environment
 from harness.errors import UsageError
-from harness.experiment.environments.acting import Acting
+from harness.experiment.environments.spaces import Acting
 from harness.log import Log
 from harness.log.log import BEHAVIOUR, REWARD, SUCCESS
 from harness.policy import load_policy

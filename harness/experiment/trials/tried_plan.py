@@ -8,8 +8,7 @@ from typing import Any
 from harness.errors import UsageError
 from harness.experiment.plan import Plan
 from harness.experiment.task_plan import table_of
-from harness.experiment.trials.trial import TryTask, try_tasks
-from harness.experiment.trials.tried import Fault
+from harness.experiment.trials.trial import Fault, TryTask, try_tasks
 from harness.record.cell import Cell
 from harness.registry.choice import Choice
 from harness.registry.given import PluginFile
@@ -67,7 +66,7 @@ def try_plan(plan: Plan, registry: Registry) -> tuple[Plan, Registry]:
 
 def _tried_as(cell: Cell) -> str:
     """What the trial calls the reward of a cell: in an environment without the weights of its terms."""
-    return cell.reward.name if "environments" in cell.plugins else cell.reward.label
+    return cell.reward.label if "rewards" in cell.plugins else cell.reward.name
 
 
 def _to_try(cells: Sequence[Cell], registry: Registry) -> list[tuple[Cell, tuple[Choice, ...]]]:
@@ -83,7 +82,7 @@ def _to_try(cells: Sequence[Cell], registry: Registry) -> list[tuple[Cell, tuple
 
 
 def _is_ours(cell: Cell, registry: Registry) -> bool:
-    return "environments" not in cell.plugins and registry.get("rewards", cell.reward.name).is_built_in
+    return "rewards" in cell.plugins and registry.get("rewards", cell.reward.name).is_built_in
 
 
 def _require_spared(task: Choice, fault: Fault, plan: Plan, registry: Registry) -> None:

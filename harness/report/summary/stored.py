@@ -10,7 +10,7 @@ from harness.eta.index import Index, Ratio
 from harness.eta.return_split import ReturnSplit
 from harness.eta.seed_mean import SeedMean
 from harness.eta.splits import Decomposition, Split, SplitPath, SumSplit
-from harness.record.cell import NO_ROBOT, NO_SIMULATOR
+from harness.record.cell import BROUGHT
 from harness.registry.choice import Choice
 from harness.results.cell_results import PAID
 from harness.results.comparison import Comparison, Group
@@ -152,13 +152,13 @@ def _group(told: Mapping[str, Any]) -> Group:
         return Choice(label, (), label) if label else missing or Choice("", (), "")
 
     return Group(
-        told.get("robot", NO_ROBOT),
+        told.get("robot", BROUGHT.robot),
         choice("task"),
         choice("algorithm"),
         told.get("steps", 0),
         0,
         deterministic=told.get("deterministic", True),
-        simulator=choice("simulator", NO_SIMULATOR),
+        simulator=choice("simulator", BROUGHT.simulator),
     )
 
 

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from harness.errors import UsageError
-from harness.record.cell import EVALUATION_HORIZON, NO_ROBOT, NO_SIMULATOR, Cell
+from harness.record.cell import BROUGHT, EVALUATION_HORIZON, Cell
 from harness.record.manifest import Manifest
 from harness.record.plan_file import StoredPlan
 from harness.record.store import Store
@@ -58,6 +58,6 @@ class LooseStore(Store):
         group = self.runs.group
         reward = Choice(run.reward, (), run.reward)
         return Cell(
-            NO_SIMULATOR, NO_ROBOT, group.task, group.algorithm, reward, run.seed, group.steps,
+            *BROUGHT, group.task, group.algorithm, reward, run.seed, group.steps,
             group.evaluation_episodes, evaluation_horizon=EVALUATION_HORIZON,
         )  # fmt: skip

@@ -10,7 +10,7 @@ from typing import Any
 from harness.errors import SchemaError, UsageError
 from harness.eta.equal import equal_sentences, equal_trainings
 from harness.eta.rescaling import Rescaling
-from harness.record.cell import NO_ROBOT, NO_SIMULATOR, UNKNOWN_ALGORITHM
+from harness.record.cell import BROUGHT, UNKNOWN_ALGORITHM
 from harness.record.plan_file import PLAN
 from harness.record.recording.facts import TrainingFacts
 from harness.record.recording.recorded_training import facts_name, recordings_in, weights_of
@@ -136,7 +136,7 @@ def _told_notes(runs: Iterable[Run]) -> list[str]:
 
 def _group_of(env: str, steps: int) -> Group:
     """What is known of recordings that no experiment made: the env, and how long the shortest of them is."""
-    return Group(NO_ROBOT, Choice(env, (), env), UNKNOWN_ALGORITHM, steps, 0, simulator=NO_SIMULATOR)
+    return Group(BROUGHT.robot, Choice(env, (), env), UNKNOWN_ALGORITHM, steps, 0, simulator=BROUGHT.simulator)
 
 
 def _rescaled(rewards: Sequence[str], runs: Collection[Run]) -> dict[tuple[str, str], Rescaling]:
