@@ -20,10 +20,10 @@ from harness.experiment.arm_evaluation import facts_of, record_evaluation
 from harness.experiment.checkpoints.checkpoint import Attempt
 from harness.experiment.checkpoints.trace_parts import TraceParts
 from harness.experiment.provenance import describe_environment
-from harness.experiment.trials.trial import Tried
+from harness.experiment.telling import TELL_EVERY, Beat, named_scalars
+from harness.experiment.trials.tried import Tried
 from harness.experiment.watch import Watch
 from harness.experiment.workers.order import Report
-from harness.experiment.world import TELL_EVERY, Beat, named_scalars
 from harness.log import Log
 from harness.policy import Policy
 from harness.progress import LAST_EPISODES, RETURN, SPEED, SUCCESS, TERMS, TrainingState

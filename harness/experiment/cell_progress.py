@@ -3,7 +3,7 @@
 import shutil
 import time
 import traceback
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from harness.executor import Word
@@ -90,42 +90,6 @@ SECONDS = 600.0
 """Seconds between two checkpoints, if no number of steps is given."""
 
 
-class LeftCheckpoints:
-    """Writes checkpoints when they are due. It knows which rows of a replay buffer are written already."""
-
-    def __init__(self, attempt: Attempt) -> None:
-        """Begin to count.
-
-        Args:
-            attempt: What the training starts with, and how often it leaves a checkpoint.
-        """
-        self._attempt = attempt
-        self._last, self._since = attempt.begun_from, time.perf_counter()
-        self._rings = attempt.checkpoint.rings if attempt.checkpoint else {}
-
-    def is_due(self, steps: int) -> bool:
-        """Whether a checkpoint is due after `steps` environment steps."""
-        every = self._attempt.every
-        if every is None:
-            return time.perf_counter() - self._since >= SECONDS
-        return 0 < every <= steps - self._last
-
-    def leave(
-        self, steps: int, algorithm: TrainingState, env: TrainingState, seconds: float, parts: Sequence[str] = ()
-    ) -> None:
-        """Write a checkpoint; see `Checkpoint` for the arguments."""
-        stored = store(self._attempt.folder, algorithm, env, self._rings)
-        Checkpoint(steps, self._attempt.origin, parts=tuple(parts), seconds=seconds, **stored).write(
-            self._attempt.folder
-        )
-        self._last, self._since, self._rings = steps, time.perf_counter(), stored["rings"]
-
-    def restored(self) -> TrainingState | None:
-        """What an algorithm needs to go on; None if the training begins anew."""
-        checkpoint = self._attempt.checkpoint
-        return checkpoint.restored(self._attempt.folder) if checkpoint else None
-
-
 class CellProgress(Progress):
     """Passes on steps and scalars to whoever watches, evaluates and writes checkpoints when they are due."""
 
@@ -143,7 +107,8 @@ class CellProgress(Progress):
         """
         self._report, self._attempt, self._world = report, attempt, world
         self._evaluations, self._tracked = evaluations, tracked
-        self._checkpoints = LeftCheckpoints(attempt)
+        self._last, self._since = attempt.begun_from, time.perf_counter()
+        self._rings = attempt.checkpoint.rings if attempt.checkpoint else {}
 
     def __call__(self, steps: int) -> None:
         """See `harness.progress.Progress`."""
@@ -160,14 +125,22 @@ class CellProgress(Progress):
 
     def checkpoint(self, steps: int, make: Callable[[], TrainingState]) -> None:
         """See `harness.progress.Progress`."""
-        if not self._checkpoints.is_due(steps):
+        kept = self._world.kept() if self._is_due(steps) else None
+        if kept is None:
             return
-        kept = self._world.kept()
-        if kept is not None:
-            state, parts = kept
-            seconds = self._attempt.seconds - self._evaluations.seconds
-            self._checkpoints.leave(steps, make(), state, seconds, parts)
+        (env, parts), attempt = kept, self._attempt
+        seconds = attempt.seconds - self._evaluations.seconds
+        stored = store(attempt.folder, make(), env, self._rings)
+        Checkpoint(steps, attempt.origin, parts=tuple(parts), seconds=seconds, **stored).write(attempt.folder)
+        self._last, self._since, self._rings = steps, time.perf_counter(), stored["rings"]
 
     def restored(self) -> TrainingState | None:
         """See `harness.progress.Progress`."""
-        return self._checkpoints.restored()
+        checkpoint = self._attempt.checkpoint
+        return checkpoint.restored(self._attempt.folder) if checkpoint else None
+
+    def _is_due(self, steps: int) -> bool:
+        every = self._attempt.every
+        if every is None:
+            return time.perf_counter() - self._since >= SECONDS
+        return 0 < every <= steps - self._last

@@ -1,29 +1,23 @@
 """The interface of what a cell trains in: an arm in a simulator, or an environment of anybody."""
 
-import time
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Protocol
 
 from harness.algorithm import Algorithm, TrainingEnv
-from harness.executor import Word
 from harness.experiment.checkpoints.checkpoint import Attempt
 from harness.experiment.watch import UNWATCHED, Watch
 from harness.experiment.workers.order import Report
 from harness.policy import Policy
-from harness.progress import TERMS, TrainingState
+from harness.progress import TrainingState
 from harness.record.cell import Cell
 from harness.registry.registry import Registry
 
 if TYPE_CHECKING:
-    from harness.experiment.trials.trial import Tried
+    from harness.experiment.trials.tried import Tried
     from harness.record.recording.facts import Acted
     from harness.registry.choice import Choice
-
-TELL_EVERY = 1.0
-"""Seconds from one time to tell what was learned to the next."""
 
 
 class CellWorld(Protocol):
@@ -114,42 +108,3 @@ def world_of(cell: Cell, registry: Registry, folder: Path, report: Report, watch
     from harness.experiment.arm_world import ArmWorld
 
     return ArmWorld(cell, registry, report, watch)
-
-
-SECTION, PAID = "Evaluation", "Cumulative Reward"
-"""The first part of each name, and the name of what an episode was paid; both are those of Unity ML-Agents."""
-
-
-NO_TERMS: Mapping[str, float | None] = MappingProxyType({})
-
-
-def named_scalars(
-    paid: float | None, measures: Mapping[str, float | None], terms: Mapping[str, float | None] = NO_TERMS
-) -> dict[str, float]:
-    """Numbers by their names for trackers, such as ``Evaluation/Success Rate``. What is None is left out.
-
-    Args:
-        paid: Mean over episodes of what the reward of the training paid.
-        measures: Means over episodes of what no reward enters, by name, as ``success_rate``.
-        terms: Means over episodes of what each term of that reward paid, by name.
-    """
-    values = {PAID: paid, **{name.replace("_", " ").title(): value for name, value in measures.items()}}
-    values |= {f"{TERMS}/{name}": value for name, value in terms.items()}
-    return {f"{SECTION}/{name}": float(value) for name, value in values.items() if value is not None}
-
-
-EVERY = 1.0
-"""The least seconds between two reports."""
-
-
-class Beat:
-    """Reports that the work goes on, as often as `EVERY` allows."""
-
-    def __init__(self, report: Report) -> None:
-        self._report, self._told = report, time.monotonic()
-
-    def __call__(self, steps: int) -> None:
-        """Report that the work goes on, with `steps` of the training done, if a report is due."""
-        if time.monotonic() >= self._told + EVERY:
-            self._told = time.monotonic()
-            self._report(Word(steps))

@@ -18,7 +18,7 @@ class Place(NamedTuple):
 
 
 BROUGHT = Place(Choice("(environment)", (), "environment"), "(environment)")
-"""Of a cell in an environment, which brings what moves there: no plugin can have these names."""
+"""The place of a cell in an environment, which brings what moves there: no plugin can have these names."""
 UNKNOWN_ALGORITHM = Choice("unknown", (), "unknown")
 """In place of the algorithm of a training that no experiment made: nobody recorded it."""
 EVALUATION_HORIZON = 10_000

@@ -152,7 +152,7 @@ REPLACED: Mapping[str, str] = MappingProxyType(
     {
         "harness.decompose.no_split": "harness.eta.decompose.decompose",
         "harness.evaluate": "harness.experiment.arm_evaluation",
-        "harness.evaluation_scalars": "harness.experiment.world",
+        "harness.evaluation_scalars": "harness.experiment.telling",
         "harness.event_log": "harness.tracker",
         "harness.experiment.run_plan": "harness.run",
         "harness.joint_numbers": "harness.robot.joint_limits",

@@ -71,7 +71,7 @@ class Group(NamedTuple):
     def shown(self) -> dict[str, str]:
         """The labels for people: the algorithm as `harness.record.cell.Cell.learner`."""
         labels = self.labels
-        if "robot" not in labels and "algorithm" in labels:
+        if self.simulator == BROUGHT.simulator and "algorithm" in labels:
             labels["algorithm"] = self.algorithm.label_with(DISCOUNT)
         return labels
 

@@ -14,7 +14,7 @@ from harness.experiment.arm_world import evaluation_scalars
 from harness.experiment.experiment import check
 from harness.experiment.plan import Plan, check_experiment, expand
 from harness.experiment.trials.arm_trial import try_arm
-from harness.experiment.trials.trial import Tried
+from harness.experiment.trials.tried import Tried
 from harness.record.trace import read_trace
 from harness.registry.given import read_given
 from harness.registry.registry import Registry, load_registry

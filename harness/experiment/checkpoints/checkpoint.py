@@ -58,7 +58,8 @@ class Checkpoint:
 
     def write(self, folder: Path) -> None:
         """Put it into `folder` in place of an earlier one. At every moment one of the two is whole."""
-        arrays = {name: np.array(array, order="C") for name, array in self._arrays().items()}
+        state = {**prefixed(ALGORITHM, self.algorithm), **prefixed(ENV, self.env)}
+        arrays = {name: np.array(array, order="C") for name, array in state.items()}
         about = {
             "format": FORMAT,
             "steps": self.steps,
@@ -79,9 +80,6 @@ class Checkpoint:
     def restored_env(self, folder: Path) -> TrainingState:
         """What the env needs, with its rings, which are read from `folder`."""
         return {**self.env, **{name: read_ring(folder, ring) for name, ring in under(ENV, self.rings).items()}}
-
-    def _arrays(self) -> TrainingState:
-        return {**prefixed(ALGORITHM, self.algorithm), **prefixed(ENV, self.env)}
 
 
 def store(
@@ -208,7 +206,8 @@ def begin_attempt(
         note = f"went on after {checkpoint.steps} steps" if checkpoint else f"started over: {reason}"
         write_log(folder / LOG, f"an earlier process was killed; this one {note}")
     if not checkpoint:
-        _empty(folder)
+        for path in _left_behind(folder):
+            shutil.rmtree(path) if path.is_dir() else path.unlink()
     for path in filter(is_partial, folder.iterdir()):
         path.unlink()  # a checkpoint that was half written
     discard_rings(folder, but=checkpoint.rings.values() if checkpoint else ())
@@ -230,8 +229,3 @@ def _usable_checkpoint(folder: Path, origin: Mapping[str, Any], restore: Restore
 def _left_behind(folder: Path) -> list[Path]:
     """What an earlier process left beside the log."""
     return [path for path in folder.iterdir() if path.name != LOG]
-
-
-def _empty(folder: Path) -> None:
-    for path in _left_behind(folder):
-        shutil.rmtree(path) if path.is_dir() else path.unlink()

@@ -20,9 +20,9 @@ from harness.experiment.environments.batch import EnvironmentBatch
 from harness.experiment.environments.columns import columns_of, weighing
 from harness.experiment.environments.spaces import Acting
 from harness.experiment.provenance import describe_environment
-from harness.experiment.trials.trial import Tried
+from harness.experiment.telling import TELL_EVERY, Beat, named_scalars
+from harness.experiment.trials.tried import Tried
 from harness.experiment.workers.order import Report
-from harness.experiment.world import TELL_EVERY, Beat, named_scalars
 from harness.log import Log
 from harness.policy import Policy
 from harness.progress import RETURN, SPEED, SUCCESS, TrainingState
@@ -120,7 +120,9 @@ class EnvironmentWorld:
         if path.exists():  # of a process that was killed
             shutil.rmtree(path)
         rng = None if acted == "deterministic" else np.random.default_rng([FIRST_SEED, *[1] * (acted == "random")])
-        with closing(self._made()) as env:
+        with self._blamed("an env was made"):
+            made = self._environment.make()
+        with closing(made) as env:
             evaluate_policy(
                 _beating(Acting(env, policy, rng), Beat(self._report), after or self._cell.steps),
                 env,
@@ -173,10 +175,6 @@ class EnvironmentWorld:
         return RecordRewards(
             env, path, seed=self._cell.seed, pay=True, number=number, steps_asked=steps, **self._columns(env)
         )
-
-    def _made(self) -> AnyEnv:
-        with self._blamed("an env was made"):
-            return self._environment.make()
 
     def _columns(self, env: AnyEnv) -> Mapping[str, Any]:
         """What a recording says about an env."""

@@ -9,7 +9,7 @@ import numpy as np
 from harness.env.ideal import IdealSimulator
 from harness.env.vector_env import ReachVectorEnv
 from harness.errors import HarnessError, one_line, reason_of
-from harness.experiment.trials.trial import Fault, Tried, error_text
+from harness.experiment.trials.tried import Fault, Tried, error_text
 from harness.log import Log
 from harness.record.cell import Cell
 from harness.record.folder import TRACE

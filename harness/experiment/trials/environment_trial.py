@@ -13,7 +13,7 @@ from harness.environment import AnyEnv, Environment
 from harness.errors import one_line
 from harness.experiment.environments.columns import columns_of
 from harness.experiment.environments.random_steps import RandomStep, random_steps, value_of
-from harness.experiment.trials.trial import Fault, Tried, error_text, fault_of
+from harness.experiment.trials.tried import Fault, Tried, error_text, fault_of
 from harness.recorder.column import Column
 from harness.recorder.column import columns_of as made_columns
 from harness.recorder.guard import Guard

@@ -8,7 +8,8 @@ from typing import Any
 from harness.errors import UsageError
 from harness.experiment.plan import Plan
 from harness.experiment.task_plan import table_of
-from harness.experiment.trials.trial import Fault, TryTask, try_tasks
+from harness.experiment.trials.trial import TryTask, try_tasks
+from harness.experiment.trials.tried import Fault
 from harness.record.cell import Cell
 from harness.registry.choice import Choice
 from harness.registry.given import PluginFile
@@ -77,12 +78,12 @@ def _to_try(cells: Sequence[Cell], registry: Registry) -> list[tuple[Cell, tuple
     return [
         (next(iter(of.values())), tuple(of))
         for of in found.values()
-        if registry.given or any(not _is_ours(cell, registry) for cell in of.values())
+        if registry.given
+        or any(
+            "rewards" not in cell.plugins or not registry.get("rewards", cell.reward.name).is_built_in
+            for cell in of.values()
+        )
     ]
-
-
-def _is_ours(cell: Cell, registry: Registry) -> bool:
-    return "rewards" in cell.plugins and registry.get("rewards", cell.reward.name).is_built_in
 
 
 def _require_spared(task: Choice, fault: Fault, plan: Plan, registry: Registry) -> None:

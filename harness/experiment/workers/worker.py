@@ -64,7 +64,7 @@ def main() -> None:
     """Do what standard input orders."""
     begun = time.time()
     faulthandler.enable()  # on standard error, which is the log of the order
-    with _keep_stdout() as parent:
+    with os.fdopen(os.dup(1), "w") as parent:  # standard output: nothing else writes to it
         for number, line in enumerate(lines_of_parent(lambda: _tell(parent, DONE))):
             if number and _is_stale(begun):
                 _tell(parent, STALE)
@@ -99,11 +99,6 @@ def print_into(path: Path) -> None:
 def _tell(parent: IO[str], line: str) -> None:
     parent.write(f"{line}\n")
     parent.flush()
-
-
-def _keep_stdout() -> IO[str]:
-    """Standard output under another number, so that nothing else writes to it."""
-    return os.fdopen(os.dup(1), "w")
 
 
 def _is_stale(begun: float) -> bool:

@@ -4,7 +4,7 @@ import pytest
 
 from harness.experiment.plan import check_experiment, expand
 from harness.experiment.trials.arm_trial import try_arm
-from harness.experiment.trials.trial import Fault, Tried
+from harness.experiment.trials.tried import Fault, Tried
 from harness.registry.given import read_given
 from harness.registry.registry import load_registry
 from tests.experiment.trials.conftest import ARM

@@ -5,7 +5,7 @@ from collections.abc import Collection
 import pytest
 
 from harness.experiment.trials.environment_trial import MOST_STEPS, try_environment
-from harness.experiment.trials.trial import Fault, Tried
+from harness.experiment.trials.tried import Fault, Tried
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 

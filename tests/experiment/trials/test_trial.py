@@ -3,7 +3,8 @@
 import pytest
 
 from harness.experiment.trials import trial as module
-from harness.experiment.trials.trial import Fault, Tried, TryTask, fault_of, try_tasks
+from harness.experiment.trials.trial import TryTask, try_tasks
+from harness.experiment.trials.tried import Fault, Tried, fault_of
 from tests.experiment.trials.conftest import planned
 
 
