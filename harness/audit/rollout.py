@@ -12,7 +12,7 @@ from harness.arrays import Float, Mask
 from harness.audit.scripted import SCRIPTS, plan_actions
 from harness.env import ReachVectorEnv
 from harness.errors import UsageError
-from harness.experiment.evaluation.evaluate import EVALUATION_SEED
+from harness.experiment.arm_evaluation import EVALUATION_SEED
 from harness.reward import Array, Carry, Steps
 from harness.reward.steps import ARM_BEFORE
 from harness.robot import Robot

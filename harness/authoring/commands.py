@@ -68,13 +68,13 @@ if TYPE_CHECKING:
     from harness.eta.splits import SplitPath as SplitPath
     from harness.eta.splits import SumSplit as SumSplit
     from harness.eta.splits import no_splits as no_splits
+    from harness.experiment.arm_evaluation import record_evaluation as record_evaluation
     from harness.experiment.changed import changed_cells as changed_cells
     from harness.experiment.changed import refuse_changed as refuse_changed
     from harness.experiment.draft import draft_of as draft_of
     from harness.experiment.draft import leave_record as leave_record
     from harness.experiment.environments.paid_again import PayAgain as PayAgain
     from harness.experiment.environments.played_again import PlayedAgain as PlayedAgain
-    from harness.experiment.evaluation.evaluator import Evaluator as Evaluator
     from harness.experiment.experiment import DEFAULT_FOLDER as DEFAULT_FOLDER
     from harness.experiment.experiment import ExperimentRun as ExperimentRun
     from harness.experiment.plan import DEFAULT_TASK as DEFAULT_TASK
@@ -125,8 +125,7 @@ if TYPE_CHECKING:
     from harness.policy.folder import read_folder as read_folder
     from harness.policy.network import MEAN as MEAN
     from harness.policy.network import STD as STD
-    from harness.record.cell import NO_ROBOT as NO_ROBOT
-    from harness.record.cell import NO_SIMULATOR as NO_SIMULATOR
+    from harness.record.cell import BROUGHT as BROUGHT
     from harness.record.cell import Cell as Cell
     from harness.record.cell_folder import require_files as require_files
     from harness.record.dataset.labels import UNKNOWN as UNKNOWN
@@ -207,7 +206,6 @@ if TYPE_CHECKING:
     from harness.results.learning import LearningCurve as LearningCurve
     from harness.results.learning import Point as Point
     from harness.results.load import read_results as read_results
-    from harness.results.load import require_arm as require_arm
     from harness.results.measured import value_of as value_of
     from harness.results.metrics import named_measures as named_measures
     from harness.results.overview import decided_by_text as decided_by_text

@@ -44,7 +44,7 @@ def screened(cells: "Sequence[Cell]", registry: "Registry") -> list[str]:
     from harness.errors import UsageError
 
     first = {cell.reward.label: cell for cell in reversed(cells)}
-    if any(cell.is_in_environment for cell in cells):
+    if any("robots" not in cell.plugins for cell in cells):
         raise UsageError("--screen moves the arm by scripts, and an environment has none: leave it out")
     found: dict[tuple[str, str], tuple[Rollout, ...] | str] = {}
     lines = []

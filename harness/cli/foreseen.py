@@ -60,9 +60,9 @@ def _by_combination(cells: Sequence["Cell"], *, lists_seeds: bool) -> Iterator[s
 
 def _evaluations(cell: "Cell") -> Iterator[str]:
     """How long episodes may be where nothing but an environment ends them: every cell of a run has the same horizon."""
-    if "environments" in cell.plugins:
+    if cell.cut_after is not None:
         episodes = f"{cell.evaluation_episodes:,} episodes of each policy"
-        yield f"Evaluations: {episodes}, each cut after {cell.evaluation_horizon:,} steps if it goes on so long"
+        yield f"Evaluations: {episodes}, each cut after {cell.cut_after:,} steps if it goes on so long"
 
 
 def _time(found: "Foreseen") -> str:

@@ -31,5 +31,5 @@ def unended_text(cell: Cell, steps: int, mean: float | None) -> str:
         steps: How many it has done.
         mean: What its last episodes were paid; None before one has ended.
     """
-    is_odd = "environments" in cell.plugins and mean is None and steps >= min(UNENDED_AFTER, cell.steps)
+    is_odd = cell.cut_after is not None and mean is None and steps >= min(UNENDED_AFTER, cell.steps)
     return f"no episode has ended in {steps:,} steps of training" if is_odd else ""

@@ -1,34 +1,41 @@
 """An arm in a simulator, as a cell trains in it; see `harness.experiment.world.CellWorld`."""
 
-from collections.abc import Iterator, Mapping, Sequence
+import time
+from collections import deque
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from harness.algorithm import Algorithm, TrainingEnv
+from harness.arrays import Float
 from harness.env import ReachVectorEnv
-from harness.env.make import build_world
+from harness.env.make import World, build_world
 from harness.env.solid_probes import require_solids
 from harness.executor import NO_SCALARS
-from harness.experiment.checkpoints.attempt import Attempt
+from harness.experiment.arm_evaluation import facts_of, record_evaluation
+from harness.experiment.checkpoints.checkpoint import Attempt
 from harness.experiment.checkpoints.trace_parts import TraceParts
-from harness.experiment.evaluation.evaluate import evaluate, facts_of
-from harness.experiment.evaluation.evaluator import Evaluator
-from harness.experiment.evaluation.scalars import named_scalars
-from harness.experiment.progress.beat import Beat
-from harness.experiment.progress.learning_so_far import LearningSoFar
 from harness.experiment.provenance import describe_environment
+from harness.experiment.telling import TELL_EVERY, Beat, named_scalars
+from harness.experiment.trials.tried import Tried
 from harness.experiment.watch import Watch
 from harness.experiment.workers.order import Report
 from harness.log import Log
 from harness.policy import Policy
-from harness.progress import TrainingState
+from harness.progress import LAST_EPISODES, RETURN, SPEED, SUCCESS, TERMS, TrainingState
 from harness.record.cell import Cell
 from harness.record.folder import SUFFIX, TRACE
-from harness.record.returns import mean_over_episodes, mean_return
+from harness.record.recording.facts import Acted
+from harness.record.returns import PAID, mean_over_episodes, mean_return
 from harness.record.scene import write_scene
-from harness.record.trace import TERM, read_trace, terms_of
+from harness.record.trace import COLUMN, SCALARS, TERM, Recorder, Rows, read_trace, terms_of
+from harness.registry.choice import Choice
 from harness.registry.registry import Registry
+from harness.robot import Robot
 from harness.robot.load import load_robot
 from harness.scene.scene import scene_of
 
@@ -39,22 +46,31 @@ class ArmWorld:
     suffix = SUFFIX
 
     def __init__(self, cell: Cell, registry: Registry, report: Report, watch: Watch) -> None:
-        """Load the robot; see `harness.experiment.world.world_of`."""
-        self._cell, self._registry, self._watch, self._report = cell, registry, watch, report
-        self._robot = load_robot(cell.robot, registry)
-        self.runs_on: Mapping[str, Any] = describe_environment(cell, self._robot, registry)
+        """Build nothing yet; see `harness.experiment.world.world_of`."""
+        self._cell, self._registry, self._watch, self._beat = cell, registry, watch, Beat(report)
         self._env: ReachVectorEnv
-        self._evaluator: Evaluator
         self._learning: LearningSoFar | None = None
         self._parts: TraceParts | None = None
-        self._now = cell.steps
 
-    def build(self, algorithm: Algorithm) -> None:
-        """See `CellWorld`. The env of the training is opened, so that it can be restored."""
-        world, beat = build_world(self._cell, self._robot, self._registry), Beat(self._report)
-        require_solids(self._cell.simulator.label, world.simulator, self._robot, self._registry)
-        self._evaluator = Evaluator(world, self._cell.evaluation_episodes, lambda: beat(self._now))
-        self._env = world.open(algorithm.num_envs, resumable=True)
+    @cached_property
+    def runs_on(self) -> Mapping[str, Any]:
+        """See `CellWorld`."""
+        return describe_environment(self._cell, self._robot, self._registry)
+
+    @cached_property
+    def _robot(self) -> Robot:
+        return load_robot(self._cell.robot, self._registry)
+
+    @cached_property
+    def _world(self) -> World:
+        return build_world(self._cell, self._robot, self._registry)
+
+    def build(self, algorithm: Algorithm) -> Mapping[str, Any]:
+        """See `CellWorld`: what the task measures, if that is no distance. The env is opened, to be restored."""
+        require_solids(self._cell.simulator.label, self._world.simulator, self._robot, self._registry)
+        self._env = self._world.open(algorithm.num_envs, resumable=True)
+        goal = self._env.episodes.goal
+        return {} if goal is None else {"error": goal.error, "unit": goal.unit}
 
     def restore(self, state: TrainingState) -> None:
         """See `CellWorld`."""
@@ -76,11 +92,6 @@ class ArmWorld:
             self._watch.enter("saving")
             env.close()
 
-    def facts(self) -> Mapping[str, Any]:
-        """See `CellWorld`: what the task measures, if that is no distance."""
-        goal = self._env.episodes.goal
-        return {} if goal is None else {"error": goal.error, "unit": goal.unit}
-
     def learned(self, steps: int, *, if_due: bool = False) -> Mapping[str, float]:
         """See `CellWorld`."""
         if self._learning is None:
@@ -94,18 +105,18 @@ class ArmWorld:
         self._parts.cut()
         return self._env.state(), self._parts.digests
 
-    def record(self, policy: Policy, deterministic: bool, path: Path, after: int) -> None:
-        """See `CellWorld`."""
-        self._now = after or self._cell.steps
-        self._evaluator.record(policy, deterministic, path)
+    def evaluate(
+        self, policy: Policy, acted: Acted, episodes: int, path: Path, *, after: int = 0, seed: int | None = None
+    ) -> None:
+        """See `CellWorld`: all episodes side by side."""
+        now = after or self._cell.steps
+        record_evaluation(self._world, policy, acted, episodes, path, seed, lambda: self._beat(now))
 
-    def record_random(self, policy: Policy, path: Path) -> None:
-        """See `CellWorld`."""
-        self._evaluator.record_random(policy, path)
+    def try_out(self, rewards: Sequence[Choice], without: Collection[str], tell: Callable[[str], None]) -> Tried:
+        """See `CellWorld`: by an arm whose joints are where they are told to be."""
+        from harness.experiment.trials.arm_trial import try_arm
 
-    def validate(self, policy: Policy, episodes: int, path: Path, seed: int) -> None:
-        """See `CellWorld`."""
-        evaluate(build_world(self._cell, self._robot, self._registry), policy.act, episodes, path, seed)
+        return try_arm(self._cell, rewards, self._registry, without, tell)
 
     def scalars(self, path: Path) -> dict[str, float]:
         """See `CellWorld`."""
@@ -125,3 +136,101 @@ def evaluation_scalars(trace: Log, registry: Registry) -> dict[str, float]:
 
     terms = {name: mean_over_episodes(values, trace) for name, values in terms_of(trace).items()}
     return named_scalars(mean_return(trace), measure(load_metrics(registry), trace), terms)
+
+
+ENV, EPISODE, STEP = (COLUMN[name] for name in ("env", "episode", "step"))
+PAYMENTS = [COLUMN[name] for name in PAID]
+REACHED, ENDS = COLUMN["reached"], [COLUMN["terminated"], COLUMN["truncated"]]
+
+
+class LearningSoFar:
+    """A `Recorder` that hands every row on, and knows what the last `LAST_EPISODES` episodes came to.
+
+    A step costs a copy of its rows. They are added up when somebody asks, or when there are `BLOCK` of them.
+    Episodes that were under way when a killed training went on are left out.
+    """
+
+    BLOCK = 4096
+
+    def __init__(
+        self,
+        recorder: Recorder,
+        begun_from: int = 0,
+        now: Callable[[], float] = time.monotonic,
+        terms: Sequence[str] = (),
+    ) -> None:
+        """Start before any episode has ended.
+
+        Args:
+            recorder: Gets the rows.
+            begun_from: Environment steps that were done before.
+            now: The time, [s].
+            terms: Of the reward, whose columns end each row.
+        """
+        self._recorder, self._now, self._terms = recorder, now, [f"{TERMS}/{name}" for name in terms]
+        self._block, self._filled = np.empty((self.BLOCK, len(SCALARS) + len(terms))), 0
+        # By env: the episode, what it was paid, the total and then its terms, and whether it reached.
+        self._open: dict[int, tuple[int, Float, bool]] = {}
+        self._ended: deque[tuple[Float, bool]] = deque(maxlen=LAST_EPISODES)
+        self._steps, self._told = begun_from, now()
+
+    def append(self, rows: Rows) -> None:
+        """See `harness.record.trace.Recorder`."""
+        self._recorder.append(rows)
+        for first in range(0, len(rows), self.BLOCK):
+            part = rows[first : first + self.BLOCK]
+            if self._filled + len(part) > self.BLOCK:
+                self._add_up()
+            place = self._block[self._filled : self._filled + len(part)]
+            place[:, : len(SCALARS)] = part[:, : len(SCALARS)]
+            if self._terms:
+                place[:, len(SCALARS) :] = part[:, -len(self._terms) :]
+            self._filled += len(part)
+
+    def scalars_if_due(self, steps: int) -> Mapping[str, float]:
+        """`scalars`, once in `TELL_EVERY` seconds; else nothing."""
+        return self.scalars(steps) if self._now() >= self._told + TELL_EVERY else NO_SCALARS
+
+    def scalars(self, steps: int) -> dict[str, float]:
+        """The scalars after `steps`, by the names of `harness.progress`; empty if they were reported before."""
+        if steps == self._steps:
+            return {}
+        self._add_up()
+        now = self._now()
+        found = {}
+        if now > self._told:
+            found[SPEED] = (steps - self._steps) / (now - self._told)
+        self._steps, self._told = steps, now
+        if self._ended:
+            paid, reached = zip(*self._ended, strict=True)
+            total, *terms = (sum(paid) / len(paid)).tolist()
+            found |= {SUCCESS: sum(reached) / len(reached), RETURN: total, **dict(zip(self._terms, terms, strict=True))}
+        return found
+
+    def _add_up(self) -> None:
+        rows = self._block[: self._filled]
+        self._filled = 0
+        keys = rows[:, ENV].astype(np.int64) << 32 | rows[:, EPISODE].astype(np.int64)
+        episodes, where = np.unique(keys, return_inverse=True)  # by env, and in order
+        columns = (rows[:, PAYMENTS].sum(axis=1), *rows[:, len(SCALARS) :].T)
+        paid = np.stack([np.bincount(where, column, len(episodes)) for column in columns], axis=1)
+        reached = np.bincount(where, rows[:, REACHED], len(episodes)) > 0
+        begins = np.bincount(where, rows[:, STEP] == 0, len(episodes)) > 0
+        last_rows = np.full(len(episodes), -1)
+        ends = np.flatnonzero(rows[:, ENDS].any(axis=1))
+        last_rows[where[ends]] = ends
+        ended, nothing = list[tuple[int, tuple[Float, bool]]](), np.zeros(len(columns))
+        for index, key in enumerate(episodes.tolist()):
+            env, episode = divmod(key, 2**32)
+            number, before, was_reached = (
+                (episode, nothing, False) if begins[index] else self._open.get(env, (-1, nothing, False))
+            )
+            if number != episode:
+                continue
+            total = episode, before + paid[index], was_reached or bool(reached[index])
+            if last_rows[index] < 0:
+                self._open[env] = total
+            else:
+                self._open.pop(env, None)
+                ended.append((int(last_rows[index]), total[1:]))
+        self._ended.extend(episode for _, episode in sorted(ended, key=lambda it: it[0]))

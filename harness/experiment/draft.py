@@ -1,5 +1,6 @@
 """Makes a folder that appears all at once, with a record of how the work for it ended."""
 
+import shutil
 import time
 import traceback
 from collections.abc import Iterator
@@ -9,7 +10,7 @@ from pathlib import Path
 from typing import Any, Generic, Self, TypeVar
 
 from harness.errors import one_line
-from harness.experiment.own_folder import own_partial
+from harness.files.whole_file import whole_file
 from harness.record.folder import LOG, partial_folder, publish
 from harness.record.manifest import Ending, now
 
@@ -68,3 +69,18 @@ def leave_record(folder: Path, record: Kind) -> Kind:
     written = record.write(partial)
     publish(partial, folder)
     return written
+
+
+def own_partial(folder: Path) -> Path:
+    """The partial folder of a folder, made if need be, in which what is written changes no file elsewhere.
+
+    An earlier attempt may have left files in it, and logs are appended to. Where one has a second name, as in a copy
+    that was made of hard links, a copy of its own takes its place.
+    """
+    partial = partial_folder(folder)
+    partial.mkdir(parents=True, exist_ok=True)
+    for path in partial.rglob("*"):
+        if path.is_file() and path.stat().st_nlink > 1:
+            with whole_file(path) as copy:
+                shutil.copyfile(path, copy)
+    return partial

@@ -3,7 +3,7 @@
 import math
 import time
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, fields, replace
 from functools import partial
@@ -13,25 +13,23 @@ from typing import Any, Unpack
 from harness.errors import UsageError
 from harness.executor import Event, Executor, Job, OnEvent
 from harness.experiment.changed import Sources, changed_cells, refuse_changed
-from harness.experiment.evaluation.floor import floor_carriers
 from harness.experiment.looks import refuse_other_looks
 from harness.experiment.objects import name_objects
 from harness.experiment.plan import Experiment, Plan, check_experiment, expand
 from harness.experiment.progress.ended_cells import EndedCells
 from harness.experiment.progress.followed import Followed
-from harness.experiment.progress.trackers import OnTrouble, Trackers, build_trackers
-from harness.experiment.progress.tracking import Tracking
+from harness.experiment.progress.trackers import OnTrouble, Trackers, Tracking, build_trackers
 from harness.experiment.run_options import DEFAULTS, RunArguments, RunOptions
-from harness.experiment.selection import select
 from harness.experiment.trials.tried_plan import try_plan
 from harness.record.cell import Cell
+from harness.record.floor import Floor, floors_in
 from harness.record.manifest import Manifest, read_manifest
 from harness.record.out_folder import storage_errors
 from harness.record.running import read_left
 from harness.record.store import Store
 from harness.record.united_plan import refuse_mixed
 from harness.registry.allowed import allow_typed
-from harness.registry.choice import Choice
+from harness.registry.choice import Choice, split_list
 from harness.registry.given import Given as Plugins
 from harness.registry.given import read_given, require_given, split_measures
 from harness.registry.registry import Registry, load_registry
@@ -307,3 +305,56 @@ def default_folder(plan: Plan) -> Path:
     first = plan.cells[0] if plan.cells else plan.skipped[0][0]
     names = f"{first.place.name}-{first.algorithm.name}".replace("/", "-")  # of a qualified name
     return DEFAULT_FOLDER / f"{names}-{plan.id}"
+
+
+def floor_carriers(waiting: Sequence[Cell], store: Store) -> frozenset[Cell]:
+    """The first of the waiting cells of each floor that no done cell in the folder has.
+
+    Args:
+        waiting: Cells that are going to be done, in order.
+        store: The experiment's folder.
+    """
+    stay = [manifest for manifest in store.manifests() if manifest.cell not in set(waiting)]  # others are replaced
+    there, carriers = floors_in(stay, store), dict[Floor, Cell]()
+    for cell in waiting:
+        floor = Floor.of(cell)
+        if floor not in there:
+            carriers.setdefault(floor, cell)
+    return frozenset(carriers.values())
+
+
+KINDS = ("simulator", "algorithm", "reward", "seed", "cell")
+
+
+def select(cells: Sequence[Cell], text: str) -> tuple[Cell, ...]:
+    """The cells that `text` names.
+
+    Each word is the name or label of a simulator, algorithm or reward, ``seed=3``, or the id of a cell. Words of one
+    kind are alternatives; words of several kinds all have to hold: ``sac,ppo,seed=0`` is seed 0 of both algorithms.
+
+    Raises:
+        UsageError: A word names nothing in these cells.
+    """
+    asked: dict[str, set[str]] = {}
+    for word in split_list(text):
+        kinds = [kind for kind in KINDS if any(word in _names(cell)[kind] for cell in cells)]
+        if not kinds:
+            raise UsageError(f"--only: no cell of this experiment has '{word}'. Allowed are {_offer(cells)}")
+        asked.setdefault(kinds[0], set()).add(word)
+    return tuple(cell for cell in cells if all(words & set(_names(cell)[kind]) for kind, words in asked.items()))
+
+
+def _names(cell: Cell) -> Mapping[str, Sequence[str]]:
+    """The words that name a cell, by kind."""
+    choices = {"simulator": cell.place, "algorithm": cell.algorithm, "reward": cell.reward}
+    named = {kind: (choice.label, choice.name) for kind, choice in choices.items()}
+    return {**named, "seed": (f"seed={cell.seed}",), "cell": (cell.id,)}
+
+
+def _offer(cells: Iterable[Cell]) -> str:
+    """The words that are possible, without the ids of cells."""
+    found: dict[str, dict[str, None]] = {kind: {} for kind in KINDS[:-1]}
+    for cell in cells:
+        for kind, names in found.items():
+            names[_names(cell)[kind][0]] = None
+    return ", ".join(name for names in found.values() for name in names)

@@ -8,7 +8,6 @@ from typing import Any, NamedTuple, TypeAlias
 
 from harness.experiment.experiment import ExperimentRun
 from harness.record.cell import Cell
-from harness.record.manifest import Manifest
 from harness.record.store import Store
 from harness.text import command_text
 
@@ -125,15 +124,11 @@ def _costs_per_step(store: Store) -> Mapping[Kind, Cost]:
     costs: dict[Kind, Cost] = defaultdict(lambda: NOTHING)
     steps: dict[Kind, int] = defaultdict(int)
     for manifest in done:
-        costs[_kind(manifest.cell)] += Cost(manifest.seconds, _size(manifest, store))
+        files = store.cell_folder(manifest.cell).rglob("*")
+        size = sum(path.stat().st_size for path in files if path.is_file())
+        costs[_kind(manifest.cell)] += Cost(manifest.seconds, size)
         steps[_kind(manifest.cell)] += manifest.cell.steps
     return {kind: cost.times(1.0 / steps[kind]) for kind, cost in costs.items()}
-
-
-def _size(manifest: Manifest, store: Store) -> int:
-    """The size of a cell's files in bytes."""
-    files = store.cell_folder(manifest.cell).rglob("*")
-    return sum(path.stat().st_size for path in files if path.is_file())
 
 
 def _kind(cell: Cell) -> Kind:

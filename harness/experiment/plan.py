@@ -11,13 +11,12 @@ from typing import Annotated, Any, Literal, TypeAlias
 from pydantic import BeforeValidator, Field
 from pydantic.dataclasses import dataclass as checked_dataclass
 
-from harness.algorithm import IN_ENVIRONMENTS
 from harness.errors import UsageError
 from harness.eta.verdict.looks import MARGIN
 from harness.experiment.looks import own_seed, terms_of
 from harness.experiment.task_plan import Given, TaskPlan, plan_tasks, table_of, unnamed
 from harness.record.cell import EVALUATION_HORIZON as HORIZON
-from harness.record.cell import NO_SIMULATOR, Cell
+from harness.record.cell import Cell
 from harness.record.file_forms import MOST_CELLS, MOST_SEEDS
 from harness.record.plan_file import control_seeds
 from harness.record.terms import NEW, Terms
@@ -223,9 +222,7 @@ def expand(experiment: Experiment, registry: Registry, begun: Begun = lambda pla
     experiment = _alone(experiment, registry)
     tasks = plan_tasks(experiment, experiment.tasks, registry)
     plain = [choose(registry, "algorithms", it) for it in experiment.algo]
-    if not tasks[0].is_environment:
-        return _plan(experiment, tasks, plain, registry)
-    fitted = [choose(registry, "algorithms", it, IN_ENVIRONMENTS) for it in experiment.algo]
+    fitted = [choose(registry, "algorithms", it, tasks[0].defaults) for it in experiment.algo]
     plan = _plan(experiment, tasks, fitted, registry)
     if fitted == plain:
         return plan
@@ -275,7 +272,7 @@ def _plan(experiment: Experiment, tasks: Sequence[TaskPlan], chosen: Iterable[Ch
         tasks[0].baseline.label,
         tuple(cell for cell, reason in planned if not reason),
         tuple((cell, reason) for cell, reason in planned if reason),
-        _resolve(experiment, tasks, algorithms, registry.needs(tasks[0].simulators == (NO_SIMULATOR,))),
+        _resolve(experiment, tasks, algorithms, tasks[0].needs),
         control=control,
         terms=terms,
         warnings=(*registry.broken_files(), *dict.fromkeys(line for it in tasks for line in it.warnings)),

@@ -41,14 +41,17 @@ def describe_environment(
         kinds: Those of the cell's choices that made it.
     """
     specs = specs_of(cell, registry, kinds)
-    digests = {} if robot is None else {"robots": robot_digest(cell, robot)}
+    hashes = {kind: source_hash(spec.load()) for kind, spec in specs.items()}
+    digests = {kind: digest for kind, digest in hashes.items() if digest}
+    if robot is not None:
+        digests["robots"] = robot_digest(cell, robot)
     return {
         "versions": {"python": platform.python_version(), **versions_behind(specs.values())},
         "machine": describe_machine(),
-        **_engine(specs),
+        **({"engine": family_of(specs["simulators"].load())} if "simulators" in specs else {}),
         "commit": source_commit(CHECKOUT),
         "command": command_text(Path(sys.argv[0]).name, *sys.argv[1:]),
-        "sources": {**_source_hashes(specs), **digests, **function_digests(cell, registry)},
+        "sources": {**digests, **function_digests(cell, registry)},
         **_what_is_read(cell, robot, specs, registry),
     }
 
@@ -79,11 +82,6 @@ def function_digests(cell: Cell, registry: Registry) -> dict[str, str]:
     return {f"{it.noun} {it.name}": it.file.digest for it in decisive}
 
 
-def _engine(specs: Mapping[str, Spec]) -> dict[str, str | None]:
-    """The engine that computed the cell. Simulators of one engine are one family. None if there is no engine."""
-    return {"engine": family_of(specs["simulators"].load())} if "simulators" in specs else {}
-
-
 def robot_digest(cell: Cell, robot: Robot) -> str:
     """SHA-256 of what decides the cell's result in a robot. Its drives count only if the simulator uses them."""
     return robot.driven_digest if cell.drives_with_servo else robot.digest
@@ -107,12 +105,6 @@ def specs_of(cell: Cell, registry: Registry, kinds: Collection[str] = KINDS) -> 
     """The plugins behind the choices of a cell, by kind, without the robot, which is no code."""
     chosen = {kind: name for kind, name in cell.plugins.items() if kind in kinds and kind != "robots"}
     return {kind: registry.get(kind, name) for kind, name in chosen.items()}
-
-
-def _source_hashes(specs: Mapping[str, Spec]) -> dict[str, str]:
-    """SHA-256 of the files behind each plugin that has any: a result whose reward changed since can be told."""
-    hashes = {kind: source_hash(spec.load()) for kind, spec in specs.items()}
-    return {kind: digest for kind, digest in hashes.items() if digest}
 
 
 def describe_machine() -> dict[str, Any]:

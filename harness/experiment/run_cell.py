@@ -1,5 +1,6 @@
 """Train and evaluate one cell: the only place that does. It needs the cell and a folder, nothing else."""
 
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
@@ -8,13 +9,11 @@ import numpy as np
 
 from harness.algorithm import Algorithm
 from harness.executor import CellOptions, Word
-from harness.experiment.checkpoints.attempt import Attempt, begin_attempt
+from harness.experiment.cell_progress import CellEvaluations, CellProgress
+from harness.experiment.checkpoints.checkpoint import Attempt, begin_attempt
 from harness.experiment.checkpoints.stored_rings import discard_rings
 from harness.experiment.checkpoints.trace_parts import discard_parts
 from harness.experiment.draft import Draft, draft_of
-from harness.experiment.evaluation.cell import CellEvaluations
-from harness.experiment.peak_memory import forget_peak, peak_memory
-from harness.experiment.progress.cell import CellProgress
 from harness.experiment.watch import UNWATCHED, Watch
 from harness.experiment.workers.order import Report
 from harness.experiment.world import CellWorld, world_of
@@ -86,9 +85,9 @@ class _Run:
         world = world_of(cell, registry, draft.partial, self.report, self.watch)
         draft.note(environment=dict(world.runs_on))
         algorithm: Algorithm = cell.algorithm.build(registry, "algorithms")
-        world.build(algorithm)
+        draft.note(**world.build(algorithm))
         attempt = begin_attempt(cell, draft.partial, world.runs_on, self.options.checkpoint_every, world.restore)
-        draft.note(resumed_from=attempt.begun_from, note=attempt.note, **world.facts())
+        draft.note(resumed_from=attempt.begun_from, note=attempt.note)
         self.report(Word(attempt.begun_from))
         evaluations = CellEvaluations(cell, world, attempt, self.options.tracked, self.report)
         policy = self._train(algorithm, world, attempt, evaluations)
@@ -111,3 +110,33 @@ class _Run:
             steps = min(env.environment_steps, cell.steps)
             self.report(Word(steps, world.learned(steps)))
         return policy
+
+
+FORGET, STATUS = Path("/proc/self/clear_refs"), Path("/proc/self/status")
+PEAK = "VmHWM:"
+
+
+def forget_peak() -> None:
+    """Forget the peak so far. Only Linux can do that; elsewhere the peak stays that of the whole process."""
+    try:
+        FORGET.write_text("5")
+    except OSError:
+        return  # no Linux, or one that allows it to nobody
+
+
+def peak_memory() -> int:
+    """The peak in bytes; 0 if the system does not tell it, as on Windows."""
+    try:
+        lines = STATUS.read_text().splitlines()
+        return 1024 * int(next(line.split()[1] for line in lines if line.startswith(PEAK)))
+    except (OSError, StopIteration):
+        return _peak_of_process()
+
+
+def _peak_of_process() -> int:
+    if sys.platform == "win32":
+        return 0
+    import resource
+
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak if sys.platform == "darwin" else 1024 * peak

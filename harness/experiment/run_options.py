@@ -52,7 +52,7 @@ class RunOptions:
         wait: Whether to wait while another run is using the folder; else that is an error.
         changed: What becomes of done cells that other plugins made than those installed now: ``"refuse"`` to run,
             ``"keep"`` them beside the new ones, or do them ``"again"``.
-        only: Do only the cells that this names; see `harness.experiment.selection.select`. The others stay pending.
+        only: Do only the cells that this names; see `harness.experiment.experiment.select`. The others stay pending.
         limit: Do at most so many cells; the others stay pending.
         budget: Seconds after which the run ends, once a cell has ended; the others stay pending. 0 for any number.
         retry_failed: How often a failed cell is tried again, after all others.

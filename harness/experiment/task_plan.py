@@ -1,17 +1,17 @@
 """One task of an experiment, looked at before anything runs: where it is trained, by which rewards, and what fits."""
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol, TypeAlias
 
-from harness.algorithm import Algorithm, needs_goals, why_not
+from harness.algorithm import IN_ENVIRONMENTS, ActionSpace, Algorithm, needs_goals, why_not
 from harness.errors import UsageError, sentence
 from harness.experiment.environments.plan import kind_of_task, look_at, refuse_places, require_known, why_not_in
-from harness.experiment.task_form import task_for
-from harness.record.cell import EVALUATION_HORIZON, NO_ROBOT, NO_SIMULATOR
+from harness.motion import Discrete
+from harness.record.cell import BROUGHT, EVALUATION_HORIZON
 from harness.registry.choice import Choice, choose, split_list
 from harness.registry.measure_functions import EPISODE, SUCCESS
 from harness.registry.names import unknown_name
@@ -92,8 +92,8 @@ class TaskPlan:
 
     Attributes:
         task: The task.
-        simulators: Where; `NO_SIMULATOR` alone if the task is an environment.
-        robot: Name or folder of the arm; `NO_ROBOT` if the task is an environment.
+        simulators: Where; that of `harness.record.cell.BROUGHT` alone if the task is an environment.
+        robot: Name or folder of the arm, or what stands for it there.
         baseline: The reward that the others are compared with.
         rewards: All others, in their order. The baseline is among them if it is compared with itself.
         fit: How an algorithm can train in it by a reward.
@@ -101,6 +101,8 @@ class TaskPlan:
         tell_reward: How an experiment file holds a reward.
         brought: Keys of an experiment file that the task leaves without a meaning, because it brings these things.
         require_metrics: Raises UsageError unless there are metrics, or measures of the environment, of these names.
+        needs: What an experiment file says of the plugins that were given by hand.
+        defaults: The class variable in which an algorithm may declare other defaults for such tasks; empty if none.
         warnings: What to know before anything is trained, a line each.
         records: What traces keep beside the usual columns, because a reward or a measure reads it.
         measure: Names of measures as the experiment file keeps them, the one that decides first; empty for the default.
@@ -115,15 +117,12 @@ class TaskPlan:
     tell_reward: Callable[[Choice], Any]
     brought: tuple[str, ...]
     require_metrics: Callable[[Sequence[str]], None]
+    needs: Sequence[Mapping[str, Any]]
+    defaults: str = ""
     horizon: int = EVALUATION_HORIZON
     warnings: tuple[str, ...] = ()
     records: tuple[str, ...] = ()
     measure: tuple[str, ...] = ()
-
-    @property
-    def is_environment(self) -> bool:
-        """Whether the task is an environment, and no task of an arm."""
-        return self.robot == NO_ROBOT
 
     @property
     def has_control(self) -> bool:
@@ -205,8 +204,8 @@ def _with_arm(asked: Asked, given: Given, registry: Registry, load: Callable[[st
     reads |= fields_needed(registry)
     records = tuple(name for name in NOT_RECORDED if reads & {name, f"{BEFORE}.{name}"})
     return TaskPlan(
-        task, simulators, robot, baseline, rewards, fit, table_of, brought, require, warnings=warnings, records=records,
-        measure=measure,
+        task, simulators, robot, baseline, rewards, fit, table_of, brought, require,
+        registry.needs(in_environment=False), warnings=warnings, records=records, measure=measure,
     )  # fmt: skip
 
 
@@ -275,14 +274,16 @@ def _in_environment(asked: Asked, given: Given, registry: Registry) -> TaskPlan:
 
     return TaskPlan(
         task,
-        (NO_SIMULATOR,),
-        NO_ROBOT,
+        (BROUGHT.simulator,),
+        BROUGHT.robot,
         baseline,
         rewards,
         fit,
         tell_reward=lambda reward: table_of(reward) if reward.params else reward.name,
         brought=("sim", "robot"),
         require_metrics=require,
+        needs=registry.needs(in_environment=True),
+        defaults=IN_ENVIRONMENTS,
         horizon=asked.evaluation_horizon or EVALUATION_HORIZON,
         warnings=() if looked.measures else (UNMEASURED,),
         measure=tuple(asked.measure),
@@ -302,3 +303,44 @@ def table_of(choice: Choice) -> dict[str, Any]:
     """A choice as an experiment file holds it; a parameter that is None is left out, for TOML has no word for it."""
     params = {key: value for key, value in choice.to_json()["params"].items() if value is not None}
     return {"name": choice.name, **params}
+
+
+def task_for(algorithm: Choice, task: Choice, robot: Robot, registry: Registry) -> Choice:
+    """The task as it is if the algorithm takes its actions; else, for choices among continuous ones, in discrete form.
+
+    The discrete form is another task, with a label of its own: ``action=discrete:action=MODE``, whose choices are
+    staying and one increment of one joint or axis of the mode.
+
+    Raises:
+        UsageError: The task has no form that the algorithm takes.
+    """
+    built: Algorithm = algorithm.build(registry, "algorithms")
+    space = _space_of(task, robot, registry)
+    if space in built.action_spaces:
+        return task
+    taken = " and ".join(sorted(built.action_spaces))
+    problem = f"{algorithm.label} takes {taken} actions, the task's are {space}"
+    if "discrete" not in built.action_spaces:
+        raise UsageError(problem)
+    return _discrete(task, problem, robot, registry)
+
+
+def _discrete(task: Choice, problem: str, robot: Robot, registry: Registry) -> Choice:
+    params = dict(task.params)
+    if not isinstance(params.get("action"), str):
+        raise UsageError(f"{problem}, and it has no parameter 'action' to choose others")
+    try:
+        # Text, so that what the mode's own parameters are is found out as for any user.
+        form = choose(registry, "tasks", {"name": task.name, **params, "action": f"discrete:action={params['action']}"})
+        if _space_of(form, robot, registry) == "discrete":
+            return form
+    except UsageError as error:
+        raise UsageError(f"{problem}, and it has no discrete form: {error}") from error
+    raise UsageError(f"{problem}, with action={dict(form.params)['action']} too")
+
+
+def _space_of(task: Choice, robot: Robot, registry: Registry) -> ActionSpace:
+    built = task.build(registry, "tasks")
+    with blamed_on(registry.get("tasks", task.name), PLANNED):
+        built.check(robot)
+        return "discrete" if isinstance(built.motion(robot), Discrete) else "continuous"

@@ -1,18 +1,23 @@
 """The interface of what a cell trains in: an arm in a simulator, or an environment of anybody."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from harness.algorithm import Algorithm, TrainingEnv
-from harness.experiment.checkpoints.attempt import Attempt
-from harness.experiment.watch import Watch
+from harness.experiment.checkpoints.checkpoint import Attempt
+from harness.experiment.watch import UNWATCHED, Watch
 from harness.experiment.workers.order import Report
 from harness.policy import Policy
 from harness.progress import TrainingState
 from harness.record.cell import Cell
 from harness.registry.registry import Registry
+
+if TYPE_CHECKING:
+    from harness.experiment.trials.tried import Tried
+    from harness.record.recording.facts import Acted
+    from harness.registry.choice import Choice
 
 
 class CellWorld(Protocol):
@@ -29,8 +34,12 @@ class CellWorld(Protocol):
     def runs_on(self) -> Mapping[str, Any]:
         """Versions, machine and sources; see `harness.experiment.provenance.describe_environment`."""
 
-    def build(self, algorithm: Algorithm) -> None:
-        """Build what the cell names, for an algorithm that trains on so many envs."""
+    def build(self, algorithm: Algorithm) -> Mapping[str, Any]:
+        """Build what the cell names, for an algorithm that trains on so many envs.
+
+        Returns:
+            Fields of the manifest that are known before the training begins.
+        """
 
     def restore(self, state: TrainingState) -> None:
         """Bring the training env to the state of a checkpoint.
@@ -42,9 +51,6 @@ class CellWorld(Protocol):
     def training(self, attempt: Attempt) -> AbstractContextManager[TrainingEnv]:
         """The training env. It records every step until the block ends."""
 
-    def facts(self) -> Mapping[str, Any]:
-        """Fields of the manifest that are known when the training begins."""
-
     def learned(self, steps: int, *, if_due: bool = False) -> Mapping[str, float]:
         """What the last episodes came to, by the names of `harness.progress`; nothing between two times to tell it."""
 
@@ -54,27 +60,28 @@ class CellWorld(Protocol):
         None if it cannot be kept.
         """
 
-    def record(self, policy: Policy, deterministic: bool, path: Path, after: int) -> None:
-        """Record an evaluation.
+    def evaluate(
+        self, policy: Policy, acted: "Acted", episodes: int, path: Path, *, after: int = 0, seed: int | None = None
+    ) -> None:
+        """Record episodes of a policy; it needs no `build`.
 
         Args:
             policy: The policy that acts.
-            deterministic: Whether it takes the one action of each observation, or draws.
+            acted: ``"deterministic"`` if it takes the one action of each observation, ``"stochastic"`` if it draws, and
+                ``"random"`` if it is the floor that policies are held against.
+            episodes: How many.
             path: Where the recording is written; nothing is there.
             after: Environment steps of training before it; 0 if the training has ended.
+            seed: Of the starts and targets; None for those of every evaluation. Others choose among policies.
         """
 
-    def record_random(self, policy: Policy, path: Path) -> None:
-        """Record random actions: what policies of this kind are held against."""
-
-    def validate(self, policy: Policy, episodes: int, path: Path, seed: int) -> None:
-        """Record episodes that no evaluation has, to choose among policies by them.
+    def try_out(self, rewards: "Sequence[Choice]", without: Collection[str], tell: Callable[[str], None]) -> "Tried":
+        """Ask rewards and measures, and whatever else is recorded, in an episode of random actions.
 
         Args:
-            policy: The policy that acts, without drawing.
-            episodes: How many.
-            path: Where the recording is written.
-            seed: Of the starts and targets.
+            rewards: Those of an arm that are tried; in an environment all are.
+            without: Of the rewards and measures, named as columns are: these are not asked.
+            tell: Told which is asked next.
         """
 
     def scalars(self, path: Path) -> dict[str, float]:
@@ -84,7 +91,7 @@ class CellWorld(Protocol):
         """Leave what else belongs to a cell, and say what there is to know of it, a line each."""
 
 
-def world_of(cell: Cell, registry: Registry, folder: Path, report: Report, watch: Watch) -> CellWorld:
+def world_of(cell: Cell, registry: Registry, folder: Path, report: Report, watch: Watch = UNWATCHED) -> CellWorld:
     """The world of a cell. It imports what such a cell needs, and no more.
 
     Args:

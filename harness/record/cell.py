@@ -5,14 +5,20 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, Literal, NamedTuple
 
 from harness.registry.choice import Choice
 
-NO_SIMULATOR = Choice("(environment)", (), "environment")
-"""In place of a simulator, of a cell in an environment that brings its own: no plugin can have this name."""
-NO_ROBOT = "(environment)"
-"""In place of a robot, in such a cell."""
+
+class Place(NamedTuple):
+    """What moves in a cell."""
+
+    simulator: Choice
+    robot: str
+
+
+BROUGHT = Place(Choice("(environment)", (), "environment"), "(environment)")
+"""The place of a cell in an environment, which brings what moves there: no plugin can have these names."""
 UNKNOWN_ALGORITHM = Choice("unknown", (), "unknown")
 """In place of the algorithm of a training that no experiment made: nobody recorded it."""
 EVALUATION_HORIZON = 10_000
@@ -28,8 +34,8 @@ class Cell:
     """One training run, to be done or done.
 
     Attributes:
-        simulator: Whose engine moves the arm; `NO_SIMULATOR` where the task is an environment.
-        robot: Registered name or folder of the arm; `NO_ROBOT` where the task is an environment.
+        simulator: Whose engine moves the arm; that of `BROUGHT` where the task is an environment.
+        robot: Registered name or folder of the arm; that of `BROUGHT` where the task is an environment.
         task: What the arm has to do, or an environment that trains; see `is_in_environment`.
         algorithm: What learns.
         reward: What it is paid for.
@@ -68,12 +74,22 @@ class Cell:
     @property
     def is_in_environment(self) -> bool:
         """Whether the task is a `harness.environment.Environment`, and the reward one of those that it names."""
-        return self.simulator == NO_SIMULATOR
+        return self.simulator == BROUGHT.simulator
 
     @property
     def place(self) -> Choice:
         """Where it trains, for people: the simulator, or the environment."""
         return self.task if self.is_in_environment else self.simulator
+
+    @property
+    def acted(self) -> Literal["deterministic", "stochastic"]:
+        """How evaluated policies act."""
+        return "deterministic" if self.deterministic else "stochastic"
+
+    @property
+    def cut_after(self) -> int | None:
+        """Steps after which an episode of an evaluation is cut; None where the task has a horizon of its own."""
+        return self.evaluation_horizon if self.is_in_environment else None
 
     @property
     def learner(self) -> str:

@@ -23,13 +23,13 @@ from harness.eta.splits import Decomposition, Names, Splits, no_splits, splits_t
 from harness.eta.swaps import corrected_where_known
 from harness.eta.verdict.deals import smallest_p
 from harness.eta.verdict.ruling import Ruling
-from harness.record.cell import DISCOUNT, EVALUATION_HORIZON, NO_ROBOT, NO_SIMULATOR, UNKNOWN_ALGORITHM, Cell
+from harness.record.cell import BROUGHT, DISCOUNT, EVALUATION_HORIZON, UNKNOWN_ALGORITHM, Cell
 from harness.registry.choice import Choice
 from harness.results.measured import DETERMINISTIC, LAST, STOCHASTIC, Mixture
 from harness.results.pool import Pool
 from harness.text import visible
 
-UNTOLD = (None, NO_SIMULATOR, UNKNOWN_ALGORITHM)
+UNTOLD = (None, *BROUGHT, UNKNOWN_ALGORITHM)
 """What stands where there is nothing to tell."""
 
 
@@ -63,14 +63,14 @@ class Group(NamedTuple):
         """The labels of what was chosen, by kind, without what is compared; an environment has no robot."""
         chosen = {"simulator": self.simulator, "algorithm": self.algorithm, "reward": self.reward}
         labels = {kind: choice.label for kind, choice in chosen.items() if choice not in UNTOLD}
-        robot = {} if self.robot == NO_ROBOT else {"robot": self.robot}
+        robot = {} if self.robot in UNTOLD else {"robot": self.robot}
         return {**labels, **robot, "task": self.task.label}
 
     @property
     def shown(self) -> dict[str, str]:
         """The labels for people: the algorithm as `harness.record.cell.Cell.learner`."""
         labels = self.labels
-        if self.simulator == NO_SIMULATOR and "algorithm" in labels:
+        if self.simulator == BROUGHT.simulator and "algorithm" in labels:
             labels["algorithm"] = self.algorithm.label_with(DISCOUNT)
         return labels
 

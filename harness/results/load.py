@@ -3,7 +3,6 @@
 from collections.abc import Iterable
 from pathlib import Path
 
-from harness.errors import UsageError
 from harness.eta.curve import Kind
 from harness.record.store import Store
 from harness.registry.given import read_given
@@ -12,7 +11,6 @@ from harness.results.logs.results_of_logs import results_of_logs
 from harness.results.logs.told import FOUND_OUT, Told
 from harness.results.recordings.read_runs import LooseStore, has_recordings
 from harness.results.results import Results
-from harness.text import command_text
 
 
 def load_results(
@@ -77,16 +75,3 @@ def read_results(
         return results_of_logs(folder, registry, told, kind, metrics, pairs=pairs)
     loose = LooseStore(folder, baseline=told.baseline)
     return Results(folder, registry, kind, metrics=metrics, is_temporary=is_temporary, store=loose, pairs=pairs)
-
-
-def require_arm(results: Results, command: str) -> None:
-    """Check that the cells are of an arm of the harness, and left traces.
-
-    Raises:
-        UsageError: They are in an environment; `command` says what needs more.
-    """
-    if results.in_environment:
-        raise UsageError(
-            f"{command} needs traces of an arm, and the cells of '{results.folder}' are recorded trainings in an "
-            f"environment: {command_text('harness', 'report', results.folder)} compares them"
-        )

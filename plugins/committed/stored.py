@@ -5,9 +5,8 @@ from dataclasses import replace
 from typing import Any
 
 from harness.authoring.commands import (
+    BROUGHT,
     DECIDING,
-    NO_ROBOT,
-    NO_SIMULATOR,
     PAID,
     SUCCESS,
     Change,
@@ -165,13 +164,13 @@ def _group(told: Mapping[str, Any]) -> Group:
         return Choice(label, (), label) if label else missing or Choice("", (), "")
 
     return Group(
-        told.get("robot", NO_ROBOT),
+        told.get("robot", BROUGHT.robot),
         choice("task"),
         choice("algorithm"),
         told.get("steps", 0),
         0,
         deterministic=told.get("deterministic", True),
-        simulator=choice("simulator", NO_SIMULATOR),
+        simulator=choice("simulator", BROUGHT.simulator),
     )
 
 

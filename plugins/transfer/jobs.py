@@ -14,7 +14,6 @@ from harness.authoring.commands import (
     POLICY,
     Cell,
     Choice,
-    Evaluator,
     Given,
     News,
     Order,
@@ -34,7 +33,7 @@ from harness.authoring.commands import (
     read_given,
     read_manifest,
     read_results,
-    require_arm,
+    record_evaluation,
     run_orders,
     split_list,
     storage_errors,
@@ -44,6 +43,7 @@ from harness.errors import HarnessError, UsageError
 from harness.policy import load_policy
 from harness.results import Results
 from harness.simulator import require_drives
+from harness.text import command_text
 
 from .matrix import Transfers, load_transfers
 from .record import TRANSFER, TransferRecord, policy_digest, read_transfer, simulator_id
@@ -72,8 +72,8 @@ def evaluate_elsewhere(
         registry, cell = load_registry(given=plugins), replace(trained, simulator=simulator)
         robot = load_robot(cell.robot, registry)
         draft.note(environment=describe_environment(cell, robot, registry, KINDS))
-        evaluator = Evaluator(build_world(cell, robot, registry), cell.evaluation_episodes)
-        evaluator.record(load_policy(cell_folder / POLICY), cell.deterministic, draft.partial / EVALUATION)
+        world, policy = build_world(cell, robot, registry), load_policy(cell_folder / POLICY)
+        record_evaluation(world, policy, cell.acted, cell.evaluation_episodes, draft.partial / EVALUATION)
     return draft.record
 
 
@@ -197,8 +197,12 @@ def plan_transfers(results: Results, to: str | Sequence[Named] | None, registry:
         UsageError: No cell is done, a simulator is not known or not installed, or a cell's task, reward or robot is
             gone.
     """
-    require_arm(results, "harness transfer")
     cells = results.done_cells
+    if any("simulators" not in it.cell.plugins for it in results.manifests):
+        raise UsageError(
+            f"harness transfer needs traces of an arm, and the cells of '{results.folder}' are recorded trainings in "
+            f"an environment: {command_text('harness', 'report', results.folder)} compares them"
+        )
     if not cells:
         raise UsageError(f"'{results.folder}' has no finished cell: nothing is trained that could be evaluated")
     simulators, left_out = _choose(to, registry) if to is not None else _choose_all(cells, registry)

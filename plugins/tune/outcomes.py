@@ -127,7 +127,8 @@ def record_validation(
 ) -> None:
     """Let `policy` do `episodes` episodes where the cell was trained, and record them in `folder`."""
     world = world_of(cell, registry, folder, report, UNWATCHED)
-    world.validate(policy, episodes, folder / f"{recording_of(EVALUATION)}{world.suffix}", VALIDATION_SEED)
+    path = folder / f"{recording_of(EVALUATION)}{world.suffix}"
+    world.evaluate(policy, "deterministic", episodes, path, seed=VALIDATION_SEED)
 
 
 def _leave_reason(folder: Path, reason: str) -> None:

@@ -9,7 +9,7 @@ from harness.audit.score import score_rollout
 from harness.audit.scripted import SCRIPTS, plan_actions
 from harness.env import ReachVectorEnv
 from harness.errors import UsageError
-from harness.experiment.evaluation.evaluate import EVALUATION_SEED
+from harness.experiment.arm_evaluation import EVALUATION_SEED
 from harness.reach import ReachTask
 from harness.record.trace import TERM
 from harness.registry.choice import choose

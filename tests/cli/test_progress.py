@@ -7,7 +7,7 @@ from rich.console import Console
 from harness.cli.progress import LiveProgress
 from harness.executor import Event
 from harness.progress import RETURN, SPEED, SUCCESS
-from harness.record.cell import NO_ROBOT, NO_SIMULATOR, Cell
+from harness.record.cell import BROUGHT, Cell
 from harness.registry.choice import Choice
 
 
@@ -169,7 +169,7 @@ def train_on(cell, pipe, *words):
 
 def test_a_training_in_which_no_episode_ends_is_told(make_cell, pipe):
     """Once, after 10,000 steps."""
-    cell = make_cell(simulator=NO_SIMULATOR, robot=NO_ROBOT, steps=10**6)
+    cell = make_cell(simulator=BROUGHT.simulator, robot=BROUGHT.robot, steps=10**6)
     shown = train_on(cell, pipe, *((steps, {SPEED: 1.0}) for steps in (9_999, 10_000, 20_000)))
     assert shown.count("no episode has ended") == 1
     assert f"harness: {cell.title}: no episode has ended in 10,000 steps of training\n" in shown
@@ -177,7 +177,7 @@ def test_a_training_in_which_no_episode_ends_is_told(make_cell, pipe):
 
 def test_a_shorter_training_is_told_at_its_end(make_cell, pipe):
     """If nothing has ended until then."""
-    cell = make_cell(simulator=NO_SIMULATOR, robot=NO_ROBOT, steps=50)
+    cell = make_cell(simulator=BROUGHT.simulator, robot=BROUGHT.robot, steps=50)
     assert "no episode has ended in 50 steps" in train_on(cell, pipe, (50, {SPEED: 1.0}))
 
 
@@ -188,7 +188,7 @@ def test_a_shorter_training_is_told_at_its_end(make_cell, pipe):
 )
 def test_nothing_is_told_before_it_is_known(make_cell, pipe, words):
     """A return comes with the speed, and stays known."""
-    cell = make_cell(simulator=NO_SIMULATOR, robot=NO_ROBOT, steps=10**6)
+    cell = make_cell(simulator=BROUGHT.simulator, robot=BROUGHT.robot, steps=10**6)
     assert "no episode" not in train_on(cell, pipe, *words)
 
 

@@ -3,7 +3,7 @@
 import os
 from pathlib import Path
 
-from harness.experiment.own_folder import own_partial
+from harness.experiment.draft import own_partial
 
 
 def test_a_log_with_a_second_name_is_copied(tmp_path: Path):

@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from harness.experiment.peak_memory import forget_peak, peak_memory
+from harness.experiment.run_cell import forget_peak, peak_memory
 
 MIB = 2**20
 

@@ -11,7 +11,7 @@ import pytest
 from harness import load_robot
 from harness.env.make import build_world
 from harness.executor import CellOptions, Word
-from harness.experiment.evaluation.evaluate import evaluate
+from harness.experiment.arm_evaluation import evaluate
 from harness.experiment.run_cell import run_cell
 from harness.policy import load_policy
 from harness.progress import RETURN, SUCCESS

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import pytest
 
 from harness.errors import UsageError
-from harness.experiment.selection import select
+from harness.experiment.experiment import select
 from harness.record.cell import Cell
 from harness.registry.choice import Choice
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.record.cell import NO_SIMULATOR, Cell
+from harness.record.cell import BROUGHT, Cell
 from harness.registry.choice import Choice
 
 CHANGED: dict[str, Any] = {
@@ -125,7 +125,7 @@ def test_people_are_told_the_discount_in_an_environment(
     """Beside the algorithm, as one would type it, where the algorithm has a discount that its label leaves out."""
     algorithm = Choice("ppo", tuple(params.items()), label)
     assert make_cell(algorithm=algorithm).learner == label
-    cell = make_cell(algorithm=algorithm, simulator=NO_SIMULATOR, task=IN_ENVIRONMENT)
+    cell = make_cell(algorithm=algorithm, simulator=BROUGHT.simulator, task=IN_ENVIRONMENT)
     assert cell.learner == told
     assert cell.title == f"walk · {told} · baseline · seed 0"
     assert cell.to_json()["algorithm"]["label"] == label

@@ -13,7 +13,7 @@ import numpy as np
 
 from harness.eta.behaviour_change import TRAINING, Change, Quantity, change_of
 from harness.eta.swaps import swaps_of
-from harness.record.cell import NO_ROBOT
+from harness.record.cell import BROUGHT
 from harness.record.terms import FIRST, Terms
 from harness.registry.choice import Choice
 from harness.report.page.answer import Card, card_of, pool_card
@@ -214,7 +214,7 @@ def _comparison(place: str, measures: Mapping[Quantity, Sides], situation: Situa
     changes = tuple(_change(measure, sides) for measure, sides in measures.items())
     trained = tuple(tuple(range(count)) for count in changes[0].counts)
     simulator = Choice(place, (), place) if place else None
-    robot = "fd100" if place else NO_ROBOT
+    robot = "fd100" if place else BROUGHT.robot
     group = Group(robot, Choice("reach", (), "reach"), Choice("sac", (), "sac"), 100_000, 100, simulator=simulator)
     shared = min(trained, key=len)
     return replace(

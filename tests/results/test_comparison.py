@@ -16,7 +16,7 @@ from harness.eta.index import Ratio
 from harness.eta.scored_sums import BB, BK, KB, KK
 from harness.eta.swaps import swaps_of
 from harness.eta.verdict.ruling import Ruling
-from harness.record.cell import NO_SIMULATOR, Cell
+from harness.record.cell import BROUGHT, Cell
 from harness.registry.choice import Choice
 from harness.results.comparison import Comparison, Group, StepChange
 from harness.results.verdicts import with_verdicts
@@ -235,7 +235,7 @@ def test_the_smallest_p_is_that_of_both_numbers_of_trainings():
 
 def test_the_discount_is_told_to_people_alone():
     """In an environment: what programs read keeps the label."""
-    group = GROUP._replace(simulator=NO_SIMULATOR, algorithm=Choice("ppo", (("gamma", 0.8),), "ppo"))
+    group = GROUP._replace(simulator=BROUGHT.simulator, algorithm=Choice("ppo", (("gamma", 0.8),), "ppo"))
     assert group.title == "ppo:gamma=0.8 · fd100 · fd100-reach"
     assert group.to_json()["algorithm"] == group.labels["algorithm"] == "ppo"
     assert GROUP._replace(algorithm=group.algorithm).title.startswith("ideal · ppo · ")

@@ -10,9 +10,10 @@ from harness.errors import UsageError
 from harness.experiment.plan import Plan
 from harness.record.cell import Cell
 from harness.record.store import Store
+from harness.registry.registry import load_registry
 from harness.results import load_results
-from harness.results.load import require_arm
 from harness.results.results import Results
+from harness_plugins.transfer.jobs import plan_transfers
 from tests.results.recordings.conftest import PAYS, record
 
 
@@ -76,4 +77,4 @@ def test_recordings_beside_a_whole_experiment_are_refused(
 def test_what_needs_an_arm_says_so(loose: Path):
     """And what to do instead."""
     with pytest.raises(UsageError, match=r"harness transfer needs traces of an arm.*: harness report .* compares"):
-        require_arm(load_results(loose), "harness transfer")
+        plan_transfers(load_results(loose), None, load_registry())

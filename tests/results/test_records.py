@@ -6,16 +6,15 @@ from pathlib import Path
 import pyarrow.parquet as pq
 import pytest
 
-from harness.errors import UsageError
 from harness.experiment.plan import Plan
-from harness.record.cell import NO_ROBOT, NO_SIMULATOR, Cell
+from harness.record.cell import BROUGHT, Cell
 from harness.record.plan_file import EXPERIMENT
 from harness.record.store import Store
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.report.rows.comparison import remarks_on_cells
 from harness.results import Results
-from harness.results.load import read_results, require_arm
+from harness.results.load import read_results
 from tests.results.folders import ARP, fail, finish
 
 MakeCell = Callable[..., Cell]
@@ -82,7 +81,7 @@ def test_cell_is_measured_once(controlled: Results, make_cell: MakeCell):
 @pytest.fixture
 def in_environment(make_cell: MakeCell, make_plan: MakePlan, registry: Registry, tmp_path: Path) -> Results:
     """A cell in an environment of anybody; it failed."""
-    cell = make_cell(simulator=NO_SIMULATOR, robot=NO_ROBOT, task=Choice("pendulum", (), "pendulum"))
+    cell = make_cell(simulator=BROUGHT.simulator, robot=BROUGHT.robot, task=Choice("pendulum", (), "pendulum"))
     store = Store.create(tmp_path, make_plan(cell))
     store.record(cell, "failed", "it fell")
     return read_results(tmp_path, registry)
@@ -94,12 +93,6 @@ def test_no_metric_is_of_an_environment(in_environment: Results):
     assert in_environment.combinations == ()
     assert [cell["reason"] for cell in in_environment.to_json()["cells"]] == ["it fell"]
     assert pq.read_table(in_environment.write_table()).num_rows == 1
-
-
-def test_what_needs_an_arm_says_so(in_environment: Results):
-    """And what to do instead."""
-    with pytest.raises(UsageError, match=r"harness score needs traces of an arm.*: harness report .* compares them"):
-        require_arm(in_environment, "harness score")
 
 
 def test_the_experiment_of_version_0_1_is_its_file(make_cell: MakeCell, registry: Registry, tmp_path: Path):

@@ -9,10 +9,12 @@ holds what the arms were told since their last resets: that is done again (`harn
 
 import hashlib
 import json
-from collections.abc import Mapping
+import shutil
+import time
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import safetensors
@@ -21,9 +23,11 @@ import safetensors.numpy
 from harness.errors import SchemaError
 from harness.experiment.checkpoints.stored_rings import StoredRing, discard_rings, read_ring, require_rings, store_ring
 from harness.experiment.checkpoints.trace_parts import require_parts
-from harness.files.whole_file import write_whole
+from harness.files.whole_file import is_partial, write_whole
 from harness.progress import Ring, TrainingState, prefixed, under
-from harness.record.folder import CHECKPOINT, TRACE
+from harness.record.cell import Cell
+from harness.record.folder import CHECKPOINT, LOG, TRACE
+from harness.record.manifest import write_log
 
 FORMAT = 2
 ABOUT = "harness.checkpoint"
@@ -54,7 +58,8 @@ class Checkpoint:
 
     def write(self, folder: Path) -> None:
         """Put it into `folder` in place of an earlier one. At every moment one of the two is whole."""
-        arrays = {name: np.array(array, order="C") for name, array in self._arrays().items()}
+        state = {**prefixed(ALGORITHM, self.algorithm), **prefixed(ENV, self.env)}
+        arrays = {name: np.array(array, order="C") for name, array in state.items()}
         about = {
             "format": FORMAT,
             "steps": self.steps,
@@ -75,9 +80,6 @@ class Checkpoint:
     def restored_env(self, folder: Path) -> TrainingState:
         """What the env needs, with its rings, which are read from `folder`."""
         return {**self.env, **{name: read_ring(folder, ring) for name, ring in under(ENV, self.rings).items()}}
-
-    def _arrays(self) -> TrainingState:
-        return {**prefixed(ALGORITHM, self.algorithm), **prefixed(ENV, self.env)}
 
 
 def store(
@@ -140,3 +142,90 @@ def _digest(about: Mapping[str, Any], arrays: Mapping[str, Any]) -> str:
         digest.update(f"{name} {array.dtype} {array.shape}".encode())
         digest.update(array.tobytes())
     return digest.hexdigest()
+
+
+Restore: TypeAlias = Callable[[TrainingState], None]
+"""Puts an env where a checkpoint says; raises SchemaError if it cannot."""
+
+
+@dataclass(frozen=True, eq=False)
+class Attempt:
+    """What a training starts with.
+
+    Attributes:
+        folder: The cell's partial folder.
+        origin: The cell, and what it runs on; see `harness.experiment.checkpoints.checkpoint.Checkpoint`.
+        every: See `harness.executor.CellOptions.checkpoint_every`.
+        checkpoint: To go on from, if any.
+        note: What there is to say if a process was killed before; else empty.
+    """
+
+    folder: Path
+    origin: Mapping[str, Any]
+    every: int | None = None
+    checkpoint: Checkpoint | None = None
+    note: str = ""
+    _start: float = field(default_factory=time.perf_counter, init=False)
+
+    @property
+    def begun_from(self) -> int:
+        """Environment steps that were done before."""
+        return self.checkpoint.steps if self.checkpoint else 0
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """SHA-256 of each part of the trace that was finished before."""
+        return self.checkpoint.parts if self.checkpoint else ()
+
+    @property
+    def seconds(self) -> float:
+        """Seconds of training so far, without the time after the checkpoint, whose work was lost."""
+        return time.perf_counter() - self._start + (self.checkpoint.seconds if self.checkpoint else 0.0)
+
+
+def begin_attempt(
+    cell: Cell,
+    folder: Path,
+    environment: Mapping[str, Any],
+    every: int | None,
+    restore: Restore,
+) -> Attempt:
+    """Go on from the checkpoint in a partial folder, or start over. The log says which of the two.
+
+    Args:
+        cell: To be trained.
+        folder: Its partial folder; emptied, but for the log, where nothing in it is of use.
+        environment: What the cell runs on now; see `harness.experiment.provenance.describe_environment`.
+        every: See `harness.executor.CellOptions.checkpoint_every`.
+        restore: Of the env that the cell is trained on.
+    """
+    origin = {"cell": cell.id, **{key: environment[key] for key in ("versions", "commit", "sources")}}
+    checkpoint, note = None, ""
+    if _left_behind(folder):
+        checkpoint, reason = _usable_checkpoint(folder, origin, restore)
+        note = f"went on after {checkpoint.steps} steps" if checkpoint else f"started over: {reason}"
+        write_log(folder / LOG, f"an earlier process was killed; this one {note}")
+    if not checkpoint:
+        for path in _left_behind(folder):
+            shutil.rmtree(path) if path.is_dir() else path.unlink()
+    for path in filter(is_partial, folder.iterdir()):
+        path.unlink()  # a checkpoint that was half written
+    discard_rings(folder, but=checkpoint.rings.values() if checkpoint else ())
+    return Attempt(folder, origin, every, checkpoint, note)
+
+
+def _usable_checkpoint(folder: Path, origin: Mapping[str, Any], restore: Restore) -> tuple[Checkpoint | None, str]:
+    """The checkpoint, after the env was restored from it; or the reason why none can be used."""
+    if not (folder / CHECKPOINT).is_file():
+        return None, "no checkpoint was left"
+    try:
+        checkpoint = read_checkpoint(folder, origin)
+        restore(checkpoint.restored_env(folder))
+    except SchemaError as error:
+        return None, f"{CHECKPOINT} is of no use: {error}"
+    return checkpoint, ""
+
+
+def _left_behind(folder: Path) -> list[Path]:
+    """What an earlier process left beside the log."""
+    return [path for path in folder.iterdir() if path.name != LOG]

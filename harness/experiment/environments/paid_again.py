@@ -22,7 +22,7 @@ from harness.record.recording.recorded_training import (
 from harness.record.store import Store
 from harness.recorder.column import source_of
 from harness.recorder.env_facts import env_facts
-from harness.recorder.retake import Later, Retake, Tell
+from harness.recorder.retake import Later, Retake
 from harness.recorder.walk import Walk
 from harness.registry.choice import Choice, choose
 from harness.registry.names import unknown_name
@@ -137,11 +137,8 @@ class PayAgain:
         def again(env: AnyEnv) -> Later:
             return _chosen(columns(env), later.rewards, later.behaviour)
 
-        failed = Retake(make, again, self._tell(path)).score(path)
+        failed = Retake(make, again, lambda steps: self.tell(path, steps)).score(path)
         return Paid(path, (*later.rewards, *later.behaviour), steps, failed)
-
-    def _tell(self, path: Path) -> Tell:
-        return lambda steps: self.tell(path, steps)
 
     def _made_by(
         self, facts: TrainingFacts, task: Choice | None, path: Path

@@ -113,7 +113,9 @@ def kind_of_task(given: Given, registry: Registry) -> str:
     name = str(_name_of(given))
     kinds = [kind for kind in registry.kinds_of(name) if kind in PLACES]
     if len(kinds) > 1:
-        claims = " and ".join(f"{spec.kind[:-1]} of package {spec.package}" for spec in _specs(registry, name))
+        claims = " and ".join(
+            f"{spec.kind[:-1]} of package {spec.package}" for spec in (registry.get(kind, name) for kind in PLACES)
+        )
         raise UsageError(f"'{name}' is both a task and an environment: {claims}. Leave one out with HARNESS_PLUGINS")
     return kinds[0] if kinds else "tasks"
 
@@ -231,7 +233,3 @@ def _goalless(env: AnyEnv) -> str:
 
 def _name_of(given: Given) -> Any:
     return parse(given)[0] if isinstance(given, str) else given.get("name")
-
-
-def _specs(registry: Registry, name: str) -> list[Any]:
-    return [registry.get(kind, name) for kind in PLACES]

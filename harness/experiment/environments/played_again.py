@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from harness.environment import AnyEnv, Environment
 from harness.errors import UsageError
-from harness.experiment.environments.acting import Acting
-from harness.log import Log
+from harness.experiment.environments.spaces import Acting
 from harness.log.log import BEHAVIOUR, REWARD, SUCCESS
 from harness.policy import load_policy
 from harness.record.cell import Cell
@@ -34,7 +33,7 @@ class PlayedAgain:
 
     Attributes:
         cell: The cell.
-        episodes: Rows of the recording, of each episode.
+        episodes: Rows of the recording, of each episode that ended, in order.
     """
 
     def __init__(self, cell: Cell, folder: Path, registry: Registry) -> None:
@@ -52,7 +51,8 @@ class PlayedAgain:
         """
         self.cell = cell
         self._recorded = read_recording(folder / EVALUATION_RECORDING).load()
-        self.episodes = _episodes_of(self._recorded)
+        ends = np.flatnonzero(self._recorded["terminated"] | self._recorded["truncated"]) + 1
+        self.episodes = [np.arange(begin, end) for begin, end in zip([0, *ends], ends, strict=False)]
         policy = load_policy(folder / POLICY)
         with blamed_on(registry.get("environments", cell.task.name), "an env was made"):
             environment: Environment = cell.task.build(registry, "environments")
@@ -117,12 +117,6 @@ class PlayedAgain:
         if not isinstance(drawn, np.ndarray) or drawn.ndim != 3:
             raise UsageError(f"{self.cell.task.label} draws no picture: its render() gave {type(drawn).__name__}")
         return Image.fromarray(drawn)
-
-
-def _episodes_of(recorded: Log) -> list[NDArray[np.int_]]:
-    """The rows of each episode that ended, in order."""
-    ends = np.flatnonzero(recorded["terminated"] | recorded["truncated"]) + 1
-    return [np.arange(begin, end) for begin, end in zip([0, *ends], ends, strict=False)]
 
 
 def _let_draw(env: AnyEnv, cell: Cell) -> None:

@@ -8,7 +8,9 @@ from gymnasium.spaces import Box, Dict, Discrete, flatdim, flatten
 
 from harness.algorithm import ActionSpace
 from harness.arrays import Float32
+from harness.environment import AnyEnv
 from harness.errors import UsageError
+from harness.policy import Policy
 
 MOST_NUMBERS = 1_000_000
 """The most numbers that an observation may have."""
@@ -77,3 +79,23 @@ def kind_of_actions(space: gymnasium.Space[Any]) -> ActionSpace:
 def flat_actions(space: gymnasium.Space[Any]) -> gymnasium.Space[Any]:
     """The space of actions that algorithms see: the env's own, in float32 if actions are continuous."""
     return Box(space.low, space.high, space.shape, np.float32) if isinstance(space, Box) else space
+
+
+class Acting:
+    """Turns an observation into an action."""
+
+    def __init__(self, env: AnyEnv, policy: Policy, rng: np.random.Generator | None = None) -> None:
+        """Prepare to act.
+
+        Args:
+            env: That is acted in.
+            policy: Of which spaces it has to have.
+            rng: What it draws actions from; None if it takes the one action of each observation.
+        """
+        self._space, self._policy, self._type = env.observation_space, policy, env.action_space.dtype
+        self._rng = rng
+
+    def __call__(self, observation: Any) -> Any:
+        """The action in the form that the env takes."""
+        action = self._policy.act(flat_observation(self._space, observation)[np.newaxis], self._rng)[0]
+        return int(action) if np.ndim(action) == 0 else np.asarray(action, self._type)

@@ -4,7 +4,7 @@ import importlib
 import math
 import shutil
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from functools import cached_property
 from pathlib import Path
@@ -15,14 +15,13 @@ import numpy as np
 from harness.algorithm import Algorithm, TrainingEnv, needs_goals
 from harness.environment import AnyEnv, Environment, envs_together, goal_rewards
 from harness.executor import NO_SCALARS, Word
-from harness.experiment.checkpoints.attempt import Attempt
-from harness.experiment.environments.acting import Acting
+from harness.experiment.checkpoints.checkpoint import Attempt
 from harness.experiment.environments.batch import EnvironmentBatch
 from harness.experiment.environments.columns import columns_of, weighing
-from harness.experiment.evaluation.scalars import named_scalars
-from harness.experiment.progress.beat import Beat
-from harness.experiment.progress.learning_so_far import TELL_EVERY
+from harness.experiment.environments.spaces import Acting
 from harness.experiment.provenance import describe_environment
+from harness.experiment.telling import TELL_EVERY, Beat, named_scalars
+from harness.experiment.trials.tried import Tried
 from harness.experiment.workers.order import Report
 from harness.log import Log
 from harness.policy import Policy
@@ -38,6 +37,7 @@ from harness.record.recording.recorded_training import (
 )
 from harness.recorder.evaluate_policy import FIRST_SEED, evaluate_policy
 from harness.recorder.record_rewards import RecordRewards
+from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.registry.spec import blamed_on
 from harness.results.recordings.episodes import cut_text, episodes_of
@@ -54,17 +54,22 @@ class EnvironmentWorld:
     def __init__(self, cell: Cell, registry: Registry, folder: Path, report: Report) -> None:
         """Make nothing yet; see `harness.experiment.world.world_of`."""
         self._cell, self._registry, self._folder, self._report = cell, registry, folder, report
-        self.runs_on: Mapping[str, Any] = describe_environment(cell, None, registry)
         self._algorithm: Algorithm
         self._batch: EnvironmentBatch | None = None
         self._told, self._steps = time.monotonic(), 0
         report(Word(0))  # envs may take long to be made
 
-    def build(self, algorithm: Algorithm) -> None:
+    @cached_property
+    def runs_on(self) -> Mapping[str, Any]:
+        """See `CellWorld`."""
+        return describe_environment(self._cell, None, self._registry)
+
+    def build(self, algorithm: Algorithm) -> Mapping[str, Any]:
         """See `CellWorld`. Envs are made when the training begins or goes on."""
         self._algorithm = algorithm
         for library in self._learners:
             importlib.import_module(library)
+        return {}
 
     def restore(self, state: TrainingState) -> None:
         """See `CellWorld`: new envs are told all that others were told before, and record it anew."""
@@ -87,10 +92,6 @@ class EnvironmentWorld:
         with closing(self._batch) as batch:
             yield batch
 
-    def facts(self) -> Mapping[str, Any]:
-        """See `CellWorld`."""
-        return {}
-
     def learned(self, steps: int, *, if_due: bool = False) -> Mapping[str, float]:
         """See `CellWorld`."""
         now, batch, found = time.monotonic(), self._batch, dict[str, float]()
@@ -109,18 +110,37 @@ class EnvironmentWorld:
         batch = self._batch
         return (batch.state(), ()) if batch is not None and batch.can_be_kept else None
 
-    def record(self, policy: Policy, deterministic: bool, path: Path, after: int) -> None:
-        """See `CellWorld`. What a policy draws does not depend on anything that was drawn before."""
-        rng = None if deterministic else np.random.default_rng(FIRST_SEED)
-        self._evaluate(policy, rng, "deterministic" if deterministic else "stochastic", path, after)
+    def evaluate(
+        self, policy: Policy, acted: Acted, episodes: int, path: Path, *, after: int = 0, seed: int | None = None
+    ) -> None:
+        """See `CellWorld`: one episode after the other, each with a seed of its own.
 
-    def record_random(self, policy: Policy, path: Path) -> None:
-        """See `CellWorld`."""
-        self._evaluate(policy.floor(), np.random.default_rng([FIRST_SEED, 1]), "random", path)
+        What a policy draws does not depend on anything that was drawn before.
+        """
+        if path.exists():  # of a process that was killed
+            shutil.rmtree(path)
+        rng = None if acted == "deterministic" else np.random.default_rng([FIRST_SEED, *[1] * (acted == "random")])
+        with self._blamed("an env was made"):
+            made = self._environment.make()
+        with closing(made) as env:
+            evaluate_policy(
+                _beating(Acting(env, policy, rng), Beat(self._report), after or self._cell.steps),
+                env,
+                path,
+                seed=self._cell.seed,
+                episodes=episodes,
+                horizon=self._cell.evaluation_horizon,
+                acted=acted,
+                after=after,
+                first_seed=FIRST_SEED if seed is None else seed,
+                **self._columns(env),
+            )
 
-    def validate(self, policy: Policy, episodes: int, path: Path, seed: int) -> None:
-        """See `CellWorld`."""
-        self._evaluate(policy, None, "deterministic", path, episodes=episodes, first_seed=seed)
+    def try_out(self, rewards: Sequence[Choice], without: Collection[str], tell: Callable[[str], None]) -> Tried:
+        """See `CellWorld`: every reward, every measure and every key of info."""
+        from harness.experiment.trials.environment_trial import try_environment
+
+        return try_environment(self._cell.task, self._registry, without, tell)
 
     def scalars(self, path: Path) -> dict[str, float]:
         """See `CellWorld`: what the reward paid, and all measures."""
@@ -135,7 +155,7 @@ class EnvironmentWorld:
     def _cuts(self, recorded: Sequence[Path]) -> Iterator[str]:
         """How many episodes of the final policy were cut."""
         for facts in (TrainingFacts.read(path / facts_name(0)) for path in recorded):
-            is_own = facts.acted == ("deterministic" if self._cell.deterministic else "stochastic")
+            is_own = facts.acted == self._cell.acted
             if facts.cut and is_own and not facts.after:
                 yield cut_text(facts.cut, self._cell.evaluation_episodes, facts.horizon)
 
@@ -155,37 +175,6 @@ class EnvironmentWorld:
         return RecordRewards(
             env, path, seed=self._cell.seed, pay=True, number=number, steps_asked=steps, **self._columns(env)
         )
-
-    def _evaluate(
-        self,
-        policy: Policy,
-        rng: np.random.Generator | None,
-        acted: Acted,
-        path: Path,
-        after: int = 0,
-        *,
-        episodes: int | None = None,
-        first_seed: int = FIRST_SEED,
-    ) -> None:
-        if path.exists():  # of a process that was killed
-            shutil.rmtree(path)
-        with closing(self._made()) as env:
-            evaluate_policy(
-                _beating(Acting(env, policy, rng), Beat(self._report), after or self._cell.steps),
-                env,
-                path,
-                seed=self._cell.seed,
-                episodes=episodes or self._cell.evaluation_episodes,
-                horizon=self._cell.evaluation_horizon,
-                acted=acted,
-                after=after,
-                first_seed=first_seed,
-                **self._columns(env),
-            )
-
-    def _made(self) -> AnyEnv:
-        with self._blamed("an env was made"):
-            return self._environment.make()
 
     def _columns(self, env: AnyEnv) -> Mapping[str, Any]:
         """What a recording says about an env."""

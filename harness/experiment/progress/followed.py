@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 from harness.executor import Event, OnEvent
 from harness.experiment.progress.ended_cells import EndedCells
-from harness.experiment.progress.tracking import Tracking
+from harness.experiment.progress.trackers import Tracking
 from harness.progress import RETURN, SUCCESS
 from harness.record.cell import Cell
 from harness.record.manifest import Manifest, read_manifest

@@ -6,7 +6,7 @@ import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from harness.errors import HarnessError, one_line
 from harness.executor import Limits
@@ -14,6 +14,7 @@ from harness.experiment.trials.tried import Fault, Tried, fault_of
 from harness.experiment.workers.offspring import Offspring
 from harness.experiment.workers.order import Order, Report
 from harness.experiment.workers.workers import News, Pool
+from harness.experiment.world import world_of
 from harness.files.plain import Plain
 from harness.record.cell import Cell
 from harness.record.folder import LOG, partial_folder, publish
@@ -60,7 +61,8 @@ class TryTask(Plain):
                 faulthandler.dump_traceback_later(CALL_SECONDS if column else ENV_SECONDS, exit=True)
 
             try:
-                tried = self._tried(tell)
+                world = world_of(self.cell, load_registry(given=self.plugins), folder, report)
+                tried = world.try_out(self.rewards, self.without, tell)
             except HarnessError as error:
                 tried = Tried((), (one_line(error),))
             finally:
@@ -68,16 +70,6 @@ class TryTask(Plain):
         (partial_folder(folder) / ANSWER).write_text(json.dumps(tried.to_json()), encoding="utf-8")
         publish(partial_folder(folder), folder, is_lasting=False)
         return True
-
-    def _tried(self, tell: Any) -> Tried:
-        registry = load_registry(given=self.plugins)
-        if "environments" in self.cell.plugins:
-            from harness.experiment.trials.environment_trial import try_environment
-
-            return try_environment(self.cell.task, registry, self.without, tell)
-        from harness.experiment.trials.arm_trial import try_arm
-
-        return try_arm(self.cell, self.rewards, registry, self.without, tell)
 
 
 def try_tasks(works: Sequence[TryTask]) -> list[Tried]:

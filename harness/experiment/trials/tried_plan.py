@@ -67,7 +67,7 @@ def try_plan(plan: Plan, registry: Registry) -> tuple[Plan, Registry]:
 
 def _tried_as(cell: Cell) -> str:
     """What the trial calls the reward of a cell: in an environment without the weights of its terms."""
-    return cell.reward.name if "environments" in cell.plugins else cell.reward.label
+    return cell.reward.label if "rewards" in cell.plugins else cell.reward.name
 
 
 def _to_try(cells: Sequence[Cell], registry: Registry) -> list[tuple[Cell, tuple[Choice, ...]]]:
@@ -78,12 +78,12 @@ def _to_try(cells: Sequence[Cell], registry: Registry) -> list[tuple[Cell, tuple
     return [
         (next(iter(of.values())), tuple(of))
         for of in found.values()
-        if registry.given or any(not _is_ours(cell, registry) for cell in of.values())
+        if registry.given
+        or any(
+            "rewards" not in cell.plugins or not registry.get("rewards", cell.reward.name).is_built_in
+            for cell in of.values()
+        )
     ]
-
-
-def _is_ours(cell: Cell, registry: Registry) -> bool:
-    return "environments" not in cell.plugins and registry.get("rewards", cell.reward.name).is_built_in
 
 
 def _require_spared(task: Choice, fault: Fault, plan: Plan, registry: Registry) -> None:

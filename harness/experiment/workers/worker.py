@@ -10,17 +10,52 @@ process ends when its parent does.
 import faulthandler
 import os
 import platform
+import queue
 import sys
+import threading
 import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import IO
 
-from harness.experiment.own_folder import own_partial
-from harness.experiment.workers.lifeline import lines_of_parent
+from harness.experiment.draft import own_partial
 from harness.experiment.workers.order import Order, read_order
 from harness.record.folder import LOG
 from harness.record.manifest import write_log
 from harness.registry.given import is_plugin_file
+
+
+def lines_of_parent(on_done: Callable[[], None]) -> Iterator[str]:
+    """The lines that the parent writes to standard input, one after the other, until it closes it.
+
+    Who takes a line is at work until it asks for the next one. If the parent ends in the meantime, this process ends at
+    once. Standard input itself is empty from the first line on.
+
+    Args:
+        on_done: Called when the work for a line is over; from then on this process outlives the end of its input.
+    """
+    lines: queue.SimpleQueue[str | None] = queue.SimpleQueue()
+    at_work = threading.Event()
+
+    stdin = os.dup(0)
+    with open(os.devnull) as nothing:
+        os.dup2(nothing.fileno(), 0)
+
+    def read() -> None:
+        with os.fdopen(stdin) as stream:
+            for line in stream:
+                at_work.set()
+                lines.put(line)
+        if at_work.is_set():
+            os._exit(1)
+        lines.put(None)
+
+    threading.Thread(target=read, daemon=True).start()
+    while (line := lines.get()) is not None:
+        yield line
+        at_work.clear()
+        on_done()
+
 
 DONE, STALE = "done", "stale"
 
@@ -29,7 +64,7 @@ def main() -> None:
     """Do what standard input orders."""
     begun = time.time()
     faulthandler.enable()  # on standard error, which is the log of the order
-    with _keep_stdout() as parent:
+    with os.fdopen(os.dup(1), "w") as parent:  # standard output: nothing else writes to it
         for number, line in enumerate(lines_of_parent(lambda: _tell(parent, DONE))):
             if number and _is_stale(begun):
                 _tell(parent, STALE)
@@ -64,11 +99,6 @@ def print_into(path: Path) -> None:
 def _tell(parent: IO[str], line: str) -> None:
     parent.write(f"{line}\n")
     parent.flush()
-
-
-def _keep_stdout() -> IO[str]:
-    """Standard output under another number, so that nothing else writes to it."""
-    return os.fdopen(os.dup(1), "w")
 
 
 def _is_stale(begun: float) -> bool:

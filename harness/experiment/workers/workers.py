@@ -15,9 +15,8 @@ from typing import Literal, NamedTuple, Self, TypeAlias
 
 from harness.errors import UsageError
 from harness.executor import NO_SCALARS, Word
-from harness.experiment.workers.limits import LOOK_EVERY, Clock, Watchdog
 from harness.experiment.workers.order import Order
-from harness.experiment.workers.process import Told, WorkerProcess, stop_processes
+from harness.experiment.workers.process import LOOK_EVERY, Clock, Told, Watchdog, WorkerProcess, stop_processes
 from harness.experiment.workers.worker import DONE, STALE
 from harness.record.folder import LOG, partial_folder
 from harness.record.manifest import write_log

@@ -13,7 +13,7 @@ from harness.eta.amounts import listed
 from harness.eta.equal import equal_sentences, equal_trainings
 from harness.log import Log, LogFacts, Unit, in_memory
 from harness.log.log import BEHAVIOUR, RECORDED, REWARD, SUCCESS, TIME
-from harness.record.cell import NO_ROBOT, NO_SIMULATOR, UNKNOWN_ALGORITHM
+from harness.record.cell import BROUGHT, UNKNOWN_ALGORITHM
 from harness.registry.choice import Choice
 from harness.results.comparison import Group
 from harness.results.logs.checks import (
@@ -156,7 +156,13 @@ def _group(trainings: Sequence[Training], steps: int, every: int, episodes: int)
     name = algorithms.pop() if len(algorithms) == 1 else ""
     algorithm = Choice(name, (), name) if name else UNKNOWN_ALGORITHM
     return Group(
-        NO_ROBOT, Choice(env, (), env), algorithm, steps, episodes, evaluate_every=every, simulator=NO_SIMULATOR
+        BROUGHT.robot,
+        Choice(env, (), env),
+        algorithm,
+        steps,
+        episodes,
+        evaluate_every=every,
+        simulator=BROUGHT.simulator,
     )
 
 

@@ -10,7 +10,7 @@ from typing import Any
 from harness.errors import SchemaError, UsageError
 from harness.eta.equal import equal_sentences, equal_trainings
 from harness.eta.rescaling import Rescaling
-from harness.record.cell import EVALUATION_HORIZON, NO_ROBOT, NO_SIMULATOR, UNKNOWN_ALGORITHM, Cell
+from harness.record.cell import BROUGHT, EVALUATION_HORIZON, UNKNOWN_ALGORITHM, Cell
 from harness.record.manifest import Manifest
 from harness.record.plan_file import PLAN, StoredPlan
 from harness.record.recording.facts import OWN_SOURCE, TrainingFacts
@@ -239,7 +239,7 @@ def _told_notes(runs: Iterable[Run]) -> list[str]:
 
 def _group_of(env: str, steps: int) -> Group:
     """What is known of recordings that no experiment made: the env, and how long the shortest of them is."""
-    return Group(NO_ROBOT, Choice(env, (), env), UNKNOWN_ALGORITHM, steps, 0, simulator=NO_SIMULATOR)
+    return Group(BROUGHT.robot, Choice(env, (), env), UNKNOWN_ALGORITHM, steps, 0, simulator=BROUGHT.simulator)
 
 
 def _rescaled(rewards: Sequence[str], runs: Collection[Run]) -> dict[tuple[str, str], Rescaling]:
@@ -478,6 +478,6 @@ class LooseStore(Store):
         group = self.runs.group
         reward = Choice(run.reward, (), run.reward)
         return Cell(
-            NO_SIMULATOR, NO_ROBOT, group.task, group.algorithm, reward, run.seed, group.steps,
+            *BROUGHT, group.task, group.algorithm, reward, run.seed, group.steps,
             group.evaluation_episodes, evaluation_horizon=EVALUATION_HORIZON,
         )  # fmt: skip

@@ -13,8 +13,8 @@ import pytest
 
 import harness
 from harness.env.make import build_world
+from harness.experiment.cell_progress import SECONDS
 from harness.experiment.checkpoints.checkpoint import Checkpoint, read_checkpoint, store
-from harness.experiment.checkpoints.left_checkpoints import SECONDS
 from harness.experiment.plan import Experiment, expand
 from harness.progress import Progress, Ring, TrainingState
 from harness.registry.registry import load_registry

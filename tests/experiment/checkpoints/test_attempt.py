@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from harness.errors import SchemaError
-from harness.experiment.checkpoints.attempt import Attempt, Restore, begin_attempt
-from harness.experiment.checkpoints.checkpoint import Checkpoint
+from harness.experiment.checkpoints.checkpoint import Attempt, Checkpoint, Restore, begin_attempt
 from harness.record.cell import Cell
 from harness.record.folder import CHECKPOINT, LOG
 

@@ -14,9 +14,8 @@ import safetensors.numpy
 from harness.authoring.generator_state import pack_generator, restore_generator
 from harness.errors import SchemaError
 from harness.executor import CellOptions
-from harness.experiment.checkpoints import left_checkpoints
-from harness.experiment.checkpoints.attempt import begin_attempt
-from harness.experiment.checkpoints.checkpoint import ABOUT, Checkpoint, read_checkpoint
+from harness.experiment import cell_progress
+from harness.experiment.checkpoints.checkpoint import ABOUT, Checkpoint, begin_attempt, read_checkpoint
 from harness.experiment.checkpoints.trace_parts import TraceParts, discard_parts, part_of, require_parts
 from harness.experiment.experiment import ExperimentRun
 from harness.experiment.plan import Plan
@@ -303,7 +302,7 @@ def test_checkpoints_are_made_as_the_options_say(
         made.append(self.steps)
         write(self, folder)
 
-    monkeypatch.setattr(left_checkpoints, "SECONDS", seconds)
+    monkeypatch.setattr(cell_progress, "SECONDS", seconds)
     monkeypatch.setattr(Checkpoint, "write", counted)
     cell = make_cell(algorithm=Choice("random", (), "random"), steps=400)
     assert run_cell(cell, tmp_path / "cell", lambda steps: None, CellOptions(every)).status == "done"
@@ -313,7 +312,7 @@ def test_checkpoints_are_made_as_the_options_say(
 def test_checkpoints_are_made_unless_somebody_says_otherwise():
     """A long cell that is killed does not start over."""
     assert CellOptions().checkpoint_every is None
-    assert left_checkpoints.SECONDS == 600.0
+    assert cell_progress.SECONDS == 600.0
 
 
 def test_first_attempt_has_nothing_to_say(make_cell: MakeCell, tmp_path: Path):

@@ -46,7 +46,6 @@ from harness.record.verify import verify
 from harness.registry.given import Given, read_given
 from harness.registry.registry import Registry, load_registry
 from harness.results import Results, load_results
-from harness.results.load import require_arm
 from harness.results.two_experiments import Between, Verdict, between
 from harness_plugins.exporters.csv_runs import write_runs
 from tests.plugins.committed.kept import RECORDS
@@ -452,12 +451,6 @@ def test_trainings_are_exported_as_csv(results: Results, tmp_path: Path):
     np.testing.assert_array_equal(table["reward_right"], recorded["reward/right"])
     np.testing.assert_array_equal(table["behaviour_distance"], recorded["behaviour/distance"])
     np.testing.assert_array_equal(table["truncated"], recorded["truncated"])
-
-
-def test_commands_that_need_an_arm_say_so(results: Results):
-    """And what to do instead."""
-    with pytest.raises(UsageError, match=r"harness transfer needs traces of an arm.*harness report"):
-        require_arm(results, "harness transfer")
 
 
 def test_folders_merge(registry: Registry, given: tuple[Given, ...], tmp_path: Path):

@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from harness.executor import CellOptions, Word
+from harness.experiment import telling
 from harness.experiment.plan import check_experiment, expand
-from harness.experiment.progress import beat
 from harness.experiment.run_cell import run_cell
 from harness.record.cell import Cell
 from harness.record.folder import (
@@ -113,7 +113,7 @@ def test_a_cell_that_is_killed_in_its_evaluation_goes_on(
     registry: Registry, given: tuple[Given, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     """What it had evaluated is thrown away, with the policy: they come to be again."""
-    monkeypatch.setattr(beat, "EVERY", 0.0)
+    monkeypatch.setattr(telling, "EVERY", 0.0)
     cell, whole, killed = _cell(registry, LEARNERS["random, 2 envs"]), tmp_path / "whole", tmp_path / "killed"
 
     def report(word: Word) -> None:

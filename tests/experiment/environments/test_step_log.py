@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness.errors import SchemaError
-from harness.experiment.environments.step_log import FIRST_ROOM, StepLog, actions_of
+from harness.experiment.environments.batch import FIRST_ROOM, StepLog, actions_of
 
 ANSWER = np.zeros((2, 3), np.float32)
 

@@ -9,8 +9,7 @@ from harness.executor import Event
 from harness.experiment.plan import Plan
 from harness.experiment.progress.ended_cells import EndedCells
 from harness.experiment.progress.followed import WRITE_EVERY, Followed
-from harness.experiment.progress.trackers import Trackers
-from harness.experiment.progress.tracking import Tracking
+from harness.experiment.progress.trackers import Trackers, Tracking
 from harness.progress import RETURN, SUCCESS
 from harness.record.cell import Cell
 from harness.record.running import RUNNING, read_running

@@ -9,7 +9,7 @@ import pytest
 
 from harness.executor import Event
 from harness.experiment.plan import Plan, check_experiment, expand
-from harness.experiment.progress.table_so_far import EVERY, TableSoFar
+from harness.experiment.progress.ended_cells import EVERY, TableSoFar
 from harness.record.manifest import read_manifest
 from harness.record.store import RESULTS, Store
 from harness.record.verify import verify

@@ -10,8 +10,7 @@ import pytest
 
 from harness.errors import PluginError, UsageError
 from harness.executor import Event
-from harness.experiment.progress.trackers import Trackers, build_trackers, tracked_cell
-from harness.experiment.progress.tracking import Tracking
+from harness.experiment.progress.trackers import Trackers, Tracking, build_trackers, tracked_cell
 from harness.record.cell import Cell
 from harness.record.running import Running
 from harness.registry.choice import Choice

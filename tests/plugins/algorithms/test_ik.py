@@ -13,7 +13,7 @@ from harness.algorithm import learns, why_not
 from harness.env.arm_observation import ArmObservation
 from harness.env.known_arm import kinematics_policy
 from harness.errors import SchemaError
-from harness.experiment.evaluation.evaluate import EVALUATION_SEED
+from harness.experiment.arm_evaluation import EVALUATION_SEED
 from harness.experiment.plan import check_experiment, expand
 from harness.policy import CARD, InverseKinematics, Uniform, load_policy
 from harness.reach import ReachTask

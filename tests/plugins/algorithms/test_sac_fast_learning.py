@@ -15,7 +15,7 @@ import pytest
 from numpy.typing import NDArray
 
 import harness
-from harness.experiment.evaluation.evaluate import EVALUATION_SEED
+from harness.experiment.arm_evaluation import EVALUATION_SEED
 from harness.policy import Policy
 from harness.progress import Progress
 from harness_plugins.algorithms.sac_fast import SacFast

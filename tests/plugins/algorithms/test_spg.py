@@ -10,7 +10,7 @@ import torch
 
 import harness
 from harness.errors import UsageError
-from harness.experiment.evaluation.evaluate import EVALUATION_SEED
+from harness.experiment.arm_evaluation import EVALUATION_SEED
 from harness.policy import Gaussian, Policy, Uniform
 from harness.progress import Progress, TrainingState
 from harness.registry.parameters import build

@@ -17,12 +17,12 @@ from harness.errors import NewerFormat, UsageError
 from harness.experiment.plan import check_experiment, expand
 from harness.experiment.workers.workers import Order
 from harness.policy import WEIGHTS
-from harness.record.cell import Cell
+from harness.record.cell import BROUGHT, Cell
 from harness.record.folder import EVALUATION, MANIFEST, POLICY, partial_folder
 from harness.record.manifest import read_manifest
 from harness.record.store import Store
 from harness.record.trace import read_trace
-from harness.registry.choice import choose
+from harness.registry.choice import Choice, choose
 from harness.registry.registry import Registry, load_registry
 from harness.results import Results, load_results
 from harness.robot.load import load_robot
@@ -240,6 +240,16 @@ def test_nothing_trained_is_refused(toys: Registry, make_plan: Any, make_cell: A
     Store.create(tmp_path / "empty", make_plan(make_cell()))
     with pytest.raises(UsageError, match="has no finished cell"):
         transfer(tmp_path / "empty")
+
+
+def test_cells_in_an_environment_are_refused(toys: Registry, make_plan: Any, make_cell: Any, tmp_path: Path):
+    """Done or not: there is no arm that could move elsewhere. It says what to do instead."""
+    cell = make_cell(simulator=BROUGHT.simulator, robot=BROUGHT.robot, task=Choice("pendulum", (), "pendulum"))
+    store = Store.create(tmp_path, make_plan(cell))
+    store.record(cell, "failed", "it fell")
+    told = r"harness transfer needs traces of an arm.*: harness report .* compares them"
+    with pytest.raises(UsageError, match=told):
+        plan_transfers(load_results(tmp_path), None, toys)
 
 
 def test_folder_in_use_is_refused(train: Train):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from harness.executor import CellOptions
-from harness.experiment.evaluation.evaluate import EVALUATION_SEED
+from harness.experiment.arm_evaluation import EVALUATION_SEED
 from harness.experiment.run_cell import run_cell
 from harness.experiment.workers.order import Order
 from harness.record.folder import EVALUATION, LOG

@@ -10,7 +10,7 @@ import pytest
 import harness
 from harness import load_robot
 from harness.env.make import build_world
-from harness.experiment.evaluation.evaluate import act_of, evaluate, random_actions
+from harness.experiment.arm_evaluation import act_of, evaluate
 from harness.log import Log
 from harness.policy import Uniform
 from harness.record.cell import Cell
@@ -58,13 +58,13 @@ def starts_of(trace: Log) -> np.ndarray:
 def test_deterministic_policies_draw_nothing():
     """They act as they do without a generator."""
     seen = np.ones((3, 4), np.float32)
-    np.testing.assert_array_equal(act_of(FLOOR, deterministic=True)(seen), FLOOR.act(seen))
+    np.testing.assert_array_equal(act_of(FLOOR, "deterministic")(seen), FLOOR.act(seen))
 
 
 def test_stochastic_policies_draw_the_same_every_time():
     """Each evaluation begins anew; within it, draws differ."""
     seen = np.ones((3, 4), np.float32)
-    one, other = (act_of(FLOOR, deterministic=False) for _ in range(2))
+    one, other = (act_of(FLOOR, "stochastic") for _ in range(2))
     first = one(seen)
     np.testing.assert_array_equal(first, other(seen))
     assert not np.array_equal(first, one(seen))
@@ -73,12 +73,12 @@ def test_stochastic_policies_draw_the_same_every_time():
 def test_draws_are_not_those_of_random_actions():
     """Or the floor and a policy would share their noise."""
     seen = np.ones((3, 4), np.float32)
-    assert not np.array_equal(act_of(FLOOR, deterministic=False)(seen), random_actions(FLOOR)(seen))
+    assert not np.array_equal(act_of(FLOOR, "stochastic")(seen), act_of(FLOOR, "random")(seen))
 
 
 def test_one_episode_of_each_env(tmp_path: Path):
     """As many episodes as the cell says, one in each env, each of them finished."""
-    trace = record(tmp_path, random_actions(FLOOR))
+    trace = record(tmp_path, act_of(FLOOR, "random"))
     assert (trace["episode"] == 0).all()
     assert trace["env"][trace["step"] == 0].tolist() == list(range(8))
     assert sorted(trace["env"][trace.last_rows]) == list(range(8))
@@ -122,7 +122,7 @@ def test_more_episodes_begin_with_the_same_ones(tmp_path: Path):
 
 def test_same_policy_gives_the_same_trace(tmp_path: Path):
     """Evaluation is deterministic, bit for bit, random actions included."""
-    first, second = (record(tmp_path, random_actions(FLOOR)).load() for _ in range(2))
+    first, second = (record(tmp_path, act_of(FLOOR, "random")).load() for _ in range(2))
     for name, column in first.rows().columns.items():
         np.testing.assert_array_equal(column, second[name])
 
@@ -142,7 +142,7 @@ def test_policy_is_asked_with_the_observations(tmp_path: Path):
 
 def test_random_actions_fill_the_box():
     """The floor acts uniformly in [-1, 1], whatever is observed, and goes on drawing."""
-    act = random_actions(FLOOR)
+    act = act_of(FLOOR, "random")
     actions = np.concatenate([act(np.zeros((50, 28), np.float32)) for _ in range(40)])
     assert actions.shape == (2000, 6)
     assert actions.dtype == np.float32

@@ -10,9 +10,8 @@ from harness import load_robot
 from harness.env.known_arm import kinematics_policy
 from harness.env.make import World, build_world
 from harness.errors import SimulationDiverged
-from harness.experiment.evaluation import ik_steps as module
-from harness.experiment.evaluation.evaluate import EVALUATION_SEED, evaluate
-from harness.experiment.evaluation.ik_steps import ik_steps
+from harness.experiment import arm_evaluation as module
+from harness.experiment.arm_evaluation import EVALUATION_SEED, evaluate, ik_steps
 from harness.record.cell import Cell
 from harness.record.trace import read_trace
 from harness.registry.choice import choose

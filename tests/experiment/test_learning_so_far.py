@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.experiment.progress.learning_so_far import TELL_EVERY, LearningSoFar
+from harness.experiment.arm_world import TELL_EVERY, LearningSoFar
 from harness.progress import LAST_EPISODES, RETURN, SPEED, SUCCESS
 from harness.record.trace import COLUMN, SCALARS
 

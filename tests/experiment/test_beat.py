@@ -5,14 +5,14 @@ from types import SimpleNamespace
 import pytest
 
 from harness.executor import Word
-from harness.experiment.progress import beat
-from harness.experiment.progress.beat import Beat
+from harness.experiment import telling
+from harness.experiment.telling import Beat
 
 
 def test_a_word_is_said_once_in_a_while(monkeypatch: pytest.MonkeyPatch):
     """Never before its time has come, and then once; it says how many steps are done."""
     now, told = [100.0], list[Word]()
-    monkeypatch.setattr(beat, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    monkeypatch.setattr(telling, "time", SimpleNamespace(monotonic=lambda: now[0]))
     say = Beat(told.append)
     for steps, later in ((1, 0.0), (2, 0.9), (3, 0.2), (4, 0.5), (5, 0.6)):
         now[0] += later

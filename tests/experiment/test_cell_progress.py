@@ -1,6 +1,7 @@
 """Evaluations of a cell: when they are due, and that a training takes no notice of them."""
 
 from collections.abc import Callable
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +9,9 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
+from harness.env.make import World
 from harness.executor import CellOptions, Word
+from harness.experiment import arm_evaluation
 from harness.experiment.run_cell import run_cell
 from harness.policy import WEIGHTS
 from harness.progress import RETURN, SPEED, SUCCESS
@@ -129,7 +132,7 @@ def test_time_of_evaluations_is_no_time_of_training(
     """The manifest's seconds of training are without them."""
     import time
 
-    import harness.experiment.evaluation.evaluator as module
+    import harness.experiment.arm_evaluation as module
 
     evaluate = module.evaluate
     monkeypatch.setattr(module, "evaluate", lambda *given, **more: (time.sleep(0.5), evaluate(*given, **more)))
@@ -226,7 +229,13 @@ def test_every_evaluation_tells_the_facts_of_its_episodes(make_cell: MakeCell, t
 def test_kinematics_are_asked_once_in_a_cell(make_cell: MakeCell, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """However many evaluations there are."""
     asked = []
-    monkeypatch.setattr("harness.experiment.evaluation.evaluator.ik_steps", lambda *given: asked.append(given))
+
+    def play(world: World, episodes: int, seed: int) -> tuple[None, ...]:
+        asked.append(seed)
+        return (None,) * episodes
+
+    monkeypatch.setattr(arm_evaluation, "_play", play)
+    monkeypatch.setattr(arm_evaluation, "_answer", lru_cache(arm_evaluation._answer.__wrapped__))
     _run(make_cell(**NARRATE, evaluate_every=5), tmp_path / "cell")
     assert len(asked) == 1
 

@@ -8,7 +8,7 @@ import pytest
 
 from harness import load_robot
 from harness.env.make import World, build_world
-from harness.experiment.evaluation.evaluate import evaluate, random_actions
+from harness.experiment.arm_evaluation import act_of, evaluate
 from harness.log import Log
 from harness.policy import Uniform
 from harness.record.cell import Cell
@@ -27,7 +27,7 @@ def _world(make_cell: Callable[..., Cell], registry: Registry, task: str) -> Wor
 
 
 def _left(world: World, folder: Path, episodes: int) -> Log:
-    evaluate(world, random_actions(FLOOR), episodes, folder / "evaluation.parquet")
+    evaluate(world, act_of(FLOOR, "random"), episodes, folder / "evaluation.parquet")
     return read_trace(folder / "evaluation.parquet")
 
 
@@ -51,5 +51,5 @@ def test_arm_without_mass_does_no_work_that_is_known(
     make_cell: Callable[..., Cell], toys: Registry, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     """None is made up."""
-    monkeypatch.setattr("harness.experiment.evaluation.work_meter.read_bodies", lambda robot: None)
+    monkeypatch.setattr("harness.experiment.arm_evaluation.read_bodies", lambda robot: None)
     assert _left(_world(make_cell, toys, "fd100-reach:horizon=3"), tmp_path, 2).facts.work is None

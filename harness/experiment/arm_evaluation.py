@@ -1,0 +1,217 @@
+"""Evaluation apart from training: fixed starts and targets, the same in every cell."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import lru_cache, partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from gymnasium.vector import AutoresetMode
+from numpy.typing import NDArray
+
+from harness.arrays import Float, Float32
+from harness.conditions import conditions_of
+from harness.conditions.varied_robot import Factors, draw_factors
+from harness.env.known_arm import kinematics_policy, why_not_kinematics
+from harness.env.make import World
+from harness.errors import SimulationDiverged
+from harness.policy import Policy
+from harness.record.episode_facts import EpisodeFacts
+from harness.record.recording.facts import Acted
+from harness.record.trace import COLUMN, SCALARS, Recorder, Rows, TraceWriter
+from harness.registry.sources import description
+from harness.robot import Robot
+from harness.robot.energy import least_work, read_bodies
+from harness.task import Task, goal_of, varies
+
+EVALUATION_SEED = 20_211_118
+"""Seed of the starts and targets of every evaluation. It is not one of the small numbers that people train with."""
+
+Act = Callable[[Float32], NDArray[Any]]
+
+
+def evaluate(
+    world: World,
+    act: Act,
+    episodes: int,
+    path: Path,
+    seed: int = EVALUATION_SEED,
+    ik_steps: Sequence[int | None] | None = None,
+    on_step: Callable[[], None] = lambda: None,
+) -> None:
+    """Let `act` do `episodes` episodes, one in each env of a batch, and record them.
+
+    Args:
+        world: Where.
+        act: Observations (num_envs, observation_size) to actions (num_envs, action_size), or choices (num_envs,).
+        episodes: How many.
+        path: The trace to write: one episode of each env.
+        seed: Of the starts and targets.
+        ik_steps: What `ik_steps` says of them, or of more episodes; None where it is not asked.
+        on_step: Called after every step of the batch.
+    """
+    env = world.open(episodes, autoreset_mode=AutoresetMode.DISABLED)
+    facts = replace(
+        facts_of(world.task, world.robot), ik_steps=None if ik_steps is None else tuple(ik_steps[:episodes])
+    )
+    try:
+        sizes, extras = (env.robot.dof, env.episodes.action.shape[1]), env.episodes.extras
+        with TraceWriter(path, *sizes, episodes=1, facts=facts, extras=extras) as writer:
+            env.recorder = meter = WorkMeter(writer, world)
+            observations, _ = env.reset(seed=seed)
+            running = np.ones(env.num_envs, bool)
+            while running.any():
+                observations, _, terminated, truncated, _ = env.step(act(observations))
+                running &= ~(terminated | truncated)
+                env.rest(~running)
+                on_step()
+            writer.facts = replace(facts, work=meter.work())
+    finally:
+        env.close()
+
+
+def facts_of(task: Task, robot: Robot) -> EpisodeFacts:
+    """The facts about a task's episodes that are known before any episode."""
+    goal, facts = goal_of(task, robot), EpisodeFacts(task.horizon, task.control_period, arms=_arms(task, robot))
+    return facts if goal is None else replace(facts, error=goal.error, unit=goal.unit, target_moves=goal.moves)
+
+
+def _arms(task: Task, robot: Robot) -> tuple[Factors, ...] | None:
+    conditions = conditions_of(task)
+    if not conditions.is_varied:
+        return None
+    return tuple(draw_factors(conditions, robot, number) for number in range(conditions.variants))
+
+
+def act_of(policy: Policy, acted: Acted) -> Act:
+    """How `policy` acts in an evaluation. What it draws there does not depend on earlier draws."""
+    if acted == "deterministic":
+        return policy.act
+    return partial(policy.act, rng=np.random.default_rng([EVALUATION_SEED, 1 if acted == "random" else 2]))
+
+
+def record_evaluation(
+    world: World,
+    policy: Policy,
+    acted: Acted,
+    episodes: int,
+    path: Path,
+    seed: int | None = None,
+    on_step: Callable[[], None] = lambda: None,
+) -> None:
+    """Write the trace of what `policy` does in a world, and how many steps the arm's own kinematics take there.
+
+    Args:
+        world: Where.
+        policy: The policy that acts.
+        acted: How; see `harness.experiment.world.CellWorld.evaluate`.
+        episodes: How many. Where start and targets are always the same, the episodes of a deterministic policy are
+            alike, and it does one.
+        path: The trace to write.
+        seed: Of the starts and targets; None for those of every evaluation.
+        on_step: Called after every step of the batch.
+    """
+    if seed is not None:
+        evaluate(world, act_of(policy, acted), episodes, path, seed)
+        return
+    count = episodes if varies(world.task) or acted != "deterministic" else 1
+    steps = ik_steps(world, episodes, EVALUATION_SEED)
+    evaluate(world, act_of(policy, acted), count, path, ik_steps=steps, on_step=on_step)
+
+
+class WorkMeter:
+    """A `Recorder` that hands on its rows, and keeps the joint positions in each env's first episode."""
+
+    def __init__(self, recorder: Recorder, world: World) -> None:
+        self._recorder, self._world = recorder, world
+        jumps = world.task.motion(world.robot).jumps
+        self._bodies = None if jumps else read_bodies(world.robot)
+        self._kept: list[Float] = []
+        self._columns = [COLUMN["env"], *range(len(SCALARS), len(SCALARS) + world.robot.dof)]
+
+    def append(self, rows: Rows) -> None:
+        """See `Recorder`."""
+        self._recorder.append(rows)
+        if self._bodies is not None:
+            self._kept.append(rows[rows[:, COLUMN["episode"]] == 0.0][:, self._columns])
+
+    def work(self) -> tuple[float, ...] | None:
+        """The work by env, [J]; None if the arm jumps from pose to pose, or if its links have no mass."""
+        if self._bodies is None:
+            return None
+        rows = np.concatenate(self._kept)
+        rows = rows[np.argsort(rows[:, 0], kind="stable")]
+        episodes = np.split(rows[:, 1:], np.flatnonzero(np.diff(rows[:, 0])) + 1)
+        chain, period = self._world.robot.chain, self._world.task.control_period
+        return tuple(least_work(chain, self._bodies, qpos, period) for qpos in episodes)
+
+
+def ik_steps(world: World, episodes: int, seed: int) -> tuple[int | None, ...] | None:
+    """The environment steps to the first target, by env; None of an env where it is not reached.
+
+    `harness.policy.InverseKinematics` acts, in the same world and from the same starts. It does not look out for the
+    ground: an episode that ends there has not reached its target.
+
+    Args:
+        world: Where.
+        episodes: How many, one in each env of a batch.
+        seed: Of the starts and targets.
+
+    Returns:
+        None where the kinematics cannot act, or the simulation diverges under them: that costs no cell.
+    """
+    if why_not_kinematics(world.task, world.robot):
+        return None
+    parts = (description(world.simulator), description(world.task), world.robot.driven_digest)
+    return _answer(_Question(parts, episodes, seed, world))
+
+
+@dataclass(frozen=True)
+class _Question:
+    """Everything that the answer depends on, and the world in which it is found, which adds nothing to that."""
+
+    parts: tuple[str, ...]
+    episodes: int
+    seed: int
+    world: World = field(compare=False)
+
+
+@lru_cache(maxsize=16)
+def _answer(question: _Question) -> tuple[int | None, ...] | None:
+    """The answer. A process that does several cells computes it once."""
+    world, episodes, seed = question.world, question.episodes, question.seed
+    try:
+        if varies(world.task):
+            return _play(world, episodes, seed)
+        return _play(world, 1, seed) * episodes
+    except SimulationDiverged:
+        return None
+
+
+def _play(world: World, episodes: int, seed: int) -> tuple[int | None, ...]:
+    policy, first = kinematics_policy(world.task, world.robot), _FirstReach(episodes)
+    env = world.open(episodes, recorder=first, autoreset_mode=AutoresetMode.DISABLED)
+    try:
+        seen, _ = env.reset(seed=seed)
+        running = np.ones(episodes, bool)
+        while running.any():
+            seen, _, terminated, truncated, infos = env.step(policy.act(seen))
+            running &= ~(terminated | truncated | infos["is_success"])
+            env.rest(~running)
+    finally:
+        env.close()
+    return tuple(int(step) if step else None for step in first.steps)
+
+
+class _FirstReach:
+    """A `Recorder` that keeps the step in which the target is reached first in each env's first episode; else 0."""
+
+    def __init__(self, num_envs: int) -> None:
+        self.steps: NDArray[np.int64] = np.zeros(num_envs, np.int64)
+
+    def append(self, rows: Rows) -> None:
+        """See `harness.record.trace.Recorder`."""
+        env, step = rows[:, COLUMN["env"]].astype(int), rows[:, COLUMN["step"]].astype(int)
+        is_first = (rows[:, COLUMN["reached"]] > 0.0) & (rows[:, COLUMN["episode"]] == 0.0) & (self.steps[env] == 0)
+        self.steps[env[is_first]] = step[is_first]

@@ -1,1 +1,0 @@
-"""Evaluations of policies: what they share, when they happen, what they are compared with."""
