@@ -13,17 +13,26 @@ def _loads(monkeypatch: pytest.MonkeyPatch, value: str | None, *plugin: str) -> 
     return not Wanted.from_environment().why_off(*plugin)
 
 
-@pytest.mark.parametrize(
-    ("value", "loads"),
-    [
-        (None, True), ("", False), ("clash", True), ("other", False), ("-clash", False), ("-other", True),
-        (" -other , -more ", True), ("other,-clash", False), ("clash,-clash", False), ("-clash-algo", False),
-        ("-Clash_Algo/clash", False), ("clash-algo/clash", True), ("-other/clash", True),
-    ],
-)  # fmt: skip
-def test_third_party_plugin(monkeypatch: pytest.MonkeyPatch, value: str | None, loads: bool):
+def test_third_party_plugin(subtests: pytest.Subtests):
     """By its entry point, its distribution or both; a minus leaves out, and wins."""
-    assert _loads(monkeypatch, value, "clash", "Clash_Algo") == loads
+    rows = [
+        (None, True),
+        ("", False),
+        ("clash", True),
+        ("other", False),
+        ("-clash", False),
+        ("-other", True),
+        (" -other , -more ", True),
+        ("other,-clash", False),
+        ("clash,-clash", False),
+        ("-clash-algo", False),
+        ("-Clash_Algo/clash", False),
+        ("clash-algo/clash", True),
+        ("-other/clash", True),
+    ]
+    for value, loads in rows:
+        with subtests.test(value=value, loads=loads), pytest.MonkeyPatch.context() as monkeypatch:
+            assert _loads(monkeypatch, value, "clash", "Clash_Algo") == loads
 
 
 @pytest.mark.parametrize(
