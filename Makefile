@@ -101,6 +101,7 @@ check: dev
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/python -m tests.architecture
 
 # The site, into build/site: a warning is an error.
 docs: dev

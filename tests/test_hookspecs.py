@@ -12,12 +12,13 @@ def test_kinds_are_the_hooks():
     assert [f"register_{kind}" for kind in KINDS] == [name for name in vars(Hooks) if name.startswith("register_")]
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_hooks_read_alike(kind: str):
+def test_hooks_read_alike(subtests: pytest.Subtests):
     """Every hook takes `register` alone, and its docstring says what a target has to be."""
-    hook = getattr(Hooks, f"register_{kind}")
-    assert list(inspect.signature(hook).parameters) == ["self", "register"]
-    assert hook.__doc__.startswith("Targets: ")
+    for kind in KINDS:
+        with subtests.test(kind=kind):
+            hook = getattr(Hooks, f"register_{kind}")
+            assert list(inspect.signature(hook).parameters) == ["self", "register"]
+            assert hook.__doc__.startswith("Targets: ")
 
 
 def test_register_has_one_signature():

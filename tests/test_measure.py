@@ -10,14 +10,20 @@ from harness.registry.registry import load_registry
 from harness_plugins.kit.metrics import recorded_trace
 
 
-@pytest.mark.parametrize(
-    ("name", "share"),
-    [("success_rate", True), ("ground_hits", True), ("timeouts", True), ("spl", True), ("optimality", False),
-     ("time_to_target", False), ("work", False)],
-)  # fmt: skip
-def test_shares_say_that_they_are(name: str, share: bool):
+def test_shares_say_that_they_are(subtests: pytest.Subtests):
     """Means over episodes of something between 0 and 1; optimality may be above 1."""
-    assert is_share(build_defaults(load_registry(), "metrics")[name]) == share
+    rows = [
+        ("success_rate", True),
+        ("ground_hits", True),
+        ("timeouts", True),
+        ("spl", True),
+        ("optimality", False),
+        ("time_to_target", False),
+        ("work", False),
+    ]
+    for name, share in rows:
+        with subtests.test(name=name, share=share):
+            assert is_share(build_defaults(load_registry(), "metrics")[name]) == share
 
 
 def test_those_of_the_distance_say_that_they_are_errors():

@@ -192,11 +192,12 @@ WRONG = {
 }
 
 
-@pytest.mark.parametrize(("text", "name"), WRONG.values(), ids=WRONG)
-def test_wrong_name_is_found_with_its_line(text: str, name: str):
+def test_wrong_name_is_found_with_its_line(subtests: pytest.Subtests):
     """The mutants: a slip in any part of a name."""
-    line = next(number for number, words in enumerate(text.splitlines(), 1) if name.rpartition(".")[2] in words)
-    assert wrong_names(f"fine\n{text}\n") == [Name(line + 1, name)]
+    for case, (text, name) in WRONG.items():
+        with subtests.test(case):
+            line = next(number for number, words in enumerate(text.splitlines(), 1) if name.rpartition(".")[2] in words)
+            assert wrong_names(f"fine\n{text}\n") == [Name(line + 1, name)]
 
 
 RIGHT = [
@@ -215,10 +216,11 @@ RIGHT = [
 ]
 
 
-@pytest.mark.parametrize("text", RIGHT)
-def test_name_that_exists_is_left_alone(text: str):
+def test_name_that_exists_is_left_alone(subtests: pytest.Subtests):
     """Modules, classes, calls, fields without a default, attributes set in `__init__`, and what is no name of ours."""
-    assert wrong_names(text) == []
+    for text in RIGHT:
+        with subtests.test(text=text):
+            assert wrong_names(text) == []
 
 
 def test_prose_is_docstrings_and_comments():

@@ -83,24 +83,26 @@ def ends(name: str, reward: str) -> str:
     return "within 5 points of the best" if told["is_close"] else "can be the best"
 
 
-@pytest.mark.parametrize("reward", sorted(successes("pendulum")))
-def test_the_page_has_each_candidate_of_the_pendulum(reward: str):
+def test_the_page_has_each_candidate_of_the_pendulum(subtests: pytest.Subtests):
     """Seeds, success, what it paid itself, and how it ended."""
-    seeds = int(np.isfinite(successes("pendulum")[reward]).sum())
-    success, pay = means("pendulum", reward, "behaviour_success"), means("pendulum", reward, f"return_{reward}")
-    row = f"| {seeds} | {success:.1%} | {pay:.1f} | {ends('pendulum', reward)} |"
-    (line,) = (line for line in PAGE.splitlines() if line.startswith(f"| {reward} | ") and line.endswith(row))
-    assert line
+    for reward in sorted(successes("pendulum")):
+        with subtests.test(reward=reward):
+            seeds = int(np.isfinite(successes("pendulum")[reward]).sum())
+            success, pay = means("pendulum", reward, "behaviour_success"), means("pendulum", reward, f"return_{reward}")
+            row = f"| {seeds} | {success:.1%} | {pay:.1f} | {ends('pendulum', reward)} |"
+            (line,) = (line for line in PAGE.splitlines() if line.startswith(f"| {reward} | ") and line.endswith(row))
+            assert line
 
 
-@pytest.mark.parametrize("reward", sorted(successes("arm")))
-def test_the_page_has_each_reward_of_the_arm(reward: str):
+def test_the_page_has_each_reward_of_the_arm(subtests: pytest.Subtests):
     """Seeds, success, its I_N and the ruler in it, and how it ended."""
-    seeds = int(np.isfinite(successes("arm")[reward]).sum())
-    split = next((it["eta_N"] for it in record_of("arm")["combinations"] if it["proposed"] == reward), None)
-    number = [""] * 2 if split is None else [_times(split[part]) for part in ("eta", "ruler")]
-    told = " | ".join([f"| {reward}", str(seeds), f"{means('arm', reward, 'success_rate'):.1%}", *number])
-    assert f"{told} | {ends('arm', reward)} |".replace("|  |", "| |").replace("|  |", "| |") in PAGE
+    for reward in sorted(successes("arm")):
+        with subtests.test(reward=reward):
+            seeds = int(np.isfinite(successes("arm")[reward]).sum())
+            split = next((it["eta_N"] for it in record_of("arm")["combinations"] if it["proposed"] == reward), None)
+            number = [""] * 2 if split is None else [_times(split[part]) for part in ("eta", "ruler")]
+            told = " | ".join([f"| {reward}", str(seeds), f"{means('arm', reward, 'success_rate'):.1%}", *number])
+            assert f"{told} | {ends('arm', reward)} |".replace("|  |", "| |").replace("|  |", "| |") in PAGE
 
 
 def _times(ratio: dict[str, Any]) -> str:

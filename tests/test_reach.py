@@ -188,9 +188,9 @@ def test_every_target_pays_the_same():
     np.testing.assert_array_equal(ReachTask(target_reward=2.5).target_rewards(ROBOT, np.zeros((3, 6))), [2.5] * 3)
 
 
-@pytest.mark.parametrize(
-    ("override", "message"),
-    [
+def test_bad_override_is_a_usage_error(subtests: pytest.Subtests):
+    """An override that cannot be is refused in one line that names it."""
+    rows = [
         ("epsilon=0", "epsilon"),
         ("epsilon=-0.1", "epsilon"),
         ("epsilon=wide", "epsilon"),
@@ -210,13 +210,12 @@ def test_every_target_pays_the_same():
         ("action=movel:frame=xyz", "frame"),
         ("gravity=9.81", "gravity"),
         ("epsilon", "epsilon"),
-    ],
-)
-def test_bad_override_is_a_usage_error(override: str, message: str):
-    """An override that cannot be is refused in one line that names it."""
-    with pytest.raises(UsageError, match=message) as caught:
-        harness.make_env(task=f"fd100-reach:{override}")
-    assert "\n" not in str(caught.value)
+    ]
+    for override, message in rows:
+        with subtests.test(override=override, message=message):
+            with pytest.raises(UsageError, match=message) as caught:
+                harness.make_env(task=f"fd100-reach:{override}")
+            assert "\n" not in str(caught.value)
 
 
 def test_good_overrides_reach_the_env():

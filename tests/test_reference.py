@@ -88,46 +88,51 @@ def test_there_are_records():
     assert [folder.relative_to(REFERENCE).as_posix() for folder in FOLDERS] == expected
 
 
-@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
-def test_page_says_what_the_record_holds(folder: Path):
+def test_page_says_what_the_record_holds(subtests: pytest.Subtests):
     """Every eta with its interval, ruler and behaviour stand in the page as they stand in the record.
 
     Where a page leads to the records for every row, it need not say them again.
     """
-    page, summary = page_of(folder), f"results/reference/{folder.relative_to(REFERENCE)}/summary.md"
-    if summary in page.partition("## Every row")[2]:
-        page += (ROOT / summary).read_text()
-    missing = [
-        (combination["algorithm"], combination["proposed"], name, needle)
-        for combination in combinations(folder)
-        for name in INDICES
-        for needle in (
-            with_interval(combination[name]["eta"]),
-            f"{text(combination[name]['ruler'])} x {text(combination[name]['behaviour'])}",
-        )
-        if needle not in page
-    ]
-    assert missing == []
+    for folder in FOLDERS:
+        with subtests.test(folder=folder):
+            page, summary = page_of(folder), f"results/reference/{folder.relative_to(REFERENCE)}/summary.md"
+            if summary in page.partition("## Every row")[2]:
+                page += (ROOT / summary).read_text()
+            missing = [
+                (combination["algorithm"], combination["proposed"], name, needle)
+                for combination in combinations(folder)
+                for name in INDICES
+                for needle in (
+                    with_interval(combination[name]["eta"]),
+                    f"{text(combination[name]['ruler'])} x {text(combination[name]['behaviour'])}",
+                )
+                if needle not in page
+            ]
+            assert missing == []
 
 
-@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
-def test_page_gives_the_answer_of_the_record(folder: Path):
+def test_page_gives_the_answer_of_the_record(subtests: pytest.Subtests):
     """Each combination's row begins with its reward and the record's answer about the robot.
 
     Where a study has many places, a row counts the answers of a reward in all of them.
     """
-    page, answers = page_of(folder), Counter((it["proposed"], it["headline"]["answer"]) for it in combinations(folder))
-    counted = [line for line in page.splitlines() if line.startswith(f"| {folder.name} |")]
-    missing = [
-        (reward, answer, count)
-        for (reward, answer), count in answers.items()
-        if not (
-            any(f"| {reward} |" in line and f"{count} {answer.upper()}" in line for line in counted)
-            if counted
-            else f"| {reward} | {answer.upper()} |" in page
-        )
-    ]
-    assert missing == []
+    for folder in FOLDERS:
+        with subtests.test(folder=folder):
+            page, answers = (
+                page_of(folder),
+                Counter((it["proposed"], it["headline"]["answer"]) for it in combinations(folder)),
+            )
+            counted = [line for line in page.splitlines() if line.startswith(f"| {folder.name} |")]
+            missing = [
+                (reward, answer, count)
+                for (reward, answer), count in answers.items()
+                if not (
+                    any(f"| {reward} |" in line and f"{count} {answer.upper()}" in line for line in counted)
+                    if counted
+                    else f"| {reward} | {answer.upper()} |" in page
+                )
+            ]
+            assert missing == []
 
 
 def corrected(folder: Path) -> set[float]:
@@ -154,12 +159,13 @@ def _founded(passage: str, known: set[float]) -> bool:
     )
 
 
-@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
-def test_page_claims_what_a_test_found(folder: Path):
+def test_page_claims_what_a_test_found(subtests: pytest.Subtests):
     """Where a page says better or worse it quotes a corrected p, and the record holds it."""
-    page = page_of(folder)
-    known = set().union(*(corrected(record) for record in records_of(folder)))
-    assert unfounded(page, known) == []
+    for folder in FOLDERS:
+        with subtests.test(folder=folder):
+            page = page_of(folder)
+            known = set().union(*(corrected(record) for record in records_of(folder)))
+            assert unfounded(page, known) == []
 
 
 @pytest.mark.parametrize(
@@ -188,72 +194,77 @@ def beyond(data: Any, least: float, greatest: float) -> list[Any]:
     return [*inside, data] if leaves else inside
 
 
-@pytest.mark.parametrize("folder", RECORDS, ids=lambda folder: folder.name)
-def test_no_interval_of_a_share_leaves_what_it_can_be(folder: Path):
+def test_no_interval_of_a_share_leaves_what_it_can_be(subtests: pytest.Subtests):
     """A share lies between 0 and 1, and two of them are 1 apart at most."""
-    record = json.loads((folder / "results.json").read_text())
-    told = record["combinations"] if folder in FOLDERS else [it for _, it in comparisons_of(record)]
-    changes = [
-        change
-        for it in told
-        for changes in (it["behaviour"], *(moment["behaviour"] for moment in it.get("along_the_budget", ())))
-        for change in changes
-    ]
-    curves = [it["learning"]["metrics"] for it in told if it.get("learning")] if folder in FOLDERS else []
-    assert beyond([change for change in changes if change["episodes"] is not None], -1.0, 1.0) == []
-    assert beyond([metrics[name] for metrics in curves for name in SHARES if name in metrics], 0.0, 1.0) == []
+    for folder in RECORDS:
+        with subtests.test(folder=folder):
+            record = json.loads((folder / "results.json").read_text())
+            told = record["combinations"] if folder in FOLDERS else [it for _, it in comparisons_of(record)]
+            changes = [
+                change
+                for it in told
+                for changes in (it["behaviour"], *(moment["behaviour"] for moment in it.get("along_the_budget", ())))
+                for change in changes
+            ]
+            curves = [it["learning"]["metrics"] for it in told if it.get("learning")] if folder in FOLDERS else []
+            assert beyond([change for change in changes if change["episodes"] is not None], -1.0, 1.0) == []
+            assert beyond([metrics[name] for metrics in curves for name in SHARES if name in metrics], 0.0, 1.0) == []
 
 
-@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
-def test_every_cell_is_done(folder: Path):
+def test_every_cell_is_done(subtests: pytest.Subtests):
     """None failed, none is missing; where training ends with the answer, some are not needed."""
-    with (folder / "cells.csv").open(newline="") as file:
-        cells = list(csv.DictReader(file))
-    experiment = tomllib.loads((folder / "experiment.toml").read_text())
-    terms = json.loads((folder / "results.json").read_text()).get("terms", {"looks": []})
-    rewards = [json.dumps(reward, sort_keys=True) for reward in [experiment["baseline"], *experiment["reward"]]]
-    assert {cell["status"] for cell in cells} == ({"done", "not needed"} if terms["looks"] else {"done"})
-    # A baseline among the proposed rewards is the null control, trained with seeds of its own.
-    seeds = terms["looks"][-1] if terms["looks"] else len(experiment["seeds"])
-    assert len(cells) == len(experiment["sim"]) * len(experiment["algo"]) * len(rewards) * seeds
+    for folder in FOLDERS:
+        with subtests.test(folder=folder):
+            with (folder / "cells.csv").open(newline="") as file:
+                cells = list(csv.DictReader(file))
+            experiment = tomllib.loads((folder / "experiment.toml").read_text())
+            terms = json.loads((folder / "results.json").read_text()).get("terms", {"looks": []})
+            rewards = [json.dumps(reward, sort_keys=True) for reward in [experiment["baseline"], *experiment["reward"]]]
+            assert {cell["status"] for cell in cells} == ({"done", "not needed"} if terms["looks"] else {"done"})
+            # A baseline among the proposed rewards is the null control, trained with seeds of its own.
+            seeds = terms["looks"][-1] if terms["looks"] else len(experiment["seeds"])
+            assert len(cells) == len(experiment["sim"]) * len(experiment["algo"]) * len(rewards) * seeds
 
 
-@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
-def test_indices_follow_from_the_curves(folder: Path):
+def test_indices_follow_from_the_curves(subtests: pytest.Subtests):
     """I_N and I_P of both rewards, summed over the thinned mean curves, to a hundredth of the larger one."""
-    curves: dict[tuple[str, ...], list[tuple[float, int]]] = {}
-    for row in pq.read_table(folder / "curves.parquet").to_pylist():
-        key = (row["simulator"], row["algorithm"], row["seeds"], row["trained_with"], row["scored_by"])
-        curves.setdefault(key, []).append((row["value"], row["every"]))
-    for combination in combinations(folder):
-        names = combination["simulator"], combination["algorithm"], " ".join(map(str, combination["seeds"]))
-        for side in ("baseline", "proposed"):
-            again = " (other seeds)" * (side == "proposed" and combination["is_control"])
-            own = curves[(*names, combination[side] + again, combination[side])]
-            index = combination[f"{side}_index"]
-            room = 0.01 * max(-index["I_N"], index["I_P"])
-            assert sum(min(value, 0.0) * every for value, every in own) == pytest.approx(index["I_N"], abs=room)
-            assert sum(max(value, 0.0) * every for value, every in own) == pytest.approx(index["I_P"], abs=room)
+    for folder in FOLDERS:
+        with subtests.test(folder=folder):
+            curves: dict[tuple[str, ...], list[tuple[float, int]]] = {}
+            for row in pq.read_table(folder / "curves.parquet").to_pylist():
+                key = (row["simulator"], row["algorithm"], row["seeds"], row["trained_with"], row["scored_by"])
+                curves.setdefault(key, []).append((row["value"], row["every"]))
+            for combination in combinations(folder):
+                names = combination["simulator"], combination["algorithm"], " ".join(map(str, combination["seeds"]))
+                for side in ("baseline", "proposed"):
+                    again = " (other seeds)" * (side == "proposed" and combination["is_control"])
+                    own = curves[(*names, combination[side] + again, combination[side])]
+                    index = combination[f"{side}_index"]
+                    room = 0.01 * max(-index["I_N"], index["I_P"])
+                    assert sum(min(value, 0.0) * every for value, every in own) == pytest.approx(index["I_N"], abs=room)
+                    assert sum(max(value, 0.0) * every for value, every in own) == pytest.approx(index["I_P"], abs=room)
 
 
-@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
-def test_eta_is_ruler_times_behaviour(folder: Path):
+def test_eta_is_ruler_times_behaviour(subtests: pytest.Subtests):
     """Along both paths and in their geometric means, where all parts have a value."""
-    for combination in combinations(folder):
-        for name in INDICES:
-            split = combination[name]
-            for path in (split, *split["paths"]):
-                parts = [path[part]["value"] for part in ("ruler", "behaviour")]
-                if None not in parts:
-                    assert parts[0] * parts[1] == pytest.approx(split["eta"]["value"])
+    for folder in FOLDERS:
+        with subtests.test(folder=folder):
+            for combination in combinations(folder):
+                for name in INDICES:
+                    split = combination[name]
+                    for path in (split, *split["paths"]):
+                        parts = [path[part]["value"] for part in ("ruler", "behaviour")]
+                        if None not in parts:
+                            assert parts[0] * parts[1] == pytest.approx(split["eta"]["value"])
 
 
-@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
-def test_change_of_the_sum_is_ruler_and_behaviour(folder: Path):
+def test_change_of_the_sum_is_ruler_and_behaviour(subtests: pytest.Subtests):
     """I_N + I_P, NOTE eq. 38."""
-    for combination in combinations(folder):
-        parts = {name: part["mean"] for name, part in combination["total"].items()}
-        assert parts["ruler"] + parts["behaviour"] == pytest.approx(parts["change"], rel=1e-6, abs=1e-6)
+    for folder in FOLDERS:
+        with subtests.test(folder=folder):
+            for combination in combinations(folder):
+                parts = {name: part["mean"] for name, part in combination["total"].items()}
+                assert parts["ruler"] + parts["behaviour"] == pytest.approx(parts["change"], rel=1e-6, abs=1e-6)
 
 
 def test_published_etas_are_those_of_the_published_sums():

@@ -359,9 +359,9 @@ def test_a_page_that_says_something_else_is_found(small: dict[str, Any], there: 
     assert [it for it in needles(small, SUMMARY, "") if it not in page] != []
 
 
-@pytest.mark.parametrize(
-    ("passage", "strange"),
-    [
+def test_a_number_from_nowhere_is_found(small: dict[str, Any], subtests: pytest.Subtests):
+    """Code and links are no numbers, and a source may bring some."""
+    rows = [
         ("It earned 14.5.", []),
         ("It earned 14.7.", ["14.7"]),
         ("It earned 77 %.", ["77 %"]),
@@ -370,11 +370,10 @@ def test_a_page_that_says_something_else_is_found(small: dict[str, Any], there: 
         ("It earned 77, [they say](https://example.org).", []),
         ("Of v4 and `77`, [here](pictures/77.gif).", []),
         ("It earned 1,450 more.", ["1,450"]),
-    ],
-)
-def test_a_number_from_nowhere_is_found(small: dict[str, Any], passage: str, strange: list[str]):
-    """Code and links are no numbers, and a source may bring some."""
-    assert strange_numbers(passage, [small], []) == strange
+    ]
+    for passage, strange in rows:
+        with subtests.test(passage=passage, strange=strange):
+            assert strange_numbers(passage, [small], []) == strange
 
 
 def _set(*path: Any) -> Callable[[dict[str, Any]], None]:
@@ -401,12 +400,13 @@ MUTANTS = {
 }
 
 
-@pytest.mark.parametrize("name", MUTANTS)
-def test_a_record_that_contradicts_itself_is_found(small: dict[str, Any], name: str):
+def test_a_record_that_contradicts_itself_is_found(small: dict[str, Any], subtests: pytest.Subtests):
     """Whatever was changed in it."""
-    record = copy.deepcopy(small)
-    MUTANTS[name](record)
-    assert contradictions(record) != []
+    for name, change in MUTANTS.items():
+        with subtests.test(name=name):
+            record = copy.deepcopy(small)
+            change(record)
+            assert contradictions(record) != []
 
 
 @pytest.mark.parametrize("part", ["ruler", "behaviour"])

@@ -15,9 +15,9 @@ import harness
 from harness.text import LONGEST_MESSAGE, command_text, file_stems, one_line_of, shortened, visible
 
 
-@pytest.mark.parametrize(
-    ("text", "shown"),
-    [
+def test_what_is_not_seen_is_written_out(subtests: pytest.Subtests):
+    """Control characters of both sets, turns of the direction, marks without width, separators of lines."""
+    rows = [
         ("\x1b[31mred", "\\x1b[31mred"),
         ("\x9b2J", "\\x9b2J"),
         ("a\u202eb", "a\\u202eb"),
@@ -26,11 +26,10 @@ from harness.text import LONGEST_MESSAGE, command_text, file_stems, one_line_of,
         ("a\nb\tc", "a\\nb\\tc"),
         ("name\udc80", "name\\udc80"),
         ("\U000e0041", "\\U000e0041"),
-    ],
-)
-def test_what_is_not_seen_is_written_out(text: str, shown: str):
-    """Control characters of both sets, turns of the direction, marks without width, separators of lines."""
-    assert visible(text) == shown
+    ]
+    for text, shown in rows:
+        with subtests.test(text=text, shown=shown):
+            assert visible(text) == shown
 
 
 @pytest.mark.parametrize("text", ["eta η_N · 3 × 10⁻³", "Grüße, 世界, مرحبا", "a\u00a0b", "🤖", "[/b] \\n"])
@@ -71,13 +70,14 @@ def test_a_list_is_cut_between_its_names():
         assert set(last.removesuffix(". Did you mean 'y'?").split(", ")) <= set(names)
 
 
-@pytest.mark.parametrize("most", range(20, 40))
-def test_words_before_and_behind_a_cut_are_whole(most: int):
+def test_words_before_and_behind_a_cut_are_whole(subtests: pytest.Subtests):
     """Also where the cut lies between two words."""
-    words = ["one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten"]
-    before, _, behind = shortened(" ".join(words), most).partition(" ... ")
-    assert before.split() == words[: len(before.split())]
-    assert behind.split() == words[len(words) - len(behind.split()) :]
+    for most in range(20, 40):
+        with subtests.test(most=most):
+            words = ["one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten"]
+            before, _, behind = shortened(" ".join(words), most).partition(" ... ")
+            assert before.split() == words[: len(before.split())]
+            assert behind.split() == words[len(words) - len(behind.split()) :]
 
 
 @given(st.text())

@@ -22,9 +22,9 @@ def test_names_are_offered_behind_a_comma(toys):
     assert offered("rewards", "no-such") == []
 
 
-@pytest.mark.parametrize(
-    ("words", "name"),
-    [
+def test_bash_completes(harness, monkeypatch, subtests: pytest.Subtests):
+    """As bash asks, by the environment."""
+    rows = [
         ("run --sim ide", "ideal"),
         ("run --algo wan", "wander"),
         ("run --reward scal", "scaled"),
@@ -45,14 +45,13 @@ def test_names_are_offered_behind_a_comma(toys):
         ("eta --baseline-reward ar", "arp"),
         ("eta --proposed-reward ar", "arp"),
         ("describe --robot fd", "fd100"),
-    ],
-)
-def test_bash_completes(harness, monkeypatch, words, name):
-    """As bash asks, by the environment."""
-    monkeypatch.setenv("_HARNESS_COMPLETE", "complete_bash")
-    monkeypatch.setenv("COMP_WORDS", f"harness {words}")
-    monkeypatch.setenv("COMP_CWORD", "3")
-    assert name in harness().out.split()
+    ]
+    for words, name in rows:
+        with subtests.test(words=words, name=name):
+            monkeypatch.setenv("_HARNESS_COMPLETE", "complete_bash")
+            monkeypatch.setenv("COMP_WORDS", f"harness {words}")
+            monkeypatch.setenv("COMP_CWORD", "3")
+            assert name in harness().out.split()
 
 
 def test_names_of_several_kinds_are_offered(toys):

@@ -60,12 +60,13 @@ def test_overrides_show_in_the_description(harness):
     assert "epsilon = 0.02 m" in harness("describe", "fd100-reach:epsilon=0.02").out
 
 
-@pytest.mark.parametrize("name", ["arp", "baseline", "mujoco", "fd100", "success_rate", "processes"])
-def test_whatever_is_listed_can_be_described(harness, name):
+def test_whatever_is_listed_can_be_described(harness, subtests: pytest.Subtests):
     """Every kind of name has a description."""
-    answer = harness("describe", name)
-    assert answer.status == 0
-    assert name in answer.out
+    for name in ["arp", "baseline", "mujoco", "fd100", "success_rate", "processes"]:
+        with subtests.test(name=name):
+            answer = harness("describe", name)
+            assert answer.status == 0
+            assert name in answer.out
 
 
 def test_the_reward_explains_the_contradiction_of_its_sources(harness):

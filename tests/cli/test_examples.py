@@ -18,22 +18,24 @@ def test_every_command_has_examples():
     assert sorted(EXAMPLES) == sorted(names_of(build_app()))
 
 
-@pytest.mark.parametrize("line", [*LINES, *FIRST_STEPS])
-def test_example_can_be_typed(line):
+def test_example_can_be_typed(subtests: pytest.Subtests):
     """Its command, flags and values are those that there are; nothing is run."""
-    program, name, *arguments = shlex.split(line)
-    command = typer.main.get_command(build_app()).commands[name]
-    assert program == "harness"
-    if arguments != ["--help"]:
-        command.make_context(name, arguments)
+    for line in [*LINES, *FIRST_STEPS]:
+        with subtests.test(line=line):
+            program, name, *arguments = shlex.split(line)
+            command = typer.main.get_command(build_app()).commands[name]
+            assert program == "harness"
+            if arguments != ["--help"]:
+                command.make_context(name, arguments)
 
 
-@pytest.mark.parametrize("name", EXAMPLES)
-def test_help_shows_the_examples(harness, monkeypatch, name):
+def test_help_shows_the_examples(harness, monkeypatch, subtests: pytest.Subtests):
     """At its end."""
-    monkeypatch.setenv("COLUMNS", "120")
-    out = harness(name, "--help").out
-    assert all(line in out for line in EXAMPLES[name])
+    for name in EXAMPLES:
+        with subtests.test(name=name):
+            monkeypatch.setenv("COLUMNS", "120")
+            out = harness(name, "--help").out
+            assert all(line in out for line in EXAMPLES[name])
 
 
 def test_commands_stand_in_groups_what_one_needs_first_at_the_top(harness):

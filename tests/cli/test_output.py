@@ -25,14 +25,16 @@ def _answer(encoding: str, *arguments: str) -> subprocess.CompletedProcess[bytes
     return subprocess.run(command, env=environment, capture_output=True, check=False)
 
 
-@pytest.mark.parametrize("encoding", ["ascii", "latin-1"])
-@pytest.mark.parametrize("arguments", [("run", "--help"), ("list",), ("describe", "arp"), TINY], ids=lambda it: it[0])
-def test_no_character_ends_a_command(encoding: str, arguments: tuple[str, ...], tmp_path, monkeypatch):
+def test_no_character_ends_a_command(tmp_path_factory, subtests: pytest.Subtests):
     """One that the encoding has not is written out, and what is written is in that encoding."""
-    monkeypatch.chdir(tmp_path)
-    answer = _answer(encoding, *arguments)
-    assert (answer.returncode, b"unexpected" in answer.stderr) == (0, False)
-    assert answer.stdout.decode(encoding)
+    for encoding in ["ascii", "latin-1"]:
+        for arguments in [("run", "--help"), ("list",), ("describe", "arp"), TINY]:
+            with subtests.test(encoding=encoding, arguments=arguments), pytest.MonkeyPatch.context() as monkeypatch:
+                tmp_path = tmp_path_factory.mktemp("case")
+                monkeypatch.chdir(tmp_path)
+                answer = _answer(encoding, *arguments)
+                assert (answer.returncode, b"unexpected" in answer.stderr) == (0, False)
+                assert answer.stdout.decode(encoding)
 
 
 def test_the_encoding_stays():

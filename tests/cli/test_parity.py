@@ -127,9 +127,9 @@ def test_html_writes_a_page_beside_the_table(harness, tmp_path):
     assert "high against exact" in (tmp_path / "p.html").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize(
-    ("arguments", "text"),
-    [
+def test_usage_errors_are_one_line(harness, tmp_path, subtests: pytest.Subtests):
+    """Status 2, one line that says what was given, nothing on standard output, nothing written."""
+    rows = [
         (("--sim", "exct"), "Did you mean 'exact'?"),
         (("--sim", "exact,exact"), "--sim names 'exact' twice"),
         (("--sim", "high:by=much"), "by"),
@@ -142,14 +142,13 @@ def test_html_writes_a_page_beside_the_table(harness, tmp_path):
         (("--period", "0"), "--period 0: must be above 0"),
         (("--period", "nan"), "--period nan: must be above 0"),
         (("--sim", "exact,high", "--html", "no/p.html", *FEW), "'no/p.html' cannot be written"),
-    ],
-)
-def test_usage_errors_are_one_line(harness, tmp_path, arguments, text):
-    """Status 2, one line that says what was given, nothing on standard output, nothing written."""
-    answer = harness("parity", *arguments)
-    assert (answer.status, answer.out, answer.err.count("\n")) == (2, "", 1)
-    assert text in answer.err
-    assert list(tmp_path.iterdir()) == []
+    ]
+    for arguments, text in rows:
+        with subtests.test(arguments=arguments, text=text):
+            answer = harness("parity", *arguments)
+            assert (answer.status, answer.out, answer.err.count("\n")) == (2, "", 1)
+            assert text in answer.err
+            assert list(tmp_path.iterdir()) == []
 
 
 def test_the_command_imports_what_it_compares_alone():

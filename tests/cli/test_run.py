@@ -41,18 +41,17 @@ BAD = [
 ]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "told"), BAD, ids=lambda value: " ".join(value) if isinstance(value, list) else ""
-)
-def test_bad_input_is_told_in_one_line_and_writes_nothing(harness, tmp_path, arguments, told):
+def test_bad_input_is_told_in_one_line_and_writes_nothing(harness, tmp_path, subtests: pytest.Subtests):
     """What cannot be used ends with status 2, one line that says what is allowed, and an empty folder."""
-    answer = harness("run", *arguments)
-    assert answer.status == 2
-    assert answer.out == ""
-    assert answer.err.startswith("harness: ")
-    assert answer.err.count("\n") == 1
-    assert told in answer.err
-    assert list(tmp_path.iterdir()) == []
+    for arguments, told in BAD:
+        with subtests.test(arguments=arguments, told=told):
+            answer = harness("run", *arguments)
+            assert answer.status == 2
+            assert answer.out == ""
+            assert answer.err.startswith("harness: ")
+            assert answer.err.count("\n") == 1
+            assert told in answer.err
+            assert list(tmp_path.iterdir()) == []
 
 
 def test_missing_tensorboard_is_told_before_anything_runs(harness, quick, tmp_path, monkeypatch):

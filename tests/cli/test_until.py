@@ -95,9 +95,9 @@ def test_dry_run_says_how_many_trainings_it_may_take(harness, quick, tmp_path):
     assert not (tmp_path / "here").exists()
 
 
-@pytest.mark.parametrize(
-    ("flags", "told"),
-    [
+def test_bad_flags_say_what_is_allowed(harness, quick, tmp_path, subtests: pytest.Subtests):
+    """In one line, with status 2; nothing is written."""
+    rows = [
         (["--until", "decided", "--looks", "6,4"], "have to increase"),
         (["--until", "decided", "--looks", "a,b"], "--looks a,b: give numbers of seeds that increase"),
         (["--until", "decided", "--margin", "0"], "margin"),
@@ -107,14 +107,13 @@ def test_dry_run_says_how_many_trainings_it_may_take(harness, quick, tmp_path):
         (["--budget", "soon"], "--budget soon: give a time, such as 90s, 30m, 2h or 1d"),
         (["--budget", "-1h"], "--budget -1h: give a time"),
         (["--budget", "nanh"], "--budget nanh: give a time"),
-    ],
-)
-def test_bad_flags_say_what_is_allowed(harness, quick, tmp_path, flags: list[str], told: str):
-    """In one line, with status 2; nothing is written."""
-    answer = harness("run", *quick, "--reward", "dense", *flags, "--out", "here")
-    assert answer.status == 2
-    assert told in " ".join(answer.err.split())
-    assert not (tmp_path / "here").exists()
+    ]
+    for flags, told in rows:
+        with subtests.test(flags=flags, told=told):
+            answer = harness("run", *quick, "--reward", "dense", *flags, "--out", "here")
+            assert answer.status == 2
+            assert told in " ".join(answer.err.split())
+            assert not (tmp_path / "here").exists()
 
 
 def test_seeds_that_no_look_asked_for_are_told(harness, quick):

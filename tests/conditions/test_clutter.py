@@ -23,16 +23,17 @@ def drawn(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return start, target, draw_clutter(CROWDED, ARM, CLEARANCE, start, target, task.epsilon, rng)
 
 
-@pytest.mark.parametrize("seed", range(6))
-def test_start_and_target_stay_free(seed: int):
+def test_start_and_target_stay_free(subtests: pytest.Subtests):
     """By the margin; and so does a pose in which the arm reaches the target."""
-    start, target, obstacles = drawn(seed)
-    present = obstacles[there(obstacles)]
-    assert len(present)
-    assert (distance_from(target, present) > 0.05 + MARGIN).all()
-    assert CLEARANCE.distance(start[None], present[None])[0] > CROWDED.obstacle_clearance + MARGIN - 1e-6
-    goal, _ = reach_position(ARM, target[None], start[None])
-    assert not CLEARANCE.touches(goal, present[None], CROWDED.obstacle_clearance)[0]
+    for seed in range(6):
+        with subtests.test(seed=seed):
+            start, target, obstacles = drawn(seed)
+            present = obstacles[there(obstacles)]
+            assert len(present)
+            assert (distance_from(target, present) > 0.05 + MARGIN).all()
+            assert CLEARANCE.distance(start[None], present[None])[0] > CROWDED.obstacle_clearance + MARGIN - 1e-6
+            goal, _ = reach_position(ARM, target[None], start[None])
+            assert not CLEARANCE.touches(goal, present[None], CROWDED.obstacle_clearance)[0]
 
 
 def test_some_straight_ways_are_blocked():

@@ -13,11 +13,11 @@ def test_text_becomes_spheres_and_boxes():
     assert parse_obstacles("").shape == (0, 7)
 
 
-@pytest.mark.parametrize("text", ["1x2x3", "1x2x3x0", "axbxcx1", "1x2x3x1x1x-1", "1x2x3xnan", "1x2x3x1+"[:-1] + "x1"])
-def test_other_text_is_refused(text: str):
+def test_other_text_is_refused(subtests: pytest.Subtests):
     """The message shows the obstacle that is none."""
-    with pytest.raises(ValueError, match="neither a sphere"):
-        parse_obstacles(text)
+    for text in ["1x2x3", "1x2x3x0", "axbxcx1", "1x2x3x1x1x-1", "1x2x3xnan", "1x2x3x1+"[:-1] + "x1"]:
+        with subtests.test(text=text), pytest.raises(ValueError, match="neither a sphere"):
+            parse_obstacles(text)
 
 
 def test_distance_from_surfaces():

@@ -297,10 +297,11 @@ def failing(mutant: type) -> list[str]:
     return [violation.check for violation in violations(ALGORITHM_CHECKS, mutant())]
 
 
-@pytest.mark.parametrize(("mutant", "check"), MUTANTS.items())
-def test_mutant_fails_one_check(mutant: type, check: Callable[..., None]):
+def test_mutant_fails_one_check(subtests: pytest.Subtests):
     """An algorithm that is broken in one way fails the check of that fact, and no other."""
-    assert failing(mutant) == [check.name]
+    for mutant, check in MUTANTS.items():
+        with subtests.test(mutant=mutant, check=check):
+            assert failing(mutant) == [check.name]
 
 
 @pytest.mark.parametrize(("mutant", "check"), COARSE_MUTANTS.items())
@@ -403,11 +404,12 @@ HARD_TO_SEE = (without_bias, without_biases)
 """Too small a change to be seen where the policy is compared only roughly."""
 
 
-@pytest.mark.parametrize("export", WRONG)
-def test_a_wrong_policy_does_not_act_as_it_trained(export: Callable[..., Any]):
+def test_a_wrong_policy_does_not_act_as_it_trained(subtests: pytest.Subtests):
     """Compared with the actions of training, at every step of it."""
-    (violation,) = violations([algorithms.the_policy_acts_as_it_trained], Exporting(export))
-    assert "of the actions in training are above the policy's action" in violation.sentence
+    for export in WRONG:
+        with subtests.test(export=export):
+            (violation,) = violations([algorithms.the_policy_acts_as_it_trained], Exporting(export))
+            assert "of the actions in training are above the policy's action" in violation.sentence
 
 
 @pytest.mark.parametrize("export", [export for export in WRONG if export not in HARD_TO_SEE])

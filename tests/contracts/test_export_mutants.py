@@ -96,12 +96,12 @@ class FirstOnly(Unsquashed):
         return self.policy.act(seen[:1])
 
 
-@pytest.mark.parametrize("name", MUTANTS)
-def test_wrong_export_is_found(name: str):
+def test_wrong_export_is_found(subtests: pytest.Subtests):
     """By its check, whose sentence says what would explain it."""
-    make, check, words = MUTANTS[name]
-    (violation,) = violations([check], make(), POLICY.act, exports._some())
-    assert words in violation.sentence
+    for name, (make, check, words) in MUTANTS.items():
+        with subtests.test(name=name):
+            (violation,) = violations([check], make(), POLICY.act, exports._some())
+            assert words in violation.sentence
 
 
 def test_every_check_has_a_mutant():

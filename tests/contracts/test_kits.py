@@ -26,12 +26,13 @@ MUTANT_MODULES = (
 )
 
 
-@pytest.mark.parametrize("kind", KITS)
-def test_names_begin_with_their_kind(kind: str):
+def test_names_begin_with_their_kind(subtests: pytest.Subtests):
     """But for the two that all kinds share; and no two checks of a kind have one name."""
-    names = [check.name for check in KITS[kind].checks]
-    assert len(set(names)) == len(names)
-    assert all(name in SHARED or name.startswith(PREFIXES[kind]) for name in names)
+    for kind in KITS:
+        with subtests.test(kind=kind):
+            names = [check.name for check in KITS[kind].checks]
+            assert len(set(names)) == len(names)
+            assert all(name in SHARED or name.startswith(PREFIXES[kind]) for name in names)
 
 
 def test_a_check_is_called_by_its_name():

@@ -4,7 +4,6 @@
 
 import base64
 import pickle
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -623,16 +622,20 @@ def failing(mutant: type, folder: Path) -> list[str]:
     return found
 
 
-@pytest.mark.parametrize(("mutant", "check"), MUTANTS.items())
-def test_mutant_fails_one_check(mutant: type, check: Callable[..., None], tmp_path: Path):
+def test_mutant_fails_one_check(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
     """A reader that is broken in one way fails the check of that fact, and no other."""
-    assert failing(mutant, tmp_path) == [check.name]
+    for mutant, check in MUTANTS.items():
+        with subtests.test(mutant=mutant, check=check):
+            tmp_path = tmp_path_factory.mktemp("case")
+            assert failing(mutant, tmp_path) == [check.name]
 
 
-@pytest.mark.parametrize(("mutant", "check"), COARSE_MUTANTS.items())
-def test_coarse_mutant_fails_a_check(mutant: type, check: Callable[..., None], tmp_path: Path):
+def test_coarse_mutant_fails_a_check(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
     """A reader that is broken from the ground up fails the check that says what is wrong, and others."""
-    assert check.name in failing(mutant, tmp_path)
+    for mutant, check in COARSE_MUTANTS.items():
+        with subtests.test(mutant=mutant, check=check):
+            tmp_path = tmp_path_factory.mktemp("case")
+            assert check.name in failing(mutant, tmp_path)
 
 
 def test_every_check_has_a_mutant():

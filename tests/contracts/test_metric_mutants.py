@@ -2,7 +2,6 @@
 
 # ruff: noqa: D102 (a mutant says what is wrong with it once, on the class)
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -158,10 +157,11 @@ def failing(mutant: type) -> list[str]:
     return [violation.check for violation in violations(METRIC_CHECKS, mutant())]
 
 
-@pytest.mark.parametrize(("mutant", "check"), MUTANTS.items())
-def test_mutant_fails_one_check(mutant: type, check: Callable[..., None]):
+def test_mutant_fails_one_check(subtests: pytest.Subtests):
     """A metric that is broken in one way fails the check of that fact, and no other."""
-    assert failing(mutant) == [check.name]
+    for mutant, check in MUTANTS.items():
+        with subtests.test(mutant=mutant, check=check):
+            assert failing(mutant) == [check.name]
 
 
 def test_every_check_has_a_mutant():

@@ -107,11 +107,11 @@ def failing(robot: Robot) -> list[str]:
     return [violation.check for violation in violations(ROBOT_CHECKS, robot)]
 
 
-@pytest.mark.parametrize("name", MUTANTS)
-def test_mutant_fails_one_check(name: str):
+def test_mutant_fails_one_check(subtests: pytest.Subtests):
     """A robot that is broken in one way fails the check of that fact, and no other."""
-    make, check = MUTANTS[name]
-    assert failing(make()) == [check.name]
+    for name, (make, check) in MUTANTS.items():
+        with subtests.test(name=name):
+            assert failing(make()) == [check.name]
 
 
 @pytest.mark.parametrize("name", COARSE_MUTANTS)

@@ -2,7 +2,6 @@
 
 # ruff: noqa: D102 (a mutant says what is wrong with it once, on the class)
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -114,10 +113,11 @@ MUTANTS = {
 }
 
 
-@pytest.mark.parametrize(("mutant", "check"), MUTANTS.items())
-def test_mutant_fails_one_check(mutant: type, check: Callable[..., None]):
+def test_mutant_fails_one_check(subtests: pytest.Subtests):
     """A simulator that gets the drives wrong in one way fails the check of that fact, and no other."""
-    assert [violation.check for violation in violations(SERVO_CHECKS, mutant(), ROBOT)] == [check.name]
+    for mutant, check in MUTANTS.items():
+        with subtests.test(mutant=mutant, check=check):
+            assert [violation.check for violation in violations(SERVO_CHECKS, mutant(), ROBOT)] == [check.name]
 
 
 def test_what_is_wrong_with_servo_alone_is_found():

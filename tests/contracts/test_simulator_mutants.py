@@ -2,7 +2,6 @@
 
 # ruff: noqa: D102 (a mutant says what is wrong with it once, on the class)
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -542,16 +541,18 @@ def simulator_of(mutant: type) -> object:
     return Mutant()
 
 
-@pytest.mark.parametrize(("mutant", "check"), MUTANTS.items())
-def test_mutant_fails_one_check(mutant: type, check: Callable[..., None]):
+def test_mutant_fails_one_check(subtests: pytest.Subtests):
     """A simulator that is broken in one way fails the check of that fact, and no other."""
-    assert failing(mutant) == [check.name]
+    for mutant, check in MUTANTS.items():
+        with subtests.test(mutant=mutant, check=check):
+            assert failing(mutant) == [check.name]
 
 
-@pytest.mark.parametrize(("mutant", "check"), COARSE_MUTANTS.items())
-def test_coarse_mutant_fails_its_check(mutant: type, check: Callable[..., None]):
+def test_coarse_mutant_fails_its_check(subtests: pytest.Subtests):
     """A simulator that is broken in many ways fails, among others, the check that is nearest."""
-    assert check.name in failing(mutant)
+    for mutant, check in COARSE_MUTANTS.items():
+        with subtests.test(mutant=mutant, check=check):
+            assert check.name in failing(mutant)
 
 
 def test_the_mutants_that_render_are_made_of_a_sound_simulation():

@@ -4,7 +4,6 @@
 
 import math
 import signal
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -188,10 +187,12 @@ def failing(mutant: type, folder: Path) -> list[str]:
     return found
 
 
-@pytest.mark.parametrize(("mutant", "check"), MUTANTS.items())
-def test_mutant_fails_one_check(mutant: type, check: Callable[..., None], tmp_path: Path):
+def test_mutant_fails_one_check(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
     """A tracker that is broken in one way fails the check of that fact, and no other."""
-    assert failing(mutant, tmp_path) == [check.name]
+    for mutant, check in MUTANTS.items():
+        with subtests.test(mutant=mutant, check=check):
+            tmp_path = tmp_path_factory.mktemp("case")
+            assert failing(mutant, tmp_path) == [check.name]
 
 
 def test_every_check_has_a_mutant():

@@ -93,9 +93,10 @@ def test_every_name_of_harness_has_a_directive_of_its_kind():
         assert f".. {kind}:: harness.{name}\n" in page
 
 
-@pytest.mark.parametrize("kind", [*KITS, "exports"])
-def test_page_of_checks_has_every_check(kind: str):
+def test_page_of_checks_has_every_check(subtests: pytest.Subtests):
     """A row with its name, its level and what it holds."""
-    page, kit = checks_page(), KITS.get(kind, EXPORTS)
-    for check in kit.checks:
-        assert f"| `{check.name}` | {check.level} | " in page
+    for kind in [*KITS, "exports"]:
+        with subtests.test(kind=kind):
+            page, kit = checks_page(), KITS.get(kind, EXPORTS)
+            for check in kit.checks:
+                assert f"| `{check.name}` | {check.level} | " in page

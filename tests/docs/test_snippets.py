@@ -100,19 +100,29 @@ def folder(recorded: Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     return tmp_path
 
 
-@pytest.mark.parametrize("command", PATTERNS, ids=_ids(PATTERNS))
-def test_pattern_names_a_command_and_its_flags(command: Command, known: Mapping[str, typer.core.TyperCommand]):
-    """What stands in brackets may be left out, and is there."""
+def _names_what_is_there(command: Command, known: Mapping[str, typer.core.TyperCommand]) -> None:
     name, flags = re.findall(r"[\w-]+", command.text)[1], re.findall(r"--[a-z][\w-]*", command.text)
     there = {flag for it in known[name].params for flag in (*it.opts, *it.secondary_opts)}
     assert set(flags) <= there | {"--help"}
 
 
-@pytest.mark.parametrize("command", PARSED, ids=_ids(PARSED))
-def test_command_can_be_typed(command: Command, known: Mapping[str, typer.core.TyperCommand]):
-    """It is not run, for the reason that `ways.py` gives."""
+def _type(command: Command, known: Mapping[str, typer.core.TyperCommand]) -> None:
     name, *arguments = command.words
     known[name].make_context(name, arguments)
+
+
+def test_pattern_names_a_command_and_its_flags(known: Mapping[str, typer.core.TyperCommand], subtests: pytest.Subtests):
+    """What stands in brackets may be left out, and is there."""
+    for command in PATTERNS:
+        with subtests.test(command=command):
+            _names_what_is_there(command, known)
+
+
+def test_command_can_be_typed(known: Mapping[str, typer.core.TyperCommand], subtests: pytest.Subtests):
+    """It is not run, for the reason that `ways.py` gives."""
+    for command in PARSED:
+        with subtests.test(command=command):
+            _type(command, known)
 
 
 @pytest.mark.parametrize("command", EXECUTED, ids=_ids(EXECUTED))
@@ -215,13 +225,13 @@ def test_commands_are_found():
 def test_command_that_is_wrong_cannot_be_typed(text: str, known: Mapping[str, typer.core.TyperCommand]):
     """The mutants: a flag that is not there, and a value or an argument that is missing."""
     with pytest.raises(TyperException):
-        test_command_can_be_typed(Command("page:1", text), known)
+        _type(Command("page:1", text), known)
 
 
 def test_pattern_of_a_flag_that_is_gone_is_found(known: Mapping[str, typer.core.TyperCommand]):
     """The mutant."""
     with pytest.raises(AssertionError):
-        test_pattern_names_a_command_and_its_flags(Command("page:1", "harness run [--sims NAME]"), known)
+        _names_what_is_there(Command("page:1", "harness run [--sims NAME]"), known)
 
 
 def test_command_that_fails_is_found(folder: Path, recorded: Results, capsys: pytest.CaptureFixture[str]):

@@ -84,10 +84,11 @@ def test_every_table_of_measurements_names_its_source():
     assert without_source(TABLES) == []
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
-def test_every_figure_comes_from_somewhere(page: Path):
+def test_every_figure_comes_from_somewhere(subtests: pytest.Subtests):
     """From a record, or from a command that ``docs/pictures/sources.toml`` names."""
-    assert strange_figures(page, page.read_text(encoding="utf-8")) == []
+    for page in PAGES:
+        with subtests.test(page=page):
+            assert strange_figures(page, page.read_text(encoding="utf-8")) == []
 
 
 def test_every_picture_has_a_source_and_every_source_a_picture():
@@ -96,10 +97,11 @@ def test_every_picture_has_a_source_and_every_source_a_picture():
     assert there == set(SOURCES)
 
 
-@pytest.mark.parametrize("name", SOURCES)
-def test_source_of_a_picture_is_a_command(name: str):
+def test_source_of_a_picture_is_a_command(subtests: pytest.Subtests):
     """Or it says that somebody drew it."""
-    assert COMMAND.search(SOURCES[name])
+    for name, source in SOURCES.items():
+        with subtests.test(name=name):
+            assert COMMAND.search(source)
 
 
 def test_every_picture_of_a_record_is_in_it():

@@ -1,6 +1,7 @@
 """Gymnasium's and stable-baselines3's checkers on every task with every action mode; warnings are errors."""
 
 from collections.abc import Iterator
+from contextlib import contextmanager
 
 import gymnasium
 import pytest
@@ -15,24 +16,32 @@ INNER = [f"discrete:action={mode}" for mode in MODES if mode != "discrete"]
 ACTIONS = [*MODES, *INNER]
 
 
-@pytest.fixture(params=[(task, action) for task in load_registry().names("tasks") for action in ACTIONS], ids="-".join)
-def env(request: pytest.FixtureRequest) -> Iterator[ReachEnv]:
+every_task = pytest.mark.parametrize("task", load_registry().names("tasks"))
+
+
+@contextmanager
+def opened(task: str, action: str) -> Iterator[ReachEnv]:
     """One arm, the task's own, on the kinematic simulator."""
-    task, action = request.param
     given = {"name": task, "action": action}
     made = gymnasium.make("harness/Reach-v0", simulator="kinematic", task=given, reward="arp:k2=2")
     yield made.unwrapped
     made.close()
 
 
-def test_gymnasium_finds_no_fault(env: ReachEnv):
+@every_task
+def test_gymnasium_finds_no_fault(task: str, subtests: pytest.Subtests):
     """Gymnasium's checker passes without a warning."""
-    check_env(env, skip_render_check=True)
+    for action in ACTIONS:
+        with subtests.test(action), opened(task, action) as env:
+            check_env(env, skip_render_check=True)
 
 
-def test_stable_baselines3_finds_no_fault(env: ReachEnv):
+@every_task
+def test_stable_baselines3_finds_no_fault(task: str, subtests: pytest.Subtests):
     """stable-baselines3's checker passes without a warning."""
-    env_checker.check_env(env, warn=True, skip_render_check=True)
+    for action in ACTIONS:
+        with subtests.test(action), opened(task, action) as env:
+            env_checker.check_env(env, warn=True, skip_render_check=True)
 
 
 @pytest.mark.parametrize("simulator", ["mujoco", "pybullet", "dm_control"])

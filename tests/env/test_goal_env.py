@@ -91,13 +91,16 @@ def test_goals_are_end_effector_and_target():
     np.testing.assert_array_equal(other._observe()["observation"], observation["observation"])
 
 
-@pytest.mark.parametrize("reward", WITH_MEMORY)
-def test_rewards_with_memory_are_refused(reward: str):
+def test_rewards_with_memory_are_refused(subtests: pytest.Subtests):
     """By name, with what is allowed."""
-    with pytest.raises(
-        UsageError, match=rf"'{reward}' depends on .*Allowed: adaptive, dense, potential, relative, spa"
-    ):
-        ReachGoalEnv(**GIVEN, reward=reward)
+    for reward in WITH_MEMORY:
+        with (
+            subtests.test(reward=reward),
+            pytest.raises(
+                UsageError, match=rf"'{reward}' depends on .*Allowed: adaptive, dense, potential, relative, spa"
+            ),
+        ):
+            ReachGoalEnv(**GIVEN, reward=reward)
 
 
 @pytest.mark.parametrize("task", ["unity-reach", "arp-2021", "fd100-pose", "fd100-moving"])

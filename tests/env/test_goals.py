@@ -150,16 +150,17 @@ def test_epsilon_that_covers_all_errors_is_refused():
         SameReach(epsilon=9.0).check(ROBOT)
 
 
-@pytest.mark.parametrize("task", ["fd100-pose", "fd100-moving", "fd100-small-target", "fd100-low"])
-@pytest.mark.parametrize("robot", ["fd100", "unity-arm"])
-def test_tasks_take_another_robot(task: str, robot: str):
+def test_tasks_take_another_robot(subtests: pytest.Subtests):
     """Scaled by its reach."""
-    env = make_env("kinematic", task, "dense", robot, num_envs=2)
-    env.reset(seed=0)
-    _, rewards, _, _, infos = env.step(env.action_space.sample() * 0.0)
-    env.close()
-    assert np.isfinite(rewards).all()
-    assert (infos["distance"] > 0.0).all()
+    for task in ["fd100-pose", "fd100-moving", "fd100-small-target", "fd100-low"]:
+        for robot in ["fd100", "unity-arm"]:
+            with subtests.test(task=task, robot=robot):
+                env = make_env("kinematic", task, "dense", robot, num_envs=2)
+                env.reset(seed=0)
+                _, rewards, _, _, infos = env.step(env.action_space.sample() * 0.0)
+                env.close()
+                assert np.isfinite(rewards).all()
+                assert (infos["distance"] > 0.0).all()
 
 
 def test_conditions_and_goals_go_together(make: Call, wander: Call):

@@ -84,21 +84,23 @@ def record(path: Path, simulator: str, task: dict[str, Any], reward: Any, steps:
     return read_trace(path)
 
 
-@pytest.mark.parametrize("task", TASKS)
-@pytest.mark.parametrize("simulator", ["kinematic", "mujoco", "pybullet", "dm_control"])
-def test_a_trace_is_paid_again_to_the_last_bit(tmp_path: Path, simulator: str, task: str):
+def test_a_trace_is_paid_again_to_the_last_bit(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
     """The pay and each term of it, in every step; and the pay is the sum of the recorded terms."""
-    if "variants" in TASKS[task] and simulator == "kinematic":
-        pytest.skip("arms do not vary without an engine")
-    reward = reward_class(everything)()
-    trace = record(tmp_path / "trace.parquet", simulator, TASKS[task], reward)
-    paid = pay_log(reward, trace)
-    np.testing.assert_array_equal(paid.total, trace["reward"])
-    assert list(terms_of(trace)) == list(paid.terms)
-    for name, values in terms_of(trace).items():
-        np.testing.assert_array_equal(paid.terms[name], values)
-    np.testing.assert_array_equal(reduce(add, terms_of(trace).values()), trace["reward"])
-    assert len(trace.last_rows) > 0
+    for task, settings in TASKS.items():
+        for simulator in ["kinematic", "mujoco", "pybullet", "dm_control"]:
+            with subtests.test(task=task, simulator=simulator):
+                tmp_path = tmp_path_factory.mktemp("case")
+                if "variants" in settings and simulator == "kinematic":
+                    pytest.skip("arms do not vary without an engine")
+                reward = reward_class(everything)()
+                trace = record(tmp_path / "trace.parquet", simulator, settings, reward)
+                paid = pay_log(reward, trace)
+                np.testing.assert_array_equal(paid.total, trace["reward"])
+                assert list(terms_of(trace)) == list(paid.terms)
+                for name, values in terms_of(trace).items():
+                    np.testing.assert_array_equal(paid.terms[name], values)
+                np.testing.assert_array_equal(reduce(add, terms_of(trace).values()), trace["reward"])
+                assert len(trace.last_rows) > 0
 
 
 def test_a_reward_that_remembers_is_paid_again_to_the_last_bit(tmp_path: Path):

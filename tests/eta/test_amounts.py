@@ -35,9 +35,9 @@ def change(measure: Quantity, baseline: list[float], proposed: list[float]) -> C
     return change_of(measure, one, other, swaps_of(range(min(len(one), len(other)))))
 
 
-@pytest.mark.parametrize(
-    ("measure", "values", "shown"),
-    [
+def test_values_have_as_many_digits_as_tell_them_apart(subtests: pytest.Subtests):
+    """Two; more where a reader would compute another difference from them."""
+    rows = [
         (SUCCESS, (0.81, 1.0), ("81", "100 %")),
         (SUCCESS, (0.99, 1.0), ("99.0", "100.0 %")),
         (SUCCESS, (0.75, 0.75), ("75", "75 %")),
@@ -48,12 +48,11 @@ def change(measure: Quantity, baseline: list[float], proposed: list[float]) -> C
         (TIME, (2.01, 1.9), ("2.01", "1.90 s")),
         (TIME, (9.96, 12.3), ("10.0", "12.3 s")),
         (HEIGHT, (1234.5, -0.0123), ("1,234.5", "-0.0 m")),
-    ],
-)
-def test_values_have_as_many_digits_as_tell_them_apart(measure, values, shown):
-    """Two; more where a reader would compute another difference from them."""
-    one, other = values
-    assert short_values(change(measure, [one] * 2, [other] * 2)) == shown
+    ]
+    for measure, values, shown in rows:
+        with subtests.test(measure=measure, values=values, shown=shown):
+            one, other = values
+            assert short_values(change(measure, [one] * 2, [other] * 2)) == shown
 
 
 @given(st.floats(0.0, 1.0), st.floats(0.0, 1.0))

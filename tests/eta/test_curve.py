@@ -99,10 +99,11 @@ CURVES = {
 }
 
 
-@pytest.mark.parametrize(("values", "index"), CURVES.values(), ids=CURVES)
-def test_index_of_a_curve(values: list[float], index: Index):
+def test_index_of_a_curve(subtests: pytest.Subtests):
     """First negative step from 0, first later step that is not, sums of all negative and of all positive values."""
-    assert of_curve(values) == index
+    for case, (values, index) in CURVES.items():
+        with subtests.test(case):
+            assert of_curve(values) == index
 
 
 PER_STEP = {

@@ -310,10 +310,15 @@ def test_a_difference_has_bounds_where_both_ends_are_known(
     assert of_difference(bounds) == difference
 
 
-@pytest.mark.parametrize(
-    ("given", "fit"),
-    [((0.0, 1.0), True), ([0, math.inf], True), ((1.0, 0.0), False), ((0.0,), False), ("01", False), ((0, "1"), False)],
-)
-def test_bounds_are_two_numbers_in_order(given: object, fit: bool):
+def test_bounds_are_two_numbers_in_order(subtests: pytest.Subtests):
     """Strangers may give anything."""
-    assert are_bounds(given) == fit
+    for bounds, fit in [
+        ((0.0, 1.0), True),
+        ([0, math.inf], True),
+        ((1.0, 0.0), False),
+        ((0.0,), False),
+        ("01", False),
+        ((0, "1"), False),
+    ]:
+        with subtests.test(bounds=bounds, fit=fit):
+            assert are_bounds(bounds) == fit

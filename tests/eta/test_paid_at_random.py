@@ -92,12 +92,13 @@ def _wrong(draw: Draw, seeds: int, spread: float) -> float:
     return float(np.mean([it.is_below for it in found]))
 
 
-@pytest.mark.parametrize("spread", [0.01, 3.0])
-@pytest.mark.parametrize("draw", [_bell, _rarely_learns, _skewed])
-@pytest.mark.parametrize("seeds", [5, 6, 8, 16])
-def test_a_wrong_claim_is_made_in_few_cases(draw: Draw, seeds: int, spread: float):
+def test_a_wrong_claim_is_made_in_few_cases(subtests: pytest.Subtests):
     """In at most `LEVEL` of the experiments, whether the episodes of random actions are alike or not."""
-    assert _wrong(draw, seeds, spread) <= LEVEL + SPARE
+    for spread in [0.01, 3.0]:
+        for draw in [_bell, _rarely_learns, _skewed]:
+            for seeds in [5, 6, 8, 16]:
+                with subtests.test(spread=spread, draw=draw, seeds=seeds):
+                    assert _wrong(draw, seeds, spread) <= LEVEL + SPARE
 
 
 def test_a_looser_level_is_noticed(monkeypatch: pytest.MonkeyPatch):

@@ -118,20 +118,23 @@ def test_a_factor_that_is_another_in_each_recording_is_none():
     assert found(changed, 0.1 * changed, parts=2) == Rescaling(0.1, 0.0, 1_000, 2)
 
 
-@pytest.mark.parametrize("factor", [-0.21, 0.21])
-@pytest.mark.parametrize("offset", [0.0, 0.21, -0.21])
-@pytest.mark.parametrize("can_end", [False, True])
-def test_what_is_no_mere_ruler_is_told(factor: float, offset: float, can_end: bool):
+def test_what_is_no_mere_ruler_is_told(subtests: pytest.Subtests):
     """A factor below 0; an offset where episodes can end."""
-    rescaling = rescaling_of([line_of(PAID, factor * PAID + offset, can_end=it) for it in (False, can_end)])
-    assert rescaling is not None
-    assert rescaling.is_ruler is (factor > 0.0 and (offset == 0.0 or not can_end))
-    told = rescaling.sentence("b", "a")
-    assert ("It is the opposite reward: it pays less where a pays more" in told) is (factor < 0.0)
-    assert ("so that the offset is no mere ruler" in told) is (offset != 0.0 and can_end)
-    assert told.endswith("pays for living longer") is (offset > 0.0 and can_end)
-    assert told.endswith("pays for ending sooner") is (offset < 0.0 and can_end)
-    assert rescaling.to_json().get("can_end", False) is can_end
+    for factor in [-0.21, 0.21]:
+        for offset in [0.0, 0.21, -0.21]:
+            for can_end in [False, True]:
+                with subtests.test(factor=factor, offset=offset, can_end=can_end):
+                    rescaling = rescaling_of(
+                        [line_of(PAID, factor * PAID + offset, can_end=it) for it in (False, can_end)]
+                    )
+                    assert rescaling is not None
+                    assert rescaling.is_ruler is (factor > 0.0 and (offset == 0.0 or not can_end))
+                    told = rescaling.sentence("b", "a")
+                    assert ("It is the opposite reward: it pays less where a pays more" in told) is (factor < 0.0)
+                    assert ("so that the offset is no mere ruler" in told) is (offset != 0.0 and can_end)
+                    assert told.endswith("pays for living longer") is (offset > 0.0 and can_end)
+                    assert told.endswith("pays for ending sooner") is (offset < 0.0 and can_end)
+                    assert rescaling.to_json().get("can_end", False) is can_end
 
 
 def test_a_recording_without_a_change_does_not_contradict():

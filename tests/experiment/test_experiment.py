@@ -203,21 +203,19 @@ def test_setting_that_an_executor_does_not_have_is_refused(toys: Registry, tmp_p
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
+def test_options_out_of_range_are_refused(subtests: pytest.Subtests):
+    """However they were given."""
+    rows = [
         ({"jobs": 0}, "jobs=0: must be at least 1"),
         ({"checkpoint_every": -1}, "checkpoint_every=-1: must be a number above 0, or 0 for none"),
         ({"stall_after": float("nan")}, "stall_after=nan: must be a number above 0, or 0 for never"),
         ({"cell_memory": -0.5}, "cell_memory=-0.5: must be a number above 0, or 0 for no limit"),
         ({"limit": 0}, "limit=0: must be at least 1"),
         ({"curve": "steep"}, "curve='steep': allowed are accumulated and per-step"),
-    ],
-)
-def test_options_out_of_range_are_refused(options: dict[str, Any], message: str):
-    """However they were given."""
-    with pytest.raises(UsageError, match=message):
-        RunOptions(**options)
+    ]
+    for options, message in rows:
+        with subtests.test(options=options, message=message), pytest.raises(UsageError, match=message):
+            RunOptions(**options)
 
 
 def _done(toys: Registry, folder: Path, plan: Plan, **options: Any) -> list[tuple[str, str]]:

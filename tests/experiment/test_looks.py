@@ -77,9 +77,9 @@ def test_a_seed_of_its_own_is_the_same_on_every_machine(make_cell: Callable[...,
     assert own_seed(make_cell(seed=3)).seed == 701951709
 
 
-@pytest.mark.parametrize(
-    ("fields", "told"),
-    [
+def test_what_cannot_be_asked_says_why(toys: Registry, subtests: pytest.Subtests):
+    """Before anything is written."""
+    rows = [
         ({"looks": [8, 6]}, "looks=8,6: the numbers of seeds have to increase"),
         ({"looks": [1, 6]}, "the first look needs at least 2 seeds"),
         ({"looks": []}, "the numbers of seeds have to increase"),
@@ -90,12 +90,10 @@ def test_a_seed_of_its_own_is_the_same_on_every_machine(make_cell: Callable[...,
         ({"until": "tomorrow"}, "until"),
         ({"reward": []}, "there is no reward to compare with the baseline"),
         ({"reward": ["baseline", "dense"]}, "the null control"),
-    ],
-)
-def test_what_cannot_be_asked_says_why(toys: Registry, fields: dict[str, Any], told: str):
-    """Before anything is written."""
-    with pytest.raises(UsageError, match=told):
-        planned(toys, **fields)
+    ]
+    for fields, told in rows:
+        with subtests.test(fields=fields, told=told), pytest.raises(UsageError, match=told):
+            planned(toys, **fields)
 
 
 @pytest.fixture

@@ -176,9 +176,9 @@ def test_any_reward_may_be_the_baseline(toys: Registry):
     assert plan.control == {0: 1}
 
 
-@pytest.mark.parametrize(
-    ("keys", "message"),
-    [
+def test_unknown_names_are_refused(toys: Registry, subtests: pytest.Subtests):
+    """One line, before anything runs."""
+    rows = [
         ({"sim": ["idael"]}, "No simulator 'idael'. There is: dm_control, drake, ideal, "),
         ({"algo": ["wonder"]}, "No algorithm 'wonder'."),
         ({"reward": ["apr"]}, "No reward 'apr'."),
@@ -186,15 +186,13 @@ def test_any_reward_may_be_the_baseline(toys: Registry):
         ({"task": "reach"}, "No task 'reach'."),
         ({"robot": "fd10"}, "No robot 'fd10'."),
         ({"robot": "./nowhere"}, "No robot at './nowhere'"),
-    ],
-    ids=lambda value: next(iter(value)) if isinstance(value, dict) else "",
-)
-def test_unknown_names_are_refused(toys: Registry, keys: dict[str, Any], message: str):
-    """One line, before anything runs."""
-    with pytest.raises(UsageError) as error:
-        _plan(toys, **keys)
-    assert str(error.value).startswith(message)
-    assert "\n" not in str(error.value)
+    ]
+    for keys, message in rows:
+        with subtests.test(keys=keys, message=message):
+            with pytest.raises(UsageError) as error:
+                _plan(toys, **keys)
+            assert str(error.value).startswith(message)
+            assert "\n" not in str(error.value)
 
 
 def test_missing_library_is_noticed_before_anything_runs(write_plugin: Callable[..., EntryPoint]):
@@ -208,9 +206,9 @@ def test_missing_library_is_noticed_before_anything_runs(write_plugin: Callable[
         _plan(registry, sim=["odd"])
 
 
-@pytest.mark.parametrize(
-    ("keys", "message"),
-    [
+def test_values_out_of_range_are_refused(subtests: pytest.Subtests):
+    """The key, what was given, what is allowed; in one line."""
+    rows = [
         ({"seeds": 0}, "seeds=0: Input should be greater than 0"),
         ({"seeds": [0, -1]}, "seeds.1=-1: Input should be greater than or equal to 0"),
         ({"seeds": []}, "seeds=[]: "),
@@ -222,15 +220,13 @@ def test_missing_library_is_noticed_before_anything_runs(write_plugin: Callable[
         ({"evaluation_episodes": 0}, "evaluation_episodes=0: Input should be greater than 0"),
         ({"robot": 3}, "robot=3: Input should be a valid string"),
         ({"reward": [3]}, "reward.0=3: Input should be a valid string"),
-    ],
-    ids=str,
-)
-def test_values_out_of_range_are_refused(keys: dict[str, Any], message: str):
-    """The key, what was given, what is allowed; in one line."""
-    with pytest.raises(UsageError) as error:
-        check_experiment({**BASE, **keys})
-    assert str(error.value).startswith(f"Experiment: {message}")
-    assert "\n" not in str(error.value)
+    ]
+    for keys, message in rows:
+        with subtests.test(keys=keys, message=message):
+            with pytest.raises(UsageError) as error:
+                check_experiment({**BASE, **keys})
+            assert str(error.value).startswith(f"Experiment: {message}")
+            assert "\n" not in str(error.value)
 
 
 def test_unknown_key_offers_the_nearest():

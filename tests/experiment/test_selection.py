@@ -23,20 +23,19 @@ def cells(make_cell: Callable[..., Cell]) -> list[Cell]:
     ]
 
 
-@pytest.mark.parametrize(
-    ("text", "count"),
-    [
+def test_words_of_one_kind_are_alternatives_and_kinds_narrow(cells: list[Cell], subtests: pytest.Subtests):
+    """As ``--only`` takes them."""
+    rows = [
         ("sac", 6),
         ("sac,ppo", 12),
         ("ppo:gamma=0.9", 6),
         ("arp,seed=1", 2),
         ("seed=0,seed=2,sac", 4),
         ("ideal", 12),
-    ],
-)
-def test_words_of_one_kind_are_alternatives_and_kinds_narrow(cells: list[Cell], text: str, count: int):
-    """As ``--only`` takes them."""
-    assert len(select(cells, text)) == count
+    ]
+    for text, count in rows:
+        with subtests.test(text=text, count=count):
+            assert len(select(cells, text)) == count
 
 
 def test_a_cell_may_be_named_by_its_id(cells: list[Cell]):

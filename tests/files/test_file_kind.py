@@ -83,21 +83,25 @@ def _npy() -> bytes:
     return file.getvalue()
 
 
-@pytest.mark.parametrize("name", KINDS)
-def test_a_file_is_called_by_its_name(tmp_path: Path, name: str):
+def test_a_file_is_called_by_its_name(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
     """Whatever it is called, and with what to do."""
-    KINDS[name](tmp_path / "it.csv")
-    kind = kind_at(tmp_path / "it.csv")
-    assert kind is not None
-    assert kind.name == name
-    assert kind.rest
+    for name, write in KINDS.items():
+        with subtests.test(name=name):
+            tmp_path = tmp_path_factory.mktemp("case")
+            write(tmp_path / "it.csv")
+            kind = kind_at(tmp_path / "it.csv")
+            assert kind is not None
+            assert kind.name == name
+            assert kind.rest
 
 
-@pytest.mark.parametrize("text", ["reward\n1\n", "\ufeffreward\n", "#{}\nr,l,t\n", "", "version,reward\n", "{}"])
-def test_text_is_no_kind(tmp_path: Path, text: str):
+def test_text_is_no_kind(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
     """A reader of text says itself what is wrong with it."""
-    (tmp_path / "it.csv").write_text(text)
-    assert kind_at(tmp_path / "it.csv") is None
+    for text in ["reward\n1\n", "\ufeffreward\n", "#{}\nr,l,t\n", "", "version,reward\n", "{}"]:
+        with subtests.test(text=text):
+            tmp_path = tmp_path_factory.mktemp("case")
+            (tmp_path / "it.csv").write_text(text)
+            assert kind_at(tmp_path / "it.csv") is None
 
 
 def test_what_is_not_there_is_no_kind(tmp_path: Path):

@@ -53,9 +53,11 @@ def test_newer_format_is_no_damage(tmp_path: Path):
         read_sealed(tmp_path / "plan.json", "plan", newest=2, since=2)
 
 
-@pytest.mark.parametrize("content", ["[]", "3", "null", '{"format": "2"}', '{"format": 2}', "{"])
-def test_what_is_no_sealed_object_is_refused(tmp_path: Path, content: str):
+def test_what_is_no_sealed_object_is_refused(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
     """The line names the file."""
-    (tmp_path / "plan.json").write_text(content)
-    with pytest.raises(SchemaError, match=r"plan\.json is no readable plan"):
-        read_sealed(tmp_path / "plan.json", "plan", newest=2, since=2)
+    for content in ["[]", "3", "null", '{"format": "2"}', '{"format": 2}', "{"]:
+        with subtests.test(content=content):
+            tmp_path = tmp_path_factory.mktemp("case")
+            (tmp_path / "plan.json").write_text(content)
+            with pytest.raises(SchemaError, match=r"plan\.json is no readable plan"):
+                read_sealed(tmp_path / "plan.json", "plan", newest=2, since=2)

@@ -13,22 +13,25 @@ from harness.robot import Robot
 SIZES = {"movej": 6, "movej-absolute": 6, "movel": 3, "movea": 6, "set-joints": 6, "discrete": 6}
 
 
-@pytest.mark.parametrize("mode", MODES)
-def test_every_mode_moves_the_fd100(fd100: Robot, setting_of, mode: str):
+def test_every_mode_moves_the_fd100(fd100: Robot, setting_of, subtests: pytest.Subtests):
     """By its name alone, with as many numbers in an action as it says."""
-    assert build_motion(mode, setting_of(fd100)).action_size == SIZES[mode]
+    for mode in MODES:
+        with subtests.test(mode=mode):
+            assert build_motion(mode, setting_of(fd100)).action_size == SIZES[mode]
 
 
-@pytest.mark.parametrize("mode", MODES)
-def test_every_parameter_is_described(mode: str):
+def test_every_parameter_is_described(subtests: pytest.Subtests):
     """A user sees what each is for."""
-    assert all(parameter.description for parameter in parameters_of(MODES[mode]))
+    for mode in MODES:
+        with subtests.test(mode=mode):
+            assert all(parameter.description for parameter in parameters_of(MODES[mode]))
 
 
-@pytest.mark.parametrize("mode", MODES)
-def test_every_mode_is_a_tasks(mode: str, fd100: Robot):
+def test_every_mode_is_a_tasks(fd100: Robot, subtests: pytest.Subtests):
     """The reach task can be done in it."""
-    ReachTask(action=mode).check(fd100)
+    for mode in MODES:
+        with subtests.test(mode=mode):
+            ReachTask(action=mode).check(fd100)
 
 
 @pytest.mark.parametrize(
@@ -64,9 +67,9 @@ def test_the_mode_within_a_task_has_its_parameters(text: str, action: str, epsil
     assert (task.action, task.epsilon) == (action, epsilon)
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
+def test_what_is_wrong_is_said_in_one_line(fd100: Robot, setting_of, subtests: pytest.Subtests):
+    """Each is one UsageError."""
+    rows = [
         ("moveL", "No action mode 'moveL'.*Did you mean 'movel'"),
         ("movej:speed=1", "Action mode 'movej' has no parameter 'speed'. There is: none"),
         ("movel:fram=tcs", "has no parameter 'fram'.*Did you mean 'frame'"),
@@ -83,10 +86,9 @@ def test_the_mode_within_a_task_has_its_parameters(text: str, action: str, epsil
         ("discrete:action=walk", "No action mode 'walk'"),
         ("discrete:action=movel,parts=2", "Action mode 'discrete' has no parameter 'parts'"),
         ("discrete:action=movel:speed=2", "Action mode 'movel' has no parameter 'speed'"),
-    ],
-)
-def test_what_is_wrong_is_said_in_one_line(fd100: Robot, setting_of, text: str, message: str):
-    """Each is one UsageError."""
-    with pytest.raises(UsageError, match=message) as error:
-        build_motion(text, setting_of(fd100))
-    assert "\n" not in str(error.value)
+    ]
+    for text, message in rows:
+        with subtests.test(text=text, message=message):
+            with pytest.raises(UsageError, match=message) as error:
+                build_motion(text, setting_of(fd100))
+            assert "\n" not in str(error.value)

@@ -16,15 +16,16 @@ def test_no_two_programs_have_one_name():
     assert len(set(names)) == len(names)
 
 
-@pytest.mark.parametrize("curve", CURVES, ids=lambda curve: curve.reward)
-def test_every_curve_is_chosen_by_its_own_names(curve):
+def test_every_curve_is_chosen_by_its_own_names(subtests: pytest.Subtests):
     """With its success and its length where they are there."""
-    names = [curve.reward, *curve.success[:1], *([curve.length] if curve.length else [])]
-    chosen = CurveSettings().chosen(PATH, names)
-    assert is_known(names)
-    assert (chosen.program, chosen.reward) == (curve.program, curve.reward)
-    assert chosen.success == curve.success[:1]
-    assert chosen.length == curve.length
+    for curve in CURVES:
+        with subtests.test(curve=curve):
+            names = [curve.reward, *curve.success[:1], *([curve.length] if curve.length else [])]
+            chosen = CurveSettings().chosen(PATH, names)
+            assert is_known(names)
+            assert (chosen.program, chosen.reward) == (curve.program, curve.reward)
+            assert chosen.success == curve.success[:1]
+            assert chosen.length == curve.length
 
 
 def test_training_goes_before_evaluation_and_success_before_both():

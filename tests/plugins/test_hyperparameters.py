@@ -17,9 +17,10 @@ def test_so_many_envs_train_at_most():
         envs.validate_python(MOST_ENVS + 1)
 
 
-@pytest.mark.parametrize("name", load_registry().names("algorithms"))
-def test_every_algorithm_with_a_discount_has_the_fields_in_an_environment(name: str):
+def test_every_algorithm_with_a_discount_has_the_fields_in_an_environment(subtests: pytest.Subtests):
     """And declares nothing else: all other defaults are the same everywhere."""
-    target = load_registry().get("algorithms", name).load()
-    has_discount = "gamma" in {parameter.name for parameter in parameters_of(target)}
-    assert dict(getattr(target, IN_ENVIRONMENTS, {})) == ({"gamma": 0.99} if has_discount else {})
+    for name in load_registry().names("algorithms"):
+        with subtests.test(name=name):
+            target = load_registry().get("algorithms", name).load()
+            has_discount = "gamma" in {parameter.name for parameter in parameters_of(target)}
+            assert dict(getattr(target, IN_ENVIRONMENTS, {})) == ({"gamma": 0.99} if has_discount else {})

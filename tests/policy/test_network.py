@@ -45,17 +45,18 @@ def _slow_action(policy: Any, observation: list[float]) -> Any:
     return [low + (math.tanh(value) + 1.0) / 2.0 * (high - low) for value, low, high in ends]
 
 
-@pytest.mark.parametrize("kind", NETWORKS)
-@pytest.mark.parametrize("layers", [0, 1, 3])
-@pytest.mark.parametrize("activation", ["relu", "tanh"])
-@pytest.mark.parametrize("is_normalised", [False, True])
-def test_act_agrees_with_a_plain_computation(
-    make_network: Make, observations: Observations, kind: Any, layers: int, activation: str, is_normalised: bool
-):
+def test_act_agrees_with_a_plain_computation(make_network: Make, observations: Observations, subtests: pytest.Subtests):
     """Layer by layer in loops, the action is the same, whether observations are scaled first or not."""
-    policy = make_network(kind, layers=layers, activation=activation, is_normalised=is_normalised, low=-2.0, high=3.0)
-    expected = [_slow_action(policy, observation) for observation in observations(20).tolist()]
-    np.testing.assert_allclose(policy.act(observations(20)), expected, atol=1e-5)
+    for kind in NETWORKS:
+        for layers in [0, 1, 3]:
+            for activation in ["relu", "tanh"]:
+                for is_normalised in [False, True]:
+                    with subtests.test(kind=kind, layers=layers, activation=activation, is_normalised=is_normalised):
+                        policy = make_network(
+                            kind, layers=layers, activation=activation, is_normalised=is_normalised, low=-2.0, high=3.0
+                        )
+                        expected = [_slow_action(policy, observation) for observation in observations(20).tolist()]
+                        np.testing.assert_allclose(policy.act(observations(20)), expected, atol=1e-5)
 
 
 @pytest.mark.parametrize("kind", NETWORKS)
@@ -82,15 +83,14 @@ def test_one_action_is_deterministic(make_network: Make, observations: Observati
     np.testing.assert_array_equal(policy.act(observations()), first)
 
 
-@pytest.mark.parametrize("kind", CONTINUOUS)
-@pytest.mark.parametrize("seed", [None, 0])
-def test_continuous_actions_are_float32_rows(
-    make_network: Make, observations: Observations, kind: Any, seed: int | None
-):
+def test_continuous_actions_are_float32_rows(make_network: Make, observations: Observations, subtests: pytest.Subtests):
     """One row for each env of the batch."""
-    rng = None if seed is None else np.random.default_rng(seed)
-    actions = make_network(kind).act(observations(7), rng)
-    assert (actions.shape, actions.dtype) == ((7, 2), np.float32)
+    for kind in CONTINUOUS:
+        for seed in [None, 0]:
+            with subtests.test(kind=kind, seed=seed):
+                rng = None if seed is None else np.random.default_rng(seed)
+                actions = make_network(kind).act(observations(7), rng)
+                assert (actions.shape, actions.dtype) == ((7, 2), np.float32)
 
 
 @pytest.mark.parametrize("kind", [Greedy, Categorical])

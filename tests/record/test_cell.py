@@ -40,10 +40,11 @@ def test_what_is_recorded_beside_changes_no_id(make_cell: Callable[..., Cell]):
     assert Cell.from_json(json.loads(json.dumps(cell.to_json()))).records == ("qvel",)
 
 
-@pytest.mark.parametrize("name", CHANGED)
-def test_id_differs_for_every_field(make_cell: Callable[..., Cell], name: str):
+def test_id_differs_for_every_field(make_cell: Callable[..., Cell], subtests: pytest.Subtests):
     """Two cells that differ in one thing have different ids."""
-    assert make_cell(**{name: CHANGED[name]}).id != make_cell().id
+    for name, value in CHANGED.items():
+        with subtests.test(name=name):
+            assert make_cell(**{name: value}).id != make_cell().id
 
 
 @pytest.mark.parametrize("name", ["simulator", "task", "algorithm", "reward"])
@@ -108,24 +109,21 @@ def test_title_is_for_people(make_cell: Callable[..., Cell]):
 IN_ENVIRONMENT = Choice("walk", (), "walk")
 
 
-@pytest.mark.parametrize(
-    ("params", "label", "told"),
-    [
+def test_people_are_told_the_discount_in_an_environment(make_cell: Callable[..., Cell], subtests: pytest.Subtests):
+    """Beside the algorithm, as one would type it, where the algorithm has a discount that its label leaves out."""
+    rows = [
         ({"gamma": 0.8}, "ppo", "ppo:gamma=0.8"),
         ({"gamma": 0.8, "depth": 2}, "ppo:depth=2", "ppo:depth=2,gamma=0.8"),
         ({"gamma": 0.99}, "ppo:gamma=0.99", "ppo:gamma=0.99"),
         ({"depth": 2}, "ppo:depth=2", "ppo:depth=2"),
         ({"gamma": "x\ny"}, "ppo", "ppo"),
         ({"gamma": True}, "ppo", "ppo"),
-    ],
-)
-def test_people_are_told_the_discount_in_an_environment(
-    make_cell: Callable[..., Cell], params: dict[str, Any], label: str, told: str
-):
-    """Beside the algorithm, as one would type it, where the algorithm has a discount that its label leaves out."""
-    algorithm = Choice("ppo", tuple(params.items()), label)
-    assert make_cell(algorithm=algorithm).learner == label
-    cell = make_cell(algorithm=algorithm, simulator=BROUGHT.simulator, task=IN_ENVIRONMENT)
-    assert cell.learner == told
-    assert cell.title == f"walk · {told} · baseline · seed 0"
-    assert cell.to_json()["algorithm"]["label"] == label
+    ]
+    for params, label, told in rows:
+        with subtests.test(params=params, label=label, told=told):
+            algorithm = Choice("ppo", tuple(params.items()), label)
+            assert make_cell(algorithm=algorithm).learner == label
+            cell = make_cell(algorithm=algorithm, simulator=BROUGHT.simulator, task=IN_ENVIRONMENT)
+            assert cell.learner == told
+            assert cell.title == f"walk · {told} · baseline · seed 0"
+            assert cell.to_json()["algorithm"]["label"] == label

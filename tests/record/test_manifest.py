@@ -58,9 +58,11 @@ def test_newer_format_is_refused(make_cell: MakeCell, tmp_path: Path):
         read_manifest(folder)
 
 
-@pytest.mark.parametrize(
-    "change",
-    [
+def test_damaged_manifest_is_refused(
+    make_cell: MakeCell, tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests
+):
+    """Keys that are missing, unknown or of another type make the file unreadable, and the message names it."""
+    rows = [
         {"format": None},
         {"format": "new"},
         {"cell": None},
@@ -68,22 +70,23 @@ def test_newer_format_is_refused(make_cell: MakeCell, tmp_path: Path):
         {"cell": {"seed": 1}},
         {"status": None},
         {"surprise": 0},
-    ],
-    ids=str,
-)
-def test_damaged_manifest_is_refused(make_cell: MakeCell, tmp_path: Path, change: dict[str, object]):
-    """Keys that are missing, unknown or of another type make the file unreadable, and the message names it."""
-    folder = _write(tmp_path, make_cell(), change)
-    with pytest.raises(SchemaError, match=f"{re.escape(str(folder / MANIFEST))} is no readable manifest"):
-        read_manifest(folder)
+    ]
+    for change in rows:
+        with subtests.test(change=change):
+            tmp_path = tmp_path_factory.mktemp("case")
+            folder = _write(tmp_path, make_cell(), change)
+            with pytest.raises(SchemaError, match=f"{re.escape(str(folder / MANIFEST))} is no readable manifest"):
+                read_manifest(folder)
 
 
-@pytest.mark.parametrize("content", [b"", b"{", b"[]", b"3", b'"done"', b"null", b"\xff\xfe"], ids=repr)
-def test_file_that_is_no_manifest_is_refused(tmp_path: Path, content: bytes):
+def test_file_that_is_no_manifest_is_refused(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
     """Whatever is in the file, the error is ours."""
-    (tmp_path / MANIFEST).write_bytes(content)
-    with pytest.raises(SchemaError, match="no readable manifest"):
-        read_manifest(tmp_path)
+    for content in [b"", b"{", b"[]", b"3", b'"done"', b"null", b"\xff\xfe"]:
+        with subtests.test(content=content):
+            tmp_path = tmp_path_factory.mktemp("case")
+            (tmp_path / MANIFEST).write_bytes(content)
+            with pytest.raises(SchemaError, match="no readable manifest"):
+                read_manifest(tmp_path)
 
 
 def test_folder_without_a_manifest_is_refused(tmp_path: Path):

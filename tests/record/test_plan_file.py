@@ -23,9 +23,11 @@ def test_plan_is_read_as_it_was_written(make_cell: MakeCell, tmp_path: Path):
     assert (tmp_path / EXPERIMENT).read_text() == "seeds = [\n    0,\n]\n"
 
 
-@pytest.mark.parametrize(
-    "change",
-    [
+def test_plan_of_another_form_is_refused(
+    make_cell: MakeCell, tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests
+):
+    """The line names the file and the key."""
+    rows = [
         {"baseline": 3},
         {"a_a": "yes"},
         {"control": [[0]]},
@@ -35,15 +37,14 @@ def test_plan_is_read_as_it_was_written(make_cell: MakeCell, tmp_path: Path):
         {"cells": [3]},
         {"more": 1},
         {"experiment": []},
-    ],
-    ids=str,
-)
-def test_plan_of_another_form_is_refused(make_cell: MakeCell, tmp_path: Path, change: dict[str, object]):
-    """The line names the file and the key."""
-    data = {"baseline": "baseline", "a_a": False, "cells": [make_cell().to_json()], **change}
-    (tmp_path / PLAN).write_text(json.dumps(data))
-    with pytest.raises(SchemaError, match=rf"plan\.json is no readable plan: ValueError: {next(iter(change))}"):
-        read_plan(tmp_path)
+    ]
+    for change in rows:
+        with subtests.test(change=change):
+            tmp_path = tmp_path_factory.mktemp("case")
+            data = {"baseline": "baseline", "a_a": False, "cells": [make_cell().to_json()], **change}
+            (tmp_path / PLAN).write_text(json.dumps(data))
+            with pytest.raises(SchemaError, match=rf"plan\.json is no readable plan: ValueError: {next(iter(change))}"):
+                read_plan(tmp_path)
 
 
 def _nested(depth: int) -> object:

@@ -37,9 +37,9 @@ def test_a_cell_of_an_earlier_version_has_none(tmp_path: Path):
     assert read_scene(tmp_path) is None
 
 
-@pytest.mark.parametrize(
-    ("change", "problem"),
-    [
+def test_a_file_of_another_form_is_damaged(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
+    """Nothing of a stranger's file is drawn before it was checked."""
+    rows = [
         ({"format": 2}, "format"),
         ({"robot": 7}, "robot"),
         ({"joints": []}, "joints"),
@@ -47,10 +47,10 @@ def test_a_cell_of_an_earlier_version_has_none(tmp_path: Path):
         ({"bodies": [{"joint": 3, "colour": "#ffffff", "scale": 1.0, "points": "", "faces": ""}]}, "body of joint 3"),
         ({"bodies": [{"joint": 0, "colour": "red", "scale": 1.0, "points": "", "faces": ""}]}, "colour"),
         ({"bodies": [{"joint": 0, "colour": "#ffffff", "scale": 1.0, "points": "", "faces": "AAAAAAAA"}]}, "corners"),
-    ],
-)
-def test_a_file_of_another_form_is_damaged(tmp_path: Path, change: dict, problem: str):
-    """Nothing of a stranger's file is drawn before it was checked."""
-    (tmp_path / SCENE).write_text(json.dumps({**SCENE_OF_ONE.to_json(), **change}))
-    with pytest.raises(SchemaError, match=problem):
-        read_scene(tmp_path)
+    ]
+    for change, problem in rows:
+        with subtests.test(change=change, problem=problem):
+            tmp_path = tmp_path_factory.mktemp("case")
+            (tmp_path / SCENE).write_text(json.dumps({**SCENE_OF_ONE.to_json(), **change}))
+            with pytest.raises(SchemaError, match=problem):
+                read_scene(tmp_path)

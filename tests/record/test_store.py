@@ -308,13 +308,17 @@ def test_run_of_another_process_keeps_the_folder(make_cell: MakeCell, make_plan:
             assert other.returncode < 0
 
 
-@pytest.mark.parametrize("content", ["", "{}", "[]", '"x"', '{"baseline": "b", "cells": [3]}', '{"baseline": "b"}'])
-def test_damaged_plan_is_refused(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path, content: str):
+def test_damaged_plan_is_refused(
+    make_cell: MakeCell, make_plan: MakePlan, tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests
+):
     """The error names the file."""
-    store = Store.create(tmp_path, make_plan(make_cell()))
-    (tmp_path / PLAN).write_text(content)
-    with pytest.raises(SchemaError, match=r"plan\.json is no readable plan"):
-        store.read_plan()
+    for content in ["", "{}", "[]", '"x"', '{"baseline": "b", "cells": [3]}', '{"baseline": "b"}']:
+        with subtests.test(content=content):
+            tmp_path = tmp_path_factory.mktemp("case")
+            store = Store.create(tmp_path, make_plan(make_cell()))
+            (tmp_path / PLAN).write_text(content)
+            with pytest.raises(SchemaError, match=r"plan\.json is no readable plan"):
+                store.read_plan()
 
 
 def test_plan_is_plain_json(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path):

@@ -90,9 +90,9 @@ def test_rows_are_copied(path: Path):
     np.testing.assert_array_equal(read_trace(path)["env"], [0, 1, 2])
 
 
-@pytest.mark.parametrize(
-    "sizes",
-    [
+def test_blocks_do_not_show(path: Path, subtests: pytest.Subtests):
+    """Rows arrive all, once and in order, however the batches fall on the writer's blocks."""
+    rows = [
         (BLOCK,),
         (BLOCK - 1, 1),
         (BLOCK - 1, 2),
@@ -103,14 +103,13 @@ def test_rows_are_copied(path: Path):
         (5, BLOCK, 5),
         (BLOCK // 2 + 1,) * 5,
         (0, 3, 0),
-    ],
-)
-def test_blocks_do_not_show(path: Path, sizes: tuple[int, ...]):
-    """Rows arrive all, once and in order, however the batches fall on the writer's blocks."""
-    starts = np.cumsum((0, *sizes[:-1]))
-    trace = write(path, *(make_rows(size, start) for size, start in zip(sizes, starts, strict=True)))
-    np.testing.assert_array_equal(trace["env"], np.arange(sum(sizes)))
-    np.testing.assert_array_equal(trace["distance"], make_rows(sum(sizes))[:, COLUMN["distance"]])
+    ]
+    for sizes in rows:
+        with subtests.test(sizes=sizes):
+            starts = np.cumsum((0, *sizes[:-1]))
+            trace = write(path, *(make_rows(size, start) for size, start in zip(sizes, starts, strict=True)))
+            np.testing.assert_array_equal(trace["env"], np.arange(sum(sizes)))
+            np.testing.assert_array_equal(trace["distance"], make_rows(sum(sizes))[:, COLUMN["distance"]])
 
 
 def test_only_the_first_episodes_are_kept(path: Path):
@@ -143,14 +142,15 @@ def test_trace_is_finished_when_its_writer_raises(path: Path):
     assert len(read_trace(path)) == 4
 
 
-@pytest.mark.parametrize("number", [np.nan, np.inf, -np.inf])
-@pytest.mark.parametrize(("column", "name"), [(COLUMN["reward"], "reward"), (WIDTH - 1, "action")])
-def test_number_that_is_not_finite_is_told(path: Path, number: float, column: int, name: str):
+def test_number_that_is_not_finite_is_told(path: Path, subtests: pytest.Subtests):
     """A number that is none costs the cell: the error names the column, and where it happened."""
-    rows = make_rows(9)
-    rows[7, column] = number
-    with pytest.raises(SimulationDiverged, match=f"{name} is not finite at env 7, episode 7, step 7"):
-        write(path, rows)
+    for number in [np.nan, np.inf, -np.inf]:
+        for column, name in [(COLUMN["reward"], "reward"), (WIDTH - 1, "action")]:
+            with subtests.test(number=number, column=column, name=name):
+                rows = make_rows(9)
+                rows[7, column] = number
+                with pytest.raises(SimulationDiverged, match=f"{name} is not finite at env 7, episode 7, step 7"):
+                    write(path, rows)
 
 
 def test_number_that_is_too_large_costs_the_cell(path: Path):
@@ -219,24 +219,23 @@ def test_format_1_is_read(path: Path):
     np.testing.assert_array_equal(trace.last_rows, [1, 2, 4])
 
 
-@pytest.mark.parametrize(
-    "columns",
-    [
+def test_some_columns_of_format_1_are_read_alone(path: Path, subtests: pytest.Subtests):
+    """Those that are asked for and no others, also where they follow from others."""
+    rows = [
         ["terminated"],
         ["held", "reward"],
         ["reached", "terminated", "step"],
         ["reward"],
         ["ground", "qpos"],
         list(SCALARS),
-    ],
-)
-def test_some_columns_of_format_1_are_read_alone(path: Path, columns: list[str]):
-    """Those that are asked for and no others, also where they follow from others."""
-    write_format_1(path)
-    some, whole = read_trace(path, columns), read_trace(path)
-    assert list(some.columns) == columns
-    for name in columns:
-        np.testing.assert_array_equal(some[name], whole[name])
+    ]
+    for columns in rows:
+        with subtests.test(columns=columns):
+            write_format_1(path)
+            some, whole = read_trace(path, columns), read_trace(path)
+            assert list(some.columns) == columns
+            for name in columns:
+                np.testing.assert_array_equal(some[name], whole[name])
 
 
 def test_missing_column_of_format_1_is_refused(path: Path):

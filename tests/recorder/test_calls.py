@@ -17,21 +17,20 @@ def _calls(shape: tuple[int, ...] = (2,), num_envs: int = 1) -> Calls:
     return calls
 
 
-@pytest.mark.parametrize(
-    ("space", "shape"),
-    [
+def test_actions_of_few_numbers_are_recorded(subtests: pytest.Subtests):
+    """Those of no numbers, or of very many, are not."""
+    rows = [
         (Box(-1, 1, (2, 3)), (2, 3)),
         (Discrete(4), ()),
         (MultiDiscrete([2, 3]), (2,)),
         (Box(-1, 1, (257,)), None),
         (Text(3), None),
         (Dict({"a": Discrete(2)}), None),
-    ],
-)
-def test_actions_of_few_numbers_are_recorded(space: Any, shape: tuple[int, ...] | None):
-    """Those of no numbers, or of very many, are not."""
-    facts = action_facts(space)
-    assert (None if facts is None else facts.shape) == shape
+    ]
+    for space, shape in rows:
+        with subtests.test(space=space, shape=shape):
+            facts = action_facts(space)
+            assert (None if facts is None else facts.shape) == shape
 
 
 @pytest.mark.parametrize(

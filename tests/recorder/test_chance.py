@@ -37,21 +37,22 @@ def _now() -> tuple[Any, ...]:
 
 
 @pytest.mark.usefixtures("states")
-@pytest.mark.parametrize("is_read", [True, False])
-@pytest.mark.parametrize(("whose", "draw"), DRAWS.values(), ids=DRAWS)
-def test_draw_is_seen_and_put_back(whose: str, draw: Callable[[], Any], is_read: bool):
+def test_draw_is_seen_and_put_back(subtests: pytest.Subtests):
     """Where the states are read in memory, and where they are asked for."""
-    chance, before = Chance(), _now()
-    assert chance._numpy._words is not None
-    assert chance._python._words is not None
-    if not is_read:
-        chance._numpy._words = chance._python._words = None
-    mark = chance.mark()
-    assert chance.moved(mark) == ""
-    draw()
-    assert chance.moved(mark) == whose
-    chance.put_back(mark)
-    assert (chance.moved(mark), _now()) == ("", before)
+    for is_read in [True, False]:
+        for case, (whose, draw) in DRAWS.items():
+            with subtests.test(case, is_read=is_read):
+                chance, before = Chance(), _now()
+                assert chance._numpy._words is not None
+                assert chance._python._words is not None
+                if not is_read:
+                    chance._numpy._words = chance._python._words = None
+                mark = chance.mark()
+                assert chance.moved(mark) == ""
+                draw()
+                assert chance.moved(mark) == whose
+                chance.put_back(mark)
+                assert (chance.moved(mark), _now()) == ("", before)
 
 
 def test_another_generator_in_its_place_is_seen():

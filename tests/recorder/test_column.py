@@ -28,11 +28,12 @@ class Scaled:
         return self.factor * float(next_observation[0])
 
 
-@pytest.mark.parametrize("value", [2, 2.0, np.float32(2), np.array(2), np.int64(2), np.full((), 2.0)])
-def test_one_number_is_a_number(value: object):
+def test_one_number_is_a_number(subtests: pytest.Subtests):
     """Of whatever type."""
-    assert as_number(value) == 2.0
-    assert type(as_number(value)) is float
+    for value in [2, 2.0, np.float32(2), np.array(2), np.int64(2), np.full((), 2.0)]:
+        with subtests.test(value=value):
+            assert as_number(value) == 2.0
+            assert type(as_number(value)) is float
 
 
 def test_truth_is_a_number():
@@ -40,17 +41,15 @@ def test_truth_is_a_number():
     assert (as_number(True), as_number(np.False_)) == (1.0, 0.0)
 
 
-@pytest.mark.parametrize(
-    ("value", "kind"),
-    [
+def test_what_is_no_finite_number_is_refused(subtests: pytest.Subtests):
+    """A list of one number too: it may be that of a batch."""
+    rows = [
         *((np.ones(1), ValueError), ([1.0], ValueError), (float("nan"), ValueError), (np.float32("-inf"), ValueError)),
         *((None, TypeError), ("1", TypeError), (1j, TypeError), ({}, TypeError)),
-    ],
-)
-def test_what_is_no_finite_number_is_refused(value: object, kind: type[Exception]):
-    """A list of one number too: it may be that of a batch."""
-    with pytest.raises(kind):
-        as_number(value)
+    ]
+    for value, kind in rows:
+        with subtests.test(value=value, kind=kind), pytest.raises(kind):
+            as_number(value)
 
 
 def test_code_of_a_function_is_kept():

@@ -70,10 +70,11 @@ def test_function_that_only_computes(function: Any):
     assert only_computes(function)
 
 
-@pytest.mark.parametrize("function", WATCHED)
-def test_function_that_might_draw_or_never_return(function: Any):
+def test_function_that_might_draw_or_never_return(subtests: pytest.Subtests):
     """By a name, a helper, an import, an argument, an object."""
-    assert not only_computes(function)
+    for function in WATCHED:
+        with subtests.test(function=function):
+            assert not only_computes(function)
 
 
 def test_closure_is_looked_into():

@@ -36,9 +36,9 @@ def _write(pick: tuple[str, dict[str, str]]) -> str:
     return name + (":" + ",".join(f"{key}={value}" for key, value in params.items()) if params else "")
 
 
-@pytest.mark.parametrize(
-    ("text", "parsed"),
-    [
+def test_parse(subtests: pytest.Subtests):
+    """A name, and after a colon its parameters; blanks around them mean nothing."""
+    rows = [
         ("arp", ("arp", {})),
         ("arp:k2=2", ("arp", {"k2": "2"})),
         ("arp:k1=1,k2=1.5", ("arp", {"k1": "1", "k2": "1.5"})),
@@ -48,20 +48,20 @@ def _write(pick: tuple[str, dict[str, str]]) -> str:
         ("a:b=(c:d=1,e=2),f=3", ("a", {"b": "c:d=1,e=2", "f": "3"})),
         ("a:b=(c:d=1,e=(f:g=2,h=3)),i=4", ("a", {"b": "c:d=1,e=(f:g=2,h=3)", "i": "4"})),
         ("a:b=x(1)", ("a", {"b": "x(1)"})),
-    ],
-)
-def test_parse(text: str, parsed: tuple[str, dict[str, str]]):
-    """A name, and after a colon its parameters; blanks around them mean nothing."""
-    assert parse(text) == parsed
+    ]
+    for text, parsed in rows:
+        with subtests.test(text=text, parsed=parsed):
+            assert parse(text) == parsed
 
 
-@pytest.mark.parametrize("text", ["", ":", "arp:", ":k=1", "arp:k2", "arp:k2=", "arp:=2", "arp:k1=1,", "k2=2", "arp:,"])
-def test_malformed_text_is_refused_in_one_line(text: str):
+def test_malformed_text_is_refused_in_one_line(subtests: pytest.Subtests):
     """The message repeats what was given and shows how to write it."""
-    with pytest.raises(UsageError, match="write name or name:key=value,key=value") as error:
-        parse(text)
-    assert f"'{text}'" in str(error.value)
-    assert "\n" not in str(error.value)
+    for text in ["", ":", "arp:", ":k=1", "arp:k2", "arp:k2=", "arp:=2", "arp:k1=1,", "k2=2", "arp:,"]:
+        with subtests.test(text=text):
+            with pytest.raises(UsageError, match="write name or name:key=value,key=value") as error:
+                parse(text)
+            assert f"'{text}'" in str(error.value)
+            assert "\n" not in str(error.value)
 
 
 @pytest.mark.parametrize("text", ["a:b=(c:d=1,e=2", "a:b=c:d=1,e=2)", "a(:b=1"])
@@ -77,9 +77,9 @@ def test_parameter_given_twice_is_refused():
         parse("arp:k2=1,k2=2")
 
 
-@pytest.mark.parametrize(
-    ("given", "names"),
-    [
+def test_comma_starts_a_new_name_unless_key_value_follows(subtests: pytest.Subtests):
+    """`key=value` belongs to the name before it, within one flag; what is in parentheses stays together."""
+    rows = [
         ("mujoco", ["mujoco"]),
         ("a,b", ["a", "b"]),
         ("a, b", ["a", "b"]),
@@ -93,11 +93,10 @@ def test_parameter_given_twice_is_refused():
         ("scaled:factor=2,reward=arp:k2=2,arp:k2=2", ["scaled:factor=2,reward=arp:k2=2", "arp:k2=2"]),
         ("a:b=(c:d=1,e=2),f=3,g", ["a:b=(c:d=1,e=2),f=3", "g"]),
         ("a,b:c=(d,e),f", ["a", "b:c=(d,e)", "f"]),
-    ],
-)
-def test_comma_starts_a_new_name_unless_key_value_follows(given: Any, names: list[str]):
-    """`key=value` belongs to the name before it, within one flag; what is in parentheses stays together."""
-    assert split_list(given) == names
+    ]
+    for typed, names in rows:
+        with subtests.test(typed=typed, names=names):
+            assert split_list(typed) == names
 
 
 @FEWER
@@ -229,13 +228,14 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize(("text", "message"), REFUSED.values(), ids=REFUSED)
-def test_what_cannot_be_chosen_is_refused_in_one_line(registry: Registry, text: str, message: str):
+def test_what_cannot_be_chosen_is_refused_in_one_line(registry: Registry, subtests: pytest.Subtests):
     """The message says what was given and what there is."""
-    with pytest.raises(UsageError) as error:
-        choose(registry, "rewards", text)
-    assert str(error.value).startswith(message)
-    assert "\n" not in str(error.value)
+    for case, (text, message) in REFUSED.items():
+        with subtests.test(case):
+            with pytest.raises(UsageError) as error:
+                choose(registry, "rewards", text)
+            assert str(error.value).startswith(message)
+            assert "\n" not in str(error.value)
 
 
 def test_unknown_name_is_told_with_the_nearest(registry: Registry):

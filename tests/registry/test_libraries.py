@@ -14,9 +14,9 @@ def versions(monkeypatch: pytest.MonkeyPatch) -> dict[str, str]:
     return told
 
 
-@pytest.mark.parametrize(
-    ("need", "version", "met"),
-    [
+def test_need_is_met_by_a_module_of_that_version_or_a_newer_one(versions: dict[str, str], subtests: pytest.Subtests):
+    """Versions are compared number by number."""
+    rows = [
         ("json", "", True),
         ("json>=3.17", "3.17", True),
         ("json>=3.17", "3.17.0rc1", True),
@@ -27,21 +27,18 @@ def versions(monkeypatch: pytest.MonkeyPatch) -> dict[str, str]:
         ("json>=1", "", False),
         ("no_such_module>=1", "2", False),
         ("no_such_module", "2", False),
-    ],
-)
-def test_need_is_met_by_a_module_of_that_version_or_a_newer_one(
-    versions: dict[str, str], need: str, version: str, met: bool
-):
-    """Versions are compared number by number."""
-    versions["json"] = versions["no-such-module"] = version
-    assert is_met(need) is met
+    ]
+    for need, version, met in rows:
+        with subtests.test(need=need, version=version, met=met):
+            versions["json"] = versions["no-such-module"] = version
+            assert is_met(need) is met
 
 
-@pytest.mark.parametrize("need", ["mujoco==3.17", "mujoco >= 3.17", "mujoco>=", "mujoco>=3.x", "3d", ""])
-def test_what_is_no_need_is_refused(need: str):
+def test_what_is_no_need_is_refused(subtests: pytest.Subtests):
     """The message shows one."""
-    with pytest.raises(ValueError, match=r"such as 'mujoco>=3.17'"):
-        module_of(need)
+    for need in ["mujoco==3.17", "mujoco >= 3.17", "mujoco>=", "mujoco>=3.x", "3d", ""]:
+        with subtests.test(need=need), pytest.raises(ValueError, match=r"such as 'mujoco>=3.17'"):
+            module_of(need)
 
 
 def test_module_is_found_in_its_package():

@@ -73,9 +73,9 @@ class Misspelt:
     rate: "flaot" = 0.5  # noqa: F821 (that is the point)
 
 
-@pytest.mark.parametrize(
-    ("key", "given", "value"),
-    [
+def test_texts_are_converted_to_the_type_of_their_field(subtests: pytest.Subtests):
+    """What a command line gives as text and a file as a number comes out the same."""
+    rows = [
         ("count", "7", 7),
         ("rate", "0.25", 0.25),
         ("rate", 1, 1.0),
@@ -86,18 +86,17 @@ class Misspelt:
         ("mode", "slow", "slow"),
         ("loud", "true", True),
         ("loud", "no", False),
-    ],
-)
-def test_texts_are_converted_to_the_type_of_their_field(key: str, given: object, value: object):
-    """What a command line gives as text and a file as a number comes out the same."""
-    built = build(Thing, {key: given}, "thing 'x'")
-    assert getattr(built, key) == value
-    assert type(getattr(built, key)) is type(value)
+    ]
+    for key, given, value in rows:
+        with subtests.test(key=key, given=given, value=value):
+            built = build(Thing, {key: given}, "thing 'x'")
+            assert getattr(built, key) == value
+            assert type(getattr(built, key)) is type(value)
 
 
-@pytest.mark.parametrize(
-    ("key", "given", "message"),
-    [
+def test_what_does_not_fit_is_refused_in_one_line(subtests: pytest.Subtests):
+    """The message names the parameter, what was given, and what is allowed."""
+    rows = [
         ("count", "0", "Thing 'x': count='0': Input should be greater than 0"),
         ("count", "1.5", "Thing 'x': count='1.5': Input should be a valid integer"),
         ("rate", "2", "Thing 'x': rate='2': Input should be less than or equal to 1"),
@@ -111,14 +110,13 @@ def test_texts_are_converted_to_the_type_of_their_field(key: str, given: object,
         ("cuont", "1", "Thing 'x' has no parameter 'cuont'. There is: count, rate, layers, point, mode, loud, names. "),
         ("kind", "1", "Thing 'x' has no parameter 'kind'."),
         ("cache", "1", "Thing 'x' has no parameter 'cache'."),
-    ],
-)
-def test_what_does_not_fit_is_refused_in_one_line(key: str, given: str, message: str):
-    """The message names the parameter, what was given, and what is allowed."""
-    with pytest.raises(UsageError) as error:
-        build(Thing, {key: given}, "thing 'x'")
-    assert str(error.value).startswith(message)
-    assert "\n" not in str(error.value)
+    ]
+    for key, given, message in rows:
+        with subtests.test(key=key, given=given, message=message):
+            with pytest.raises(UsageError) as error:
+                build(Thing, {key: given}, "thing 'x'")
+            assert str(error.value).startswith(message)
+            assert "\n" not in str(error.value)
 
 
 def test_unknown_parameter_offers_the_nearest():

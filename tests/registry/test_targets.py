@@ -43,10 +43,11 @@ def _members_of(protocol: type[Protocol]) -> dict[str, int | None]:
     }
 
 
-@pytest.mark.parametrize("kind", PROTOCOLS)
-def test_members_are_those_of_the_interface(kind: str):
+def test_members_are_those_of_the_interface(subtests: pytest.Subtests):
     """The table says what the protocol says: names, and arguments beside self."""
-    assert dict(MEMBERS[kind]) == _members_of(PROTOCOLS[kind])
+    for kind, protocol in PROTOCOLS.items():
+        with subtests.test(kind=kind):
+            assert dict(MEMBERS[kind]) == _members_of(protocol)
 
 
 def test_built_in_targets_are_found_and_fit():
@@ -195,11 +196,12 @@ UNFIT = {
 }
 
 
-@pytest.mark.parametrize(("name", "kind", "told"), UNFIT.values(), ids=UNFIT)
-def test_unfit_target_is_told(monkeypatch: pytest.MonkeyPatch, name: str, kind: str, told: str):
+def test_unfit_target_is_told(subtests: pytest.Subtests):
     """What it lacks, and what a thing of its kind has."""
-    monkeypatch.setitem(__import__("sys").modules, "targets_of_a_test", __import__("sys").modules[__name__])
-    assert told in why_unfit(_spec(f"targets_of_a_test:{name}", kind))
+    for case, (name, kind, told) in UNFIT.items():
+        with subtests.test(case), pytest.MonkeyPatch.context() as monkeypatch:
+            monkeypatch.setitem(__import__("sys").modules, "targets_of_a_test", __import__("sys").modules[__name__])
+            assert told in why_unfit(_spec(f"targets_of_a_test:{name}", kind))
 
 
 @pytest.mark.parametrize(("name", "kind"), [("Whole", "rewards"), ("Learner", "algorithms")])

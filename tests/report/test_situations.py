@@ -24,11 +24,12 @@ def test_every_answer_has_a_situation():
     assert set(Answer) - answers == {Answer.LEARNS_SLOWER}
 
 
-@pytest.mark.parametrize("situation", SITUATIONS, ids=lambda it: it.title)
-def test_a_word_of_better_or_worse_stands_only_where_a_test_decided(situation):
+def test_a_word_of_better_or_worse_stands_only_where_a_test_decided(subtests: pytest.Subtests):
     """In the sentence and on the card."""
-    for it in judged(situation):
-        if it.ruling.is_decided or it.pool is not None:
-            continue
-        told = f"{it.headline.robot} {it.lead}".replace("Whether dense helps or hurts", "")
-        assert not CLAIM.search(told.replace("lower is better", ""))
+    for situation in SITUATIONS:
+        with subtests.test(situation=situation):
+            for it in judged(situation):
+                if it.ruling.is_decided or it.pool is not None:
+                    continue
+                told = f"{it.headline.robot} {it.lead}".replace("Whether dense helps or hurts", "")
+                assert not CLAIM.search(told.replace("lower is better", ""))

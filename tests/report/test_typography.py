@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 from harness.report.typography import Piece, pieces_of, to_html, typeset
 
 
-@pytest.mark.parametrize(
-    ("plain", "printed"),
-    [
+def test_a_sign_is_set(subtests: pytest.Subtests):
+    """What a keyboard lacks."""
+    rows = [
         ("ruler x behaviour", "ruler × behaviour"),
         ("-78.9 [-80, -.5]", "−78.9 [−80, −.5]"),
         ("99 -> 100 %", "99 → 100\u202f%"),
@@ -18,20 +18,28 @@ from harness.report.typography import Piece, pieces_of, to_html, typeset
         ("p <= 0.05", "p ≤ 0.05"),
         ("1e-4, 1e5 and -3.2e-05", "10⁻⁴, 10⁵ and −3.2 × 10⁻⁵"),
         ("9.81 m/s^2, rad^-1", "9.81\u202fm/s², rad⁻¹"),
-    ],
-)
-def test_a_sign_is_set(plain: str, printed: str):
-    """What a keyboard lacks."""
-    assert typeset(plain) == printed
+    ]
+    for plain, printed in rows:
+        with subtests.test(plain=plain, printed=printed):
+            assert typeset(plain) == printed
 
 
-@pytest.mark.parametrize(
-    "text",
-    ["arp:k2=-2", "sac:lr=3e-4", "x [m]", "two-sided", "2026-11-24", "0-9", "3 steps", "10 seeds", "1e-4x", "-"],
-)
-def test_what_people_type_stays(text: str):
+def test_what_people_type_stays(subtests: pytest.Subtests):
     """The mutants: labels, dates, ranges and words that look like signs or units."""
-    assert typeset(text) == text
+    for text in [
+        "arp:k2=-2",
+        "sac:lr=3e-4",
+        "x [m]",
+        "two-sided",
+        "2026-11-24",
+        "0-9",
+        "3 steps",
+        "10 seeds",
+        "1e-4x",
+        "-",
+    ]:
+        with subtests.test(text=text):
+            assert typeset(text) == text
 
 
 @pytest.mark.parametrize(

@@ -69,13 +69,12 @@ def _empty() -> Comparison:
     return Comparison(GROUP, "baseline", "arp", (), None, (), {})
 
 
-@pytest.mark.parametrize(
-    "field", ["simulator", "robot", "task", "algorithm", "steps", "evaluation_episodes", "evaluate_every"]
-)
-def test_cells_that_differ_are_in_other_groups(make_cell: Callable[..., Cell], field: str):
+def test_cells_that_differ_are_in_other_groups(make_cell: Callable[..., Cell], subtests: pytest.Subtests):
     """Whatever decides a result, reward and seed apart."""
-    other: Any = Choice("other") if isinstance(getattr(make_cell(), field), Choice) else 99
-    assert Group.of(make_cell()) != Group.of(make_cell(**{field: other}))
+    for field in ["simulator", "robot", "task", "algorithm", "steps", "evaluation_episodes", "evaluate_every"]:
+        with subtests.test(field=field):
+            other: Any = Choice("other") if isinstance(getattr(make_cell(), field), Choice) else 99
+            assert Group.of(make_cell()) != Group.of(make_cell(**{field: other}))
 
 
 def test_manners_of_evaluation_are_not_mixed(make_cell: Callable[..., Cell]):
@@ -128,23 +127,20 @@ def test_success_is_found_among_the_changes(combination: Comparison, empty: Comp
     assert empty.decisive is None
 
 
-@pytest.mark.parametrize(
-    ("deterministic", "episodes", "manner"),
-    [
+def test_manner_with_the_most_episodes_decides(combination: Comparison, subtests: pytest.Subtests):
+    """Of equally many the cells' own; a training, which explores, never does."""
+    rows = [
         (True, {"deterministic": 20, "stochastic": 20, "while training": 900}, "deterministic"),
         (False, {"stochastic": 20, "deterministic": 20, "while training": 900}, "stochastic"),
         (True, {"deterministic": 1, "stochastic": 20, "while training": 900}, "stochastic"),
         (False, {"stochastic": 20, "deterministic": 1}, "stochastic"),
         (True, {"deterministic": 20}, "deterministic"),
         (True, {}, "deterministic"),
-    ],
-)
-def test_manner_with_the_most_episodes_decides(
-    combination: Comparison, deterministic: bool, episodes: dict[str, int], manner: str
-):
-    """Of equally many the cells' own; a training, which explores, never does."""
-    group = GROUP._replace(deterministic=deterministic)
-    assert replace(combination, group=group, episodes=episodes).manner == manner
+    ]
+    for deterministic, episodes, manner in rows:
+        with subtests.test(deterministic=deterministic, episodes=episodes, manner=manner):
+            group = GROUP._replace(deterministic=deterministic)
+            assert replace(combination, group=group, episodes=episodes).manner == manner
 
 
 def test_deciding_manner_gives_the_answer(combination: Comparison):

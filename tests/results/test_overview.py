@@ -17,20 +17,19 @@ from harness.results.overview import (
 )
 
 
-@pytest.mark.parametrize(
-    ("ratio", "text"),
-    [
+def test_a_ratio_has_three_digits(subtests: pytest.Subtests):
+    """All digits before the point below a million; no number where it says nothing."""
+    rows = [
         (Ratio(1.2345), "1.23"),
         (Ratio(0.5), "0.500"),
         (Ratio(123456.7), "123457"),
         (Ratio(2.5e7), "2.50e+07"),
         (Ratio(None), NOTHING),
         (Ratio(1e9, near_zero="I_P of the baseline is near zero"), NEAR_ZERO),
-    ],
-)
-def test_a_ratio_has_three_digits(ratio: Ratio, text: str):
-    """All digits before the point below a million; no number where it says nothing."""
-    assert short_value(ratio) == text
+    ]
+    for ratio, text in rows:
+        with subtests.test(ratio=ratio, text=text):
+            assert short_value(ratio) == text
 
 
 def _intervals(*ratios: Ratio) -> list[str]:

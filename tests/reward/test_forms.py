@@ -120,14 +120,21 @@ def _helper(x):
     return x
 
 
-@pytest.mark.parametrize(
-    ("found", "is_one"),
-    [(gentle, True), (_helper, False), (lambda step, k=1.0: k, True), (lambda: 0, False), (lambda *, step: 0, False),
-     (lambda step, other: 0, False), (NegativeDistance(), False), ("own", False)],
-)  # fmt: skip
-def test_a_function_of_steps_has_an_argument_of_that_name(found, is_one):
+def test_a_function_of_steps_has_an_argument_of_that_name(subtests: pytest.Subtests):
     """Any other function is the file's own."""
-    assert is_function_of_steps(found) is is_one
+    rows = [
+        (gentle, True),
+        (_helper, False),
+        (lambda step, k=1.0: k, True),
+        (lambda: 0, False),
+        (lambda *, step: 0, False),
+        (lambda step, other: 0, False),
+        (NegativeDistance(), False),
+        ("own", False),
+    ]
+    for found, is_one in rows:
+        with subtests.test(found=found, is_one=is_one):
+            assert is_function_of_steps(found) is is_one
 
 
 def test_a_term_without_a_name_of_a_parameter_has_no_weight():

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from harness.errors import UsageError
-from harness.reward import Given, MissingField
+from harness.reward import MissingField
 from harness.reward.given import Before, Now, Terms, Untold, of_step, opened, told_under, zeros_of
 
 STEP = Now._make((2.0, 3.0, {"left": 4.0}, Before._make((1.0, 0.5, {}))))
@@ -72,21 +72,19 @@ def test_missing_key_is_told_with_what_there_is():
     assert str(error.value) == "info has no 'x_positon'; it has 'x_position', 'y'. Did you mean 'x_position'?"
 
 
-@pytest.mark.parametrize(
-    "action",
-    [np.ones(3, np.float32), 2, 1.5, np.int64(4), {"a": np.ones(2), "b": 1}, (1, np.ones(1))],
-)
-def test_zeros_have_the_form_of_the_action(action: Any):
+def test_zeros_have_the_form_of_the_action(subtests: pytest.Subtests):
     """Of arrays, choices, and of both in dicts and tuples."""
+    for action in [np.ones(3, np.float32), 2, 1.5, np.int64(4), {"a": np.ones(2), "b": 1}, (1, np.ones(1))]:
+        with subtests.test(action=action):
 
-    def same(one: Any, other: Any) -> bool:
-        if isinstance(one, dict):
-            return all(same(one[key], other[key]) for key in one)
-        if isinstance(one, tuple):
-            return all(map(same, one, other))
-        return type(one) is type(other) and np.shape(one) == np.shape(other) and not np.any(one)
+            def same(one: Any, other: Any) -> bool:
+                if isinstance(one, dict):
+                    return all(same(one[key], other[key]) for key in one)
+                if isinstance(one, tuple):
+                    return all(map(same, one, other))
+                return type(one) is type(other) and np.shape(one) == np.shape(other) and not np.any(one)
 
-    assert same(zeros_of(action), action)
+            assert same(zeros_of(action), action)
 
 
 REFUSED = {
@@ -100,11 +98,11 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize(("given", "told"), REFUSED.values(), ids=REFUSED)
-def test_what_cannot_be_asked_is_refused(given: Given, told: str):
+def test_what_cannot_be_asked_is_refused(subtests: pytest.Subtests):
     """By its name."""
-    with pytest.raises(UsageError, match=rf"^reward 'v1'.*{told}"):
-        opened(given, "reward 'v1'")
+    for case, (given, told) in REFUSED.items():
+        with subtests.test(case), pytest.raises(UsageError, match=rf"^reward 'v1'.*{told}"):
+            opened(given, "reward 'v1'")
 
 
 def test_terms_by_name_are_functions_and_keys():

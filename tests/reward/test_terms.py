@@ -73,9 +73,9 @@ def test_a_single_term_called_total_is_a_term():
     assert list(paid_of({"total": ONE}).terms) == ["total"]
 
 
-@pytest.mark.parametrize(
-    ("returned", "told"),
-    [
+def test_what_are_no_terms_is_refused(subtests: pytest.Subtests):
+    """With what to return instead."""
+    rows = [
         ((ONE, {"a": ONE, "b": TWO}), r"The total 1 is not the sum of its terms, 1\.5 \(a 1, b 0\.5\)"),
         ({"a": ONE, "b": TWO, "total": ONE}, "is not the sum of its terms"),
         ((ONE * np.nan, {"a": ONE}), "is not the sum of its terms"),
@@ -84,12 +84,10 @@ def test_a_single_term_called_total_is_a_term():
         ({"": ONE}, "'' is no name of a term"),
         ({3: ONE}, "3 is no name of a term"),
         ({"x" * 61: ONE}, "at most 60"),
-    ],
-)
-def test_what_are_no_terms_is_refused(returned, told):
-    """With what to return instead."""
-    with pytest.raises(UsageError, match=told):
-        paid_of(returned)
+    ]
+    for returned, told in rows:
+        with subtests.test(returned=returned, told=told), pytest.raises(UsageError, match=told):
+            paid_of(returned)
 
 
 def test_other_terms_than_at_first_are_refused():

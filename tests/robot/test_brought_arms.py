@@ -85,39 +85,47 @@ def same(first: Robot, second: Robot) -> bool:
     )
 
 
-@pytest.mark.parametrize("name", BROUGHT)
-def test_end_effector_is_that_of_pinocchio(tmp_path: Path, name: str):
+def test_end_effector_is_that_of_pinocchio(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
     """At twenty random poses, to 1e-12 m; where ROS's parser refuses the file, that of the file without its fault."""
-    robot = read_arm(tmp_path, BROUGHT[name])
-    poses, text = poses_of(robot), ARM if name in NOT_READ_BY_ROS else BROUGHT[name]
-    np.testing.assert_allclose(robot.end_effector(poses), tips_of_pinocchio(text, robot, poses), rtol=0, atol=1e-12)
+    for name in BROUGHT:
+        with subtests.test(name=name):
+            tmp_path = tmp_path_factory.mktemp("case")
+            robot = read_arm(tmp_path, BROUGHT[name])
+            poses, text = poses_of(robot), ARM if name in NOT_READ_BY_ROS else BROUGHT[name]
+            np.testing.assert_allclose(
+                robot.end_effector(poses), tips_of_pinocchio(text, robot, poses), rtol=0, atol=1e-12
+            )
 
 
-@pytest.mark.parametrize("name", [*BROUGHT, "placeholders"])
-@pytest.mark.parametrize("simulator", ["kinematic", "mujoco", "pybullet"])
-def test_every_simulator_moves_what_was_read(tmp_path: Path, simulator: str, name: str):
+def test_every_simulator_moves_what_was_read(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
     """It follows a command, and its end effector is where the kinematics have it."""
-    placeholders = {"placeholders": changed(('velocity="2" effort="50"', 'velocity="0" effort="0"'))}
-    toml = "max_speed_deg_s = [90, 90, 90, 90]" * (name in placeholders)
-    robot = read_arm(tmp_path, {**BROUGHT, **placeholders}[name], toml)
-    registry = load_registry()
-    simulation = choose(registry, "simulators", simulator).build(registry, "simulators").open(robot, 1, 0.1)
-    simulation.place(robot.home[None])
-    for _ in range(5):
-        state = simulation.drive(robot.home[None] + 0.05, 0.1)
-    np.testing.assert_allclose(state.qpos[0], robot.home + 0.05, rtol=0, atol=1e-3)
-    np.testing.assert_allclose(state.end_effector[0], robot.end_effector(state.qpos[0]), rtol=0, atol=1e-6)
-    simulation.close()
+    for name in [*BROUGHT, "placeholders"]:
+        for simulator in ["kinematic", "mujoco", "pybullet"]:
+            with subtests.test(name=name, simulator=simulator):
+                tmp_path = tmp_path_factory.mktemp("case")
+                placeholders = {"placeholders": changed(('velocity="2" effort="50"', 'velocity="0" effort="0"'))}
+                toml = "max_speed_deg_s = [90, 90, 90, 90]" * (name in placeholders)
+                robot = read_arm(tmp_path, {**BROUGHT, **placeholders}[name], toml)
+                registry = load_registry()
+                simulation = choose(registry, "simulators", simulator).build(registry, "simulators").open(robot, 1, 0.1)
+                simulation.place(robot.home[None])
+                for _ in range(5):
+                    state = simulation.drive(robot.home[None] + 0.05, 0.1)
+                np.testing.assert_allclose(state.qpos[0], robot.home + 0.05, rtol=0, atol=1e-3)
+                np.testing.assert_allclose(state.end_effector[0], robot.end_effector(state.qpos[0]), rtol=0, atol=1e-6)
+                simulation.close()
 
 
-@pytest.mark.parametrize("name", ALIKE)
-def test_what_must_not_matter_does_not(tmp_path: Path, name: str):
+def test_what_must_not_matter_does_not(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
     """The arm is equal, number by number, and Pinocchio agrees."""
-    robot = read_arm(tmp_path, ALIKE[name])
-    assert same(robot, read_arm(tmp_path / "plain", ARM))
-    poses = poses_of(robot)
-    found = tips_of_pinocchio(ALIKE[name], robot, poses)
-    np.testing.assert_allclose(robot.end_effector(poses), found, rtol=0, atol=1e-12)
+    for name, text in ALIKE.items():
+        with subtests.test(name=name):
+            tmp_path = tmp_path_factory.mktemp("case")
+            robot = read_arm(tmp_path, text)
+            assert same(robot, read_arm(tmp_path / "plain", ARM))
+            poses = poses_of(robot)
+            found = tips_of_pinocchio(text, robot, poses)
+            np.testing.assert_allclose(robot.end_effector(poses), found, rtol=0, atol=1e-12)
 
 
 def rewritten(text: str, rng: Random) -> str:
@@ -196,14 +204,17 @@ def test_range_of_a_continuous_joint_is_not_judged(tmp_path: Path):
     assert "upper" not in robot.urdf
 
 
-@pytest.mark.parametrize("name", REFUSED)
-def test_what_cannot_be_read_is_refused_in_one_line(tmp_path: Path, name: str):
+def test_what_cannot_be_read_is_refused_in_one_line(
+    tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests
+):
     """The file, what is wrong, and what to do."""
-    old, new, message = REFUSED[name]
-    with pytest.raises(UsageError, match=message) as caught:
-        read_arm(tmp_path, changed((old, new)))
-    assert str(caught.value).startswith(f"{tmp_path / 'arm.urdf'}: ")
-    assert "\n" not in str(caught.value)
+    for name, (old, new, message) in REFUSED.items():
+        with subtests.test(name=name):
+            tmp_path = tmp_path_factory.mktemp("case")
+            with pytest.raises(UsageError, match=message) as caught:
+                read_arm(tmp_path, changed((old, new)))
+            assert str(caught.value).startswith(f"{tmp_path / 'arm.urdf'}: ")
+            assert "\n" not in str(caught.value)
 
 
 def test_utf_16_is_refused_in_one_line(tmp_path: Path):
@@ -213,13 +224,15 @@ def test_utf_16_is_refused_in_one_line(tmp_path: Path):
         read_robot(tmp_path / "arm.urdf")
 
 
-@pytest.mark.parametrize("name", [*BROUGHT, *ALIKE])
-def test_what_engines_get_is_xml_to_every_parser(tmp_path: Path, name: str):
+def test_what_engines_get_is_xml_to_every_parser(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
     """Also to one that knows namespaces: the tags are those of a URDF."""
-    robot = read_arm(tmp_path, {**BROUGHT, **ALIKE}[name])
-    root = ElementTree.fromstring(robot.urdf)
-    assert root.tag == "robot"
-    assert len(root.findall("link")) >= 6
+    for name in [*BROUGHT, *ALIKE]:
+        with subtests.test(name=name):
+            tmp_path = tmp_path_factory.mktemp("case")
+            robot = read_arm(tmp_path, {**BROUGHT, **ALIKE}[name])
+            root = ElementTree.fromstring(robot.urdf)
+            assert root.tag == "robot"
+            assert len(root.findall("link")) >= 6
 
 
 def test_text_with_a_declared_prefix_stays_as_it_is(tmp_path: Path):

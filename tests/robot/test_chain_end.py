@@ -20,9 +20,9 @@ def arm(*joints: str) -> Urdf:
     return parse_urdf(f'<robot name="r">{named}{text}</robot>')
 
 
-@pytest.mark.parametrize(
-    ("joints", "tip"),
-    [
+def test_tip_is_where_one_chain_ends(subtests: pytest.Subtests):
+    """The last link of a single chain, the palm of a hand; frames fixed beside the way do not count."""
+    rows = [
         (("a>b", "b>c", "c>d"), "d"),
         (("a>b", "b>c", "c>d", "d-e", "e-f"), "f"),
         (("a-world", "a>b", "b>c", "c>d", "d-e"), "e"),
@@ -31,12 +31,11 @@ def arm(*joints: str) -> Urdf:
         (("a>b", "b>c", "c>d", "d-hand", "hand>left", "hand>right", "hand-grasp"), "hand"),
         (("a>b", "b>c", "c>d", "d-hand", "hand-palm", "palm>one", "one>two", "palm>three"), "palm"),
         (("a>b", "b>c", "c>d", "d-left", "left>x", "d-right", "right>y"), "d"),
-    ],
-)
-def test_tip_is_where_one_chain_ends(joints: tuple[str, ...], tip: str):
-    """The last link of a single chain, the palm of a hand; frames fixed beside the way do not count."""
-    assert find_chain_end(arm(*joints)) == tip
-    assert find_chain_end(arm(*reversed(joints))) == tip
+    ]
+    for joints, tip in rows:
+        with subtests.test(joints=joints, tip=tip):
+            assert find_chain_end(arm(*joints)) == tip
+            assert find_chain_end(arm(*reversed(joints))) == tip
 
 
 def test_early_branches_may_be_arms():

@@ -155,12 +155,13 @@ def test_whole_turns_change_nothing(qpos: np.ndarray):
     np.testing.assert_allclose(moved, 2.0 * np.pi * position_jacobian(CHAIN, qpos)[:, 2], atol=1e-12)
 
 
-@pytest.mark.parametrize("compute", [forward, end_effector_position, position_jacobian])
-@pytest.mark.parametrize("shape", [(), (1,), (3,), (5,), (4, 1), (2, 5)])
-def test_wrong_shape_is_refused(compute, shape: tuple[int, ...]):
+def test_wrong_shape_is_refused(subtests: pytest.Subtests):
     """Positions that are not one per joint are refused, also where they would broadcast."""
-    with pytest.raises(UsageError, match=r"qpos has shape \(.*\), allowed is \(\.\.\., 4\)"):
-        compute(CHAIN, np.zeros(shape))
+    for compute in [forward, end_effector_position, position_jacobian]:
+        for shape in [(), (1,), (3,), (5,), (4, 1), (2, 5)]:
+            refused = pytest.raises(UsageError, match=r"qpos has shape \(.*\), allowed is \(\.\.\., 4\)")
+            with subtests.test(compute=compute, shape=shape), refused:
+                compute(CHAIN, np.zeros(shape))
 
 
 @given(POSES)

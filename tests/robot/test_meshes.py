@@ -36,23 +36,23 @@ def text_stl(corners: np.ndarray) -> bytes:
     return f"solid part\n{facets}endsolid part\n".encode()
 
 
-@pytest.mark.parametrize(
-    ("name", "data"),
-    [
+def test_stl_is_its_triangles(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
+    """Binary or text, whatever the first word is: each point once, each triangle with its corners in order."""
+    rows = [
         ("a.stl", binary_stl(CORNERS)),
         ("a.STL", binary_stl(CORNERS, b"solid, says the header of many a binary file")),
         ("a.stl", binary_stl(CORNERS) + b"a few bytes more"),
         ("a.stl", text_stl(CORNERS)),
         ("a.stl", text_stl(CORNERS).replace(b"\n", b"\r\n")),
         ("a.stl", text_stl(CORNERS).upper()),
-    ],
-)
-def test_stl_is_its_triangles(tmp_path: Path, name: str, data: bytes):
-    """Binary or text, whatever the first word is: each point once, each triangle with its corners in order."""
-    (tmp_path / name).write_bytes(data)
-    mesh = read_mesh(tmp_path / name)
-    np.testing.assert_array_equal(mesh.vertices, POINTS)
-    np.testing.assert_array_equal(mesh.vertices[mesh.faces], CORNERS)
+    ]
+    for name, data in rows:
+        with subtests.test(name=name, data=data):
+            tmp_path = tmp_path_factory.mktemp("case")
+            (tmp_path / name).write_bytes(data)
+            mesh = read_mesh(tmp_path / name)
+            np.testing.assert_array_equal(mesh.vertices, POINTS)
+            np.testing.assert_array_equal(mesh.vertices[mesh.faces], CORNERS)
 
 
 def test_triangle_without_area_is_left_out(tmp_path: Path):
@@ -62,29 +62,29 @@ def test_triangle_without_area_is_left_out(tmp_path: Path):
     np.testing.assert_array_equal(read_mesh(tmp_path / "a.stl").faces.shape, (2, 3))
 
 
-@pytest.mark.parametrize(
-    "faces",
-    [
+def test_obj_is_its_points_and_polygons(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
+    """Objects are taken as one, textures and normals are left, a polygon becomes a fan of triangles."""
+    rows = [
         "f 1 2 3 4",
         "f 1/1 2/2 3/3 4/4",
         "f 1//7 2//7 3//7 4//7",
         "f -4 -3 -2 -1",
         "f 1/1/1 2/2/2 3/3/3\nf 1 3 4",
         "f 1 2 \\\n3 4",
-    ],
-)
-def test_obj_is_its_points_and_polygons(tmp_path: Path, faces: str):
-    """Objects are taken as one, textures and normals are left, a polygon becomes a fan of triangles."""
-    points = "mtllib a.mtl\no one\nv 0 0 0\nv 1 0 0 1.0\nvn 0 0 1\nvt 0 0\no two\n  v 1 1 0\nv 0 1 0\n"
-    (tmp_path / "a.obj").write_text(f"{points}usemtl m\n{faces}\nl 1 2\n")
-    mesh = read_mesh(tmp_path / "a.obj")
-    np.testing.assert_array_equal(mesh.vertices, [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
-    np.testing.assert_array_equal(mesh.faces, [[0, 1, 2], [0, 2, 3]])
+    ]
+    for faces in rows:
+        with subtests.test(faces=faces):
+            tmp_path = tmp_path_factory.mktemp("case")
+            points = "mtllib a.mtl\no one\nv 0 0 0\nv 1 0 0 1.0\nvn 0 0 1\nvt 0 0\no two\n  v 1 1 0\nv 0 1 0\n"
+            (tmp_path / "a.obj").write_text(f"{points}usemtl m\n{faces}\nl 1 2\n")
+            mesh = read_mesh(tmp_path / "a.obj")
+            np.testing.assert_array_equal(mesh.vertices, [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+            np.testing.assert_array_equal(mesh.faces, [[0, 1, 2], [0, 2, 3]])
 
 
-@pytest.mark.parametrize(
-    ("name", "data", "message"),
-    [
+def test_bad_mesh_is_refused_in_one_line(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
+    """The line names the file, what is wrong, and what to do."""
+    rows = [
         ("a.dae", b"<COLLADA/>", "is no STL or OBJ file. Convert it"),
         ("a.obj", b"", "it holds no points, or some"),
         ("a.stl", b"", "it holds no points, or some"),
@@ -102,15 +102,15 @@ def test_obj_is_its_points_and_polygons(tmp_path: Path, faces: str):
         ("a.obj", b"v 1 2 3\nf 1 a 1\n", "cannot be read as a mesh"),
         ("a.obj", b"v 1 2 3\nv 1 2 4\nf 1 2 3\n", "triangles with corners that it does not have"),
         ("a.obj", b"v 1 2 3\nv 1 2 4\nf 1 2 -3\n", "triangles with corners that it does not have"),
-    ],
-)
-def test_bad_mesh_is_refused_in_one_line(tmp_path: Path, name: str, data: bytes, message: str):
-    """The line names the file, what is wrong, and what to do."""
-    (tmp_path / name).write_bytes(data)
-    with pytest.raises(UsageError, match=re.escape(message)) as caught:
-        read_mesh(tmp_path / name)
-    assert str(caught.value).startswith(f"'{tmp_path / name}' ")
-    assert "\n" not in str(caught.value)
+    ]
+    for name, data, message in rows:
+        with subtests.test(name=name, data=data, message=message):
+            tmp_path = tmp_path_factory.mktemp("case")
+            (tmp_path / name).write_bytes(data)
+            with pytest.raises(UsageError, match=re.escape(message)) as caught:
+                read_mesh(tmp_path / name)
+            assert str(caught.value).startswith(f"'{tmp_path / name}' ")
+            assert "\n" not in str(caught.value)
 
 
 def test_mesh_that_changed_is_read_again(tmp_path: Path):
@@ -214,9 +214,9 @@ def test_too_many_triangles_are_refused(tmp_path: Path, name: str, data: bytes):
     assert re.search(r"it has 2\d\d,\d\d\d triangles or more, 200,000 are allowed", refuse(tmp_path / name))
 
 
-@pytest.mark.parametrize(
-    ("name", "data"),
-    [
+def test_bytes_that_make_no_mesh_are_refused(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
+    """A count that lies, numbers that no type holds, corners that are not there."""
+    rows = [
         ("a.stl", bytes(80) + b"\xff\xff\xff\xff"),
         ("a.stl", bytes(80) + struct.pack("<I", 1) + b"\x01\x00\xa0\x7f" * 12 + b"\0\0"),
         ("a.stl", bytes(80) + struct.pack("<I", 1) + struct.pack("<12fH", *[1e38] * 12, 0)),
@@ -226,12 +226,12 @@ def test_too_many_triangles_are_refused(tmp_path: Path, name: str, data: bytes):
         ("a.obj", b"v 1e400 0 0\n"),
         ("a.obj", b"v 1\n"),
         ("a.obj", b"v 1 2 3\nf  \n"),
-    ],
-)
-def test_bytes_that_make_no_mesh_are_refused(tmp_path: Path, name: str, data: bytes):
-    """A count that lies, numbers that no type holds, corners that are not there."""
-    (tmp_path / name).write_bytes(data)
-    assert "cannot be read as a mesh" in refuse(tmp_path / name)
+    ]
+    for name, data in rows:
+        with subtests.test(name=name, data=data):
+            tmp_path = tmp_path_factory.mktemp("case")
+            (tmp_path / name).write_bytes(data)
+            assert "cannot be read as a mesh" in refuse(tmp_path / name)
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes in the file system")

@@ -64,29 +64,29 @@ def test_text_is_that_of_the_element(tmp_path: Path):
     assert ElementTree.tostring(given.element) == before
 
 
-@pytest.mark.parametrize(
-    ("kind", "limits", "position"),
-    [
+def test_other_joints_are_fixed_where_they_are_nearest_to_zero(
+    tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests
+):
+    """What the joint carries is, in the fixed one, exactly where it was at that position."""
+    rows = [
         ("prismatic", (0.02, 0.05), 0.02),
         ("prismatic", (-0.05, -0.01), -0.01),
         ("prismatic", (-1.0, 1.0), 0.0),
         ("revolute", (0.7, 1.5), 0.7),
         ("revolute", (-3.0, 1.5), 0.0),
         ("continuous", (0.5, 0.7), 0.0),
-    ],
-)
-def test_other_joints_are_fixed_where_they_are_nearest_to_zero(
-    tmp_path: Path, kind: str, limits: tuple[float, float], position: float
-):
-    """What the joint carries is, in the fixed one, exactly where it was at that position."""
-    given = 'lower="{}" upper="{}"'.format(*limits)
-    urdf = URDF.replace('"prismatic"', f'"{kind}"').replace('lower="0.02" upper="0.05"', given)
-    plain = normal(urdf, tmp_path)
-    grip = _parts(plain)["grip"]
-    assert grip.get("type") == "fixed"
-    assert {part.tag for part in grip} == {"parent", "child", "origin"}
-    before = finger_pose(parse_urdf(urdf), 0.3, position)
-    np.testing.assert_allclose(finger_pose(plain, 0.3), before, atol=1e-15)
+    ]
+    for kind, limits, position in rows:
+        with subtests.test(kind=kind, limits=limits, position=position):
+            tmp_path = tmp_path_factory.mktemp("case")
+            given = 'lower="{}" upper="{}"'.format(*limits)
+            urdf = URDF.replace('"prismatic"', f'"{kind}"').replace('lower="0.02" upper="0.05"', given)
+            plain = normal(urdf, tmp_path)
+            grip = _parts(plain)["grip"]
+            assert grip.get("type") == "fixed"
+            assert {part.tag for part in grip} == {"parent", "child", "origin"}
+            before = finger_pose(parse_urdf(urdf), 0.3, position)
+            np.testing.assert_allclose(finger_pose(plain, 0.3), before, atol=1e-15)
 
 
 @pytest.mark.parametrize("kind", ["floating", "planar"])

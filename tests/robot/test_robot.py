@@ -209,9 +209,9 @@ def test_meshes_start_at_the_folder_of_the_urdf(tmp_path: Path):
     assert str(caught.value).startswith(message)
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
+def test_bad_settings_are_refused_in_one_line(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
+    """Each fault of robot.toml is a UsageError of one line that names the file."""
+    rows = [
         (
             'name = "arm"',
             "name = arm",
@@ -262,16 +262,16 @@ def test_meshes_start_at_the_folder_of_the_urdf(tmp_path: Path):
         ("[90, 180.0]", "{ elbow = 0 }", "robot.toml: max_speed_deg_s of 'elbow' is 0. Give a positive value."),
         ("[90, 180.0]", "{ shoulder = 1 }", "joint 'elbow': no velocity limit above 0. Write into "),
         ("[90, 180.0]", "[91, 180]", "robot.toml: max_speed_deg_s of 'shoulder' is 91; the URDF allows 90."),
-    ],
-)
-def test_bad_settings_are_refused_in_one_line(tmp_path: Path, old: str, new: str, message: str):
-    """Each fault of robot.toml is a UsageError of one line that names the file."""
-    toml = TOML.replace(old, new)
-    assert toml != TOML
-    with pytest.raises(UsageError, match=message) as caught:
-        read_robot(_write(tmp_path, toml=toml))
-    assert str(tmp_path) in str(caught.value)
-    assert "\n" not in str(caught.value)
+    ]
+    for old, new, message in rows:
+        with subtests.test(old=old, new=new, message=message):
+            tmp_path = tmp_path_factory.mktemp("case")
+            toml = TOML.replace(old, new)
+            assert toml != TOML
+            with pytest.raises(UsageError, match=message) as caught:
+                read_robot(_write(tmp_path, toml=toml))
+            assert str(tmp_path) in str(caught.value)
+            assert "\n" not in str(caught.value)
 
 
 def test_numbers_may_stand_by_the_joints_names(tmp_path: Path):
@@ -283,17 +283,19 @@ def test_numbers_may_stand_by_the_joints_names(tmp_path: Path):
     assert (named.home[1], named.home[0]) == (robot.home[1], 0.5)  # the middle of the shoulder's range
 
 
-@pytest.mark.parametrize("velocity", ["0", "0.0", "-1", "", "inf", "1.7976931348623157e+308", "x"])
-def test_robot_toml_wins_over_a_placeholder(tmp_path: Path, velocity: str):
+def test_robot_toml_wins_over_a_placeholder(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
     """What is no speed limits none; without robot.toml the line to write is told, and it works."""
-    urdf = URDF.replace('velocity="1.5707963267948966"', f'velocity="{velocity}"')
-    assert read_robot(_write(tmp_path, urdf=urdf)).max_speed[0] == np.pi / 2
-    (tmp_path / "robot.toml").unlink()
-    with pytest.raises(UsageError, match="joint 'shoulder' and 1 more: no velocity limit above 0") as caught:
-        read_robot(tmp_path / "arm.urdf")
-    file, line = str(caught.value).rpartition("Write into ")[2].split(", with the arm's own numbers: ")
-    Path(file).write_text(line)
-    assert read_robot(tmp_path / "arm.urdf").max_speed.tolist() == [np.pi / 2, np.pi / 2, 0.5]
+    for velocity in ["0", "0.0", "-1", "", "inf", "1.7976931348623157e+308", "x"]:
+        with subtests.test(velocity=velocity):
+            tmp_path = tmp_path_factory.mktemp("case")
+            urdf = URDF.replace('velocity="1.5707963267948966"', f'velocity="{velocity}"')
+            assert read_robot(_write(tmp_path, urdf=urdf)).max_speed[0] == np.pi / 2
+            (tmp_path / "robot.toml").unlink()
+            with pytest.raises(UsageError, match="joint 'shoulder' and 1 more: no velocity limit above 0") as caught:
+                read_robot(tmp_path / "arm.urdf")
+            file, line = str(caught.value).rpartition("Write into ")[2].split(", with the arm's own numbers: ")
+            Path(file).write_text(line)
+            assert read_robot(tmp_path / "arm.urdf").max_speed.tolist() == [np.pi / 2, np.pi / 2, 0.5]
 
 
 def test_what_to_write_has_both_kinds_of_joints(tmp_path: Path):

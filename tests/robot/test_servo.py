@@ -101,9 +101,9 @@ def test_drives_cannot_be_changed(tmp_path: Path):
         servo.latency = 1.0
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
+def test_bad_drives_are_refused_in_one_line(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
+    """Each fault is a UsageError of one line that names the file and the table."""
+    rows = [
         ("[servo]", "servo = 5", r"robot.toml: servo is 5. Write a table: \[servo\], and its keys below."),
         ("latency_s", "delay_s", r"robot.toml: \[servo\]: unknown delay_s. The keys are max_torque_nm, max_force_n"),
         (
@@ -125,15 +125,15 @@ def test_drives_cannot_be_changed(tmp_path: Path):
         ("0.012", "-1", r"\[servo\]: latency_s is -1. Give 0 or more."),
         ("0.012", '"soon"', r"\[servo\]: latency_s is 'soon'. Give a finite number."),
         ("= false", "= 1", r"\[servo\]: gravity_compensated is 1. Give true or false."),
-    ],
-)
-def test_bad_drives_are_refused_in_one_line(tmp_path: Path, old: str, new: str, message: str):
-    """Each fault is a UsageError of one line that names the file and the table."""
-    toml = TOML.replace(old, new) if new != "servo = 5" else "servo = 5\n" + TOML[: TOML.index("[servo]")]
-    assert toml != TOML
-    with pytest.raises(UsageError, match=message) as refused:
-        _read(tmp_path, toml)
-    assert "\n" not in str(refused.value)
+    ]
+    for old, new, message in rows:
+        with subtests.test(old=old, new=new, message=message):
+            tmp_path = tmp_path_factory.mktemp("case")
+            toml = TOML.replace(old, new) if new != "servo = 5" else "servo = 5\n" + TOML[: TOML.index("[servo]")]
+            assert toml != TOML
+            with pytest.raises(UsageError, match=message) as refused:
+                _read(tmp_path, toml)
+            assert "\n" not in str(refused.value)
 
 
 @given(st.lists(st.floats(-1e3, 1e3), min_size=10, max_size=10))
@@ -155,10 +155,11 @@ def test_weight_counts_only_where_it_is_compensated():
     assert _servo(gravity_compensated=False).torque(*at_rest, gravity=[0.5, 7.0]).tolist() == [0.0, 0.0]
 
 
-@pytest.mark.parametrize(("latency", "steps"), [(0.0, 0), (0.002, 0), (0.0025, 1), (0.007, 1), (0.01, 2), (0.1, 20)])
-def test_latency_is_rounded_to_physics_steps(latency: float, steps: int):
+def test_latency_is_rounded_to_physics_steps(subtests: pytest.Subtests):
     """To the nearest; halves go up."""
-    assert _servo(latency=latency).delay(0.005) == steps
+    for latency, steps in [(0.0, 0), (0.002, 0), (0.0025, 1), (0.007, 1), (0.01, 2), (0.1, 20)]:
+        with subtests.test(latency=latency, steps=steps):
+            assert _servo(latency=latency).delay(0.005) == steps
 
 
 def test_digest_is_that_of_the_numbers():

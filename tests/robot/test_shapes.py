@@ -61,9 +61,9 @@ def test_shape_of_a_fixed_link_is_in_the_frame_of_its_joint(attached: Shapes):
     np.testing.assert_allclose(sphere.T_link_shape[:3, 3], [0.7, 0.0, 0.0], atol=1e-15)
 
 
-@pytest.mark.parametrize(
-    ("good", "bad", "message"),
-    [
+def test_malformed_shape_is_a_usage_error(arm_text: str, subtests: pytest.Subtests):
+    """One line names the link, what was given and what belongs there."""
+    rows = [
         ('<box size="0.1 0.2 0.3"/>', '<box size="0.1 0.2"/>', "3 finite numbers"),
         ('<box size="0.1 0.2 0.3"/>', "<box/>", "3 finite numbers"),
         ('<box size="0.1 0.2 0.3"/>', '<box size="0.1 -0.2 0.3"/>', "positive"),
@@ -76,15 +76,14 @@ def test_shape_of_a_fixed_link_is_in_the_frame_of_its_joint(attached: Shapes):
         ('<cylinder radius="0.05" length="0.4"/>', '<cylinder radius="0" length="0.4"/>', "<cylinder radius=...>"),
         ('xyz="0.1 0.2 0.3" rpy', 'xyz="0.1 0.2" rpy', "<origin>"),
         ('rpy="0.4 0.5 0.6"/> <geometry>', 'rpy="a b c"/> <geometry>', "<origin>"),
-    ],
-)
-def test_malformed_shape_is_a_usage_error(arm_text: str, good: str, bad: str, message: str):
-    """One line names the link, what was given and what belongs there."""
-    assert arm_text.count(good) == 1
-    with pytest.raises(UsageError, match=re.escape(message)) as caught:
-        read_shapes(parse_urdf(arm_text.replace(good, bad)))
-    assert str(caught.value).startswith("Link 'upper' ")
-    assert "\n" not in str(caught.value)
+    ]
+    for good, bad, message in rows:
+        with subtests.test(good=good, bad=bad, message=message):
+            assert arm_text.count(good) == 1
+            with pytest.raises(UsageError, match=re.escape(message)) as caught:
+                read_shapes(parse_urdf(arm_text.replace(good, bad)))
+            assert str(caught.value).startswith("Link 'upper' ")
+            assert "\n" not in str(caught.value)
 
 
 def test_malformed_fixed_joint_is_a_usage_error(arm_text: str):

@@ -88,9 +88,9 @@ def test_defaults_are_those_of_the_urdf_reference():
     assert (slide.xyz, slide.rpy, slide.axis) == ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (1.0, 0.0, 0.0))
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
+def test_bad_file_is_refused_in_one_line(subtests: pytest.Subtests):
+    """Each fault of a URDF is a UsageError of one line that names what was given."""
+    rows = [
         ("</robot>", "", "The URDF is not well-formed XML: no element found"),
         ("robot", "mujoco", "The outermost element is <mujoco>, a URDF's is <robot>."),
         ('<link name="finger"/>', '<link name="finger"/> <link/>', "A <link> of the URDF has no name."),
@@ -125,15 +125,14 @@ def test_defaults_are_those_of_the_urdf_reference():
         ('upper="2"', 'upper="inf"', "Joint 'bend' has 'inf' where a finite number belongs."),
         ("0 0 -2", "0 0 1_0", "Joint 'bend' has '1_0' where a finite number belongs."),
         ('<axis xyz="0 0 -2"/>', "<axis/>", "Joint 'bend' has an <axis> without xyz."),
-    ],
-)
-def test_bad_file_is_refused_in_one_line(old: str, new: str, message: str):
-    """Each fault of a URDF is a UsageError of one line that names what was given."""
-    urdf = ARM.replace(old, new)
-    assert urdf != ARM
-    with pytest.raises(UsageError, match=message) as caught:
-        chain_of(urdf, "tip")
-    assert "\n" not in str(caught.value)
+    ]
+    for old, new, message in rows:
+        with subtests.test(old=old, new=new, message=message):
+            urdf = ARM.replace(old, new)
+            assert urdf != ARM
+            with pytest.raises(UsageError, match=message) as caught:
+                chain_of(urdf, "tip")
+            assert "\n" not in str(caught.value)
 
 
 def test_tip_without_name_is_refused():

@@ -187,19 +187,20 @@ def test_simulators_keep_the_contract_with_the_other_arms(robot: Robot, simulato
     _require_contract(simulator, robot)
 
 
-@pytest.mark.parametrize("simulator", [*ENGINES, "kinematic"])
-@pytest.mark.parametrize("name", PUBLISHED)
-def test_episodes_of_a_published_arm(name: str, simulator: str):
+def test_episodes_of_a_published_arm(subtests: pytest.Subtests):
     """The reach task takes the path of a URDF: it starts in the air, moves the arm, and gives numbers."""
-    data = pytest.importorskip("pybullet_data")
-    env = harness.make_env(simulator, robot=Path(data.getDataPath(), PUBLISHED[name][0]), num_envs=2)
-    first, _ = env.reset(seed=0)
-    for _ in range(10):
-        observation, reward, *_ = env.step(env.action_space.sample())
-        assert np.isfinite(observation).all()
-        assert np.isfinite(reward).all()
-    env.close()
-    assert np.abs(observation - first).max() > 0.01
+    for simulator in [*ENGINES, "kinematic"]:
+        for name in PUBLISHED:
+            with subtests.test(simulator=simulator, name=name):
+                data = pytest.importorskip("pybullet_data")
+                env = harness.make_env(simulator, robot=Path(data.getDataPath(), PUBLISHED[name][0]), num_envs=2)
+                first, _ = env.reset(seed=0)
+                for _ in range(10):
+                    observation, reward, *_ = env.step(env.action_space.sample())
+                    assert np.isfinite(observation).all()
+                    assert np.isfinite(reward).all()
+                env.close()
+                assert np.abs(observation - first).max() > 0.01
 
 
 def test_what_mujoco_cannot_read_is_refused_in_one_line(tmp_path: Path):

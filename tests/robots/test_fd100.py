@@ -43,9 +43,9 @@ def _height_above_ground(model: mujoco.MjModel, data: mujoco.MjData, qpos: np.nd
     return min(mujoco.mj_geomDistance(model, data, ground, geom, 3.0, None) for geom in moving)
 
 
-@pytest.mark.parametrize(
-    ("qpos_deg", "position"),
-    [
+def test_pose_computed_by_hand(subtests: pytest.Subtests):
+    """The flange is where the nominal lengths put it."""
+    rows = [
         # d1 + a2 + a3 = 1.16 up, a1 + d4 + d6 = 0.92 forward
         ([0, 0, 0, 0, 0, 0], (0.92, 0.0, 1.16)),
         ([90, 0, 0, 0, 0, 0], (0.0, 0.92, 1.16)),
@@ -58,11 +58,10 @@ def _height_above_ground(model: mujoco.MjModel, data: mujoco.MjData, qpos: np.nd
         # the forearm up, by 90 degrees from the upper arm leant forward: x = a1 + a2 + d4 + d6, z = d1 + a3
         ([0, 90, -90, 0, 0, 0], (1.53, 0.0, 0.55)),
         ([0, 0, 0, 40, 0, 300], (0.92, 0.0, 1.16)),
-    ],
-)
-def test_pose_computed_by_hand(qpos_deg: list[float], position: tuple[float, float, float]):
-    """The flange is where the nominal lengths put it."""
-    np.testing.assert_allclose(ROBOT.end_effector(np.radians(qpos_deg)), position, atol=1e-12)
+    ]
+    for qpos_deg, position in rows:
+        with subtests.test(qpos_deg=qpos_deg, position=position):
+            np.testing.assert_allclose(ROBOT.end_effector(np.radians(qpos_deg)), position, atol=1e-12)
 
 
 def test_tool_points_along_the_forearm(model: mujoco.MjModel, data: mujoco.MjData):
@@ -178,15 +177,16 @@ def test_masses_are_those_of_an_arm_of_this_size():
     assert all(inner >= outer > 0.0 for inner, outer in pairwise(masses))
 
 
-@pytest.mark.parametrize("link", LINKS, ids=lambda link: link.get("name"))
-def test_inertia_is_that_of_the_first_shape_when_solid(link: ElementTree.Element):
+def test_inertia_is_that_of_the_first_shape_when_solid(subtests: pytest.Subtests):
     """Each inertia is that of the link's whole mass in its first shape, about that shape's centre, along its axes."""
-    mass = float(link.find("inertial/mass").get("value"))
-    inertia = {name: float(value) for name, value in link.find("inertial/inertia").attrib.items()}
-    assert link.find("inertial/origin").attrib == link.find("collision/origin").attrib
-    solid = mass / 12.0 * np.array(_squares(link.find("collision/geometry")[0]))
-    np.testing.assert_allclose([inertia["ixx"], inertia["iyy"], inertia["izz"]], solid, rtol=1e-5)
-    assert inertia["ixy"] == inertia["ixz"] == inertia["iyz"] == 0.0
+    for link in LINKS:
+        with subtests.test(link=link):
+            mass = float(link.find("inertial/mass").get("value"))
+            inertia = {name: float(value) for name, value in link.find("inertial/inertia").attrib.items()}
+            assert link.find("inertial/origin").attrib == link.find("collision/origin").attrib
+            solid = mass / 12.0 * np.array(_squares(link.find("collision/geometry")[0]))
+            np.testing.assert_allclose([inertia["ixx"], inertia["iyy"], inertia["izz"]], solid, rtol=1e-5)
+            assert inertia["ixy"] == inertia["ixz"] == inertia["iyz"] == 0.0
 
 
 def _squares(shape: ElementTree.Element) -> tuple[float, float, float]:
@@ -198,11 +198,12 @@ def _squares(shape: ElementTree.Element) -> tuple[float, float, float]:
     return 3 * radius**2 + length**2, 3 * radius**2 + length**2, 6 * radius**2
 
 
-@pytest.mark.parametrize("link", LINKS, ids=lambda link: link.get("name"))
-def test_inertia_can_exist(link: ElementTree.Element):
+def test_inertia_can_exist(subtests: pytest.Subtests):
     """Each inertia is positive definite, and no principal moment exceeds the sum of the other two."""
-    i = {name: float(value) for name, value in link.find("inertial/inertia").attrib.items()}
-    tensor = [[i["ixx"], i["ixy"], i["ixz"]], [i["ixy"], i["iyy"], i["iyz"]], [i["ixz"], i["iyz"], i["izz"]]]
-    moments = np.linalg.eigvalsh(tensor)
-    assert moments[0] > 0.0
-    assert moments[2] <= moments[0] + moments[1]
+    for link in LINKS:
+        with subtests.test(link=link):
+            i = {name: float(value) for name, value in link.find("inertial/inertia").attrib.items()}
+            tensor = [[i["ixx"], i["ixy"], i["ixz"]], [i["ixy"], i["iyy"], i["iyz"]], [i["ixz"], i["iyz"], i["izz"]]]
+            moments = np.linalg.eigvalsh(tensor)
+            assert moments[0] > 0.0
+            assert moments[2] <= moments[0] + moments[1]

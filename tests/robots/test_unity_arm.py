@@ -126,10 +126,13 @@ def _capsule_ends(capsule: dict, qpos: np.ndarray) -> np.ndarray:
     return np.array([_mirrored(_unity_point(capsule["node"], end, qpos)) for end in ends])
 
 
-@pytest.mark.parametrize(("angles_deg", "unity"), CHECK_POINTS)
-def test_end_effector_is_that_of_the_original(angles_deg: tuple[float, ...], unity: tuple[float, float, float]):
+def test_end_effector_is_that_of_the_original(subtests: pytest.Subtests):
     """At the same angles in degrees the end effector is the mirror image of the original's."""
-    np.testing.assert_allclose(ROBOT.end_effector(np.radians(angles_deg)), _mirrored(unity), rtol=0.0, atol=1e-6)
+    for angles_deg, unity in CHECK_POINTS:
+        with subtests.test(angles_deg=angles_deg, unity=unity):
+            np.testing.assert_allclose(
+                ROBOT.end_effector(np.radians(angles_deg)), _mirrored(unity), rtol=0.0, atol=1e-6
+            )
 
 
 def test_home_is_the_recorded_start():
@@ -255,15 +258,18 @@ def test_masses_are_those_of_an_arm_of_this_size():
     assert all(inner >= outer > 0.0 for inner, outer in pairwise(masses))
 
 
-@pytest.mark.parametrize("link", list(LINKS.values()), ids=LINKS)
-def test_inertia_is_that_of_the_solid_shape(link: ElementTree.Element):
+def test_inertia_is_that_of_the_solid_shape(subtests: pytest.Subtests):
     """Each inertia is that of the link's whole mass in its shape; real, since no moment exceeds the other two."""
-    i = {name: float(value) for name, value in link.find("inertial/inertia").attrib.items()}
-    moments = np.array([i["ixx"], i["iyy"], i["izz"]])
-    assert link.find("inertial/origin").attrib == link.find("visual/origin").attrib
-    np.testing.assert_allclose(moments, float(link.find("inertial/mass").get("value")) * _squares(link), rtol=1e-5)
-    assert i["ixy"] == i["ixz"] == i["iyz"] == 0.0
-    assert 0.0 < max(moments) <= sum(moments) - max(moments)
+    for case, link in LINKS.items():
+        with subtests.test(case):
+            i = {name: float(value) for name, value in link.find("inertial/inertia").attrib.items()}
+            moments = np.array([i["ixx"], i["iyy"], i["izz"]])
+            assert link.find("inertial/origin").attrib == link.find("visual/origin").attrib
+            np.testing.assert_allclose(
+                moments, float(link.find("inertial/mass").get("value")) * _squares(link), rtol=1e-5
+            )
+            assert i["ixy"] == i["ixz"] == i["iyz"] == 0.0
+            assert 0.0 < max(moments) <= sum(moments) - max(moments)
 
 
 def _squares(link: ElementTree.Element) -> np.ndarray:

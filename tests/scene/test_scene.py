@@ -91,20 +91,20 @@ def test_what_collides_stands_in_for_an_empty_mesh(tmp_path: Path):
     assert [len(body.faces) for body in scene.bodies if body.joint == 1] == [12]
 
 
-@pytest.mark.parametrize(
-    ("material", "colour"),
-    [
+def test_what_has_no_colour_is_grey(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
+    """No material, one that the URDF does not have, or one whose colour is none."""
+    rows = [
         ("", GREY),
         ('<material name="blue"/>', GREY),
         ('<material name="own"><color rgba="0 0.5 1 1"/></material>', "#0080ff"),
         ('<material name="own"><color rgba="sky blue"/></material>', GREY),
         ('<material name="own"><color rgba="2 0 0 1"/></material>', GREY),
         ('<material name="own"><color rgba="nan 0 0 1"/></material>', GREY),
-    ],
-)
-def test_what_has_no_colour_is_grey(tmp_path: Path, material: str, colour: str):
-    """No material, one that the URDF does not have, or one whose colour is none."""
-    assert {body.colour for body in scene_of(meshed(tmp_path, material=material)).bodies} == {colour}
+    ]
+    for material, colour in rows:
+        with subtests.test(material=material, colour=colour):
+            tmp_path = tmp_path_factory.mktemp("case")
+            assert {body.colour for body in scene_of(meshed(tmp_path, material=material)).bodies} == {colour}
 
 
 def test_an_arm_has_so_many_triangles_at_most(robot: Robot, scene: Scene):

@@ -442,9 +442,9 @@ def write_parquet(path: Path, columns: dict[str, object], version: bytes = b"1")
     return path
 
 
-@pytest.mark.parametrize(
-    ("columns", "version"),
-    [
+def test_a_trace_of_other_types_is_refused(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
+    """Whatever pyarrow or Python says of it."""
+    rows = [
         ({"reward": ["a"]}, b"1"),
         ({"reward": [[1.0]]}, b"1"),
         ({"reward": [None]}, b"1"),
@@ -452,11 +452,11 @@ def write_parquet(path: Path, columns: dict[str, object], version: bytes = b"1")
         ({"reward": [1.0]}, b"x"),
         ({"reward": [1.0]}, b"\xff"),
         ({"reward": [1.0]}, b"9" * 5_000),
-    ],
-)
-def test_a_trace_of_other_types_is_refused(tmp_path: Path, columns: dict[str, object], version: bytes):
-    """Whatever pyarrow or Python says of it."""
-    refuse(write_parquet(tmp_path / "a.parquet", columns, version))
+    ]
+    for columns, version in rows:
+        with subtests.test(columns=columns, version=version):
+            tmp_path = tmp_path_factory.mktemp("case")
+            refuse(write_parquet(tmp_path / "a.parquet", columns, version))
 
 
 def test_a_trace_of_too_many_rows_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

@@ -46,9 +46,9 @@ def test_joints_go_through_the_function():
     assert arm.end_effector(np.full((1, 6), 180.0)) == pytest.approx(np.full((1, 3), np.pi))
 
 
-@pytest.mark.parametrize(
-    ("text", "told"),
-    [
+def test_a_map_that_is_none_is_refused(subtests: pytest.Subtests):
+    """In one line, which says what to write."""
+    rows = [
         ("", "name target and one of"),
         ("end_effector=0:3", "name target and one of"),
         ("end_effector=0:3,joints=0:6,target=3:6", "name target and one of"),
@@ -59,12 +59,10 @@ def test_joints_go_through_the_function():
         ("end_effector=[0:3],target=3:6", "is no place"),
         ("end_effector=0:3,target=0.3/0.1", "three numbers in metres"),
         ("end_effector=0:3,target=0.3/0.1/nan", "three numbers in metres"),
-    ],
-)
-def test_a_map_that_is_none_is_refused(text, told):
-    """In one line, which says what to write."""
-    with pytest.raises(UsageError, match=told):
-        parse_places(text)
+    ]
+    for text, told in rows:
+        with subtests.test(text=text, told=told), pytest.raises(UsageError, match=told):
+            parse_places(text)
 
 
 def test_a_place_beyond_the_vector_is_refused():

@@ -87,16 +87,19 @@ STEPS = {
 }
 
 
-@pytest.mark.parametrize("name", STEPS)
-def test_rows_that_are_steps_are_read(tmp_path: Path, name: str):
+def test_rows_that_are_steps_are_read(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
     """Whatever else stands beside the reward."""
-    header, rows = STEPS[name]
-    assert rewards_of(write(tmp_path / "it.csv", header, rows)) == [1.0, 2.0, 3.0, 4.0]
+    for name, (header, rows) in STEPS.items():
+        with subtests.test(name=name):
+            tmp_path = tmp_path_factory.mktemp("case")
+            assert rewards_of(write(tmp_path / "it.csv", header, rows)) == [1.0, 2.0, 3.0, 4.0]
 
 
-@pytest.mark.parametrize(
-    ("header", "rows", "told"),
-    [
+def test_a_count_that_is_no_count_of_steps_is_refused(
+    tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests
+):
+    """Rows that are missing, stand twice or in another order: line, column and both numbers."""
+    cases = [
         ("step,reward", ["0,1", "1000,2", "2000,3"], "line 3: column 'step' goes from 0 to 1,000: rows are missing"),
         ("t,reward", ["0,1", "1,2", "3,3"], "line 4: column 't' goes from 1 to 3: rows are missing"),
         ("t,reward", ["5,1", "6,2", "6,3"], "line 4: column 't' goes from 6 to 6: a row stands twice"),
@@ -108,14 +111,14 @@ def test_rows_that_are_steps_are_read(tmp_path: Path, name: str):
         ),
         (",reward", ["0,1", "10,2"], "column 'without a name' goes from 0 to 10: rows are missing"),
         ("env,t,reward", ["0,0,1", "1,0,2", "0,1,3", "1,2,4"], "line 5: column 't' goes from 0 to 2"),
-    ],
-)
-def test_a_count_that_is_no_count_of_steps_is_refused(tmp_path: Path, header: str, rows: list[str], told: str):
-    """Rows that are missing, stand twice or in another order: line, column and both numbers."""
-    with pytest.raises(UsageError) as raised:
-        rewards_of(write(tmp_path / "it.csv", header, rows))
-    assert told in str(raised.value)
-    assert "delete that column" in str(raised.value)
+    ]
+    for header, rows, told in cases:
+        with subtests.test(header=header, rows=rows, told=told):
+            tmp_path = tmp_path_factory.mktemp("case")
+            with pytest.raises(UsageError) as raised:
+                rewards_of(write(tmp_path / "it.csv", header, rows))
+            assert told in str(raised.value)
+            assert "delete that column" in str(raised.value)
 
 
 def test_counts_go_on_across_pieces(tmp_path: Path):

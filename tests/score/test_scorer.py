@@ -147,15 +147,16 @@ def _reward(request: pytest.FixtureRequest) -> Iterator[Reward]:
 # Exactly what was paid
 
 
-@pytest.mark.parametrize("simulator", ["ideal", "mujoco"])
-@pytest.mark.parametrize("text", CHOICES)
-def test_every_reward_is_scored_as_it_was_paid(text: str, simulator: str):
+def test_every_reward_is_scored_as_it_was_paid(subtests: pytest.Subtests):
     """Bit for bit the recorded column, in a batch of envs, over many episodes."""
-    trace = record(text, simulator)
-    assert trace["reached"].any()
-    assert trace["truncated"].any()
-    assert text == "sparse" or np.unique(trace["reward"]).size > len(trace) // 2
-    np.testing.assert_array_equal(score(reward_of(text), trace), trace["reward"])
+    for simulator in ["ideal", "mujoco"]:
+        for text in CHOICES:
+            with subtests.test(simulator=simulator, text=text):
+                trace = record(text, simulator)
+                assert trace["reached"].any()
+                assert trace["truncated"].any()
+                assert text == "sparse" or np.unique(trace["reward"]).size > len(trace) // 2
+                np.testing.assert_array_equal(score(reward_of(text), trace), trace["reward"])
 
 
 @cache
@@ -183,15 +184,16 @@ def record_tour_under(reward: Reward) -> Log:
         return read_trace(path).load()
 
 
-@pytest.mark.parametrize("text", CHOICES)
-def test_targets_that_do_not_end_the_episode_are_scored_as_they_were_paid(text: str):
+def test_targets_that_do_not_end_the_episode_are_scored_as_they_were_paid(subtests: pytest.Subtests):
     """Bit for bit, though distances and memory restart inside the episode, also at the same begin distance."""
-    trace = record_tour(text)
-    touched = np.flatnonzero(targets_touched(*(trace[name] for name in TOUCHED)))
-    after = touched[touched + ENVS < len(trace)] + ENVS
-    assert len(after) > 30
-    assert (trace["begin_distance"][after] == trace["begin_distance"][after - ENVS]).any()
-    np.testing.assert_array_equal(score(reward_of(text), trace), trace["reward"])
+    for text in CHOICES:
+        with subtests.test(text=text):
+            trace = record_tour(text)
+            touched = np.flatnonzero(targets_touched(*(trace[name] for name in TOUCHED)))
+            after = touched[touched + ENVS < len(trace)] + ENVS
+            assert len(after) > 30
+            assert (trace["begin_distance"][after] == trace["begin_distance"][after - ENVS]).any()
+            np.testing.assert_array_equal(score(reward_of(text), trace), trace["reward"])
 
 
 def test_memory_restarts_with_the_next_target():
@@ -200,33 +202,43 @@ def test_memory_restarts_with_the_next_target():
     np.testing.assert_array_equal(score(Remembers(), trace), trace["reward"])
 
 
-@pytest.mark.parametrize("column", Sample._fields)
-def test_scorer_shows_what_the_environment_shows_of_the_next_targets(column: str):
+def test_scorer_shows_what_the_environment_shows_of_the_next_targets(subtests: pytest.Subtests):
     """Every column of the sample is the environment's, bit for bit."""
-    trace = record_tour_under(Shows(column))
-    np.testing.assert_array_equal(score(Shows(column), trace), trace["reward"])
+    for column in Sample._fields:
+        with subtests.test(column=column):
+            trace = record_tour_under(Shows(column))
+            np.testing.assert_array_equal(score(Shows(column), trace), trace["reward"])
 
 
-@pytest.mark.parametrize("text", CHOICES)
-def test_recording_of_next_targets_is_scored_as_it_was_paid(text: str, tmp_path: Path):
+def test_recording_of_next_targets_is_scored_as_it_was_paid(
+    tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests
+):
     """A recording is read a piece at a time, and scored bit for bit as the trace that it is."""
-    trace, path = record_tour(text), tmp_path / "trace.parquet"
-    columns = {name: trace[name] for name in ("env", "step", "begin_distance", "previous_best", "distance", "reward")}
-    table = pa.table({**columns, **{name: trace[name] for name in TOUCHED}})
-    pq.write_table(table.replace_schema_metadata({FORMAT_KEY: str(FORMAT).encode()}), path)
-    log = cell_log(path)
-    payer = Payer(reward_of(text), log)
-    scored = [payer.pay(piece).total for piece in log.pieces(payer.columns, 37)]
-    np.testing.assert_array_equal(np.concatenate(scored), trace["reward"])
+    for text in CHOICES:
+        with subtests.test(text=text):
+            tmp_path = tmp_path_factory.mktemp("case")
+            trace, path = record_tour(text), tmp_path / "trace.parquet"
+            columns = {
+                name: trace[name] for name in ("env", "step", "begin_distance", "previous_best", "distance", "reward")
+            }
+            table = pa.table({**columns, **{name: trace[name] for name in TOUCHED}})
+            pq.write_table(table.replace_schema_metadata({FORMAT_KEY: str(FORMAT).encode()}), path)
+            log = cell_log(path)
+            payer = Payer(reward_of(text), log)
+            scored = [payer.pay(piece).total for piece in log.pieces(payer.columns, 37)]
+            np.testing.assert_array_equal(np.concatenate(scored), trace["reward"])
 
 
-@pytest.mark.parametrize("text", CHOICES)
-def test_every_reward_scores_the_runs_of_another(text: str):
+def test_every_reward_scores_the_runs_of_another(subtests: pytest.Subtests):
     """Runs that another reward paid get what this one would have paid for the same motion."""
-    other = record("baseline")
-    mine = record(text)
-    np.testing.assert_array_equal(other["distance"], mine["distance"])  # actions do not depend on the reward here
-    np.testing.assert_array_equal(score(reward_of(text), other), mine["reward"])
+    for text in CHOICES:
+        with subtests.test(text=text):
+            other = record("baseline")
+            mine = record(text)
+            np.testing.assert_array_equal(
+                other["distance"], mine["distance"]
+            )  # actions do not depend on the reward here
+            np.testing.assert_array_equal(score(reward_of(text), other), mine["reward"])
 
 
 def test_reward_that_remembers_is_scored_as_it_was_paid():
@@ -235,11 +247,12 @@ def test_reward_that_remembers_is_scored_as_it_was_paid():
     np.testing.assert_array_equal(score(Remembers(), trace), trace["reward"])
 
 
-@pytest.mark.parametrize("column", Sample._fields)
-def test_scorer_shows_a_reward_what_the_environment_shows(column: str):
+def test_scorer_shows_a_reward_what_the_environment_shows(subtests: pytest.Subtests):
     """Every column of the sample is the environment's, bit for bit."""
-    trace = record_under(Shows(column))
-    np.testing.assert_array_equal(score(Shows(column), trace), trace["reward"])
+    for column in Sample._fields:
+        with subtests.test(column=column):
+            trace = record_under(Shows(column))
+            np.testing.assert_array_equal(score(Shows(column), trace), trace["reward"])
 
 
 def test_start_rows_are_paid_nothing():
@@ -266,16 +279,17 @@ def test_envs_do_not_depend_on_one_another():
         np.testing.assert_array_equal(alone, trace["reward"][trace["env"] == env])
 
 
-@pytest.mark.parametrize("column", Sample._fields)
-def test_envs_that_begin_inside_an_episode_do_not_depend_on_one_another(column: str):
+def test_envs_that_begin_inside_an_episode_do_not_depend_on_one_another(subtests: pytest.Subtests):
     """Whatever the rows of the env before end with."""
-    trace = record("baseline")
-    cut = trace.part(slice(2 * ENVS, None))
-    runs = [rows_of(cut, env) for env in range(ENVS)]
-    assert not all(rows.start[0] for rows in runs[1:])
-    scored = score(Shows(column), cut)
-    for env, rows in enumerate(runs):
-        np.testing.assert_array_equal(scored[cut["env"] == env], Scorer(Shows(column)).pay(rows).total)
+    for column in Sample._fields:
+        with subtests.test(column=column):
+            trace = record("baseline")
+            cut = trace.part(slice(2 * ENVS, None))
+            runs = [rows_of(cut, env) for env in range(ENVS)]
+            assert not all(rows.start[0] for rows in runs[1:])
+            scored = score(Shows(column), cut)
+            for env, rows in enumerate(runs):
+                np.testing.assert_array_equal(scored[cut["env"] == env], Scorer(Shows(column)).pay(rows).total)
 
 
 def test_envs_are_scored_together():

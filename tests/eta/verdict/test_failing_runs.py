@@ -75,13 +75,14 @@ def test_a_bound_by_hand():
     assert difference_bounds([np.ones(3)], [np.ones(3)], [SHARE]) == pytest.approx((low - 1.0, 1.0 - low))
 
 
-@pytest.mark.parametrize(("seeds", "failed"), [(5, 0), (10, 0), (10, 1), (20, 0), (32, 0), (32, 2)])
-def test_the_bound_is_close_to_that_of_clopper_and_pearson(seeds: int, failed: int):
+def test_the_bound_is_close_to_that_of_clopper_and_pearson(subtests: pytest.Subtests):
     """Which is exact for what succeeds or fails: within 0.06 at five trainings, 0.01 from ten on."""
-    values = np.concatenate([np.zeros(failed), np.ones(seeds - failed)])
-    exact = scipy.stats.beta.ppf(0.95, failed + 1, seeds - failed)
-    found = 1.0 - mean_bounds([values], [SHARE])[0]
-    assert found == pytest.approx(exact, abs=0.06 if seeds == 5 else 0.01)
+    for seeds, failed in [(5, 0), (10, 0), (10, 1), (20, 0), (32, 0), (32, 2)]:
+        with subtests.test(seeds=seeds, failed=failed):
+            values = np.concatenate([np.zeros(failed), np.ones(seeds - failed)])
+            exact = scipy.stats.beta.ppf(0.95, failed + 1, seeds - failed)
+            found = 1.0 - mean_bounds([values], [SHARE])[0]
+            assert found == pytest.approx(exact, abs=0.06 if seeds == 5 else 0.01)
 
 
 def test_so_many_trainings_say_as_much_in_several_places():

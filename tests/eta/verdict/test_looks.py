@@ -104,10 +104,11 @@ def test_small_differences_end_it_at_the_last_five_looks_from_four_seeds(seeds: 
     assert [looks.is_futile_at(look) for look in range(len(seeds))] == futile
 
 
-@pytest.mark.parametrize("places", range(1, 10))
-def test_usual_looks_depend_on_the_places(places: int):
+def test_usual_looks_depend_on_the_places(subtests: pytest.Subtests):
     """Two seeds in each of four places are as many as eight in one."""
-    assert looks_for(places) == (SEVERAL_PLACES if places >= MANY_PLACES else ONE_PLACE)
+    for places in range(1, 10):
+        with subtests.test(places=places):
+            assert looks_for(places) == (SEVERAL_PLACES if places >= MANY_PLACES else ONE_PLACE)
 
 
 @pytest.mark.parametrize(
@@ -147,14 +148,15 @@ def test_trainings_that_all_succeed_are_believed_at_a_look_that_luck_hardly_reac
     assert found.p > 2.0 * (steady - 0.01) ** seeds
 
 
-@pytest.mark.parametrize("places", [1, 4])
-@pytest.mark.parametrize("share", [0.1, 0.2, 0.35, 0.5])
-def test_luck_has_one_level_over_all_looks(share: float, places: int):
+def test_luck_has_one_level_over_all_looks(subtests: pytest.Subtests):
     """Failures alone, 20,000 experiments with as many failures as the steady baseline misses: below 5 % in all."""
-    looks, levels = [places * seeds for seeds in ONE_PLACE], [0.05 * seeds / 32 for seeds in ONE_PLACE]
-    failed = (np.random.default_rng(0).random((20_000, looks[-1])) < share).cumsum(axis=1)
-    is_decided = np.zeros(len(failed), np.bool_)
-    for at, (count, level) in enumerate(zip(looks, levels, strict=True)):
-        chances = crossed_before(looks[:at], levels[:at], share) + both_sides(count, share)
-        is_decided |= chances[failed[:, count - 1]] <= level
-    assert 0.005 < is_decided.mean() < 0.045
+    for places in [1, 4]:
+        for share in [0.1, 0.2, 0.35, 0.5]:
+            with subtests.test(places=places, share=share):
+                looks, levels = [places * seeds for seeds in ONE_PLACE], [0.05 * seeds / 32 for seeds in ONE_PLACE]
+                failed = (np.random.default_rng(0).random((20_000, looks[-1])) < share).cumsum(axis=1)
+                is_decided = np.zeros(len(failed), np.bool_)
+                for at, (count, level) in enumerate(zip(looks, levels, strict=True)):
+                    chances = crossed_before(looks[:at], levels[:at], share) + both_sides(count, share)
+                    is_decided |= chances[failed[:, count - 1]] <= level
+                assert 0.005 < is_decided.mean() < 0.045

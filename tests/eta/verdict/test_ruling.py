@@ -30,27 +30,34 @@ def ruling_of(question: Question) -> Ruling:
     return found
 
 
-@pytest.mark.parametrize(
-    ("baselines", "proposed", "effect"),
-    [(3, 3, 0.5), (4, 4, -1.5), (5, 5, 1.0), (10, 5, 1.0), (5, 10, 0.6), (7, 2, 2.0)],
-)
-def test_p_of_one_question_is_that_of_all_permutations(baselines: int, proposed: int, effect: float):
+def test_p_of_one_question_is_that_of_all_permutations(subtests: pytest.Subtests):
     """As scipy finds it, with the same statistic, also where one reward has more trainings."""
-    values = values_of(max(baselines, proposed), effect=effect, seed=baselines)
-    values[0, baselines:], values[1, proposed:] = np.nan, np.nan
-    theirs = scipy.stats.permutation_test(
-        (values[1, :proposed, 0, 0], values[0, :baselines, 0, 0]),
-        lambda one, other, axis: np.abs(scipy.stats.ttest_ind(one, other, axis=axis, equal_var=False).statistic),
-        alternative="greater",
-        vectorized=True,
-        n_resamples=np.inf,
-    )
-    assert ruling_of(Question.of(values)).p == pytest.approx(theirs.pvalue)
+    for baselines, proposed, effect in [
+        (3, 3, 0.5),
+        (4, 4, -1.5),
+        (5, 5, 1.0),
+        (10, 5, 1.0),
+        (5, 10, 0.6),
+        (7, 2, 2.0),
+    ]:
+        with subtests.test(baselines=baselines, proposed=proposed, effect=effect):
+            values = values_of(max(baselines, proposed), effect=effect, seed=baselines)
+            values[0, baselines:], values[1, proposed:] = np.nan, np.nan
+            theirs = scipy.stats.permutation_test(
+                (values[1, :proposed, 0, 0], values[0, :baselines, 0, 0]),
+                lambda one, other, axis: np.abs(
+                    scipy.stats.ttest_ind(one, other, axis=axis, equal_var=False).statistic
+                ),
+                alternative="greater",
+                vectorized=True,
+                n_resamples=np.inf,
+            )
+            assert ruling_of(Question.of(values)).p == pytest.approx(theirs.pvalue)
 
 
-@pytest.mark.parametrize(
-    ("seeds", "places", "measures", "effect", "seed", "p"),
-    [
+def test_p_of_as_many_trainings_of_each_stays(subtests: pytest.Subtests):
+    """To the last bit, as it was when only trainings with a namesake under the other reward counted."""
+    rows = [
         (4, 1, 1, 0.5, 0, (0.11428571428571428,)),
         (5, 1, 2, 0.8, 1, (0.9444444444444444, 0.2222222222222222)),
         (6, 3, 2, 0.6, 2, (0.36147186147186144, 0.025974025974025976)),
@@ -58,14 +65,11 @@ def test_p_of_one_question_is_that_of_all_permutations(baselines: int, proposed:
         (10, 4, 2, 0.3, 4, (0.0118, 0.35765)),
         (20, 1, 2, 0.4, 5, (0.00135, 0.36555)),
         (7, 2, 1, -0.7, 6, (0.0944055944055944,)),
-    ],
-)
-def test_p_of_as_many_trainings_of_each_stays(
-    seeds: int, places: int, measures: int, effect: float, seed: int, p: tuple[float, ...]
-):
-    """To the last bit, as it was when only trainings with a namesake under the other reward counted."""
-    found = ruling_of(question_of(seeds, places, measures, effect, seed))
-    assert (found.p, found.of_measures) == (min(p), p)
+    ]
+    for seeds, places, measures, effect, seed, p in rows:
+        with subtests.test(seeds=seeds, places=places, measures=measures, effect=effect, seed=seed, p=p):
+            found = ruling_of(question_of(seeds, places, measures, effect, seed))
+            assert (found.p, found.of_measures) == (min(p), p)
 
 
 @pytest.mark.parametrize(

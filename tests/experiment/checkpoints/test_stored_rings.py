@@ -44,14 +44,16 @@ def _files(folder: Path) -> list[str]:
     return sorted(path.name for path in folder.iterdir())
 
 
-@pytest.mark.parametrize("steps", [(3,), (3, 4), (10,), (7, 3), (7, 6), (7, 25), (4, 4, 4, 4, 4), (1,) * 23, (25, 1)])
-def test_ring_comes_back(tmp_path: Path, steps: tuple[int, ...]):
+def test_ring_comes_back(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
     """However often it went round between two checkpoints."""
-    buffer, stored = Buffer(), None
-    for rows in steps:
-        stored = store_ring(tmp_path, "replay", buffer.write(rows), stored)
-        require_rings(tmp_path, [stored])
-        assert buffer.holds(read_ring(tmp_path, stored))
+    for steps in [(3,), (3, 4), (10,), (7, 3), (7, 6), (7, 25), (4, 4, 4, 4, 4), (1,) * 23, (25, 1)]:
+        with subtests.test(steps=steps):
+            tmp_path = tmp_path_factory.mktemp("case")
+            buffer, stored = Buffer(), None
+            for rows in steps:
+                stored = store_ring(tmp_path, "replay", buffer.write(rows), stored)
+                require_rings(tmp_path, [stored])
+                assert buffer.holds(read_ring(tmp_path, stored))
 
 
 def test_only_new_rows_are_written(tmp_path: Path):

@@ -65,20 +65,19 @@ def _as_in_0_2(cell: Cell) -> Cell:
     return replace(cell, algorithm=Choice(cell.algorithm.name, params, cell.algorithm.name))
 
 
-@pytest.mark.parametrize(
-    ("algo", "label"),
-    [
+def test_the_discount_that_nobody_chose_is_the_fields(registry: Registry, subtests: pytest.Subtests):
+    """As if the user had written it. What was chosen stays, and so does what a preset brings."""
+    rows = [
         ("ppo", "ppo:gamma=0.99"),
         ("sac-fast:net_arch=4", "sac-fast:gamma=0.99,net_arch=4"),
         ("ppo:gamma=0.8", "ppo"),
         ("ppo:gamma=0.9", "ppo:gamma=0.9"),
         ("ppo:preset=unity", "ppo:preset=unity"),
         ("random", "random"),
-    ],
-)
-def test_the_discount_that_nobody_chose_is_the_fields(registry: Registry, algo: str, label: str):
-    """As if the user had written it. What was chosen stays, and so does what a preset brings."""
-    assert _labels(expand(_asked(algo=algo), registry)) == [label]
+    ]
+    for algo, label in rows:
+        with subtests.test(algo=algo, label=label):
+            assert _labels(expand(_asked(algo=algo), registry)) == [label]
 
 
 def test_an_arm_has_the_defaults_of_the_fields(registry: Registry):

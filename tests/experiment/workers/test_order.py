@@ -34,13 +34,17 @@ WORKS: dict[str, Callable[[Cell], Work]] = {
 }
 
 
-@pytest.mark.parametrize("work", WORKS.values(), ids=WORKS)
-def test_order_is_read_as_it_was_given(make_cell: Callable[..., Cell], tmp_path: Path, work: Callable[[Cell], Work]):
+def test_order_is_read_as_it_was_given(
+    make_cell: Callable[..., Cell], tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests
+):
     """Of every kind of work: its class and all that it holds come back from one line of text."""
-    order = Order(tmp_path / "cell", work(make_cell()))
-    line = order.line()
-    assert "\n" not in line
-    assert read_order(line)[0] == order
+    for case, work in WORKS.items():
+        with subtests.test(case):
+            tmp_path = tmp_path_factory.mktemp("case")
+            order = Order(tmp_path / "cell", work(make_cell()))
+            line = order.line()
+            assert "\n" not in line
+            assert read_order(line)[0] == order
 
 
 def test_order_names_who_does_it(make_cell: Callable[..., Cell]):

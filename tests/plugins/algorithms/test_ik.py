@@ -140,23 +140,22 @@ def test_training_yields_the_policy():
     assert isinstance(done.policy, InverseKinematics)
 
 
-@pytest.mark.parametrize(
-    ("task", "reason"),
-    [
+def test_what_it_cannot_do_has_a_reason(subtests: pytest.Subtests):
+    """Of the action mode, and of the observation."""
+    rows = [
         ("fd100-reach", ""),
         ("fd100-reach:action=movej-absolute", ""),
         ("fd100-reach:action=movel", "ik knows the action modes movej, movej-absolute, set-joints"),
         ("fd100-pose", ""),
         ("fd100-moving", ""),
         ("unity-reach", "ik reads joint angles and target from the observation of fd100-reach"),
-    ],
-)
-def test_what_it_cannot_do_has_a_reason(task: str, reason: str):
-    """Of the action mode, and of the observation."""
-    built = choose(REGISTRY, "tasks", task).build(REGISTRY, "tasks")
-    said = why_not(Ik(), built, harness.load_robot(built.robot, REGISTRY))
-    assert said.startswith(reason)
-    assert bool(said) == bool(reason)
+    ]
+    for task, reason in rows:
+        with subtests.test(task=task, reason=reason):
+            built = choose(REGISTRY, "tasks", task).build(REGISTRY, "tasks")
+            said = why_not(Ik(), built, harness.load_robot(built.robot, REGISTRY))
+            assert said.startswith(reason)
+            assert bool(said) == bool(reason)
 
 
 def test_plan_skips_what_it_cannot_do():

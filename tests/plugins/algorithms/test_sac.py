@@ -93,9 +93,9 @@ def test_large_seed_is_taken():
     assert train_anew(Sac(), 4, seed=2**63).env.steps == 4
 
 
-@pytest.mark.parametrize(
-    "given",
-    [
+def test_bad_setting_is_a_usage_error(subtests: pytest.Subtests):
+    """A hyperparameter that cannot be is refused before anything runs."""
+    rows = [
         {"learning_rate": 0},
         {"gamma": 1.5},
         {"net_arch": "64x0"},
@@ -110,9 +110,7 @@ def test_large_seed_is_taken():
         {"activation": "gelu"},
         {"num_envs": 0},
         {"momentum": 0.9},
-    ],
-)
-def test_bad_setting_is_a_usage_error(given: dict[str, Any]):
-    """A hyperparameter that cannot be is refused before anything runs."""
-    with pytest.raises(UsageError, match=next(iter(given))):
-        build(Sac, given, "algorithm 'sac'")
+    ]
+    for given in rows:
+        with subtests.test(given=given), pytest.raises(UsageError, match=next(iter(given))):
+            build(Sac, given, "algorithm 'sac'")

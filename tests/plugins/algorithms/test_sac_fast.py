@@ -23,28 +23,27 @@ def test_settings_are_those_of_sac():
     ]
 
 
-@pytest.mark.parametrize(
-    ("given", "learns", "first"),
-    [
+def test_entropy_coefficient_is_read(subtests: pytest.Subtests):
+    """What is learned from where, and what is fixed."""
+    rows = [
         ("auto", True, 1.0),
         ("auto_0.3", True, 0.3),
         ("auto_.01", True, 0.01),
         ("auto_12.5", True, 12.5),
         ("0.2", False, 0.2),
         ("0", False, 0.0),
-    ],
-)
-def test_entropy_coefficient_is_read(given: str, learns: bool, first: float):
-    """What is learned from where, and what is fixed."""
-    settings = SacFast(ent_coef=given)
-    assert (settings.learns_coefficient, settings.first_coefficient) == (learns, first)
+    ]
+    for given, learns, first in rows:
+        with subtests.test(given=given, learns=learns, first=first):
+            settings = SacFast(ent_coef=given)
+            assert (settings.learns_coefficient, settings.first_coefficient) == (learns, first)
 
 
-@pytest.mark.parametrize("given", ["auto_", "auto_0", "auto_0.0", "auto_0.1.2", "auto_.1.2", "-1", "much"])
-def test_other_coefficients_are_refused(given: str):
+def test_other_coefficients_are_refused(subtests: pytest.Subtests):
     """Before anything runs: one learned by its logarithm cannot start at 0."""
-    with pytest.raises(ValueError, match="ent_coef"):
-        SacFast(ent_coef=given)
+    for given in ["auto_", "auto_0", "auto_0.0", "auto_0.1.2", "auto_.1.2", "-1", "much"]:
+        with subtests.test(given=given), pytest.raises(ValueError, match="ent_coef"):
+            SacFast(ent_coef=given)
 
 
 @pytest.mark.parametrize("settings", [{"activation": "tanh"}, {"num_envs": 4, "gradient_steps": -1}])

@@ -85,17 +85,20 @@ def test_policies_draw_with_the_noise_of_the_training():
     assert dqn.epsilon == 0.2
 
 
-@pytest.mark.parametrize(
-    "algorithm",
-    [
-        Td3(num_envs=4), Td3(num_envs=4, train_freq=3), Dqn(num_envs=4), Ddqn(train_freq=7),
-        Ppo(num_envs=4), Ppo(rollout=60, batch_size=20, num_envs=3), Ppo(rollout=500, batch_size=50, num_envs=1),
-    ],
-    ids=repr,
-)  # fmt: skip
-def test_budget_is_spent_exactly(algorithm: Algorithm):
+def test_budget_is_spent_exactly(subtests: pytest.Subtests):
     """Neither the number of envs nor the rhythm of the updates makes a training longer than its budget."""
-    the_budget_is_spent_exactly(algorithm)
+    rows = [
+        Td3(num_envs=4),
+        Td3(num_envs=4, train_freq=3),
+        Dqn(num_envs=4),
+        Ddqn(train_freq=7),
+        Ppo(num_envs=4),
+        Ppo(rollout=60, batch_size=20, num_envs=3),
+        Ppo(rollout=500, batch_size=50, num_envs=1),
+    ]
+    for algorithm in rows:
+        with subtests.test(algorithm=algorithm):
+            the_budget_is_spent_exactly(algorithm)
 
 
 @pytest.mark.parametrize("algorithm", [Td3(), Ppo(num_envs=1), Dqn(), Ddqn()], ids=repr)

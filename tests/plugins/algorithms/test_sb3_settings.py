@@ -102,9 +102,9 @@ def test_label_names_the_preset_and_what_differs_from_it(text: str):
     assert choose(registry, "algorithms", {"name": "ppo", **dict(choice.params)}) == choice
 
 
-@pytest.mark.parametrize(
-    ("algorithm", "given"),
-    [
+def test_bad_setting_is_a_usage_error(subtests: pytest.Subtests):
+    """A hyperparameter that cannot be is refused before anything runs."""
+    rows = [
         (Td3, {"action_noise": -0.1}),
         (Td3, {"policy_delay": 0}),
         (Td3, {"gamma": 1.5}),
@@ -116,9 +116,7 @@ def test_label_names_the_preset_and_what_differs_from_it(text: str):
         (Ppo, {"rollout": 100}),
         (Ppo, {"num_envs": 5}),
         (Ppo, {"preset": "unity", "batch_size": 100}),
-    ],
-)
-def test_bad_setting_is_a_usage_error(algorithm: Any, given: dict[str, Any]):
-    """A hyperparameter that cannot be is refused before anything runs."""
-    with pytest.raises(UsageError, match=list(given)[-1]):
-        build(algorithm, given, "algorithm")
+    ]
+    for algorithm, given in rows:
+        with subtests.test(algorithm=algorithm, given=given), pytest.raises(UsageError, match=list(given)[-1]):
+            build(algorithm, given, "algorithm")

@@ -232,23 +232,21 @@ def test_policy_stays_when_the_training_goes_on():
     assert not np.array_equal(learner.policy().weights["mean.weight"], before["mean.weight"])
 
 
-@pytest.mark.parametrize(
-    "settings",
-    [
+def test_every_setting_trains_and_matters(subtests: pytest.Subtests):
+    """The budget is kept, and other weights come out than with the defaults."""
+    rows = [
         {"baseline": False},
         {"normalize": False},
         {"discount_states": True},
         {"activation": "relu"},
         {"num_envs": 3, "decisions": 7, "restart": 2},
         {"gamma": 1.0},
-    ],
-    ids=str,
-)
-def test_every_setting_trains_and_matters(settings: dict[str, Any]):
-    """The budget is kept, and other weights come out than with the defaults."""
-    usual, done = train(Spg(), 1000), train(Spg(**settings), 1000)
-    assert done.env.steps == done.told[-1]
-    assert not np.array_equal(done.policy.weights["mean.weight"], usual.policy.weights["mean.weight"])
+    ]
+    for settings in rows:
+        with subtests.test(settings=settings):
+            usual, done = train(Spg(), 1000), train(Spg(**settings), 1000)
+            assert done.env.steps == done.told[-1]
+            assert not np.array_equal(done.policy.weights["mean.weight"], usual.policy.weights["mean.weight"])
 
 
 class Watching(Progress):
@@ -309,11 +307,11 @@ def test_large_seed_is_taken():
     assert train(Spg(), 16, seed=2**63).env.steps == 16
 
 
-@pytest.mark.parametrize("name", ["learning_rate", "net_arch", "std", "baseline_updates", "decisions", "num_envs"])
-def test_bad_setting_is_a_usage_error(name: str):
+def test_bad_setting_is_a_usage_error(subtests: pytest.Subtests):
     """A hyperparameter that cannot be is refused before anything runs."""
-    with pytest.raises(UsageError, match=name):
-        build(Spg, {name: "" if name == "net_arch" else 0}, "algorithm 'spg'")
+    for name in ["learning_rate", "net_arch", "std", "baseline_updates", "decisions", "num_envs"]:
+        with subtests.test(name=name), pytest.raises(UsageError, match=name):
+            build(Spg, {name: "" if name == "net_arch" else 0}, "algorithm 'spg'")
 
 
 # ------------------------------------------------------------------------------------------------- what it learns

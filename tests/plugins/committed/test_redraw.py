@@ -100,10 +100,14 @@ def test_a_newer_version_is_told_in_one_line(summary: Path):
     assert ended.stderr.endswith("figures.json' was written by a newer version: update this one\n")
 
 
-@pytest.mark.parametrize("folder", RECORDS, ids=lambda it: it.relative_to(REFERENCE).as_posix())
-def test_the_committed_figures_are_those_of_the_committed_records(folder: Path, tmp_path: Path):
+def test_the_committed_figures_are_those_of_the_committed_records(
+    tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests
+):
     """To the byte."""
-    copy = tmp_path / folder.name
-    shutil.copytree(folder, copy)
-    redraw(copy)
-    assert files_of(copy) == files_of(folder)
+    for folder in RECORDS:
+        with subtests.test(folder=folder):
+            tmp_path = tmp_path_factory.mktemp("case")
+            copy = tmp_path / folder.name
+            shutil.copytree(folder, copy)
+            redraw(copy)
+            assert files_of(copy) == files_of(folder)

@@ -3,6 +3,7 @@
 import io
 import json
 from collections.abc import Callable
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -52,15 +53,12 @@ def _assert_equal(form: Any, policy: Network, seen: np.ndarray) -> None:
 
 @every_form
 @every_kind
-@pytest.mark.parametrize("layers", [0, 1, 3])
-@pytest.mark.parametrize("activation", ["relu", "tanh"])
-@pytest.mark.parametrize("is_normalised", [False, True])
-def test_model_acts_as_the_policy(
-    make_network: Make, form: Any, kind: Any, layers: int, activation: str, is_normalised: bool
-):
+def test_model_acts_as_the_policy(make_network: Make, form: Any, kind: Any, subtests: pytest.Subtests):
     """To 1e-5 on random observations, scaling of observations and actions included."""
-    policy = make_network(kind, layers=layers, activation=activation, is_normalised=is_normalised, low=-0.5, high=2.0)
-    _assert_equal(form, policy, _observations(200, 1.0))
+    for layers, activation, is_normalised in product([0, 1, 3], ["relu", "tanh"], [False, True]):
+        built = {"layers": layers, "activation": activation, "is_normalised": is_normalised}
+        with subtests.test(**built):
+            _assert_equal(form, make_network(kind, **built, low=-0.5, high=2.0), _observations(200, 1.0))
 
 
 @every_form
@@ -79,14 +77,12 @@ EXTREMES = np.array(
 
 @every_form
 @every_kind
-@pytest.mark.parametrize("activation", ["relu", "tanh"])
-@pytest.mark.parametrize("is_normalised", [False, True])
-def test_model_acts_as_the_policy_far_out(
-    make_network: Make, form: Any, kind: Any, activation: str, is_normalised: bool
-):
+def test_model_acts_as_the_policy_far_out(make_network: Make, form: Any, kind: Any, subtests: pytest.Subtests):
     """To 1e-5 on observations that saturate the network, on zeros and on denormal-small ones."""
-    policy = make_network(kind, activation=activation, is_normalised=is_normalised, low=-0.5, high=2.0)
-    _assert_equal(form, policy, EXTREMES)
+    for activation, is_normalised in product(["relu", "tanh"], [False, True]):
+        built = {"activation": activation, "is_normalised": is_normalised}
+        with subtests.test(**built):
+            _assert_equal(form, make_network(kind, **built, low=-0.5, high=2.0), EXTREMES)
 
 
 @given(

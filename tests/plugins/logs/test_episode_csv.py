@@ -90,9 +90,11 @@ def test_success_and_a_measure_are_read(tmp_path: Path):
     assert "length" not in log
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
+def test_tables_of_steps_and_of_others_are_not_recognised(
+    tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests
+):
+    """A row that is a step may not be taken for an episode."""
+    rows = [
         "reward\n1\n2\n",
         "step,reward\n0,1\n1,2\n",
         "episode,reward\n0,1\n0,2\n1,1\n",
@@ -103,11 +105,11 @@ def test_success_and_a_measure_are_read(tmp_path: Path):
         "episode,reward,length\n",
         "episode,reward\n0,1",
         "",
-    ],
-)
-def test_tables_of_steps_and_of_others_are_not_recognised(tmp_path: Path, text: str):
-    """A row that is a step may not be taken for an episode."""
-    assert not is_recognised(written(tmp_path, text))
+    ]
+    for text in rows:
+        with subtests.test(text=text):
+            tmp_path = tmp_path_factory.mktemp("case")
+            assert not is_recognised(written(tmp_path, text))
 
 
 def test_an_episode_that_stands_twice_is_refused_by_its_line(tmp_path: Path):
@@ -171,22 +173,22 @@ def test_a_column_of_steps_of_the_training_is_time(tmp_path: Path):
         read(written(tmp_path, "episode,reward,total_steps\n0,-1.0,200\n1,-2.0,190\n"))
 
 
-@pytest.mark.parametrize(
-    ("row", "why"),
-    [
+def test_a_damaged_row_is_refused_by_its_line(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
+    """Never read in part."""
+    rows = [
         ("3,nan,150", "line 5: column 'reward' holds nan"),
         ("3,,150", "line 5: column 'reward' holds nothing"),
         ("3,-1.0,0", "line 5: column 'length' counts from 1, and holds 0"),
         ("3,-1.0,12.5", "line 5: column 'length' counts from 1"),
         ("3,-1.0", "line 5: it has 2 cells"),
         ("three,-1.0,150", "line 5: column 'episode' holds three"),
-    ],
-)
-def test_a_damaged_row_is_refused_by_its_line(tmp_path: Path, row: str, why: str):
-    """Never read in part."""
-    path = written(tmp_path, f"episode,reward,length\n{ROWS}{row}\n")
-    with pytest.raises(SchemaError, match=why):
-        EpisodeCsv().read(path)
+    ]
+    for row, why in rows:
+        with subtests.test(row=row, why=why):
+            tmp_path = tmp_path_factory.mktemp("case")
+            path = written(tmp_path, f"episode,reward,length\n{ROWS}{row}\n")
+            with pytest.raises(SchemaError, match=why):
+                EpisodeCsv().read(path)
 
 
 def test_a_probability_of_success_is_refused(tmp_path: Path):

@@ -70,21 +70,23 @@ def test_successes_of_other_episodes_are_left_out_and_told(tmp_path: Path):
     assert any("successes are (1, 2), results (2, 2)" in note for note in log.facts.notes)
 
 
-@pytest.mark.parametrize(
-    ("arrays", "why"),
-    [
+def test_arrays_that_say_no_evaluations_are_refused(
+    tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests
+):
+    """With the reason."""
+    rows = [
         ({"timesteps": [5, 9], "results": [[1.0]]}, r"its results are \(1, 1\) of 2 evaluations"),
         ({"timesteps": [], "results": np.empty((0, 3))}, "of 0 evaluations"),
         ({"timesteps": [5, 9], "results": [[1.0], [np.nan]]}, "missing or not finite"),
         ({"timesteps": [5, 9], "results": [[1.0], [2.0]], "successes": [[0.5], [1.0]]}, "neither 0 nor 1"),
         ({"timesteps": [5, 9], "results": [["a"], ["b"]]}, "its results are no numbers"),
         ({"timesteps": [9, 5], "results": [[1.0], [2.0]]}, "evaluation 2 goes from step 9 to 5"),
-    ],
-)
-def test_arrays_that_say_no_evaluations_are_refused(tmp_path: Path, arrays: dict[str, Any], why: str):
-    """With the reason."""
-    with pytest.raises(SchemaError, match=why):
-        read(saved(tmp_path, **arrays))
+    ]
+    for arrays, why in rows:
+        with subtests.test(arrays=arrays, why=why):
+            tmp_path = tmp_path_factory.mktemp("case")
+            with pytest.raises(SchemaError, match=why):
+                read(saved(tmp_path, **arrays))
 
 
 def test_no_pickle_is_opened(tmp_path: Path):

@@ -19,12 +19,16 @@ STRIDE = 7
 FOREIGN = ("monitor", "evaluations", "tensorboard", "tensorboard-csv", "progress-csv", "wandb-csv", "episode-csv")
 
 
-@pytest.mark.parametrize("name", FOREIGN)
-def test_an_example_is_recognised_by_its_own_format_alone(tmp_path: Path, name: str):
+def test_an_example_is_recognised_by_its_own_format_alone(
+    tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests
+):
     """Nobody has to say what it is."""
-    path = FORMATS[name].write_example(tmp_path)
-    head = path.read_bytes()[:HEAD] if path.is_file() else b""
-    assert [other for other, it in FORMATS.items() if it.recognises(path, head)] == [name]
+    for name in FOREIGN:
+        with subtests.test(name=name):
+            tmp_path = tmp_path_factory.mktemp("case")
+            path = FORMATS[name].write_example(tmp_path)
+            head = path.read_bytes()[:HEAD] if path.is_file() else b""
+            assert [other for other, it in FORMATS.items() if it.recognises(path, head)] == [name]
 
 
 HEADS = {
@@ -64,14 +68,18 @@ def test_a_table_is_recognised_by_one_format_alone(tmp_path: Path, rows: tuple[s
     assert [other for other, it in FORMATS.items() if it.recognises(path, path.read_bytes())] == [name]
 
 
-@pytest.mark.parametrize("name", FOREIGN)
-def test_an_example_has_returns_or_success_in_every_row(tmp_path: Path, name: str):
+def test_an_example_has_returns_or_success_in_every_row(
+    tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests
+):
     """Through the door that all logs come in by, with finite numbers."""
-    for log in open_logs(FORMATS[name].write_example(tmp_path), REGISTRY):
-        assert len(log) > 1
-        assert "reward/recorded" in log
-        assert all(np.isfinite(log[column]).all() for column in log.columns)
-        assert log.facts.unit in ("episode", "point")
+    for name in FOREIGN:
+        with subtests.test(name=name):
+            tmp_path = tmp_path_factory.mktemp("case")
+            for log in open_logs(FORMATS[name].write_example(tmp_path), REGISTRY):
+                assert len(log) > 1
+                assert "reward/recorded" in log
+                assert all(np.isfinite(log[column]).all() for column in log.columns)
+                assert log.facts.unit in ("episode", "point")
 
 
 def read_or_refused(name: str, path: Path) -> tuple[Log, ...]:
@@ -85,22 +93,26 @@ def read_or_refused(name: str, path: Path) -> tuple[Log, ...]:
     return ()
 
 
-@pytest.mark.parametrize("name", FOREIGN)
-def test_a_cut_file_is_refused_or_has_the_first_rows(tmp_path: Path, name: str):
+def test_a_cut_file_is_refused_or_has_the_first_rows(
+    tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests
+):
     """Wherever it is cut: no number is another, and what is missing is told, but where a row has just ended."""
-    path = FORMATS[name].write_example(tmp_path)
-    [whole, *_] = FORMATS[name].read(path)
-    file = next(path.iterdir()) if path.is_dir() else path
-    data = file.read_bytes()
-    silent = [-STRIDE]
-    for end in range(0, len(data), STRIDE):
-        file.write_bytes(data[:end])
-        for log in read_or_refused(name, path)[:1]:
-            assert len(log) < len(whole)
-            assert all(log[column].tolist() == whole[column].tolist()[: len(log)] for column in log.columns)
-            if not any("left out" in note for note in log.facts.notes):
-                assert end > silent[-1] + STRIDE
-                silent.append(end)
+    for name in FOREIGN:
+        with subtests.test(name=name):
+            tmp_path = tmp_path_factory.mktemp("case")
+            path = FORMATS[name].write_example(tmp_path)
+            [whole, *_] = FORMATS[name].read(path)
+            file = next(path.iterdir()) if path.is_dir() else path
+            data = file.read_bytes()
+            silent = [-STRIDE]
+            for end in range(0, len(data), STRIDE):
+                file.write_bytes(data[:end])
+                for log in read_or_refused(name, path)[:1]:
+                    assert len(log) < len(whole)
+                    assert all(log[column].tolist() == whole[column].tolist()[: len(log)] for column in log.columns)
+                    if not any("left out" in note for note in log.facts.notes):
+                        assert end > silent[-1] + STRIDE
+                        silent.append(end)
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no named pipes")
@@ -112,18 +124,22 @@ def test_a_pipe_that_nobody_writes_to_holds_nobody_up(tmp_path: Path, name: str)
     assert not read_or_refused(name, path)
 
 
-@pytest.mark.parametrize("name", FOREIGN)
-def test_bytes_that_mean_nothing_raise_our_own_errors_alone(tmp_path: Path, name: str):
+def test_bytes_that_mean_nothing_raise_our_own_errors_alone(
+    tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests
+):
     """Some of an example's bytes are others; what is still read is finite."""
-    path = FORMATS[name].write_example(tmp_path)
-    file = next(path.iterdir()) if path.is_dir() else path
-    example = file.read_bytes()
-    for seed in range(40):
-        generator = np.random.default_rng(seed)
-        data = bytearray(example)
-        for place in generator.integers(0, len(data), 1 + seed // 2):
-            data[place] = int(generator.integers(0, 256))
-        file.write_bytes(bytes(data))
-        assert FORMATS[name].recognises(path, bytes(data[:HEAD])) in (True, False)
-        for log in read_or_refused(name, path):
-            assert all(np.isfinite(log[column]).all() for column in log.columns if column != "seconds")
+    for name in FOREIGN:
+        with subtests.test(name=name):
+            tmp_path = tmp_path_factory.mktemp("case")
+            path = FORMATS[name].write_example(tmp_path)
+            file = next(path.iterdir()) if path.is_dir() else path
+            example = file.read_bytes()
+            for seed in range(40):
+                generator = np.random.default_rng(seed)
+                data = bytearray(example)
+                for place in generator.integers(0, len(data), 1 + seed // 2):
+                    data[place] = int(generator.integers(0, 256))
+                file.write_bytes(bytes(data))
+                assert FORMATS[name].recognises(path, bytes(data[:HEAD])) in (True, False)
+                for log in read_or_refused(name, path):
+                    assert all(np.isfinite(log[column]).all() for column in log.columns if column != "seconds")

@@ -154,9 +154,9 @@ def test_a_last_line_that_does_not_end_is_left_out_and_told(tmp_path: Path, cut:
     assert "line 6 is cut off, or is being written: it is left out" in log.facts.notes
 
 
-@pytest.mark.parametrize(
-    ("row", "why"),
-    [
+def test_a_damaged_row_is_refused_by_its_line(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
+    """Never read in part."""
+    rows = [
         ("-1.0,9", "line 6: it has 2 cells"),
         ("nan,9,3.0", "line 6: column 'r' holds nan"),
         ("inf,9,3.0", "line 6: column 'r' holds inf"),
@@ -165,12 +165,12 @@ def test_a_last_line_that_does_not_end_is_left_out_and_told(tmp_path: Path, cut:
         ("-1.0,0,3.0", "line 6: column 'l' counts from 1"),
         ("-1.0,9.5,3.0", "line 6: column 'l' counts from 1"),
         ("1_0.0,9,3.0", "line 6: column 'r' holds 1_0.0"),
-    ],
-)
-def test_a_damaged_row_is_refused_by_its_line(tmp_path: Path, row: str, why: str):
-    """Never read in part."""
-    with pytest.raises(SchemaError, match=why):
-        read(written(tmp_path, f"{HEADER}r,l,t\n{ROWS}{row}\n{ROWS}"))
+    ]
+    for row, why in rows:
+        with subtests.test(row=row, why=why):
+            tmp_path = tmp_path_factory.mktemp("case")
+            with pytest.raises(SchemaError, match=why):
+                read(written(tmp_path, f"{HEADER}r,l,t\n{ROWS}{row}\n{ROWS}"))
 
 
 @pytest.mark.parametrize(

@@ -27,22 +27,21 @@ def registry(*specs):
 THREE = registry(spec("ideal"), spec("mujoco"), spec("zeta"))
 
 
-@pytest.mark.parametrize(
-    ("given", "reference", "order"),
-    [
+def test_the_reference_comes_first(subtests: pytest.Subtests):
+    """The one that was named, or else mujoco, or else the first; a named one is taken in."""
+    rows = [
         ([], None, ["mujoco", "ideal", "zeta"]),
         (["zeta,ideal"], None, ["zeta", "ideal"]),
         (["zeta", "mujoco"], None, ["mujoco", "zeta"]),
         (["ideal,mujoco"], "ideal", ["ideal", "mujoco"]),
         (["ideal,mujoco"], "zeta", ["zeta", "ideal", "mujoco"]),
         ([], "zeta", ["zeta", "ideal", "mujoco"]),
-    ],
-)
-def test_the_reference_comes_first(given, reference, order):
-    """The one that was named, or else mujoco, or else the first; a named one is taken in."""
-    contenders = choose_contenders(THREE, given, reference)
-    assert list(contenders.simulators) == order
-    assert contenders.reference == order[0]
+    ]
+    for given, reference, order in rows:
+        with subtests.test(given=given, reference=reference, order=order):
+            contenders = choose_contenders(THREE, given, reference)
+            assert list(contenders.simulators) == order
+            assert contenders.reference == order[0]
 
 
 def test_parameters_make_another_simulator(toys):

@@ -79,18 +79,24 @@ def test_all_pairs_are_there_the_reference_first(compare, toolbox):
     assert [(pair.a, pair.b) for pair in parity.pairs] == [("c", "a"), ("c", "b"), ("a", "b")]
 
 
-@pytest.mark.parametrize(
-    ("call", "envs"),
-    [("place", 3), ("reset", 3), ("drive", 3), ("close", 3), ("reset", 1), ("drive", 1), ("close", 1)],
-)
-def test_one_that_fails_costs_itself_alone(compare, toolbox, call, envs):
+def test_one_that_fails_costs_itself_alone(compare, toolbox, subtests: pytest.Subtests):
     """Wherever it fails, in the batch or when it is timed alone."""
-    parity = compare(good=toolbox.ideal, bad=toolbox.raising(call, envs), late=toolbox.late)
-    assert {name: failure.reason for name, failure in parity.failed.items()} == {
-        "bad": "RuntimeError: the belt slipped"
-    }
-    assert [simulator.name for simulator in parity.simulators] == ["good", "late"]
-    assert [(pair.a, pair.b) for pair in parity.pairs] == [("good", "late")]
+    for call, envs in [
+        ("place", 3),
+        ("reset", 3),
+        ("drive", 3),
+        ("close", 3),
+        ("reset", 1),
+        ("drive", 1),
+        ("close", 1),
+    ]:
+        with subtests.test(call=call, envs=envs):
+            parity = compare(good=toolbox.ideal, bad=toolbox.raising(call, envs), late=toolbox.late)
+            assert {name: failure.reason for name, failure in parity.failed.items()} == {
+                "bad": "RuntimeError: the belt slipped"
+            }
+            assert [simulator.name for simulator in parity.simulators] == ["good", "late"]
+            assert [(pair.a, pair.b) for pair in parity.pairs] == [("good", "late")]
 
 
 def test_a_simulation_that_diverges_is_a_failure(compare, toolbox):

@@ -22,20 +22,19 @@ def test_contract():
     check_reward(Adaptive(k_far=2.0, k_near=0.5))
 
 
-@pytest.mark.parametrize(
-    ("distances", "expected"),
-    [
+def test_value_by_hand(episode, subtests: pytest.Subtests):
+    """The progress of the step times the mean of the gains at its ends, k_far = 0.5 and k_near = 1.5."""
+    rows = [
         ([1.0, 0.0], (0.5 + 0.75) * 0.5),  # onto the target at once: mean gain 0.5 + 0.75, progress 1/2 -> 1
         ([1.0, 1.0], 0.0),  # standing still
         ([1.0, 3.0], (0.5 + 0.375) * -0.25),  # away, progress 1/2 -> 1/4
         ([3.0, 1.0], (0.5 + 0.625) * 0.25),  # progress 1/2 -> 3/4
         ([0.0, 0.0], 0.0),  # begun on the target, and stayed
         ([0.0, 1.0], (0.5 + 0.5) * -1.0),  # and left
-    ],
-)
-def test_value_by_hand(episode, distances: list[float], expected: float):
-    """The progress of the step times the mean of the gains at its ends, k_far = 0.5 and k_near = 1.5."""
-    assert episode(Adaptive(), distances)[-1] == expected
+    ]
+    for distances, expected in rows:
+        with subtests.test(distances=distances, expected=expected):
+            assert episode(Adaptive(), distances)[-1] == expected
 
 
 @given(GAINS, GAINS, DISTANCES)

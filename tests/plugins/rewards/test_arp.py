@@ -22,20 +22,19 @@ def pay(reward: Reward, begin: float, best: float, distance: float) -> float:
     return float(value[0])
 
 
-@pytest.mark.parametrize(
-    ("k1", "k2", "begin", "best", "distance", "expected"),
-    [
+def test_value_by_hand(subtests: pytest.Subtests):
+    """Dd > 0: -k1 Dd. Dd <= 0: k2 (Bd - d)."""
+    rows = [
         (1.0, 1.5, 1.0, 1.0, 0.75, 0.375),  # nearer: k2 (Bd - d)
         (1.0, 2.0, 1.0, 0.5, 0.25, 1.5),  # a new best: k2 times all that was gained since the start
         (2.0, 1.5, 1.0, 0.5, 0.75, -0.5),  # farther than the best: -k1 Dd
         (3.0, 2.0, 1.0, 1.0, 1.5, -1.5),  # farther than the start
         (9.0, 2.0, 1.0, 0.5, 0.5, 1.0),  # Dd = 0 counts as gained
         (1.0, 1.5, 1.0, 1.0, 1.0, 0.0),  # standing still at the start
-    ],
-)
-def test_value_by_hand(k1: float, k2: float, begin: float, best: float, distance: float, expected: float):
-    """Dd > 0: -k1 Dd. Dd <= 0: k2 (Bd - d)."""
-    assert pay(Arp(k1=k1, k2=k2), begin, best, distance) == expected
+    ]
+    for k1, k2, begin, best, distance, expected in rows:
+        with subtests.test(k1=k1, k2=k2, begin=begin, best=best, distance=distance, expected=expected):
+            assert pay(Arp(k1=k1, k2=k2), begin, best, distance) == expected
 
 
 @given(METRES, METRES, METRES)
@@ -62,8 +61,8 @@ def test_nothing_is_carried():
     assert Arp().initial_carry(np.ones(3)) == ()
 
 
-@pytest.mark.parametrize("given", ["k1=0", "k2=0", "k1=-1", "k2=much", "k2=nan", "k2=inf", "k3=1"])
-def test_bad_gain_is_a_usage_error(given: str):
+def test_bad_gain_is_a_usage_error(subtests: pytest.Subtests):
     """A gain that is not a positive number is refused, in one line that names it."""
-    with pytest.raises(UsageError, match=given[:2]):
-        harness.make_env(reward=f"arp:{given}")
+    for gain in ["k1=0", "k2=0", "k1=-1", "k2=much", "k2=nan", "k2=inf", "k3=1"]:
+        with subtests.test(gain=gain), pytest.raises(UsageError, match=gain[:2]):
+            harness.make_env(reward=f"arp:{gain}")

@@ -23,9 +23,9 @@ def pay(begin: float, best: float, distance: float) -> float:
     return float(value[0])
 
 
-@pytest.mark.parametrize(
-    ("begin", "best", "distance", "expected"),
-    [
+def test_value_by_hand(subtests: pytest.Subtests):
+    """Dd > 0: -Dd. Dd <= 0: Bd - d."""
+    rows = [
         (1.0, 1.0, 0.75, 0.25),  # the first step nearer: Bd - d
         (1.0, 0.5, 0.25, 0.75),  # a new best later: all that was gained since the start, not the step
         (1.0, 0.5, 0.75, -0.25),  # farther than the best, though nearer than the start: minus the loss
@@ -33,11 +33,10 @@ def pay(begin: float, best: float, distance: float) -> float:
         (1.0, 0.5, 0.5, 0.5),  # Dd = 0 counts as gained: Bd - d
         (1.0, 1.0, 1.0, 0.0),  # standing still at the start
         (1.0, 0.25, 0.0, 1.0),  # on the target: all of it
-    ],
-)
-def test_value_by_hand(begin: float, best: float, distance: float, expected: float):
-    """Dd > 0: -Dd. Dd <= 0: Bd - d."""
-    assert pay(begin, best, distance) == expected
+    ]
+    for begin, best, distance, expected in rows:
+        with subtests.test(begin=begin, best=best, distance=distance, expected=expected):
+            assert pay(begin, best, distance) == expected
 
 
 @given(METRES, METRES, METRES)

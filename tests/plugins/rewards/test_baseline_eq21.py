@@ -20,9 +20,9 @@ def test_contract():
     check_reward(BaselineEq21())
 
 
-@pytest.mark.parametrize(
-    ("distances", "expected"),
-    [
+def test_value_by_hand(episode, subtests: pytest.Subtests):
+    """Dd < 0: -Dd. Dd >= 0: Bd - Pb - Dd."""
+    rows = [
         ([1.0, 0.75], 0.25),  # the first step nearer: the step
         ([1.0, 0.5, 0.25], 0.25),  # a new best later: the step again, not all that was gained
         ([1.0, 0.5, 0.75], 0.25),  # turned back, nearer than the start: paid Bd - d
@@ -31,11 +31,10 @@ def test_contract():
         ([1.0, 1.0], 0.0),  # standing still at the start
         ([1.0, 0.25, 0.0], 0.25),  # onto the target: the step
         ([1.0, 0.0, 0.0], 1.0),  # standing on it
-    ],
-)
-def test_value_by_hand(episode, distances: list[float], expected: float):
-    """Dd < 0: -Dd. Dd >= 0: Bd - Pb - Dd."""
-    assert episode(BaselineEq21(), distances)[-1] == expected
+    ]
+    for distances, expected in rows:
+        with subtests.test(distances=distances, expected=expected):
+            assert episode(BaselineEq21(), distances)[-1] == expected
 
 
 def test_example_2_of_the_note(episode):

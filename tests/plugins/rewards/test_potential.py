@@ -24,20 +24,19 @@ def test_contract():
     check_reward(Potential(gamma=1.0, scale=3.0))
 
 
-@pytest.mark.parametrize(
-    ("gamma", "scale", "before", "after", "expected"),
-    [
+def test_value_by_hand(episode, subtests: pytest.Subtests):
+    """Paid is scale (d(t-1) - gamma d(t))."""
+    rows = [
         (1.0, 1.0, 1.0, 0.75, 0.25),  # nearer
         (1.0, 1.0, 0.75, 1.0, -0.25),  # farther
         (0.5, 1.0, 1.0, 1.0, 0.5),  # standing still pays (1 - gamma) d
         (0.5, 2.0, 1.0, 0.5, 1.5),
         (0.5, 1.0, 1.0, 0.0, 1.0),  # onto the target
         (0.5, 1.0, 0.0, 0.0, 0.0),  # standing on it
-    ],
-)
-def test_value_by_hand(episode, gamma: float, scale: float, before: float, after: float, expected: float):
-    """Paid is scale (d(t-1) - gamma d(t))."""
-    assert episode(Potential(gamma, scale), [2.0, before, after])[-1] == expected
+    ]
+    for gamma, scale, before, after, expected in rows:
+        with subtests.test(gamma=gamma, scale=scale, before=before, after=after, expected=expected):
+            assert episode(Potential(gamma, scale), [2.0, before, after])[-1] == expected
 
 
 def test_example_2_of_the_note(episode):

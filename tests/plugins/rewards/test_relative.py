@@ -30,9 +30,9 @@ def test_unknown_denominator_is_refused():
         build(Relative, {"denominator": "smaller"}, "reward 'relative'")
 
 
-@pytest.mark.parametrize(
-    ("before", "after", "larger", "current"),
-    [
+def test_value_by_hand(episode, subtests: pytest.Subtests):
+    """The gain over the larger of the two distances, or over the current one."""
+    rows = [
         (1.0, 0.5, 0.5, 1.0),  # eq. 30 is 1 where a step halves the distance
         (1.0, 0.25, 0.75, 3.0),  # and above 1 beyond that
         (0.5, 1.0, -0.5, -0.5),  # eq. 33
@@ -40,12 +40,11 @@ def test_unknown_denominator_is_refused():
         (1.0, 0.0, 1.0, 1.0 / FLOOR),  # onto the target
         (0.0, 1.0, -1.0, -1.0),  # away from it
         (0.0, 0.0, 0.0, 0.0),  # standing on it
-    ],
-)
-def test_value_by_hand(episode, before: float, after: float, larger: float, current: float):
-    """The gain over the larger of the two distances, or over the current one."""
-    assert episode(Relative(), [2.0, before, after])[-1] == larger
-    assert episode(CURRENT, [2.0, before, after])[-1] == current
+    ]
+    for before, after, larger, current in rows:
+        with subtests.test(before=before, after=after, larger=larger, current=current):
+            assert episode(Relative(), [2.0, before, after])[-1] == larger
+            assert episode(CURRENT, [2.0, before, after])[-1] == current
 
 
 def test_examples_of_the_note(episode):

@@ -17,10 +17,11 @@ OTHERS = [name for name in REGISTRY.names("rewards") if name != "shifted"]
 DISTANCES = st.lists(st.floats(0.0, 3.0), min_size=2, max_size=20)
 
 
-@pytest.mark.parametrize("reward", OTHERS)
-def test_contract(reward: str):
+def test_contract(subtests: pytest.Subtests):
     """It keeps the contract of rewards, whatever it adds to."""
-    check_reward(Shifted(reward=reward, offset=-0.5))
+    for reward in OTHERS:
+        with subtests.test(reward=reward):
+            check_reward(Shifted(reward=reward, offset=-0.5))
 
 
 @settings(max_examples=25)  # each looks all plugins up
@@ -31,12 +32,16 @@ def test_value_is_moved(episode, distances: list[float], offset: float):
     np.testing.assert_array_equal(episode(reward, distances), episode(Aarp(growth=2.0), distances) + offset)
 
 
-@pytest.mark.parametrize("reward", OTHERS)
-def test_offset_of_zero_changes_nothing(episode, reward: str):
+def test_offset_of_zero_changes_nothing(episode, subtests: pytest.Subtests):
     """It pays what the named reward pays."""
-    named, same = choose(REGISTRY, "rewards", reward).build(REGISTRY, "rewards"), Shifted(reward=reward, offset=0.0)
-    distances = [1.0, 0.5, 0.75, 0.25, 0.25, 0.0, 1.5]
-    np.testing.assert_array_equal(episode(same, distances), episode(named, distances))
+    for reward in OTHERS:
+        with subtests.test(reward=reward):
+            named, same = (
+                choose(REGISTRY, "rewards", reward).build(REGISTRY, "rewards"),
+                Shifted(reward=reward, offset=0.0),
+            )
+            distances = [1.0, 0.5, 0.75, 0.25, 0.25, 0.0, 1.5]
+            np.testing.assert_array_equal(episode(same, distances), episode(named, distances))
 
 
 def test_named_reward_comes_with_its_parameters():

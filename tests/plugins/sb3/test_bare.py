@@ -28,25 +28,25 @@ CASES = {
 STEPS = 16
 
 
-@pytest.mark.parametrize("name", CASES)
-def test_the_bare_training_updates_as_often_as_ours(name: str):
+def test_the_bare_training_updates_as_often_as_ours(subtests: pytest.Subtests):
     """Of as many steps; each call trains a new model."""
-    algorithm, library, task = CASES[name]
-    with mock.patch.object(library, "train", autospec=True, side_effect=library.train) as update:
-        env = harness.make_env("kinematic", task, num_envs=algorithm.num_envs)
-        env.reset(seed=0)
-        algorithm.train(env, STEPS, 0, Progress())
-        ours = [call.args[1:] + tuple(call.kwargs.items()) for call in update.mock_calls]
-        update.reset_mock()
-        envs = [ReachEnv("kinematic", task) for _ in range(algorithm.num_envs)]
-        bare = algorithm.bare_training(envs if len(envs) > 1 else envs[0], STEPS, 0)
-        assert not update.called
-        bare()
-        first, models = len(update.mock_calls), {id(call.args[0]) for call in update.mock_calls}
-        bare()
-    assert first == len(ours) > 0
-    assert len(update.mock_calls) == 2 * first
-    assert len(models) == 1
+    for name, (algorithm, library, task) in CASES.items():
+        with subtests.test(name=name):
+            with mock.patch.object(library, "train", autospec=True, side_effect=library.train) as update:
+                env = harness.make_env("kinematic", task, num_envs=algorithm.num_envs)
+                env.reset(seed=0)
+                algorithm.train(env, STEPS, 0, Progress())
+                ours = [call.args[1:] + tuple(call.kwargs.items()) for call in update.mock_calls]
+                update.reset_mock()
+                envs = [ReachEnv("kinematic", task) for _ in range(algorithm.num_envs)]
+                bare = algorithm.bare_training(envs if len(envs) > 1 else envs[0], STEPS, 0)
+                assert not update.called
+                bare()
+                first, models = len(update.mock_calls), {id(call.args[0]) for call in update.mock_calls}
+                bare()
+            assert first == len(ours) > 0
+            assert len(update.mock_calls) == 2 * first
+            assert len(models) == 1
 
 
 def test_the_peer_of_sac_fast_is_sac_of_the_library():

@@ -41,14 +41,15 @@ def test_arm_that_was_held_up_by_the_ground_catches_up(open_arms: Call, home: Ca
     assert np.degrees(np.abs(state.qpos - above).max()) < 0.5
 
 
-@pytest.mark.parametrize("substeps", [1, 3, 7, 20, 33])
-@pytest.mark.parametrize("period", [0.1, 0.06, 1.0 / 30.0])
-def test_every_period_has_its_substeps(period: float, substeps: int):
+def test_every_period_has_its_substeps(subtests: pytest.Subtests):
     """A period is so many equal physics steps that nothing is left for the next, whatever is divided by what."""
-    step = exact_timestep(period, substeps)
-    assert step == pytest.approx(period / substeps, rel=1e-7)
-    assert (step * substeps) / substeps == step
-    assert (step * substeps) % step == 0.0
+    for substeps in [1, 3, 7, 20, 33]:
+        for period in [0.1, 0.06, 1.0 / 30.0]:
+            with subtests.test(substeps=substeps, period=period):
+                step = exact_timestep(period, substeps)
+                assert step == pytest.approx(period / substeps, rel=1e-7)
+                assert (step * substeps) / substeps == step
+                assert (step * substeps) % step == 0.0
 
 
 @pytest.mark.parametrize("substeps", [3, 7, 20])

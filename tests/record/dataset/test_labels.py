@@ -9,11 +9,15 @@ from harness.errors import UsageError
 from harness.record.dataset.labels import FAILURE, SUCCESS, UNKNOWN, SuccessRule, parse_success, read_labels
 
 
-@pytest.mark.parametrize("kind", [bool, np.uint8, np.int8, np.float16, np.float64])
-@pytest.mark.parametrize("shape", [(2,), (2, 1)])
-def test_labels_have_any_type(kind: type, shape: tuple[int, ...]) -> None:
+def test_labels_have_any_type(subtests: pytest.Subtests) -> None:
     """Labels have any type."""
-    assert SuccessRule("k").of_steps(np.array([0, 1], kind).reshape(shape), "k").tolist() == [FAILURE, SUCCESS]
+    for kind in [bool, np.uint8, np.int8, np.float16, np.float64]:
+        for shape in [(2,), (2, 1)]:
+            with subtests.test(kind=kind, shape=shape):
+                assert SuccessRule("k").of_steps(np.array([0, 1], kind).reshape(shape), "k").tolist() == [
+                    FAILURE,
+                    SUCCESS,
+                ]
 
 
 def test_nan_and_minus_one_are_not_known() -> None:
@@ -43,16 +47,16 @@ def test_a_threshold_makes_labels(text: str, told: list[int]) -> None:
     assert parse_success(text).of_steps(np.array([0.2, 0.5, 0.7, np.nan]), "k").tolist() == told
 
 
-@pytest.mark.parametrize("text", ["k>", "k>x", "k=1", "k>nan", ">1", "k>1>2"])
-def test_a_rule_that_is_none_is_refused(text: str) -> None:
+def test_a_rule_that_is_none_is_refused(subtests: pytest.Subtests) -> None:
     """A rule that is none is refused."""
-    with pytest.raises(UsageError, match=r"KEY>0\.5"):
-        parse_success(text)
+    for text in ["k>", "k>x", "k=1", "k>nan", ">1", "k>1>2"]:
+        with subtests.test(text=text), pytest.raises(UsageError, match=r"KEY>0\.5"):
+            parse_success(text)
 
 
-@pytest.mark.parametrize(
-    ("value", "told"),
-    [
+def test_an_episode_s_label_may_be_text(subtests: pytest.Subtests) -> None:
+    """An episode's label may be text."""
+    rows = [
         ("True", 1),
         (b"false", 0),
         ("1.0", 1),
@@ -62,11 +66,10 @@ def test_a_rule_that_is_none_is_refused(text: str) -> None:
         (-1, -1),
         ([True], 1),
         (np.float32(0), 0),
-    ],
-)
-def test_an_episode_s_label_may_be_text(value: object, told: int) -> None:
-    """An episode's label may be text."""
-    assert SuccessRule("k").of_episode(value, "k") == told
+    ]
+    for value, told in rows:
+        with subtests.test(value=value, told=told):
+            assert SuccessRule("k").of_episode(value, "k") == told
 
 
 @pytest.mark.parametrize("value", ["won", 0.5, [1, 0], "0.5"])
@@ -105,12 +108,16 @@ def test_a_file_of_labels_that_is_not_there_is_one_line(tmp_path: Path) -> None:
         read_labels(tmp_path / "l.csv", SuccessRule())
 
 
-@pytest.mark.parametrize("header", ["Episode,Success", "episode_index,success", ' episode , "success" '])
-@pytest.mark.parametrize("number", ["1", "1.0", '"1"'])
-def test_a_file_of_labels_may_be_spelled_otherwise(tmp_path: Path, header: str, number: str) -> None:
+def test_a_file_of_labels_may_be_spelled_otherwise(
+    tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests
+) -> None:
     """Capitals, LeRobot's own name, quotes, and what pandas makes of a whole number."""
-    (tmp_path / "l.csv").write_bytes(f"{header}\r\n0,False\r\n{number}, True \r\n".encode())
-    assert read_labels(tmp_path / "l.csv", SuccessRule()) == {0: FAILURE, 1: SUCCESS}
+    for header in ["Episode,Success", "episode_index,success", ' episode , "success" ']:
+        for number in ["1", "1.0", '"1"']:
+            with subtests.test(header=header, number=number):
+                tmp_path = tmp_path_factory.mktemp("case")
+                (tmp_path / "l.csv").write_bytes(f"{header}\r\n0,False\r\n{number}, True \r\n".encode())
+                assert read_labels(tmp_path / "l.csv", SuccessRule()) == {0: FAILURE, 1: SUCCESS}
 
 
 @pytest.mark.parametrize(

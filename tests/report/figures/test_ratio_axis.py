@@ -19,14 +19,15 @@ from harness.report.figures.ratio_axis import (
 NEAR_ZERO = "I_N of the baseline is near zero beside I_P of the same runs"
 
 
-@pytest.mark.parametrize("span", [(0.8, 1.2), (0.5, 2.0), (0.1, 3.0), (0.01, 40.0), (1e-9, 1e9), (0.97, 1.03)])
-def test_ticks_are_few_and_hold_one(span):
+def test_ticks_are_few_and_hold_one(subtests: pytest.Subtests):
     """Wherever the axis ends, 1 is marked, and the marks are in order and have room."""
-    marks = ticks(*span)
-    assert 1.0 in marks
-    assert marks == sorted(set(marks))
-    assert len(marks) <= 10
-    assert all(span[0] <= mark <= span[1] for mark in marks)
+    for span in [(0.8, 1.2), (0.5, 2.0), (0.1, 3.0), (0.01, 40.0), (1e-9, 1e9), (0.97, 1.03)]:
+        with subtests.test(span=span):
+            marks = ticks(*span)
+            assert 1.0 in marks
+            assert marks == sorted(set(marks))
+            assert len(marks) <= 10
+            assert all(span[0] <= mark <= span[1] for mark in marks)
 
 
 def test_what_has_no_logarithm_is_not_drawn():
@@ -53,18 +54,19 @@ def test_endless_interval_is_cut():
     assert interval_ends(Ratio(2.0), low, high) is None
 
 
-@pytest.mark.parametrize("low", [0.95, 0.5, 0.05, 0.001, 2e-4, 1e-5, 1e-8])
-@pytest.mark.parametrize("high", [1.3, 2.0, 20.0, 3e3, 1e8])
-def test_names_of_ticks_keep_apart(low, high):
+def test_names_of_ticks_keep_apart(subtests: pytest.Subtests):
     """By half a character or more, whatever the axis spans; 1 is always among them."""
-    named = named_ticks(low, high)
-    ends = [
-        (ROOM * math.log(value / low) / math.log(high / low) + sign * len(name) / 2)
-        for value, name in named
-        for sign in (-1, 1)
-    ]
-    assert min((right - left for left, right in pairwise(ends[1:-1])), default=1.0) >= 0.5
-    assert "1" in {name for _, name in named}
+    for low in [0.95, 0.5, 0.05, 0.001, 2e-4, 1e-5, 1e-8]:
+        for high in [1.3, 2.0, 20.0, 3e3, 1e8]:
+            with subtests.test(low=low, high=high):
+                named = named_ticks(low, high)
+                ends = [
+                    (ROOM * math.log(value / low) / math.log(high / low) + sign * len(name) / 2)
+                    for value, name in named
+                    for sign in (-1, 1)
+                ]
+                assert min((right - left for left, right in pairwise(ends[1:-1])), default=1.0) >= 0.5
+                assert "1" in {name for _, name in named}
 
 
 def test_long_powers_are_short():

@@ -239,9 +239,9 @@ def test_heading_says_which_curve_the_indices_are_of(build):
     assert headings == ["accumulated reward", "per-step reward"]
 
 
-@pytest.mark.parametrize(
-    ("value", "text"),
-    [
+def test_numbers_have_three_significant_digits(subtests: pytest.Subtests):
+    """Three significant digits, an exponent only far from 1, and n/a for what is no number."""
+    rows = [
         (0.21173264, "0.212"),
         (9.996, "10.0"),
         (25.6, "25.6"),
@@ -253,11 +253,10 @@ def test_heading_says_which_curve_the_indices_are_of(build):
         (999_400.0, "999,000"),
         (1e6, "1.00e+06"),
         (None, "n/a"),
-    ],
-)
-def test_numbers_have_three_significant_digits(value, text):
-    """Three significant digits, an exponent only far from 1, and n/a for what is no number."""
-    assert format_number(value) == text
+    ]
+    for value, text in rows:
+        with subtests.test(value=value, text=text):
+            assert format_number(value) == text
 
 
 def test_what_so_few_seeds_can_show_is_said(build):

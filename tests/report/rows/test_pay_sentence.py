@@ -57,18 +57,17 @@ def test_nothing_compared_has_no_pay(build):
     assert pay_of(combination) is None
 
 
-@pytest.mark.parametrize(
-    ("ruler", "behaviour", "is_ruler"),
-    [
+def test_nearly_all_is_more_than_nine_tenths(subtests: pytest.Subtests):
+    """Of the change, whichever way the behaviour goes."""
+    rows = [
         (1.0, 0.05, True),
         (1.0, -0.05, True),
         (1.0, 0.5, False),
         (1.0, -0.9, False),
         (0.0, 1.0, False),
         (0.0, 0.0, False),
-    ],
-)
-def test_nearly_all_is_more_than_nine_tenths(ruler, behaviour, is_ruler):
-    """Of the change, whichever way the behaviour goes."""
-    pay = PaySentence("", (PayPart("ruler", "", ruler), PayPart("behaviour", "", behaviour)), "")
-    assert pay.is_ruler is is_ruler
+    ]
+    for ruler, behaviour, is_ruler in rows:
+        with subtests.test(ruler=ruler, behaviour=behaviour, is_ruler=is_ruler):
+            pay = PaySentence("", (PayPart("ruler", "", ruler), PayPart("behaviour", "", behaviour)), "")
+            assert pay.is_ruler is is_ruler

@@ -52,19 +52,20 @@ def built(build):
     return cache(lambda case: build(**CASES[case]))
 
 
-@pytest.mark.parametrize("case", CASES)
-@pytest.mark.parametrize("width", [60, 80, 100])
-def test_nothing_is_cut(built, case, width):
+def test_nothing_is_cut(built, subtests: pytest.Subtests):
     """Every value stands whole in the table, indices of ten and more digits included, and so does every note."""
-    results = built(case)
-    (combination,) = results.combinations
-    text = printed(results, width)
-    for grid in grids_of(combination):
-        assert all(value in text for row in grid.rows for value in row[1:])
-        assert all(heading in text for heading in grid.headings[1:] if grid.rows)
-        assert all(squeezed(note) in squeezed(text) for note in grid.notes)
-    assert "…" not in text
-    assert max(map(len, text.splitlines())) <= width
+    for case in CASES:
+        for width in [60, 80, 100]:
+            with subtests.test(case=case, width=width):
+                results = built(case)
+                (combination,) = results.combinations
+                text = printed(results, width)
+                for grid in grids_of(combination):
+                    assert all(value in text for row in grid.rows for value in row[1:])
+                    assert all(heading in text for heading in grid.headings[1:] if grid.rows)
+                    assert all(squeezed(note) in squeezed(text) for note in grid.notes)
+                assert "…" not in text
+                assert max(map(len, text.splitlines())) <= width
 
 
 def test_names_stay_readable_in_a_narrow_window(build):

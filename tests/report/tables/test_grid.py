@@ -22,10 +22,11 @@ def printed(grid: Grid, width: int) -> str:
     return output.getvalue()
 
 
-@pytest.mark.parametrize(("width", "tables"), [(100, 1), (66, 1), (65, 2), (40, 2), (39, 4), (20, 4)])
-def test_columns_stand_in_as_few_tables_as_fit(width: int, tables: int):
+def test_columns_stand_in_as_few_tables_as_fit(subtests: pytest.Subtests):
     """Names take 14 characters at least, and a value 11 and a gap of 2."""
-    assert len(divide_columns(GRID, width)) == tables
+    for width, tables in [(100, 1), (66, 1), (65, 2), (40, 2), (39, 4), (20, 4)]:
+        with subtests.test(width=width, tables=tables):
+            assert len(divide_columns(GRID, width)) == tables
 
 
 def test_tables_are_of_about_the_same_size():
@@ -34,15 +35,16 @@ def test_tables_are_of_about_the_same_size():
     assert divide_columns(five, 45) == [range(1, 3), range(3, 6)]
 
 
-@pytest.mark.parametrize("width", range(24, 120, 5))
-def test_every_value_and_every_word_is_whole(width: int):
+def test_every_value_and_every_word_is_whole(subtests: pytest.Subtests):
     """However narrow the window is, and no line is longer than it."""
-    text = printed(GRID, width)
-    assert text.count("0.123456789") == text.count("[-0.5, 0.5]") == 4
-    tables = len(divide_columns(GRID, width))
-    for word in ("behaviour", "closest", "distance", "95%", "interval"):
-        assert text.count(word) == tables
-    assert max(map(len, text.splitlines())) <= width
+    for width in range(24, 120, 5):
+        with subtests.test(width=width):
+            text = printed(GRID, width)
+            assert text.count("0.123456789") == text.count("[-0.5, 0.5]") == 4
+            tables = len(divide_columns(GRID, width))
+            for word in ("behaviour", "closest", "distance", "95%", "interval"):
+                assert text.count(word) == tables
+            assert max(map(len, text.splitlines())) <= width
 
 
 def test_value_wider_than_the_window_is_folded():

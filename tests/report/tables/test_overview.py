@@ -17,13 +17,14 @@ def printed(results, width=80, **console):
     return output.getvalue()
 
 
-@pytest.mark.parametrize("width", [60, 80, 120])
-@pytest.mark.parametrize("case", CASES)
-def test_nothing_is_cut(build, case, width):
+def test_nothing_is_cut(build, subtests: pytest.Subtests):
     """One line holds the answer and both etas, whatever they are."""
-    text = printed(build(**CASES[case]), width)
-    assert "…" not in text
-    assert max(map(len, text.splitlines())) <= width
+    for width in [60, 80, 120]:
+        for case in CASES:
+            with subtests.test(width=width, case=case):
+                text = printed(build(**CASES[case]), width)
+                assert "…" not in text
+                assert max(map(len, text.splitlines())) <= width
 
 
 def test_a_matrix_is_one_line_per_comparison(build):

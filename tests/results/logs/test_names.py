@@ -41,9 +41,9 @@ def test_the_order_of_names_says_nothing(layout, rewards, seeds, data):
     assert told(data.draw(st.permutations(names))) == told(names)
 
 
-@pytest.mark.parametrize(
-    ("names", "rewards", "seeds"),
-    [
+def test_what_is_a_seed_and_what_is_not(subtests: pytest.Subtests):
+    """Versions, decimal numbers and numbers that all share belong to the reward, or to nothing."""
+    rows = [
         (["v1/0", "v1/1", "v2/0", "v2/1"], ["v1", "v1", "v2", "v2"], [0, 1, 0, 1]),
         (["k1_0", "k1_1", "k2_0", "k2_1"], ["k1", "k1", "k2", "k2"], [0, 1, 0, 1]),
         (["arp:k2=0.5_1", "arp:k2=0.5_2", "base_1", "base_2"], ["arp:k2=0.5"] * 2 + ["base"] * 2, [1, 2, 1, 2]),
@@ -58,13 +58,12 @@ def test_the_order_of_names_says_nothing(layout, rewards, seeds, data):
         (["0", "1"], ["", ""], [0, 1]),
         (["base", "prop"], ["base", "prop"], [None, None]),
         (["base_0", "base_1", "prop_7"], ["base", "base", "prop"], [0, 1, 7]),
-    ],
-)
-def test_what_is_a_seed_and_what_is_not(names, rewards, seeds):
-    """Versions, decimal numbers and numbers that all share belong to the reward, or to nothing."""
-    found = sort_names(names)
-    assert [it.reward for it in found] == rewards
-    assert [it.seed for it in found] == seeds
+    ]
+    for names, rewards, seeds in rows:
+        with subtests.test(names=names, rewards=rewards, seeds=seeds):
+            found = sort_names(names)
+            assert [it.reward for it in found] == rewards
+            assert [it.seed for it in found] == seeds
 
 
 def test_labels_keep_a_word_where_one_begins_like_another():

@@ -1,0 +1,53 @@
+"""Python imports this before anything else where its folder is on PYTHONPATH: which of our files a process enters.
+
+It writes a JSON file into the folder $ENTERED_INTO when the process ends: `files`, `hops` and `back`, as
+`tests.architecture.entered` says. TOPS are the folders whose files are ours.
+"""
+
+import atexit
+import json
+import os
+import sys
+import threading
+from pathlib import Path
+
+TOPS = tuple(os.environ["ENTERED_TOPS"].split(os.pathsep))
+OPTIMIZED = 1
+"""Set in the code of a function, not in that of a module or a class, which runs when it is imported."""
+files: dict[str, None] = {}
+hops: set[tuple[str, str]] = set()
+back: set[tuple[str, str]] = set()
+
+
+def _is_ours(frame):
+    return frame.f_code.co_filename.startswith(TOPS)
+
+
+def _enter(frame, event, argument):
+    """See each call, and no line of it."""
+    if not _is_ours(frame) or not frame.f_code.co_flags & OPTIMIZED:
+        return
+    file, caller = frame.f_code.co_filename, frame.f_back
+    while caller is not None and not _is_ours(caller):
+        caller = caller.f_back
+    if caller is not None:
+        if not caller.f_code.co_flags & OPTIMIZED:
+            return  # a decorator, at import
+        hop = (caller.f_code.co_filename, file)
+        if hop[0] != file and hop not in hops:
+            hops.add(hop)
+            if file in files:
+                back.add(hop)
+    files.setdefault(file)
+
+
+def _write():
+    sys.settrace(None)
+    if files:
+        told = {"files": list(files), "hops": sorted(hops), "back": sorted(back)}
+        Path(os.environ["ENTERED_INTO"], f"{os.getpid()}.json").write_text(json.dumps(told), encoding="utf-8")
+
+
+atexit.register(_write)
+threading.settrace(_enter)
+sys.settrace(_enter)
