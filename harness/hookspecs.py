@@ -24,9 +24,19 @@ class Register(Protocol):
     """The function that every hook receives."""
 
     def __call__(
-        self, name: str, target: str, *, summary: str, requires: Iterable[str] = (), extra: str | None = None
+        self,
+        name: str,
+        target: str,
+        *,
+        summary: str,
+        requires: Iterable[str] = (),
+        extra: str | None = None,
+        heading: str = "",
     ) -> None:
-        """Announce `target` under `name`; raises ValueError for a malformed name or target."""
+        """Announce `target` under `name`; raises ValueError for a malformed name or target.
+
+        A command may say under which `heading` ``harness --all`` lists it.
+        """
 
 
 class Hooks:

@@ -51,10 +51,10 @@ def add_plugin_commands(app: typer.Typer, registry: Registry) -> None:
         if OPTION in name:
             continue
         if name in _words_to_complete() and name in registry.names(KIND):
-            app.command(name, rich_help_panel=PANEL)(registry.get(KIND, name).load())
+            app.command(name, rich_help_panel=_panel_of(registry, name))(registry.get(KIND, name).load())
             continue
         help_line = visible(_summary_of(registry, name), keep="\n")
-        app.command(name, help=help_line, rich_help_panel=PANEL, context_settings=PASS_ON)(_called(registry, name))
+        app.command(name, help=help_line, rich_help_panel=_panel_of(registry, name), context_settings=PASS_ON)(_called(registry, name))
 
 
 def _words_to_complete() -> list[str]:
@@ -89,6 +89,10 @@ def _summary_of(registry: Registry, name: str) -> str:
         return registry.get(KIND, name).summary
     except PluginError as error:  # several claim it
         return str(error)
+
+
+def _panel_of(registry: Registry, name: str) -> str:
+    return (registry.get(KIND, name).heading if name in registry.names(KIND) else "") or PANEL
 
 
 def _called(registry: Registry, name: str) -> Callable[[typer.Context], Any]:

@@ -385,7 +385,13 @@ def _collect_specs(plugin: str, origin: Origin, module: ModuleType, manager: plu
 
 def _register_into(specs: list[Spec], kind: str, plugin: str, origin: Origin) -> Callable[..., None]:
     def register(
-        name: str, target: str, *, summary: str, requires: Iterable[str] = (), extra: str | None = None
+        name: str,
+        target: str,
+        *,
+        summary: str,
+        requires: Iterable[str] = (),
+        extra: str | None = None,
+        heading: str = "",
     ) -> None:
         if not _NAME.fullmatch(name):
             raise ValueError(f"register_{kind}: name {name!r} must be lower-case letters, digits, '-' and '_'")
@@ -396,7 +402,7 @@ def _register_into(specs: list[Spec], kind: str, plugin: str, origin: Origin) ->
         requires = tuple(requires)
         for need in requires:
             module_of(need)  # raises an error if it is none
-        specs.append(Spec(kind, name, target, summary, requires, extra, plugin, *origin))
+        specs.append(Spec(kind, name, target, summary, requires, extra, plugin, *origin, heading))
 
     return register
 

@@ -32,6 +32,7 @@ class Spec:
     plugin: str
     distribution: str
     version: str = ""
+    heading: str = ""
 
     @property
     def is_built_in(self) -> bool:

@@ -11,17 +11,20 @@ def register_commands(register: harness.Register) -> None:
         "harness_plugins.bench.command:bench",
         summary="Show where the time of a training goes, or how fast plugins are compared with bare engines and "
         "libraries.",
+        heading="For plugin authors",
     )
     register(
         "check",
         "harness_plugins.kit.inspection.command:check",
         summary="Check whether a plugin or robot keeps the rules of its kind. Each result is a sentence with numbers.",
+        heading="For plugin authors",
     )
     register(
         "doctor",
         "harness_plugins.doctor.doctor:doctor",
         summary="Show what is installed, what is missing, and what works here. "
         "Simulators and environments take a step each.",
+        heading="Run and read",
     )
     register(
         "export",
@@ -32,6 +35,7 @@ def register_commands(register: harness.Register) -> None:
         "new-plugin",
         "harness_plugins.kit.new_plugin:new_plugin",
         summary="Write a plugin's package: a working implementation, its tests, a README and a CI workflow.",
+        heading="For plugin authors",
     )
     register(
         "parity",
@@ -42,6 +46,7 @@ def register_commands(register: harness.Register) -> None:
         "watch",
         "harness_plugins.watch.watch:watch",
         summary="Show recorded episodes in the browser. While a run goes on, the page says when more cells have ended.",
+        heading="Run and read",
     )
     register(
         "report--summary",
@@ -52,16 +57,19 @@ def register_commands(register: harness.Register) -> None:
         "video",
         "harness_plugins.video.command:video",
         summary="Make a film of recorded episodes: the arm, its target, what it is paid.",
+        heading="Run and read",
     )
     register(
         "transfer",
         "harness_plugins.commands.transfer:transfer",
         summary="Evaluate an experiment's policies in other simulators, and show how much of their success is left.",
+        heading="Ask more",
     )
     register(
         "tune",
         "harness_plugins.commands.tune:tune",
         summary="Search the hyperparameters of one algorithm, with an equal budget for every reward.",
+        heading="Ask more",
     )
 
 

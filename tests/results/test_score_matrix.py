@@ -13,7 +13,7 @@ from harness.registry.registry import Registry, load_registry
 from harness.results import Results
 from harness.results.score_matrix import score_matrices
 from tests.results.folders import ARP_RUNS, BASELINE_RUNS, paid
-from tests.results.test_combine import BROKEN
+from tests.results.test_traces import BROKEN
 
 RUNS = {"baseline": BASELINE_RUNS, "arp": ARP_RUNS}
 GAINS = {"baseline": 1.0, "arp": 1.5}
