@@ -54,7 +54,9 @@ def add_plugin_commands(app: typer.Typer, registry: Registry) -> None:
             app.command(name, rich_help_panel=_panel_of(registry, name))(registry.get(KIND, name).load())
             continue
         help_line = visible(_summary_of(registry, name), keep="\n")
-        app.command(name, help=help_line, rich_help_panel=_panel_of(registry, name), context_settings=PASS_ON)(_called(registry, name))
+        app.command(name, help=help_line, rich_help_panel=_panel_of(registry, name), context_settings=PASS_ON)(
+            _called(registry, name)
+        )
 
 
 def _words_to_complete() -> list[str]:
