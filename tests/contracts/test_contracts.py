@@ -38,8 +38,8 @@ from harness_plugins.kit import (
     check_reward,
     check_simulator,
     check_task,
+    violations,
 )
-from harness_plugins.kit import contract as violations
 from harness_plugins.kit.algorithms import (
     a_training_goes_on_where_it_stood,
     checkpoints_change_nothing,
