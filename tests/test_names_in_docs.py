@@ -41,6 +41,8 @@ OF_OLD_NAMES = {ROOT / "docs/renamed.md", HOMES["harness"] / "registry/moved.py"
 """What says where old names went; tests/docs/test_renamed.py and tests/registry/test_moved.py hold it to the code."""
 FILES_OF_READERS = {"behaviour.py"}
 """Files of the reader's own whose name means something to the harness."""
+ENTRY_POINTS = {"harness.pytest_plugin"}
+"""Names of entry points, which people type after ``-p`` of pytest, and which are no modules."""
 FILE_ENDINGS = {"md", "toml", "json", "html"}
 """What makes ``harness.toml`` a file."""
 
@@ -90,6 +92,8 @@ def _names_in_examples(text: str) -> Iterator[Name]:
 def _leads_somewhere(name: str) -> bool:
     """Whether a dotted name goes from a package of ours to something that exists; old names do not."""
     parts = name.split(".")
+    if name in ENTRY_POINTS:
+        return True
     if any(_is_old(".".join(parts[:count])) for count in range(2, len(parts) + 1)):
         return False
     for count in range(len(parts), 0, -1):

@@ -20,6 +20,7 @@ import typer
 from sphinx.application import Sphinx
 
 from harness.cli.app import PANELS, build_app
+from harness.cli.commands import PANEL
 from harness.experiment.plan import Experiment
 from harness.hookspecs import NOUNS
 from harness.registry.parameters import parameters_of
@@ -68,7 +69,7 @@ def write_pages(folder: Path) -> None:
         (folder / name).mkdir(parents=True, exist_ok=True)
     registry = load_registry()
     pages = {
-        "commands.md": commands_page(),
+        "commands.md": commands_page(registry),
         "experiment-file.md": experiment_page(),
         "api.md": api_page(),
         **{f"api/{module}.md": module_page(module) for module in MODULES},
@@ -156,11 +157,14 @@ def _toctrees(index: str) -> str:
     return "\n\n" + "\n\n".join(trees) + "\n"
 
 
-def commands_page() -> str:
-    """Every command with its help, arguments and options."""
-    group = typer.main.get_command(build_app())
+def commands_page(registry: Registry) -> str:
+    """Every command with its help, arguments and options, those of our plugins too."""
+    app, brought = build_app(), registry.names("commands")
+    for name in brought:
+        app.command(name)(registry.get("commands", name).load())
+    group = typer.main.get_command(app)
     parts = ["# Commands", "Every command with all of its options."]
-    for panel, names in PANELS.items():
+    for panel, names in {**PANELS, PANEL: brought}.items():
         parts.append(f"## {panel}")
         for name in names:
             parts.extend(_command(name, group.commands[name]))  # type: ignore[attr-defined]

@@ -195,8 +195,9 @@ def _run(args: list[str]) -> int:
     else:
         from harness.cli.commands import add_plugin_commands, plugins_for
 
-        app = build_app()
-        add_plugin_commands(app, plugins_for(args))
+        registry, only = plugins_for(args)
+        app = build_app(only)
+        add_plugin_commands(app, registry)
     command = typer.main.get_command(app)
     status = 0 if args else USAGE  # nothing was asked for: the help says what there is
     return command.main(args or ["--help"], prog_name="harness", standalone_mode=False, obj=own) or status

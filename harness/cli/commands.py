@@ -26,16 +26,16 @@ PASS_ON = {"allow_extra_args": True, "ignore_unknown_options": True, "help_optio
 """Every argument goes to the plugin's function, ``--help`` included."""
 
 
-def plugins_for(words: Sequence[str]) -> Registry:
-    """The plugins that a command line needs: only our own where they bring its command.
+def plugins_for(words: Sequence[str]) -> tuple[Registry, str | None]:
+    """The plugins that a command line needs, and the one command that it does, where our own plugins bring that.
 
     Others are not imported then, so `harness check` can say that one ends the process which imports it.
     """
     if words and not words[0].startswith("-"):
         ours = load_registry([point for point in installed(PROJECT) if point.dist and point.dist.name == OURS])
         if words[0] in ours.names(KIND):
-            return ours
-    return load_registry()
+            return ours, words[0]
+    return load_registry(), None
 
 
 def add_plugin_commands(app: typer.Typer, registry: Registry) -> None:

@@ -84,16 +84,9 @@ class Spec:
             raise UsageError(
                 f"{sentence(NOUNS[self.kind])} '{self.name}' needs {', '.join(self.missing)}: {self.remedy}"
             )
-        # here, since most commands only name plugins
-        from harness.registry.measure_functions import is_measure_function, measure_class
-        from harness.reward.forms import is_function_of_steps, reward_class
-
         module, attribute = self.target.split(":")
         try:
-            target = getattr(importlib.import_module(module), attribute)
-            if self.kind == "metrics" and is_measure_function(target):
-                return measure_class(target)
-            return reward_class(target) if self.kind == "rewards" and is_function_of_steps(target) else target
+            return _as_class(self.kind, getattr(importlib.import_module(module), attribute))
         except UsageError:  # a function of steps that cannot measure
             raise
         except (Exception, SystemExit) as error:
@@ -101,6 +94,19 @@ class Spec:
                 f"Plugin '{self.plugin}' ({self.package}): {self.target} of {NOUNS[self.kind]} '{self.name}' "
                 f"cannot be imported: {one_line(error)}"
             ) from error
+
+
+def _as_class(kind: str, target: Any) -> Any:
+    """The class that stands for a metric or a reward that is a plain function; everything else as it is."""
+    if kind == "metrics":  # imported here, since most commands only name plugins
+        from harness.registry.measure_functions import is_measure_function, measure_class
+
+        return measure_class(target) if is_measure_function(target) else target
+    if kind == "rewards":
+        from harness.reward.forms import is_function_of_steps, reward_class
+
+        return reward_class(target) if is_function_of_steps(target) else target
+    return target
 
 
 @contextmanager

@@ -20,7 +20,6 @@ from harness.policy import Policy, load_policy
 from .checkpoints import differences, train_with_checkpoints
 from .contract import Check, check, raise_first, require, settings_are_frozen, settings_survive_json
 from .trainings import (
-    Decision,
     Training,
     in_several_envs,
     mean_return,
@@ -54,21 +53,14 @@ def require_in_the_middle(training: Training) -> None:
     if not compared:
         return
     done = np.concatenate([each.action for each in compared])
-    own = np.concatenate([_own_action(each, training.policy) for each in compared])
+    own = np.concatenate([(each.policy or training.policy).act(each.observation) for each in compared])
     if training.env.space == "discrete":
         _require_most_frequent(done, own, tells)
     else:
-        episodes = np.concatenate([_numbers_of_episodes(each) for each in compared])
+        # No two numbers of different envs are alike.
+        numbers = [each.episode * len(each.episode) + np.arange(len(each.episode)) for each in compared]
+        episodes = np.concatenate(numbers)
         _require_median(done.astype(float), own.astype(float), episodes, tells)
-
-
-def _numbers_of_episodes(decision: Decision) -> Any:
-    """No two of different envs are alike, (num_envs,)."""
-    return decision.episode * len(decision.episode) + np.arange(len(decision.episode))
-
-
-def _own_action(decision: Decision, last: Policy) -> Any:
-    return (decision.policy or last).act(decision.observation)
 
 
 def _require_most_frequent(done: Any, own: Any, tells: bool) -> None:

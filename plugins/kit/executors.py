@@ -3,7 +3,6 @@
 import os
 import signal
 import sys
-import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -24,7 +23,7 @@ from harness.hookspecs import Register, hookimpl
 from harness.policy import Gaussian, Policy
 from harness.progress import Progress
 
-from .contract import Check, check, raise_first, require, settings_are_frozen, settings_survive_json
+from .contract import Check, check, raise_first_in_folders, require, settings_are_frozen, settings_survive_json
 
 if TYPE_CHECKING:
     from harness.env import ReachVectorEnv
@@ -186,9 +185,7 @@ def check_executor(executor: Executor, folder: Path | None = None) -> None:
     Raises:
         ContractViolation: At the first check that fails.
     """
-    for each in EXECUTOR_CHECKS:
-        with tempfile.TemporaryDirectory(dir=folder) as place:
-            raise_first([each], executor, Path(place))
+    raise_first_in_folders(EXECUTOR_CHECKS, executor, folder)
 
 
 @check("executor-no-jobs")

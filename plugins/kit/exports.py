@@ -60,7 +60,8 @@ def both_act_the_same(policy: Policy, act: Act, seen: Float32) -> None:
     if own.ndim == 1:
         differing = np.count_nonzero(own != other)
         told = f"at {differing} of {len(seen)} observations the policy chooses differently than the model"
-        require(differing <= TOLERANCE * len(seen), f"{told}, first {_first_pair(own, other)}")
+        first = int((own != other).argmax())
+        require(differing <= TOLERANCE * len(seen), f"{told}, first {own[first]} instead of {other[first]}")
         return
     error = np.abs(own - other) / _half_of_box(policy)
     row, number = np.unravel_index(int(error.argmax()), error.shape)
@@ -101,11 +102,6 @@ def _half_of_box(policy: Policy) -> Float:
     low, high = getattr(policy, "action_low", None), getattr(policy, "action_high", None)
     half: Float = np.ones(1) if low is None or high is None else 0.5 * (np.array(high) - np.array(low))
     return half
-
-
-def _first_pair(own: Any, other: Any) -> str:
-    row = int(np.flatnonzero(own != other)[0]) if (own != other).any() else 0
-    return f"{own[row]} instead of {other[row]}"
 
 
 def _guess(own: Float, other: Float) -> str:

@@ -37,7 +37,9 @@ def require_nothing_kept(play: Callable[[], object], steps: int, noun: str) -> N
         play()
         allowed = MOST_KEPT * steps + SPARE
         for _ in range(PLAYS):
-            kept = _kept_of(play)
+            before = _traced()
+            play()
+            kept = _traced() - before
             if kept <= allowed:
                 break
     finally:
@@ -47,12 +49,6 @@ def require_nothing_kept(play: Callable[[], object], steps: int, noun: str) -> N
         kept <= allowed,
         f"{kept:,} bytes were kept of {steps:,} {noun}, {kept / steps:.0f} of each: memory grows without bound",
     )
-
-
-def _kept_of(play: Callable[[], object]) -> int:
-    before = _traced()
-    play()
-    return _traced() - before
 
 
 def require_no_growth(before: int, steps: int, noun: str) -> None:

@@ -1,4 +1,4 @@
-"""An array that knows only the Python array API standard, to see what a reward asks of one."""
+"""The steps that rewards are tried with, and an array that knows nothing but the Python array API standard."""
 
 import copy
 import operator

@@ -129,7 +129,8 @@ def arguments_are_left_alone(reward: Reward) -> None:
         after, _ = pay(reward, carry, steps)
         for (name, old), (_, new) in zip(_fields(steps_before), _fields(steps), strict=True):
             require(_equal(old, new), "{} was changed from {} to {}", name, old, new)
-        require(_same(carry_before, carry), "the carry was changed in place from {} to {}", carry_before, carry)
+        same = all(_equal(old, new) for old, new in zip(_arrays(carry_before), _arrays(carry), strict=True))
+        require(same, "the carry was changed in place from {} to {}", carry_before, carry)
         carry = after
 
 
@@ -291,10 +292,6 @@ def _pays_equal(one: Paid, other: Paid) -> bool:
 
 def _near(value: Array, known: Array) -> bool:
     return np.allclose(value, known, rtol=1e-12, equal_nan=True)
-
-
-def _same(first: Carry, second: Carry) -> bool:
-    return all(_equal(old, new) for old, new in zip(_arrays(first), _arrays(second), strict=True))
 
 
 def _equal(first: Array, second: Array) -> bool:

@@ -73,7 +73,8 @@ def home_is_above_the_ground(robot: Robot) -> None:
     """In the resting pose the end effector and every moving shape are above the ground, which would end the episode."""
     height = float(robot.end_effector(robot.home)[2])
     require(height > 0.0, f"at rest the end effector is {height:.3f} m high, the ground is z = 0: choose another home")
-    lowest = float(_lowest(robot, robot.home[None])[0])
+    frames = link_frames(robot.chain, robot.home[None])
+    lowest = float(build_solids(robot.joint_shapes).lowest(frames)[0])  # infinite without a shape
     require(
         lowest > 0.0, f"at rest a moving link reaches down to {lowest:.3f} m, the ground is z = 0: choose another home"
     )
@@ -211,11 +212,6 @@ def _poses(robot: Robot) -> Float:
     rng, middle = np.random.default_rng(0), (robot.lower + robot.upper) / 2.0
     poses: Float = middle + rng.uniform(-0.4, 0.4, (POSES, robot.dof)) * (robot.upper - robot.lower)
     return poses
-
-
-def _lowest(robot: Robot, qpos: Float) -> Float:
-    """Height of the lowest moving shape, (n,), [m]; inf where there is none."""
-    return build_solids(robot.joint_shapes).lowest(link_frames(robot.chain, qpos))
 
 
 def _told(robot: Robot, array: Float) -> str:

@@ -4,14 +4,13 @@ import contextlib
 import hashlib
 import io
 import math
-import tempfile
 import threading
 from pathlib import Path
 from typing import get_args
 
 from harness.tracker import Outcome, TrackedCell, Tracker
 
-from .contract import Check, check, raise_first, require, settings_are_frozen, settings_survive_json
+from .contract import Check, check, raise_first_in_folders, require, settings_are_frozen, settings_survive_json
 
 SCALARS = {"Training/Success Rate": 0.5, "Training/Episode Return": -3.25}
 CONFIG = {"reward": "arp", "reward.k1": 1.0, "algorithm.net_arch": [64, 64], "seed": 0, "task.target": None, "on": True}
@@ -28,9 +27,7 @@ def check_tracker(tracker: Tracker, folder: Path | None = None) -> None:
     Raises:
         ContractViolation: At the first check that fails.
     """
-    for each in TRACKER_CHECKS:
-        with tempfile.TemporaryDirectory(dir=folder) as place:
-            raise_first([each], tracker, Path(place))
+    raise_first_in_folders(TRACKER_CHECKS, tracker, folder)
 
 
 @check("tracker-why-not")

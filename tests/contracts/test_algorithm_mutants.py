@@ -20,8 +20,7 @@ from harness.env import ReachVectorEnv
 from harness.policy import Policy, SquashedGaussian
 from harness.progress import Progress, TrainingState, as_state
 from harness_plugins.algorithms.sac_fast import SacFast
-from harness_plugins.kit import ALGORITHM_CHECKS, algorithms
-from harness_plugins.kit import contract as violations
+from harness_plugins.kit import ALGORITHM_CHECKS, algorithms, violations
 
 EPISODE = 20
 """Steps that each candidate is tried."""

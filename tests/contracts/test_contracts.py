@@ -38,9 +38,7 @@ from harness_plugins.kit import (
     check_reward,
     check_simulator,
     check_task,
-)
-from harness_plugins.kit import (
-    contract as violations,
+    violations,
 )
 from harness_plugins.kit.algorithms import (
     a_training_goes_on_where_it_stood,

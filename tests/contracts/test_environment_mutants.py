@@ -12,8 +12,7 @@ import pytest
 
 from harness.environment import AnyEnv, GoalReward
 from harness.reward import Given
-from harness_plugins.kit import ENVIRONMENT_CHECKS
-from harness_plugins.kit import contract as violations
+from harness_plugins.kit import ENVIRONMENT_CHECKS, violations
 
 
 class Walk(gymnasium.Env[Any, Any]):

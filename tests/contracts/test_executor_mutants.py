@@ -13,8 +13,7 @@ import pytest
 
 from harness.executor import CellOptions, Event, Job, OnEvent
 from harness.experiment.jobs import run_jobs
-from harness_plugins.kit import EXECUTOR_CHECKS, check_executor, executors
-from harness_plugins.kit import contract as violations
+from harness_plugins.kit import EXECUTOR_CHECKS, check_executor, executors, violations
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from harness.policy import Greedy, SquashedGaussian
-from harness_plugins.kit import EXPORT_CHECKS, Check, check_export, exports
-from harness_plugins.kit import contract as violations
+from harness_plugins.kit import EXPORT_CHECKS, Check, check_export, exports, violations
 
 SEEN, ACTIONS = 28, 6
 """Numbers of an observation of the kit's easy task, and of an action."""

@@ -11,8 +11,7 @@ from harness.log.open_log import find_logs, open_logs
 from harness.registry.choice import choose
 from harness.registry.given import read_given
 from harness.registry.registry import Registry, load_registry
-from harness_plugins.kit import LOG_CHECKS
-from harness_plugins.kit import contract as violations
+from harness_plugins.kit import LOG_CHECKS, violations
 
 FILE = Path(__file__).parents[2] / "examples" / "log-format" / "black_box.py"
 MOST_LINES = 60

@@ -14,8 +14,7 @@ import pytest
 from harness.files.bounded import read_bytes, reading
 from harness.log import Log, LogFacts, in_memory
 from harness.log.log import ROWS
-from harness_plugins.kit import LOG_CHECKS, check_log_format
-from harness_plugins.kit import contract as violations
+from harness_plugins.kit import LOG_CHECKS, check_log_format, violations
 from harness_plugins.kit.logs import checks
 
 FIRST = "# toy seed=3"

@@ -13,8 +13,7 @@ from harness.env.ideal import IdealSimulation
 from harness.registry.registry import load_registry
 from harness.robot import Robot
 from harness.simulator import State
-from harness_plugins.kit import IdealSimulator
-from harness_plugins.kit import contract as violations
+from harness_plugins.kit import IdealSimulator, violations
 from harness_plugins.kit.simulators import calls as long_runs
 
 REGISTRY = load_registry()

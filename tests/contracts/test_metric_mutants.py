@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from harness.log import Log
-from harness_plugins.kit import METRIC_CHECKS, metrics
-from harness_plugins.kit import contract as violations
+from harness_plugins.kit import METRIC_CHECKS, metrics, violations
 
 
 @dataclass

@@ -11,8 +11,7 @@ import pytest
 
 from harness.reward import Array, Carry, Sample, Steps
 from harness.reward.forms import reward_class
-from harness_plugins.kit import REWARD_CHECKS, rewards
-from harness_plugins.kit import contract as violations
+from harness_plugins.kit import REWARD_CHECKS, rewards, violations
 from harness_plugins.kit.trainings import NegativeDistance
 
 

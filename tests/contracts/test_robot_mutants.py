@@ -10,8 +10,7 @@ import pytest
 import harness
 from harness.arrays import Float
 from harness.robot import Robot, ground_clearance
-from harness_plugins.kit import ROBOT_CHECKS, Check, check_robot, robots
-from harness_plugins.kit import contract as violations
+from harness_plugins.kit import ROBOT_CHECKS, Check, check_robot, robots, violations
 from harness_plugins.kit.simulators.simulations import way_into_the_ground
 
 ROBOT = harness.load_robot("fd100")

@@ -11,8 +11,7 @@ import harness
 from harness.robot import Robot
 from harness.robot.servo import Servo
 from harness.simulator import Simulation
-from harness_plugins.kit import IdealSimulator
-from harness_plugins.kit import contract as violations
+from harness_plugins.kit import IdealSimulator, violations
 from harness_plugins.kit.simulators import servos
 from harness_plugins.kit.simulators.checks import SERVO_CONTRACT
 from harness_plugins.kit.simulators.servos import SERVO_CHECKS

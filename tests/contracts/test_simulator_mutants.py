@@ -13,8 +13,7 @@ from harness.robot import Robot
 from harness.robot.ground_clearance import build_solids
 from harness.robot.kinematics import link_frames
 from harness.simulator import State
-from harness_plugins.kit import SIMULATOR_CHECKS, IdealSimulator
-from harness_plugins.kit import contract as violations
+from harness_plugins.kit import SIMULATOR_CHECKS, IdealSimulator, violations
 from harness_plugins.kit.simulators import checks as simulators
 from harness_plugins.kit.simulators import simulations
 from harness_plugins.kit.simulators.servos import SERVO_CHECKS

@@ -9,8 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from harness_plugins.kit import TRACKER_CHECKS, check_tracker, trackers
-from harness_plugins.kit import contract as violations
+from harness_plugins.kit import TRACKER_CHECKS, check_tracker, trackers, violations
 
 
 class Lines:

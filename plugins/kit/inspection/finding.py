@@ -1,4 +1,4 @@
-"""What a check found, and what is known of the checks before they are run."""
+"""What was asked to be checked, what is known of the checks before they are run, and what they found."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from harness.authoring.checking import Offspring, Pool
-from harness.authoring.commands import News, Order, partial_folder
+from harness.authoring.commands import Order, partial_folder
 from harness.errors import UsageError
 from harness.executor import Limits
 
@@ -105,8 +105,9 @@ class Workshop:
         self._is_open = False
         self.offspring.kill()
         printed, story = split_output(_tail_of(partial_folder(folder) / OUTPUT))
-        sentence = _loss_in_words(news, limit, place_in(story))
-        return Loss(sentence, news.over_limit, time.monotonic() - begun, story, printed)
+        what = f"no answer for {limit:g} s" if news.over_limit else ending_in_words(news.status or 0)
+        where = f" ({place})" if (place := place_in(story)) else ""
+        return Loss(what + where, news.over_limit, time.monotonic() - begun, story, printed)
 
     def _doing(self) -> str:
         try:
@@ -128,13 +129,6 @@ def open_workshop(asked: Asked, seconds: float | None) -> Iterator[Workshop]:
                 yield Workshop(asked, seconds, Path(folder), pool, offspring)
         finally:
             offspring.kill()
-
-
-def _loss_in_words(news: News, limit: float, place: str) -> str:
-    where = f" ({place})" if place else ""
-    if news.over_limit:
-        return f"no answer for {limit:g} s{where}"
-    return f"{ending_in_words(news.status or 0)}{where}"
 
 
 def _tail_of(path: Path) -> str:

@@ -3,7 +3,6 @@
 All of them look at the log that the format writes itself, `harness.log.LogFormat.write_example`.
 """
 
-import tempfile
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +11,7 @@ from harness.authoring.checking import BEHAVIOUR, LARGEST, REWARD
 from harness.errors import UsageError
 from harness.log import LogFacts, LogFormat
 
-from ..contract import Check, check, raise_first, require, settings_are_frozen, settings_survive_json
+from ..contract import Check, check, raise_first_in_folders, require, settings_are_frozen, settings_survive_json
 from .damage import AT_ENDS, changed_copies, cut_copies, is_silent, is_text, read_damaged, require_beginnings, whole_of
 from .examples import (
     NEEDED,
@@ -56,9 +55,7 @@ def check_log_format(reader: LogFormat, folder: Path | None = None) -> None:
     Raises:
         ContractViolation: At the first check that fails.
     """
-    for each in LOG_CHECKS:
-        with tempfile.TemporaryDirectory(dir=folder) as place:
-            raise_first([each], reader, Path(place))
+    raise_first_in_folders(LOG_CHECKS, reader, folder)
 
 
 @check("log-example")

@@ -1,4 +1,4 @@
-"""What shows only after a long time: memory that is never given back, and numbers that drift."""
+"""What calls mean, what repeats itself, what the envs of a batch have in common, and what shows after a long time."""
 
 import inspect
 from collections.abc import Callable, Mapping

@@ -1,4 +1,4 @@
-"""Whether the parts of a control period add up to the whole: what the action modes that draw lines rely on."""
+"""How joints follow their targets: ideal drives closely, others within their limits, parts of a period as a whole."""
 
 import dataclasses
 from collections.abc import Callable, Sequence

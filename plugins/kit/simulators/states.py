@@ -1,4 +1,4 @@
-"""Frames: RGB, of the size asked for, with the target in them; or a reason why there are none."""
+"""What a state holds after `reset` and `place`, what an arm on the ground is told, and what a frame shows."""
 
 from itertools import cycle, islice
 

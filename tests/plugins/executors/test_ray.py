@@ -24,8 +24,7 @@ from harness.record.cell_folder import examine
 from harness.record.folder import LOG, MANIFEST
 from harness.registry.registry import load_registry
 from harness_plugins.executors.ray import Ray
-from harness_plugins.kit import contract as violations
-from harness_plugins.kit import executors
+from harness_plugins.kit import executors, violations
 from harness_plugins.kit.executors import odd_cell
 
 pytestmark = pytest.mark.slow

@@ -17,8 +17,7 @@ from harness.registry.registry import load_registry
 from harness.robot import Robot
 from harness.robot.robot import read_robot
 from harness.simulator import State
-from harness_plugins.kit import SIMULATOR_CHECKS
-from harness_plugins.kit import contract as violations
+from harness_plugins.kit import SIMULATOR_CHECKS, violations
 from harness_plugins.mujoco_model import build_model
 from harness_plugins.simulators.dm_control import DmControl
 from harness_plugins.simulators.mujoco import Mujoco
