@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from harness.cli.output import say as say
     from harness.cli.output import say_json as say_json
     from harness.cli.progress import LiveProgress as LiveProgress
+    from harness.cli.records import Records as Records
     from harness.cli.terminal import show as show
     from harness.env import ReachVectorEnv as ReachVectorEnv
     from harness.env.make import World as World
@@ -232,6 +233,7 @@ _NAMES = {
     ),
     "harness.cli.output": ("complain", "say", "say_json"),
     "harness.cli.progress": ("LiveProgress",),
+    "harness.cli.records": ("Records",),
     "harness.cli.terminal": ("show",),
     "harness.env": ("ReachVectorEnv",),
     "harness.env.make": ("World",),

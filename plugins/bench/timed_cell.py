@@ -21,9 +21,7 @@ from harness.authoring.commands import (
 )
 from harness.executor import CellOptions, Event, OnEvent
 
-from .cell_times import CellTimes
-from .meter import CLOCK
-from .stopwatch import Stopwatch
+from .stopwatch import CLOCK, CellTimes, Stopwatch
 
 FILE = "times.json"
 """In the cell's folder: its times, and what the clock showed when they were told."""

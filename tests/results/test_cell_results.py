@@ -24,7 +24,7 @@ from harness.results import Results
 from harness.results.comparison import Group
 from harness.results.learning import curve_of_training
 from harness.score.installed_reward import InstalledReward
-from harness_plugins.committed.cells import write_cells
+from harness_plugins.committed.tables import write_cells
 
 GIVEN = {
     "sim": "ideal", "algo": "narrate", "task": "fd100-reach:horizon=5", "seeds": 2, "steps": 12,

@@ -15,9 +15,9 @@ from harness.registry.choice import Choice
 from harness.registry.given import PluginClass, PluginFile
 from harness.transfer.evaluation import EvaluateElsewhere
 from harness.tune.validation import ValidatePolicy
-from harness_plugins.bench.entry import Entry, Setting
+from harness_plugins.bench.contests import Entry, Setting
+from harness_plugins.bench.measure import TimeContest
 from harness_plugins.bench.timed_cell import TimeCell
-from harness_plugins.bench.timed_contest import TimeContest
 
 PLUGINS = (PluginFile("/a/mine.py", "x = 'ü'\n"), PluginClass("rewards", "mine:Mine"))
 ENTRY = Entry("simulators", "simulators", "mine")

@@ -3,8 +3,8 @@
 import pytest
 
 from harness.registry.choice import Choice
-from harness_plugins.bench.cell_times import PARTS, TRAINING
 from harness_plugins.bench.cells import Bench, measure
+from harness_plugins.bench.stopwatch import PARTS, TRAINING
 from harness_plugins.bench.timed_cell import Failed
 
 

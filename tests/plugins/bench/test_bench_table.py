@@ -5,9 +5,8 @@ from dataclasses import replace
 import pytest
 from rich.console import Console
 
-from harness_plugins.bench.cell_times import PARTS
-from harness_plugins.bench.cells import Bench
-from harness_plugins.bench.tables import HEADINGS, bench_table, time_grid
+from harness_plugins.bench.cells import HEADINGS, Bench, bench_table, time_grid
+from harness_plugins.bench.stopwatch import PARTS
 
 
 @pytest.fixture

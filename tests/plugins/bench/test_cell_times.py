@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from harness_plugins.bench.cell_times import PARTS, TRAINING, CellTimes
+from harness_plugins.bench.stopwatch import PARTS, TRAINING, CellTimes
 
 
 def test_whole_is_the_sum_of_the_parts(make_times):

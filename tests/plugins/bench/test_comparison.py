@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from harness_plugins.bench.comparison import FALSE_ALARMS, compare_speeds, described, summary
+from harness_plugins.bench.speeds import FALSE_ALARMS, compare_speeds, described, summary
 
 ROUNDS, LINES = 9, 16
 

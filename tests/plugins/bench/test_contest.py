@@ -2,8 +2,8 @@
 
 import pytest
 
-from harness_plugins.bench.contest import FEWEST, MOST, Contender, round_of, take_turns
-from harness_plugins.bench.meter import Meter
+from harness_plugins.bench.contests import FEWEST, MOST, Contender, round_of, take_turns
+from harness_plugins.bench.stopwatch import Meter
 
 
 class Work:

@@ -16,9 +16,18 @@ from harness.registry.registry import load_registry
 from harness.testing import IdealSimulator
 from harness.testing.opened import closed_motion
 from harness_plugins.algorithms.ppo import Ppo
-from harness_plugins.bench.contest import take_turns
-from harness_plugins.bench.contests import ENGINE, ENV, LIBRARY, SIMULATOR, open_contest, periods_of, require_memory
-from harness_plugins.bench.entry import Entry, Setting
+from harness_plugins.bench.contests import (
+    ENGINE,
+    ENV,
+    LIBRARY,
+    SIMULATOR,
+    Entry,
+    Setting,
+    open_contest,
+    periods_of,
+    require_memory,
+    take_turns,
+)
 
 SIMULATORS = ("kinematic", "mujoco", "dm_control", "pybullet")
 ROBOT = harness.load_robot("fd100")

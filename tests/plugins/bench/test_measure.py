@@ -3,11 +3,9 @@
 import pytest
 
 from harness.errors import UsageError
-from harness_plugins.bench.contest import Round
-from harness_plugins.bench.entry import Entry, Setting
-from harness_plugins.bench.measure import measure_speeds, plan_entries
+from harness_plugins.bench.contests import Entry, Round, Setting
+from harness_plugins.bench.measure import LeftOut, measure_speeds, plan_entries
 from harness_plugins.bench.timed_cell import Failed
-from harness_plugins.bench.timed_contest import LeftOut
 
 A, B, C = (Entry("simulators", "simulators", name) for name in ("kinematic", "ideal", "stuck"))
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from harness_plugins.bench.meter import Meter, TimedMethods, TimedReward, seconds_per_call
+from harness_plugins.bench.stopwatch import Meter, TimedMethods, TimedReward, seconds_per_call
 
 
 class Clock:

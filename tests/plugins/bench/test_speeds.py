@@ -5,7 +5,7 @@ import json
 import pytest
 
 from harness.errors import NewerFormat, SchemaError
-from harness_plugins.bench.entry import Entry
+from harness_plugins.bench.contests import Entry
 from harness_plugins.bench.speeds import Spread, read_speeds, spread_of
 
 

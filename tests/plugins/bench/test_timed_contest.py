@@ -2,10 +2,9 @@
 
 import pytest
 
-from harness_plugins.bench.contest import Round
-from harness_plugins.bench.entry import Entry, Setting
+from harness_plugins.bench.contests import Entry, Round, Setting
+from harness_plugins.bench.measure import LeftOut, TimeContest, time_contest
 from harness_plugins.bench.timed_cell import Failed
-from harness_plugins.bench.timed_contest import LeftOut, TimeContest, time_contest
 
 SETTING = Setting(budget=0.01)
 HOOKS = """
@@ -60,7 +59,7 @@ def test_a_process_that_dies_is_a_failure(tmp_path, monkeypatch):
     from harness.experiment.workers.workers import News
 
     monkeypatch.setattr(
-        "harness_plugins.bench.timed_contest.run_orders",
+        "harness_plugins.bench.measure.run_orders",
         lambda orders, at_once, on_news: on_news(News("ended", orders[0].folder, reason="ended by SIGKILL")),
     )
     work = TimeContest(Entry("simulators", "simulators", "kinematic"), SETTING)

@@ -8,7 +8,7 @@ import pytest
 
 from harness.record.folder import TRACE
 from harness.record.trace import read_trace
-from harness_plugins.committed.cells import write_cells
+from harness_plugins.committed.tables import write_cells
 
 
 def rows(results):

@@ -5,7 +5,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from harness.eta.scored_sums import BB, BK, KB, KK
-from harness_plugins.committed.curves import ROWS, write_curves
+from harness_plugins.committed.tables import ROWS, write_curves
 
 LABELS = {"baseline": "baseline", "proposed": "arp"}
 

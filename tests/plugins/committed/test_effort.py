@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from harness_plugins.committed.effort import duration_text, effort_of
+from harness_plugins.committed.markdown import duration_text, effort_of
 
 
 def test_seconds_are_added_and_the_span_is_from_first_to_last(build):

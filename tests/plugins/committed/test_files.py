@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from harness.errors import UsageError
-from harness_plugins.committed.files import PARTIAL, put_files
+from harness_plugins.committed.records import PARTIAL, put_files
 from harness_plugins.committed.svg import CREATOR
 
 OLD = {"a.txt": b"old a", "b.txt": b"old b", "figures/c.svg": b"old c"}
@@ -52,7 +52,7 @@ def test_killed_writer_leaves_whole_old_files(folder):
     """Killed before the last file is written, the folder is as it was; the next writer clears what is left."""
     code = (
         "import os, pathlib, signal, sys\n"
-        "from harness_plugins.committed.files import put_files\n"
+        "from harness_plugins.committed.records import put_files\n"
         "write = pathlib.Path.write_bytes\n"
         "def write_half(path, content):\n"
         "    write(path, content[:2])\n"

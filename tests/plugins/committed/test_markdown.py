@@ -2,7 +2,7 @@
 
 import re
 
-from harness_plugins.committed.summary import write_summary
+from harness_plugins.committed.records import write_summary
 from tests.report.conftest import MIXTURE
 
 

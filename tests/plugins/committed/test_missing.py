@@ -1,6 +1,6 @@
 """The cells of a combination that are not done."""
 
-from harness_plugins.committed.missing import missing_text
+from harness_plugins.committed.markdown import missing_text
 
 
 def test_failed_and_pending_cells_are_counted(build):

@@ -4,7 +4,7 @@ import re
 from dataclasses import replace
 
 from harness.text import LONGEST_STEM
-from harness_plugins.committed.names import figure_stems
+from harness_plugins.committed.records import figure_stems
 
 
 def test_names_are_safe_and_say_what_it_is(build):

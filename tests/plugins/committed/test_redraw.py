@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from harness.errors import UsageError
+from harness_plugins.committed.records import write_summary
 from harness_plugins.committed.redraw import redraw
-from harness_plugins.committed.summary import write_summary
 
 REFERENCE = Path(__file__).parents[3] / "results" / "reference"
 RECORDS = sorted(path.parent for path in REFERENCE.glob("**/results.json"))

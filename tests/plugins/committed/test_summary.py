@@ -9,7 +9,7 @@ import pytest
 
 from harness.errors import UsageError
 from harness.report.document import report_text
-from harness_plugins.committed.summary import write_summary
+from harness_plugins.committed.records import write_summary
 from tests.plugins.committed.kept import RECORDS
 
 STEM = "mujoco-sac-fd100-fd100-reach-arp-against-baseline"
@@ -97,7 +97,7 @@ def test_nothing_heavy_is_imported(build, tmp_path):
     """Neither an engine nor a learning library, nor one that draws."""
     results = build(learned={10: 1})
     code = (
-        "import sys, harness_plugins.committed.summary as summary\n"
+        "import sys, harness_plugins.committed.records as summary\n"
         "from harness.results import load_results\n"
         "from pathlib import Path\n"
         "summary.write_summary(load_results(sys.argv[1]), Path(sys.argv[2]))\n"

@@ -9,8 +9,7 @@ import pytest
 from PIL import Image, ImageColor
 
 from harness.errors import UsageError
-from harness_plugins.video.film import Frame
-from harness_plugins.video.write import RATE, write_film
+from harness_plugins.video.film import RATE, Frame, write_film
 
 COLOURS = ("#5b6877", "#7a3db8", "#f3f5f7")
 PICTURES = [Frame(Image.new("RGB", (32, 20), colour), 0.5) for colour in COLOURS]
