@@ -9,10 +9,11 @@ import statistics
 import time
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack, closing
-from dataclasses import asdict, dataclass, replace
-from typing import Any, Literal, NamedTuple, Self, TypeAlias, get_args
+from dataclasses import dataclass, replace
+from typing import Annotated, Any, Literal, NamedTuple, TypeAlias, get_args
 
 import psutil
+from pydantic import Field
 
 from harness import load_robot
 from harness.algorithm import Algorithm
@@ -28,6 +29,7 @@ from .stopwatch import Clock, Meter, TimedMethods
 
 Kind: TypeAlias = Literal["simulators", "algorithms", "peers"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
+Number = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
 
 @dataclass(frozen=True)
@@ -58,15 +60,6 @@ class Entry:
             return self.name
         return f"{self.name}, {self.num_envs:,} env{'s' if self.num_envs > 1 else ''}"
 
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return asdict(self)
-
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Self:
-        """The entry that `to_json` told."""
-        return cls(**data)
-
 
 @dataclass(frozen=True)
 class Setting:
@@ -83,15 +76,6 @@ class Setting:
     task: str = "fd100-reach"
     steps: int = 256
     budget: float = 3.0
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return asdict(self)
-
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Self:
-        """The setting that `to_json` told."""
-        return cls(**data)
 
 
 CLOCK: Clock = time.process_time
@@ -167,8 +151,8 @@ class Round:
             what they had beside one another. Empty where there is no reference.
     """
 
-    seconds: Mapping[str, float]
-    speeds: Mapping[str, float]
+    seconds: Mapping[str, Number]
+    speeds: Mapping[str, Number]
 
 
 def round_of(turns: Mapping[str, list[float]], reference: str) -> Round:

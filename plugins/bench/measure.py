@@ -6,7 +6,7 @@ import shutil
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, ClassVar, Self
@@ -33,7 +33,7 @@ from harness.authoring.commands import (
 from harness.errors import UsageError, one_line
 
 from .contests import Entry, Kind, Round, Setting, open_contest, round_of, take_turns
-from .speeds import Speed, Speeds
+from .speeds import Reason, Speed, Speeds
 from .timed_cell import Failed
 
 FILE = "turns.json"
@@ -61,14 +61,16 @@ class TimeContest:
 
     def to_json(self) -> dict[str, Any]:
         """See `harness.experiment.workers.order.Work`."""
-        told = {"entry": self.entry.to_json(), "setting": self.setting.to_json()}
-        return {**told, "plugins": given_to_json(self.plugins)}
+        return {
+            "entry": asdict(self.entry),
+            "setting": asdict(self.setting),
+            "plugins": given_to_json(self.plugins),
+        }
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Self:
         """See `harness.experiment.workers.order.Work`."""
-        plugins = given_from_json(data["plugins"])
-        return cls(Entry.from_json(data["entry"]), Setting.from_json(data["setting"]), plugins)
+        return cls(Entry(**data["entry"]), Setting(**data["setting"]), given_from_json(data["plugins"]))
 
     def do(self, folder: Path, report: Report) -> bool:
         """See `harness.experiment.workers.order.Work`."""
@@ -124,7 +126,7 @@ OnRound = Callable[[int, int, str], None]
 
 def plan_entries(
     registry: Registry, kinds: Sequence[Kind], sim: Sequence[str], algo: Sequence[str], sizes: Sequence[int]
-) -> tuple[list[Entry], list[tuple[str, str]]]:
+) -> tuple[list[Entry], list[Reason]]:
     """What is to be timed.
 
     Args:
@@ -141,7 +143,7 @@ def plan_entries(
         UsageError: A name or a parameter is not known, or something that was named is not installed.
     """
     entries: list[Entry] = []
-    left_out: list[tuple[str, str]] = []
+    left_out: list[Reason] = []
     if {"simulators", "peers"} & set(kinds):
         simulators = _chosen(registry, "simulators", sim, left_out)
     if {"algorithms", "peers"} & set(kinds):
@@ -150,7 +152,7 @@ def plan_entries(
         entries += [Entry("simulators", "simulators", name, size) for name in simulators for size in sizes]
     if "algorithms" in kinds:
         goalless = {name: it for name, it in algorithms.items() if not needs_goals(it)}
-        left_out += [(name, NO_GOALS) for name in algorithms.keys() - goalless.keys()]
+        left_out += [Reason(name, NO_GOALS) for name in algorithms.keys() - goalless.keys()]
         entries += [Entry("algorithms", "algorithms", name) for name, it in goalless.items() if learns(it)]
     if "peers" in kinds:
         entries += [
@@ -166,7 +168,7 @@ def plan_entries(
     return entries, list(dict.fromkeys(left_out))
 
 
-def _chosen(registry: Registry, kind: str, given: Sequence[str], left_out: list[tuple[str, str]]) -> dict[str, Any]:
+def _chosen(registry: Registry, kind: str, given: Sequence[str], left_out: list[Reason]) -> dict[str, Any]:
     """By label what was named, or else all; of these, those that cannot be loaded are left out."""
     found: dict[str, Any] = {}
     for name in split_list(given) or registry.names(kind):
@@ -175,7 +177,7 @@ def _chosen(registry: Registry, kind: str, given: Sequence[str], left_out: list[
         except Exception as error:
             if given:
                 raise
-            left_out.append((name, str(error)))
+            left_out.append(Reason(name, str(error)))
         else:
             found[choice.label] = choice.build(registry, kind)
     return found
@@ -184,7 +186,7 @@ def _chosen(registry: Registry, kind: str, given: Sequence[str], left_out: list[
 def measure_speeds(
     registry: Registry,
     entries: Sequence[Entry],
-    left_out: Sequence[tuple[str, str]],
+    left_out: Sequence[Reason],
     setting: Setting,
     rounds: int,
     on_round: OnRound,
@@ -216,12 +218,12 @@ def measure_speeds(
                     found[entry].append(times)
     specs = [registry.get(entry.of, parse(entry.name)[0]) for entry in entries]
     reasons = {entry.title: why for entry, why in ended.items()}
-    impossible = [(title, why.reason) for title, why in reasons.items() if isinstance(why, LeftOut)]
+    impossible = [Reason(title, why.reason) for title, why in reasons.items() if isinstance(why, LeftOut)]
     return Speeds(
         rounds=rounds,
         setting=setting,
         speeds=tuple(Speed(entry, tuple(found[entry])) for entry in entries if entry not in ended),
-        failed=tuple((title, why.reason) for title, why in reasons.items() if not isinstance(why, LeftOut)),
+        failed=tuple(Reason(title, why.reason) for title, why in reasons.items() if not isinstance(why, LeftOut)),
         left_out=(*left_out, *impossible),
         cpu=describe_machine()["cpu"],
         versions={"python": platform.python_version(), **versions_behind(specs)},

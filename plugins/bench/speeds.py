@@ -6,13 +6,13 @@ Speeds are ratios against what was timed beside them, so that a faster machine d
 import math
 import statistics
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple, Self
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
-from pydantic import BaseModel, Field, ValidationError, model_validator
+from pydantic import Field, TypeAdapter, ValidationError
 from scipy.stats import t as student
 
 from harness.authoring.commands import read_json
@@ -44,6 +44,13 @@ def spread_of(values: Sequence[float]) -> Spread:
     return Spread(middle, low, high)
 
 
+class Reason(NamedTuple):
+    """Why an entry, called by its title, has no numbers."""
+
+    name: str
+    reason: str
+
+
 @dataclass(frozen=True)
 class Speed:
     """One entry, over all rounds.
@@ -54,7 +61,12 @@ class Speed:
     """
 
     entry: Entry
-    rounds: tuple[Round, ...]
+    rounds: Annotated[tuple[Round, ...], Field(min_length=1, max_length=1000)]
+
+    def __post_init__(self) -> None:
+        """Every round has the same contenders."""
+        if len({(frozenset(one.seconds), frozenset(one.speeds)) for one in self.rounds}) > 1:
+            raise ValueError("rounds of one entry name different contenders")
 
     @cached_property
     def seconds(self) -> dict[str, float]:
@@ -74,12 +86,12 @@ class Speed:
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
         return {
-            "entry": self.entry.to_json(),
+            "entry": asdict(self.entry),
             "title": self.entry.title,
             "reference": self.reference,
             "seconds_per_step": self.seconds,
             "speeds": {name: spread_of(values)._asdict() for name, values in self.speeds.items()},
-            "rounds": [{"seconds": dict(one.seconds), "speeds": dict(one.speeds)} for one in self.rounds],
+            "rounds": [asdict(one) for one in self.rounds],
         }
 
 
@@ -97,66 +109,30 @@ class Speeds:
         versions: Of Python and of the distributions that the results depend on.
     """
 
-    rounds: int
+    rounds: Annotated[int, Field(gt=0)]
     setting: Setting
     speeds: tuple[Speed, ...]
-    failed: tuple[tuple[str, str], ...]
-    left_out: tuple[tuple[str, str], ...]
+    failed: tuple[Reason, ...]
+    left_out: tuple[Reason, ...]
     cpu: str
     versions: Mapping[str, str]
 
     def to_json(self) -> dict[str, Any]:
-        """Plain data; `speeds_from_json` gives the same back."""
+        """Plain data; `read_speeds` gives the same back."""
         return {
             "format": FORMAT,
             "what": "speeds",
             "rounds": self.rounds,
             "cpu": self.cpu,
             "versions": dict(self.versions),
-            "setting": self.setting.to_json(),
+            "setting": asdict(self.setting),
             "speeds": [speed.to_json() for speed in self.speeds],
-            "failed": _reasons(self.failed),
-            "left_out": _reasons(self.left_out),
+            "failed": [reason._asdict() for reason in self.failed],
+            "left_out": [reason._asdict() for reason in self.left_out],
         }
 
 
-Number = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-
-
-class _Round(BaseModel):
-    seconds: dict[str, Number]
-    speeds: dict[str, Number]
-
-
-class _Speed(BaseModel):
-    entry: Entry
-    rounds: Annotated[list[_Round], Field(min_length=1, max_length=1000)]
-
-    @model_validator(mode="after")
-    def _is_complete(self) -> Self:
-        """Every round has the same contenders."""
-        first = self.rounds[0]
-        if any(
-            one.seconds.keys() != first.seconds.keys() or one.speeds.keys() != first.speeds.keys()
-            for one in self.rounds
-        ):
-            raise ValueError("rounds of one entry name different contenders")
-        return self
-
-
-class _Reason(BaseModel):
-    name: str
-    reason: str
-
-
-class _Speeds(BaseModel):
-    rounds: Annotated[int, Field(gt=0)]
-    cpu: str
-    versions: dict[str, str]
-    setting: Setting
-    speeds: list[_Speed]
-    failed: list[_Reason]
-    left_out: list[_Reason]
+FORM: TypeAdapter[Speeds] = TypeAdapter(Speeds)
 
 
 def read_speeds(path: Path) -> Speeds:
@@ -175,31 +151,12 @@ def read_speeds(path: Path) -> Speeds:
         raise SchemaError(f"'{path}' holds no speeds. {REMEDY}")
     if data.get("format") != FORMAT:
         raise NewerFormat(f"'{path}' has format {data.get('format')}, this version reads {FORMAT}: use a newer harness")
-    return _from_json(data, path)
-
-
-def _from_json(data: dict[str, Any], path: Path) -> Speeds:
     try:
-        told = _Speeds.model_validate(data)
-        return Speeds(
-            rounds=told.rounds,
-            setting=told.setting,
-            speeds=tuple(
-                Speed(each.entry, tuple(Round(one.seconds, one.speeds) for one in each.rounds)) for each in told.speeds
-            ),
-            failed=tuple((each.name, each.reason) for each in told.failed),
-            left_out=tuple((each.name, each.reason) for each in told.left_out),
-            cpu=told.cpu,
-            versions=told.versions,
-        )
+        return FORM.validate_python(data)
     except ValidationError as error:
         first = error.errors()[0]
         place = ".".join(map(str, first["loc"]))
         raise SchemaError(f"'{path}' is not what the harness wrote: {place}: {first['msg']}") from error
-
-
-def _reasons(told: Sequence[tuple[str, str]]) -> list[dict[str, str]]:
-    return [{"name": name, "reason": reason} for name, reason in told]
 
 
 FEWEST_ROUNDS = 3
@@ -335,7 +292,7 @@ def _remarks(old: Speeds, new: Speeds) -> Iterator[str]:
     if old.cpu != new.cpu:
         yield f"The machines differ: {old.cpu} before, {new.cpu} now. The ratios of two machines differ by themselves."
     if old.setting != new.setting:
-        yield f"The settings differ: {_text(old.setting.to_json())} before, {_text(new.setting.to_json())} now."
+        yield f"The settings differ: {_text(asdict(old.setting))} before, {_text(asdict(new.setting))} now."
     for name in sorted({*old.versions, *new.versions}):
         before, now = old.versions.get(name, "none"), new.versions.get(name, "none")
         if before != now:

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from harness.authoring.commands import Stage, Watch
@@ -53,15 +53,6 @@ class CellTimes:
         """The same, of a process that ended so many seconds after it had told these times."""
         longer = {**self.seconds, "saving": self.seconds["saving"] + seconds}
         return replace(self, seconds=longer)
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return asdict(self)
-
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> "CellTimes":
-        """The times that `to_json` wrote."""
-        return cls(**data)
 
 
 Clock: TypeAlias = Callable[[], float]
