@@ -48,7 +48,7 @@ def add_plugin_commands(app: typer.Typer, registry: Registry) -> None:
     claimed = {spec.name for spec in specs} - set(own)
     qualified = {spec.qualified for spec in specs if spec.name in own}
     for name in sorted({*registry.names(KIND), *claimed, *qualified} - set(own)):
-        if OPTION in name:
+        if OPTION in name and name.partition(OPTION)[0] in own:
             continue
         if name in _words_to_complete() and name in registry.names(KIND):
             app.command(name, rich_help_panel=_panel_of(registry, name))(registry.get(KIND, name).load())

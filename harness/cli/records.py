@@ -1,8 +1,8 @@
 """Records of an experiment, small enough to be kept beside the code: a plugin writes and reads them."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -13,30 +13,26 @@ OPTION = "report--summary"
 """The name, among commands, of the plugin that writes what ``harness report --summary`` asks for."""
 
 
-class Records(Protocol):
+class Records(NamedTuple):
     """What that plugin brings."""
 
-    def write(self, results: "Results", folder: Path) -> None:
-        """Write the records of an experiment into `folder`; raises UsageError if that cannot be."""
-
-    def are_in(self, folder: Path) -> bool:
-        """Whether a folder holds records, and no experiment."""
-
-    def text(self, folder: Path) -> str:
-        """The records as JSON."""
-
-    def table(self, folder: Path) -> "RenderableType":
-        """The records as a terminal shows them."""
-
-    def refuse(self, folder: Path, flag: str) -> None:
-        """Raise UsageError: the flag needs cells, which records have not."""
+    write: "Callable[[Results, Path], None]"
+    """Writes the records of an experiment into a folder; raises UsageError if that cannot be."""
+    are_in: Callable[[Path], bool]
+    """Whether a folder holds records, and no experiment."""
+    text: Callable[[Path], str]
+    """The records in a folder as JSON."""
+    table: "Callable[[Path], RenderableType]"
+    """The records in a folder as a terminal shows them."""
+    refuse: Callable[[Path, str], None]
+    """Raises UsageError for a folder of records: a flag, or a command, needs cells."""
 
 
 def load_records() -> Records:
     """The plugin that writes records; raises UsageError if it was left out."""
     from harness.registry.registry import load_registry
 
-    records: Records = load_registry().get("commands", OPTION).load()()
+    records: Records = load_registry().get("commands", OPTION).load()
     return records
 
 

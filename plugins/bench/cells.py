@@ -1,4 +1,4 @@
-"""The times of several cells, measured in turns."""
+"""The times of several cells, measured in turns, and how a terminal shows them."""
 
 import statistics
 from collections.abc import Mapping, Sequence
@@ -8,11 +8,14 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from rich.console import Group, RenderableType
+from rich.text import Text
+
 from harness.authoring.commands import Cell, Plan, Registry, describe_machine, specs_of, versions_behind
+from harness.authoring.pages import Grid, show_grid
 from harness.executor import OnEvent
 
-from .cell_times import PARTS, TRAINING, CellTimes
-from .meter import seconds_per_call
+from .stopwatch import PARTS, TRAINING, CellTimes, seconds_per_call
 from .timed_cell import Failed, time_cell
 
 FORMAT = 1
@@ -154,3 +157,53 @@ def _without(cells: Sequence[Cell], failed: dict[Cell, str]) -> list[Cell]:
 
 def _reasons(cells: Sequence[tuple[Cell, str]]) -> list[dict[str, str]]:
     return [{"name": cell.title, "reason": reason} for cell, reason in cells]
+
+
+LABELS = {"start_up": "start-up", "env": "rest of the env", "saving": "saving, end"}
+HEADINGS = ("part", "seconds", "share", "us per step")
+MICRO = 1e6
+BUSY = 0.85
+"""A smaller share of a core is told: the times are those of a busy machine."""
+
+
+def bench_table(bench: Bench) -> RenderableType:
+    """What ``harness bench`` prints: a block per combination, then what did not work."""
+    blocks = [_block(timing) for timing in bench.timings]
+    left_out = [("failed", *entry) for entry in bench.failed] + [("skipped", *entry) for entry in bench.skipped]
+    return Group(*blocks, *(Text(f"{word}: {cell.title}: {reason}") for word, cell, reason in left_out))
+
+
+def time_grid(timing: Timing) -> Grid:
+    """Every part and the whole; per environment step what grows with them."""
+    rows = [_row(timing, LABELS.get(part, part), timing.seconds[part], part in TRAINING) for part in PARTS]
+    training = _row(timing, "training", timing.training, True)
+    return Grid(HEADINGS, [*rows, training, _row(timing, "whole", timing.whole, False)], _notes(timing))
+
+
+def _block(timing: Timing) -> RenderableType:
+    cell = timing.cell
+    names = (cell.simulator.label, cell.algorithm.label, cell.reward.label, cell.robot, cell.task.label)
+    rounds = len(timing.rounds)
+    told = f"{timing.steps:,} environment steps, {f'medians of {rounds} rounds' if rounds > 1 else 'one round'}"
+    return Group(Text(" · ".join(names), style="bold"), Text(told), *show_grid(time_grid(timing)), Text())
+
+
+def _row(timing: Timing, label: str, seconds: float, grows: bool) -> tuple[str, ...]:
+    per_step = f"{MICRO * seconds / timing.steps:,.1f}" if grows and timing.steps else ""
+    return label, f"{seconds:.3f}", f"{seconds / timing.whole:.1%}", per_step
+
+
+def _notes(timing: Timing) -> list[str]:
+    overhead = timing.overhead / timing.steps if timing.steps else 0.0
+    busy = (
+        f"Its process had a core for {timing.core_share:.0%} of the time: the machine did more than it has cores for."
+    )
+    return [
+        *([busy] if timing.core_share < BUSY else []),
+        f"{timing.steps_per_second:,.0f} environment steps per second of training: {', '.join(map(_name, TRAINING))}.",
+        f"The timing itself took some {MICRO * overhead:.1f} us of each step.",
+    ]
+
+
+def _name(part: str) -> str:
+    return LABELS.get(part, part)

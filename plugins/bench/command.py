@@ -1,9 +1,13 @@
 """``harness bench``: where the time of a cell goes, and how fast plugins are beside what they are built on."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
 
 from harness.authoring.commands import (
+    ALGORITHMS,
+    REWARDS,
     AsJson,
     EvaluationEpisodes,
     PluginFiles,
@@ -15,35 +19,81 @@ from harness.authoring.commands import (
 )
 from harness.errors import SchemaError, UsageError
 
-from . import flags
-
-Names = list[str] | None
-
 if TYPE_CHECKING:
     from harness.authoring.commands import Plan, Registry
 
     from .cells import Bench
-    from .comparison import SpeedChanges
-    from .speeds import Speeds
+    from .speeds import SpeedChanges, Speeds
+
+CELL_ROUNDS, SPEED_ROUNDS = 3, 9
+"""How many processes time everything where nobody says: the cells, and all else."""
+
+Tables = Annotated[
+    list[str] | None,
+    typer.Argument(
+        help="cells: where the time of a training goes. simulators: speed compared with the bare engine. "
+        "algorithms: speed compared with the bare library. peers: speed compared with other projects.",
+        show_default="cells",
+        metavar="WHAT",
+    ),
+]
+Names = list[str] | None
+AlgorithmNames = Annotated[
+    Names,
+    typer.Option(
+        help="Algorithms to time, such as sac:net_arch=256x256.", metavar="NAME,...", autocompletion=ALGORITHMS
+    ),
+]
+RewardNames = Annotated[
+    Names,
+    typer.Option(help="Rewards to time.", show_default="baseline", metavar="NAME,...", autocompletion=REWARDS),
+]
+Steps = Annotated[
+    int | None,
+    typer.Option(
+        help="Environment steps of each training.", show_default="2000; for algorithms and peers 256", metavar="N"
+    ),
+]
+NumEnvs = Annotated[
+    str | None,
+    typer.Option(help="For simulators: how many arms they move at once.", show_default="1,64,1024", metavar="N,..."),
+]
+Rounds = Annotated[
+    int | None,
+    typer.Option(
+        help="How many processes, one after the other, time everything.",
+        show_default=f"{CELL_ROUNDS}; for simulators, algorithms and peers {SPEED_ROUNDS}",
+        metavar="N",
+    ),
+]
+OldFile = Annotated[
+    Path | None,
+    typer.Option(
+        help="Measure again what this file holds. Ends with status 1 if something became slower.",
+        metavar="OLD.json",
+    ),
+]
+HtmlFile = Annotated[Path | None, typer.Option(help="Write a page with a figure to this file.", metavar="FILE")]
+
 
 WHAT = ("cells", "simulators", "algorithms", "peers")
 
 
 def bench(
-    what: flags.Tables = None,
+    what: Tables = None,
     sim: SimulatorNames = None,
-    algo: flags.AlgorithmNames = None,
-    reward: flags.RewardNames = None,
+    algo: AlgorithmNames = None,
+    reward: RewardNames = None,
     task: TaskName = None,
     robot: RobotName = None,
-    steps: flags.Steps = None,
+    steps: Steps = None,
     evaluation_episodes: EvaluationEpisodes = None,
-    num_envs: flags.NumEnvs = None,
-    rounds: flags.Rounds = None,
-    compare: flags.OldFile = None,
+    num_envs: NumEnvs = None,
+    rounds: Rounds = None,
+    compare: OldFile = None,
     plugin: PluginFiles = None,
     as_json: AsJson = False,
-    html: flags.HtmlFile = None,
+    html: HtmlFile = None,
 ) -> int:
     """Show where the time of a training goes, or how fast plugins are compared with bare engines and libraries."""
     if rounds is not None and rounds < 1:
@@ -96,13 +146,13 @@ def _cells(given: dict[str, Any], rounds: int | None, plugin: Names, as_json: bo
 
     experiment = check_experiment(given, "bench")
     registry = load_registry(given=read_given(plugin))
-    found = _measure(expand(experiment, registry), registry, rounds or flags.CELL_ROUNDS)
+    found = _measure(expand(experiment, registry), registry, rounds or CELL_ROUNDS)
     if as_json:
         say_json(found.to_json())
     else:
         from harness.authoring.commands import show
 
-        from .tables import bench_table
+        from .cells import bench_table
 
         show(bench_table(found))
     return 1 if found.failed else 0
@@ -132,7 +182,7 @@ def _speeds(
 ) -> int:
     from harness.authoring.commands import load_registry, read_given
 
-    from .entry import KINDS, Setting
+    from .contests import KINDS, Setting
     from .measure import SIZES, measure_speeds, plan_entries
 
     if steps is not None and steps < 1:
@@ -142,7 +192,7 @@ def _speeds(
     entries, left_out = plan_entries(registry, [kind for kind in KINDS if kind in what], sim, algo, sizes)
     usual = Setting()
     setting = Setting(robot, usual.task if task is None else task, usual.steps if steps is None else steps)
-    found = measure_speeds(registry, entries, left_out, setting, rounds or flags.SPEED_ROUNDS, _tell)
+    found = measure_speeds(registry, entries, left_out, setting, rounds or SPEED_ROUNDS, _tell)
     _show(found, None, as_json, html)
     return 1 if found.failed else 0
 
@@ -150,9 +200,8 @@ def _speeds(
 def _again(path: Path, rounds: int | None, plugin: Names, as_json: bool, html: Path | None) -> int:
     from harness.authoring.commands import load_registry, read_given
 
-    from .comparison import FEWEST_ROUNDS, compare_speeds
     from .measure import measure_speeds
-    from .speeds import read_speeds
+    from .speeds import FEWEST_ROUNDS, compare_speeds, read_speeds
 
     try:
         old = read_speeds(path)
@@ -188,7 +237,7 @@ def _tell(number: int, count: int, title: str) -> None:
 
 def _show(found: "Speeds", comparison: "SpeedChanges | None", as_json: bool, html: Path | None) -> None:
     if html is not None:
-        from .speed_page import write_speed_page
+        from .tables import write_speed_page
 
         write_speed_page(found, comparison, html)
         say(f"Page: {html}", err=True)
@@ -197,7 +246,7 @@ def _show(found: "Speeds", comparison: "SpeedChanges | None", as_json: bool, htm
     else:
         from harness.authoring.commands import show
 
-        from .speed_table import speed_table
+        from .tables import speed_table
 
         show(speed_table(found, comparison))
 

@@ -1,16 +1,138 @@
-"""Measures a cell while it is run, without changing what it does."""
+"""Measures a cell while it is run, without changing what it does: its time, in parts that add up to the whole."""
 
 import time
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from harness.authoring.commands import Stage, Watch
-
-from .cell_times import PARTS, CellTimes
-from .meter import CLOCK, Clock, Meter, TimedMethods, TimedReward
+from harness.reward import Array, Carry, Reward, Sample
 
 if TYPE_CHECKING:
     from harness.authoring.commands import ReachVectorEnv
+
+TRAINING = ("simulator", "reward", "trace", "env", "algorithm")
+"""Parts that grow with the environment steps of the training."""
+PARTS = ("start_up", *TRAINING, "evaluation", "saving")
+"""All parts, in the order in which they are shown.
+
+start_up    the process starts, imports, builds env and algorithm, up to the algorithm's first call of the env
+simulator   calls into the engine, while the cell trains
+reward      calls of the reward, while the cell trains
+trace       rows are copied and written, the end of the file included
+env         what is left of the env's step and reset: motion, observation, episodes, starts and targets
+algorithm   what is left of the training: acting, updating, telling its progress
+evaluation  the trained policy and random actions
+saving      policy and manifest are written, the process ends
+"""
+
+
+@dataclass(frozen=True)
+class CellTimes:
+    """What one process took for one cell.
+
+    Attributes:
+        seconds: Of each of `PARTS`, [s]; they add up to the time from before the process started to after its end.
+        steps: Environment steps of the training.
+        calls: How many calls were timed.
+        core_share: Of the time until these times were told, what the process had a core for. A one-thread process has
+            it nearly all the time, but on a machine that does more than it has cores for.
+    """
+
+    seconds: Mapping[str, float]
+    steps: int
+    calls: int
+    core_share: float
+
+    @property
+    def whole(self) -> float:
+        """From before the process started to after its end, [s]."""
+        return sum(self.seconds.values())
+
+    def ended_after(self, seconds: float) -> "CellTimes":
+        """The same, of a process that ended so many seconds after it had told these times."""
+        longer = {**self.seconds, "saving": self.seconds["saving"] + seconds}
+        return replace(self, seconds=longer)
+
+
+Clock: TypeAlias = Callable[[], float]
+CLOCK: Clock = time.perf_counter
+"""[s]. On Linux it is one clock for all processes: a worker goes on where its parent began to count."""
+
+
+@dataclass(eq=False)
+class Meter:
+    """Sums up what calls took.
+
+    Attributes:
+        seconds: All calls together, [s].
+        calls: How many.
+    """
+
+    clock: Clock = CLOCK
+    seconds: float = 0.0
+    calls: int = 0
+
+    def timed(self, function: Callable[..., Any]) -> Callable[..., Any]:
+        """A function that does the same as `function`; what it takes is added to this meter."""
+        clock = self.clock
+
+        def call(*arguments: Any, **named: Any) -> Any:
+            begin = clock()
+            result = function(*arguments, **named)
+            self.seconds += clock() - begin
+            self.calls += 1
+            return result
+
+        return call
+
+
+class TimedMethods:
+    """Stands for an object, some of whose methods are timed; all else is the object's own."""
+
+    def __init__(self, inner: Any, names: tuple[str, ...], meter: Meter) -> None:
+        """Time the methods `names`, those that `inner` has."""
+        self._inner = inner
+        for name in names:
+            if hasattr(inner, name):
+                setattr(self, name, meter.timed(getattr(inner, name)))
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._inner, name)
+
+
+class TimedReward(TimedMethods):
+    """Stands for a reward."""
+
+    def __init__(self, reward: Reward, meter: Meter) -> None:
+        """Time both of its calls."""
+        super().__init__(reward, ("initial_carry",), meter)
+        self._call = meter.timed(reward)
+
+    def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
+        """See `harness.reward.Reward`."""
+        result: tuple[Carry, Array] = self._call(carry, sample)
+        return result
+
+
+def seconds_per_call(calls: int = 20_000, rounds: int = 5) -> float:
+    """What a timed call of a function that does nothing takes, [s]: the least of some rounds.
+
+    Some of it falls in what is timed, the rest in what is around it.
+    """
+
+    def nothing() -> None:
+        pass
+
+    return min(_seconds(Meter().timed(nothing), calls) for _ in range(rounds)) / calls
+
+
+def _seconds(function: Callable[[], object], calls: int) -> float:
+    begin = CLOCK()
+    for _ in range(calls):
+        function()
+    return CLOCK() - begin
+
 
 METERED = ("simulator", "reward", "trace", "env")
 """Parts of the training that have a meter."""

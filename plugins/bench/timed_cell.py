@@ -3,7 +3,7 @@
 import json
 import shutil
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple, Self
 
@@ -21,9 +21,7 @@ from harness.authoring.commands import (
 )
 from harness.executor import CellOptions, Event, OnEvent
 
-from .cell_times import CellTimes
-from .meter import CLOCK
-from .stopwatch import Stopwatch
+from .stopwatch import CLOCK, CellTimes, Stopwatch
 
 FILE = "times.json"
 """In the cell's folder: its times, and what the clock showed when they were told."""
@@ -43,7 +41,7 @@ def run_timed(cell: Cell, folder: Path, report: Report, begun: float, plugins: t
     run_cell(cell, folder, report, CellOptions(plugins=plugins), watch=stopwatch)
     times = stopwatch.stop()
     # Last of all: what follows is the end of the process.
-    (folder / FILE).write_text(json.dumps({"times": times.to_json(), "told": begun + times.whole}))
+    (folder / FILE).write_text(json.dumps({"times": asdict(times), "told": begun + times.whole}))
 
 
 @dataclass(frozen=True)
@@ -107,7 +105,7 @@ def time_cell(cell: Cell, folder: Path, on_event: OnEvent, plugins: Sequence[Giv
         return Failed(reason)
     data = json.loads((folder / FILE).read_text())
     shutil.rmtree(folder)
-    return CellTimes.from_json(data["times"]).ended_after(end - data["told"])
+    return CellTimes(**data["times"]).ended_after(end - data["told"])
 
 
 def _reason(folder: Path) -> str:

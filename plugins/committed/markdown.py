@@ -1,10 +1,23 @@
 """The combinations of an experiment as a page for a repository: results, settings and effort."""
 
 import re
-from collections.abc import Mapping, Sequence
-from typing import Final, TypeAlias
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from datetime import datetime, timedelta
+from typing import Final, NamedTuple, TypeAlias
 
-from harness.authoring.commands import EXPERIMENT, NOTHING, Alone, Comparison, Split, overview_of
+from harness.authoring.commands import (
+    EXPERIMENT,
+    NOTHING,
+    Alone,
+    Comparison,
+    Group,
+    Manifest,
+    Split,
+    Status,
+    overview_of,
+    told_manifests,
+)
 from harness.authoring.pages import (
     ALONE,
     POOLED,
@@ -42,9 +55,6 @@ from harness.authoring.pages import (
 )
 from harness.results import Results
 from harness.text import visible
-
-from .effort import duration_text, effort_of
-from .missing import missing_text
 
 SIDES = ("baseline", "proposed", "random")
 OWN: Final = (("baseline", "baseline"), ("proposed", "proposed"))
@@ -219,3 +229,57 @@ def markdown_table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> st
 def escape(text: str) -> str:
     """A text that Markdown shows as it is: no link, no picture, no HTML, no line break."""
     return re.sub(r"[\\`*<>|&]|\](?=[\[(:])", r"\\\g<0>", visible(text))
+
+
+STATUSES: tuple[Status, ...] = ("failed", "skipped", "pending", "not needed", "damaged")
+
+
+def missing_text(results: Results, combination: Comparison) -> str:
+    """How many cells are not done, by their state: ``2 failed, 1 pending of 20 cells``; empty if all are done."""
+    rewards = {combination.baseline, combination.proposed}
+    statuses = Counter(
+        manifest.status
+        for manifest in told_manifests(results)
+        if manifest.cell.reward.label in rewards
+        and Group.of(manifest.cell) == combination.group
+        and (combination.is_control or not results.is_control(manifest.cell))
+    )
+    told = [f"{statuses[status]} {status}" for status in STATUSES if statuses[status]]
+    return f"{', '.join(told)} of {statuses.total()} cells" if told else ""
+
+
+class Effort(NamedTuple):
+    """The time that the cells took that ran, finished or not."""
+
+    cells: int
+    seconds: float
+    """The sum over all cells, [s]. Cells may run at the same time."""
+    first: datetime | None
+    """When the first cell began; None if none ran."""
+    last: datetime | None
+    """When the last one ended."""
+
+    @property
+    def span(self) -> float | None:
+        """The time from the first beginning to the last end, [s], pauses included."""
+        return (self.last - self.first).total_seconds() if self.first and self.last else None
+
+
+def effort_of(manifests: Iterable[Manifest]) -> Effort:
+    """The time that the cells took that ran."""
+    ran = [manifest for manifest in manifests if manifest.status in ("done", "failed")]
+    begun = [(datetime.fromisoformat(manifest.started), manifest.seconds) for manifest in ran if manifest.started]
+    return Effort(
+        len(ran),
+        sum(manifest.seconds for manifest in ran),
+        min((start for start, _ in begun), default=None),
+        max((start + timedelta(seconds=seconds) for start, seconds in begun), default=None),
+    )
+
+
+def duration_text(seconds: float) -> str:
+    """A duration as people write it: ``12.5 s``, ``25 min``, ``3 h 5 min``."""
+    if seconds < 100:
+        return f"{seconds:.1f} s"
+    minutes = round(seconds / 60)
+    return f"{minutes} min" if minutes < 100 else f"{minutes // 60} h {minutes % 60} min"

@@ -30,8 +30,7 @@ from harness.authoring.pages import Grid, WideOrNarrow, format_number, interim_l
 from harness.errors import UsageError
 from harness.text import command_text
 
-from .summary import RECORD, SUMMARY
-
+RECORD, SUMMARY = "results.json", "summary.md"
 MOST_BYTES = 64 * 2**20
 NUMBERS = ("seeds", "eta_N", "eta_P", "ruler")
 PLACES = ("simulator", "algorithm", "robot", "task")

@@ -12,10 +12,9 @@ from harness.authoring.commands import read_bytes, read_json, read_text, reading
 from harness.errors import UsageError
 from harness.text import one_line_of, print_visible
 
-from .drawing import DRAWN, FIGURES, FORMAT, draw_figures
-from .files import put_files
-from .runs import RUNS, read_runs
-from .summary import RECORD, SUMMARY
+from .read import RECORD, SUMMARY
+from .records import DRAWN, FIGURES, FORMAT, draw_figures, put_files
+from .tables import RUNS, read_runs
 
 RECORD_BYTES = 2**28
 """Most that is read of each file of a record."""

@@ -32,8 +32,7 @@ def video(
     from harness.authoring.commands import first_show, show_cells, split_list
     from harness.results import load_results
 
-    from .film import film_of
-    from .write import require_kind, write_film
+    from .film import film_of, require_kind, write_film
 
     require_kind(out)
     results = load_results(folder, plugins=plugin or ())

@@ -10,7 +10,7 @@ import tempfile
 
 import pytest
 
-from harness_plugins.bench.contest import Round
+from harness_plugins.bench.contests import Round
 from harness_plugins.bench.timed_cell import Failed
 
 QUICK = ("--sim", "ideal", "--algo", "wander", "--steps", 12, "--evaluation-episodes", 2, "--rounds", 1)

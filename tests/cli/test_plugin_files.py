@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from harness_plugins.bench.contest import Round
-from harness_plugins.bench.entry import Setting
+from harness_plugins.bench.contests import Round, Setting
 from tests.registry.test_given import REWARD
 from tests.results.recordings.conftest import record
 

@@ -23,7 +23,7 @@ from harness.report.document import report_text
 from harness.results import Results
 from harness.results.comparison import Group
 from harness.score.installed_reward import InstalledReward
-from harness_plugins.committed.cells import write_cells
+from harness_plugins.committed.tables import write_cells
 
 GIVEN = {
     "sim": "ideal", "algo": "narrate", "task": "fd100-reach:horizon=5", "seeds": 2, "steps": 12,

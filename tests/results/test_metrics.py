@@ -18,7 +18,7 @@ from harness.report.rows.behaviour import behaviour_grids
 from harness.results import Results
 from harness.results.measured import measure, value_of
 from harness.results.metrics import Unmeasurable, load_metrics, measure_of
-from harness_plugins.committed.cells import write_cells
+from harness_plugins.committed.tables import write_cells
 from tests.results.folders import ARP, finish, only
 
 HOOKS = """

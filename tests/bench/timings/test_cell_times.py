@@ -8,8 +8,7 @@ from harness.experiment.run_cell import run_cell
 from harness.experiment.watch import UNWATCHED, Watch
 from harness.record.cell import Cell
 from harness.registry.choice import Choice
-from harness_plugins.bench.meter import CLOCK
-from harness_plugins.bench.stopwatch import Stopwatch
+from harness_plugins.bench.stopwatch import CLOCK, Stopwatch
 
 pytestmark = pytest.mark.bench
 MakeCell = Callable[..., Cell]

@@ -13,9 +13,9 @@ from harness.experiment.workers.order import Order, Work, read_order
 from harness.record.cell import Cell
 from harness.registry.choice import Choice
 from harness.registry.given import PluginClass, PluginFile
-from harness_plugins.bench.entry import Entry, Setting
+from harness_plugins.bench.contests import Entry, Setting
+from harness_plugins.bench.measure import TimeContest
 from harness_plugins.bench.timed_cell import TimeCell
-from harness_plugins.bench.timed_contest import TimeContest
 from harness_plugins.transfer.jobs import EvaluateElsewhere
 from harness_plugins.tune.outcomes import ValidatePolicy
 

@@ -6,11 +6,10 @@ from typing import Any
 import pytest
 
 from harness.record.cell import Cell
-from harness_plugins.bench.cell_times import PARTS, CellTimes
 from harness_plugins.bench.cells import Timing
-from harness_plugins.bench.contest import Round
-from harness_plugins.bench.entry import Entry, Setting
+from harness_plugins.bench.contests import Entry, Round, Setting
 from harness_plugins.bench.speeds import Speed, Speeds
+from harness_plugins.bench.stopwatch import PARTS, CellTimes
 
 SECONDS = dict(zip(PARTS, (1.0, 2.0, 0.5, 0.25, 0.75, 4.5, 0.6, 0.4), strict=True))
 

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from harness.registry.registry import load_registry
-from harness_plugins.bench.comparison import compare_speeds
-from harness_plugins.bench.entry import Entry, Setting
+from harness_plugins.bench.contests import Entry, Setting
 from harness_plugins.bench.measure import measure_speeds
+from harness_plugins.bench.speeds import compare_speeds
 
 pytestmark = pytest.mark.slow
 RUNS, ROUNDS = 7, 5

@@ -13,8 +13,7 @@ from harness.experiment.watch import UNWATCHED, Watch
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, POLICY, RANDOM, TRACE
 from harness.registry.choice import Choice
-from harness_plugins.bench.cell_times import PARTS, CellTimes
-from harness_plugins.bench.stopwatch import ENGINE, Stopwatch
+from harness_plugins.bench.stopwatch import ENGINE, PARTS, CellTimes, Stopwatch
 
 pytestmark = pytest.mark.usefixtures("toys")
 MakeCell = Callable[..., Cell]

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from harness_plugins.committed.summary import write_summary
+from harness_plugins.committed.records import write_summary
 from tests.report.conftest import barriers, build, driver, launch, mixed, show  # noqa: F401 -- fixtures
 
 

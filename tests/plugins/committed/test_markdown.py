@@ -1,8 +1,12 @@
-"""The page for a repository."""
+"""The page of a summary."""
 
 import re
+from dataclasses import replace
 
-from harness_plugins.committed.summary import write_summary
+import pytest
+
+from harness_plugins.committed.markdown import duration_text, effort_of, missing_text
+from harness_plugins.committed.records import write_summary
 from tests.report.conftest import MIXTURE
 
 
@@ -124,3 +128,49 @@ def test_mixture_is_marked(mixed, tmp_path):
     write_summary(mixed, tmp_path / "mine")
     text = (tmp_path / "mine" / "summary.md").read_text()
     assert text.index(f"**{MIXTURE}.**") < text.index("**The robot:")
+
+
+def test_failed_and_pending_cells_are_counted(build):
+    """Of both rewards of the combination, and of no other."""
+    ended = {("arp", 1): ("failed", "it broke"), ("baseline", 2): ("pending", ""), ("relative", 0): ("failed", "x")}
+    results = build(proposed={"arp": (9, 30), "relative": (9, 30)}, ended=ended)
+    told = {combination.proposed: missing_text(results, combination) for combination in results.combinations}
+    assert told == {"arp": "1 failed, 1 pending of 6 cells", "relative": "1 failed, 1 pending of 6 cells"}
+
+
+def test_nothing_is_said_where_all_are_done(build):
+    """An empty text."""
+    results = build()
+    assert missing_text(results, results.combinations[0]) == ""
+
+
+def test_null_control_counts_both_trainings_of_the_baseline(build):
+    """Those with other seeds belong to it alone."""
+    results = build(a_a=True, ended={("baseline", 0): ("failed", "it broke")})
+    told = {combination.proposed: missing_text(results, combination) for combination in results.combinations}
+    assert told == {"baseline": "1 failed of 6 cells", "arp": "1 failed of 6 cells"}
+    results = build(a_a=True, ended={("baseline", 5): ("failed", "it broke")})
+    told = {combination.proposed: missing_text(results, combination) for combination in results.combinations}
+    assert told == {"baseline": "1 failed of 6 cells", "arp": ""}
+
+
+def test_seconds_are_added_and_the_span_is_from_first_to_last(build):
+    """Cells that run beside one another take less together; what never ran counts as nothing."""
+    first, second, third, *_ = build(seeds=2, ended={("baseline", 1): ("pending", "")}).manifests
+    later = replace(second, started="2026-01-01T00:00:10+00:00", seconds=100.0)
+    effort = effort_of([later, first, third])
+    assert (effort.cells, effort.seconds, effort.span) == (2, 112.5, 110.0)
+
+
+def test_nothing_ran_no_span():
+    """There is no time to tell."""
+    effort = effort_of([])
+    assert (effort.cells, effort.seconds, effort.span) == (0, 0, None)
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"), [(12.54, "12.5 s"), (99.9, "99.9 s"), (1_500.0, "25 min"), (11_100.0, "3 h 5 min")]
+)
+def test_durations_are_for_people(seconds, text):
+    """Seconds, minutes or hours."""
+    assert duration_text(seconds) == text

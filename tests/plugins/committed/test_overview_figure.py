@@ -2,7 +2,7 @@
 
 import xml.etree.ElementTree as ET
 
-from harness_plugins.committed.overview_figure import draw_overview, name_apart
+from harness_plugins.committed.figures import draw_overview, name_apart
 
 SVG = "{http://www.w3.org/2000/svg}"
 

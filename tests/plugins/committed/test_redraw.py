@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from harness.errors import UsageError
+from harness_plugins.committed.records import write_summary
 from harness_plugins.committed.redraw import redraw
-from harness_plugins.committed.summary import write_summary
 
 REFERENCE = Path(__file__).parents[3] / "results" / "reference"
 RECORDS = sorted(path.parent for path in REFERENCE.glob("**/results.json"))
@@ -100,14 +100,10 @@ def test_a_newer_version_is_told_in_one_line(summary: Path):
     assert ended.stderr.endswith("figures.json' was written by a newer version: update this one\n")
 
 
-def test_the_committed_figures_are_those_of_the_committed_records(
-    tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests
-):
+@pytest.mark.parametrize("folder", RECORDS, ids=lambda it: it.relative_to(REFERENCE).as_posix())
+def test_the_committed_figures_are_those_of_the_committed_records(folder: Path, tmp_path: Path):
     """To the byte."""
-    for folder in RECORDS:
-        with subtests.test(folder=folder):
-            tmp_path = tmp_path_factory.mktemp("case")
-            copy = tmp_path / folder.name
-            shutil.copytree(folder, copy)
-            redraw(copy)
-            assert files_of(copy) == files_of(folder)
+    copy = tmp_path / folder.name
+    shutil.copytree(folder, copy)
+    redraw(copy)
+    assert files_of(copy) == files_of(folder)

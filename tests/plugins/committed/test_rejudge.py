@@ -33,17 +33,16 @@ def copy(tmp_path: Path) -> Path:
     return folder
 
 
-def test_a_record_has_the_answers_of_this_rule(subtests: pytest.Subtests):
+@pytest.mark.parametrize("folder", JUDGED_ANEW, ids=lambda it: it.relative_to(REFERENCE).as_posix())
+def test_a_record_has_the_answers_of_this_rule(folder: Path):
     """In its data and on its page."""
-    for folder in JUDGED_ANEW:
-        with subtests.test(folder=folder):
-            told = list(stored_comparisons(record_of(folder)))
-            page = (folder / "summary.md").read_text(encoding="utf-8")
-            for stored, judged in zip(told, judged_anew(told), strict=True):
-                headline = stored["headline"]
-                assert headline["answer"] == judged.headline.answer.value
-                assert headline.get("robot", headline.get("agent")) == judged.headline.robot
-                assert f".{answer_text(judged.headline)}.** ".replace(".", "", 1) in page
+    told = list(stored_comparisons(record_of(folder)))
+    page = (folder / "summary.md").read_text(encoding="utf-8")
+    for stored, judged in zip(told, judged_anew(told), strict=True):
+        headline = stored["headline"]
+        assert headline["answer"] == judged.headline.answer.value
+        assert headline.get("robot", headline.get("agent")) == judged.headline.robot
+        assert f".{answer_text(judged.headline)}.** ".replace(".", "", 1) in page
 
 
 def test_the_earlier_records_were_all_judged_anew():

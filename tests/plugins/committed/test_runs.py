@@ -5,7 +5,7 @@ import pytest
 
 from harness.report.figures.panel import panels_of
 from harness.report.figures.points import FEWEST
-from harness_plugins.committed.runs import OF_ALL_RUNS, panels_in, read_runs, write_runs
+from harness_plugins.committed.tables import OF_ALL_RUNS, panels_in, read_runs, write_runs
 
 
 def kept(results):

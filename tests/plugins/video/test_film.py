@@ -1,14 +1,19 @@
-"""The pictures of a film."""
+"""The pictures of a film, and films as files."""
 
+import subprocess
+import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image, ImageColor
 
+from harness.errors import UsageError
 from harness.results.replay import Episode, Show, Side
 from harness.robot.load import load_robot
 from harness.scene.scene import scene_of
-from harness_plugins.video.film import FRAMES, HEIGHT, HELD, LINE, WIDTH, film_of
+from harness_plugins.video.film import FRAMES, HEIGHT, HELD, LINE, RATE, WIDTH, Frame, film_of, write_film
 
 
 def episode(steps: int, outcome: str) -> Episode:
@@ -53,3 +58,50 @@ def test_a_third_side_stands_below(show: Show):
     alone = next(film_of(show))
     assert frame.image.width == alone.image.width
     assert frame.image.height == 2 * alone.image.height - LINE
+
+
+COLOURS = ("#5b6877", "#7a3db8", "#f3f5f7")
+PICTURES = [Frame(Image.new("RGB", (32, 20), colour), 0.5) for colour in COLOURS]
+
+
+def test_a_gif_has_every_picture(tmp_path: Path):
+    """Each as long as it is to be seen: first the last one, which tells how it ends, then all others in order."""
+    write_film(PICTURES, tmp_path / "a.gif")
+    with Image.open(tmp_path / "a.gif") as film:
+        assert (film.n_frames, film.size, film.info["duration"]) == (3, (32, 20), 500)
+        seen = []
+        for number in range(film.n_frames):
+            film.seek(number)
+            seen.append(film.convert("RGB").getpixel((5, 5)))
+    assert seen == [ImageColor.getrgb(colour) for colour in (COLOURS[2], *COLOURS[:2])]
+
+
+def test_another_ending_is_refused(tmp_path: Path):
+    """The message says which there are."""
+    with pytest.raises(UsageError, match=r"\.gif or \.mp4"):
+        write_film(PICTURES, tmp_path / "a.avi")
+
+
+def test_mp4_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """What writes them comes with the extra video."""
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    with pytest.raises(UsageError, match=r"fd100-harness\[video\]"):
+        write_film(PICTURES, tmp_path / "a.mp4")
+
+
+def test_a_folder_that_is_not_there_is_said_in_one_line(tmp_path: Path):
+    """No film, and no traceback."""
+    with pytest.raises(UsageError, match="cannot be written"):
+        write_film(PICTURES, tmp_path / "nowhere" / "a.gif")
+
+
+def test_an_mp4_shows_each_picture_as_long_as_it_is_to_be_seen(tmp_path: Path):
+    """In order, at the rate of the film."""
+    ffmpeg = pytest.importorskip("imageio_ffmpeg")
+    write_film(PICTURES, tmp_path / "a.mp4")
+    read = [ffmpeg.get_ffmpeg_exe(), "-i", tmp_path / "a.mp4", "-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
+    raw = subprocess.run(read, capture_output=True, check=True).stdout
+    pictures = np.frombuffer(raw, np.uint8).reshape(-1, 20 * 32, 3).mean(axis=1)
+    assert len(pictures) == 3 * RATE // 2
+    shown = [np.abs(pictures - ImageColor.getrgb(colour)).max(axis=1) < 8 for colour in COLOURS]
+    assert np.argmax(shown, axis=0).tolist() == sorted([0, 1, 2] * (RATE // 2))

@@ -4,10 +4,8 @@ import pytest
 from rich.console import Console
 
 from harness.report.figures.chart import Dots
-from harness_plugins.bench.comparison import compare_speeds
-from harness_plugins.bench.speed_grids import comparison_grid, speed_grids
-from harness_plugins.bench.speed_page import draw_speeds, write_speed_page
-from harness_plugins.bench.speed_table import speed_table
+from harness_plugins.bench.speeds import compare_speeds
+from harness_plugins.bench.tables import comparison_grid, draw_speeds, speed_grids, speed_table, write_speed_page
 
 
 @pytest.fixture
