@@ -1,4 +1,4 @@
-"""The traces of an arm's done cells, and what follows from them."""
+"""The traces of an arm's done cells, as results and comparisons ask about them."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
