@@ -34,7 +34,7 @@ from harness.results.return_matrix import ReturnMatrix
 from harness.results.table import Numbers, cell_to_json, comparison_rows, metric_columns, table_of, write_table
 from harness.results.terms_paid import TermsPaid, terms_of
 from harness.results.traces import Traces
-from harness.results.trainings import Source, Trainings
+from harness.results.trainings import Trainings
 
 FORMAT = 1
 """The version of what reports say as JSON; docs/json.md explains it."""
@@ -57,20 +57,18 @@ class Results(Records):
         """Read the plan and all manifests; see `Records` for what is not told here.
 
         Args:
-            folder: The folder of the experiment, or of the recordings.
+            folder: The folder of the experiment, or of recordings.
             registry: The plugins, for metrics and rewards.
-            kind: Which curves the indices are read from.
+            kind: See `Records`.
             metrics: Which metrics; every registered one if None, see `harness.results.metrics.load_metrics`. Of an
                 environment: which of its measures, beside the one that decides.
-            is_temporary: Whether the folder is soon gone.
-            store: Reads the folder.
-            pairs: Whether every two rewards are compared.
+            is_temporary: See `Records`.
+            store: See `Records`.
+            pairs: See `Records`.
 
         Raises:
-            UsageError: The folder is no experiment's, or mixes cells of an arm with others; or a named metric is not
-                registered.
+            UsageError: It mixes cells of an arm with others, or a named metric is not registered.
             PluginError: A named metric is broken.
-            SchemaError: A newer version wrote a file in it, or its plan is damaged and the cells do not tell either.
         """
         super().__init__(folder, registry, kind, is_temporary=is_temporary, store=store, pairs=pairs)
         kinds = {cell.is_in_environment for cell in self.plan.cells}
@@ -79,7 +77,7 @@ class Results(Records):
         self.in_environment = kinds == {True}
         self.traces = Traces(self, metrics if not self.in_environment else None)
         self.recordings = Recordings(self, metrics) if self.in_environment else None
-        self.source: Source = self.recordings or self.traces
+        self.source: Traces | Recordings = self.recordings or self.traces
         self.manifests = list(map(self.source.examine, self.manifests))
 
     @property

@@ -1,4 +1,4 @@
-"""``results.parquet``: one row per cell, with what its policy did, and what random actions do."""
+"""``results.parquet``, a row for each cell: what its policy did, what random actions do; a table of comparisons."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The traces of an arm's done cells, and what follows from them."""
+"""The traces of an arm's done cells, as results and comparisons ask about them."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
@@ -37,7 +37,7 @@ from harness.score.installed_reward import InstalledReward
 
 
 class Traces:
-    """What the cells of an arm left; see `harness.results.trainings.Source`."""
+    """What the cells of an arm left."""
 
     subject = "robot"
     notes: Sequence[str] = ()
@@ -74,12 +74,12 @@ class Traces:
 
     @property
     def trainings(self) -> "list[TraceTrainings]":
-        """See `Source`."""
+        """Those that are done, by group."""
         return [TraceTrainings(self, group) for group in self.records.groups]
 
     @property
     def comparisons(self) -> tuple[Comparison, ...]:
-        """See `Source`; a group in which nothing is done yet has some too."""
+        """Each reward against the baseline, or every two; also in a group in which nothing is done yet."""
         records = self.records
         of_group = [(TraceTrainings(self, group), one, other) for group, one, other in _asked(records)]
         asked = [(trainings, trainings.match(one, other)) for trainings, one, other in of_group]
@@ -89,7 +89,7 @@ class Traces:
 
     @property
     def returns(self) -> tuple[ReturnMatrix, ...]:
-        """See `Source`; scored by every reward of the experiment."""
+        """See `Results`; scored by every reward of the experiment."""
         records = self.records
         scoring = dict.fromkeys(it.cell.reward for it in records.manifests if it.status != "skipped")
         groups: dict[Group, dict[Choice, list[CellResults]]] = {}
@@ -98,7 +98,7 @@ class Traces:
         return return_matrices(list(scoring), groups, self.installed)
 
     def examine(self, manifest: Manifest) -> Manifest:
-        """See `Source`."""
+        """What there is to say of a cell. Files that are what was written may still hold what no cell can have done."""
         if manifest.status != "done":
             return manifest
         try:
@@ -111,15 +111,15 @@ class Traces:
         return manifest
 
     def numbers(self, cell: Cell) -> Numbers:
-        """See `Source`."""
+        """See `Results`."""
         return numbers_of(self.measured(cell), self.metrics)
 
     def frames(self, cell: Cell) -> None:
-        """See `Source`."""
+        """See `Results`."""
         return
 
     def older_keys(self) -> dict[str, Any]:
-        """See `Source`."""
+        """See `Results`."""
         return {}
 
     def measured(self, cell: Cell) -> Measured:

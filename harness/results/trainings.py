@@ -2,23 +2,17 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Generic, Literal, NamedTuple, Protocol, Self, TypeVar
+from typing import Generic, Literal, NamedTuple, Protocol, Self, TypeVar
 
 from harness.arrays import Float
 from harness.eta.behaviour_change import Quantity
 from harness.eta.curve import GroupCurve
 from harness.eta.rescaling import Rescaling
 from harness.eta.scored_sums import Pair
-from harness.measure import Measure
-from harness.record.cell import Cell
-from harness.record.manifest import Manifest
 from harness.results.by_term import ByTerm
 from harness.results.comparison import Comparison, Group
-from harness.results.frames import Frames
 from harness.results.learning import Learning, LearningCurve
 from harness.results.measured import Measured, Mixture, Moment
-from harness.results.return_matrix import ReturnMatrix
-from harness.results.table import Numbers
 
 
 class Seeded(Protocol):
@@ -298,63 +292,3 @@ class Trainings(Protocol[Training]):
 
     def policies(self, reward: str, manner: str) -> Policies:
         """What the policies of a reward did in the episodes of one manner."""
-
-
-class Source(Protocol):
-    """What the cells of an experiment left, as results ask about it: traces of an arm, or recordings."""
-
-    subject: str
-    """What behaves, in words."""
-
-    @property
-    def metrics(self) -> Mapping[str, Measure]:
-        """The metrics of an arm, by name; an environment has measures of its own, which its recordings hold."""
-
-    @property
-    def measures(self) -> tuple[str, ...]:
-        """The names of all measures of behaviour."""
-
-    @property
-    def trainings(self) -> Sequence[Trainings[Any]]:
-        """Those that are done, by group."""
-
-    @property
-    def comparisons(self) -> Sequence[Comparison]:
-        """Each reward against the baseline, or every two; the null controls anywhere among them."""
-
-    @property
-    def returns(self) -> tuple[ReturnMatrix, ...]:
-        """What each reward would have paid the policies that each reward trained."""
-
-    @property
-    def notes(self) -> Sequence[str]:
-        """What to keep in mind of the trainings, a line each, damaged recordings among them."""
-
-    @property
-    def said(self) -> Sequence[str]:
-        """How what was found was sorted and read, a line each: what to know before the first number."""
-
-    @property
-    def damaged(self) -> Sequence[str]:
-        """Recordings that could not be read, a line each."""
-
-    def examine(self, manifest: Manifest) -> Manifest:
-        """What there is to say of a cell. Files that are what was written may still hold what no cell can have done."""
-
-    def measured(self, cell: Cell) -> Measured:
-        """Every measure of a done cell, by manner."""
-
-    def moments(self, cell: Cell) -> tuple[Moment, ...]:
-        """Every evaluation of a done cell during its training, and the one after it."""
-
-    def recorded(self, cell: Cell) -> Float:
-        """What a done cell's own reward paid, every row of its training, (rows,)."""
-
-    def numbers(self, cell: Cell) -> Numbers:
-        """The numbers of a done cell, in the columns of a table of cells."""
-
-    def frames(self, cell: Cell) -> Frames | None:
-        """Pictures of an evaluation episode that an environment drew; None of an arm, which has a replay."""
-
-    def older_keys(self) -> dict[str, Any]:
-        """What a report says as JSON for readers of version 0.1 alone; these keys leave with the next format."""

@@ -152,7 +152,7 @@ class StudyForm(TypedDict):
 
 @with_config(OPEN)
 class PlaceForm(TypedDict):
-    """See `harness.results.recordings.places.PlaceStudy`."""
+    """See `harness.results.recordings.study.PlaceStudy`."""
 
     task: Name
     algorithm: Name

@@ -13,8 +13,7 @@ from harness.audit.recorded.step_apart import MOST
 from harness.errors import UsageError
 from harness.log.open_log import Found
 from harness.registry.names import unknown_name
-from harness.results.logs.checks import facts_notes, require_comparable, without_short
-from harness.results.logs.read_logs import read_trainings
+from harness.results.logs.read_logs import facts_notes, read_trainings, require_comparable, without_short
 from harness.results.logs.trainings import sort_logs
 from harness.results.recordings.episodes import count_text
 from harness.results.recordings.read_runs import env_of, read_all

@@ -66,31 +66,14 @@ class Panel(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Section:
-    """What the template shows of one comparison; what is not known is empty, and left out.
-
-    Attributes:
-        title: What tells it from the others.
-        card: The answer.
-        place: Its number on the page, from 1.
-        show: The number of its show in the replay.
-        full: The sentences about behaviour and number.
-        returns: What each reward pays for an episode.
-        mixtures: Plugins of which several versions were used, a sentence each.
-        tests: How many questions and hints there are.
-        summary: What was compared.
-        behaviour: The measures in the manner that decides, with a figure of each in `strips`, links to episodes in
-            `showing`.
-        outcomes: How episodes ended; with links in `endings`.
-        episodes: Links to all episodes of the replay.
-        frames: Pictures that an environment drew.
-        has_number: Whether anything is told of the number.
-        symbol: The answer in one sign.
-    """
+    """What the template shows of one comparison; what is not known is empty, and left out."""
 
     title: str
     card: Card
     place: int = 1
+    """Its number on the page."""
     show: int | None = None
+    """The number of its show in the replay, from 0."""
     full: Sequence[str] = ()
     returns: Grid | None = None
     mixtures: Sequence[str] = ()

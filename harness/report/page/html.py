@@ -102,18 +102,7 @@ OWN = "own"
 
 @dataclass(frozen=True, eq=False)
 class Page:
-    """What the template shows; what is not known is empty, and left out.
-
-    Attributes:
-        question: What was asked.
-        comparisons: Each in its own section, `ordered` by the answer.
-        has: Which parts of the page have something to show.
-        is_open: Whether there are few enough to show all at once.
-        told: Texts that all comparisons share.
-        cell_count: How many cells ended in which way.
-        beside: What to train beside rewards that stand `alone`.
-        again: The command that repeats it, from the text of `experiment`, with `facts` on how it was made.
-    """
+    """What the template shows; what is not known is empty, and left out."""
 
     question: str
     comparisons: Sequence[Section]

@@ -14,8 +14,7 @@ from harness.errors import UsageError
 from harness.eta.amounts import listed
 from harness.log import Log, Unit
 from harness.log.log import BEHAVIOUR, REWARD, SUCCESS
-from harness.results.logs.lockstep import in_lockstep
-from harness.results.logs.names import Named, Templates, sort_by_template, sort_names, templates_of
+from harness.results.logs.names import Named, Templates, in_lockstep, sort_by_template, sort_names, templates_of
 
 UNITS: tuple[Unit, ...] = ("step", "episode", "point")
 """The finest first."""

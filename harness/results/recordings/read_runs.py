@@ -1,4 +1,4 @@
-"""Reads the recorded trainings below a folder, and finds out what makes them one study."""
+"""Reads the recorded trainings below a folder, finds out what makes them one study, and what to keep in mind of it."""
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import suppress

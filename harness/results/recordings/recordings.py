@@ -29,7 +29,7 @@ from harness.results.table import Numbers
 
 
 class Recordings:
-    """What cells in an environment left; see `harness.results.trainings.Source`."""
+    """What cells in an environment left."""
 
     subject = "agent"
 
@@ -44,12 +44,12 @@ class Recordings:
 
     @property
     def metrics(self) -> Mapping[str, Measure]:
-        """See `Source`."""
+        """See `Results`."""
         return {}
 
     @property
     def measures(self) -> tuple[str, ...]:
-        """See `Source`."""
+        """See `Results`."""
         return tuple(dict.fromkeys(name for it in self.trainings for name in it.names))
 
     @cached_property
@@ -63,17 +63,17 @@ class Recordings:
 
     @property
     def trainings(self) -> list[RunTrainings]:
-        """See `Source`."""
+        """Those that are done, by group."""
         return [it.study.trainings for it in self.studies if it.study]
 
     @property
     def comparisons(self) -> list[Comparison]:
-        """See `Source`."""
+        """Those of all studies."""
         return [comparison for it in self.studies if it.study for comparison in it.study.comparisons]
 
     @property
     def notes(self) -> list[str]:
-        """See `Source`."""
+        """See `Results`."""
         told: dict[str, None] = {}
         several = len(self.studies) > 1
         for it in self.studies:
@@ -83,17 +83,17 @@ class Recordings:
 
     @property
     def said(self) -> list[str]:
-        """See `Source`."""
+        """See `Results`."""
         return [line for it in self.trainings for line in it.runs.said]
 
     @property
     def damaged(self) -> list[str]:
-        """See `Source`."""
+        """See `Results`."""
         return list(dict.fromkeys(line for it in self.trainings for line in it.runs.damaged))
 
     @property
     def returns(self) -> tuple[ReturnMatrix, ...]:
-        """See `Source`; a matrix for each manner."""
+        """See `Results`; a matrix for each manner."""
         return tuple(
             ReturnMatrix(
                 it.group,
@@ -111,7 +111,7 @@ class Recordings:
         )
 
     def examine(self, manifest: Manifest) -> Manifest:
-        """See `Source`: what is damaged is told when it is read."""
+        """The same: what is damaged is told when it is read."""
         return manifest
 
     def measured(self, cell: Cell) -> Measured:
@@ -129,11 +129,11 @@ class Recordings:
         )
 
     def moments(self, cell: Cell) -> tuple[Moment, ...]:
-        """See `Source`."""
+        """See `Results`."""
         return self.run(cell).moments(cell.steps)
 
     def recorded(self, cell: Cell) -> Float:
-        """See `Source`."""
+        """See `Results`."""
         files = self.records.store.cell_folder(cell)
         training = files / TRAINING_RECORDING
         return RecordingResults(self.records.folder, training if training.is_dir() else files).paid_by(
@@ -161,20 +161,20 @@ class Recordings:
         return found
 
     def frames(self, cell: Cell) -> Frames | None:
-        """See `Source`."""
+        """See `Results`."""
         if not self.records.is_experiment:
             return Frames("recordings that no experiment made hold no policies, so no episode can be played again")
         return read_frames(self.records.folder, self.records.manifest(cell))
 
     def older_keys(self) -> dict[str, Any]:
-        """See `Source`: ``studies``; of recordings that lie loose the keys of the only one stand alone."""
+        """See `Results`: ``studies``; of recordings that lie loose the keys of the only one stand alone."""
         if isinstance(self.records.store, LooseStore):
             (it,) = self.studies
             return {} if it.study is None else it.study.to_json()
         return {"studies": [it.to_json() for it in self.studies]}
 
     def numbers(self, cell: Cell) -> Numbers:
-        """See `Source`: means over the episodes of the final policy, else over those that say most about it."""
+        """See `Results`: means over the episodes of the final policy, else over those that say most about it."""
         if isinstance(self.records.store, LooseStore):
             run = self.run(cell)
             return numbers_of_part(next(iter(run.parts(run.steps).values())))

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from harness.log import Log, LogFacts, in_memory
 from harness.log.open_log import find_logs
 from harness.registry.registry import load_registry
-from harness.results.logs.lockstep import in_lockstep
+from harness.results.logs.names import in_lockstep
 
 
 def log(lengths, at, *, started: float = 1.7e9) -> Log:
