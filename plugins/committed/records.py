@@ -234,5 +234,6 @@ def _write(partial: Path, files: Mapping[str, bytes]) -> None:
         (partial / name).write_bytes(content)
 
 
-RECORDS = Records(write_summary, is_committed, committed_text, committed_table, refuse_committed)
-"""What ``harness report`` gets of this plugin."""
+def records() -> Records:
+    """What ``harness report`` gets of this plugin."""
+    return Records(write_summary, is_committed, committed_text, committed_table, refuse_committed)
