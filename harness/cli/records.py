@@ -32,7 +32,7 @@ def load_records() -> Records:
     """The plugin that writes records; raises UsageError if it was left out."""
     from harness.registry.registry import load_registry
 
-    records: Records = load_registry().get("commands", OPTION).load()
+    records: Records = load_registry().get("commands", OPTION).load()()
     return records
 
 

@@ -50,7 +50,7 @@ def register_commands(register: harness.Register) -> None:
     )
     register(
         "report--summary",
-        "harness_plugins.committed.records:RECORDS",
+        "harness_plugins.committed.records:records",
         summary="Write records: small tables and figures, made to be kept and shared.",
     )
     register(
