@@ -29,7 +29,7 @@ from harness.registry.spec import Spec
 from harness.registry.targets import why_unfit
 from harness.robot import Robot
 from harness.robot.load import is_path, load_robot
-from harness.testing.kits import KITS
+from harness.testing.kits import KITS, Kit
 from harness.testing.violations import Check, violations
 
 DEFAULT_ROBOT = "fd100"
@@ -188,7 +188,7 @@ def _open_robot(registry: Registry, name_or_path: str) -> Subject:
 
 
 def _subject(kind: str, first: Finding, arguments: tuple[Any, ...]) -> Subject:
-    kit = KITS[kind]
+    kit = KITS.get(kind, Kit(()))
     planned = (PlannedCheck(check.name, check.fact, kit.seconds_of(check), check in kit.long) for check in kit.checks)
     return Subject(Outline(kind, (first,), tuple(planned)), kit.checks, arguments)
 

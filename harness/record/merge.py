@@ -139,7 +139,7 @@ def _digests_of_steps(store: Store, manifest: Manifest) -> dict[str, str]:
 
 
 def _choose_added(cell: Cell, stores: Iterable[Store], added: Mapping[str, Owner], merged: Merged) -> None:
-    """Of folders with the same name that commands added take the first that is done, else the first that failed."""
+    """Take the first done folder of each name that commands added, else the first that failed."""
     ranks: dict[Path, Status] = {}
     for store in stores:
         for folder, status in _added_to(cell, store, added, merged.left_out):

@@ -82,9 +82,7 @@ MODULES: Mapping[str, str] = MappingProxyType(
         "harness.urdf": "harness.robot.urdf",
         "harness.watch": "harness.experiment.watch",
         "harness.wrapped_reward": "harness.authoring",
-        "harness.transfer": "harness_plugins.transfer.jobs",
         "harness.transfer.jobs": "harness_plugins.transfer.jobs",
-        "harness.tune": "harness_plugins.tune.tune",
         "harness.tune.tune": "harness_plugins.tune.tune",
     }
 )
@@ -271,10 +269,10 @@ class _OldModules:
     def find_spec(self, name: str, path: Sequence[str] | None, target: ModuleType | None = None) -> ModuleSpec | None:
         if gone := why_gone(name):
             raise ModuleNotFoundError(gone, name=name)
-        if name not in MODULES:
-            return None
         is_room = any(other.startswith(f"{name}.") for other in MODULES)
-        return ModuleSpec(name, cast("Loader", self), origin=MODULES[name], is_package=is_room)
+        if name not in MODULES and not is_room:
+            return None
+        return ModuleSpec(name, cast("Loader", self), origin=MODULES.get(name), is_package=is_room)
 
     def create_module(self, spec: ModuleSpec) -> ModuleType | None:
         return None  # Python makes it

@@ -39,6 +39,8 @@ OF_0_2 = {
     "harness.score.recording": ["Chunk", "Recording"],
     "harness.score.rescore": ["RecordingScorer"],
     "harness.score.scorer": ["score_trace", "targets_touched"],
+    "harness.transfer.jobs": ["transfer"],
+    "harness.tune.tune": ["tune"],
 }
 """Names that only 0.2 had: those to which 0.2.0 sent whoever used an old one, and those of its own pages."""
 EVERY = [f"{module}.{name}" for it in (OLD, OF_0_2) for module, names in it.items() for name in names]
