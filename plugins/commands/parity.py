@@ -68,7 +68,7 @@ def parity(
     else:
         from harness.authoring.commands import show
 
-        from ..parity.parity_table import parity_table
+        from ..parity.page import parity_table
 
         show(parity_table(found))
     if found.failed:

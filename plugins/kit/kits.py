@@ -71,9 +71,8 @@ KITS: Mapping[str, Kit] = MappingProxyType(
         "executors": Kit(EXECUTOR_CHECKS, seconds=120.0),
         "trackers": Kit(TRACKER_CHECKS),
         "logs": Kit(LOG_CHECKS),
-        "sections": Kit(()),
     }
 )
-"""By kind, as `harness.hookspecs.KINDS` has them; commands have none."""
+"""By kind, as `harness.hookspecs.KINDS` has them; commands and sections have none."""
 EXPORTS = Kit(EXPORT_CHECKS)
 """The kit of policies; see `harness_plugins.kit.exports`."""

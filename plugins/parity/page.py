@@ -1,12 +1,25 @@
-"""A parity as one HTML file that opens anywhere, offline."""
+"""A parity as a terminal shows it, and as one HTML file that opens anywhere, offline."""
 
 import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from rich.console import Group, RenderableType
+from rich.text import Text
+
 from harness.arrays import Float
-from harness.authoring.pages import Axis, Chart, Line, draw_chart, linear_axis, render_page, select_points, write_page
+from harness.authoring.pages import (
+    Axis,
+    Chart,
+    Line,
+    draw_chart,
+    linear_axis,
+    render_page,
+    select_points,
+    show_grid,
+    write_page,
+)
 
 from .grids import (
     class_grid,
@@ -121,3 +134,22 @@ def write_parity(parity: Parity, path: Path) -> None:
         not_installed=not_installed(parity),
     )
     write_page(page, path, "The page")
+
+
+def parity_table(parity: Parity) -> RenderableType:
+    """What ``harness parity`` prints: the pairs first, the reference's before the others'."""
+    contact = contact_text(parity)
+    parts: list[RenderableType] = [
+        Text(title(parity), style="bold"),
+        Text(f"{setting_text(parity)}\n"),
+        Text(verdict(parity), style="bold"),
+        *([Text(contact, style="bold")] if contact else []),
+        Text(engines_text(parity)),
+    ]
+    for grid in (*pair_grids(parity), simulator_grid(parity)):
+        parts += show_grid(grid)
+    if parity.pairs:
+        parts += [Text(), Text("By class of motions", style="bold"), Text(classes_text(parity))]
+        parts += show_grid(class_grid(parity, reference_pairs(parity) or list(parity.pairs)))
+    told = [*failures(parity), *not_installed(parity)]
+    return Group(*parts, *([Text()] if told else []), *map(Text, told))

@@ -41,9 +41,9 @@ def test_a_check_is_called_by_its_name():
     assert Check.__name__ == "Check"
 
 
-def test_every_kind_but_commands_has_a_kit():
+def test_every_kind_but_commands_and_their_sections_has_a_kit():
     """A command does whatever it likes."""
-    assert set(KITS) == set(KINDS) - {"commands"}
+    assert set(KITS) == set(KINDS) - {"commands", "sections"}
 
 
 def test_levels_are_those_of_their_place():

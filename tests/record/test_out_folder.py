@@ -109,7 +109,7 @@ def test_a_second_name_of_a_file_that_grows_is_refused(tmp_path: Path, inner: st
     (tmp_path / "it" / inner).parent.mkdir(exist_ok=True)
     (tmp_path / "it" / inner).hardlink_to(tmp_path / "of a person")
     with pytest.raises(UsageError, match=f"{inner}' is a link"):
-        refuse_links(tmp_path / "it")
+        refuse_links(tmp_path / "it", grows="study.log")
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="other systems take text alone")

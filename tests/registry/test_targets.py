@@ -20,13 +20,14 @@ from harness.registry.registry import Registry, load_registry
 from harness.registry.spec import Spec
 from harness.registry.targets import examined, why_absent, why_unfit
 from harness.reward import Reward
+from harness.section import Section
 from harness.simulator import Simulator
 from harness.task import Task
 from harness.tracker import Tracker
 
 PROTOCOLS = {
     "simulators": Simulator, "algorithms": Algorithm, "rewards": Reward, "metrics": Measure, "tasks": Task,
-    "executors": Executor, "trackers": Tracker, "logs": LogFormat,
+    "executors": Executor, "trackers": Tracker, "logs": LogFormat, "sections": Section,
 }  # fmt: skip
 
 

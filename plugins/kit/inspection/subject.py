@@ -25,7 +25,7 @@ from harness.hookspecs import KINDS, NOUNS, WORDS
 from harness.robot import Robot
 
 from ..contract import Check, violations
-from ..kits import KITS
+from ..kits import KITS, Kit
 from .ending import is_plugins_own
 from .finding import LOADS, TARGET, Asked, Finding, Outline, PlannedCheck
 
@@ -185,7 +185,7 @@ def _open_robot(registry: Registry, name_or_path: str) -> Subject:
 
 
 def _subject(kind: str, first: Finding, arguments: tuple[Any, ...]) -> Subject:
-    kit = KITS[kind]
+    kit = KITS.get(kind, Kit(()))
     planned = (PlannedCheck(check.name, check.fact, kit.seconds_of(check), check in kit.long) for check in kit.checks)
     return Subject(Outline(kind, (first,), tuple(planned)), kit.checks, arguments)
 

@@ -20,7 +20,7 @@ from harness_plugins.parity.grids import (
     title,
     verdict,
 )
-from harness_plugins.parity.parity_table import parity_table
+from harness_plugins.parity.page import parity_table
 
 
 @pytest.fixture(scope="module")

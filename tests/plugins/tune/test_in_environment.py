@@ -16,7 +16,7 @@ from harness_plugins.tune.trial import Outcome, Tuned, mean_outcome, score
 from harness_plugins.tune.tune import TUNING, tune
 
 pytest.importorskip("optuna")
-TOY = Path(__file__).parents[1] / "experiment" / "environments" / "toy.py"
+TOY = Path(__file__).parents[2] / "experiment" / "environments" / "toy.py"
 ALGORITHM = "sac-fast:learning_starts=8,batch_size=4,net_arch=4"
 
 
