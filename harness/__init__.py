@@ -6,11 +6,9 @@ from typing import TYPE_CHECKING, Any
 import wrapt
 
 from harness.hookspecs import Register, hookimpl
-from harness.registry.moved import find_old_names
+from harness.registry.moved import find_old_names, found_at, new_name, warn_of
 
 if TYPE_CHECKING:
-    from harness.audit.dataset.audit_dataset import audit_dataset
-    from harness.audit.transitions.audit_rewards import audit_rewards
     from harness.env.make import make_env
     from harness.experiment.experiment import run
     from harness.recorder.evaluate_policy import evaluate_policy
@@ -25,8 +23,6 @@ __all__ = [
     "RecordVectorRewards",
     "Register",
     "__version__",
-    "audit_dataset",
-    "audit_rewards",
     "evaluate_policy",
     "hookimpl",
     "load_results",
@@ -39,8 +35,6 @@ __all__ = [
 _HOMES = {
     "RecordRewards": "harness.recorder.record_rewards",
     "RecordVectorRewards": "harness.recorder.record_vector_rewards",
-    "audit_dataset": "harness.audit.dataset.audit_dataset",
-    "audit_rewards": "harness.audit.transitions.audit_rewards",
     "evaluate_policy": "harness.recorder.evaluate_policy",
     "load_results": "harness.results.load",
     "load_robot": "harness.robot.load",
@@ -50,9 +44,13 @@ _HOMES = {
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
+    if name in _HOMES:
+        return getattr(importlib.import_module(_HOMES[name]), name)
+    if (new := new_name(f"harness.{name}")) is None or new.count(".") < 2:
         raise AttributeError(f"module 'harness' has no attribute '{name}'")
-    return getattr(importlib.import_module(_HOMES[name]), name)
+    place, _, found = new.rpartition(".")
+    warn_of(f"harness.{name}", f"from {place} import {found}")
+    return found_at(new)
 
 
 def _register_envs(gymnasium: Any) -> None:

@@ -32,7 +32,7 @@ PANELS: Mapping[str, Mapping[str, str]] = MappingProxyType(
             "list": "names:list_names",
             "describe": "describe",
         },
-        "Ask more": {name: name for name in ("audit", "eta", "score", "transfer", "tune")},
+        "Ask more": {name: name for name in ("eta", "score", "transfer", "tune")},
         "Keep results": {"merge": "merge", "verify": "verify"},
         "For plugin authors": {"new-plugin": "new_plugin", "check": "check", "plugins": "plugins", "bench": "bench"},
     }
@@ -95,7 +95,8 @@ def build_app(only: str | None = None) -> typer.Typer:
     """The command line without what plugins bring.
 
     Args:
-        only: The command that is called: the options of the others are not put together. None: all commands.
+        only: The command that is called, ours or a plugin's: the options of the others are not put together. None: all
+            commands.
     """
     app = typer.Typer(cls=Commands, rich_markup_mode=None, pretty_exceptions_enable=False)
     app.callback(epilog=epilog_of(FIRST_STEPS, "First steps:"), context_settings=dict(PLAIN))(_root)
@@ -199,11 +200,12 @@ def _run(args: list[str]) -> int:
     if args and args[0] in own:  # it waits for no plugin
         app = build_app(args[0])
     else:
-        from harness.cli.commands import add_plugin_commands
+        from harness.cli.commands import KIND, add_plugin_commands
         from harness.registry.registry import load_registry
 
-        app = build_app()
-        add_plugin_commands(app, load_registry())
+        registry = load_registry()
+        app = build_app(args[0] if args and args[0] in registry.names(KIND) else None)
+        add_plugin_commands(app, registry, own)
     command = typer.main.get_command(app)
     status = 0 if args else USAGE  # nothing was asked for: the help says what there is
     return command.main(args or ["--help"], prog_name="harness", standalone_mode=False, obj=own) or status

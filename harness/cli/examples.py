@@ -31,12 +31,6 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "score": ("harness score my-results --reward arp:k2=2 --all", "harness score runs.csv --reward sparse"),
         "transfer": ("harness transfer my-results --to pybullet",),
         "tune": ("harness tune --sim mujoco --algo sac --reward arp",),
-        "audit": (
-            "harness audit --reward arp",
-            "harness audit --reward arp:k2=3 --against dense",
-            "harness audit gymnasium:id=Pendulum-v1 --plugin my_rewards.py",
-            "harness audit my-results",
-        ),
         "bench": (
             "harness bench --sim mujoco --algo sac",
             "harness bench simulators --sim mujoco --num-envs 1,64",

@@ -88,6 +88,8 @@ MODULES: Mapping[str, str] = MappingProxyType(
 
 NAMES: Mapping[str, str] = MappingProxyType(
     {
+        "harness.audit_dataset": "harness_plugins.audit.audit_dataset",
+        "harness.audit_rewards": "harness_plugins.audit.audit_rewards",
         "harness.combination.Combination": "harness.results.comparison.Comparison",
         "harness.decompose.decompose": "harness.eta.decompose.decompose",
         "harness.env.Outcome": "harness.env.decisions.Outcome",

@@ -19,7 +19,7 @@ from harness.experiment.environments.spaces import (
     goal_columns,
     kind_of_actions,
 )
-from harness.recorder.column import Column, columns_of
+from harness.recorder.column import Column, made_columns
 from harness.reward.given import Untold
 from harness.testing.violations import Check, check, raise_first, require, settings_are_frozen, settings_survive_json
 
@@ -62,7 +62,7 @@ def names_are_known(environment: Environment) -> None:
     with closing(environment.make()) as env:
         rewards, measures = environment.rewards(env), environment.behaviour(env)
         try:
-            columns_of(env, rewards, measures, 1, frozenset())
+            made_columns(env, rewards, measures, 1, frozenset())
         except UsageError as error:
             raise AssertionError(str(error)) from error
     require(bool(rewards), "it names no reward")
@@ -132,7 +132,7 @@ def rewards_of_goals_pay_as_they_do(environment: Environment) -> None:
         unknown = sorted(by_goals.keys() - rewards.keys())
         require(not unknown, f"goal_rewards names {unknown}, which are none of its rewards {sorted(rewards)}")
         paid, goals = list[list[Any]](), list[list[Any]]()
-        columns = columns_of(env, {name: rewards[name] for name in by_goals}, {}, 1, frozenset())
+        columns = made_columns(env, {name: rewards[name] for name in by_goals}, {}, 1, frozenset())
         for step in random_steps(env, 0, STEPS, columns):
             paid.append([column.numbers(value)[0] for column, value in _told(columns, step)])
             goals.append([np.array(step.seen.observation[key], float) for key in (ACHIEVED, DESIRED)])
@@ -153,7 +153,7 @@ def episodes_end(environment: Environment) -> None:
 
 
 def _columns(environment: Environment, env: AnyEnv) -> list[Column]:
-    return columns_of(env, environment.rewards(env), environment.behaviour(env), 1, frozenset())
+    return made_columns(env, environment.rewards(env), environment.behaviour(env), 1, frozenset())
 
 
 def _told(columns: Sequence[Column], step: RandomStep) -> list[tuple[Column, Any]]:

@@ -6,6 +6,7 @@ import harness
 @harness.hookimpl
 def register_commands(register: harness.Register) -> None:
     """Announce the built-in commands."""
+    register("audit", "harness_plugins.audit.command:audit", summary="Say what rewards pay for. Trains nothing.")
     register(
         "doctor",
         "harness_plugins.doctor.doctor:doctor",

@@ -3,10 +3,10 @@
 from collections.abc import Iterator
 from math import degrees
 
-from harness.audit.number import number
 from harness.env.solid_probes import missing_in_words
 from harness.eta.index import NOTHING
 from harness.report.rows.ratios import Grid
+from harness.text import number
 
 from .classes import CONTACT, CREEP, FAST, NEAR, SINGULAR, SLOW, SMOOTH, Told
 from .difference import SHORT, Difference, Response

@@ -3,10 +3,10 @@
 import math
 from collections.abc import Sequence
 
-from harness.audit.number import number
 from harness.env.solid_probes import missing_in_words
 from harness.eta.index import NOTHING
 from harness.report.rows.ratios import Grid
+from harness.text import number
 
 from .contact import GRACE
 from .motions import ACCELERATION, SPEED

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.audit.dataset.identity import Fingerprint
 from harness.eta.curve import GroupCurve
+from harness.payoff.dataset.identity import Fingerprint
 from harness.policy import kinds
 from harness.policy.network import ACTIVATIONS
 from harness.record import cell_folder

@@ -31,6 +31,7 @@ Without the modules of commands and of reports, and without the single checks of
 """
 OLD: dict[str, list[str]] = json.loads(RECORD.read_text(encoding="utf-8"))
 OF_0_2 = {
+    "harness": ["audit_dataset", "audit_rewards"],
     "harness.environment": ["Measure"],
     "harness.record.recording.recorded_training": ["RecordedTraining"],
     "harness.record.trace": ["Trace"],

@@ -86,7 +86,7 @@ def runs_of(
         UsageError: They are of several envs, two have the same reward and seed, or none has all of its steps.
     """
     env, env_notes = env_of(folder, everything) if group is None else (group.task.label, [])
-    whole, short = without_short(everything)
+    whole, short = whole_runs(everything)
     seeds, seed_notes = _with_seeds([it for it in whole if not it.facts.evaluation])
     evaluated = [it for it in whole if it.facts.evaluation]
     evaluations, evaluation_notes = _evaluations(folder, evaluated, seeds, group is None or group.deterministic)
@@ -171,7 +171,7 @@ def read_all(folder: Path, only: Sequence[Path] | None = None) -> tuple[list[Run
     return [run if (run.reward, run.seed) in paid else _without_mistaken(run) for run in runs], damaged
 
 
-def without_short(runs: Sequence[Run]) -> tuple[list[Run], list[str]]:
+def whole_runs(runs: Sequence[Run]) -> tuple[list[Run], list[str]]:
     """Those of which all is there that was asked for, as far as it is known; and a line for each other one.
 
     What evaluates a training that is left out is left out with it.
