@@ -77,6 +77,10 @@ if TYPE_CHECKING:
     from harness.payoff.finishing import finishing_of as finishing_of
     from harness.payoff.finishing import on_finishing as on_finishing
     from harness.payoff.finishing import on_terms as on_terms
+    from harness.payoff.rollout import CREEP as CREEP
+    from harness.payoff.rollout import FINISH as FINISH
+    from harness.payoff.rollout import HOLD as HOLD
+    from harness.payoff.rollout import HOVER as HOVER
     from harness.payoff.rollout import Rollout as Rollout
     from harness.payoff.rollout import States as States
     from harness.payoff.rollout import record_rollouts as record_rollouts
@@ -86,10 +90,6 @@ if TYPE_CHECKING:
     from harness.payoff.score import pay_along as pay_along
     from harness.payoff.score import pay_distances as pay_distances
     from harness.payoff.score import score_rollout as score_rollout
-    from harness.payoff.scripted import CREEP as CREEP
-    from harness.payoff.scripted import FINISH as FINISH
-    from harness.payoff.scripted import HOLD as HOLD
-    from harness.payoff.scripted import HOVER as HOVER
     from harness.record.cell import Cell as Cell
     from harness.record.dataset.labels import UNKNOWN as UNKNOWN
     from harness.record.dataset.labels import SuccessRule as SuccessRule
@@ -266,6 +266,10 @@ _NAMES = {
         "on_terms",
     ),
     "harness.payoff.rollout": (
+        "CREEP",
+        "FINISH",
+        "HOLD",
+        "HOVER",
         "Rollout",
         "States",
         "record_rollouts",
@@ -277,12 +281,6 @@ _NAMES = {
         "pay_along",
         "pay_distances",
         "score_rollout",
-    ),
-    "harness.payoff.scripted": (
-        "CREEP",
-        "FINISH",
-        "HOLD",
-        "HOVER",
     ),
     "harness.record.cell": ("Cell",),
     "harness.record.dataset.labels": (

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from harness.arrays import Float
+from harness.payoff.rollout import FINISH, HOLD
 from harness.payoff.score import Score, discounted_sum
-from harness.payoff.scripted import FINISH, HOLD
 from harness.text import number
 
 SLACK = 1e-9

@@ -7,9 +7,8 @@ from gymnasium.vector import AutoresetMode
 from harness.env import ReachVectorEnv
 from harness.errors import UsageError
 from harness.experiment.evaluation.evaluate import EVALUATION_SEED
-from harness.payoff.rollout import record_rollouts
+from harness.payoff.rollout import SCRIPTS, plan_actions, record_rollouts
 from harness.payoff.score import score_rollout
-from harness.payoff.scripted import SCRIPTS, plan_actions
 from harness.reach import ReachTask
 from harness.record.trace import TERM
 from harness.registry.choice import choose

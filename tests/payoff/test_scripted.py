@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from harness.payoff.rollout import record_rollouts
-from harness.payoff.scripted import SCRIPTS, plan_actions
+from harness.payoff.rollout import SCRIPTS, plan_actions, record_rollouts
 from harness.reach import ReachTask
 from harness.testing import IdealSimulator
 

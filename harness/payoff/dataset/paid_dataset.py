@@ -1,5 +1,6 @@
 """A data set paid by several rewards: what is kept of each step and of each episode. Observations are not."""
 
+import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -11,18 +12,63 @@ from numpy.typing import NDArray
 from harness.arrays import Float, Mask
 from harness.errors import HarnessError, SchemaError, Unscored, one_line
 from harness.log import Log, Rows
-from harness.log.log import ACTION, BEFORE, BEHAVIOUR, FILE, INFO, OBSERVATION, OPERATOR, RECORDED, REWARD, SEEN, TASK
+from harness.log.log import (
+    ACTION,
+    BEFORE,
+    BEHAVIOUR,
+    FILE,
+    INFO,
+    OBSERVATION,
+    OPERATOR,
+    RECORDED,
+    REWARD,
+    SEEN,
+    TASK,
+    Array,
+)
 from harness.log.log import SUCCESS as SUCCESS_NAME
-from harness.payoff.dataset.identity import Fingerprint
-from harness.payoff.dataset.movement import Movement
 from harness.payoff.dataset.rewards import Recorded
-from harness.payoff.dataset.steps import Payer, flaw_of, seen_after, steps_by_episode
+from harness.payoff.dataset.steps import Movement, Payer, flaw_of, seen_after, steps_by_episode
 from harness.record.dataset.labels import FAILURE, SUCCESS, UNKNOWN
 from harness.record.dataset.open_dataset import MOST_EPISODES, DatasetFacts, dataset_facts
 from harness.reward import LARGEST_PAID
 
 if TYPE_CHECKING:
     from harness.score.places import ArmPlaces
+
+
+class Fingerprint:
+    """A digest of what was seen, done and paid in an episode, as float32; pieces of any size give the same."""
+
+    def __init__(self) -> None:
+        self.has_fractions = False
+        """Whether an observation or an action is no whole number: by chance they are not equal in two episodes."""
+        self._parts: dict[str, hashlib.blake2b] = {}
+
+    def take(self, rows: Rows) -> None:
+        """The next steps. What was seen before the first one belongs to them."""
+        for name, values in rows.columns.items():
+            is_vector = name.startswith((OBSERVATION, ACTION))
+            if is_vector or name.startswith(REWARD):
+                self._add(name, values)
+            elif name.startswith(BEFORE) and rows["step"][0] <= 1:
+                self._add(name, values[:1])
+            self.has_fractions = self.has_fractions or (is_vector and values.dtype.kind == "f" and values.size > 0)
+
+    def digest(self) -> bytes:
+        """All steps so far, as some bytes."""
+        return b"".join(name.encode() + b"\0" + self._parts[name].digest() for name in sorted(self._parts))
+
+    def _add(self, name: str, values: Array) -> None:
+        if name not in self._parts:
+            self._parts[name] = hashlib.blake2b(digest_size=16)
+        self._parts[name].update(_packed(values).tobytes())
+
+
+def _packed(values: Array) -> NDArray[np.float32]:
+    with np.errstate(over="ignore", invalid="ignore"):
+        return np.ascontiguousarray(values, np.float32) + np.float32(0.0)
+
 
 MOST_STEPS = 20_000_000
 """The most steps of a data set: one number of each is kept, and one for each reward, 0.32 GB with one reward."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from itertools import pairwise
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -11,6 +11,9 @@ from harness.errors import SchemaError
 from harness.log import Log, Rows
 from harness.log.log import ACTION, BEFORE, INFO, LARGEST, OBSERVATION, REWARD, SEEN, Array
 from harness.reward import Paid
+
+if TYPE_CHECKING:
+    from harness.score.places import ArmPlaces
 
 Nested: TypeAlias = Any
 """Rows of an observation or an action: an array (rows, ...), or a dict or a tuple of `Nested`."""
@@ -127,3 +130,65 @@ def flat_rows(rows: Rows, name: str) -> Float:
     parts = [values for column, values in rows.columns.items() if is_under(column, name)]
     flat = [np.asarray(part, np.float64).reshape(len(part), -1) for part in parts]
     return np.concatenate(flat, axis=1) if flat else np.empty((len(rows), 0))
+
+
+LEARNT = 4_096
+"""After so many steps it is known how much a number of an observation changes in a step."""
+
+
+class Movement:
+    """How far each step moves: the mean over the numbers of an observation, each by how much it changes in a step.
+
+    Observations of another size, in the env of another task, have a scale of their own.
+    """
+
+    def __init__(self, places: "ArmPlaces | None") -> None:
+        self._places = places
+        self._waiting: dict[int, list[tuple[int, Float]]] = {}
+        self._count: dict[int, int] = {}
+        self._scale: dict[int, Float] = {}
+        self._moved: list[Float] = []
+
+    def take(self, rows: Rows, seen: int) -> None:
+        """The next steps of one episode, of which it is known what was seen after the first `seen`."""
+        moved = np.full(len(rows), np.nan)
+        self._moved.append(moved)
+        if not seen:
+            return
+        before, after = (self._positions(rows, name) for name in (f"{BEFORE}{OBSERVATION}", OBSERVATION))
+        change = np.abs(after[:seen] - before[:seen])
+        width = change.shape[1]
+        if not width:
+            moved[:seen] = np.inf
+        elif width in self._scale:
+            moved[:seen] = self._far(change)
+        else:
+            self._waiting.setdefault(width, []).append((len(self._moved) - 1, change))
+            self._count[width] = self._count.get(width, 0) + seen
+            if self._count[width] >= LEARNT:
+                self._learn(width)
+
+    def end(self) -> Float:
+        """How far each step moved, (steps,); see `PaidDataset.moved`."""
+        for width in tuple(self._waiting):
+            self._learn(width)
+        return np.concatenate(self._moved)
+
+    def _positions(self, rows: Rows, name: str) -> Float:
+        if self._places is None:
+            return flat_rows(rows, name)
+        return self._places.end_effector(vectors_of(rows.columns, name))
+
+    def _learn(self, width: int) -> None:
+        waiting = self._waiting.pop(width)
+        self._scale[width] = np.sqrt(np.mean(np.square(np.concatenate([change for _, change in waiting])), axis=0))
+        for place, change in waiting:
+            self._moved[place][: len(change)] = self._far(change)
+
+    def _far(self, change: Float) -> Float:
+        scale = self._scale[change.shape[1]]
+        moves = scale > 0.0
+        if not moves.any():
+            return np.zeros(len(change))
+        far: Float = np.mean(change[:, moves] / scale[moves], axis=1)
+        return far

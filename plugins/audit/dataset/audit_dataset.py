@@ -33,8 +33,7 @@ from harness.authoring.commands import (
 from harness.errors import UsageError
 from harness.log import RECORDED, Log
 
-from ..recorded.paid import Paid, compare_paid
-from ..recorded.pair import Pair, pair_of
+from ..recorded.pair import Paid, Pair, compare_paid, pair_of
 from .dataset_audit import DatasetAudit, PaidStep, RewardAnswer, WrongPair
 from .withheld import answer_that_holds, level_that_holds, lines_of, of_its_own_return
 

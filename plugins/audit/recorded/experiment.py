@@ -22,10 +22,9 @@ from harness.results import Results
 from ..audit import Audit
 from ..questions import NO_FORMS, NOT_RANKED, on_best
 from .earned import Earned, earned_in_episodes, earned_in_parts
-from .pair import pairs_in
+from .pair import MOST, pairs_in
 from .pair_grid import SCALE
 from .recordings import RANDOM, chosen_rewards, title_of
-from .step_apart import MOST
 
 KEYS = ["env", "episode", "step", "terminated", "truncated"]
 

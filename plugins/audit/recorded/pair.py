@@ -2,16 +2,173 @@
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from itertools import combinations
 from typing import Any
 
+import numpy as np
+
+from harness.arrays import Float
 from harness.authoring.commands import SHARE, PayLine, Rescaling, SeedMean, line_of, mean_over_seeds, rescaling_of
 from harness.log import BEHAVIOUR, EPISODES, REWARD, Log
 
-from ..distance import Distance, Form, compare_forms
-from .paid import Apart, compare_paid, paid_in
-from .step_apart import StepApart, steps_apart
+from ..distance import Distance, Form, centred_unit, compare_forms, distance_between
+
+NOT_KNOWN = "not a number in some rows"
+
+
+@dataclass(frozen=True, eq=False)
+class Paid:
+    """What rewards paid for one set of recorded steps.
+
+    Attributes:
+        steps: By reward, what it pays for each step, (steps,), finite; only rewards that are known in every step.
+        returns: By reward, its sum over each finished episode, (episodes,).
+        unknown: By reward that is not known in every step: why.
+    """
+
+    steps: Mapping[str, Float]
+    returns: Mapping[str, Float]
+    unknown: Mapping[str, str]
+
+
+def paid_in(log: Log) -> Paid:
+    """What the rewards of a log paid, in its steps and in its finished episodes; of a log of episodes, in these alone.
+
+    Args:
+        log: Of steps, of episodes, or of points, which are taken for episodes. Its start rows are no steps.
+    """
+    from harness.authoring.commands import episodes_of
+
+    episodes, unknown = episodes_of(log), {}
+    pays = {name: np.asarray(log[f"{REWARD}{name}"], np.float64) for name in episodes.returns}
+    for name, paid in pays.items():
+        if np.isnan(paid).any() or np.isnan(episodes.returns[name]).any():
+            unknown[name] = episodes.reasons.get(f"{REWARD}{name}", NOT_KNOWN)
+    known = [name for name in pays if name not in unknown]
+    of_steps = {name: pays[name] for name in known} if log.facts.unit == "step" else {}
+    return Paid(of_steps, {name: episodes.returns[name] for name in known}, unknown)
+
+
+@dataclass(frozen=True)
+class Apart:
+    """How far apart two rewards are in one set of recorded steps. Scale and offset of a reward do not matter.
+
+    Attributes:
+        steps: Pearson distance of what they pay for each step, sqrt((1 - rho) / 2), in [0, 1]; None where one of them,
+            and not the other, pays every step the same.
+        returns: The same of the returns of finished episodes; None also below two of them.
+        discordant: Share of the pairs of episodes that the two put in opposite orders, of those that both tell apart.
+        told_apart: Share of all pairs of episodes that both tell apart; None below two episodes.
+    """
+
+    steps: float | None
+    returns: float | None
+    discordant: float | None
+    told_apart: float | None
+
+
+def compare_paid(paid: Paid, one: str, other: str) -> Apart:
+    """How far apart two rewards are, both known in `paid`."""
+    return Apart(
+        _pearson(paid.steps, one, other), _pearson(paid.returns, one, other), *_order(paid.returns, one, other)
+    )
+
+
+def _pearson(values: Mapping[str, Float], one: str, other: str) -> float | None:
+    if one not in values or len(values[one]) < 2:
+        return None
+    first, second = (centred_unit(values[name], float(np.abs(values[name]).max())) for name in (one, other))
+    return distance_between(first, second)
+
+
+def _order(returns: Mapping[str, Float], one: str, other: str) -> tuple[float | None, float | None]:
+    """The shares of `Apart`. From Kendall's tau-b, which scipy finds without looking at all pairs."""
+    from scipy.stats import kendalltau
+
+    count = len(returns[one])
+    pairs = count * (count - 1) // 2
+    if not pairs:
+        return None, None
+    # Sums in another order differ in the last digits: such returns are equal.
+    first, second = (_rounded(returns[name]) for name in (one, other))
+    ties_one, ties_other = _ties(first), _ties(second)
+    apart = pairs - ties_one - ties_other + _ties(np.stack([first, second], axis=1))
+    if not apart:
+        return None, 0.0
+    tau = float(kendalltau(first, second).statistic)
+    surplus = round(tau * float(np.sqrt(pairs - ties_one) * np.sqrt(pairs - ties_other)))
+    return (apart - surplus) / 2 / apart, apart / pairs
+
+
+def _rounded(values: Float) -> Float:
+    unit = 1e-9 * float(np.abs(values).max())
+    rounded: Float = np.round(values / unit) if unit else values
+    return rounded
+
+
+def _ties(values: Float) -> int:
+    """How many pairs of rows are equal."""
+    _, counts = np.unique(values, axis=0, return_counts=True)
+    return int((counts.astype(np.int64) * (counts - 1) // 2).sum())
+
+
+MOST = 3
+"""So many steps are told of each pair."""
+LEAST = 0.1
+"""Standard deviations; steps that are paid less differently are not told."""
+
+
+@dataclass(frozen=True)
+class StepApart:
+    """A step for which two rewards pay very differently.
+
+    Attributes:
+        folder: The recording.
+        env: Number of the env in it.
+        episode: Counted from 0 in that env.
+        step: Counted from 0 in that episode.
+        paid: By both.
+        deviations: The same in standard deviations from the mean of each reward, over the steps of that recording.
+    """
+
+    folder: str
+    env: int
+    episode: int
+    step: int
+    paid: tuple[float, float]
+    deviations: tuple[float, float]
+
+    @property
+    def difference(self) -> float:
+        """The difference of the deviations, never negative."""
+        return abs(self.deviations[0] - self.deviations[1])
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        return asdict(self)
+
+
+def steps_apart(folder: str, log: Log, one: str, other: str) -> list[StepApart]:
+    """The steps of a log without start rows with the largest differences, largest first, one of an episode at most.
+
+    None where a reward pays all steps the same.
+    """
+    values = np.stack([log[f"{REWARD}{one}"], log[f"{REWARD}{other}"]])
+    spread = values.std(axis=1, keepdims=True)
+    if not (spread > 1e-9 * np.abs(values).max(axis=1, keepdims=True)).all():
+        return []
+    deviations = (values - values.mean(axis=1, keepdims=True)) / spread
+    difference = np.abs(deviations[0] - deviations[1])
+    found: dict[tuple[int, int], StepApart] = {}  # by env and episode
+    for row in np.argsort(-difference, kind="stable"):
+        if len(found) == MOST or difference[row] < LEAST:
+            break
+        env, episode, step = (int(log[name][row]) if name in log else 0 for name in ("env", "episode", "step"))
+        (first, second), (first_from, second_from) = values[:, row].tolist(), deviations[:, row].tolist()
+        apart = StepApart(folder, env, episode, step, (first, second), (first_from, second_from))
+        found.setdefault((env, episode), apart)
+    return list(found.values())
 
 
 @dataclass(frozen=True)
@@ -21,7 +178,7 @@ class Pair:
     Attributes:
         one: A reward.
         other: Another one.
-        steps: Pearson distance of what they pay for each step, see `harness_plugins.audit.recorded.paid.Apart`.
+        steps: Pearson distance of what they pay for each step, see `harness_plugins.audit.recorded.pair.Apart`.
         returns: The same of the returns of episodes.
         discordant: Share of pairs of episodes that they put in opposite orders, of those that both tell apart.
         told_apart: Share of all pairs of episodes that both tell apart.

@@ -11,8 +11,7 @@ from harness.text import number
 
 from ..distance import DARD, EPIC, STARC
 from .earned import Earned, best_paid
-from .pair import Pair
-from .step_apart import StepApart
+from .pair import Pair, StepApart
 
 MISSING = "n/a"
 STEPS = "of what both pay for the same steps"

@@ -34,9 +34,8 @@ from ..questions import (
     rank_success,
 )
 from .earned import Earned, earned_in_episodes, earned_in_parts
-from .pair import pairs_in
+from .pair import MOST, pairs_in
 from .pair_grid import SCALE
-from .step_apart import MOST
 
 RANDOM = "random actions"
 

@@ -6,9 +6,16 @@ import pytest
 from harness.payoff.score import score_rollout
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
-from harness_plugins.audit.potential import fit_potential, waiting_at_target, worst_detour
 from harness_plugins.audit.probe import needed_beside_distances, probe_distances
-from harness_plugins.audit.properties import bounded, potential_based, properties_of, scale_free
+from harness_plugins.audit.properties import (
+    bounded,
+    fit_potential,
+    potential_based,
+    properties_of,
+    scale_free,
+    waiting_at_target,
+    worst_detour,
+)
 from harness_plugins.rewards.arp import Arp
 from harness_plugins.rewards.baseline import Baseline
 

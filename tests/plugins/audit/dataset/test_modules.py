@@ -7,7 +7,7 @@ from pathlib import Path
 
 from tests.record.dataset.written import episode, write_minari
 
-MOST = 105
+MOST = 100
 COUNT = """
 import contextlib, io, sys
 from harness.cli import main

@@ -9,8 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from harness.log import Failed, LogFacts, in_memory
-from harness_plugins.audit.recorded.paid import Apart, Paid, compare_paid, paid_in
-from harness_plugins.audit.recorded.pair import pairs_in
+from harness_plugins.audit.recorded.pair import Apart, Paid, compare_paid, paid_in, pairs_in
 
 NUMBERS = st.lists(st.integers(-20, 20), min_size=2, max_size=12)
 

@@ -7,8 +7,7 @@ from rich.console import Console
 
 from harness.eta.seed_mean import SeedMean
 from harness_plugins.audit.recorded.earned import Earned, best_paid
-from harness_plugins.audit.recorded.paid import Apart
-from harness_plugins.audit.recorded.pair import mean_within, pair_of
+from harness_plugins.audit.recorded.pair import Apart, mean_within, pair_of
 from harness_plugins.audit.recorded.pair_grid import earned_grid, pair_grid
 
 NOTHING = Apart(None, None, None, None)
