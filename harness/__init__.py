@@ -9,8 +9,6 @@ from harness.hookspecs import Register, hookimpl
 from harness.registry.moved import find_old_names
 
 if TYPE_CHECKING:
-    from harness.audit.dataset.audit_dataset import audit_dataset
-    from harness.audit.transitions.audit_rewards import audit_rewards
     from harness.env.make import make_env
     from harness.experiment.experiment import run
     from harness.recorder.evaluate_policy import evaluate_policy
@@ -25,8 +23,6 @@ __all__ = [
     "RecordVectorRewards",
     "Register",
     "__version__",
-    "audit_dataset",
-    "audit_rewards",
     "evaluate_policy",
     "hookimpl",
     "load_results",
@@ -39,8 +35,6 @@ __all__ = [
 _HOMES = {
     "RecordRewards": "harness.recorder.record_rewards",
     "RecordVectorRewards": "harness.recorder.record_vector_rewards",
-    "audit_dataset": "harness.audit.dataset.audit_dataset",
-    "audit_rewards": "harness.audit.transitions.audit_rewards",
     "evaluate_policy": "harness.recorder.evaluate_policy",
     "load_results": "harness.results.load",
     "load_robot": "harness.robot.load",

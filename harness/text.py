@@ -126,3 +126,9 @@ def _stem(text: str) -> str:
         return stem
     digest = hashlib.sha256(text.encode()).hexdigest()[:8]
     return f"{stem[: LONGEST_STEM - 9]}-{digest}"
+
+
+def number(value: float) -> str:
+    """Three significant digits, and no exponent where that is readable."""
+    text = f"{value:.3g}" if abs(value) >= 1e-9 else "0"
+    return f"{value:,.0f}" if "e+" in text and abs(value) < 1e9 else text

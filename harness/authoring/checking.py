@@ -87,7 +87,7 @@ if TYPE_CHECKING:
         trace_of as trace_of,
     )
     from harness.recorder.column import Column as Column
-    from harness.recorder.column import columns_of as columns_of
+    from harness.recorder.column import made_columns as made_columns
     from harness.registry.given import PluginFile as PluginFile
     from harness.registry.given import is_class_name as is_class_name
     from harness.registry.parameters import build as build

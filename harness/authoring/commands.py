@@ -10,8 +10,13 @@ from typing import TYPE_CHECKING
 from harness.authoring.face import homes_in, lazy_names
 
 if TYPE_CHECKING:
-    from harness.audit.number import number as number
+    from harness.cli.audits import audits_of as audits_of
     from harness.cli.commands import hidden_commands as hidden_commands
+    from harness.cli.datasets import names_dataset as names_dataset
+    from harness.cli.flags.dataset import Partial as Partial
+    from harness.cli.flags.dataset import Places as Places
+    from harness.cli.flags.logs import AsFormat as AsFormat
+    from harness.cli.flags.logs import SortBy as SortBy
     from harness.cli.flags.shared import ALGORITHMS as ALGORITHMS
     from harness.cli.flags.shared import REWARDS as REWARDS
     from harness.cli.flags.shared import ROBOT as ROBOT
@@ -28,6 +33,7 @@ if TYPE_CHECKING:
     from harness.cli.flags.shared import RobotName as RobotName
     from harness.cli.flags.shared import SimulatorNames as SimulatorNames
     from harness.cli.flags.shared import TaskName as TaskName
+    from harness.cli.flags.shared import names_of as names_of
     from harness.cli.output import complain as complain
     from harness.cli.output import kept_when_interrupted as kept_when_interrupted
     from harness.cli.output import say as say
@@ -40,6 +46,7 @@ if TYPE_CHECKING:
     from harness.cli.terminal import show as show
     from harness.cli.unexpected import describe_unexpected as describe_unexpected
     from harness.env import ReachVectorEnv as ReachVectorEnv
+    from harness.env.ideal import IdealSimulator as IdealSimulator
     from harness.env.make import World as World
     from harness.env.make import build_world as build_world
     from harness.env.single_env import ReachEnv as ReachEnv
@@ -48,6 +55,13 @@ if TYPE_CHECKING:
     from harness.env.solid_probes import find_missing as find_missing
     from harness.env.solid_probes import missing_in_words as missing_in_words
     from harness.env.solid_probes import probes_of as probes_of
+    from harness.eta.auc import AGAINST as AGAINST
+    from harness.eta.auc import CANNOT_TELL as CANNOT_TELL
+    from harness.eta.auc import RANKS as RANKS
+    from harness.eta.auc import Auc as Auc
+    from harness.eta.auc import auc_of as auc_of
+    from harness.eta.auc import rounded as rounded
+    from harness.eta.auc import share_of as share_of
     from harness.eta.behaviour_change import Change as Change
     from harness.eta.behaviour_change import Quantity as Quantity
     from harness.eta.behaviour_change import with_intervals as with_intervals
@@ -59,6 +73,11 @@ if TYPE_CHECKING:
     from harness.eta.index import NOTHING as NOTHING
     from harness.eta.index import Index as Index
     from harness.eta.index import Ratio as Ratio
+    from harness.eta.interval import SHARE as SHARE
+    from harness.eta.rescaling import PayLine as PayLine
+    from harness.eta.rescaling import Rescaling as Rescaling
+    from harness.eta.rescaling import line_of as line_of
+    from harness.eta.rescaling import rescaling_of as rescaling_of
     from harness.eta.return_split import ReturnSplit as ReturnSplit
     from harness.eta.seed_mean import SeedMean as SeedMean
     from harness.eta.seed_mean import mean_lost_share as mean_lost_share
@@ -73,12 +92,17 @@ if TYPE_CHECKING:
     from harness.experiment.changed import refuse_changed as refuse_changed
     from harness.experiment.draft import draft_of as draft_of
     from harness.experiment.draft import leave_record as leave_record
+    from harness.experiment.environments.columns import columns_of as columns_of
+    from harness.experiment.environments.columns import weighing as weighing
     from harness.experiment.environments.paid_again import PayAgain as PayAgain
+    from harness.experiment.environments.plan import kind_of_task as kind_of_task
+    from harness.experiment.environments.plan import look_at as look_at
+    from harness.experiment.environments.plan import require_known as require_known
     from harness.experiment.environments.played_again import PlayedAgain as PlayedAgain
     from harness.experiment.experiment import DEFAULT_FOLDER as DEFAULT_FOLDER
     from harness.experiment.experiment import ExperimentRun as ExperimentRun
     from harness.experiment.plan import DEFAULT_TASK as DEFAULT_TASK
-    from harness.experiment.plan import Episodes as Episodes
+    from harness.experiment.plan import EpisodeCount as EpisodeCount
     from harness.experiment.plan import Names as Names
     from harness.experiment.plan import Plan as Plan
     from harness.experiment.plan import Seed as Seed
@@ -120,7 +144,34 @@ if TYPE_CHECKING:
     from harness.log.log import REWARD as REWARD
     from harness.log.log import ROWS as ROWS
     from harness.log.log import episode_rows as episode_rows
+    from harness.log.open_log import Found as Found
+    from harness.log.open_log import find_logs as find_logs
     from harness.motion.limits import JointLimits as JointLimits
+    from harness.payoff.dataset.arm_pay import places_of as places_of
+    from harness.payoff.dataset.paid_dataset import Labels as Labels
+    from harness.payoff.dataset.paid_dataset import PaidDataset as PaidDataset
+    from harness.payoff.dataset.paid_dataset import pay_dataset as pay_dataset
+    from harness.payoff.dataset.rewards import given_rewards as given_rewards
+    from harness.payoff.dataset.rewards import rewards_of as rewards_of
+    from harness.payoff.dataset.steps import Payer as Payer
+    from harness.payoff.finishing import Finishing as Finishing
+    from harness.payoff.finishing import Payoff as Payoff
+    from harness.payoff.finishing import finishing_of as finishing_of
+    from harness.payoff.finishing import on_finishing as on_finishing
+    from harness.payoff.finishing import on_terms as on_terms
+    from harness.payoff.rollout import CREEP as CREEP
+    from harness.payoff.rollout import FINISH as FINISH
+    from harness.payoff.rollout import HOLD as HOLD
+    from harness.payoff.rollout import HOVER as HOVER
+    from harness.payoff.rollout import Rollout as Rollout
+    from harness.payoff.rollout import States as States
+    from harness.payoff.rollout import record_rollouts as record_rollouts
+    from harness.payoff.score import Score as Score
+    from harness.payoff.score import discounted_sum as discounted_sum
+    from harness.payoff.score import paid_along as paid_along
+    from harness.payoff.score import pay_along as pay_along
+    from harness.payoff.score import pay_distances as pay_distances
+    from harness.payoff.score import score_rollout as score_rollout
     from harness.policy.continuous import ContinuousNetwork as ContinuousNetwork
     from harness.policy.folder import read_folder as read_folder
     from harness.policy.network import MEAN as MEAN
@@ -131,7 +182,11 @@ if TYPE_CHECKING:
     from harness.record.dataset.labels import UNKNOWN as UNKNOWN
     from harness.record.dataset.labels import SuccessRule as SuccessRule
     from harness.record.dataset.labels import parse_success as parse_success
+    from harness.record.dataset.labels import read_labels as read_labels
     from harness.record.dataset.open_dataset import MOST_EPISODES as MOST_EPISODES
+    from harness.record.dataset.open_dataset import DatasetFacts as DatasetFacts
+    from harness.record.dataset.open_dataset import dataset_facts as dataset_facts
+    from harness.record.dataset.open_dataset import open_dataset as open_dataset
     from harness.record.episode_facts import episode_facts as episode_facts
     from harness.record.file_forms import ChoiceForm as ChoiceForm
     from harness.record.file_forms import EndingForm as EndingForm
@@ -173,6 +228,11 @@ if TYPE_CHECKING:
     from harness.record.store import Store as Store
     from harness.record.trace import TERM as TERM
     from harness.record.trace import read_trace as read_trace
+    from harness.recorder.column import made_columns as made_columns
+    from harness.recorder.guard import Guard as Guard
+    from harness.recorder.record_rewards import RecordRewards as RecordRewards
+    from harness.recorder.recorder import differs as differs
+    from harness.recorder.walk import KeepWalks as KeepWalks
     from harness.recorder.walk import Walk as Walk
     from harness.registry.choice import Choice as Choice
     from harness.registry.choice import build_defaults as build_defaults
@@ -206,6 +266,11 @@ if TYPE_CHECKING:
     from harness.results.learning import LearningCurve as LearningCurve
     from harness.results.learning import Point as Point
     from harness.results.load import read_results as read_results
+    from harness.results.logs.read_logs import facts_notes as facts_notes
+    from harness.results.logs.read_logs import read_trainings as read_trainings
+    from harness.results.logs.read_logs import require_comparable as require_comparable
+    from harness.results.logs.read_logs import without_short as without_short
+    from harness.results.logs.trainings import sort_logs as sort_logs
     from harness.results.measured import value_of as value_of
     from harness.results.metrics import named_measures as named_measures
     from harness.results.overview import decided_by_text as decided_by_text
@@ -214,8 +279,18 @@ if TYPE_CHECKING:
     from harness.results.overview import overview_row as overview_row
     from harness.results.overview import short_name as short_name
     from harness.results.overview import values_text as values_text
+    from harness.results.recordings.episodes import Episodes as Episodes
+    from harness.results.recordings.episodes import Part as Part
+    from harness.results.recordings.episodes import count_text as count_text
     from harness.results.recordings.episodes import episodes_of as episodes_of
+    from harness.results.recordings.read_runs import env_of as env_of
     from harness.results.recordings.read_runs import has_recordings as has_recordings
+    from harness.results.recordings.read_runs import read_all as read_all
+    from harness.results.recordings.read_runs import whole_runs as whole_runs
+    from harness.results.recordings.runs import ACTED_AT_RANDOM as ACTED_AT_RANDOM
+    from harness.results.recordings.runs import LAST_SHARE as LAST_SHARE
+    from harness.results.recordings.runs import NO_NAME as NO_NAME
+    from harness.results.recordings.runs import Run as Run
     from harness.results.replay import Episode as Episode
     from harness.results.replay import Show as Show
     from harness.results.replay import Side as Side
@@ -227,10 +302,18 @@ if TYPE_CHECKING:
     from harness.results.table import RANDOM as RANDOM
     from harness.results.verdicts import ENDED as ENDED
     from harness.results.verdicts import with_verdicts as with_verdicts
+    from harness.reward.given import FIELDS as FIELDS
+    from harness.reward.given import OWN as OWN
     from harness.reward.needs import needs_of as needs_of
+    from harness.reward.steps import BEFORE as BEFORE
+    from harness.reward.steps import DISTANCE as DISTANCE
+    from harness.reward.steps import rows_of as rows_of
+    from harness.reward.steps import step_between as step_between
+    from harness.reward.steps import steps_type as steps_type
     from harness.robot.ground_clearance import Solids as Solids
     from harness.robot.ground_clearance import build_solids as build_solids
     from harness.robot.kinematics import end_effector_position as end_effector_position
+    from harness.robot.load import load_robot as load_robot
     from harness.scene.picture import BACKGROUND as BACKGROUND
     from harness.scene.picture import TARGET as TARGET
     from harness.scene.picture import Camera as Camera
@@ -240,6 +323,8 @@ if TYPE_CHECKING:
     from harness.scene.picture import draw_arm as draw_arm
     from harness.scene.picture import require_pillow as require_pillow
     from harness.score.csv_steps import EVENTS as EVENTS
+    from harness.score.installed_reward import InstalledReward as InstalledReward
+    from harness.score.places import ArmPlaces as ArmPlaces
     from harness.score.scorer import pay_log as pay_log
 
 else:

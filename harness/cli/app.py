@@ -31,7 +31,7 @@ PANELS: Mapping[str, Mapping[str, str]] = MappingProxyType(
             "list": "names:list_names",
             "describe": "describe",
         },
-        "Ask more": {name: name for name in ("audit", "eta", "score")},
+        "Ask more": {name: name for name in ("eta", "score")},
         "Keep results": {"merge": "merge", "verify": "verify"},
         "For plugin authors": {"plugins": "plugins"},
     }
@@ -92,7 +92,8 @@ def build_app(only: str | None = None) -> typer.Typer:
     """The command line without what plugins bring.
 
     Args:
-        only: The command that is called: the options of the others are not put together. None: all commands.
+        only: The command that is called, ours or a plugin's: the options of the others are not put together. None: all
+            commands.
     """
     app = typer.Typer(cls=Commands, rich_markup_mode=None, pretty_exceptions_enable=False)
     app.callback(epilog=epilog_of(FIRST_STEPS, "First steps:"), context_settings=dict(PLAIN))(_root)
@@ -197,7 +198,7 @@ def _run(args: list[str]) -> int:
 
         registry, only = plugins_for(args)
         app = build_app(only)
-        add_plugin_commands(app, registry)
+        add_plugin_commands(app, registry, own)
     command = typer.main.get_command(app)
     status = 0 if args else USAGE  # nothing was asked for: the help says what there is
     return command.main(args or ["--help"], prog_name="harness", standalone_mode=False, obj=own) or status

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from harness.audit.rollout import Rollout
+    from harness.payoff.rollout import Rollout
     from harness.record.cell import Cell
     from harness.registry.registry import Registry
     from harness.report.rows.payoff import Audits, Payoffs
@@ -58,9 +58,9 @@ def screened(cells: "Sequence[Cell]", registry: "Registry") -> list[str]:
 
 def _record(cell: "Cell", registry: "Registry") -> "tuple[Rollout, ...] | str":
     """What the scripted policies do; or why they cannot."""
-    from harness.audit.rollout import record_rollouts
     from harness.env.ideal import IdealSimulator
     from harness.errors import reason_of
+    from harness.payoff.rollout import record_rollouts
     from harness.robot.load import load_robot
 
     try:
@@ -72,10 +72,9 @@ def _record(cell: "Cell", registry: "Registry") -> "tuple[Rollout, ...] | str":
 
 def _ask(cell: "Cell", registry: "Registry", rollouts: "tuple[Rollout, ...] | str") -> "Payoffs":
     """What the cell's reward pays in these rollouts."""
-    from harness.audit.questions import finishing_of
-    from harness.audit.score import score_rollout
-    from harness.audit.verdict import on_finishing, on_terms
     from harness.errors import reason_of
+    from harness.payoff.finishing import finishing_of, on_finishing, on_terms
+    from harness.payoff.score import score_rollout
     from harness.report.rows.payoff import Payoffs
 
     if isinstance(rollouts, str):

@@ -38,12 +38,11 @@ def plugins_for(words: Sequence[str]) -> tuple[Registry, str | None]:
     return load_registry(), None
 
 
-def add_plugin_commands(app: typer.Typer, registry: Registry) -> None:
-    """Add the commands of plugins, by name and summary alone; a name of ours stays ours.
+def add_plugin_commands(app: typer.Typer, registry: Registry, own: Collection[str]) -> None:
+    """Add the commands of plugins, by name and summary alone; a name of ours, of `own`, stays ours.
 
     A name that several claim is there too: calling it tells the qualified names.
     """
-    own = names_of(app)
     specs = [spec for spec in registry.all_specs() if spec.kind == KIND]
     claimed = {spec.name for spec in specs} - set(own)
     qualified = {spec.qualified for spec in specs if spec.name in own}
@@ -64,11 +63,6 @@ def _words_to_complete() -> list[str]:
     asked = any(name.endswith("_COMPLETE") for name in os.environ)
     told = (os.environ.get(name, "") for name in ("COMP_WORDS", "_TYPER_COMPLETE_ARGS"))
     return [word for line in told for word in line.split()] if asked else []
-
-
-def names_of(app: typer.Typer) -> list[str]:
-    """Names of the commands that were added to `app`."""
-    return [command.name or command.callback.__name__ for command in app.registered_commands if command.callback]
 
 
 def hidden_commands(registry: Registry, own: Collection[str]) -> list[str]:

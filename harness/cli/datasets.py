@@ -2,12 +2,8 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from harness.cli.output import complain, say, say_json
-
-if TYPE_CHECKING:
-    from harness.audit.dataset.dataset_audit import DatasetAudit
 
 
 def names_dataset(target: str | Path) -> bool:
@@ -20,59 +16,6 @@ def names_dataset(target: str | Path) -> bool:
         return list(load_registry().names("logs"))
 
     return is_dataset(str(target), formats)
-
-
-def audit_rewards_on(
-    dataset: str | Path,
-    rewards: Sequence[str],
-    plugin: Sequence[str] | None,
-    *,
-    places: str | None = None,
-    robot: str | None = None,
-    success: str | None = None,
-    labels: Path | None = None,
-    success_above: float | None = None,
-    cluster: str | None = None,
-    partial: bool = False,
-    beginner: str | None = None,
-) -> "DatasetAudit":
-    """What rewards say of a data set."""
-    from harness.audit.dataset.audit_dataset import audit_dataset
-    from harness.registry.given import read_given
-    from harness.registry.registry import load_registry
-
-    return audit_dataset(
-        str(dataset),
-        rewards,
-        places=places,
-        robot=robot,
-        success=success or "",
-        labels=labels,
-        success_above=success_above,
-        cluster=cluster or "",
-        partial=partial,
-        beginner=beginner,
-        registry=load_registry(given=read_given(plugin)),
-    )
-
-
-def show_answer(found: "DatasetAudit", as_json: bool, html: Path | None) -> int:
-    """Print what was found, and write its page; status 1 where a reward could not pay."""
-    if html is not None:
-        from harness.report.page.dataset import write_dataset_page
-
-        write_dataset_page(found, html)
-        say(f"Page: {html}", err=True)
-    if as_json:
-        say_json(found.to_json())
-    else:
-        from harness.audit.dataset.dataset_audit import answer_table
-        from harness.cli.terminal import show
-
-        show(answer_table(found))
-    for name, reason in found.failed.items():
-        complain(f"reward {name}: n/a ({reason})")
-    return 1 if found.failed else 0
 
 
 def score_dataset(
@@ -88,10 +31,10 @@ def score_dataset(
     """Write what rewards pay each step of a data set; status 1 where one could not pay."""
     import numpy as np
 
-    from harness.audit.dataset.arm_pay import places_of
-    from harness.audit.dataset.paid_dataset import pay_dataset
-    from harness.audit.dataset.rewards import rewards_of
-    from harness.audit.dataset.scores_file import scores_place, write_dataset_scores
+    from harness.payoff.dataset.arm_pay import places_of
+    from harness.payoff.dataset.paid_dataset import pay_dataset
+    from harness.payoff.dataset.rewards import rewards_of
+    from harness.payoff.dataset.scores_file import scores_place, write_dataset_scores
     from harness.record.dataset.open_dataset import open_dataset
     from harness.registry.given import read_given
     from harness.registry.registry import load_registry

@@ -28,12 +28,6 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "status": ("harness status my-results",),
         "eta": ("harness eta --baseline 'base/*.csv' --proposed 'k2/*.csv'", "harness eta recorded --plot page.html"),
         "score": ("harness score my-results --reward arp:k2=2 --all", "harness score runs.csv --reward sparse"),
-        "audit": (
-            "harness audit --reward arp",
-            "harness audit --reward arp:k2=3 --against dense",
-            "harness audit gymnasium:id=Pendulum-v1 --plugin my_rewards.py",
-            "harness audit my-results",
-        ),
         "verify": ("harness verify my-results", "harness verify my-results --repair"),
         "merge": ("harness merge from-one from-another --out all",),
         "list": ("harness list", "harness list rewards"),

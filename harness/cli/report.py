@@ -1,7 +1,7 @@
 """``harness report``: what an experiment's folder says."""
 
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from harness.cli.datasets import audit_rewards_on, names_dataset, show_answer
+from harness.cli.datasets import names_dataset
 from harness.cli.flags import logs
 from harness.cli.flags.shared import AsJson, CurveKind, MetricNames, Names, PluginFiles, flag
 from harness.cli.output import complain, say
@@ -106,7 +106,7 @@ def report(
             },
             "a data set",
         )
-        return show_answer(audit_rewards_on(folders[0], (), None), as_json, html)
+        return _audit(folders[0], as_json, html)
     from harness.registry.given import read_given
     from harness.results import load_results
 
@@ -140,6 +140,15 @@ def report(
     for path, reason in left_out:
         complain(f"left out: {path}: {reason}")
     return 1 if left_out else 0
+
+
+def _audit(dataset: Path, as_json: bool, html: Path | None) -> int:
+    """What the own rewards of a data set say: the command that answers it for any rewards answers it for these."""
+    from harness.cli.commands import KIND
+    from harness.registry.registry import load_registry
+
+    audit: Callable[..., int] = load_registry().get(KIND, "audit").load()
+    return audit(str(dataset), as_json=as_json, html=html)
 
 
 def _show_records(records: Records, folders: Sequence[Path], as_json: bool, beside: Sequence[str]) -> int:

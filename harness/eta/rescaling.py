@@ -6,7 +6,7 @@ offset pays for living longer, or for ending sooner.
 
 Both columns have to lie on one line, in every step, up to rounding: that of single precision, because most observations
 are in it, from which a reward may be computed again. Steps may come in several recordings: of each it is enough to keep
-two steps of its line, see `Line`.
+two steps of its line, see `PayLine`.
 """
 
 from collections.abc import Sequence, Set
@@ -33,7 +33,7 @@ Payment: TypeAlias = tuple[float, float]
 
 
 @dataclass(frozen=True)
-class Line(Plain):
+class PayLine(Plain):
     """The line on which all steps of one recording lie.
 
     Attributes:
@@ -104,7 +104,7 @@ class Rescaling:
         return told if self.can_end else {key: value for key, value in told.items() if key != "can_end"}
 
 
-def line_of(one: Float, other: Float, *, can_end: bool = False) -> Line | None:
+def line_of(one: Float, other: Float, *, can_end: bool = False) -> PayLine | None:
     """The line on which what `other` paid lies over what `one` paid; None where there is none.
 
     Args:
@@ -122,10 +122,10 @@ def line_of(one: Float, other: Float, *, can_end: bool = False) -> Line | None:
     precision = _precision(one, other)
     if not _is_on_line(one, other, *ends, precision):
         return None
-    return Line(*ends, precision, len(one), frozenset(np.unique(one)[: FEW + 1].tolist()), can_end)
+    return PayLine(*ends, precision, len(one), frozenset(np.unique(one)[: FEW + 1].tolist()), can_end)
 
 
-def rescaling_of(lines: Sequence[Line | None]) -> Rescaling | None:
+def rescaling_of(lines: Sequence[PayLine | None]) -> Rescaling | None:
     """What the lines of several recordings say together; None if they are not one line, or one reward alone changes.
 
     Where neither ever changes, as an alive bonus, one is taken for the other one times a number.

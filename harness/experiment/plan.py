@@ -49,7 +49,7 @@ def _no_bool(given: Any) -> Any:
 Number: TypeAlias = Annotated[int, BeforeValidator(_no_bool)]
 SeedCount: TypeAlias = Annotated[Number, Field(gt=0, le=MOST_SEEDS)]
 Steps: TypeAlias = Annotated[Number, Field(gt=0, le=MOST_STEPS)]
-Episodes: TypeAlias = Annotated[Number, Field(gt=0, le=MOST_EPISODES)]
+EpisodeCount: TypeAlias = Annotated[Number, Field(gt=0, le=MOST_EPISODES)]
 Seed: TypeAlias = Annotated[Number, Field(ge=0, le=LARGEST_SEED)]
 Interval: TypeAlias = Annotated[Number, Field(ge=0, le=MOST_STEPS)]
 NO_BASELINE = "none"
@@ -103,7 +103,7 @@ class Experiment:
         float, Field(gt=0.0, lt=1.0, description="with until: a difference of success below this ends the training")
     ] = MARGIN
     steps: Annotated[Steps, Field(description="environment steps of training per cell")] = 5_000
-    evaluation_episodes: Annotated[Episodes, Field(description="episodes per evaluation")] = 100
+    evaluation_episodes: Annotated[EpisodeCount, Field(description="episodes per evaluation")] = 100
     evaluate_every: Annotated[
         Interval, Field(description="environment steps from one evaluation to the next; 0: evaluate only at the end")
     ] = 0

@@ -166,7 +166,7 @@ class Column:
         return callable(getattr(self.given, "reset", None))
 
 
-def columns_of(
+def made_columns(
     env: Any, rewards: Mapping[str, Given], behaviour: Mapping[str, Given], num_envs: int, batched: frozenset[str]
 ) -> list[Column]:
     """A column for each reward, then for each measure of behaviour.

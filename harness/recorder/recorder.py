@@ -17,7 +17,7 @@ from harness.record.recording.facts import FILE_REWARD, ActionFacts, Failure, Tr
 from harness.record.recording.recording_writer import RecordingWriter, Rows
 from harness.recorder.asked import Asked
 from harness.recorder.calls import Calls, checksum
-from harness.recorder.column import Column, columns_of, source_of
+from harness.recorder.column import Column, made_columns, source_of
 from harness.recorder.env_facts import env_facts, normalises, versions_of
 from harness.recorder.guard import Asking, Guard, Raised
 from harness.recorder.trial import Finding, Trial
@@ -65,7 +65,7 @@ class Recorder:
         rewards = asked.all_rewards
         recorder = "RecordVectorRewards" if isinstance(env, VectorEnv) else "RecordRewards"
         of_wrappers = tell_wrapped_pay(env, recorder, asked.pay)
-        self.columns = columns_of(env, rewards, asked.behaviour, num_envs, frozenset(asked.batched))
+        self.columns = made_columns(env, rewards, asked.behaviour, num_envs, frozenset(asked.batched))
         index = [column.name for column in self.columns].index(f"{FILE_REWARD}{asked.trained_with}")
         self.trained = None if asked.evaluation or asked.pay or self.columns[index].is_own else index
         self.pays = index if asked.pay else None

@@ -40,6 +40,8 @@ MODULES: Mapping[str, str] = MappingProxyType(
 
 NAMES: Mapping[str, str] = MappingProxyType(
     {
+        "harness.audit_dataset": "harness_plugins.audit.audit_dataset",
+        "harness.audit_rewards": "harness_plugins.audit.audit_rewards",
         "harness.environment.Measure": "harness.reward.Given",
         "harness.metric.Metric": "harness.measure.Measure",
         "harness.record.trace.Trace": "harness.log.Log",

@@ -7,6 +7,12 @@ import harness
 def register_commands(register: harness.Register) -> None:
     """Announce the built-in commands, and the option of ``harness report`` that writes records."""
     register(
+        "audit",
+        "harness_plugins.audit.command:audit",
+        summary="Say what rewards pay for. Trains nothing.",
+        heading="Ask more",
+    )
+    register(
         "bench",
         "harness_plugins.bench.command:bench",
         summary="Show where the time of a training goes, or how fast plugins are compared with bare engines and "

@@ -13,8 +13,7 @@ from harness.authoring.commands import MOST_EPISODES, parse_json, read_bytes, re
 from harness.errors import NewerFormat, SchemaError
 from harness.text import shortened
 
-from .census import Declared
-from .dataset import MOST_KEYS, MOST_NUMBERS, whole
+from .dataset import MOST_KEYS, MOST_NUMBERS, Declared, whole
 
 INFO_FILE, EPISODES, LISTS = Path("meta/info.json"), Path("meta/episodes.jsonl"), Path("meta/episodes")
 KNOWN = ((2, 0), (2, 1), (3, 0))

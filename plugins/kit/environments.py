@@ -15,10 +15,10 @@ from harness.authoring.checking import (
     Column,
     RandomStep,
     Untold,
-    columns_of,
     flat_observations,
     goal_columns,
     kind_of_actions,
+    made_columns,
     random_steps,
     value_of,
 )
@@ -66,7 +66,7 @@ def names_are_known(environment: Environment) -> None:
     with closing(environment.make()) as env:
         rewards, measures = environment.rewards(env), environment.behaviour(env)
         try:
-            columns_of(env, rewards, measures, 1, frozenset())
+            made_columns(env, rewards, measures, 1, frozenset())
         except UsageError as error:
             raise AssertionError(str(error)) from error
     require(bool(rewards), "it names no reward")
@@ -136,7 +136,7 @@ def rewards_of_goals_pay_as_they_do(environment: Environment) -> None:
         unknown = sorted(by_goals.keys() - rewards.keys())
         require(not unknown, f"goal_rewards names {unknown}, which are none of its rewards {sorted(rewards)}")
         paid, goals = list[list[Any]](), list[list[Any]]()
-        columns = columns_of(env, {name: rewards[name] for name in by_goals}, {}, 1, frozenset())
+        columns = made_columns(env, {name: rewards[name] for name in by_goals}, {}, 1, frozenset())
         for step in random_steps(env, 0, STEPS, columns):
             paid.append([column.numbers(value)[0] for column, value in _told(columns, step)])
             goals.append([np.array(step.seen.observation[key], float) for key in (ACHIEVED, DESIRED)])
@@ -157,7 +157,7 @@ def episodes_end(environment: Environment) -> None:
 
 
 def _columns(environment: Environment, env: AnyEnv) -> list[Column]:
-    return columns_of(env, environment.rewards(env), environment.behaviour(env), 1, frozenset())
+    return made_columns(env, environment.rewards(env), environment.behaviour(env), 1, frozenset())
 
 
 def _told(columns: Sequence[Column], step: RandomStep) -> list[tuple[Column, Any]]:

@@ -41,11 +41,11 @@ from harness.record.dataset.labels import UNKNOWN, SuccessRule
 from harness.record.dataset.open_dataset import DatasetFacts
 from harness.text import shortened
 
-from ..datasets.census import Census, take_census
 from ..datasets.dataset import (
     NOTHING_SEEN,
     OWN_REWARDS,
     SUCCESS_KEYS,
+    Census,
     as_measure,
     as_texts,
     operator_key,
@@ -53,6 +53,7 @@ from ..datasets.dataset import (
     require_readable,
     rows_at_once,
     success_rule,
+    take_census,
     texts,
     where_seen,
     whole,

@@ -24,14 +24,15 @@ from harness.record.dataset.labels import UNKNOWN, SuccessRule
 from harness.record.dataset.open_dataset import MOST_EPISODES, DatasetFacts, open_hdf5
 from harness.text import shortened
 
-from ..datasets.census import Declared, take_census
 from ..datasets.dataset import (
     OWN_REWARDS,
     SUCCESS_KEYS,
+    Declared,
     as_measure,
     operator_key,
     own_rewards,
     success_rule,
+    take_census,
     texts,
     whole,
 )

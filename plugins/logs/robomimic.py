@@ -21,14 +21,15 @@ from harness.record.dataset.open_dataset import HDF5_SIGNATURE, MOST_EPISODES, D
 from harness.registry.names import did_you_mean
 from harness.text import one_line_of, shortened
 
-from ..datasets.census import Declared, take_census
 from ..datasets.dataset import (
     NOTHING_SEEN,
     SUCCESS_KEYS,
+    Declared,
     as_measure,
     filled_up,
     operator_key,
     success_rule,
+    take_census,
     texts,
     where_seen,
     whole,

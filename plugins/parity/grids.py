@@ -4,8 +4,9 @@ import math
 from collections.abc import Iterator, Sequence
 from math import degrees
 
-from harness.authoring.commands import NOTHING, missing_in_words, number
+from harness.authoring.commands import NOTHING, missing_in_words
 from harness.authoring.pages import Grid
+from harness.text import number
 
 from .classes import CONTACT, CREEP, FAST, NEAR, SINGULAR, SLOW, SMOOTH, Told
 from .difference import GRACE, SHORT, Difference, Response

@@ -15,7 +15,7 @@ from pydantic.dataclasses import dataclass as checked_dataclass
 from harness.authoring.commands import (
     DEFAULT_TASK,
     Choice,
-    Episodes,
+    EpisodeCount,
     Names,
     Plan,
     Registry,
@@ -70,7 +70,7 @@ class Tuning:
     seeds: Annotated[SeedCount, Field(description="number of trainings of each setting with each reward")] = 2
     steps: Annotated[Steps, Field(description="environment steps of each training")] = 10_000
     validation_episodes: Annotated[
-        Episodes, Field(description="episodes of the validation that scores each policy")
+        EpisodeCount, Field(description="episodes of the validation that scores each policy")
     ] = 100
     per_reward: Annotated[
         bool, Field(description="whether each reward has a search of its own, instead of one for all rewards")

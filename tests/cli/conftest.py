@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import pytest
 
-from harness.audit import rollout
 from harness.cli import main
+from harness.payoff import rollout
 from harness.registry.sources import description
 
 

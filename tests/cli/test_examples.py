@@ -41,11 +41,11 @@ def test_help_shows_the_examples(harness, monkeypatch, subtests: pytest.Subtests
 def test_commands_stand_in_groups_what_one_needs_first_at_the_top(harness):
     """Under headings, and what to type first at the end."""
     out = harness("--all").out
-    places = [out.index(text) for text in ("Run and read", " demo ", " run ", "Ask more", " audit ", "First steps:")]
+    places = [out.index(text) for text in ("Run and read", " demo ", " run ", "Ask more", " eta ", "First steps:")]
     assert places == sorted(places)
 
 
-@pytest.mark.parametrize("name", ["doctor", "watch"])
+@pytest.mark.parametrize("name", ["audit", "doctor", "watch"])
 def test_examples_of_a_command_from_a_plugin_can_be_typed(harness, monkeypatch, name):
     """They stand at the end of its help too."""
     monkeypatch.setenv("COLUMNS", "120")

@@ -66,7 +66,7 @@ def test_help_all_shows_every_option_once(lines, command):
     assert all(len(re.findall(rf"^  {re.escape(it.opts[0])}\b(?!-)", text, re.MULTILINE)) == 1 for it in options[1:])
 
 
-@pytest.mark.parametrize("command", [*(it for names in PANELS.values() for it in names), "doctor", "watch"])
+@pytest.mark.parametrize("command", [*(it for names in PANELS.values() for it in names), "audit", "doctor", "watch"])
 def test_no_flag_has_a_type_of_python(lines, command):
     """`<bool>` tells nobody anything."""
     assert "<bool>" not in "\n".join(lines(command, "--help"))

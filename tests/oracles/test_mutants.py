@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.audit.dataset.identity import Fingerprint
 from harness.eta.curve import GroupCurve
+from harness.payoff.dataset.paid_dataset import Fingerprint
 from harness.policy import kinds
 from harness.policy.network import ACTIVATIONS
 from harness.record import cell_folder
@@ -19,7 +19,7 @@ from harness.record.dataset.labels import SuccessRule
 from harness.record.recording import recorded_training
 from harness.robot import kinematics
 from harness.score import scorer
-from harness_plugins.datasets.census import Census
+from harness_plugins.datasets.dataset import Census
 from tests.oracles import settings
 from tests.oracles.test_oracles import faults_of
 

@@ -12,7 +12,7 @@ from harness.errors import UsageError, reason_of
 from harness.experiment.environments.columns import columns_of
 from harness.experiment.environments.random_steps import random_steps, value_of
 from harness.experiment.environments.spaces import flat_observations, goal_columns, kind_of_actions
-from harness.recorder.column import columns_of as made_columns
+from harness.recorder.column import made_columns
 from harness.registry.choice import Choice, label_of, parse
 from harness.registry.names import unknown_name
 from harness.registry.registry import Registry

@@ -14,8 +14,7 @@ from harness.errors import one_line
 from harness.experiment.environments.columns import columns_of
 from harness.experiment.environments.random_steps import RandomStep, random_steps, value_of
 from harness.experiment.trials.tried import Fault, Tried, error_text, fault_of
-from harness.recorder.column import Column
-from harness.recorder.column import columns_of as made_columns
+from harness.recorder.column import Column, made_columns
 from harness.recorder.guard import Guard
 from harness.recorder.trial import FIRST_STEPS, Finding, Trial
 from harness.registry.choice import Choice

@@ -109,7 +109,7 @@ def _require_whole(path: Path) -> None:
             pass
 
 
-def facts_of(log: Log) -> DatasetFacts:
+def dataset_facts(log: Log) -> DatasetFacts:
     """What is known of a data set; of another log of steps, what that tells."""
     facts = log.facts
     if isinstance(facts, DatasetFacts):

@@ -21,7 +21,15 @@ from harness.results.comparison import Group
 from harness.results.measured import DETERMINISTIC, STOCHASTIC
 from harness.results.recordings.episodes import count_text, cut_text
 from harness.results.recordings.recording_results import RecordingResults
-from harness.results.recordings.runs import NO_CONTROL, NO_NAME, RANDOM, Run, Runs, meet_same_starts, rescaling_between
+from harness.results.recordings.runs import (
+    ACTED_AT_RANDOM,
+    NO_CONTROL,
+    NO_NAME,
+    Run,
+    Runs,
+    meet_same_starts,
+    rescaling_between,
+)
 
 UNLIKE_STARTS = (
     "The policies did not meet the same starts: the first observations of their evaluations differ, so that luck with "
@@ -189,7 +197,7 @@ def runs_of(
         UsageError: They are of several envs, two have the same reward and seed, or none has all of its steps.
     """
     env, env_notes = env_of(folder, everything) if group is None else (group.task.label, [])
-    whole, short = without_short(everything)
+    whole, short = whole_runs(everything)
     seeds, seed_notes = _with_seeds([it for it in whole if not it.facts.evaluation])
     evaluated = [it for it in whole if it.facts.evaluation]
     evaluations, evaluation_notes = _evaluations(folder, evaluated, seeds, group is None or group.deterministic)
@@ -210,7 +218,7 @@ def runs_of(
     notes += [*equal_sentences(equal), *(it.sentence(name, other) for (name, other), it in rescaled.items())]
     notes += [f"{run.path}: {run.facts.paid_otherwise}" for run in members.values() if run.facts.paid_otherwise]
     notes += _told_notes(everything)
-    at_random = random or next((it for it in evaluated if it.facts.acted == RANDOM), None)
+    at_random = random or next((it for it in evaluated if it.facts.acted == ACTED_AT_RANDOM), None)
     return Runs(
         group or _group_of(env, shortest),
         rewards,
@@ -274,7 +282,7 @@ def read_all(folder: Path, only: Sequence[Path] | None = None) -> tuple[list[Run
     return [run if (run.reward, run.seed) in paid else _without_mistaken(run) for run in runs], damaged
 
 
-def without_short(runs: Sequence[Run]) -> tuple[list[Run], list[str]]:
+def whole_runs(runs: Sequence[Run]) -> tuple[list[Run], list[str]]:
     """Those of which all is there that was asked for, as far as it is known; and a line for each other one.
 
     What evaluates a training that is left out is left out with it.
@@ -404,7 +412,7 @@ def _evaluations(
         deterministic: How policies act in the evaluations that decide.
     """
     other = STOCHASTIC if deterministic else DETERMINISTIC
-    by_policies = [run for run in runs if run.facts.acted != RANDOM]
+    by_policies = [run for run in runs if run.facts.acted != ACTED_AT_RANDOM]
     final = [run for run in by_policies if not run.facts.after]
     own = _keyed(run for run in final if run.facts.acted != other)
     others = _keyed(run for run in final if run.facts.acted == other)

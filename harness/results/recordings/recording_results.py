@@ -11,7 +11,7 @@ from typing import Any, Self
 import numpy as np
 
 from harness.arrays import Float
-from harness.eta.rescaling import Line, line_of
+from harness.eta.rescaling import PayLine, line_of
 from harness.files.bounded import reading
 from harness.log import Log
 from harness.log.log import REWARD, episode_rows
@@ -47,7 +47,7 @@ class Likeness:
     """
 
     digest: str
-    lines: Mapping[tuple[str, str], Line | None]
+    lines: Mapping[tuple[str, str], PayLine | None]
     paid_alike: frozenset[tuple[str, str]]
 
     def to_json(self) -> dict[str, Any]:
@@ -58,7 +58,7 @@ class Likeness:
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Self:
         """What `to_json` told, also after a way through JSON."""
-        lines = {(one, other): line and Line.from_json(line) for one, other, line in data["lines"]}
+        lines = {(one, other): line and PayLine.from_json(line) for one, other, line in data["lines"]}
         return cls(data["digest"], lines, frozenset((name, other) for name, other in data["paid_alike"]))
 
 

@@ -27,7 +27,7 @@ TRAINING, LAST = WHOLE, "in its last fifth"
 """Where episodes are taken from."""
 MANNERS = (EVALUATION, *(f"{EVALUATION}, {acted}" for acted in (DETERMINISTIC, STOCHASTIC)), LAST, TRAINING)
 """What says most about the final policies comes first. Evaluations in the other manner say how their policies acted."""
-RANDOM: Final = "random"
+ACTED_AT_RANDOM: Final = "random"
 """How actions were chosen without a policy; see `harness.record.recording.facts.Acted`."""
 NO_NAME = "an env without a name"
 

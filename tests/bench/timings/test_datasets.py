@@ -7,8 +7,8 @@ import h5py
 import numpy as np
 import pytest
 
-from harness.audit.dataset.paid_dataset import pay_dataset
-from harness.audit.dataset.step_by_step import step_by_step
+from harness.payoff.dataset.paid_dataset import pay_dataset
+from harness.payoff.dataset.step_by_step import step_by_step
 from tests.bench.timings.processes import measure
 from tests.record.dataset.written import episode, opened, write_lerobot, write_minari
 from tests.results.recordings.conftest import PULLS, record

@@ -10,12 +10,11 @@ import numpy as np
 import pytest
 
 import harness
-from harness.audit.dataset.arm_pay import of_arm
-from harness.audit.dataset.audit_dataset import audit_dataset
-from harness.audit.dataset.paid_dataset import pay_dataset
-from harness.audit.dataset.rewards import Recorded
-from harness.audit.dataset.step_by_step import step_by_step
 from harness.cli import main
+from harness.payoff.dataset.arm_pay import of_arm
+from harness.payoff.dataset.paid_dataset import pay_dataset
+from harness.payoff.dataset.rewards import Recorded
+from harness.payoff.dataset.step_by_step import step_by_step
 from harness.record.folder import EVALUATION, TRACE
 from harness.record.recording.recorded_training import read_recording
 from harness.record.trace import read_trace
@@ -23,6 +22,7 @@ from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 from harness.results import load_results
 from harness.score.places import parse_places
+from harness_plugins.audit.dataset.audit_dataset import audit_dataset
 from tests.record.dataset.written import opened
 
 export_command = importlib.import_module("harness_plugins.commands.export")  # not the function of that name

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from harness.errors import SchemaError
-from harness_plugins.datasets.census import Declared, take_census
+from harness_plugins.datasets.dataset import Declared, take_census
 
 PLACE = Path("d")
 

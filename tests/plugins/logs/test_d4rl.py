@@ -10,9 +10,9 @@ import h5py
 import numpy as np
 import pytest
 
-from harness.audit.dataset.audit_dataset import audit_dataset
 from harness.errors import SchemaError, UsageError
 from harness.log import Rows
+from harness_plugins.audit.dataset.audit_dataset import audit_dataset
 from tests.record.dataset.written import opened
 
 LENGTHS = (3, 1, 4)

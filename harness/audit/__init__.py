@@ -1,1 +1,0 @@
-"""What a reward pays for, found without training anything."""

@@ -1,0 +1,1 @@
+"""Rewards pay the steps of data sets of others."""

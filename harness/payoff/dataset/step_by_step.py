@@ -1,0 +1,115 @@
+"""A reward of an environment pays a data set: a function is asked about one step after the other."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from harness.log import Rows
+from harness.log.log import ACTION
+from harness.payoff.dataset.steps import VECTORS, Payer, each_row, infos_of, seen_after, vectors_of
+from harness.recorder.column import as_number
+from harness.recorder.sealed import ReadOnlyDict
+from harness.recorder.trial import Guarded
+from harness.reward import Paid, Steps
+from harness.reward.given import Before, Given, Now, zeros_of
+from harness.reward.steps import steps_type
+
+
+class Unseen:
+    """Stands where an observation is not known, and notices a function that looks at it."""
+
+    def __init__(self, told: str = "nothing is known of what came after this step") -> None:
+        self.looked_at, self._why = False, told
+
+    def __getattr__(self, name: str) -> Any:
+        self._look()
+
+    def __deepcopy__(self, memo: Any) -> "Unseen":
+        return self  # to copy is not to look: functions are given copies
+
+    def _look(self, *_: Any) -> Any:
+        self.looked_at = True
+        raise LookupError(self._why)
+
+    __array__ = __bool__ = __call__ = __contains__ = __float__ = __getitem__ = __index__ = __int__ = _look
+    __iter__ = __len__ = __str__ = __repr__ = __neg__ = __abs__ = __eq__ = __ne__ = __lt__ = __le__ = __gt__ = _look
+    __ge__ = __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __truediv__ = __rtruediv__ = _look
+    __pow__ = __matmul__ = __rmatmul__ = __hash__ = __format__ = _look
+
+
+class _StepByStep:
+    """A reward of a step of an environment, asked about one step after the other.
+
+    A step has what is recorded. What was told before the first one of an episode, by its reset, is not.
+    """
+
+    def __init__(self, reward: Guarded) -> None:
+        self._reward = reward
+        self._before: Any = None
+
+    def __call__(self, rows: Rows) -> Paid:
+        if rows["step"][0] <= 1:
+            self._before = None
+            if callable(reset := getattr(self._reward, "reset", None)):
+                reset()
+        for values in rows.columns.values():
+            values.setflags(write=False)
+        count, seen, unseen = len(rows), seen_after(rows), Unseen()
+        started, after = (vectors_of(rows.columns, name) for name in VECTORS[:2])
+        if isinstance(after, dict) and not after:
+            seen, unseen = count, Unseen(NOT_SEEN)
+            observed, observations = unseen, iter([unseen] * count)
+        else:
+            observed, observations = next(each_row(started, 1)), each_row(after, count)
+        infos, paid = infos_of(rows.columns), list[list[float]]()
+        for row, action in enumerate(each_row(vectors_of(rows.columns, ACTION), count)):
+            info = ReadOnlyDict({key: values[row] for key, values in infos.items()})
+            if self._before is None:
+                before = _AtStart._make((observed, zeros_of(action)))
+            else:
+                before = Before._make((observed, *self._before))
+            now = next(observations)
+            self._before, observed = (action, info), now if row < seen else unseen
+            step = Now._make((observed, action, info, before))
+            if row < seen:
+                paid.append(self._reward(step))
+            elif (last := self._without_next(step, unseen)) is not None:
+                paid.append(last)
+        if unseen.looked_at and seen == count:  # and went on
+            unseen[0]
+        numbers = np.array(paid).reshape(len(paid), 1 + len(self._reward.terms)).T
+        return Paid(numbers[0], dict(zip(self._reward.terms, numbers[1:], strict=True)))
+
+    def _without_next(self, step: Steps, unseen: Unseen) -> list[float] | None:
+        """What it pays a step after which nothing was seen; None of one that looks at what came then."""
+        try:
+            paid = self._reward(step)
+        except Exception:  # whatever it makes of what is not there
+            return None
+        return None if unseen.looked_at else paid
+
+
+NOT_SEEN = "it looks at an observation, and the observations of this data set hold no numbers"
+_AtStart = steps_type(("observation", "action"))
+
+
+def step_by_step(name: str, given: Given) -> Payer:
+    """A reward of an environment, see `harness.reward.given`, of this name.
+
+    Raises:
+        UsageError: It is none.
+    """
+    return _StepByStep(Guarded(given, name, number_or_nan))
+
+
+def number_or_nan(value: Any) -> float:
+    """One number; NaN where it is infinite too, since such a step has no pay, whatever the other steps have.
+
+    Raises:
+        ValueError: It is of another shape.
+        TypeError: It is no number.
+    """
+    if isinstance(value, np.ndarray) and value.shape == ():
+        value = value[()]
+    return math.nan if isinstance(value, float | np.floating) and not math.isfinite(value) else as_number(value)

@@ -1,0 +1,18 @@
+"""What rewards pay for, and whether they rank behaviour as success does. Trains nothing."""
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .dataset.audit_dataset import audit_dataset
+    from .transitions.audit_rewards import audit_rewards
+
+__all__ = ["audit_dataset", "audit_rewards"]
+
+_HOMES = {"audit_dataset": ".dataset.audit_dataset", "audit_rewards": ".transitions.audit_rewards"}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
+    return getattr(importlib.import_module(_HOMES[name], __name__), name)

@@ -1,0 +1,250 @@
+"""The one result of an audit, and its one table: of scripted movements, an environment, recorded trainings, a log."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import asdict, dataclass, field
+from io import StringIO
+from typing import Any
+
+from rich import box
+from rich.console import Console, Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from harness.authoring.commands import Auc, Finishing, Payoff
+from harness.text import number
+
+from .dataset.dataset_audit import auc_text
+from .distance import DARD, EPIC, STARC
+from .probe import why_not_asked
+from .properties import FACTOR, Property
+from .recorded.earned import Earned
+from .recorded.pair import Pair
+from .recorded.pair_grid import (
+    MADE_UP,
+    TRANSITIONS,
+    add_answer,
+    answer_grid,
+    earned_grid,
+    pair_grid,
+    pair_lines,
+)
+
+WIDTH = 100
+COLUMN = (
+    "Compare down a column: each reward has a scale of its own. Means whose intervals overlap may differ by chance. "
+    "The interval of random actions is over episodes, that of trainings over trainings."
+)
+RANKING = "The chance that an episode with {} is paid more than one without; 0.5: no better than a coin."
+EVENTS = "Event terms are the task's, and stay as they are."
+KEYS = {EPIC: "distance", DARD: "reachable_distance", STARC: "starc_distance"}
+"""What JSON calls the distances of rewards on scripted movements."""
+
+
+@dataclass(frozen=True)
+class OfScripts:
+    """What only scripted movements of an arm can answer of a reward.
+
+    Attributes:
+        finishing: What it pays for.
+        properties: Bounded, scale-free, potential-based.
+        workspace: Of each policy, by what its shaped return grows when all distances double.
+        needed: The fields beside distances that the reward needs.
+        recorded_because: The same of either reward: because of them the distances rest on recorded transitions.
+        compared: How many recorded steps the distances rest on.
+    """
+
+    finishing: Finishing
+    properties: tuple[Property, ...]
+    workspace: Mapping[str, float | None]
+    needed: tuple[str, ...]
+    recorded_because: tuple[str, ...]
+    compared: int
+
+    def to_json(self, pair: Pair) -> dict[str, Any]:
+        """Plain data. What a reward of distances without terms has not is left out."""
+        of = self.finishing
+        more = {
+            "never_paid": list(of.never_paid) if of.payoffs[0].terms else None,
+            "recorded_transitions_because_of": list(self.recorded_because) or None,
+        }
+        return {
+            "gamma": of.gamma,
+            "policies": [payoff.to_json() for payoff in of.payoffs],
+            "best": of.payoffs[0].policy,
+            "not_finishing_pays": [
+                {**asdict(temptation), "margin": temptation.margin} for temptation in (*of.undiscounted, *of.discounted)
+            ],
+            "holding_pays": of.holding_pays,
+            "properties": {
+                answer.name.replace("-", "_"): {
+                    "holds": answer.holds,
+                    "evidence": answer.evidence,
+                    "gamma": answer.gamma,
+                }
+                for answer in self.properties
+            },
+            "workspace_twice_as_large": dict(self.workspace),
+            **{KEYS[form]: self._distance(pair, form) for form in pair.forms},
+            "rescaled": pair.rescaling and pair.rescaling.to_json(),
+            **{name: value for name, value in more.items() if value is not None},
+        }
+
+    def _distance(self, pair: Pair, form: str) -> dict[str, Any]:
+        reason = pair.reasons.get(form)
+        told = {"reason": reason} if reason else {}
+        return {"value": pair.forms[form].mean, "transitions": self.compared, **told}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Audit:
+    """What was found of rewards.
+
+    Attributes:
+        title: What was audited.
+        facts: Where and how as plain data, the first keys of JSON.
+        rewards: Names.
+        pairs: Rewards beside one another.
+        earned: What each behaviour was like, and what it earned under each reward.
+        setting: Where and how, a line each.
+        success: The measure that says which episodes succeeded; empty where there is none.
+        rankings: By reward, whether it ranks these episodes as success does.
+        verdict: The answer in words, a line each.
+        scripts: What only scripted movements can answer, of the last of `rewards`; None of other subjects.
+        measured: What the numbers and their intervals rest on, a line each.
+        not_asked: Questions that this subject leaves open, and why, a line each.
+        notes: What to keep in mind, a line each.
+        damaged: What could not be read, a line each.
+    """
+
+    title: str
+    facts: Mapping[str, Any]
+    rewards: tuple[str, ...]
+    pairs: tuple[Pair, ...]
+    earned: tuple[Earned, ...]
+    setting: tuple[str, ...] = ()
+    success: str = ""
+    rankings: Mapping[str, Auc] = field(default_factory=dict)
+    verdict: tuple[str, ...] = ()
+    scripts: OfScripts | None = None
+    measured: tuple[str, ...] = ()
+    not_asked: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+    damaged: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        return table_text(self)
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data, finite numbers only."""
+        return {
+            **self.facts,
+            "verdict": list(self.verdict),
+            **(self.scripts.to_json(self.pairs[0]) if self.scripts else {}),
+            "rewards": list(self.rewards),
+            "pairs": [pair.to_json() for pair in self.pairs],
+            "earned": [row.to_json() for row in self.earned],
+            "success_told_by": self.success,
+            "ranks_success": {name: auc.to_json() for name, auc in self.rankings.items()},
+            "not_asked": list(self.not_asked),
+            "notes": list(self.notes),
+            "damaged": list(self.damaged),
+        }
+
+
+def table_text(audit: Audit) -> str:
+    """The table as text, 100 columns wide."""
+    text = StringIO()
+    Console(file=text, width=WIDTH, color_system=None).print(audit_table(audit))
+    return "\n".join(line.rstrip() for line in text.getvalue().rstrip().splitlines())
+
+
+def audit_table(audit: Audit) -> RenderableType:
+    """What ``harness audit`` prints of any subject."""
+    return Group(
+        Text(audit.title, style="bold"),
+        *map(Text, audit.setting),
+        *(Text(f"{line}.") for line in audit.notes),
+        Text(),
+        *(_of_behaviours(audit) if audit.scripts is None else _of_payoffs(audit.scripts)),
+        *(Text(line, style="" if number else "bold") for number, line in enumerate(audit.verdict)),
+        *([Text()] if audit.verdict else []),
+        *_answers(audit),
+        *(part for pair in audit.pairs for part in _of_pair(audit, pair)),
+        *map(Text, audit.measured),
+        *map(Text, audit.not_asked),
+    )
+
+
+def _of_pair(audit: Audit, pair: Pair) -> Iterator[RenderableType]:
+    """How far apart two rewards are."""
+    scripts = audit.scripts
+    yield Text(f"{pair.one} and {pair.other}", style="bold")
+    yield pair_grid(pair, MADE_UP if scripts is not None and not scripts.recorded_because else TRANSITIONS)
+    for line in pair_lines(pair):
+        yield Text(f"{line} {EVENTS}" if scripts is not None else line)
+    yield Text()
+
+
+def _of_behaviours(audit: Audit) -> Iterator[RenderableType]:
+    """What behaviour was like, and what it earned."""
+    if audit.earned:
+        yield from (earned_grid(audit.earned, audit.rewards), Text(), Text(COLUMN), Text())
+
+
+def _of_payoffs(scripts: OfScripts) -> Iterator[RenderableType]:
+    """What scripted policies earned, in two lines of headings, so that names and values are whole in 60 columns."""
+    payoffs = scripts.finishing.payoffs
+    grid = _grid(
+        "policy", ("return", "shaped\nalone", f"return\ngamma {scripts.finishing.gamma:g}", "steps", "success")
+    )
+    for place, payoff in enumerate(payoffs):
+        name = f"{payoff.policy} (best)" if place == 0 else payoff.policy
+        grid.add_row(Text(name), *map(Text, _cells(payoff)), style="bold" if place == 0 else "")
+    yield from (grid, Text())
+    if payoffs[0].terms:
+        grid = _grid("term", [payoff.policy for payoff in payoffs])
+        for name in payoffs[0].terms:
+            grid.add_row(Text(name), *(Text(number(payoff.terms[name])) for payoff in payoffs))
+        yield from (Text("What each term paid in an episode, without discount:\n"), grid, Text())
+
+
+def _grid(first: str, headings: Iterable[str]) -> Table:
+    """A column of names, and columns of numbers."""
+    grid = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0))
+    grid.add_column(first, overflow="fold", no_wrap=first == "policy")
+    for heading in headings:
+        grid.add_column(Text(heading), justify="right", no_wrap=True)
+    return grid
+
+
+def _cells(payoff: Payoff) -> Iterable[str]:
+    yield from map(number, (payoff.total, payoff.shaped, payoff.total_discounted))
+    yield f"{payoff.steps:.1f}"
+    yield f"{payoff.success:.0%}"
+
+
+def _answers(audit: Audit) -> Iterator[RenderableType]:
+    """What is asked, the answer, and what that rests on."""
+    grid = answer_grid()
+    if audit.scripts is not None:
+        _add_properties(grid, audit.scripts)
+    for name, auc in audit.rankings.items():
+        add_answer(
+            grid, f"{name} and {audit.success}", auc_text(auc), f"{auc.answer}{auc.reason and f': {auc.reason}'}"
+        )
+    if grid.row_count:
+        yield from (grid, Text())
+    if audit.rankings:
+        yield from (Text(RANKING.format(audit.success)), Text())
+
+
+def _add_properties(grid: Table, scripts: OfScripts) -> None:
+    asked, larger = [answer.name for answer in scripts.properties], f"all distances times {FACTOR:g}"
+    if scripts.needed:
+        add_answer(grid, "\n".join((*asked, larger)), "n/a", why_not_asked(scripts.needed))
+        return
+    for answer in scripts.properties:
+        add_answer(grid, answer.name, "yes" if answer.holds else "no", answer.evidence)
+    ratios = [f"{policy} {'n/a' if ratio is None else number(ratio)}" for policy, ratio in scripts.workspace.items()]
+    told = f"the shaped return grows by a factor: {', '.join(ratios)}; the event terms stay the same"
+    add_answer(grid, larger, "", told)

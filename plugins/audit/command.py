@@ -1,0 +1,362 @@
+"""``harness audit``: what rewards pay for, whatever there is to pay."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from harness.authoring.commands import (
+    AsFormat,
+    AsJson,
+    Partial,
+    Places,
+    PluginFiles,
+    RobotName,
+    SortBy,
+    TaskName,
+    complain,
+    names_dataset,
+    say,
+    say_json,
+)
+from harness.errors import UsageError
+
+from . import flags
+
+if TYPE_CHECKING:
+    from harness.authoring.commands import Choice, Registry
+
+    from .audit import Audit
+    from .dataset.dataset_audit import DatasetAudit
+
+TASK, ENVIRONMENT, EXPERIMENT, RECORDINGS, LOGS, DATASET = (
+    "a task", "an environment", "an experiment", "a folder of recorded trainings", "a log", "a data set",
+)  # fmt: skip
+GOES_WITH: Mapping[str, tuple[str, ...]] = {
+    "--robot": (TASK, DATASET),
+    "--sim": (TASK,),
+    "--against": (TASK, ENVIRONMENT),
+    "--episodes": (TASK, ENVIRONMENT),
+    "--gamma": (TASK, ENVIRONMENT),
+    "--random": (RECORDINGS, EXPERIMENT),
+    "--as": (LOGS,),
+    "--sort": (LOGS,),
+}
+"""What a flag goes with; --reward, --plugin and --json go with all, and the flags of data sets with them alone."""
+NEEDS = {
+    "--random": "a FOLDER of recorded trainings: harness audit FOLDER --random RANDOM",
+    "--as": "a FOLDER of logs that other programs wrote: harness audit FOLDER --as NAME",
+    "--sort": "a FOLDER of logs that other programs wrote: harness audit FOLDER --sort TEMPLATE",
+}
+
+
+def audit(
+    subject: flags.Subject = None,
+    reward: flags.RewardName = None,
+    task: TaskName = None,
+    robot: RobotName = None,
+    sim: flags.SimulatorName = None,
+    against: flags.Against = None,
+    episodes: flags.Episodes = None,
+    gamma: flags.Gamma = None,
+    random: flags.RandomFolder = None,
+    log_format: AsFormat = None,
+    sort: SortBy = None,
+    places: Places = None,
+    success: flags.Success = None,
+    labels: flags.LabelsFile = None,
+    success_above: flags.SuccessAbove = None,
+    cluster: flags.Cluster = None,
+    partial: Partial = False,
+    beginner: flags.Beginner = None,
+    html: flags.HtmlFile = None,
+    plugin: PluginFiles = None,
+    as_json: AsJson = False,
+) -> int:
+    """Say what rewards pay for. Trains nothing.
+
+    Of a TASK of an arm: what the reward and its terms pay scripted movements and made-up episodes.
+
+    Of an ENVIRONMENT: how far apart rewards are in the steps of random actions, potential shaping left out too.
+
+    Of a FOLDER of trainings, of an experiment, or of logs: what each behaviour was like, what it earned under each
+    reward, and how far apart the rewards are on the recorded steps.
+
+    Of a data set: whether each reward ranks recorded behaviour as success does.
+    """
+    if subject is not None and task is not None:
+        raise UsageError(f"--task {task} does not go with '{subject}': name one of them")
+    named = subject or task
+    of_dataset_alone = {
+        "--places": places, "--success": success, "--labels": labels, "--success-above": success_above,
+        "--cluster": cluster, "--partial": partial or None, "--beginner": beginner, "--html": html,
+    }  # fmt: skip
+    others = {
+        "--robot": robot, "--sim": sim, "--against": against, "--episodes": episodes, "--gamma": gamma,
+        "--random": random, "--as": log_format, "--sort": sort,
+    }  # fmt: skip
+    if named is not None and names_dataset(named):
+        from harness.authoring.commands import split_list
+
+        _refuse_others(DATASET, named, others, {})
+        found = _on_dataset(
+            named,
+            split_list([reward] if reward else []),
+            plugin,
+            places=places,
+            robot=robot,
+            success=success,
+            labels=labels,
+            success_above=success_above,
+            cluster=cluster,
+            partial=partial,
+            beginner=beginner,
+        )
+        return _show_answer(found, as_json, html)
+    from harness.authoring.commands import load_registry, read_given
+
+    registry = load_registry(given=read_given(plugin))
+    kind = _kind_of(subject, task, registry)
+    _refuse_others(kind, named, others, of_dataset_alone)
+    if kind == TASK:
+        if reward is None:
+            raise UsageError("Missing option '--reward'; or name an environment, or a folder of recorded trainings")
+        audits = _on_scripts(registry, reward, named, robot, sim, against, episodes, gamma)
+    elif kind == ENVIRONMENT:
+        from harness.authoring.commands import choose
+
+        from .transitions.environment import audit_environment
+
+        chosen = choose(registry, "environments", str(named))
+        audits = [audit_environment(chosen, registry, reward, against, gamma, episodes)]
+    else:
+        audits = [_of_folder(kind, Path(str(named)), registry, reward, random, log_format, sort)]
+    return _show(audits, as_json)
+
+
+vars(audit)["examples"] = (
+    "harness audit --reward arp",
+    "harness audit --reward arp:k2=3 --against dense",
+    "harness audit gymnasium:id=Pendulum-v1 --plugin my_rewards.py",
+    "harness audit my-results",
+)
+
+
+def _kind_of(subject: str | None, task: str | None, registry: "Registry") -> str:
+    """What is audited.
+
+    Raises:
+        UsageError: There is nothing of that name.
+    """
+    from harness.authoring.commands import Store, has_recordings, kind_of_task, require_known
+
+    if subject is not None and Path(subject).exists():
+        folder = Path(subject)
+        if folder.is_dir() and Store.is_experiment(folder):
+            return EXPERIMENT
+        return RECORDINGS if folder.is_dir() and has_recordings(folder) else LOGS
+    name = subject or task
+    if name is None:
+        return TASK
+    if kind_of_task(name, registry) == "environments":
+        return ENVIRONMENT
+    try:
+        require_known(name, registry)
+    except UsageError as error:
+        raise UsageError(
+            str(error) if subject is None else f"There is no file or folder '{subject}'. {error}"
+        ) from None
+    return TASK
+
+
+def _refuse_others(
+    kind: str, named: str | None, others: Mapping[str, object], of_dataset_alone: Mapping[str, object]
+) -> None:
+    """Refuse the flags that make no sense of such a subject.
+
+    Raises:
+        UsageError: One is given.
+    """
+    for flag, given in of_dataset_alone.items():
+        if given is not None:
+            raise UsageError(
+                f"{flag} needs a data set: harness audit minari:NAME, lerobot:FOLDER, d4rl:FILE or robomimic:FILE"
+            )
+    for flag, given in others.items():
+        if given is not None and kind not in GOES_WITH[flag]:
+            if kind == TASK:
+                raise UsageError(f"{flag} needs {NEEDS[flag]}")
+            raise UsageError(f"{flag} does not go with {kind}: leave out {flag} or '{named}'")
+
+
+def _show(audits: "Sequence[Audit]", as_json: bool) -> int:
+    """Print what was found; status 1 where something is damaged."""
+    if as_json:
+        say_json(audits[0].to_json() if len(audits) == 1 else [it.to_json() for it in audits])
+    else:
+        from harness.authoring.commands import show
+
+        from .audit import audit_table
+
+        for number, it in enumerate(audits):
+            if number:
+                say("")
+            show(audit_table(it))
+    damaged = [line for it in audits for line in it.damaged]
+    for line in damaged:
+        complain(f"left out, damaged: {line}")
+    return 1 if damaged else 0
+
+
+def _of_folder(
+    kind: str,
+    folder: Path,
+    registry: "Registry",
+    reward: str | None,
+    random: Path | None,
+    log_format: str | None,
+    sort: str | None,
+) -> "Audit":
+    """What lies in a folder: recordings of an experiment or loose ones, cells of an arm, or logs of other programs."""
+    from harness.authoring.commands import split_list
+
+    from .recorded.recordings import audit_logs, audit_recordings
+
+    only = split_list(reward) if reward else []
+    if kind == LOGS:
+        from harness.authoring.commands import find_logs
+
+        return audit_logs(folder, find_logs(folder, registry, log_format or ""), only, sort or "")
+    if kind == EXPERIMENT:
+        from harness.authoring.commands import read_results
+
+        results = read_results(folder, registry)
+        if not results.in_environment:
+            from harness.authoring.commands import audits_of
+
+            from .recorded.experiment import audit_experiment
+
+            if random is not None:
+                raise UsageError(f"--random does not go with '{folder}', whose own cells acted at random: leave it out")
+            audit = audit_experiment(results, only)
+            scripted = dict.fromkeys(
+                f"{label}: {' '.join(payoffs.verdict)}"
+                for (_, _, label), payoffs in audits_of(results).items()
+                if label in audit.rewards
+            )
+            return replace(audit, verdict=(*audit.verdict, *scripted))
+    return audit_recordings(folder, random, only)
+
+
+def _on_scripts(
+    registry: "Registry",
+    rewards: str,
+    task: str | None,
+    robot: str | None,
+    sim: str | None,
+    against: str | None,
+    episodes: int | None,
+    gamma: float | None,
+) -> "list[Audit]":
+    """An audit of each reward."""
+    from harness.authoring.commands import (
+        IdealSimulator,
+        choose,
+        load_robot,
+        record_rollouts,
+        score_rollout,
+        split_list,
+    )
+
+    from .scripts import audit_reward
+
+    episodes, gamma = 100 if episodes is None else episodes, 0.95 if gamma is None else gamma
+    if episodes < 1:
+        raise UsageError(f"--episodes {episodes}: must be at least 1")
+    if not 0.0 < gamma <= 1.0:
+        raise UsageError(f"--gamma {gamma:g}: must be above 0 and at most 1")
+    *choices, compared = (choose(registry, "rewards", name) for name in (*split_list(rewards), against or "baseline"))
+    chosen, where = choose(registry, "tasks", task or "fd100-reach"), sim and choose(registry, "simulators", sim)
+    engine = where.build(registry, "simulators") if where else IdealSimulator()
+    label = where.label if where else "no simulator: joints move exactly as commanded"
+    world = chosen.build(registry, "tasks")
+    robot = robot or world.robot
+    rollouts = record_rollouts(engine, load_robot(robot, registry), world, episodes)
+    *judged, other = (choice.build(registry, "rewards") for choice in (*choices, compared))
+    with _named(compared, registry):
+        score_rollout(other, rollouts[0])
+    setting = f"{label} · {robot} · {chosen.label} · {episodes} episodes of at most {world.horizon} steps"
+    told = {"simulator": label, "robot": robot, "task": chosen.label, "episodes": episodes}
+    found = []
+    for choice, reward in zip(choices, judged, strict=True):
+        with _named(choice, registry):
+            audit = audit_reward(reward, other, rollouts, gamma, (choice.label, compared.label), setting)
+        found.append(replace(audit, facts={"reward": choice.label, "against": compared.label, **told}))
+    return found
+
+
+@contextmanager
+def _named(choice: "Choice", registry: "Registry") -> Iterator[None]:
+    """Whatever a reward raises in this block is said to be the reward's."""
+    from harness.authoring.commands import blamed_on
+
+    try:
+        with blamed_on(registry.get("rewards", choice.name), "it was audited"):
+            yield
+    except UsageError as error:
+        raise UsageError(f"Reward '{choice.label}': {error}") from error
+
+
+def _on_dataset(
+    dataset: str | Path,
+    rewards: Sequence[str],
+    plugin: Sequence[str] | None,
+    *,
+    places: str | None = None,
+    robot: str | None = None,
+    success: str | None = None,
+    labels: Path | None = None,
+    success_above: float | None = None,
+    cluster: str | None = None,
+    partial: bool = False,
+    beginner: str | None = None,
+) -> "DatasetAudit":
+    """What rewards say of a data set."""
+    from harness.authoring.commands import load_registry, read_given
+
+    from .dataset.audit_dataset import audit_dataset
+
+    return audit_dataset(
+        str(dataset),
+        rewards,
+        places=places,
+        robot=robot,
+        success=success or "",
+        labels=labels,
+        success_above=success_above,
+        cluster=cluster or "",
+        partial=partial,
+        beginner=beginner,
+        registry=load_registry(given=read_given(plugin)),
+    )
+
+
+def _show_answer(found: "DatasetAudit", as_json: bool, html: Path | None) -> int:
+    """Print what was found, and write its page; status 1 where a reward could not pay."""
+    if html is not None:
+        from .dataset.page import write_dataset_page
+
+        write_dataset_page(found, html)
+        say(f"Page: {html}", err=True)
+    if as_json:
+        say_json(found.to_json())
+    else:
+        from harness.authoring.commands import show
+
+        from .dataset.dataset_audit import answer_table
+
+        show(answer_table(found))
+    for name, reason in found.failed.items():
+        complain(f"reward {name}: n/a ({reason})")
+    return 1 if found.failed else 0

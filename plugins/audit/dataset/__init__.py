@@ -1,0 +1,1 @@
+"""Whether rewards rank the episodes of a data set as success does."""

@@ -1,0 +1,337 @@
+"""`audit_dataset`: for each reward, whether it ranks recorded behaviour as success does, and what it pays for."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial as bound
+from itertools import combinations
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.arrays import Float, Mask
+from harness.authoring.commands import (
+    Auc,
+    Labels,
+    PaidDataset,
+    Payer,
+    Registry,
+    auc_of,
+    dataset_facts,
+    given_rewards,
+    line_of,
+    load_registry,
+    open_dataset,
+    parse_success,
+    pay_dataset,
+    read_labels,
+    rewards_of,
+    rounded,
+    share_of,
+)
+from harness.errors import UsageError
+from harness.log import RECORDED, Log
+
+from ..recorded.pair import Paid, Pair, compare_paid, pair_of
+from .dataset_audit import DatasetAudit, PaidStep, RewardAnswer, WrongPair
+from .withheld import answer_that_holds, level_that_holds, lines_of, of_its_own_return
+
+if TYPE_CHECKING:
+    from harness.authoring.commands import ArmPlaces
+
+MOST_PAIRS, MOST_STEPS = 5, 3
+"""So many wrongly ranked pairs, and steps, are told of each reward."""
+BLOCKS = 10
+"""Distances between rewards are means over so many parts of the data set."""
+UNTOLD = "Nothing says which episodes"
+FILE = "file"
+"""What `--cluster` says for episodes of one file to count as alike."""
+
+
+@dataclass(frozen=True)
+class _Grouped:
+    """How episodes belong together.
+
+    Attributes:
+        noun: What intervals are over.
+        clusters: Number of each episode's cluster.
+        tasks: Number of each episode's task; only those of one task are compared.
+        names: Of the tasks.
+        untold: How many episodes nothing says the operator of, though it does of others.
+    """
+
+    noun: str
+    clusters: NDArray[np.int64]
+    tasks: NDArray[np.int64]
+    names: tuple[str, ...]
+    untold: int
+
+
+def audit_dataset(
+    dataset: str,
+    rewards: Mapping[str, Any] | Sequence[str] = (),
+    *,
+    places: str | None = None,
+    robot: str | None = None,
+    success: str = "",
+    labels: str | Path | None = None,
+    success_above: float | None = None,
+    cluster: str = "",
+    partial: bool = False,
+    beginner: str | None = None,
+    registry: Registry | None = None,
+) -> DatasetAudit:
+    """Whether rewards rank recorded behaviour as success does.
+
+    Args:
+        dataset: ``minari:NAME``, ``lerobot:FOLDER``, ``d4rl:FILE`` or ``robomimic:FILE``.
+        rewards: By name, rewards of a step, see `harness.reward.given`, or rewards of an arm; or names, as
+            ``harness audit --reward`` takes them. Without any: those that are recorded, and the functions of plugin
+            files in `registry`.
+        places: Where an arm's end effector and target stand in an observation, ``end_effector=0:3,target=3:6``.
+        robot: The robot whose joints `places` names.
+        success: What says whether a step, or an episode, was a success: a key, a column or an attribute, also
+            ``KEY>0.5``; found by its name if empty. With `labels` a column of that file.
+        labels: A CSV file with the columns ``episode`` and ``success``.
+        success_above: The recorded return above which an episode is a success.
+        cluster: What says who made an episode: an attribute or a column, or ``file``; found by its name if empty.
+        partial: Whether less than the metadata declares is enough.
+        beginner: Another data set that should be paid less.
+        registry: The plugins; loaded if None.
+
+    Raises:
+        UsageError: A data set, a reward, a place, a robot or a label is none.
+        SchemaError: A data set is damaged, or is not what its metadata declares.
+    """
+    plugins = registry or load_registry()
+    arm = None
+    if places is not None or robot is not None:
+        from harness.authoring.commands import places_of
+
+        arm = places_of(places, robot, plugins)
+    by_file = cluster == FILE
+    outside = _outside(success, labels, success_above)
+    open_it = bound(open_dataset, registry=plugins, cluster="" if by_file else cluster, partial=partial)
+    opened = open_it(dataset, success="" if outside is not None else success)
+    other = open_it(beginner) if beginner is not None else None
+    if success_above is not None and RECORDED not in opened.rewards:
+        raise UsageError(
+            f"--success-above needs a recorded reward, and {dataset_facts(opened).name} has none: give --labels FILE"
+        )
+
+    def paying(of: Log) -> dict[str, Payer]:
+        if isinstance(rewards, Mapping):
+            return given_rewards(rewards, arm)
+        return rewards_of(of, plugins, rewards, arm, labelled=outside is not None or beginner is not None)
+
+    paid = pay_dataset(opened, paying(opened), arm, outside)
+    below = None if other is None else pay_dataset(other, paying(other), arm)
+    found = judge(paid, below, arm, by_file)
+    if outside is None:
+        return found
+    return replace(found, success=_said_by(labels, success_above), notes=(*_unmatched(outside, paid), *found.notes))
+
+
+def _outside(success: str, labels: str | Path | None, success_above: float | None) -> Labels | None:
+    if labels is not None and success_above is not None:
+        raise UsageError("--labels and --success-above both say what succeeded: leave out one")
+    if success_above is not None and success:
+        raise UsageError("--success and --success-above both say what succeeded: leave out one")
+    if success_above is not None and not np.isfinite(success_above):
+        raise UsageError(f"--success-above {success_above}: give a finite return")
+    if labels is not None:
+        return Labels(by_episode=read_labels(Path(labels), parse_success(success)))
+    return None if success_above is None else Labels(above=success_above)
+
+
+def _said_by(labels: str | Path | None, success_above: float | None) -> str:
+    return f"the file {labels}" if labels is not None else f"a recorded return above {success_above:g}"
+
+
+def _unmatched(outside: Labels, paid: PaidDataset) -> list[str]:
+    labelled, there = {*(outside.by_episode or {})}, paid.all_numbers
+    if len(there) > 1 and labelled == {number + 1 for number in there} and min(there) == 0:
+        raise UsageError(f"--labels counts the episodes from 1, and {paid.facts.name} from 0: subtract 1 from each")
+    beside = sorted(labelled - there)
+    return [f"Labels of episodes that are not there: {len(beside):,} (the first is {beside[0]})"] if beside else []
+
+
+def judge(
+    paid: PaidDataset, below: PaidDataset | None = None, places: "ArmPlaces | None" = None, by_file: bool = False
+) -> DatasetAudit:
+    """What the paid steps say.
+
+    Args:
+        paid: Of the data set.
+        below: Of one that should be paid less.
+        places: By which standing still was told; None for all numbers of an observation.
+        by_file: Whether episodes of one file count as alike, and not those of one operator.
+    """
+    grouped = _grouped(paid, by_file)
+    groups = grouped.clusters
+    known = np.isfinite(paid.moved)
+    still, lengths = paid.summed(paid.still.astype(np.float64)), paid.summed(known.astype(np.float64))
+    return DatasetAudit(
+        paid.facts,
+        None if below is None else below.facts,
+        len(paid),
+        paid.steps,
+        int(paid.succeeded.sum()),
+        int((paid.known & ~paid.succeeded).sum()),
+        (grouped.noun, int(groups.max()) + 1),
+        share_of(still, lengths, groups),
+        tuple(_answer(paid, below, name, grouped, by_file) for name in paid.paid),
+        _pairs(paid, groups),
+        {**(below.failed if below else {}), **paid.failed},
+        tuple(_notes(paid, below, grouped, places)),
+        grouped.names,
+        paid.facts.success,
+    )
+
+
+def _notes(paid: PaidDataset, below: PaidDataset | None, grouped: _Grouped, places: "ArmPlaces | None") -> list[str]:
+    """What was left out, and what to keep in mind."""
+    notes = [*paid.facts.notes, *paid.notes]
+    notes += [f"{below.facts.name}: {line}" for line in (*below.facts.notes, *below.notes)] if below else []
+    unknown = int((~paid.known).sum())
+    if unknown == len(paid):
+        who = f"{paid.facts.success} does not say of any episode whether it" if paid.facts.success else UNTOLD
+        notes.append(
+            f"{who} succeeded: name the key with --success KEY, or give --labels episodes.csv or --success-above RETURN"
+        )
+    elif unknown:
+        notes.append(f"Episodes left out, since nothing says whether they succeeded: {unknown:,}")
+    declared = paid.facts.declared.get("tasks")
+    if declared is not None and declared != len(grouped.names):
+        notes.append(f"The metadata declares {declared:,} tasks, and {len(grouped.names):,} are in what is used")
+    if grouped.untold:
+        notes.append(f"Nothing says who made {grouped.untold:,} of the episodes: each of them counts by itself")
+    unseen = int(np.isnan(paid.moved[paid.begins[1:] - 1]).sum())
+    if unseen:
+        notes.append(
+            f"Nothing is known of what was seen after the last step of {unseen:,} episodes. Recorded pay counts there, "
+            "and that of functions that do not look at next_observation"
+        )
+    if places is None and paid.still.any():
+        notes.append("All numbers of an observation tell whether it stands still, also those that are no positions")
+    return notes
+
+
+def _grouped(paid: PaidDataset, by_file: bool) -> _Grouped:
+    """What intervals are over, and what is compared."""
+    names, tasks = np.unique(np.array(paid.tasks, object).astype(str), return_inverse=True)
+    told = tuple(names.tolist())
+    if by_file:
+        clusters = np.unique(paid.files, return_inverse=True)[1]
+        return _Grouped("files", clusters.astype(np.int64), tasks, told, 0)
+    if any(paid.operators):
+        each = [who or f"\0{number}" for number, who in enumerate(paid.operators)]
+        clusters = np.unique(each, return_inverse=True)[1]
+        return _Grouped("operators", clusters.astype(np.int64), tasks, told, sum(not who for who in paid.operators))
+    return _Grouped("episodes", np.arange(len(paid), dtype=np.int64), tasks, told, 0)
+
+
+def _answer(paid: PaidDataset, below: PaidDataset | None, name: str, grouped: _Grouped, by_file: bool) -> RewardAnswer:
+    lost = paid.lost[name]
+    known, returns, steps = paid.known & ~lost, paid.returns[name], np.nan_to_num(paid.paid[name])
+    success = paid.succeeded
+    earned = np.where(~np.isfinite(paid.moved), 0.0, np.maximum(steps, 0.0))
+    groups, tasks = grouped.clusters, grouped.tasks
+    auc = auc_of(returns[known], success[known], groups[known], tasks[known])
+    wrong = _most_wrong(paid, name, known, tasks)
+    return RewardAnswer(
+        name,
+        of_its_own_return(answer_that_holds(auc, paid, name, groups, tasks), paid, name),
+        _by_level(paid, below, name, grouped, by_file),
+        _wrong(rounded(returns), success, known, tasks),
+        wrong,
+        share_of(paid.summed(np.where(paid.still, earned, 0.0)), paid.summed(earned), groups),
+        _most_paid(paid, paid.paid[name]),
+        lines_of(paid, name),
+    )
+
+
+def _by_level(paid: PaidDataset, below: PaidDataset | None, name: str, grouped: _Grouped, by_file: bool) -> Auc | None:
+    if below is None or name not in below.paid:
+        return None
+    under = _grouped(below, by_file)
+    kept = np.concatenate([~paid.lost[name], ~below.lost[name]])
+    returns = np.concatenate([paid.returns[name], below.returns[name]])
+    above = np.arange(len(returns)) < len(paid)
+    clusters = np.concatenate([grouped.clusters, grouped.clusters.max() + 1 + under.clusters])
+    several = len(grouped.names) > 1 or len(under.names) > 1
+    tasks = np.array([*paid.tasks, *below.tasks] if several else [""] * len(returns))
+    auc = auc_of(returns[kept], above[kept], clusters[kept], tasks[kept])
+    return level_that_holds(auc, paid, below, name, clusters, tasks)
+
+
+def _wrong(returns: Float, success: Mask, known: Mask, tasks: NDArray[np.int64]) -> int:
+    """Pairs of one task in which the failure is paid more."""
+    count = 0
+    for task in np.unique(tasks):
+        here = known & (tasks == task)
+        best = np.sort(returns[here & ~success])
+        count += int((len(best) - np.searchsorted(best, returns[here & success], side="right")).sum())
+    return count
+
+
+def _most_wrong(paid: PaidDataset, name: str, known: Mask, tasks: NDArray[np.int64]) -> tuple[WrongPair, ...]:
+    """The worst paid success of a task beside its best paid failure, the next worst beside the next best, and so on."""
+    returns = paid.returns[name]
+    success = paid.succeeded
+    found = []
+    for task in np.unique(tasks[known]):
+        here = known & (tasks == task)
+        low = np.flatnonzero(here & success)
+        high = np.flatnonzero(here & ~success)
+        low, high = low[np.argsort(returns[low], kind="stable")], high[np.argsort(-returns[high], kind="stable")]
+        found += list(zip(low[:MOST_PAIRS].tolist(), high[:MOST_PAIRS].tolist(), strict=False))
+    worst = sorted(found, key=lambda pair: returns[pair[0]] - returns[pair[1]])[:MOST_PAIRS]
+    return tuple(_wrong_pair(paid, name, *pair) for pair in worst if returns[pair[1]] > returns[pair[0]])
+
+
+def _wrong_pair(paid: PaidDataset, name: str, one: int, other: int) -> WrongPair:
+    steps, returns = np.nan_to_num(paid.paid[name]), paid.returns[name]
+    curves = tuple(np.cumsum(steps[paid.episode_steps(it)]) for it in (one, other))
+    numbers = int(paid.numbers[one]), int(paid.numbers[other])
+    return WrongPair(*numbers, (float(returns[one]), float(returns[other])), (curves[0], curves[1]))
+
+
+def _most_paid(paid: PaidDataset, steps: Float) -> tuple[PaidStep, ...]:
+    steps = np.where(np.isnan(steps), -np.inf, steps)
+    largest = np.maximum.reduceat(steps, paid.begins[:-1])
+    found = []
+    for place in np.argsort(-largest, kind="stable")[:MOST_STEPS].tolist():
+        step = int(np.argmax(steps[paid.episode_steps(place)]))
+        if np.isfinite(largest[place]):
+            found.append(PaidStep(int(paid.numbers[place]), step, float(largest[place])))
+    return tuple(found)
+
+
+def _pairs(paid: PaidDataset, groups: NDArray[np.int64]) -> tuple[Pair, ...]:
+    """Every two rewards: means over parts of the data set, no cluster in two of them. What one lacks is left out."""
+    names = tuple(paid.paid)
+    whole = ~np.any([paid.lost[name] for name in names], axis=0) if names else np.ones(len(paid), bool)
+    part = groups % min(BLOCKS, int(groups.max()) + 1)
+    common = np.repeat(whole, np.diff(paid.begins))
+    for name in names:
+        common &= ~np.isnan(paid.paid[name])
+    step_part = np.repeat(part, np.diff(paid.begins))
+    members = [((part == number) & whole, (step_part == number) & common) for number in np.unique(part[whole])]
+    blocks = [
+        Paid(
+            {name: paid.paid[name][steps] for name in names}, {name: paid.returns[name][it] for name in names}, {}
+        )
+        for it, steps in (members if len(names) > 1 else ())
+        if steps.any()
+    ]  # fmt: skip
+    return tuple(
+        pair_of(
+            one,
+            other,
+            [compare_paid(block, one, other) for block in blocks],
+            [line_of(block.steps[one], block.steps[other]) for block in blocks],
+        )
+        for one, other in combinations(names, 2)
+    )

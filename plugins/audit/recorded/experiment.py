@@ -1,0 +1,129 @@
+"""The rewards of an arm's experiment beside one another: what its policies did, and what each reward pays for it."""
+
+from collections.abc import Iterable, Mapping, Sequence
+
+import numpy as np
+
+from harness.authoring.commands import (
+    SUCCESS,
+    TRACE,
+    Cell,
+    Choice,
+    Episodes,
+    InstalledReward,
+    Part,
+    count_text,
+    read_trace,
+)
+from harness.errors import Unscored, UsageError
+from harness.log import REWARD, START, Log, LogFacts, in_memory
+from harness.results import Results
+
+from ..audit import Audit
+from ..questions import NO_FORMS, NOT_RANKED, on_best
+from .earned import Earned, earned_in_episodes, earned_in_parts
+from .pair import MOST, pairs_in
+from .pair_grid import SCALE
+from .recordings import RANDOM, chosen_rewards, title_of
+
+KEYS = ["env", "episode", "step", "terminated", "truncated"]
+
+
+def audit_experiment(results: Results, only: Sequence[str] = ()) -> Audit:
+    """How far apart rewards are in the steps of trainings, what policies did, and what each reward pays them for it.
+
+    What policies earned includes the events of the task, which pay the same under every reward.
+
+    Args:
+        results: Of an experiment that trained an arm.
+        only: Labels of the rewards that are told of; all of them if empty.
+
+    Raises:
+        UsageError: No training of it is done.
+        SchemaError: A file is damaged or written by a newer version.
+    """
+    if not results.done_cells:
+        raise UsageError(f"'{results.folder}' has nothing to audit: none of its trainings is done")
+    labels = {it.cell.reward.label: it.cell.reward for it in results.manifests if it.status != "skipped"}
+    rewards = chosen_rewards(labels, only, f"'{results.folder}'")
+    payers, notes = _payers(results, {label: labels[label] for label in rewards})
+    measures = sorted(results.measures, key=lambda name: name != SUCCESS)  # all others stay in their order
+    groups = [[it for it in cells if not results.is_control(it)] for cells in results.groups.values()]
+    earned = [row for cells in groups for row in _earned(results, cells, payers, rewards, measures)]
+    pairs, told = pairs_in((_paid(results, cell, payers) for cell in results.done_cells), tuple(payers), most=MOST)
+    count = len(results.done_cells)
+    return Audit(
+        title=title_of(f"'{results.folder}'", count_text(count, "training"), rewards),
+        facts={"experiment": str(results.folder), "trainings": count},
+        rewards=rewards,
+        pairs=pairs,
+        earned=tuple(earned),
+        success=SUCCESS if SUCCESS in measures else "",
+        verdict=tuple(on_best(earned, rewards, SUCCESS if SUCCESS in measures else "")),
+        measured=(f"{SCALE} Means over trainings, 95% intervals over them in brackets.",) if pairs else (),
+        not_asked=(NOT_RANKED, NO_FORMS.format("a trace")),
+        notes=(*notes, *told),
+        damaged=tuple(f"cell {it.cell.id}: {it.reason}" for it in results.damaged),
+    )
+
+
+def _payers(results: Results, labels: Mapping[str, Choice]) -> tuple[dict[str, InstalledReward], list[str]]:
+    """The rewards that still pay what they paid in the experiment, and a line for each other one."""
+    payers: dict[str, InstalledReward] = {}
+    notes = []
+    trained = {cell.reward.label: cell for cell in results.done_cells}
+    for label, choice in labels.items():
+        try:
+            installed = results.traces.installed(choice)
+            if label in trained:
+                installed.require_unchanged(results.traces.of(trained[label]).pays_recorded(installed))
+            for cell in results.done_cells:
+                results.traces.of(cell).paid_by(installed)  # it is kept
+                results.traces.of(cell).finish()
+            payers[label] = installed
+        except Unscored as error:
+            notes.append(f"What {label} pays is not known: {error}")
+    return payers, notes
+
+
+def _earned(
+    results: Results,
+    cells: Sequence[Cell],
+    payers: Mapping[str, InstalledReward],
+    rewards: Sequence[str],
+    measures: Sequence[str],
+) -> Iterable[Earned]:
+    """Random actions, then the policies of each reward, all in one simulator and task."""
+    first = cells[0]
+    where = f" ({first.place.label}, {first.task.label}, {first.learner})" if len(results.groups) > 1 else ""
+    values = results.measured(cells[0]).random
+    floor = {label: found for label, it in payers.items() if len(found := results.traces.floor_returns(cells[0], it))}
+    if floor:
+        count = len(next(iter(floor.values())))
+        at_random = earned_in_episodes(f"{RANDOM}{where}", [Episodes(np.arange(count), floor, {}, {})], rewards, ())
+        showed = earned_in_parts("", [Part(count, {}, values, {})], (), measures).measures
+        yield Earned(at_random.behaviour, count, at_random.returns, showed)
+    for label in dict.fromkeys(cell.reward.label for cell in cells):
+        parts = [_part(results, cell, payers) for cell in cells if cell.reward.label == label]
+        yield earned_in_parts(f"trained with {label}, evaluations{where}", parts, rewards, measures)
+
+
+def _part(results: Results, cell: Cell, payers: Mapping[str, InstalledReward]) -> Part:
+    """The final evaluation of a cell."""
+    of, measured = results.traces.of(cell), results.measured(cell)
+    returns: dict[str, float | None] = {}
+    for label, payer in payers.items():
+        shaped, events = of.evaluation_return(payer), of.evaluation_events()
+        returns[label] = None if shaped is None or events is None else shaped + events
+    of.finish()
+    return Part(next(iter(measured.episodes.values())), returns, measured.own, {})
+
+
+def _paid(results: Results, cell: Cell, payers: Mapping[str, InstalledReward]) -> tuple[str, Log]:
+    """The training of a cell, paid by rewards."""
+    path, of = results.store.cell_folder(cell) / TRACE, results.traces.of(cell)
+    told = read_trace(path).rows(KEYS).columns
+    paid = {f"{REWARD}{label}": of.paid_by(payer) for label, payer in payers.items()}
+    of.finish()
+    facts = LogFacts(path=path, format="trace")
+    return f"cells/{cell.id}", in_memory(facts, {**told, START: told["step"] == 0, **paid})

@@ -1,0 +1,305 @@
+"""Two rewards over several sets of recorded steps: the means of their distances."""
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+
+from harness.arrays import Float
+from harness.authoring.commands import SHARE, PayLine, Rescaling, SeedMean, line_of, mean_over_seeds, rescaling_of
+from harness.log import BEHAVIOUR, EPISODES, REWARD, Log
+
+from ..distance import Distance, Form, centred_unit, compare_forms, distance_between
+
+NOT_KNOWN = "not a number in some rows"
+
+
+@dataclass(frozen=True, eq=False)
+class Paid:
+    """What rewards paid for one set of recorded steps.
+
+    Attributes:
+        steps: By reward, what it pays for each step, (steps,), finite; only rewards that are known in every step.
+        returns: By reward, its sum over each finished episode, (episodes,).
+        unknown: By reward that is not known in every step: why.
+    """
+
+    steps: Mapping[str, Float]
+    returns: Mapping[str, Float]
+    unknown: Mapping[str, str]
+
+
+def paid_in(log: Log) -> Paid:
+    """What the rewards of a log paid, in its steps and in its finished episodes; of a log of episodes, in these alone.
+
+    Args:
+        log: Of steps, of episodes, or of points, which are taken for episodes. Its start rows are no steps.
+    """
+    from harness.authoring.commands import episodes_of
+
+    episodes, unknown = episodes_of(log), {}
+    pays = {name: np.asarray(log[f"{REWARD}{name}"], np.float64) for name in episodes.returns}
+    for name, paid in pays.items():
+        if np.isnan(paid).any() or np.isnan(episodes.returns[name]).any():
+            unknown[name] = episodes.reasons.get(f"{REWARD}{name}", NOT_KNOWN)
+    known = [name for name in pays if name not in unknown]
+    of_steps = {name: pays[name] for name in known} if log.facts.unit == "step" else {}
+    return Paid(of_steps, {name: episodes.returns[name] for name in known}, unknown)
+
+
+@dataclass(frozen=True)
+class Apart:
+    """How far apart two rewards are in one set of recorded steps. Scale and offset of a reward do not matter.
+
+    Attributes:
+        steps: Pearson distance of what they pay for each step, sqrt((1 - rho) / 2), in [0, 1]; None where one of them,
+            and not the other, pays every step the same.
+        returns: The same of the returns of finished episodes; None also below two of them.
+        discordant: Share of the pairs of episodes that the two put in opposite orders, of those that both tell apart.
+        told_apart: Share of all pairs of episodes that both tell apart; None below two episodes.
+    """
+
+    steps: float | None
+    returns: float | None
+    discordant: float | None
+    told_apart: float | None
+
+
+def compare_paid(paid: Paid, one: str, other: str) -> Apart:
+    """How far apart two rewards are, both known in `paid`."""
+    return Apart(
+        _pearson(paid.steps, one, other), _pearson(paid.returns, one, other), *_order(paid.returns, one, other)
+    )
+
+
+def _pearson(values: Mapping[str, Float], one: str, other: str) -> float | None:
+    if one not in values or len(values[one]) < 2:
+        return None
+    first, second = (centred_unit(values[name], float(np.abs(values[name]).max())) for name in (one, other))
+    return distance_between(first, second)
+
+
+def _order(returns: Mapping[str, Float], one: str, other: str) -> tuple[float | None, float | None]:
+    """The shares of `Apart`. From Kendall's tau-b, which scipy finds without looking at all pairs."""
+    from scipy.stats import kendalltau
+
+    count = len(returns[one])
+    pairs = count * (count - 1) // 2
+    if not pairs:
+        return None, None
+    # Sums in another order differ in the last digits: such returns are equal.
+    first, second = (_rounded(returns[name]) for name in (one, other))
+    ties_one, ties_other = _ties(first), _ties(second)
+    apart = pairs - ties_one - ties_other + _ties(np.stack([first, second], axis=1))
+    if not apart:
+        return None, 0.0
+    tau = float(kendalltau(first, second).statistic)
+    surplus = round(tau * float(np.sqrt(pairs - ties_one) * np.sqrt(pairs - ties_other)))
+    return (apart - surplus) / 2 / apart, apart / pairs
+
+
+def _rounded(values: Float) -> Float:
+    unit = 1e-9 * float(np.abs(values).max())
+    rounded: Float = np.round(values / unit) if unit else values
+    return rounded
+
+
+def _ties(values: Float) -> int:
+    """How many pairs of rows are equal."""
+    _, counts = np.unique(values, axis=0, return_counts=True)
+    return int((counts.astype(np.int64) * (counts - 1) // 2).sum())
+
+
+MOST = 3
+"""So many steps are told of each pair."""
+LEAST = 0.1
+"""Standard deviations; steps that are paid less differently are not told."""
+
+
+@dataclass(frozen=True)
+class StepApart:
+    """A step for which two rewards pay very differently.
+
+    Attributes:
+        folder: The recording.
+        env: Number of the env in it.
+        episode: Counted from 0 in that env.
+        step: Counted from 0 in that episode.
+        paid: By both.
+        deviations: The same in standard deviations from the mean of each reward, over the steps of that recording.
+    """
+
+    folder: str
+    env: int
+    episode: int
+    step: int
+    paid: tuple[float, float]
+    deviations: tuple[float, float]
+
+    @property
+    def difference(self) -> float:
+        """The difference of the deviations, never negative."""
+        return abs(self.deviations[0] - self.deviations[1])
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        return asdict(self)
+
+
+def steps_apart(folder: str, log: Log, one: str, other: str) -> list[StepApart]:
+    """The steps of a log without start rows with the largest differences, largest first, one of an episode at most.
+
+    None where a reward pays all steps the same.
+    """
+    values = np.stack([log[f"{REWARD}{one}"], log[f"{REWARD}{other}"]])
+    spread = values.std(axis=1, keepdims=True)
+    if not (spread > 1e-9 * np.abs(values).max(axis=1, keepdims=True)).all():
+        return []
+    deviations = (values - values.mean(axis=1, keepdims=True)) / spread
+    difference = np.abs(deviations[0] - deviations[1])
+    found: dict[tuple[int, int], StepApart] = {}  # by env and episode
+    for row in np.argsort(-difference, kind="stable"):
+        if len(found) == MOST or difference[row] < LEAST:
+            break
+        env, episode, step = (int(log[name][row]) if name in log else 0 for name in ("env", "episode", "step"))
+        (first, second), (first_from, second_from) = values[:, row].tolist(), deviations[:, row].tolist()
+        apart = StepApart(folder, env, episode, step, (first, second), (first_from, second_from))
+        found.setdefault((env, episode), apart)
+    return list(found.values())
+
+
+@dataclass(frozen=True)
+class Pair:
+    """How far apart two rewards are. Every number is a mean over recordings or over measurements.
+
+    Attributes:
+        one: A reward.
+        other: Another one.
+        steps: Pearson distance of what they pay for each step, see `harness_plugins.audit.recorded.pair.Apart`.
+        returns: The same of the returns of episodes.
+        discordant: Share of pairs of episodes that they put in opposite orders, of those that both tell apart.
+        told_apart: Share of all pairs of episodes that both tell apart.
+        each: What the means are made of, by recording or measurement.
+        rescaling: What the other one is, if it is the first one but for scale and offset; else None.
+        largest: The steps that they pay most differently; empty where they were not looked for.
+        forms: By canonical form, how far apart they are without potential shaping; empty where nobody asked.
+        reasons: By canonical form without a value: why.
+    """
+
+    one: str
+    other: str
+    steps: SeedMean
+    returns: SeedMean
+    discordant: SeedMean
+    told_apart: SeedMean
+    each: tuple[Apart, ...]
+    rescaling: Rescaling | None = None
+    largest: tuple[StepApart, ...] = ()
+    forms: Mapping[str, SeedMean] = field(default_factory=dict)
+    reasons: Mapping[str, str] = field(default_factory=dict)
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        return {
+            "rewards": [self.one, self.other],
+            "steps": mean_json(self.steps),
+            "returns": mean_json(self.returns),
+            "discordant": mean_json(self.discordant),
+            "told_apart": mean_json(self.told_apart),
+            "rescaled": self.rescaling and self.rescaling.to_json(),
+            "each": [{"steps": it.steps, "returns": it.returns, "discordant": it.discordant} for it in self.each],
+            "largest": [step.to_json() for step in self.largest],
+            **{form: mean_json(mean) for form, mean in self.forms.items()},
+            **({"reasons": dict(self.reasons)} if self.forms else {}),
+        }
+
+
+def pair_of(
+    one: str,
+    other: str,
+    each: Sequence[Apart],
+    lines: Sequence[PayLine | None],
+    largest: Sequence[StepApart] = (),
+    forms: Sequence[Mapping[str, Distance]] = (),
+) -> Pair:
+    """The means, with intervals over recordings or measurements.
+
+    Args:
+        one: A reward.
+        other: Another one.
+        each: How far apart they are, by recording or measurement.
+        lines: The line of what they paid, in the same order.
+        largest: See `Pair`.
+        forms: How far apart they are by canonical form, by measurement.
+    """
+    known = {form: [it[form] for it in forms] for form in (forms[0] if forms else ())}
+    means = {form: mean_within([it if isinstance(it, float) else None for it in of]) for form, of in known.items()}
+    told = [(form, why) for it in reversed(forms) for form, why in it.items() if isinstance(why, str)]
+    return Pair(
+        one,
+        other,
+        mean_within([it.steps for it in each]),
+        mean_within([it.returns for it in each]),
+        mean_within([it.discordant for it in each]),
+        mean_within([it.told_apart for it in each]),
+        tuple(each),
+        rescaling_of(lines),
+        tuple(largest),
+        means,
+        {form: why for form, why in told if means[form].mean is None},
+    )
+
+
+def pairs_in(
+    compared: Iterable[tuple[str, Log]],
+    rewards: tuple[str, ...],
+    forms: Sequence[Mapping[str, Mapping[str, Form]]] = (),
+    most: int = 0,
+) -> tuple[tuple[Pair, ...], list[str]]:
+    """Every two rewards beside one another, and a line for each reward that is not known everywhere.
+
+    Args:
+        compared: What means are over, by name.
+        rewards: Names.
+        forms: By measurement and name, the rewards in canonical forms.
+        most: So many steps are told that the two pay most differently.
+    """
+    each: dict[tuple[str, str], list[Apart]] = {pair: [] for pair in combinations(rewards, 2)}
+    lines: dict[tuple[str, str], list[PayLine | None]] = {pair: [] for pair in each}
+    largest: dict[tuple[str, str], list[StepApart]] = {pair: [] for pair in each}
+    notes, lacking = list[str](), Counter[str]()
+    count = 0
+    for name, whole in compared if each else ():
+        count += 1
+        log = whole.without_starts()
+        numbers = [*(f"{REWARD}{name}" for name in log.rewards), *(f"{BEHAVIOUR}{name}" for name in log.measures)]
+        log = log.load([*EPISODES, "step", *numbers])
+        paid = paid_in(log)
+        can_end = "terminated" in log and bool(log["terminated"].any())
+        unknown = {it: why for it, why in paid.unknown.items() if it in rewards}
+        notes += [f"'{name}' does not count for reward {it!r}: {why}" for it, why in unknown.items()]
+        lacking.update(it for it in rewards if it not in paid.returns and it not in unknown)
+        for (one, other), found in each.items():
+            if {one, other} <= paid.returns.keys():
+                found.append(compare_paid(paid, one, other))
+            if {one, other} <= paid.steps.keys():
+                lines[one, other].append(line_of(paid.steps[one], paid.steps[other], can_end=can_end))
+                known = [*largest[one, other], *(steps_apart(name, log, one, other) if most else ())]
+                largest[one, other] = sorted(known, key=lambda step: -step.difference)[:most]
+    notes += [f"{number:,} of {count:,} did not record reward {name!r}" for name, number in lacking.items()]
+    notes += [f"No recording knows both {one!r} and {other!r}" for (one, other), found in each.items() if not found]
+    apart = {(one, other): [compare_forms(one, of[one], other, of[other]) for of in forms] for one, other in each}
+    return tuple(pair_of(*it, each[it], lines[it], largest[it], apart[it]) for it in each), notes
+
+
+def mean_within(values: Sequence[float | None]) -> SeedMean:
+    """The mean of numbers in [0, 1], its interval cut to that range; numbers that are None are left out."""
+    return mean_over_seeds([value for value in values if value is not None], bounds=SHARE)
+
+
+def mean_json(mean: SeedMean) -> dict[str, Any]:
+    """Plain data; what the mean is over is no seed."""
+    return {"mean": mean.mean, "low": mean.low, "high": mean.high, "count": mean.seeds}

@@ -1,0 +1,104 @@
+"""A reward that is asked about transitions that nobody took."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from harness.arrays import Float
+from harness.authoring.commands import BEFORE, FIELDS, Guard, Walk, differs, made_columns, steps_type
+from harness.errors import reason_of
+from harness.reward import MissingField
+
+OfTransition = Callable[[Any, Any, Any], float]
+"""R(s, a, s')."""
+_Now, _Before = steps_type(("observation", "action", "info", BEFORE)), steps_type(("observation",))
+
+
+class NoTransitionReward(Exception):
+    """A reward cannot be asked about transitions that nobody took; the message says why."""
+
+
+class _Closed(dict[str, Any]):
+    """The info of a transition that nobody took: there is none, and who reads it is told."""
+
+    def _refuse(self, *_: Any, **__: Any) -> Any:
+        raise NoTransitionReward("it reads info, which only a step that was taken has")
+
+    __getitem__ = __contains__ = __iter__ = __len__ = __bool__ = __eq__ = __or__ = __setitem__ = _refuse
+    __hash__ = None  # as of any dict
+    get = keys = values = items = pop = copy = setdefault = update = _refuse
+
+
+_CLOSED = _Closed()
+
+
+def of_transition(name: str, given: Any) -> OfTransition:
+    """The reward as a function of a transition.
+
+    Args:
+        name: What it is called.
+        given: What the user gave for it.
+
+    Raises:
+        NoTransitionReward: It is no function, or has a memory.
+    """
+    if isinstance(given, str):
+        told = "what the env pays" if given == "own" else f"info key {given!r}"
+        raise NoTransitionReward(f"it is {told}, which only a step that was taken has")
+    (column,) = made_columns(None, {name: given}, {}, 1, frozenset())
+    if column.remembers:
+        raise NoTransitionReward("it has a memory, so that what it pays depends on more than one transition")
+    guard = Guard()
+
+    def pay(state: Any, action: Any, following: Any) -> float:
+        step = _Now._make((following, action, _CLOSED, _Before._make((state,))))
+        try:
+            return column.numbers(guard.answer(column.given, column.arguments(step), column.is_watched))[0]
+        except NoTransitionReward:
+            raise
+        except MissingField as error:
+            if error.field not in FIELDS:
+                raise NoTransitionReward(str(error)) from error
+            told = f"it reads {BEFORE}.{error.field}"
+            raise NoTransitionReward(f"{told}, which only a step that was taken has") from error
+        except Exception as error:  # whatever rewards of users raise
+            raise NoTransitionReward(
+                f"asked about another step than the one taken, it fails: {reason_of(error)}"
+            ) from error
+
+    return pay
+
+
+def of_transitions(
+    rewards: Mapping[str, Any], walks: list[Walk], paid: Mapping[str, Float]
+) -> tuple[dict[str, OfTransition], dict[str, str]]:
+    """The rewards that are functions of a transition; and why the others are not.
+
+    Args:
+        rewards: By name, as the user gave them.
+        walks: Episodes.
+        paid: What each reward paid for their steps when they were taken, in order, (steps,).
+    """
+    pays: dict[str, OfTransition] = {}
+    reasons: dict[str, str] = {}
+    for name, given in rewards.items():
+        try:
+            pay = of_transition(name, given)
+            _require_same(pay, walks, paid[name])
+            pays[name] = pay
+        except NoTransitionReward as error:
+            reasons[name] = str(error)
+    return pays, reasons
+
+
+def _require_same(pay: OfTransition, walks: list[Walk], paid: Float) -> None:
+    """Asked again, it pays the same: it looks at nothing but the transition."""
+    with np.errstate(all="ignore"):  # what is not finite is refused
+        again = np.array(
+            [pay(*step) for walk in walks for step in zip(walk.states, walk.actions, walk.states[1:], strict=False)]
+        )
+    if differs(again, paid).any():
+        raise NoTransitionReward(
+            "asked again about a step, it pays something else: it looks at more than the transition"
+        )

@@ -1,0 +1,218 @@
+"""`audit_rewards`: how far apart rewards are in any Gymnasium environment, potential shaping left out too."""
+
+import tempfile
+from collections.abc import Callable, Collection, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import gymnasium
+import numpy as np
+from gymnasium.wrappers import TimeLimit
+
+from harness.authoring.commands import (
+    OWN,
+    Episodes,
+    KeepWalks,
+    RecordRewards,
+    Walk,
+    count_text,
+    episodes_of,
+    facts_of,
+    read_recording,
+)
+from harness.errors import UsageError
+from harness.log import REWARD, Log
+from harness.reward import Given
+
+from ..audit import Audit
+from ..distance import FORMS, Form
+from ..questions import ENVIRONMENT, NO_SUCCESS, NOT_ASKED, deciding_measure, on_best, rank_success
+from ..recorded.earned import earned_in_episodes
+from ..recorded.pair import pairs_in
+from ..recorded.pair_grid import SCALE
+from ..recorded.recordings import RANDOM
+from .asked import of_transitions
+from .canonical_forms import draw_coverages, forms_of, one_by_one
+
+GAMMA, EPISODES = 0.99, 10
+MEASUREMENTS = 5
+"""Each has episodes and samples of its own; intervals are over them."""
+
+Policy = Callable[[Any], Any]
+Env = gymnasium.Env[Any, Any]
+
+
+def audit_rewards(
+    env: Env | str | Callable[[], Env],
+    rewards: Mapping[str, Given],
+    *,
+    policies: Mapping[str, Policy] | None = None,
+    gamma: float = GAMMA,
+    episodes: int = EPISODES,
+    steps: int = 1_000,
+    seed: int = 0,
+    behaviour: Mapping[str, Given] | None = None,
+    compared: Collection[str] | None = None,
+) -> Audit:
+    """How far apart rewards are: in the steps of random actions and of policies, and as EPIC, DARD and STARC see them.
+
+    The last three do not change when gamma phi(s') - phi(s) is added to a reward. They ask it about transitions that
+    nobody took, and need a function of (observation, action, next_observation) alone. A reward that reads `info`, has
+    a memory, or is what the env pays, is compared in the steps that were taken only. Nothing is trained.
+
+    Args:
+        env: One that was made, which is left open; the id of one; or a function that makes one.
+        rewards: As of `harness.RecordRewards`. What the env pays is added to them as ``own``.
+        policies: By name, from an observation to an action; random actions are always there beside them.
+        gamma: Discount per step, above 0 and below 1.
+        episodes: Of each policy in each of 5 measurements.
+        steps: Most of an episode; a longer one is cut.
+        seed: Of all that is drawn.
+        behaviour: Measures of what policies do, as of `harness.RecordRewards`; no reward enters them.
+        compared: Names of the rewards that are told of, ``own`` among them if it is; None for all.
+
+    Raises:
+        UsageError: Something of that cannot be used, or a reward fails in a step that was taken.
+    """
+    policies = policies or {}
+    _check(rewards, policies, gamma, episodes, steps, seed)
+    made, drawn = _make(env), [np.random.default_rng([seed, number]) for number in range(MEASUREMENTS)]
+    try:
+        taken = [_take(made, rewards, behaviour or {}, policies, episodes, steps, rng) for rng in drawn]
+    finally:
+        if made is not env:
+            made.close()
+    given = {**rewards, _own(rewards): OWN}
+    names = tuple(name for name in given if compared is None or name in compared)
+    forms = [_forms(it, {name: given[name] for name in names}, gamma) for it in taken]
+    pairs, _ = pairs_in([("", it.log) for it in taken], names, forms)
+    acting = (RANDOM, *policies)
+    by_policy = {policy: [it.of(number, episodes) for it in taken] for number, policy in enumerate(acting)}
+    earned = tuple(
+        earned_in_episodes(policy, each, names, tuple(behaviour or {})) for policy, each in by_policy.items()
+    )
+    everything = [it.episodes for it in taken]
+    success, count = deciding_measure(everything), sum(len(it.log) for it in taken)
+    name = made.spec.id if made.spec is not None else type(made.unwrapped).__name__
+    return Audit(
+        title=f"{name}: rewards {', '.join(names)}; discount {gamma:g}",
+        facts={
+            "env": name,
+            "policies": list(acting),
+            "gamma": gamma,
+            "measurements": MEASUREMENTS,
+            "episodes": episodes,
+            "steps": count,
+        },
+        rewards=names,
+        pairs=pairs,
+        earned=earned,
+        success=success,
+        rankings={reward: rank_success(everything, reward, success) for reward in names} if success else {},
+        verdict=tuple(on_best(earned, names, success)),
+        measured=(
+            f"{SCALE} Measured {MEASUREMENTS} times in the transitions of {', '.join(acting)}, each time with "
+            f"{count_text(episodes, 'new episode')} of each and new samples, {count:,} steps in all. The 95% intervals "
+            "are over these measurements. They say how much another measurement with the same policies would differ. "
+            "Other policies meet other transitions, where the distances are others.",
+        ),
+        not_asked=(*NOT_ASKED[ENVIRONMENT], *([] if success else [NO_SUCCESS])),
+    )
+
+
+def _check(
+    rewards: Mapping[str, Given], policies: Mapping[str, Policy], gamma: float, episodes: int, steps: int, seed: int
+) -> None:
+    if not rewards:
+        raise UsageError("rewards={}: name at least one reward, such as {'upright': function}")
+    own = [name for name, given in rewards.items() if isinstance(given, str) and given == OWN]
+    if len(own) > 1:
+        raise UsageError(f"rewards: {own[0]!r} and {own[1]!r} are both what the env pays: leave one out")
+    if not 0.0 < gamma < 1.0:
+        raise UsageError(f"gamma={gamma:g}: must be above 0 and below 1")
+    for name, number, least in (("episodes", episodes, 1), ("steps", steps, 1), ("seed", seed, 0)):
+        if number < least:
+            raise UsageError(f"{name}={number}: must be at least {least}")
+    for name, policy in policies.items():
+        if name == RANDOM or not callable(policy):
+            raise UsageError(
+                f"policies: {name!r} is {policy!r}: give a function from an observation to an action, under another "
+                f"name than {RANDOM!r}"
+            )
+
+
+def _own(rewards: Mapping[str, Given]) -> str:
+    """Under which name what the env pays is recorded."""
+    return next((name for name, given in rewards.items() if isinstance(given, str) and given == OWN), OWN)
+
+
+def _make(env: Env | str | Callable[[], Env]) -> Env:
+    if isinstance(env, str):
+        try:
+            return gymnasium.make(env)
+        except gymnasium.error.Error as error:
+            raise UsageError(f"env='{env}' cannot be made: {error}") from error
+    made = env() if callable(env) and not isinstance(env, gymnasium.Env) else env
+    if not isinstance(made, gymnasium.Env):
+        raise UsageError(f"env is {type(made).__name__}: give one gymnasium.Env, its id, or a function that makes it")
+    return made
+
+
+class _Taken(NamedTuple):
+    """One measurement: its steps, those of all policies one after the other, and where samples are drawn from."""
+
+    log: Log
+    episodes: Episodes
+    walks: list[Walk]
+    rng: np.random.Generator
+
+    def of(self, number: int, count: int) -> Episodes:
+        """The episodes of one policy, of which each has so many."""
+        facts, own = facts_of(self.log), slice(number * count, (number + 1) * count)
+        return Episodes.of(facts, facts.rewards, facts.behaviour, self.episodes.numbers[:, own])
+
+
+def _take(
+    env: Env,
+    rewards: Mapping[str, Given],
+    behaviour: Mapping[str, Given],
+    policies: Mapping[str, Policy],
+    episodes: int,
+    steps: int,
+    rng: np.random.Generator,
+) -> _Taken:
+    """Every policy meets the same episodes."""
+    seeds = [int(number) for number in rng.integers(2**31, size=episodes)]
+    env.action_space.seed(seeds[0])
+    keeper, own = KeepWalks(TimeLimit(env, steps)), _own(rewards)
+    with tempfile.TemporaryDirectory(prefix="harness-audit-") as folder:
+        path = Path(folder) / "steps"
+        recorder = RecordRewards(
+            keeper, path, trained_with=own, rewards=rewards, behaviour=behaviour, evaluation=True, seed=0,
+            on_error="raise",
+        )  # fmt: skip
+        try:
+            for policy in (lambda observation: env.action_space.sample(), *policies.values()):
+                for seed in seeds:
+                    observation, _ = recorder.reset(seed=seed)
+                    ended = False
+                    while not ended:
+                        observation, _, terminated, truncated, _ = recorder.step(policy(observation))
+                        ended = terminated or truncated
+        finally:
+            recorder.finish()
+        log = read_recording(path).load()
+        return _Taken(log, episodes_of(log), keeper.walks, rng)
+
+
+def _forms(taken: _Taken, rewards: Mapping[str, Given], gamma: float) -> dict[str, Mapping[str, Form]]:
+    """Each reward in every canonical form, or why it has none."""
+    log = taken.log
+    pays, reasons = of_transitions(rewards, taken.walks, {name: log[f"{REWARD}{name}"] for name in rewards})
+    coverages = draw_coverages(taken.walks, taken.rng)
+    return {
+        name: forms_of(one_by_one(pays[name]), gamma, coverages)
+        if name in pays
+        else dict.fromkeys(FORMS, reasons[name])
+        for name in rewards
+    }

@@ -1,0 +1,50 @@
+"""The rewards of an environment that a plugin names, beside one another; see `audit_rewards`."""
+
+from contextlib import closing
+
+from harness.authoring.commands import Choice, Registry, blamed_on, columns_of, look_at, split_list, weighing
+from harness.environment import Environment
+
+from ..audit import Audit
+from .audit_rewards import EPISODES, GAMMA, audit_rewards
+
+
+def audit_environment(
+    task: Choice,
+    registry: Registry,
+    rewards: str | None,
+    against: str | None,
+    gamma: float | None = None,
+    episodes: int | None = None,
+) -> Audit:
+    """How far apart rewards are in an environment, in the steps of random actions and beside steps nobody took.
+
+    Args:
+        task: The environment.
+        registry: The plugins; functions in files that the user gave are rewards and measures too.
+        rewards: Which of its rewards, ``hover,hover:effort=2``; None for all.
+        against: The one that they are compared with, by default the environment's baseline.
+        gamma: Discount per step, above 0 and below 1; by default that of `audit_rewards`.
+        episodes: Of random actions in each of 5 measurements; likewise.
+
+    Raises:
+        UsageError: A reward is not known, or fails in a step.
+        PluginError: The environment raises; says whose it is.
+    """
+    looked = look_at(task, registry)
+    baseline, choices = looked.rewards_asked(against, split_list(rewards) if rewards else None)
+    environment: Environment = task.build(registry, "environments")
+    with blamed_on(registry.get("environments", task.name), "it was audited"), closing(environment.make()) as env:
+        columns = columns_of(environment, env, registry)
+        for choice in (baseline, *choices):
+            columns = weighing(columns, choice.name, choice.label, dict(choice.params))
+        named = dict.fromkeys(choice.label for choice in (baseline, *choices))
+        given = {name: columns.rewards[name] for name in named}
+        return audit_rewards(
+            env,
+            given,
+            gamma=GAMMA if gamma is None else gamma,
+            episodes=EPISODES if episodes is None else episodes,
+            behaviour=columns.behaviour,
+            compared=tuple(named),
+        )

@@ -1,0 +1,114 @@
+"""EPIC, DARD and STARC of an arm's rewards that read more than distances: asked about recorded states and actions.
+
+A rollout of n episodes is n walks. A state is a row of it: the fields of `harness.reward.steps.ARM` after a step, or at
+the start; the begin distance, the smallest distance so far and the step count of its episode; and what the reward
+remembers there. R(s, a, s') is what a step from s to s' is paid, whether the arm could do it or not:
+
+    before           the fields of s; ``before.action`` is that of the recorded step that led to s
+    action           that of a recorded step, a
+    begin_distance, previous_best, previous_distance, step   of s and its episode
+    delta_distance   the distance in s', less the smallest one in the episode of s
+    other fields     those of s', its target among them
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.arrays import Float, read_only
+from harness.authoring.commands import Rollout, States, Walk, paid_along, step_between
+from harness.reward import Carry, Reward, pay, take
+
+from ..distance import Form
+from .asked import NoTransitionReward
+from .canonical_forms import Ask, Step, draw_coverages, forms_of
+
+COMPARED = 2_000
+"""So many of all recorded steps are compared, evenly spread."""
+ACTION = "action"
+BEGIN, BEST, COUNT = "begin_distance", "previous_best", "step"
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """The states of some rollouts, one after the other.
+
+    Attributes:
+        columns: Their fields, (rows, ...) each; of their episodes `BEGIN`, and `BEST` until then, [m]; and `COUNT` of
+            the step that follows, counted from 1.
+        fields: The names of their fields.
+        walks: The episodes. A state is the number of its row, and an action that of the row after its step.
+    """
+
+    columns: Mapping[str, NDArray[Any]]
+    fields: Sequence[str]
+    walks: Sequence[Walk]
+
+
+def rows_of_rollouts(rollouts: Sequence[Rollout]) -> Rows:
+    """Rollout after rollout, step after step, episode after episode."""
+    parts: list[dict[str, NDArray[Any]]] = []
+    walks: list[Walk] = []
+    first = 0
+    for rollout in rollouts:
+        distances = rollout.distances
+        count, size = distances.shape
+        begin = np.broadcast_to(distances[0], distances.shape)
+        step = np.broadcast_to(np.arange(1.0, count + 1.0)[:, None], distances.shape)
+        best = np.minimum.accumulate(distances, axis=0)
+        parts.append({**rollout.states, BEGIN: begin, BEST: best, COUNT: step})
+        for episode, length in enumerate(rollout.running.sum(axis=0).tolist()):
+            numbers = range(first + episode, first + episode + (length + 1) * size, size)
+            walks.append(Walk(numbers, numbers[1:]))
+        first += count * size
+    columns = {
+        name: read_only(np.concatenate([part[name].reshape(-1, *part[name].shape[2:]) for part in parts]))
+        for name in parts[0]
+    }
+    return Rows(columns, tuple(rollouts[0].states), walks)
+
+
+def ask_of(reward: Reward, rollouts: Sequence[Rollout], rows: Rows) -> Ask:
+    """The reward as a function of rows, ``(state, action, next state)``; see the top of this module."""
+    carries = [carry for of in rollouts for carry, _, _ in paid_along(reward, _with_a_last_step(of.states))]
+    carry = _joined(carries)
+
+    def ask(steps: Sequence[Step]) -> Float:
+        begin, act, end = np.array(steps).T
+        state = {name: rows.columns[name][begin] for name in rows.fields}
+        after = {name: rows.columns[name][act if name == ACTION else end] for name in rows.fields}
+        asked = step_between(state, after, *(rows.columns[name][begin] for name in (BEGIN, BEST, COUNT)))
+        values = np.asarray(pay(reward, take(carry, begin), asked)[1].total, np.float64)
+        if not np.isfinite(values).all():
+            raise NoTransitionReward("asked about another step than the one taken, it pays a number that is not finite")
+        return values
+
+    return ask
+
+
+def forms_of_rollouts(reward: Reward, rollouts: Sequence[Rollout], gamma: float) -> dict[str, Form]:
+    """A reward in every canonical form, over recorded steps that are the same at every call.
+
+    Args:
+        reward: The reward.
+        rollouts: One of each script.
+        gamma: Discount per step.
+    """
+    rows = rows_of_rollouts(rollouts)
+    coverages = draw_coverages(rows.walks, np.random.default_rng(0), COMPARED)
+    return forms_of(ask_of(reward, rollouts, rows), gamma, coverages)
+
+
+def _with_a_last_step(states: States) -> States:
+    """The same with a step on the spot, so that what is remembered in the last state is told too."""
+    return {name: np.concatenate([values, values[-1:]]) for name, values in states.items()}
+
+
+def _joined(carries: Sequence[Carry]) -> Carry:
+    """What is remembered in all rows; the parts are those of one step each, (n, ...)."""
+    if isinstance(carries[0], tuple):
+        return tuple(map(_joined, zip(*carries, strict=True)))
+    return np.concatenate(carries)

@@ -1,0 +1,180 @@
+"""Distances of rewards that read more than distances: asked about recorded states and actions of an arm."""
+
+import numpy as np
+import pytest
+
+from harness.env.ideal import IdealSimulator
+from harness.payoff.rollout import record_rollouts
+from harness.payoff.score import score_rollout
+from harness.reach import ReachTask
+from harness.reward.forms import reward_class
+from harness.robot.load import load_robot
+from harness_plugins.audit.distance import EPIC, FORMS, SHAPING, STARC, compare_forms
+from harness_plugins.audit.transitions.rollout_forms import ask_of, forms_of_rollouts, rows_of_rollouts
+from harness_plugins.rewards.baseline import Baseline
+from harness_plugins.rewards.dense import Dense
+
+GAMMA = 0.95
+
+
+def gentle(step):
+    """Reach the target, and move little."""
+    return {
+        "reach": -step.distance,
+        "effort": -0.01 * (step.action**2).sum(-1),
+        "jerk": -0.1 * ((step.action - step.before.action) ** 2).sum(-1),
+    }
+
+
+def phi(distance):
+    """Some potential of the distance."""
+    return np.sin(5.0 * distance) - 3.0 * distance
+
+
+def shaped(step):
+    """The same three times, with an offset and shaping by the potential."""
+    terms = {name: 3.0 * value for name, value in gentle(step).items()}
+    return {**terms, "shaping": GAMMA * phi(step.distance) - phi(step.before.distance), "offset": 0.0 * step.step + 2.0}
+
+
+def negative(step):
+    """The opposite."""
+    return {name: -value for name, value in gentle(step).items()}
+
+
+def restless(step):
+    """Pays for motion."""
+    return (step.qvel**2).sum(-1) - step.distance
+
+
+class Counting:
+    """Pays the action, and more with every step that came nearer."""
+
+    def initial_carry(self, begin_distance):
+        """No step so far."""
+        return np.zeros_like(begin_distance)
+
+    def __call__(self, carry, step):
+        """One more where it is nearer."""
+        count = carry + (step.distance < step.previous_distance)
+        return count, step.action[:, 0] * count
+
+
+GENTLE = reward_class(gentle)()
+
+
+@pytest.fixture(scope="module")
+def rollouts():
+    """Four short episodes of each script."""
+    return record_rollouts(IdealSimulator(), load_robot("fd100"), ReachTask(horizon=25), 4)
+
+
+@pytest.fixture(scope="module")
+def distances(rollouts):
+    """The distances of two rewards by form."""
+
+    def distances(one, other, gamma=GAMMA):
+        return compare_forms(
+            "one", forms_of_rollouts(one, rollouts, gamma), "other", forms_of_rollouts(other, rollouts, gamma)
+        )
+
+    return distances
+
+
+@pytest.fixture(scope="module")
+def between(distances):
+    """The same; None where there is none."""
+    return lambda one, other: {form: None if it == SHAPING else it for form, it in distances(one, other).items()}
+
+
+def test_scale_and_potential_shaping_are_no_distance(between):
+    """In all three forms; an offset is none either."""
+    assert between(GENTLE, reward_class(shaped)()) == pytest.approx(dict.fromkeys(FORMS, 0.0), abs=1e-9)
+
+
+def test_shaping_alone_has_no_distance(between):
+    """It is constant in EPIC and DARD."""
+
+    def potential(step):
+        return GAMMA * phi(step.distance) - phi(step.before.distance) + 0.0 * step.action[:, 0]
+
+    assert between(reward_class(potential)(), GENTLE) == dict.fromkeys(FORMS)
+
+
+def test_other_rewards_are_apart(between):
+    """All of them, in all forms."""
+    for other in (Baseline(), Dense(), reward_class(restless)()):
+        assert all(0.01 < value < 1.0 for value in between(GENTLE, other).values())
+
+
+def test_the_opposite_is_farthest_and_order_does_not_count(between):
+    """From 0 to 1, as everywhere."""
+    assert between(GENTLE, GENTLE) == dict.fromkeys(FORMS, 0.0)
+    assert between(GENTLE, reward_class(negative)()) == pytest.approx(dict.fromkeys(FORMS, 1.0))
+    assert between(Dense(), GENTLE) == pytest.approx(between(GENTLE, Dense()))
+
+
+def test_a_weight_changes_the_distance(between):
+    """The more effort counts, the farther it is from the distance alone."""
+    near, far = (between(reward_class(gentle)(effort=weight), Dense())[EPIC] for weight in (1.0, 50.0))
+    assert near < far
+
+
+@pytest.mark.parametrize("reward", [GENTLE, reward_class(restless)(), Counting()], ids=["terms", "plain", "memory"])
+def test_asked_about_its_own_steps_a_reward_pays_what_it_paid(rollouts, reward):
+    """Whatever it reads and remembers, in every step of every script."""
+    rows = rows_of_rollouts(rollouts)
+    ask, walks = ask_of(reward, rollouts, rows), iter(rows.walks)
+    for rollout in rollouts:
+        values = score_rollout(reward, rollout).values
+        for episode in range(rollout.running.shape[1]):
+            walk = next(walks)
+            steps = list(zip(walk.states, walk.actions, walk.states[1:], strict=False))
+            assert len(steps) == rollout.steps[episode]
+            np.testing.assert_array_equal(ask(steps), values[: len(steps), episode])
+
+
+def test_what_is_asked_of_a_step_that_nobody_took(rollouts):
+    """The state before is whole, and the one after it too; the action is a third step's."""
+    rows, seen = rows_of_rollouts(rollouts), []
+
+    def look(step):
+        seen.append(step)
+        return 0.0 * step.action[:, 0]
+
+    ask_of(reward_class(look)(), rollouts, rows)([(7, 3, 41)])
+    step, columns = seen[-1], rows.columns
+    for name in ("qpos", "qvel", "end_effector", "target", "distance", "ground"):
+        assert (getattr(step, name) == columns[name][[41]]).all()
+        assert (getattr(step.before, name) == columns[name][[7]]).all()
+    assert (step.action == columns["action"][[3]]).all()
+    assert (step.before.action == columns["action"][[7]]).all()
+    assert step.previous_distance == columns["distance"][7]
+    assert step.begin_distance == columns["distance"][7 % 4]
+    assert step.delta_distance == step.distance - columns["distance"][[3, 7]].min()
+    assert step.step == 2.0
+
+
+def test_walks_are_the_episodes(rollouts):
+    """One each, as long as the episode."""
+    walks = rows_of_rollouts(rollouts).walks
+    assert [len(walk.actions) for walk in walks] == [int(n) for rollout in rollouts for n in rollout.steps]
+    assert all(len(walk.states) == len(walk.actions) + 1 for walk in walks)
+
+
+def test_a_number_that_is_not_finite_is_a_reason(distances):
+    """A reward that pays no number for a jump, which no arm makes."""
+
+    def broken(step):
+        far = np.abs(step.distance - step.previous_distance) > 0.25
+        return np.where(far, np.nan, step.action[:, 0])
+
+    found = distances(GENTLE, reward_class(broken)())[EPIC]
+    assert found == "other: asked about another step than the one taken, it pays a number that is not finite"
+
+
+def test_starc_needs_a_discount(distances):
+    """Without one the value of a state has no bound; the other forms do without."""
+    found = distances(GENTLE, Dense(), 1.0)
+    assert "discount below 1" in found[STARC]
+    assert isinstance(found[EPIC], float)
