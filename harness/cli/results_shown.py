@@ -99,7 +99,6 @@ def make_table_and_page(results: "Results", err: bool = False) -> None:
     Raises:
         StorageError: The folder cannot be written.
     """
-    from harness.cli.results_shown import write_page_of
     from harness.record.out_folder import storage_errors
     from harness.record.store import REPORT
 
