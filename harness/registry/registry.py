@@ -233,7 +233,7 @@ def load_registry(
 
     Args:
         found: Entry points to load; those of the installed distributions if None. The environment variable
-            HARNESS_PLUGINS, where it is set, says which of them; see `harness.registry.chosen_plugins.Wanted`.
+            HARNESS_PLUGINS, where it is set, says which of them; see `Wanted`.
         given: What was given by hand, beside those.
         on_load: Called with each plugin before it is imported. If an import ends the process or never returns, the
             plugin of the last call is the one.
