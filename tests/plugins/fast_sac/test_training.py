@@ -63,9 +63,9 @@ def updates(monkeypatch: pytest.MonkeyPatch) -> list[Batch]:
     return made
 
 
-def test_updates_come_as_often_as_said(updates: list[Batch], subtests: pytest.Subtests):
-    """After a budget of 200 decisions over all envs."""
-    rows = [
+@pytest.mark.parametrize(
+    ("given", "count"),
+    [
         ({}, 100),
         ({"train_freq": 7}, 14),  # after 105, 112, ..., 196 decisions
         ({"train_freq": 10, "gradient_steps": 3}, 30),
@@ -75,11 +75,12 @@ def test_updates_come_as_often_as_said(updates: list[Batch], subtests: pytest.Su
         ({"learning_starts": 0}, 200),
         ({"learning_starts": 500}, 0),
         ({"gradient_steps": 0}, 0),
-    ]
-    for given, count in rows:
-        with subtests.test(given=given, count=count):
-            train(SacFast(**SMALL, **given), 200)
-            assert len(updates) == count
+    ],
+)
+def test_updates_come_as_often_as_said(updates: list[Batch], given: dict[str, Any], count: int):
+    """After a budget of 200 decisions over all envs."""
+    train(SacFast(**SMALL, **given), 200)
+    assert len(updates) == count
 
 
 def test_first_decisions_are_uniform(monkeypatch: pytest.MonkeyPatch):
