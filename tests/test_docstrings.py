@@ -33,6 +33,35 @@ def test_every_docstring_has_a_subject(folder: str):
     assert not found
 
 
+def methods(source: str) -> Iterator[tuple[int, str, bool]]:
+    """Every public method of a public class: its line, its name, whether it has a docstring."""
+    for node in ast.walk(ast.parse(source)):
+        body = node.body if isinstance(node, ast.ClassDef) and not node.name.startswith("_") else []
+        for method in body:
+            if isinstance(method, ast.FunctionDef) and not method.name.startswith("_"):
+                yield method.lineno, method.name, ast.get_docstring(method) is not None
+
+
+def test_a_method_without_a_docstring_fills_one_that_has_one():
+    """The protocol or the base class says what it does, once; so a method of a class's own has to say it itself."""
+    paths = [path for root in ("harness", "plugins", "robots") for path in sorted((ROOT / root).rglob("*.py"))]
+    found = [
+        (f"{path.relative_to(ROOT)}:{line}", name, told)
+        for path in paths
+        for line, name, told in methods(path.read_text())
+    ]
+    described = {name for _, name, told in found if told}
+    assert not [f"{place} {name}" for place, name, told in found if not told and name not in described]
+
+
+def test_methods_are_told_from_functions():
+    """A function outside any class is ruff's; a private method needs no docstring."""
+    source = (
+        'def f(): ...\nclass A:\n    def b(self): ...\n    def _c(self): ...\n    def d(self):\n        """Say."""\n'
+    )
+    assert list(methods(source)) == [(3, "b", False), (5, "d", True)]
+
+
 @pytest.mark.parametrize(
     ("source", "lines"),
     [

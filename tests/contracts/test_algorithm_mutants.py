@@ -3,8 +3,6 @@
 The algorithm that is broken is a small one: from an action it goes to the best of a few around it.
 """
 
-# ruff: noqa: D102 (a mutant says what is wrong with it once, on the class)
-
 import itertools
 from collections.abc import Callable
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Every check of an environment has a broken one that fails it, and no other."""
 
-# ruff: noqa: D102 (a mutant says what is wrong with it once, on the class)
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar

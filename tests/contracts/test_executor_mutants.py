@@ -1,7 +1,5 @@
 """Every executor check has a broken executor that fails it."""
 
-# ruff: noqa: D102 (a mutant says what is wrong with it once, on the class)
-
 import queue
 import threading
 from collections.abc import Callable, Sequence

@@ -1,7 +1,5 @@
 """Every check of log formats has a broken reader that fails it."""
 
-# ruff: noqa: D102 (a mutant says what is wrong with it once, on the class)
-
 import base64
 import pickle
 from dataclasses import dataclass, replace

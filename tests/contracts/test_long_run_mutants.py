@@ -1,7 +1,5 @@
 """Long runs find what grows and what drifts."""
 
-# ruff: noqa: D102 (a mutant says what is wrong with it once, on the class)
-
 from dataclasses import dataclass
 from typing import Any, ClassVar
 

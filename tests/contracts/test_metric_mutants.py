@@ -1,7 +1,5 @@
 """Every metric check has a broken metric that fails it, and no other."""
 
-# ruff: noqa: D102 (a mutant says what is wrong with it once, on the class)
-
 from dataclasses import dataclass
 from typing import ClassVar
 

@@ -1,7 +1,5 @@
 """Every reward check has a broken reward that fails it, and no other."""
 
-# ruff: noqa: D102 (a mutant says what is wrong with it once, on the class)
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import ClassVar

@@ -1,7 +1,5 @@
 """Every check of drives with limits has a simulator that gets them wrong in that way, and fails no other of them."""
 
-# ruff: noqa: D102 (a mutant says what is wrong with it once, on the class)
-
 from dataclasses import dataclass, replace
 
 import numpy as np

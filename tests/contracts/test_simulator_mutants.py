@@ -1,7 +1,5 @@
 """Every simulator check has a broken simulator that fails it, and no other."""
 
-# ruff: noqa: D102 (a mutant says what is wrong with it once, on the class)
-
 from dataclasses import dataclass
 
 import numpy as np

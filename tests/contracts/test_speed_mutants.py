@@ -1,7 +1,5 @@
 """What is slow is warned of, in the words of who waits for it."""
 
-# ruff: noqa: D102 (a mutant says what is wrong with it once, on the class)
-
 import time
 from dataclasses import dataclass
 from typing import Any, ClassVar

@@ -1,7 +1,5 @@
 """Every task check has a broken task that fails it, and no other."""
 
-# ruff: noqa: D102 (a mutant says what is wrong with it once, on the class)
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar

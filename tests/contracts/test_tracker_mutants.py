@@ -1,7 +1,5 @@
 """Every tracker check has a broken tracker that fails it, and no other."""
 
-# ruff: noqa: D102 (a mutant says what is wrong with it once, on the class)
-
 import math
 import signal
 from dataclasses import dataclass, field

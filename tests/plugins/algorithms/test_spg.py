@@ -1,7 +1,5 @@
 """SPG: the estimate is the gradient of J; the rest is that a training makes use of it, and can go on."""
 
-# ruff: noqa: D102 (what a progress is told is described where the class is)
-
 from typing import Any
 
 import numpy as np

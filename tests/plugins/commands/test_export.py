@@ -123,7 +123,7 @@ def test_missing_library_names_the_extra(
 def test_listing_imports_no_library(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
     """`harness --all` shows the command by its name and summary alone."""
     monkeypatch.delenv("HARNESS_PLUGINS", raising=False)
-    for module in ("onnx", "torch", "harness_plugins.commands.export"):
+    for module in ("onnx", "torch", "harness_plugins.exporters.command"):
         monkeypatch.setitem(sys.modules, module, ModuleType("must_not_be_used"))
     with pytest.raises(SystemExit):
         main(["--all"])

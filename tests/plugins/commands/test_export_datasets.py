@@ -25,7 +25,7 @@ from harness.score.places import parse_places
 from harness_plugins.audit.dataset.audit_dataset import audit_dataset
 from tests.record.dataset.written import opened
 
-export_command = importlib.import_module("harness_plugins.commands.export")  # not the function of that name
+export_command = importlib.import_module("harness_plugins.exporters.command")  # not the function of that name
 REWARDS = ("arp", "dense")
 FORMATS = {"minari": 1e-12, "lerobot": 1e-6}
 """How far a number may be off: those of LeRobot are float32."""

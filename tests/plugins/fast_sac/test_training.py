@@ -1,7 +1,5 @@
 """A training: how often it learns, what it remembers, and what it tells."""
 
-# ruff: noqa: D102 (what a progress is told is described where the class is)
-
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from itertools import pairwise

@@ -38,9 +38,9 @@ def transfer(
     """
     from harness.authoring.commands import load_registry, read_given, read_results, worker_count
 
-    from ..transfer.jobs import plan_transfers, run_transfers
-    from ..transfer.matrix import load_transfers
-    from ..transfer.progress import TransferProgress
+    from .jobs import plan_transfers, run_transfers
+    from .matrix import load_transfers
+    from .progress import TransferProgress
 
     at_once, registry = worker_count(jobs), load_registry(given=read_given(plugin))
     results = read_results(folder, registry)
@@ -53,7 +53,7 @@ def transfer(
     elif transfers.matrices:
         from harness.authoring.commands import show
 
-        from ..transfer.shown import transfer_table
+        from .shown import transfer_table
 
         show(transfer_table(transfers))
     else:

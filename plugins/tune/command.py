@@ -1,10 +1,18 @@
 """``harness tune``: hyperparameters, with an equal budget for every reward."""
 
+if TYPE_CHECKING:
+    from harness.authoring.commands import Cell
+    from harness.executor import OnEvent
+
+    from .trial import TrialRecord, Tuned
+    from .tune import Watch
+    from .tuning import Tuning
+
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
@@ -26,14 +34,6 @@ from harness.authoring.commands import (
 )
 from harness.errors import UsageError
 from harness.text import command_text
-
-if TYPE_CHECKING:
-    from harness.authoring.commands import Cell
-    from harness.executor import OnEvent
-
-    from ..tune.trial import TrialRecord, Tuned
-    from ..tune.tune import Watch
-    from ..tune.tuning import Tuning
 
 TuningFile = Annotated[
     Path | None,
@@ -133,7 +133,7 @@ def tune(
     """
     from harness.authoring.commands import RunOptions, load_registry, read_given, split_measures
 
-    from ..tune.tune import resolve_in, run_searches
+    from .tune import resolve_in, run_searches
 
     measures, files = split_measures(measure or ())
     options = RunOptions(jobs=jobs, executor=executor)
@@ -153,7 +153,7 @@ def tune(
 
 
 def _read(path: Path | None, given: dict[str, Any]) -> "Tuning":
-    from ..tune.tuning import check_tuning, read_tuning
+    from .tuning import check_tuning, read_tuning
 
     return check_tuning(given) if path is None else read_tuning(path, given)
 
@@ -161,7 +161,7 @@ def _read(path: Path | None, given: dict[str, Any]) -> "Tuning":
 def _parse_search(texts: list[str] | None) -> dict[str, str] | None:
     if texts is None:
         return None
-    from ..tune.space import syntax_of
+    from .space import syntax_of
 
     search: dict[str, str] = {}
     for text in texts:
@@ -180,8 +180,8 @@ def _parse_search(texts: list[str] | None) -> dict[str, str] | None:
 def _watch(trials: int) -> "Watch":
     from harness.authoring.commands import LiveProgress
 
-    from ..tune.table import outcome_text, params_text
-    from ..tune.tune import Watch
+    from .table import outcome_text, params_text
+    from .tune import Watch
 
     @contextmanager
     def follow(cells: "Sequence[Cell]", done: "Sequence[Cell]") -> "Iterator[OnEvent]":
@@ -200,7 +200,7 @@ def _watch(trials: int) -> "Watch":
 def _show(tuned: "Tuned", as_json: bool) -> None:
     from harness.authoring.commands import show
 
-    from ..tune.table import tuning_table
+    from .table import tuning_table
 
     show(tuning_table(tuned), err=as_json)  # standard output belongs to the JSON, where it is asked for
     if tuned.file is None:

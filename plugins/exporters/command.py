@@ -30,7 +30,7 @@ from harness.policy import CARD, Network, load_policy
 from harness.text import command_text
 
 if TYPE_CHECKING:
-    from ..exporters.episodes import Source
+    from .episodes import Source
 
 
 class Form(NamedTuple):
@@ -132,7 +132,7 @@ def _write_runs(folder: Path, out: Path) -> int:
     from harness.authoring.commands import has_recordings
     from harness.results import load_results
 
-    from ..exporters.csv_runs import write_recordings, write_runs
+    from .csv_runs import write_recordings, write_runs
 
     if folder.is_dir() and not Store.is_experiment(folder) and has_recordings(folder):
         _tell(_written(out, partial(write_recordings, folder)))
@@ -152,7 +152,7 @@ def _write_datasets(folder: Path, places: list[tuple[Path, DatasetForm]], plugin
     from harness.authoring.commands import has_recordings, load_registry, read_given
     from harness.results import load_results
 
-    from ..exporters.episodes import source_of_recordings, sources_of_runs
+    from .episodes import source_of_recordings, sources_of_runs
 
     for place, form in places:
         _require_library(form)

@@ -34,7 +34,7 @@ def register_commands(register: harness.Register) -> None:
     )
     register(
         "export",
-        "harness_plugins.commands.export:export",
+        "harness_plugins.exporters.command:export",
         summary="Write a policy as ONNX or TorchScript model, or trainings as CSV files.",
     )
     register(
@@ -45,7 +45,7 @@ def register_commands(register: harness.Register) -> None:
     )
     register(
         "parity",
-        "harness_plugins.commands.parity:parity",
+        "harness_plugins.parity.command:parity",
         summary="Drive the same motions through several simulators and show how far they differ. Trains nothing.",
     )
     register(
@@ -67,13 +67,13 @@ def register_commands(register: harness.Register) -> None:
     )
     register(
         "transfer",
-        "harness_plugins.commands.transfer:transfer",
+        "harness_plugins.transfer.command:transfer",
         summary="Evaluate an experiment's policies in other simulators, and show how much of their success is left.",
         heading="Ask more",
     )
     register(
         "tune",
-        "harness_plugins.commands.tune:tune",
+        "harness_plugins.tune.command:tune",
         summary="Search the hyperparameters of one algorithm, with an equal budget for every reward.",
         heading="Ask more",
     )

@@ -50,16 +50,16 @@ def parity(
     from harness import load_robot
     from harness.authoring.commands import load_registry, read_given
 
-    from ..parity.contenders import choose_contenders
-    from ..parity.orders import Setting
-    from ..parity.parity import compare_simulators
+    from .contenders import choose_contenders
+    from .orders import Setting
+    from .parity import compare_simulators
 
     _check(steps, episodes, seed, period)
     registry = load_registry(given=read_given(plugin))
     contenders = choose_contenders(registry, sim or [], reference)
     found = compare_simulators(contenders, Setting(load_robot(robot, registry), steps, episodes, seed, period))
     if html is not None:
-        from ..parity.page import write_parity
+        from .page import write_parity
 
         write_parity(found, html)
         say(f"Page: {html}", err=True)
@@ -68,7 +68,7 @@ def parity(
     else:
         from harness.authoring.commands import show
 
-        from ..parity.page import parity_table
+        from .page import parity_table
 
         show(parity_table(found))
     if found.failed:
