@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from harness.recorder.record_rewards import RecordRewards
     from harness.recorder.record_vector_rewards import RecordVectorRewards
     from harness.results import load_results
-    from harness.robot.load import load_robot
+    from harness.robot.robot import load_robot
 
 __version__ = "0.2.0"
 __all__ = [
@@ -37,7 +37,7 @@ _HOMES = {
     "RecordVectorRewards": "harness.recorder.record_vector_rewards",
     "evaluate_policy": "harness.recorder.evaluate_policy",
     "load_results": "harness.results.load",
-    "load_robot": "harness.robot.load",
+    "load_robot": "harness.robot.robot",
     "make_env": "harness.env.make",
     "run": "harness.experiment.experiment",
 }
@@ -53,7 +53,7 @@ def _register_envs(gymnasium: Any) -> None:
     """Make `gymnasium.make("harness/Reach-v0")` work, whichever of the two is imported first; ReachGoal-v0 too."""
     gymnasium.register(
         "harness/Reach-v0",
-        entry_point="harness.env.single_env:ReachEnv",
+        entry_point="harness.env.make:ReachEnv",
         vector_entry_point="harness.env.make:make_env",
     )
     gymnasium.register("harness/ReachGoal-v0", entry_point="harness.env.goal_env:ReachGoalEnv")

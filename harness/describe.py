@@ -13,14 +13,12 @@ import numpy as np
 
 from harness.algorithm import IN_ENVIRONMENTS
 from harness.conditions import Conditions, conditions_of
-from harness.env.arm_observation import ArmObservation
-from harness.env.goal_observation import GoalObservation
+from harness.env.arm_observation import ArmObservation, GoalObservation
 from harness.environment import Environment
 from harness.errors import HarnessError, UsageError
 from harness.hookspecs import NOUNS
 from harness.log import LogFormat
-from harness.measure import Measure
-from harness.measure import needs_of as measure_needs
+from harness.measure import Measure, needs_of as measure_needs
 from harness.motion import MODES, Discrete, MoveJ
 from harness.registry.choice import choose, parse
 from harness.registry.parameters import Parameter, parameters_of, values_of
@@ -31,7 +29,7 @@ from harness.reward import MissingField, Reward
 from harness.reward.needs import needs_of
 from harness.reward.steps import ARM, ENVIRONMENT
 from harness.robot import Robot
-from harness.robot.load import load_robot
+from harness.robot.robot import load_robot
 from harness.robot.servo import Part
 from harness.robot.settings import FILE, SERVO
 from harness.simulator import family_of

@@ -11,8 +11,7 @@ from harness.arrays import Float, Mask
 from harness.conditions import Conditions
 from harness.conditions.clearance import Clearance
 from harness.conditions.obstacles import distance_from, parse_obstacles
-from harness.env.arm_observation import ArmObservation
-from harness.env.goal_observation import GoalObservation
+from harness.env.arm_observation import ArmObservation, GoalObservation
 from harness.errors import UsageError
 from harness.goal import Situation
 from harness.motion import Motion, Setting, build_motion
@@ -88,11 +87,9 @@ class ReachTask(Conditions):
     decision_period: ClassVar[int] = 1
 
     def motion(self, robot: Robot) -> Motion:
-        """See `harness.task.Task`."""
         return build_motion(self.action, Setting(robot, self.control_period, self.speed, self.acceleration))
 
     def observation(self, robot: Robot) -> ArmObservation:
-        """See `harness.task.Task`."""
         goal, seen = goal_of(self, robot), self.obstacles_seen if self.most_obstacles else 0
         period = self.control_period
         return ArmObservation(robot, period, seen) if goal is None else GoalObservation(robot, period, goal, seen)
@@ -177,17 +174,14 @@ class ReachTask(Conditions):
         return Clearance(robot).touches(poses, np.tile(fixed, (len(poses), 1, 1)), self.obstacle_clearance)
 
     def start_in_words(self, robot: Robot) -> str:
-        """See `harness.task.Task`."""
         slides = f" (a slide +- {self.start_noise / math.tau:.2%} of its range)" * bool(robot.chain.slides.any())
         return f"the home pose, each joint +- {math.degrees(self.start_noise):.3g} deg{slides}, from the seed"
 
     def target_in_words(self, robot: Robot) -> str:
-        """See `harness.task.Task`."""
         center, half = self.target_box(robot)
         return f"uniform in the box {_text(center)} +- {_text(half)} m where the arm reaches"
 
     def target_reward_in_words(self) -> str:
-        """See `harness.task.Task`."""
         return f"{self.target_reward:+g}"
 
 

@@ -13,8 +13,7 @@ from harness.errors import SchemaError, UsageError
 from harness.log import Log, LogFacts, in_memory
 from harness.log.log import BEHAVIOUR, LARGEST, RECORDED, REWARD, SUCCESS
 from harness.log.text_table import require_columns
-from harness.progress import RETURN
-from harness.progress import SUCCESS as TRAINING_SUCCESS
+from harness.progress import RETURN, SUCCESS as TRAINING_SUCCESS
 from harness.text import shortened
 
 ENV_STEPS = "environment steps"

@@ -21,7 +21,7 @@ from harness.experiment.experiment import ExperimentRun
 from harness.experiment.plan import Plan
 from harness.experiment.workers.workers import News, OnNews, Order
 from harness.policy import Network
-from harness.policy.chooser import ChoosingNetwork
+from harness.policy.discrete import ChoosingNetwork
 from harness.record.cell import Cell
 from harness.record.store import Store
 from harness.registry.choice import Choice

@@ -8,8 +8,7 @@ import unicodedata
 from pathlib import Path
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 import harness
 from harness.text import LONGEST_MESSAGE, command_text, file_stems, one_line_of, shortened, visible

@@ -14,111 +14,64 @@ if TYPE_CHECKING:
     from harness.env.ideal import IdealSimulator as IdealSimulator
     from harness.env.logged_simulation import LoggedSimulation as LoggedSimulation
     from harness.env.solid_probes import require_solids as require_solids
-    from harness.env.vector_env import Actions as Actions
-    from harness.env.vector_env import Infos as Infos
+    from harness.env.vector_env import Actions as Actions, Infos as Infos
     from harness.experiment.checkpoints.checkpoint import (
         Checkpoint as Checkpoint,
-    )
-    from harness.experiment.checkpoints.checkpoint import (
         read_checkpoint as read_checkpoint,
-    )
-    from harness.experiment.checkpoints.checkpoint import (
         store as store,
     )
     from harness.experiment.environments.random_steps import (
         RandomStep as RandomStep,
-    )
-    from harness.experiment.environments.random_steps import (
         random_steps as random_steps,
-    )
-    from harness.experiment.environments.random_steps import (
         value_of as value_of,
     )
     from harness.experiment.environments.spaces import (
         ACHIEVED as ACHIEVED,
-    )
-    from harness.experiment.environments.spaces import (
         DESIRED as DESIRED,
-    )
-    from harness.experiment.environments.spaces import (
         flat_observations as flat_observations,
-    )
-    from harness.experiment.environments.spaces import (
         goal_columns as goal_columns,
-    )
-    from harness.experiment.environments.spaces import (
         kind_of_actions as kind_of_actions,
     )
     from harness.experiment.workers.offspring import Offspring as Offspring
     from harness.experiment.workers.worker import print_into as print_into
     from harness.experiment.workers.workers import Pool as Pool
     from harness.log.format import HEAD as HEAD
-    from harness.log.log import BEHAVIOUR as BEHAVIOUR
-    from harness.log.log import LARGEST as LARGEST
-    from harness.log.log import REWARD as REWARD
+    from harness.log.log import BEHAVIOUR as BEHAVIOUR, LARGEST as LARGEST, REWARD as REWARD
     from harness.record.cell_folder import examine as examine
     from harness.record.episode_facts import (
         NOTHING_KNOWN as NOTHING_KNOWN,
-    )
-    from harness.record.episode_facts import (
         EpisodeFacts as EpisodeFacts,
-    )
-    from harness.record.episode_facts import (
         with_episode_facts as with_episode_facts,
     )
-    from harness.record.folder import LOG as LOG
-    from harness.record.folder import MANIFEST as MANIFEST
+    from harness.record.folder import LOG as LOG, MANIFEST as MANIFEST
     from harness.record.trace import (
         FLAGS as FLAGS,
-    )
-    from harness.record.trace import (
         INTEGERS as INTEGERS,
-    )
-    from harness.record.trace import (
         NUMBERS as NUMBERS,
-    )
-    from harness.record.trace import (
         OBSTACLE as OBSTACLE,
-    )
-    from harness.record.trace import (
         QVEL as QVEL,
-    )
-    from harness.record.trace import (
         trace_of as trace_of,
     )
-    from harness.recorder.column import Column as Column
-    from harness.recorder.column import made_columns as made_columns
-    from harness.registry.given import PluginFile as PluginFile
-    from harness.registry.given import is_class_name as is_class_name
-    from harness.registry.parameters import build as build
-    from harness.registry.parameters import values_of as values_of
+    from harness.recorder.column import Column as Column, made_columns as made_columns
+    from harness.registry.given import PluginFile as PluginFile, is_class_name as is_class_name
+    from harness.registry.parameters import build as build, values_of as values_of
     from harness.registry.spec import Spec as Spec
     from harness.registry.targets import why_unfit as why_unfit
     from harness.reward.forms import is_plain_function as is_plain_function
     from harness.reward.given import Untold as Untold
-    from harness.reward.needs import SIZES as SIZES
-    from harness.reward.needs import call_noted as call_noted
-    from harness.reward.needs import made_up as made_up
+    from harness.reward.needs import SIZES as SIZES, call_noted as call_noted, made_up as made_up
     from harness.reward.steps import (
         DISTANCE as DISTANCE,
-    )
-    from harness.reward.steps import (
         map_steps as map_steps,
-    )
-    from harness.reward.steps import (
         rows_of as rows_of,
-    )
-    from harness.reward.steps import (
         step_between as step_between,
     )
-    from harness.robot.energy import energy as energy
-    from harness.robot.energy import read_bodies as read_bodies
+    from harness.robot.energy import energy as energy, read_bodies as read_bodies
     from harness.robot.ground_clearance import build_solids as build_solids
     from harness.robot.inverse_kinematics import reach_pose as reach_pose
-    from harness.robot.load import is_path as is_path
-    from harness.robot.meshes import is_readable as is_readable
-    from harness.robot.meshes import read_mesh as read_mesh
-    from harness.robot.rotations import rotation_of_axes as rotation_of_axes
+    from harness.robot.kinematics import rotation_of_axes as rotation_of_axes
+    from harness.robot.meshes import is_readable as is_readable, read_mesh as read_mesh
+    from harness.robot.robot import is_path as is_path
     from harness.robot.servo import Servo as Servo
     from harness.robot.settings import FILE as FILE
 

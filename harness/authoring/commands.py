@@ -13,315 +13,343 @@ if TYPE_CHECKING:
     from harness.cli.audits import audits_of as audits_of
     from harness.cli.commands import hidden_commands as hidden_commands
     from harness.cli.datasets import names_dataset as names_dataset
-    from harness.cli.flags.dataset import Partial as Partial
-    from harness.cli.flags.dataset import Places as Places
-    from harness.cli.flags.logs import AsFormat as AsFormat
-    from harness.cli.flags.logs import SortBy as SortBy
-    from harness.cli.flags.shared import ALGORITHMS as ALGORITHMS
-    from harness.cli.flags.shared import REWARDS as REWARDS
-    from harness.cli.flags.shared import ROBOT as ROBOT
-    from harness.cli.flags.shared import ROBOTS as ROBOTS
-    from harness.cli.flags.shared import SIMULATORS as SIMULATORS
-    from harness.cli.flags.shared import AsJson as AsJson
-    from harness.cli.flags.shared import EvaluationEpisodes as EvaluationEpisodes
-    from harness.cli.flags.shared import ExecutorName as ExecutorName
-    from harness.cli.flags.shared import ExperimentFolder as ExperimentFolder
-    from harness.cli.flags.shared import Jobs as Jobs
-    from harness.cli.flags.shared import Measures as Measures
-    from harness.cli.flags.shared import PluginFiles as PluginFiles
-    from harness.cli.flags.shared import RewardNames as RewardNames
-    from harness.cli.flags.shared import RobotName as RobotName
-    from harness.cli.flags.shared import SimulatorNames as SimulatorNames
-    from harness.cli.flags.shared import TaskName as TaskName
-    from harness.cli.flags.shared import names_of as names_of
-    from harness.cli.output import complain as complain
-    from harness.cli.output import kept_when_interrupted as kept_when_interrupted
-    from harness.cli.output import say as say
-    from harness.cli.output import say_json as say_json
+    from harness.cli.flags.dataset import Partial as Partial, Places as Places
+    from harness.cli.flags.logs import AsFormat as AsFormat, SortBy as SortBy
+    from harness.cli.flags.shared import (
+        ALGORITHMS as ALGORITHMS,
+        REWARDS as REWARDS,
+        ROBOT as ROBOT,
+        ROBOTS as ROBOTS,
+        SIMULATORS as SIMULATORS,
+        AsJson as AsJson,
+        EvaluationEpisodes as EvaluationEpisodes,
+        ExecutorName as ExecutorName,
+        ExperimentFolder as ExperimentFolder,
+        Jobs as Jobs,
+        Measures as Measures,
+        PluginFiles as PluginFiles,
+        RewardNames as RewardNames,
+        RobotName as RobotName,
+        SimulatorNames as SimulatorNames,
+        TaskName as TaskName,
+        names_of as names_of,
+    )
+    from harness.cli.output import (
+        complain as complain,
+        kept_when_interrupted as kept_when_interrupted,
+        say as say,
+        say_json as say_json,
+    )
     from harness.cli.progress import LiveProgress as LiveProgress
     from harness.cli.records import Records as Records
-    from harness.cli.runnable import example_run as example_run
-    from harness.cli.runnable import usable as usable
-    from harness.cli.terminal import Terminal as Terminal
-    from harness.cli.terminal import show as show
+    from harness.cli.runnable import example_run as example_run, usable as usable
+    from harness.cli.terminal import Terminal as Terminal, show as show
     from harness.cli.unexpected import describe_unexpected as describe_unexpected
     from harness.env import ReachVectorEnv as ReachVectorEnv
     from harness.env.ideal import IdealSimulator as IdealSimulator
-    from harness.env.make import World as World
-    from harness.env.make import build_world as build_world
-    from harness.env.single_env import ReachEnv as ReachEnv
-    from harness.env.solid_probes import Probe as Probe
-    from harness.env.solid_probes import few_points as few_points
-    from harness.env.solid_probes import find_missing as find_missing
-    from harness.env.solid_probes import missing_in_words as missing_in_words
-    from harness.env.solid_probes import probes_of as probes_of
-    from harness.eta.auc import AGAINST as AGAINST
-    from harness.eta.auc import CANNOT_TELL as CANNOT_TELL
-    from harness.eta.auc import RANKS as RANKS
-    from harness.eta.auc import Auc as Auc
-    from harness.eta.auc import auc_of as auc_of
-    from harness.eta.auc import rounded as rounded
-    from harness.eta.auc import share_of as share_of
-    from harness.eta.behaviour_change import Change as Change
-    from harness.eta.behaviour_change import Quantity as Quantity
-    from harness.eta.behaviour_change import with_intervals as with_intervals
-    from harness.eta.curve import GroupCurve as GroupCurve
-    from harness.eta.curve import curve_of as curve_of
-    from harness.eta.headline import DECIDING as DECIDING
-    from harness.eta.headline import SUCCESS as SUCCESS
-    from harness.eta.headline import Answer as Answer
-    from harness.eta.index import NOTHING as NOTHING
-    from harness.eta.index import Index as Index
-    from harness.eta.index import Ratio as Ratio
+    from harness.env.make import ReachEnv as ReachEnv, World as World, build_world as build_world
+    from harness.env.solid_probes import (
+        Probe as Probe,
+        few_points as few_points,
+        find_missing as find_missing,
+        missing_in_words as missing_in_words,
+        probes_of as probes_of,
+    )
+    from harness.eta.auc import (
+        AGAINST as AGAINST,
+        CANNOT_TELL as CANNOT_TELL,
+        RANKS as RANKS,
+        Auc as Auc,
+        auc_of as auc_of,
+        rounded as rounded,
+        share_of as share_of,
+    )
+    from harness.eta.behaviour_change import Change as Change, Quantity as Quantity, with_intervals as with_intervals
+    from harness.eta.curve import GroupCurve as GroupCurve, curve_of as curve_of
+    from harness.eta.headline import DECIDING as DECIDING, SUCCESS as SUCCESS, Answer as Answer
+    from harness.eta.index import NOTHING as NOTHING, Index as Index, Ratio as Ratio
     from harness.eta.interval import SHARE as SHARE
-    from harness.eta.rescaling import PayLine as PayLine
-    from harness.eta.rescaling import Rescaling as Rescaling
-    from harness.eta.rescaling import line_of as line_of
-    from harness.eta.rescaling import rescaling_of as rescaling_of
+    from harness.eta.rescaling import (
+        PayLine as PayLine,
+        Rescaling as Rescaling,
+        line_of as line_of,
+        rescaling_of as rescaling_of,
+    )
     from harness.eta.return_split import ReturnSplit as ReturnSplit
-    from harness.eta.seed_mean import SeedMean as SeedMean
-    from harness.eta.seed_mean import mean_lost_share as mean_lost_share
-    from harness.eta.seed_mean import mean_over_seeds as mean_over_seeds
-    from harness.eta.splits import Decomposition as Decomposition
-    from harness.eta.splits import Split as Split
-    from harness.eta.splits import SplitPath as SplitPath
-    from harness.eta.splits import SumSplit as SumSplit
-    from harness.eta.splits import no_splits as no_splits
+    from harness.eta.seed_mean import (
+        SeedMean as SeedMean,
+        mean_lost_share as mean_lost_share,
+        mean_over_seeds as mean_over_seeds,
+    )
+    from harness.eta.splits import (
+        Decomposition as Decomposition,
+        Split as Split,
+        SplitPath as SplitPath,
+        SumSplit as SumSplit,
+        no_splits as no_splits,
+    )
     from harness.experiment.arm_evaluation import record_evaluation as record_evaluation
-    from harness.experiment.changed import changed_cells as changed_cells
-    from harness.experiment.changed import refuse_changed as refuse_changed
-    from harness.experiment.draft import draft_of as draft_of
-    from harness.experiment.draft import leave_record as leave_record
-    from harness.experiment.environments.columns import columns_of as columns_of
-    from harness.experiment.environments.columns import weighing as weighing
+    from harness.experiment.changed import changed_cells as changed_cells, refuse_changed as refuse_changed
+    from harness.experiment.draft import draft_of as draft_of, leave_record as leave_record
+    from harness.experiment.environments.columns import columns_of as columns_of, weighing as weighing
     from harness.experiment.environments.paid_again import PayAgain as PayAgain
-    from harness.experiment.environments.plan import kind_of_task as kind_of_task
-    from harness.experiment.environments.plan import look_at as look_at
-    from harness.experiment.environments.plan import require_known as require_known
+    from harness.experiment.environments.plan import (
+        kind_of_task as kind_of_task,
+        look_at as look_at,
+        require_known as require_known,
+    )
     from harness.experiment.environments.played_again import PlayedAgain as PlayedAgain
-    from harness.experiment.experiment import DEFAULT_FOLDER as DEFAULT_FOLDER
-    from harness.experiment.experiment import ExperimentRun as ExperimentRun
-    from harness.experiment.plan import DEFAULT_TASK as DEFAULT_TASK
-    from harness.experiment.plan import EpisodeCount as EpisodeCount
-    from harness.experiment.plan import Names as Names
-    from harness.experiment.plan import Plan as Plan
-    from harness.experiment.plan import Seed as Seed
-    from harness.experiment.plan import SeedCount as SeedCount
-    from harness.experiment.plan import Steps as Steps
-    from harness.experiment.plan import check_experiment as check_experiment
-    from harness.experiment.plan import expand as expand
-    from harness.experiment.provenance import CHECKOUT as CHECKOUT
-    from harness.experiment.provenance import describe_environment as describe_environment
-    from harness.experiment.provenance import describe_machine as describe_machine
-    from harness.experiment.provenance import source_commit as source_commit
-    from harness.experiment.provenance import specs_of as specs_of
-    from harness.experiment.provenance import versions_behind as versions_behind
+    from harness.experiment.experiment import DEFAULT_FOLDER as DEFAULT_FOLDER, ExperimentRun as ExperimentRun
+    from harness.experiment.plan import (
+        DEFAULT_TASK as DEFAULT_TASK,
+        EpisodeCount as EpisodeCount,
+        Names as Names,
+        Plan as Plan,
+        Seed as Seed,
+        SeedCount as SeedCount,
+        Steps as Steps,
+        check_experiment as check_experiment,
+        expand as expand,
+    )
+    from harness.experiment.provenance import (
+        CHECKOUT as CHECKOUT,
+        describe_environment as describe_environment,
+        describe_machine as describe_machine,
+        source_commit as source_commit,
+        specs_of as specs_of,
+        versions_behind as versions_behind,
+    )
     from harness.experiment.run_cell import run_cell as run_cell
     from harness.experiment.run_options import RunOptions as RunOptions
     from harness.experiment.task_plan import table_of as table_of
-    from harness.experiment.watch import UNWATCHED as UNWATCHED
-    from harness.experiment.watch import Stage as Stage
-    from harness.experiment.watch import Watch as Watch
-    from harness.experiment.workers.order import Order as Order
-    from harness.experiment.workers.order import Report as Report
-    from harness.experiment.workers.workers import News as News
-    from harness.experiment.workers.workers import run_orders as run_orders
-    from harness.experiment.workers.workers import worker_count as worker_count
+    from harness.experiment.watch import UNWATCHED as UNWATCHED, Stage as Stage, Watch as Watch
+    from harness.experiment.workers.order import Order as Order, Report as Report
+    from harness.experiment.workers.workers import News as News, run_orders as run_orders, worker_count as worker_count
     from harness.experiment.world import world_of as world_of
-    from harness.files.bounded import digest_of as digest_of
-    from harness.files.bounded import parse_json as parse_json
-    from harness.files.bounded import read_bytes as read_bytes
-    from harness.files.bounded import read_json as read_json
-    from harness.files.bounded import read_text as read_text
-    from harness.files.bounded import reading as reading
-    from harness.files.bounded import require_regular as require_regular
+    from harness.files.bounded import (
+        digest_of as digest_of,
+        parse_json as parse_json,
+        read_bytes as read_bytes,
+        read_json as read_json,
+        read_text as read_text,
+        reading as reading,
+        require_regular as require_regular,
+    )
     from harness.files.parquet import require_room as require_room
-    from harness.files.whole_file import files_in as files_in
-    from harness.files.whole_file import is_partial as is_partial
-    from harness.files.whole_file import whole_file as whole_file
-    from harness.files.whole_file import write_whole as write_whole
-    from harness.log.log import BEHAVIOUR as BEHAVIOUR
-    from harness.log.log import REWARD as REWARD
-    from harness.log.log import ROWS as ROWS
-    from harness.log.log import episode_rows as episode_rows
-    from harness.log.open_log import Found as Found
-    from harness.log.open_log import find_logs as find_logs
+    from harness.files.whole_file import (
+        files_in as files_in,
+        is_partial as is_partial,
+        whole_file as whole_file,
+        write_whole as write_whole,
+    )
+    from harness.log.log import BEHAVIOUR as BEHAVIOUR, REWARD as REWARD, ROWS as ROWS, episode_rows as episode_rows
+    from harness.log.open_log import Found as Found, find_logs as find_logs
     from harness.motion.limits import JointLimits as JointLimits
     from harness.payoff.dataset.arm_pay import places_of as places_of
-    from harness.payoff.dataset.paid_dataset import Labels as Labels
-    from harness.payoff.dataset.paid_dataset import PaidDataset as PaidDataset
-    from harness.payoff.dataset.paid_dataset import pay_dataset as pay_dataset
-    from harness.payoff.dataset.rewards import given_rewards as given_rewards
-    from harness.payoff.dataset.rewards import rewards_of as rewards_of
+    from harness.payoff.dataset.paid_dataset import (
+        Labels as Labels,
+        PaidDataset as PaidDataset,
+        pay_dataset as pay_dataset,
+    )
+    from harness.payoff.dataset.rewards import given_rewards as given_rewards, rewards_of as rewards_of
     from harness.payoff.dataset.steps import Payer as Payer
-    from harness.payoff.finishing import Finishing as Finishing
-    from harness.payoff.finishing import Payoff as Payoff
-    from harness.payoff.finishing import finishing_of as finishing_of
-    from harness.payoff.finishing import on_finishing as on_finishing
-    from harness.payoff.finishing import on_terms as on_terms
-    from harness.payoff.rollout import CREEP as CREEP
-    from harness.payoff.rollout import FINISH as FINISH
-    from harness.payoff.rollout import HOLD as HOLD
-    from harness.payoff.rollout import HOVER as HOVER
-    from harness.payoff.rollout import Rollout as Rollout
-    from harness.payoff.rollout import States as States
-    from harness.payoff.rollout import record_rollouts as record_rollouts
-    from harness.payoff.score import Score as Score
-    from harness.payoff.score import discounted_sum as discounted_sum
-    from harness.payoff.score import paid_along as paid_along
-    from harness.payoff.score import pay_along as pay_along
-    from harness.payoff.score import pay_distances as pay_distances
-    from harness.payoff.score import score_rollout as score_rollout
+    from harness.payoff.finishing import (
+        Finishing as Finishing,
+        Payoff as Payoff,
+        finishing_of as finishing_of,
+        on_finishing as on_finishing,
+        on_terms as on_terms,
+    )
+    from harness.payoff.rollout import (
+        CREEP as CREEP,
+        FINISH as FINISH,
+        HOLD as HOLD,
+        HOVER as HOVER,
+        Rollout as Rollout,
+        States as States,
+        record_rollouts as record_rollouts,
+    )
+    from harness.payoff.score import (
+        Score as Score,
+        discounted_sum as discounted_sum,
+        paid_along as paid_along,
+        pay_along as pay_along,
+        pay_distances as pay_distances,
+        score_rollout as score_rollout,
+    )
     from harness.policy.continuous import ContinuousNetwork as ContinuousNetwork
     from harness.policy.folder import read_folder as read_folder
-    from harness.policy.network import MEAN as MEAN
-    from harness.policy.network import STD as STD
-    from harness.record.cell import BROUGHT as BROUGHT
-    from harness.record.cell import Cell as Cell
+    from harness.policy.network import MEAN as MEAN, STD as STD
+    from harness.record.cell import BROUGHT as BROUGHT, Cell as Cell
     from harness.record.cell_folder import require_files as require_files
-    from harness.record.dataset.labels import UNKNOWN as UNKNOWN
-    from harness.record.dataset.labels import SuccessRule as SuccessRule
-    from harness.record.dataset.labels import parse_success as parse_success
-    from harness.record.dataset.labels import read_labels as read_labels
-    from harness.record.dataset.open_dataset import MOST_EPISODES as MOST_EPISODES
-    from harness.record.dataset.open_dataset import DatasetFacts as DatasetFacts
-    from harness.record.dataset.open_dataset import dataset_facts as dataset_facts
-    from harness.record.dataset.open_dataset import open_dataset as open_dataset
+    from harness.record.dataset.labels import (
+        UNKNOWN as UNKNOWN,
+        SuccessRule as SuccessRule,
+        parse_success as parse_success,
+        read_labels as read_labels,
+    )
+    from harness.record.dataset.open_dataset import (
+        MOST_EPISODES as MOST_EPISODES,
+        DatasetFacts as DatasetFacts,
+        dataset_facts as dataset_facts,
+        open_dataset as open_dataset,
+    )
     from harness.record.episode_facts import episode_facts as episode_facts
-    from harness.record.file_forms import ChoiceForm as ChoiceForm
-    from harness.record.file_forms import EndingForm as EndingForm
-    from harness.record.file_forms import Status as Status
-    from harness.record.file_forms import require_form as require_form
-    from harness.record.folder import EVALUATION as EVALUATION
-    from harness.record.folder import EVALUATION_RECORDING as EVALUATION_RECORDING
-    from harness.record.folder import MANIFEST as MANIFEST
-    from harness.record.folder import POLICY as POLICY
-    from harness.record.folder import TRACE as TRACE
-    from harness.record.folder import TRAINING_RECORDING as TRAINING_RECORDING
-    from harness.record.folder import WEIGHTS as WEIGHTS
-    from harness.record.folder import partial_folder as partial_folder
-    from harness.record.folder import publish as publish
-    from harness.record.folder import recording_of as recording_of
-    from harness.record.manifest import Ending as Ending
-    from harness.record.manifest import Manifest as Manifest
-    from harness.record.manifest import now as now
-    from harness.record.manifest import read_manifest as read_manifest
-    from harness.record.manifest import read_record as read_record
-    from harness.record.out_folder import folder_lock as folder_lock
-    from harness.record.out_folder import make_folder as make_folder
-    from harness.record.out_folder import refuse_links as refuse_links
-    from harness.record.out_folder import storage_errors as storage_errors
-    from harness.record.plan_file import EXPERIMENT as EXPERIMENT
-    from harness.record.plan_file import PLAN as PLAN
-    from harness.record.recording.facts import facts_of as facts_of
-    from harness.record.recording.facts import file_column as file_column
-    from harness.record.recording.facts import term_column as term_column
-    from harness.record.recording.recorded_training import FLAGS as FLAGS
-    from harness.record.recording.recorded_training import INTEGERS as INTEGERS
-    from harness.record.recording.recorded_training import TICK as TICK
-    from harness.record.recording.recorded_training import TICK_IN_FILE as TICK_IN_FILE
-    from harness.record.recording.recorded_training import is_recording as is_recording
-    from harness.record.recording.recorded_training import read_recording as read_recording
-    from harness.record.recording.recorded_training import recordings_in as recordings_in
+    from harness.record.file_forms import (
+        ChoiceForm as ChoiceForm,
+        EndingForm as EndingForm,
+        Status as Status,
+        require_form as require_form,
+    )
+    from harness.record.folder import (
+        EVALUATION as EVALUATION,
+        EVALUATION_RECORDING as EVALUATION_RECORDING,
+        MANIFEST as MANIFEST,
+        POLICY as POLICY,
+        TRACE as TRACE,
+        TRAINING_RECORDING as TRAINING_RECORDING,
+        WEIGHTS as WEIGHTS,
+        partial_folder as partial_folder,
+        publish as publish,
+        recording_of as recording_of,
+    )
+    from harness.record.manifest import (
+        Ending as Ending,
+        Manifest as Manifest,
+        now as now,
+        read_manifest as read_manifest,
+        read_record as read_record,
+    )
+    from harness.record.out_folder import (
+        folder_lock as folder_lock,
+        make_folder as make_folder,
+        refuse_links as refuse_links,
+        storage_errors as storage_errors,
+    )
+    from harness.record.plan_file import EXPERIMENT as EXPERIMENT, PLAN as PLAN
+    from harness.record.recording.facts import (
+        facts_of as facts_of,
+        file_column as file_column,
+        term_column as term_column,
+    )
+    from harness.record.recording.recorded_training import (
+        FLAGS as FLAGS,
+        INTEGERS as INTEGERS,
+        TICK as TICK,
+        TICK_IN_FILE as TICK_IN_FILE,
+        is_recording as is_recording,
+        read_recording as read_recording,
+        recordings_in as recordings_in,
+    )
     from harness.record.returns import mean_return as mean_return
     from harness.record.scene import Scene as Scene
     from harness.record.store import Store as Store
-    from harness.record.trace import TERM as TERM
-    from harness.record.trace import read_trace as read_trace
+    from harness.record.trace import TERM as TERM, read_trace as read_trace
     from harness.recorder.column import made_columns as made_columns
     from harness.recorder.guard import Guard as Guard
     from harness.recorder.record_rewards import RecordRewards as RecordRewards
     from harness.recorder.recorder import differs as differs
-    from harness.recorder.walk import KeepWalks as KeepWalks
-    from harness.recorder.walk import Walk as Walk
-    from harness.registry.choice import Choice as Choice
-    from harness.registry.choice import build_defaults as build_defaults
-    from harness.registry.choice import choose as choose
-    from harness.registry.choice import parse as parse
-    from harness.registry.choice import split_list as split_list
-    from harness.registry.given import Given as Given
-    from harness.registry.given import given_from_json as given_from_json
-    from harness.registry.given import given_to_json as given_to_json
-    from harness.registry.given import read_given as read_given
-    from harness.registry.given import split_measures as split_measures
+    from harness.recorder.sealed import KeepWalks as KeepWalks, Walk as Walk
+    from harness.registry.choice import (
+        Choice as Choice,
+        build_defaults as build_defaults,
+        choose as choose,
+        parse as parse,
+        split_list as split_list,
+    )
+    from harness.registry.given import (
+        Given as Given,
+        given_from_json as given_from_json,
+        given_to_json as given_to_json,
+        read_given as read_given,
+        split_measures as split_measures,
+    )
     from harness.registry.libraries import is_met as is_met
-    from harness.registry.names import did_you_mean as did_you_mean
-    from harness.registry.names import unknown_name as unknown_name
-    from harness.registry.parameters import build as build
-    from harness.registry.parameters import parameters_of as parameters_of
-    from harness.registry.registry import Registry as Registry
-    from harness.registry.registry import load_registry as load_registry
-    from harness.registry.spec import OURS as OURS
-    from harness.registry.spec import PLANNED as PLANNED
-    from harness.registry.spec import blamed_on as blamed_on
+    from harness.registry.names import did_you_mean as did_you_mean, unknown_name as unknown_name
+    from harness.registry.parameters import build as build, parameters_of as parameters_of
+    from harness.registry.registry import Registry as Registry, load_registry as load_registry
+    from harness.registry.spec import OURS as OURS, PLANNED as PLANNED, blamed_on as blamed_on
     from harness.registry.targets import examined as examined
     from harness.registry.toml_file import read_toml as read_toml
     from harness.results.alone import Alone as Alone
     from harness.results.cell_results import PAID as PAID
-    from harness.results.comparison import Comparison as Comparison
-    from harness.results.comparison import Group as Group
-    from harness.results.comparison import deciding_manner as deciding_manner
-    from harness.results.comparison import pools_of as pools_of
-    from harness.results.learning import Learning as Learning
-    from harness.results.learning import LearningCurve as LearningCurve
-    from harness.results.learning import Point as Point
+    from harness.results.comparison import (
+        Comparison as Comparison,
+        Group as Group,
+        deciding_manner as deciding_manner,
+        pools_of as pools_of,
+    )
+    from harness.results.learning import Learning as Learning, LearningCurve as LearningCurve, Point as Point
     from harness.results.load import read_results as read_results
-    from harness.results.logs.read_logs import facts_notes as facts_notes
-    from harness.results.logs.read_logs import read_trainings as read_trainings
-    from harness.results.logs.read_logs import require_comparable as require_comparable
-    from harness.results.logs.read_logs import without_short as without_short
+    from harness.results.logs.read_logs import (
+        facts_notes as facts_notes,
+        read_trainings as read_trainings,
+        require_comparable as require_comparable,
+        without_short as without_short,
+    )
     from harness.results.logs.trainings import sort_logs as sort_logs
     from harness.results.measured import value_of as value_of
     from harness.results.metrics import named_measures as named_measures
-    from harness.results.overview import decided_by_text as decided_by_text
-    from harness.results.overview import line_names as line_names
-    from harness.results.overview import overview_of as overview_of
-    from harness.results.overview import overview_row as overview_row
-    from harness.results.overview import short_name as short_name
-    from harness.results.overview import values_text as values_text
-    from harness.results.recordings.episodes import Episodes as Episodes
-    from harness.results.recordings.episodes import Part as Part
-    from harness.results.recordings.episodes import count_text as count_text
-    from harness.results.recordings.episodes import episodes_of as episodes_of
-    from harness.results.recordings.read_runs import env_of as env_of
-    from harness.results.recordings.read_runs import has_recordings as has_recordings
-    from harness.results.recordings.read_runs import read_all as read_all
-    from harness.results.recordings.read_runs import whole_runs as whole_runs
-    from harness.results.recordings.runs import ACTED_AT_RANDOM as ACTED_AT_RANDOM
-    from harness.results.recordings.runs import LAST_SHARE as LAST_SHARE
-    from harness.results.recordings.runs import NO_NAME as NO_NAME
-    from harness.results.recordings.runs import Run as Run
-    from harness.results.replay import Episode as Episode
-    from harness.results.replay import Show as Show
-    from harness.results.replay import Side as Side
-    from harness.results.replay import find_done as find_done
-    from harness.results.replay import first_show as first_show
-    from harness.results.replay import show_cells as show_cells
-    from harness.results.replay import shows_of as shows_of
+    from harness.results.overview import (
+        decided_by_text as decided_by_text,
+        line_names as line_names,
+        overview_of as overview_of,
+        overview_row as overview_row,
+        short_name as short_name,
+        values_text as values_text,
+    )
+    from harness.results.recordings.episodes import (
+        Episodes as Episodes,
+        Part as Part,
+        count_text as count_text,
+        episodes_of as episodes_of,
+    )
+    from harness.results.recordings.read_runs import (
+        env_of as env_of,
+        has_recordings as has_recordings,
+        read_all as read_all,
+        whole_runs as whole_runs,
+    )
+    from harness.results.recordings.runs import (
+        ACTED_AT_RANDOM as ACTED_AT_RANDOM,
+        LAST_SHARE as LAST_SHARE,
+        NO_NAME as NO_NAME,
+        Run as Run,
+    )
+    from harness.results.replay import (
+        Episode as Episode,
+        Show as Show,
+        Side as Side,
+        find_done as find_done,
+        first_show as first_show,
+        show_cells as show_cells,
+        shows_of as shows_of,
+    )
     from harness.results.standing import told_manifests as told_manifests
     from harness.results.table import RANDOM as RANDOM
-    from harness.results.verdicts import ENDED as ENDED
-    from harness.results.verdicts import with_verdicts as with_verdicts
-    from harness.reward.given import FIELDS as FIELDS
-    from harness.reward.given import OWN as OWN
+    from harness.results.verdicts import ENDED as ENDED, with_verdicts as with_verdicts
+    from harness.reward.given import FIELDS as FIELDS, OWN as OWN
     from harness.reward.needs import needs_of as needs_of
-    from harness.reward.steps import BEFORE as BEFORE
-    from harness.reward.steps import DISTANCE as DISTANCE
-    from harness.reward.steps import rows_of as rows_of
-    from harness.reward.steps import step_between as step_between
-    from harness.reward.steps import steps_type as steps_type
-    from harness.robot.ground_clearance import Solids as Solids
-    from harness.robot.ground_clearance import build_solids as build_solids
+    from harness.reward.steps import (
+        BEFORE as BEFORE,
+        DISTANCE as DISTANCE,
+        rows_of as rows_of,
+        step_between as step_between,
+        steps_type as steps_type,
+    )
+    from harness.robot.ground_clearance import Solids as Solids, build_solids as build_solids
     from harness.robot.kinematics import end_effector_position as end_effector_position
-    from harness.robot.load import load_robot as load_robot
-    from harness.scene.picture import BACKGROUND as BACKGROUND
-    from harness.scene.picture import TARGET as TARGET
-    from harness.scene.picture import Camera as Camera
-    from harness.scene.picture import camera_for as camera_for
-    from harness.scene.picture import chain_of as chain_of
-    from harness.scene.picture import corners_of as corners_of
-    from harness.scene.picture import draw_arm as draw_arm
-    from harness.scene.picture import require_pillow as require_pillow
+    from harness.robot.robot import load_robot as load_robot
+    from harness.scene.picture import (
+        BACKGROUND as BACKGROUND,
+        TARGET as TARGET,
+        Camera as Camera,
+        camera_for as camera_for,
+        chain_of as chain_of,
+        corners_of as corners_of,
+        draw_arm as draw_arm,
+        require_pillow as require_pillow,
+    )
     from harness.score.csv_steps import EVENTS as EVENTS
     from harness.score.installed_reward import InstalledReward as InstalledReward
     from harness.score.places import ArmPlaces as ArmPlaces

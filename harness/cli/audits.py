@@ -61,7 +61,7 @@ def _record(cell: "Cell", registry: "Registry") -> "tuple[Rollout, ...] | str":
     from harness.env.ideal import IdealSimulator
     from harness.errors import reason_of
     from harness.payoff.rollout import record_rollouts
-    from harness.robot.load import load_robot
+    from harness.robot.robot import load_robot
 
     try:
         task = cell.task.build(registry, "tasks")

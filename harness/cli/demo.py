@@ -82,7 +82,6 @@ class _HereAndNow:
     """Runs the cells in this process: starting others would take longer than all of the demo."""
 
     def run(self, jobs: Sequence["Job"], at_once: int, on_event: "OnEvent") -> None:
-        """See `harness.executor.Executor`."""
         from harness.executor import Event
         from harness.experiment.jobs import run_job
 

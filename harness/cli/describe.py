@@ -35,7 +35,7 @@ def describe(
     from harness.registry.given import read_given
     from harness.registry.names import unknown_name
     from harness.registry.registry import load_registry
-    from harness.robot.load import is_path
+    from harness.robot.robot import is_path
 
     registry = load_registry(given=read_given(plugin))
     kinds = registry.kinds_of(name.partition(":")[0]) or (["robots"] if is_path(name) else [])

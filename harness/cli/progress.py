@@ -144,7 +144,6 @@ class NameColumn(ProgressColumn):
     """What a line is about, cut in its middle where it is too long for what the other columns leave."""
 
     def render(self, task: Task) -> "Name":
-        """See `rich.progress.ProgressColumn`."""
         return Name(task.description, task.fields["short"])
 
 
@@ -180,7 +179,6 @@ class FieldColumn(ProgressColumn):
         self._field = field
 
     def render(self, task: Task) -> Text:
-        """See `rich.progress.ProgressColumn`."""
         return Text(self._field(task), no_wrap=True)
 
 

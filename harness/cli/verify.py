@@ -28,8 +28,7 @@ def verify(folder: ExperimentFolder, repair: Repair = False, as_json: AsJson = F
         if as_json:
             raise UsageError("--repair and --json: a repair prints no JSON. Repair first, then verify with --json")
         return set_aside(folder)
-    from harness.record.verify import missing_cells
-    from harness.record.verify import verify as find_problems
+    from harness.record.verify import missing_cells, verify as find_problems
 
     problems, (missing, planned) = find_problems(folder), missing_cells(folder)
     if as_json:

@@ -1,12 +1,18 @@
 """What the learner sees: NOTE Table I, and where the target is."""
 
+from typing import cast
+
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float32
+from harness.arrays import Float, Float32
 from harness.conditions.obstacles import NUMBERS, seen_from
 from harness.env.episodes import Episodes
+from harness.goal import Goal
+from harness.motion import MoveJ, MoveJAbsolute, SetJoints
+from harness.policy import InverseKinematics
 from harness.robot import Robot
+from harness.task import Task, goal_of
 
 
 class ArmObservation:
@@ -61,7 +67,6 @@ class ArmObservation:
         return high
 
     def observe(self, episodes: Episodes) -> Float32:
-        """See `harness.task.Observation`."""
         if self._columns is None:
             self._columns = episodes.columns(
                 "qpos", "qvel", "qvel_change", "target", "end_effector", "offset", "distance"
@@ -76,3 +81,65 @@ class ArmObservation:
         np.maximum(seen, self._low, out=seen)
         np.minimum(seen, self._high, out=seen)
         return seen.astype(np.float32)
+
+
+class GoalObservation(ArmObservation):
+    """`ArmObservation` with the goal's error in place of the distance, then what `harness.goal.Goal.observe` tells.
+
+    Obstacles, where they are seen, come after that. The target is where it is now, the offset target - end effector.
+    Every number is cut off at its bounds: the error at twice the arm's extent, whatever its unit.
+    """
+
+    def __init__(self, robot: Robot, period: float, goal: Goal, obstacles: int = 0) -> None:
+        super().__init__(robot, period, obstacles)
+        self.goal, self._usual = goal, 3 * robot.dof + 10
+        self._least, self._most = goal.bounds()
+
+    @property
+    def low(self) -> Float32:
+        """Lower bounds, (size,)."""
+        return self._with(super().low, self._least)
+
+    @property
+    def high(self) -> Float32:
+        """Upper bounds, (size,)."""
+        return self._with(super().high, self._most)
+
+    def observe(self, episodes: Episodes) -> Float32:
+        more = np.clip(self.goal.observe(episodes.situation), self._least, self._most)
+        return self._with(super().observe(episodes), more)
+
+    def _with(self, seen: Float32, more: Float) -> Float32:
+        """What is seen of arm, target and obstacles, (..., size), with the goal's numbers before the obstacles."""
+        parts = (seen[..., : self._usual], more.astype(np.float32), seen[..., self._usual :])
+        return np.concatenate(parts, axis=-1)
+
+
+MODES: dict[type, str] = {MoveJ: "movej", MoveJAbsolute: "movej-absolute", SetJoints: "set-joints"}
+
+
+def why_not_kinematics(task: Task, robot: Robot) -> str:
+    """Why the kinematics of `robot` cannot do `task`; empty if they can."""
+    motion = task.motion(robot)
+    if type(motion) not in MODES:
+        return f"ik knows the action modes {', '.join(MODES.values())}, not that of the task: '{task.action}'"
+    if not isinstance(task.observation(robot), ArmObservation):
+        return "ik reads joint angles and target from the observation of fd100-reach, and the task has another"
+    goal = goal_of(task, robot)
+    if goal is not None and goal.aim is None:
+        return f"ik goes to a point or to a pose, and neither tells how to make the task's {goal.error} small"
+    return ""
+
+
+def kinematics_policy(task: Task, robot: Robot, algorithm: str = "") -> InverseKinematics:
+    """The policy that does `task` by the kinematics of `robot`. `why_not_kinematics` must be empty.
+
+    Args:
+        task: The task.
+        robot: The arm.
+        algorithm: For the reader of the policy's card.
+    """
+    motion = cast(MoveJ | MoveJAbsolute | SetJoints, task.motion(robot))
+    goal, size = goal_of(task, robot), len(task.observation(robot).low)
+    more, turns = size - (3 * robot.dof + 10), goal is not None and goal.aim == "pose"
+    return InverseKinematics.of(robot, motion.limits, MODES[type(motion)], algorithm, more, turns)

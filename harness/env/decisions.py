@@ -1,6 +1,6 @@
 """A step of the env without Gymnasium: arms side by side, each in an episode, are moved, paid and recorded."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -8,23 +8,233 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
 from harness.conditions import conditions_of
-from harness.env.commands import Commands
 from harness.env.episodes import Episodes
 from harness.env.events import Events
 from harness.env.logged_simulation import LoggedSimulation
-from harness.env.random_streams import Seed
-from harness.env.shaping import Shaping
-from harness.env.starts import Starts
+from harness.env.random_streams import TRIES, Seed, Streams
 from harness.env.surroundings import Surroundings, extra_columns
 from harness.errors import UsageError
-from harness.motion import Discrete, Motion
+from harness.motion import Discrete, Motion, Move
 from harness.progress import TrainingState, as_state, prefixed, under
 from harness.record.trace import QVEL, TERM, Recorder
-from harness.reward import Reward
+from harness.reward import Carry, Reward, Steps, pay, replace_where
 from harness.reward.needs import terms_of
+from harness.reward.terms import require_same
 from harness.robot import Robot
-from harness.simulator import Simulation, Simulator
+from harness.simulator import Simulation, Simulator, State
 from harness.task import Task, goal_of
+
+
+class Starts:
+    """Draws starts and targets, and writes them down.
+
+    Attributes:
+        waiting: Whether episodes have begun whose first step has not followed yet.
+    """
+
+    def __init__(self, task: Task, robot: Robot, episodes: Episodes, around: Surroundings | None) -> None:
+        self._task, self._robot, self._episodes, self._around = task, robot, episodes, around
+        self._fresh = np.zeros(len(episodes.matrix), bool)  # where it has not
+        self.waiting = False
+        self.seed(None)
+
+    def seed(self, seed: Seed) -> None:
+        """Begin the streams of all envs anew, from one seed or one per env; None: from chance."""
+        self._streams = Streams(self._task, self._robot, len(self._fresh), seed)
+        if seed is not None and self._around:
+            self._around.seed(seed)
+
+    def draw(self, mask: Mask, qpos: Float) -> Float:
+        """Joint positions to start at in the envs of `mask`, those of `qpos` in the others; a new array."""
+        starts = qpos.copy()
+        for k in np.flatnonzero(mask).tolist():
+            starts[k] = self._streams.start(k)
+        if self._around:
+            self._around.draw(mask)
+        return starts
+
+    def begin(self, mask: Mask, state: State) -> None:
+        """Begin episodes in the envs of `mask`, whose arms were put where `state` says."""
+        episodes = self._episodes
+        target, numbers = episodes.target.copy(), episodes.numbers.copy()
+        for k in np.flatnonzero(mask).tolist():
+            target[k], numbers[k] = self._first_target(k, state)
+        episodes.start(mask, state, target, numbers)
+        if self._around:
+            self._around.begin(mask)
+        # An episode that was left before its first step left no row: its number is free.
+        episodes.episode[mask & ~self._fresh] += 1.0
+        self._fresh |= mask
+        self.waiting = True
+
+    def set_next(self, mask: Mask) -> None:
+        """Give the envs of `mask`, which reached their targets, the next ones."""
+        episodes = self._episodes
+        target, numbers = episodes.target.copy(), episodes.numbers.copy()
+        for k in np.flatnonzero(mask):
+            target[k], numbers[k] = self._streams.target(int(k), episodes.end_effector[k])
+        episodes.set_target(mask, target, numbers)
+
+    def take_rows(self) -> Float:
+        """The rows to record of the episodes that wait, which do so no more; a new array.
+
+        It is asked for when the first step follows: an episode without a step leaves no trace.
+        """
+        rows = self._episodes.record[self._fresh]
+        rows[:, self._episodes.columns("action")] = 0.0
+        self._fresh[:] = False
+        self.waiting = False
+        return rows
+
+    def state(self) -> dict[str, Any]:
+        """Everything that `restore` needs beside the episodes' matrix."""
+        return {"streams": self._streams.pack(), "started": self._fresh.copy(), "starting": self.waiting}
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Go on from `state`, which the method of this name returned."""
+        self._streams.unpack(state["streams"])
+        self._fresh, self.waiting = state["started"].copy(), bool(state["starting"])
+
+    def _first_target(self, env: int, state: State) -> tuple[Float, Float]:
+        """A target, (3,), that the arm is not at, and the numbers of a goal.
+
+        One that it can reach, where the arm is not as drawn.
+        """
+        for _ in range(TRIES):
+            target, numbers = self._streams.target_apart(env, state.end_effector[env], state.qpos[env])
+            if self._around is None or self._around.is_reached(env, target, state.qpos[env]):
+                return target, numbers
+        raise UsageError("length_variation is too large: a shorter arm reaches almost no target. Choose a smaller one")
+
+
+NAME = "carry"
+"""The name of the memory in a checkpoint."""
+
+
+class Shaping:
+    """A reward with what it remembers of each env's episode.
+
+    Attributes:
+        reward: What pays.
+        carry: What it remembers; None before the first episode.
+    """
+
+    carry: Carry
+
+    def __init__(self, reward: Reward, terms: Mapping[str, Float]) -> None:
+        """Begin no episode yet.
+
+        Args:
+            reward: What pays.
+            terms: By name, where what each of its terms pays is written, (num_envs, 1).
+        """
+        self.reward, self.carry = reward, None
+        self._names = tuple(terms)
+        self._columns = [(name, column[:, 0]) for name, column in terms.items()]
+
+    def pay(self, steps: Steps) -> Float:
+        """What a step pays, (num_envs,).
+
+        Raises:
+            UsageError: The reward pays other terms than at first.
+        """
+        self.carry, paid = pay(self.reward, self.carry, steps)
+        if paid.terms or self._names:
+            require_same(self._names, paid.terms)
+            for name, column in self._columns:
+                column[...] = paid.terms[name]
+        shaped: Float = paid.total
+        return shaped
+
+    def restart(self, mask: Mask, begin_distance: Float) -> None:
+        """Forget what was before in the envs of `mask`, whose targets are `begin_distance` away, (num_envs,)."""
+        fresh = self.reward.initial_carry(begin_distance.copy())
+        self.carry = fresh if self.carry is None else replace_where(mask, fresh, self.carry)
+
+    def put_back(self, mask: Mask, carry: Carry) -> None:
+        """Take over from `carry` the memory of the envs of `mask`."""
+        self.carry = replace_where(~mask, self.carry, carry)
+
+    def state(self) -> TrainingState:
+        """Everything that `restore` needs."""
+        return prefixed(NAME, dict(_leaves(self.carry)))
+
+    def restore(self, state: Mapping[str, Any], begin_distance: Float) -> None:
+        """Go on where `state` was told; the begin distances, (num_envs,), are those of then."""
+        self.carry = _filled(self.reward.initial_carry(begin_distance.copy()), state, NAME)
+
+
+def _leaves(carry: Carry, name: str = "") -> Iterator[tuple[str, Any]]:
+    """The arrays of a reward's carry, by where they stand in it."""
+    if isinstance(carry, tuple):
+        for index, part in enumerate(carry):
+            yield from _leaves(part, f"{name}.{index}")
+    elif carry is not None:
+        yield name, np.array(carry)
+
+
+def _filled(fresh: Carry, state: Mapping[str, Any], name: str) -> Carry:
+    """A carry of the form of `fresh` with the arrays that `_leaves` gave."""
+    if isinstance(fresh, tuple):
+        return tuple(_filled(part, state, f"{name}.{index}") for index, part in enumerate(fresh))
+    return state[name].copy()
+
+
+class Commands:
+    """Joint targets. Each move of an arm begins where the move before it led.
+
+    Attributes:
+        qpos: Those commanded last, (num_envs, dof), [rad] or [m]; another array after every call.
+    """
+
+    def __init__(self, motion: Motion, num_envs: int, dof: int, duration: float) -> None:
+        """Begin with all joints at rest at zero.
+
+        Args:
+            motion: Turns actions into moves.
+            num_envs: How many arms.
+            dof: Joints of each.
+            duration: A control period, [s].
+        """
+        self._motion, self._jumps, self._duration = motion, motion.jumps, duration
+        self.qpos, self._qvel = np.zeros((num_envs, dof)), np.zeros((num_envs, dof))
+
+    def begin(self, mask: Mask, qpos: Float) -> None:
+        """Begin anew with the arms of `mask`, which rest at `qpos`, (num_envs, dof)."""
+        self.qpos, self._qvel = qpos, self._qvel.copy()
+        self._qvel[mask] = 0.0
+
+    def advance(self, action: Float) -> Move:
+        """The next move. The joint targets to which it leads become the last commanded ones.
+
+        Args:
+            action: (num_envs, action_size).
+        """
+        move = self._motion.advance(self.qpos, self._qvel, action)
+        self.qpos, self._qvel = move.waypoints[-1], move.qvel
+        return move
+
+    def drive(self, simulation: Simulation, move: Move) -> tuple[State, Mask]:
+        """Let the engine do a move; contact with the ground, (num_envs,), counts at any of its waypoints."""
+        if self._jumps:
+            state = simulation.place(move.waypoints[-1])
+            return state, state.ground_contact
+        if len(move.waypoints) == 1:
+            state = simulation.drive(move.waypoints[0], self._duration)
+            return state, state.ground_contact
+        ground = np.zeros(len(self.qpos), bool)
+        for waypoint in move.waypoints:
+            state = simulation.drive(waypoint, self._duration / len(move.waypoints))
+            ground |= state.ground_contact
+        return state, ground
+
+    def state(self) -> dict[str, Any]:
+        """Everything that `restore` needs."""
+        return {"command": self.qpos.copy(), "command_speed": self._qvel.copy()}
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Go on from `state`, which the method of this name returned."""
+        self.qpos, self._qvel = state["command"].copy(), state["command_speed"].copy()
 
 
 class Outcome(NamedTuple):
@@ -115,7 +325,6 @@ class Decisions:
         return self._step(active) if self._decision_period == 1 else self._repeat(active)
 
     def state(self) -> TrainingState:
-        """See `harness.env.ReachVectorEnv`."""
         episodes = self.episodes
         own = {"environment_steps": self.environment_steps, **episodes.state()}
         parts = {**own, **self._starts.state(), **self._commands.state(), **self.events.state()}
@@ -124,7 +333,6 @@ class Decisions:
         return {**as_state({**parts, **self.shaping.state()}), **around, **told}
 
     def restore(self, state: TrainingState) -> None:
-        """See `harness.env.ReachVectorEnv`."""
         episodes = self.episodes
         episodes.restore(state)
         if self.around:

@@ -16,8 +16,7 @@ from harness.arrays import Float
 from harness.conditions import conditions_of
 from harness.env.arm_observation import ArmObservation
 from harness.env.events import GROUND
-from harness.env.make import Given
-from harness.env.single_env import Action, ReachEnv
+from harness.env.make import Action, Given, ReachEnv
 from harness.errors import UsageError
 from harness.registry.choice import build_defaults, choose
 from harness.registry.registry import Registry, load_registry
@@ -126,7 +125,6 @@ class ReachGoalEnv(gymnasium.Env[GoalObservation, Action]):
         return paid if achieved.ndim > 1 else float(paid[0])
 
     def render(self) -> NDArray[np.uint8] | None:
-        """See `ReachEnv.render`."""
         return self._env.render()
 
     def close(self) -> None:

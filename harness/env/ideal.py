@@ -18,7 +18,6 @@ class IdealSimulator:
     """No dynamics and no delay. The ground is touched by a solid, or where the end effector or a joint is at z <= 0."""
 
     def open(self, robot: Robot, num_envs: int, control_period: float) -> "IdealSimulation":
-        """See `harness.simulator.Simulator`."""
         return IdealSimulation(robot, num_envs)
 
 
@@ -37,22 +36,18 @@ class IdealSimulation:
         self.qvel = np.zeros_like(self.qpos)
 
     def reset(self, qpos: Float, mask: Mask) -> State:
-        """See `harness.simulator.Simulation`."""
         self.qpos[mask], self.qvel[mask] = qpos[mask], 0.0
         return self.state()
 
     def drive(self, qpos: Float, duration: float) -> State:
-        """See `harness.simulator.Simulation`."""
         self.qvel[:] = (qpos - self.qpos) / duration
         self.qpos[:] = qpos
         return self.state()
 
     def place(self, qpos: Float) -> State:
-        """See `harness.simulator.Simulation`."""
         return self.reset(qpos, np.ones(len(qpos), bool))
 
     def read(self) -> State:
-        """See `harness.simulator.Simulation`."""
         return self.state()
 
     def state(self) -> State:

@@ -25,7 +25,6 @@ class LoggedSimulation:
         self._drives: list[tuple[Float, float]] = []
 
     def reset(self, qpos: Float, mask: Mask) -> State:
-        """See `harness.simulator.Simulation`."""
         self._starts[mask], self._placed[mask], self._begun[mask] = qpos[mask], False, len(self._drives)
         over = int(self._begun.min())
         if over:
@@ -34,26 +33,21 @@ class LoggedSimulation:
         return self._simulation.reset(qpos, mask)
 
     def drive(self, qpos: Float, duration: float) -> State:
-        """See `harness.simulator.Simulation`."""
         self._drives.append((qpos.copy(), duration))
         return self._simulation.drive(qpos, duration)
 
     def place(self, qpos: Float) -> State:
-        """See `harness.simulator.Simulation`."""
         self._starts[...], self._placed[:], self._begun[:] = qpos, True, 0
         self._drives.clear()
         return self._simulation.place(qpos)
 
     def read(self) -> State:
-        """See `harness.simulator.Simulation`."""
         return self._simulation.read()
 
     def render(self, env: int, target: Float, width: int, height: int) -> NDArray[np.uint8]:
-        """See `harness.simulator.Simulation`."""
         return self._simulation.render(env, target, width, height)
 
     def close(self) -> None:
-        """See `harness.simulator.Simulation`."""
         self._simulation.close()
 
     def state(self) -> TrainingState:

@@ -16,7 +16,7 @@ from harness.registry.registry import Registry
 from harness.robot import Robot
 from harness.robot.ground_clearance import Solids, build_solids
 from harness.robot.kinematics import link_frames, read_only
-from harness.robot.load import load_robot
+from harness.robot.robot import load_robot
 from harness.robot.shapes import Shape, attach_shapes
 from harness.robot.urdf import parse_urdf
 from harness.simulator import Simulation, Simulator

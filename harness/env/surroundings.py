@@ -1,29 +1,232 @@
 """The conditions of a task at work in a batch of envs: who has which arm, which obstacles, and what is seen of it."""
 
 import json
+from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
 from harness.conditions import Conditions
-from harness.conditions.clearance import Clearance
-from harness.conditions.clutter import draw_clutter
+from harness.conditions.clearance import Clearance, draw_clutter
 from harness.conditions.obstacles import NUMBERS
 from harness.conditions.varied_robot import draw_robot
 from harness.env.episodes import Episodes
 from harness.env.random_streams import Seed
-from harness.env.senses import Senses
-from harness.env.varied_simulation import VariedSimulation
 from harness.motion import Motion
 from harness.progress import TrainingState, as_state, prefixed, under
 from harness.robot import Robot
 from harness.robot.inverse_kinematics import reach_position
-from harness.simulator import Simulation, Simulator
+from harness.simulator import Simulation, Simulator, State
+
+MOST_IDLE = 16
+"""The most unused simulations that are kept open. The one that was left first is closed first."""
+ALONE = np.ones(1, bool)
+
+
+class VariedSimulation:
+    """`num_envs` simulations of one arm, of any simulator. An env gets the arm that `arms` names at its next reset.
+
+    Simulations are opened when first met, and kept for the next env that draws the same arm.
+
+    Attributes:
+        arms: Number of the arm that each env is to have, (num_envs,).
+    """
+
+    def __init__(
+        self, simulator: Simulator, robot: Callable[[int], Robot], dof: int, num_envs: int, control_period: float
+    ) -> None:
+        """Open nothing yet.
+
+        Args:
+            simulator: Of all arms.
+            robot: The arm of a number.
+            dof: Joints of each.
+            num_envs: How many envs.
+            control_period: See `harness.simulator.Simulator.open`.
+        """
+        self.arms: NDArray[np.int64] = np.zeros(num_envs, np.int64)
+        self._simulator, self._robot, self._period = simulator, robot, control_period
+        self._present = np.full(num_envs, -1)
+        self._open: list[Simulation | None] = [None] * num_envs
+        self._idle: list[tuple[int, Simulation]] = []
+        self._awake = np.ones(num_envs, bool)
+        joints = (num_envs, dof)
+        self._state = State(np.zeros(joints), np.zeros(joints), np.zeros((num_envs, 3)), np.zeros(num_envs, bool))
+
+    def reset(self, qpos: Float, mask: Mask) -> State:
+        self._awake |= mask
+        for k in np.flatnonzero(mask).tolist():
+            self._copy(k, self._take(k).reset(qpos[k : k + 1], ALONE))
+        return self._state
+
+    def drive(self, qpos: Float, duration: float) -> State:
+        for k in np.flatnonzero(self._awake).tolist():
+            self._copy(k, self._arm(k).drive(qpos[k : k + 1], duration))
+        return self._state
+
+    def place(self, qpos: Float) -> State:
+        for k in np.flatnonzero(self._awake).tolist():
+            self._copy(k, self._arm(k).place(qpos[k : k + 1]))
+        return self._state
+
+    def read(self) -> State:
+        return self._state
+
+    def rest(self, mask: Mask) -> None:
+        self._awake = ~mask
+
+    def render(self, env: int, target: Float, width: int, height: int) -> NDArray[np.uint8]:
+        return self._arm(env).render(0, target, width, height)
+
+    def close(self) -> None:
+        for simulation in (*self._open, *(idle for _, idle in self._idle)):
+            if simulation is not None:
+                simulation.close()
+        self._open, self._idle = [None] * len(self._open), []
+
+    def _arm(self, env: int) -> Simulation:
+        return self._open[env] or self._take(env)
+
+    def _take(self, env: int) -> Simulation:
+        """Give an env the simulation of its next arm. Its last simulation waits for another env."""
+        wanted, present = int(self.arms[env]), self._open[env]
+        if present is None or self._present[env] != wanted:
+            if present is not None:
+                self._idle.append((int(self._present[env]), present))
+            self._open[env] = present = self._idle_one(wanted) or self._start(wanted)
+            self._present[env] = wanted
+            while len(self._idle) > MOST_IDLE:
+                self._idle.pop(0)[1].close()
+        return present
+
+    def _idle_one(self, wanted: int) -> Simulation | None:
+        place = next((place for place, (arm, _) in enumerate(self._idle) if arm == wanted), None)
+        return None if place is None else self._idle.pop(place)[1]
+
+    def _start(self, arm: int) -> Simulation:
+        return self._simulator.open(self._robot(arm), 1, self._period)
+
+    def _copy(self, env: int, state: State) -> None:
+        for mine, of_one in zip(self._state, state, strict=True):
+            mine[env] = of_one[0]
+
+
+BLOCK = 128
+"""How many steps' noise is drawn at once."""
+NOISE = 0
+"""What the generator of a block is for, see `Senses`."""
+
+Draw = Callable[[int, int, int], np.random.Generator]
+"""Env, purpose, number: the generator of the env's present episode for that."""
+
+
+class Senses:
+    """Stands between the episodes and the learner: adds noise and delays.
+
+    The noise of a step is drawn from the env's own stream by the number of the step alone: it is the same in any batch,
+    under every reward, and however often one looks.
+    """
+
+    def __init__(self, conditions: Conditions, robot: Robot, episodes: Episodes, action_size: int, draw: Draw) -> None:
+        """Read `episodes`, which are not changed.
+
+        Args:
+            conditions: How noisy, how late.
+            robot: The arm as it is drawn, whose kinematics the learner is told.
+            episodes: As they are.
+            action_size: Length of an action.
+            draw: See `Draw`.
+        """
+        self._conditions, self._robot, self._episodes, self._draw = conditions, robot, episodes, draw
+        n = len(episodes.matrix)
+        self.seen = episodes.another()
+        self._history = np.zeros((conditions.observation_delay + 1, *episodes.matrix.shape))
+        self._queue = np.zeros((conditions.action_delay, n, action_size))
+        self._noisy = conditions.is_noisy
+        deviations = (
+            conditions.joint_noise * robot.per_radian,
+            conditions.speed_noise * robot.per_radian,
+            conditions.speed_noise * np.sqrt(2.0) * robot.per_radian,
+            np.full(3, conditions.target_noise),
+            np.full(action_size, conditions.action_noise),
+        )
+        self._deviation = np.concatenate(deviations)
+        self._places = np.cumsum([len(deviation) for deviation in deviations])[:-1]
+        self._noise = np.zeros((n, BLOCK, len(self._deviation)))
+        self._blocks = np.full(n, -1)
+
+    def begin(self, mask: Mask, resting: Float) -> None:
+        """New episodes in the envs of `mask`: they were always as they are now, and `resting`, (num_envs, action_size).
+
+        Args:
+            mask: (num_envs,).
+            resting: Actions that leave the arms where they are.
+        """
+        self._history[:, mask] = self._episodes.matrix[mask]
+        self._queue[:, mask] = resting[mask]
+        self._blocks[mask] = -1
+
+    def push(self, active: Mask | None) -> None:
+        """Note that a control period is over, in the envs that are `active`; None: in all."""
+        history, matrix = self._history, self._episodes.matrix
+        where = slice(None) if active is None else active
+        if len(history) > 1:
+            history[1:, where] = history[:-1, where]
+        history[0, where] = matrix[where]
+
+    def act(self, wanted: Float, active: Mask | None) -> Float:
+        """The actions of this control period, if the learner wants `wanted`, (num_envs, action_size)."""
+        done = wanted
+        if len(self._queue):
+            done, where = self._queue[-1].copy(), slice(None) if active is None else active
+            self._queue[1:, where] = self._queue[:-1, where]
+            self._queue[0, where] = wanted[where]
+        if self._conditions.action_noise > 0.0:
+            done = np.clip(done + self._noise_now()[4], -1.0, 1.0)
+        return done
+
+    def look(self) -> Episodes:
+        """The episodes as they are seen now; valid until the next look."""
+        seen, conditions = self.seen, self._conditions
+        seen.matrix[...] = self._history[-1]
+        if self._noisy:
+            joints, speeds, changes, target, _ = self._noise_now()
+            seen.qpos += joints
+            seen.qvel += speeds
+            seen.qvel_change += changes
+            seen.target += target
+        if conditions.joint_noise > 0.0 or conditions.length_variation > 0.0:
+            # What an arm knows of its end effector follows from its joint angles and its drawing.
+            seen.end_effector[...] = self._robot.end_effector(seen.qpos)
+        if self._noisy or conditions.length_variation > 0.0:
+            seen.measure_offset()
+        return seen
+
+    def state(self) -> TrainingState:
+        """Everything that `restore` needs; noise follows from the streams."""
+        return as_state({"history": self._history.copy(), "queue": self._queue.copy()})
+
+    def restore(self, state: TrainingState) -> None:
+        """Go on from `state`, which the method of this name returned."""
+        self._history[...], self._queue[...] = state["history"], state["queue"]
+        self._blocks[:] = -1
+
+    def _noise_now(self) -> list[NDArray[np.float64]]:
+        """The noise of joints, speeds, their changes, target and action in the present steps, (num_envs, ...) each."""
+        steps = self._episodes.step.astype(int)
+        blocks = steps // BLOCK
+        for k in np.flatnonzero(blocks != self._blocks):
+            rng = self._draw(int(k), NOISE, int(blocks[k]))
+            self._noise[k] = rng.standard_normal(self._noise.shape[1:]) * self._deviation
+        self._blocks[:] = blocks
+        return np.split(self._noise[np.arange(len(steps)), steps % BLOCK], self._places, axis=1)
+
 
 SPAWN_KEY = 21
 """The key of the env's stream for conditions. It is apart from those of `harness.env.random_streams.Streams`."""
 CLUTTER = 1
-"""A purpose of a generator, besides `harness.env.senses.NOISE`."""
+"""A purpose of a generator, besides `harness.env.surroundings.NOISE`."""
 BETWEEN = 4
 """How many poses of a control period are compared with obstacles. The last one is at its end."""
 

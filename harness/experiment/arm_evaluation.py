@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from harness.arrays import Float, Float32
 from harness.conditions import conditions_of
 from harness.conditions.varied_robot import Factors, draw_factors
-from harness.env.known_arm import kinematics_policy, why_not_kinematics
+from harness.env.arm_observation import kinematics_policy, why_not_kinematics
 from harness.env.make import World
 from harness.errors import SimulationDiverged
 from harness.policy import Policy
@@ -131,7 +131,6 @@ class WorkMeter:
         self._columns = [COLUMN["env"], *range(len(SCALARS), len(SCALARS) + world.robot.dof)]
 
     def append(self, rows: Rows) -> None:
-        """See `Recorder`."""
         self._recorder.append(rows)
         if self._bodies is not None:
             self._kept.append(rows[rows[:, COLUMN["episode"]] == 0.0][:, self._columns])
@@ -211,7 +210,6 @@ class _FirstReach:
         self.steps: NDArray[np.int64] = np.zeros(num_envs, np.int64)
 
     def append(self, rows: Rows) -> None:
-        """See `harness.record.trace.Recorder`."""
         env, step = rows[:, COLUMN["env"]].astype(int), rows[:, COLUMN["step"]].astype(int)
         is_first = (rows[:, COLUMN["reached"]] > 0.0) & (rows[:, COLUMN["episode"]] == 0.0) & (self.steps[env] == 0)
         self.steps[env[is_first]] = step[is_first]

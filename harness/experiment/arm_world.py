@@ -36,7 +36,7 @@ from harness.record.trace import COLUMN, SCALARS, TERM, Recorder, Rows, read_tra
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.robot import Robot
-from harness.robot.load import load_robot
+from harness.robot.robot import load_robot
 from harness.scene.scene import scene_of
 
 
@@ -54,7 +54,6 @@ class ArmWorld:
 
     @cached_property
     def runs_on(self) -> Mapping[str, Any]:
-        """See `CellWorld`."""
         return describe_environment(self._cell, self._robot, self._registry)
 
     @cached_property
@@ -73,12 +72,10 @@ class ArmWorld:
         return {} if goal is None else {"error": goal.error, "unit": goal.unit}
 
     def restore(self, state: TrainingState) -> None:
-        """See `CellWorld`."""
         self._env.restore(state)
 
     @contextmanager
     def training(self, attempt: Attempt) -> Iterator[TrainingEnv]:
-        """See `CellWorld`."""
         env, path = self._env, attempt.folder / TRACE
         try:
             sizes, facts = (env.robot.dof, env.episodes.action.shape[1]), facts_of(env.task, env.robot)
@@ -93,7 +90,6 @@ class ArmWorld:
             env.close()
 
     def learned(self, steps: int, *, if_due: bool = False) -> Mapping[str, float]:
-        """See `CellWorld`."""
         if self._learning is None:
             return NO_SCALARS
         return self._learning.scalars_if_due(steps) if if_due else self._learning.scalars(steps)
@@ -119,7 +115,6 @@ class ArmWorld:
         return try_arm(self._cell, rewards, self._registry, without, tell)
 
     def scalars(self, path: Path) -> dict[str, float]:
-        """See `CellWorld`."""
         return evaluation_scalars(read_trace(path), self._registry)
 
     def finish(self, folder: Path) -> Sequence[str]:
@@ -175,7 +170,6 @@ class LearningSoFar:
         self._steps, self._told = begun_from, now()
 
     def append(self, rows: Rows) -> None:
-        """See `harness.record.trace.Recorder`."""
         self._recorder.append(rows)
         for first in range(0, len(rows), self.BLOCK):
             part = rows[first : first + self.BLOCK]

@@ -111,20 +111,16 @@ class CellProgress(Progress):
         self._rings = attempt.checkpoint.rings if attempt.checkpoint else {}
 
     def __call__(self, steps: int) -> None:
-        """See `harness.progress.Progress`."""
         self._report(Word(int(steps), self._world.learned(int(steps), if_due=True)))
 
     def policy(self, steps: int, make: Callable[[], Policy]) -> None:
-        """See `harness.progress.Progress`."""
         self._evaluations.offer(int(steps), make)
 
     def scalars(self, steps: int, values: Mapping[str, float]) -> None:
-        """See `harness.progress.Progress`."""
         if self._tracked:
             self._report(Word(int(steps), {name: float(value) for name, value in values.items()}))
 
     def checkpoint(self, steps: int, make: Callable[[], TrainingState]) -> None:
-        """See `harness.progress.Progress`."""
         kept = self._world.kept() if self._is_due(steps) else None
         if kept is None:
             return
@@ -135,7 +131,6 @@ class CellProgress(Progress):
         self._last, self._since, self._rings = steps, time.perf_counter(), stored["rings"]
 
     def restored(self) -> TrainingState | None:
-        """See `harness.progress.Progress`."""
         checkpoint = self._attempt.checkpoint
         return checkpoint.restored(self._attempt.folder) if checkpoint else None
 

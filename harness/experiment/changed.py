@@ -11,7 +11,7 @@ from harness.record.manifest import SHOWN_DIGITS
 from harness.registry.registry import Registry
 from harness.registry.sources import source_hash
 from harness.robot import Robot
-from harness.robot.load import load_robot
+from harness.robot.robot import load_robot
 
 Changed: TypeAlias = Literal["refuse", "keep", "again"]
 """What happens to such cells: the run is refused, or they are kept beside new ones, or they are done again."""

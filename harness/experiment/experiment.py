@@ -30,8 +30,7 @@ from harness.record.store import Store
 from harness.record.united_plan import refuse_mixed
 from harness.registry.allowed import allow_typed
 from harness.registry.choice import Choice, split_list
-from harness.registry.given import Given as Plugins
-from harness.registry.given import read_given, require_given, split_measures
+from harness.registry.given import Given as Plugins, read_given, require_given, split_measures
 from harness.registry.registry import Registry, load_registry
 from harness.results import Results
 from harness.results.load import read_results

@@ -19,7 +19,7 @@ from harness.record.folder import partial_folder, publish
 from harness.registry.given import Given
 from harness.registry.registry import Registry, load_registry
 from harness.registry.sources import digest_of_modules, source_hash
-from harness.robot.load import load_robot
+from harness.robot.robot import load_robot
 
 DIGITS: Final = 8
 """Length of the digests that are exchanged and compared."""
@@ -89,7 +89,6 @@ class Describe(Plain):
     noun: ClassVar[str] = "description"
 
     def do(self, folder: Path, report: Report) -> bool:
-        """See `harness.experiment.workers.order.Work`."""
         try:
             told = describe_installation(self.cells, load_registry(given=self.plugins))
         except HarnessError as error:

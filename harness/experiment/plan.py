@@ -15,8 +15,7 @@ from harness.errors import UsageError
 from harness.eta.verdict.looks import MARGIN
 from harness.experiment.looks import own_seed, terms_of
 from harness.experiment.task_plan import Given, TaskPlan, plan_tasks, table_of, unnamed
-from harness.record.cell import EVALUATION_HORIZON as HORIZON
-from harness.record.cell import Cell
+from harness.record.cell import EVALUATION_HORIZON as HORIZON, Cell
 from harness.record.file_forms import MOST_CELLS, MOST_SEEDS
 from harness.record.plan_file import control_seeds
 from harness.record.terms import NEW, Terms

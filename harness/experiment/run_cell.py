@@ -65,7 +65,6 @@ class TrainCell(Plain):
     noun: ClassVar[str] = "cell"
 
     def do(self, folder: Path, report: Report) -> bool:
-        """See `harness.experiment.workers.order.Work`."""
         return run_cell(self.cell, folder, report, self.options).status == "done"
 
 

@@ -23,7 +23,7 @@ from harness.reward.given import ARGUMENTS
 from harness.reward.needs import needs_of
 from harness.reward.steps import BEFORE, NOT_RECORDED
 from harness.robot import Robot
-from harness.robot.load import load_robot
+from harness.robot.robot import load_robot
 from harness.simulator import require_drives
 from harness.task import Task
 

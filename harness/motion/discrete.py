@@ -58,7 +58,6 @@ class Discrete:
         return np.concatenate([np.zeros((1, self.action_size)), both])
 
     def advance(self, qpos: Float, qvel: Float, action: Float) -> Move:
-        """See `harness.motion.motion.Motion`."""
         return self.inner.advance(qpos, qvel, action)
 
     def stay(self, qpos: Float) -> Float:

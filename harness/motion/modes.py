@@ -7,12 +7,9 @@ from pydantic.dataclasses import dataclass
 
 from harness.errors import UsageError
 from harness.motion.discrete import Discrete
+from harness.motion.joints import MoveJAbsoluteMode, MoveJMode, SetJointsMode
 from harness.motion.motion import Motion, Setting
-from harness.motion.move_a import MoveAMode
-from harness.motion.move_j import MoveJMode
-from harness.motion.move_j_absolute import MoveJAbsoluteMode
-from harness.motion.move_l import MoveLMode
-from harness.motion.set_joints import SetJointsMode
+from harness.motion.tip import MoveAMode, MoveLMode
 from harness.registry.choice import parse
 from harness.registry.names import did_you_mean
 from harness.registry.parameters import build

@@ -1,17 +1,84 @@
-"""A network whose actions fill a box."""
+"""Policies whose actions fill a box: networks, and actions by chance."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from harness.arrays import Float32
-from harness.policy.box import box_of, describe_box
-from harness.policy.network import Network
-from harness.policy.soundness import require_sound
-from harness.policy.uniform import Uniform
+from harness.policy.network import Network, require_sound
+from harness.policy.policy import Policy, scatter
+
+
+@dataclass(frozen=True, eq=False)
+class Uniform(Policy):
+    """Actions that are uniform in the box, whatever is observed; of observations of any size.
+
+    Without a generator an action still is a function of its observation, NOTE eq. 36: a scattered one, see
+    `harness.policy.policy`.
+
+    Attributes:
+        action_low: Lower end of each action, (action_size,).
+        action_high: Upper end of each action, (action_size,).
+        algorithm: For the reader of the card.
+    """
+
+    kind: ClassVar[str] = "uniform"
+
+    action_low: tuple[float, ...]
+    action_high: tuple[float, ...]
+    algorithm: str = ""
+    weights: Mapping[str, Float32] = field(default_factory=dict, init=False)
+
+    def act(self, observation: Float32, rng: np.random.Generator | None = None) -> Float32:
+        shape = len(observation), len(self.action_low)
+        low, high = np.array(self.action_low), np.array(self.action_high)
+        share = rng.random(shape) if rng is not None else scatter(observation, shape[1])
+        action: Float32 = np.minimum(low + (high - low) * share, high).astype(np.float32)  # high - low is rounded
+        return action
+
+    def floor(self) -> "Uniform":
+        return self
+
+    def card(self) -> dict[str, Any]:
+        return {"observation": {"size": None}, "action": describe_box(self.action_low, self.action_high)}
+
+    @classmethod
+    def from_card(cls, card: Mapping[str, Any], weights: Mapping[str, Float32]) -> Self:
+        return cls(*box_of(card), card["algorithm"])
+
+
+Ends = tuple[float, ...]
+MOST_ACTIONS = 100
+"""At once: an arm has one for each of its joints."""
+LARGEST = 1e18
+"""The largest size of an end: the difference of both ends is finite in float32."""
+
+
+def describe_box(low: Ends, high: Ends) -> dict[str, Any]:
+    """What a card says of the actions."""
+    return {"type": "continuous", "low": list(low), "high": list(high)}
+
+
+def box_of(card: Mapping[str, Any]) -> tuple[Ends, Ends]:
+    """Lower and upper ends of the actions of a card.
+
+    Raises:
+        KeyError: The card does not say.
+        ValueError: It says what cannot be.
+    """
+    action = card["action"]
+    low, high = ([float(end) for end in action[key]] for key in ("low", "high"))
+    if not low or len(low) != len(high):
+        raise ValueError(f"the actions have {len(low)} lower and {len(high)} upper ends")
+    if len(low) > MOST_ACTIONS:
+        raise ValueError(f"there are {len(low):,} actions, {MOST_ACTIONS:,} are allowed")
+    if not all(-LARGEST <= a <= b <= LARGEST for a, b in zip(low, high, strict=True)):  # NaN is not either
+        raise ValueError(f"no action lies between {low} and {high}")
+    return tuple(low), tuple(high)
+
 
 ONE = np.ones((), np.float32)
 
@@ -34,16 +101,13 @@ class ContinuousNetwork(Network):
     algorithm: str = ""
 
     def floor(self) -> Uniform:
-        """See `harness.policy.policy.Policy.floor`."""
         return Uniform(self.action_low, self.action_high)
 
     def card(self) -> dict[str, Any]:
-        """See `harness.policy.policy.Policy.card`."""
         return {**super().card(), "action": describe_box(self.action_low, self.action_high)}
 
     @classmethod
     def from_card(cls, card: Mapping[str, Any], weights: Mapping[str, Float32]) -> Self:
-        """See `harness.policy.policy.Policy.from_card`."""
         low, high = box_of(card)
         policy = cls(weights, card["activation"], low, high, card["algorithm"])
         require_sound(policy, len(low))
@@ -70,3 +134,87 @@ class ContinuousNetwork(Network):
         action *= half
         action += low
         return self._clip(action)  # the half is rounded
+
+
+@dataclass(frozen=True, eq=False)
+class Deterministic(ContinuousNetwork):
+    """One action for each state, NOTE eq. 36, the head ``mean`` squashed by tanh into the action box.
+
+    Attributes:
+        noise: Standard deviation of the noise that a draw adds, as a share of half the width of the box.
+    """
+
+    kind: ClassVar[str] = "deterministic"
+    heads: ClassVar[tuple[str, ...]] = ("mean",)
+    squashes: ClassVar[bool] = True
+
+    noise: float = 0.1
+
+    def act(self, observation: Float32, rng: np.random.Generator | None = None) -> Float32:
+        """See `harness.policy.policy.Policy.act`; a draw adds normal noise and clips."""
+        action = self._squash(self.head(self.hidden(observation), "mean"))
+        if rng is None:
+            return action
+        _, _, half = self.bounds
+        action += np.float32(self.noise) * half * rng.standard_normal(action.shape, dtype=np.float32)
+        return self._clip(action)
+
+    def card(self) -> dict[str, Any]:
+        return {**super().card(), "noise": self.noise}
+
+    @classmethod
+    def from_card(cls, card: Mapping[str, Any], weights: Mapping[str, Float32]) -> Self:
+        noise = float(card["noise"])
+        if not 0.0 <= noise <= LARGEST:
+            raise ValueError(f"noise is {noise}, not a number from 0 to {LARGEST:g}")
+        return replace(super().from_card(card, weights), noise=noise)
+
+
+LOG_STD = "log_std"
+
+
+@dataclass(frozen=True, eq=False)
+class Gaussian(ContinuousNetwork):
+    """A Gaussian multi-layer perceptron, NOTE eq. 37, whose deviation is the same in every state.
+
+    The mean is linear in the last hidden layer, the head ``mean``; the logarithm of the standard deviation is the
+    array ``log_std`` (action_size,). Actions outside the box are clipped to it.
+    """
+
+    kind: ClassVar[str] = "gaussian"
+    heads: ClassVar[tuple[str, ...]] = ("mean",)
+    squashes: ClassVar[bool] = False
+
+    def act(self, observation: Float32, rng: np.random.Generator | None = None) -> Float32:
+        action = self.head(self.hidden(observation), "mean")
+        if rng is not None:
+            action += np.exp(self.weights[LOG_STD]) * rng.standard_normal(action.shape, dtype=np.float32)
+        return self._clip(action)
+
+    @classmethod
+    def from_card(cls, card: Mapping[str, Any], weights: Mapping[str, Float32]) -> Self:
+        policy = super().from_card(card, weights)
+        if weights[LOG_STD].shape != (len(policy.action_low),):
+            raise ValueError(f"{LOG_STD} is {weights[LOG_STD].shape}, on {len(policy.action_low)} actions")
+        return policy
+
+
+@dataclass(frozen=True, eq=False)
+class SquashedGaussian(ContinuousNetwork):
+    """A Gaussian multi-layer perceptron, NOTE eq. 37, squashed into the action box.
+
+    The mean and the logarithm of the standard deviation are linear in the last hidden layer, the heads ``mean`` and
+    ``log_std``; a draw is squashed by tanh and scaled from [-1, 1] to [action_low, action_high].
+    """
+
+    kind: ClassVar[str] = "squashed-gaussian"
+    heads: ClassVar[tuple[str, ...]] = ("mean", "log_std")
+    squashes: ClassVar[bool] = True
+
+    def act(self, observation: Float32, rng: np.random.Generator | None = None) -> Float32:
+        hidden = self.hidden(observation)
+        action = self.head(hidden, "mean")
+        if rng is not None:
+            std = np.exp(np.clip(self.head(hidden, "log_std"), -20.0, 2.0))
+            action += std * rng.standard_normal(action.shape, dtype=np.float32)
+        return self._squash(action)

@@ -10,13 +10,11 @@ import numpy as np
 
 from harness.arrays import Float, Float32
 from harness.motion.limits import JointLimits
-from harness.policy.box import LARGEST
+from harness.policy.continuous import LARGEST, Uniform
 from harness.policy.policy import Policy
-from harness.policy.uniform import Uniform
 from harness.robot import Robot
 from harness.robot.inverse_kinematics import reach_pose, reach_position
-from harness.robot.kinematics import Chain, chain_length
-from harness.robot.rotations import rotation_of_axes
+from harness.robot.kinematics import Chain, chain_length, rotation_of_axes
 from harness.robot.urdf import JointKind
 
 MODES = ("movej", "movej-absolute", "set-joints")
@@ -34,7 +32,7 @@ class InverseKinematics(Policy):
     """Finds joint positions that bring the end effector to the target, and goes there as fast as the joints can.
 
     Acts on the observations of `harness.env.arm_observation.ArmObservation`, and of
-    `harness.env.goal_observation.GoalObservation`: it goes to where the target is now.
+    `harness.env.arm_observation.GoalObservation`: it goes to where the target is now.
 
     All that it needs to know of the arm is in its arrays: no robot's file is read, and a robot that has changed since
     changes nothing.
@@ -98,11 +96,9 @@ class InverseKinematics(Policy):
         return clipped
 
     def floor(self) -> Uniform:
-        """See `harness.policy.policy.Policy.floor`."""
         return Uniform((-1.0,) * len(self.joint_kinds), (1.0,) * len(self.joint_kinds))
 
     def card(self) -> dict[str, Any]:
-        """See `harness.policy.policy.Policy.card`."""
         dof = len(self.joint_kinds)
         return {
             "observation": {"size": 3 * dof + 10 + self.more},
@@ -116,7 +112,6 @@ class InverseKinematics(Policy):
 
     @classmethod
     def from_card(cls, card: Mapping[str, Any], weights: Mapping[str, Float32]) -> Self:
-        """See `harness.policy.policy.Policy.from_card`."""
         kinds = tuple(card["joint_kinds"])
         if not kinds or not set(kinds) <= set(KINDS):
             raise ValueError(f"no arm has the joints {kinds}")

@@ -6,16 +6,11 @@ from pathlib import Path
 from typing import Any
 
 from harness.errors import HarnessError, SchemaError
-from harness.policy.categorical import Categorical
-from harness.policy.deterministic import Deterministic
+from harness.policy.continuous import Deterministic, Gaussian, SquashedGaussian, Uniform
+from harness.policy.discrete import Categorical, Greedy, UniformChoice
 from harness.policy.folder import read_folder
-from harness.policy.gaussian import Gaussian
-from harness.policy.greedy import Greedy
 from harness.policy.inverse_kinematics import InverseKinematics
 from harness.policy.policy import Policy
-from harness.policy.squashed_gaussian import SquashedGaussian
-from harness.policy.uniform import Uniform
-from harness.policy.uniform_choice import UniformChoice
 from harness.text import one_line_of
 
 KINDS: tuple[type[Policy], ...] = (

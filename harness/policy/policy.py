@@ -1,5 +1,6 @@
 """What acts."""
 
+import hashlib
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from pathlib import Path
@@ -8,8 +9,27 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float32
+from harness.arrays import Float, Float32
 from harness.policy.folder import write_folder
+
+
+def scatter(observation: Float32, size: int) -> Float:
+    """Uniform numbers that depend on each observation alone: not on the batch, nor on what was asked before.
+
+    Args:
+        observation: (num_envs, observation_size).
+        size: How many for each.
+
+    Returns:
+        (num_envs, size), in [0, 1).
+    """
+    rows = np.ascontiguousarray(observation, np.float32) + np.float32(0.0)  # -0 is 0
+    return np.array([_generator(row.tobytes()).random(size) for row in rows]).reshape(len(rows), size)
+
+
+def _generator(seen: bytes) -> np.random.Generator:
+    return np.random.default_rng(int.from_bytes(hashlib.blake2b(seen, digest_size=16).digest()))
+
 
 Action = NDArray[Any]
 

@@ -19,7 +19,7 @@ class EpisodeFacts:
         control_period: Duration of an environment step, [s].
         ik_steps: Of an evaluation: the environment steps that the arm's own kinematics take to the target, by env, from
             the same start in the same simulator; None of an env where they do not reach it. None altogether where they
-            cannot act, see `harness.env.known_arm`.
+            cannot act, see `harness.env.arm_observation`.
         work: Of an evaluation: the mechanical work of each env's episode, see `harness.robot.energy`, [J]. None where
             the arm jumps from pose to pose or its links have no mass.
         arms: Where the arms of episodes differ, how: for each arm the factors of the masses of the links that move,

@@ -16,8 +16,7 @@ from harness.record.cell import EVALUATION_HORIZON
 from harness.record.folder import partial_folder, publish
 from harness.record.recording.facts import Acted, TrainingFacts
 from harness.record.recording.recorded_training import facts_name, is_recording, recording_files
-from harness.recorder.asked import OnError
-from harness.recorder.env_facts import LEARNERS
+from harness.recorder.env_facts import LEARNERS, OnError
 from harness.recorder.record_rewards import RecordRewards
 from harness.recorder.wrapped import tell_normalisation
 from harness.reward.given import Given

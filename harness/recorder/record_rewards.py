@@ -14,10 +14,9 @@ from numpy import float64
 from harness.errors import reason_of
 from harness.eta.interval import Bounds
 from harness.record.recording.facts import Acted
-from harness.recorder.asked import Asked, OnError
 from harness.recorder.calls import CHECKED, action_facts
 from harness.recorder.column import as_number
-from harness.recorder.env_facts import LEARNERS
+from harness.recorder.env_facts import LEARNERS, Asked, OnError
 from harness.recorder.guard import Asking, NoAnswer, Raised
 from harness.recorder.recorder import Recorder, differs
 from harness.recorder.trial import FIRST_STEPS

@@ -15,10 +15,9 @@ from gymnasium.vector import VectorEnv
 from harness.errors import StorageError, UsageError, reason_of
 from harness.record.recording.facts import FILE_REWARD, ActionFacts, Failure, TrainingFacts, log_column
 from harness.record.recording.recording_writer import RecordingWriter, Rows
-from harness.recorder.asked import Asked
 from harness.recorder.calls import Calls, checksum
 from harness.recorder.column import Column, made_columns, source_of
-from harness.recorder.env_facts import env_facts, normalises, versions_of
+from harness.recorder.env_facts import Asked, env_facts, normalises, versions_of
 from harness.recorder.guard import Asking, Guard, Raised
 from harness.recorder.trial import Finding, Trial
 from harness.recorder.wrapped import tell_wrapped_pay

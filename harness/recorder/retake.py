@@ -35,7 +35,7 @@ from harness.record.recording.scores import Scores, read_scores, scores_name, wr
 from harness.recorder.calls import NO_SEED, UNCHECKED, action_of, checksum
 from harness.recorder.record_rewards import RecordRewards
 from harness.recorder.recorder import GivenUp, Noted
-from harness.recorder.walk import KeepWalks, Walk
+from harness.recorder.sealed import KeepWalks, Walk
 from harness.reward.given import OWN, Given
 
 Tell = Callable[[int], None]

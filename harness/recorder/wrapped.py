@@ -9,8 +9,6 @@ from gymnasium.vector import SyncVectorEnv, VectorRewardWrapper, VectorWrapper
 from gymnasium.wrappers import NormalizeObservation, NormalizeReward
 from gymnasium.wrappers.vector import (
     NormalizeObservation as VectorNormalizeObservation,
-)
-from gymnasium.wrappers.vector import (
     NormalizeReward as VectorNormalizeReward,
 )
 

@@ -140,7 +140,6 @@ class DoneRecordings:
         return lambda random: found
 
     def floors(self, ended: Iterable[Manifest]) -> Callable[[Cell], Values]:
-        """See `DoneCells`."""
         return lambda cell: {}
 
     def keep(self, done: Manifest, compared: Iterable[Choice], scoring: Iterable[Choice]) -> None:

@@ -111,15 +111,12 @@ class Traces:
         return manifest
 
     def numbers(self, cell: Cell) -> Numbers:
-        """See `Results`."""
         return numbers_of(self.measured(cell), self.metrics)
 
     def frames(self, cell: Cell) -> None:
-        """See `Results`."""
         return
 
     def older_keys(self) -> dict[str, Any]:
-        """See `Results`."""
         return {}
 
     def measured(self, cell: Cell) -> Measured:
@@ -224,19 +221,15 @@ class TraceTrainings:
         return Match.of_seeds((label, proposed.label), of_plan, other, control)
 
     def decided_in(self, episodes: Mapping[str, int]) -> str:
-        """See `Trainings`."""
         return ""
 
     def measured(self, training: Cell) -> Measured:
-        """See `Trainings`."""
         return self._traces.measured(training)
 
     def moments(self, training: Cell) -> Sequence[Moment]:
-        """See `Trainings`."""
         return self._traces.moments(training)
 
     def measure(self, name: str, manner: str, episodes: int) -> Quantity:
-        """See `Trainings`."""
         manifest = self._records.manifest(self._cells[0])
         return measure_of(name, self._traces.metrics[name], manner, episodes, manifest)
 
@@ -245,12 +238,10 @@ class TraceTrainings:
         return manner in (DETERMINISTIC, STOCHASTIC, TRAINING)
 
     def reason(self, match: Match[Cell], name: str, manner: str) -> str:
-        """See `Trainings`."""
         reasons = (self._traces.measured(cell).reasons for side in match.sides for cell in side)
         return next((it[name] for it in reasons if name in it), "")
 
     def curve(self, match: Match[Cell], pair: Pair) -> GroupCurve:
-        """See `Trainings`."""
         own, cells = match.of(pair[0])[0], match.of(pair[1])
         if pair[0] == pair[1]:
             return self._traces.curve(cells)
@@ -261,7 +252,6 @@ class TraceTrainings:
         return self._traces.curve_paid_by(reward, cells)
 
     def control(self, match: Match[Cell]) -> GroupCurve | None:
-        """See `Trainings`."""
         return self._traces.curve(match.control) if match.control else None
 
     def return_manners(self, episodes: Mapping[str, int]) -> Sequence[str]:
@@ -308,7 +298,6 @@ class TraceTrainings:
         return motion
 
     def mixtures(self, match: Match[Cell]) -> tuple[Mixture, ...]:
-        """See `Trainings`."""
         one, other = match.sides
         cells = dict.fromkeys([*one, *other, *match.control])
         return mixtures_of(map(self._records.manifest, cells))
@@ -332,7 +321,6 @@ class TraceTrainings:
 
     @property
     def rewards(self) -> Sequence[str]:
-        """See `Trainings`."""
         return list(self._taught)
 
     @property
@@ -343,7 +331,6 @@ class TraceTrainings:
         return len(rewards) == 1 and not self._records.plan.control
 
     def members(self, reward: str) -> Sequence[Cell]:
-        """See `Trainings`."""
         return self._taught.get(reward, [])
 
     def learning(self, comparison: Comparison) -> Learning:
@@ -381,11 +368,9 @@ class TraceTrainings:
         return LearningCurve(reward, (), {SUCCESS: tuple(success), PAID: tuple(paid)})
 
     def pay_name(self, reward: str) -> str:
-        """See `Trainings`."""
         return PAID
 
     def ends(self, training: Cell) -> Ends:
-        """See `Trainings`."""
         found = self._traces.of(training)
         start, end, count = found.ends()
         measured = self._traces.measured(training)
@@ -409,7 +394,6 @@ class TraceTrainings:
         return any(self._traces.of(cell).term_names() for cell in self.members(reward))
 
     def terms_paid(self, reward: str) -> list[TermsOfTraining]:
-        """See `Trainings`."""
         files = (TRACE, EVALUATION)
         return [TermsOfTraining(*(self._terms(cell, cell.reward, it) for it in files)) for cell in self.members(reward)]
 
@@ -422,7 +406,6 @@ class TraceTrainings:
             return [], str(unscored)
 
     def terms_at_random(self, reward: str) -> ByTerm | None:
-        """See `Trainings`."""
         first = self.members(reward)[0]
         owner = self._traces.floor_of(first)
         try:
@@ -438,7 +421,6 @@ class TraceTrainings:
             found.finish()
 
     def policies(self, reward: str, manner: str) -> Policies:
-        """See `Trainings`."""
         measured = {it.seed: self._traces.measured(it) for it in self._cells if it.reward.label == reward}
         did = {
             seed: Did(it.manners[manner], it.episodes[manner], it.reasons)

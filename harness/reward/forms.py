@@ -16,9 +16,8 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from harness.errors import UsageError
-from harness.reward.carry import Carry
 from harness.reward.needs import Needs, needs_of
-from harness.reward.reward import LARGEST_FACTOR, Reward
+from harness.reward.reward import LARGEST_FACTOR, Carry, Reward
 from harness.reward.steps import Steps
 from harness.reward.terms import Paid, paid_of, sum_of
 

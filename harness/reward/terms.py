@@ -12,8 +12,7 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 
 from harness.errors import UsageError
-from harness.reward.carry import Carry
-from harness.reward.reward import Array, Reward
+from harness.reward.reward import Array, Carry, Reward
 from harness.reward.steps import Steps
 
 TOTAL = "total"

@@ -11,9 +11,9 @@ from harness.robot.kinematics import (
     forward,
     pose_jacobian,
     position_jacobian_of,
+    rotation_between,
     tip_position,
 )
-from harness.robot.rotations import rotation_between
 
 DAMPING = 0.05
 """The damping of the least squares, [m]: small beside an arm's reach, large enough to pass a singular pose."""

@@ -12,8 +12,7 @@ from harness.log import Log, Rows
 from harness.log.log import RECORDED, REWARD
 from harness.reward import Array, Carry, MissingField, Paid, Reward, Sample, Steps, pay, put, take
 from harness.reward.needs import reads_of
-from harness.reward.row_steps import FIELDS, TOUCHED, RowSteps, field_rows, has_field, stretches_of
-from harness.reward.row_steps import Rows as StepRows
+from harness.reward.row_steps import FIELDS, TOUCHED, Rows as StepRows, RowSteps, field_rows, has_field, stretches_of
 from harness.reward.steps import BEFORE, NOT_RECORDED, rows_of
 
 SCORED = ("env", "step", "begin_distance", "previous_best", "distance", *TOUCHED)

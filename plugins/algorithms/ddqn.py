@@ -21,7 +21,6 @@ class Ddqn(QLearning):
     """
 
     def train(self, env: TrainingEnv, steps: int, seed: int, progress: Progress) -> Policy:
-        """See `harness.algorithm.Algorithm`."""
         from ..sb3.double import DoubleDQN
 
         return self.train_with(DoubleDQN, "ddqn", env, steps, seed, progress)

@@ -20,7 +20,6 @@ class Dqn(QLearning):
     """
 
     def train(self, env: TrainingEnv, steps: int, seed: int, progress: Progress) -> Policy:
-        """See `harness.algorithm.Algorithm`."""
         from stable_baselines3 import DQN
 
         return self.train_with(DQN, "dqn", env, steps, seed, progress)

@@ -35,7 +35,6 @@ class Her(SoftActorCritic):
     sources: ClassVar[tuple[str, ...]] = SOURCES
 
     def train(self, env: TrainingEnv, steps: int, seed: int, progress: Progress) -> Policy:
-        """See `harness.algorithm.Algorithm`."""
         # Imported here: the settings above are checked before anything runs, and torch takes seconds.
         from stable_baselines3 import HerReplayBuffer
 

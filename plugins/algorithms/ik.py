@@ -7,7 +7,7 @@ from pydantic.dataclasses import dataclass
 
 from harness.algorithm import ActionSpace
 from harness.authoring.act_without_learning import act_for
-from harness.env.known_arm import kinematics_policy, why_not_kinematics
+from harness.env.arm_observation import kinematics_policy, why_not_kinematics
 from harness.policy import InverseKinematics
 from harness.progress import Progress
 from harness.robot import Robot
@@ -33,11 +33,9 @@ class Ik:
     needs_arm: ClassVar[bool] = True
 
     def why_not(self, task: Task, robot: Robot) -> str:
-        """See `harness.algorithm.why_not`."""
         return why_not_kinematics(task, robot)
 
     def train(self, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress) -> InverseKinematics:
-        """See `harness.algorithm.Algorithm`."""
         policy = kinematics_policy(env.task, env.robot, "ik")
         act_for(env, steps, policy, seed, progress)
         return policy

@@ -112,7 +112,6 @@ class Ppo:
                 raise ValueError(f"rollout={self.rollout} is not a multiple of {name}={getattr(self, name)}")
 
     def train(self, env: TrainingEnv, steps: int, seed: int, progress: Progress) -> Policy:
-        """See `harness.algorithm.Algorithm`."""
         # Imported here: the settings above are checked before anything runs, and torch takes seconds.
         from gymnasium.spaces import Discrete
         from stable_baselines3 import PPO

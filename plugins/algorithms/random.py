@@ -27,7 +27,6 @@ class Random:
     learns: ClassVar[bool] = False
 
     def train(self, env: TrainingEnv, steps: int, seed: int, progress: Progress) -> Policy:
-        """See `harness.algorithm.Algorithm`."""
         policy = _uniform(env.single_action_space)
         act_for(env, steps, policy, seed, progress)
         return policy

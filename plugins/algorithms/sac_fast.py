@@ -22,7 +22,6 @@ class SacFast(SoftActorCritic):
     sources: ClassVar[tuple[str, ...]] = ("harness_plugins.fast_sac", "harness_plugins.episode_means")
 
     def train(self, env: TrainingEnv, steps: int, seed: int, progress: Progress) -> SquashedGaussian:
-        """See `harness.algorithm.Algorithm`."""
         from threadpoolctl import threadpool_limits
 
         from ..fast_sac.training import Training

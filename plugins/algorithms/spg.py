@@ -186,7 +186,6 @@ class Spg:
     action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"continuous"})
 
     def train(self, env: TrainingEnv, steps: int, seed: int, progress: Progress) -> Gaussian:
-        """See `harness.algorithm.Algorithm`."""
         import torch  # here: the settings are checked before anything runs, and torch takes seconds
 
         torch.set_num_threads(1)

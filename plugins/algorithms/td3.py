@@ -36,7 +36,6 @@ class Td3(OffPolicy):
     action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"continuous"})
 
     def train(self, env: TrainingEnv, steps: int, seed: int, progress: Progress) -> Policy:
-        """See `harness.algorithm.Algorithm`."""
         # Imported here: the settings above are checked before anything runs, and torch takes seconds.
         from stable_baselines3 import TD3
 

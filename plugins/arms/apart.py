@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
 from harness.robot import Robot
-from harness.scene.still import StillFrames
+from harness.scene.picture import StillFrames
 from harness.simulator import State
 
 
@@ -64,7 +64,6 @@ class Arms(Generic[AnyArm]):
         self.place(np.tile(robot.home, (num_envs, 1)))
 
     def reset(self, qpos: Float, mask: Mask) -> State:
-        """See `harness.simulator.Simulation`."""
         self._awake |= mask
         for k in np.flatnonzero(mask).tolist():
             self.arms[k].put(qpos[k])
@@ -72,23 +71,18 @@ class Arms(Generic[AnyArm]):
         return self._state
 
     def place(self, qpos: Float) -> State:
-        """See `harness.simulator.Simulation`."""
         return self.reset(qpos, np.ones(len(self.arms), bool))
 
     def rest(self, mask: Mask) -> None:
-        """See `harness.simulator.Simulation`."""
         self._awake = ~mask
 
     def read(self) -> State:
-        """See `harness.simulator.Simulation`."""
         return self._state
 
     def render(self, env: int, target: Float, width: int, height: int) -> NDArray[np.uint8]:
-        """See `harness.simulator.Simulation`."""
         return self._frames.frame(self._state.qpos[env], target, width, height)
 
     def close(self) -> None:
-        """See `harness.simulator.Simulation`."""
         self.arms = []
         self._frames.close()
 
@@ -101,7 +95,6 @@ class ArmsApart(Arms[Arm]):
     """
 
     def drive(self, qpos: Float, duration: float) -> State:
-        """See `harness.simulator.Simulation`."""
         speeds = (qpos - self._state.qpos) / duration
         for k in np.flatnonzero(self._awake).tolist():
             self.arms[k].turn(speeds[k], duration)

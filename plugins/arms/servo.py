@@ -54,12 +54,10 @@ class ServoArms(Arms[ServoArm]):
         super().__init__(robot, num_envs, build_arm, frames)
 
     def reset(self, qpos: Float, mask: Mask) -> State:
-        """See `harness.simulator.Simulation`."""
         self.track.reset(qpos, mask)
         return super().reset(qpos, mask)
 
     def drive(self, qpos: Float, duration: float) -> State:
-        """See `harness.simulator.Simulation`."""
         told = self.track.advance(qpos, duration, self._substeps.within(duration))
         for k in np.flatnonzero(self._awake).tolist():
             self.arms[k].follow(told.qpos[:, k], told.qvel[:, k])

@@ -25,8 +25,7 @@ from harness.robot import Robot
 from harness.simulator import Simulator
 from harness.task import Task
 
-from .stopwatch import ENGINE as ENGINE_CALLS
-from .stopwatch import Clock, Meter, TimedMethods
+from .stopwatch import ENGINE as ENGINE_CALLS, Clock, Meter, TimedMethods
 
 Kind: TypeAlias = Literal["simulators", "algorithms", "peers"]
 KINDS: tuple[Kind, ...] = get_args(Kind)

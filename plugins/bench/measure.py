@@ -60,7 +60,6 @@ class TimeContest:
     noun: ClassVar[str] = "timing"
 
     def to_json(self) -> dict[str, Any]:
-        """See `harness.experiment.workers.order.Work`."""
         return {
             "entry": asdict(self.entry),
             "setting": asdict(self.setting),
@@ -69,11 +68,9 @@ class TimeContest:
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Self:
-        """See `harness.experiment.workers.order.Work`."""
         return cls(Entry(**data["entry"]), Setting(**data["setting"]), given_from_json(data["plugins"]))
 
     def do(self, folder: Path, report: Report) -> bool:
-        """See `harness.experiment.workers.order.Work`."""
         partial = partial_folder(folder)
         (partial / FILE).write_text(json.dumps(self.turns()))
         publish(partial, folder)

@@ -110,7 +110,6 @@ class TimedReward(TimedMethods):
         self._call = meter.timed(reward)
 
     def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
-        """See `harness.reward.Reward`."""
         result: tuple[Carry, Array] = self._call(carry, sample)
         return result
 
@@ -176,7 +175,6 @@ class Stopwatch(Watch):
         env.step = self._training(env.step)  # type: ignore[method-assign]
 
     def enter(self, stage: Stage) -> None:
-        """See `harness.experiment.watch.Watch`."""
         self._enter(stage)
 
     def stop(self) -> CellTimes:

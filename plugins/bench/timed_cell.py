@@ -61,16 +61,13 @@ class TimeCell:
     noun: ClassVar[str] = "cell"
 
     def to_json(self) -> dict[str, Any]:
-        """See `harness.experiment.workers.order.Work`."""
         return {"cell": self.cell.to_json(), "begun": self.begun, "plugins": given_to_json(self.plugins)}
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Self:
-        """See `harness.experiment.workers.order.Work`."""
         return cls(Cell.from_json(data["cell"]), data["begun"], given_from_json(data["plugins"]))
 
     def do(self, folder: Path, report: Report) -> bool:
-        """See `harness.experiment.workers.order.Work`."""
         run_timed(self.cell, folder, report, self.begun, self.plugins)
         return False  # the end of the process is timed too
 

@@ -57,7 +57,6 @@ class Arm:
         self._has_moved = False
 
     def turn(self, speeds: Float, duration: float) -> None:
-        """See `harness_plugins.arms.apart.Arm`."""
         if duration != self._duration:
             set_steps(self.client, self._timestep, self._substeps.within(duration))
             self._duration = duration
@@ -69,7 +68,6 @@ class Arm:
         self._has_moved = True
 
     def read(self, state: State, env: int) -> None:
-        """See `harness_plugins.arms.apart.ArmAlone`."""
         client, has_moved, touches = self.client, self._has_moved, self._touches
         joints = pybullet.getJointStates(self.body, self.joints, physicsClientId=client)
         state.qpos[env] = [joint[0] for joint in joints]

@@ -44,12 +44,10 @@ class ServoArm(Arm):
         add_armature(client, self.body, robot, servo.armature)
 
     def put(self, qpos: Float) -> None:
-        """See `Arm`."""
         super().put(qpos)
         self._friction.forget()
 
     def follow(self, qpos_ref: Float, qvel_ref: Float) -> None:
-        """See `harness_plugins.arms.servo.ServoArm`."""
         body, joints, client = self.body, self.joints, self.client
         for position, speed in zip(qpos_ref, qvel_ref, strict=True):
             states = pybullet.getJointStates(body, joints, physicsClientId=client)

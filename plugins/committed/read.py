@@ -136,7 +136,7 @@ class AgentHeadlineForm(TypedDict):
 
 @with_config(OPEN)
 class PairForm(TypedDict):
-    """See `harness.results.recordings.compare.Comparison`."""
+    """The form of one comparison of recorded trainings."""
 
     baseline: Name
     proposed: Name
@@ -145,14 +145,14 @@ class PairForm(TypedDict):
 
 @with_config(OPEN)
 class StudyForm(TypedDict):
-    """See `harness.results.recordings.study.Study`."""
+    """The form of what recorded trainings in one place say."""
 
     comparisons: list[PairForm]
 
 
 @with_config(OPEN)
 class PlaceForm(TypedDict):
-    """See `harness.results.recordings.study.PlaceStudy`."""
+    """The form of one place: an environment and an algorithm."""
 
     task: Name
     algorithm: Name

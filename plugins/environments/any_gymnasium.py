@@ -59,7 +59,6 @@ class AnyGymnasium:
         return {f"id={name}": modules for name, modules in EXAMPLES.items()}
 
     def make(self) -> AnyEnv:
-        """See `harness.environment.Environment`."""
         require_allowed(self.id)
         try:
             return gymnasium.make(self.id, **self._arguments())
@@ -67,11 +66,9 @@ class AnyGymnasium:
             raise UsageError(f"gymnasium.make('{self.id}') fails: {error}{_remedy(self.id, error)}") from error
 
     def rewards(self, env: AnyEnv) -> Mapping[str, Given]:
-        """See `harness.environment.Environment`."""
         return {OWN: OWN, **{key: key for key in _split(self.pays)}}
 
     def behaviour(self, env: AnyEnv) -> Mapping[str, Given]:
-        """See `harness.environment.Environment`."""
         return {key: key for key in _split(self.tells)}
 
     def goal_rewards(self, env: AnyEnv) -> Mapping[str, GoalReward]:

@@ -30,7 +30,6 @@ class FetchReach:
     baseline: ClassVar[str] = "sparse"
 
     def make(self) -> AnyEnv:
-        """See `harness.environment.Environment`."""
         import gymnasium_robotics
 
         gymnasium.register_envs(gymnasium_robotics)
@@ -43,8 +42,6 @@ class FetchReach:
             raise UsageError(f"{told}. Its versions up to 1.4 need mujoco below 3.12: {REMEDY}") from error
 
     def rewards(self, env: AnyEnv) -> Mapping[str, Given]:
-        """See `harness.environment.Environment`."""
-
         def sparse(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
             return float(_paid(env, "sparse", next_observation["achieved_goal"], next_observation["desired_goal"]))
 
@@ -58,7 +55,6 @@ class FetchReach:
         return {"sparse": partial(_paid, env, "sparse"), "dense": partial(_paid, env, "dense")}
 
     def behaviour(self, env: AnyEnv) -> Mapping[str, Given]:
-        """See `harness.environment.Environment`."""
         return {"success": "is_success", "distance": distance}
 
 

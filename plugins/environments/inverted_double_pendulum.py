@@ -32,11 +32,9 @@ class InvertedDoublePendulum:
     baseline: ClassVar[str] = "v4"
 
     def make(self) -> AnyEnv:
-        """See `harness.environment.Environment`."""
         return gymnasium.make("InvertedDoublePendulum-v5")
 
     def rewards(self, env: AnyEnv) -> Mapping[str, Given]:
-        """See `harness.environment.Environment`."""
         physics = env.unwrapped
 
         def v4(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
@@ -48,7 +46,6 @@ class InvertedDoublePendulum:
         return {"v4": v4, "v5": v5}
 
     def behaviour(self, env: AnyEnv) -> Mapping[str, Given]:
-        """See `harness.environment.Environment`."""
         physics = env.unwrapped
 
         def tip_distance(observation: Any, action: Any, next_observation: Any, info: Any) -> float:

@@ -45,7 +45,6 @@ class MetaWorld:
     baseline: ClassVar[str] = "v1"
 
     def make(self) -> AnyEnv:
-        """See `harness.environment.Environment`."""
         from metaworld.env_dict import ALL_V3_ENVIRONMENTS_GOAL_OBSERVABLE as TASKS
 
         if f"{self.task}{OBSERVABLE}" not in TASKS:
@@ -58,8 +57,6 @@ class MetaWorld:
         return Seeded(env)
 
     def rewards(self, env: AnyEnv) -> Mapping[str, Given]:
-        """See `harness.environment.Environment`."""
-
         def v1(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
             return _paid(env, "v1", action, next_observation)
 
@@ -72,7 +69,6 @@ class MetaWorld:
         return {"v1": v1, "v2": v2, "v1-scaled": v1_scaled}
 
     def behaviour(self, env: AnyEnv) -> Mapping[str, Given]:
-        """See `harness.environment.Environment`."""
         return {"success": AnySuccess(), "success_at_end": "success", "distance": "obj_to_target"}
 
 

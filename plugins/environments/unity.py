@@ -111,12 +111,10 @@ class Unity:
 
     @property
     def bounds(self) -> Mapping[str, tuple[float, float]]:
-        """See `harness.environment.bounds_of`."""
         targets = ("targets",) if self.places and (RENEWED in self._observed.places) else ()
         return dict.fromkeys((*DISTANCES, *targets) if self.places else (), (0.0, math.inf))
 
     def make(self) -> AnyEnv:
-        """See `harness.environment.Environment`."""
         return self.make_together(1)[0]
 
     def make_together(self, count: int) -> list[AnyEnv]:
@@ -142,14 +140,12 @@ class Unity:
         return envs
 
     def rewards(self, env: AnyEnv) -> Mapping[str, Given]:
-        """See `harness.environment.Environment`."""
         if not self.places:
             return {OWN: OWN}
         names = dict.fromkeys(filter(None, self.pays.split("+")))
         return {OWN: OWN, **{name: self._paid_by(name) for name in names}}
 
     def behaviour(self, env: AnyEnv) -> Mapping[str, Given]:
-        """See `harness.environment.Environment`."""
         if not self.places:
             return {}
         measures: dict[str, Given] = {}

@@ -12,5 +12,4 @@ class Processes:
     """Runs cells in processes of this machine, with one thread each. A process does one cell after the other."""
 
     def run(self, jobs: Sequence[Job], at_once: int, on_event: OnEvent) -> None:
-        """See `harness.executor.Executor`."""
         run_jobs(jobs, at_once, on_event)

@@ -41,7 +41,6 @@ class Ray:
             raise ValueError(f"address={self.address}: Ray clients are not supported, run harness on a node of it")
 
     def run(self, jobs: Sequence[Job], at_once: int, on_event: OnEvent) -> None:
-        """See `harness.executor.Executor`."""
         if not jobs:
             return
         # Imported here: the settings above are checked before anything runs, and Ray takes a second.

@@ -26,7 +26,6 @@ class Slurm:
     ] = "slurm"
 
     def run(self, jobs: Sequence[Job], at_once: int, on_event: OnEvent) -> None:
-        """See `harness.executor.Executor`."""
         if not jobs:
             return
         from ..slurm_array.array import Array

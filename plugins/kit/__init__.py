@@ -19,31 +19,18 @@ from harness.authoring.face import lazy_names
 if TYPE_CHECKING:
     from harness.authoring.checking import IdealSimulator as IdealSimulator
 
-    from .algorithms import ALGORITHM_CHECKS as ALGORITHM_CHECKS
-    from .algorithms import check_algorithm as check_algorithm
-    from .contract import Check as Check
-    from .contract import check as check
-    from .contract import violations as violations
-    from .environments import ENVIRONMENT_CHECKS as ENVIRONMENT_CHECKS
-    from .environments import check_environment as check_environment
-    from .executors import EXECUTOR_CHECKS as EXECUTOR_CHECKS
-    from .executors import check_executor as check_executor
-    from .exports import EXPORT_CHECKS as EXPORT_CHECKS
-    from .exports import check_export as check_export
-    from .logs.checks import LOG_CHECKS as LOG_CHECKS
-    from .logs.checks import check_log_format as check_log_format
-    from .metrics import METRIC_CHECKS as METRIC_CHECKS
-    from .metrics import check_metric as check_metric
-    from .rewards import REWARD_CHECKS as REWARD_CHECKS
-    from .rewards import check_reward as check_reward
-    from .robots import ROBOT_CHECKS as ROBOT_CHECKS
-    from .robots import check_robot as check_robot
-    from .simulators.checks import SIMULATOR_CHECKS as SIMULATOR_CHECKS
-    from .simulators.checks import check_simulator as check_simulator
-    from .tasks import TASK_CHECKS as TASK_CHECKS
-    from .tasks import check_task as check_task
-    from .trackers import TRACKER_CHECKS as TRACKER_CHECKS
-    from .trackers import check_tracker as check_tracker
+    from .algorithms import ALGORITHM_CHECKS as ALGORITHM_CHECKS, check_algorithm as check_algorithm
+    from .contract import Check as Check, check as check, violations as violations
+    from .environments import ENVIRONMENT_CHECKS as ENVIRONMENT_CHECKS, check_environment as check_environment
+    from .executors import EXECUTOR_CHECKS as EXECUTOR_CHECKS, check_executor as check_executor
+    from .exports import EXPORT_CHECKS as EXPORT_CHECKS, check_export as check_export
+    from .logs.checks import LOG_CHECKS as LOG_CHECKS, check_log_format as check_log_format
+    from .metrics import METRIC_CHECKS as METRIC_CHECKS, check_metric as check_metric
+    from .rewards import REWARD_CHECKS as REWARD_CHECKS, check_reward as check_reward
+    from .robots import ROBOT_CHECKS as ROBOT_CHECKS, check_robot as check_robot
+    from .simulators.checks import SIMULATOR_CHECKS as SIMULATOR_CHECKS, check_simulator as check_simulator
+    from .tasks import TASK_CHECKS as TASK_CHECKS, check_task as check_task
+    from .trackers import TRACKER_CHECKS as TRACKER_CHECKS, check_tracker as check_tracker
 
 _NAMES = {
     "harness_plugins.kit.algorithms": ("ALGORITHM_CHECKS", "check_algorithm"),

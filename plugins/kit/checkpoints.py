@@ -55,7 +55,6 @@ class _Keeping(Told):
         self.told_scalars: list[tuple[int, dict[str, float]]] = []
 
     def checkpoint(self, steps: int, make: Callable[[], TrainingState]) -> None:
-        """See `harness.progress.Progress`."""
         if steps < self._last + self._every:
             return
         stored = store(self._folder, make(), self._env.state(), self._rings)
@@ -66,11 +65,9 @@ class _Keeping(Told):
         self.left.append(Left(copied, steps, sum(map(len, self._rows))))
 
     def scalars(self, steps: int, values: Mapping[str, float]) -> None:
-        """See `harness.progress.Progress`."""
         self.told_scalars.append((steps, dict(values)))
 
     def restored(self) -> TrainingState | None:
-        """See `harness.progress.Progress`."""
         return self._start.restored(self._folder) if self._start else None
 
 
@@ -120,7 +117,6 @@ class _Rows:
         self._rows = rows
 
     def append(self, rows: Float) -> None:
-        """See `harness.record.trace.Recorder`."""
         self._rows.append(rows.copy())
 
 

@@ -77,7 +77,6 @@ class Odd:
     action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"continuous"})
 
     def train(self, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress) -> Policy:
-        """See `harness.algorithm.Algorithm`."""
         rng, dof = np.random.default_rng(seed), env.robot.dof
         env.reset()
         for done in range(1, steps + 1):

@@ -9,8 +9,7 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.authoring.checking import DISTANCE, SIZES, call_noted, made_up, map_steps, step_between
-from harness.reward import Array, Carry, Paid, Reward, Steps
-from harness.reward import pay as pay_aloud
+from harness.reward import Array, Carry, Paid, Reward, Steps, pay as pay_aloud
 
 STEPS, NUM_ENVS = 20, 4
 HORIZON = 100

@@ -42,7 +42,6 @@ class NegativeDistance:
         return ()
 
     def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
-        """See `harness.reward.Reward`."""
         return carry, -sample.distance
 
 
@@ -54,11 +53,9 @@ class Told(Progress):
         self.newest: Policy | None = None
 
     def __call__(self, steps: int) -> None:
-        """See `harness.progress.Progress`."""
         self.steps.append(steps)
 
     def policy(self, steps: int, make: Callable[[], Policy]) -> None:
-        """See `harness.progress.Progress`."""
         self.newest = make()
 
 

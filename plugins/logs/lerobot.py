@@ -27,6 +27,7 @@ from harness.log.log import (
     ACTION,
     BEFORE,
     BEHAVIOUR,
+    FILE as FILE_COLUMN,
     INFO,
     OBSERVATION,
     OPERATOR,
@@ -36,7 +37,6 @@ from harness.log.log import (
     SUCCESS,
     TASK,
 )
-from harness.log.log import FILE as FILE_COLUMN
 from harness.record.dataset.labels import UNKNOWN, SuccessRule
 from harness.record.dataset.open_dataset import DatasetFacts
 from harness.text import shortened

@@ -83,7 +83,6 @@ class Canvas:
         atexit.register(self._release)
 
     def draw(self, qpos: Float, target: Float) -> NDArray[np.uint8]:
-        """See `Renderer.frame`."""
         data, (width, height) = self._data, self.size
         data.qpos[:], data.mocap_pos[0] = qpos, target
         mujoco.mj_forward(self._model, data)

@@ -1,8 +1,9 @@
 """Reports how a training goes, and ends it at its budget."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
+import torch
 from stable_baselines3.common.callbacks import BaseCallback
 
 from harness.algorithm import TrainingEnv
@@ -10,9 +11,57 @@ from harness.policy import Policy
 from harness.progress import SCALARS_EVERY, TOLD_EVERY, Progress, TrainingState, as_state, prefixed, under
 
 from ..episode_means import EpisodeMeans
-from .entropy import actor_entropy
-from .scalars import losses
 from .state import can_be_packed, pack_model, restore_logged
+
+NAMES = {
+    "train/actor_loss": ("Losses/Policy Loss", 1.0),
+    "train/policy_gradient_loss": ("Losses/Policy Loss", 1.0),
+    "train/critic_loss": ("Losses/Value Loss", 1.0),
+    "train/value_loss": ("Losses/Value Loss", 1.0),
+    "train/loss": ("Losses/Value Loss", 1.0),
+    "train/entropy_loss": ("Policy/Entropy", -1.0),
+    "train/ent_coef": ("Policy/Continuous Entropy Coeff", 1.0),
+    "train/learning_rate": ("Policy/Learning Rate", 1.0),
+    "rollout/exploration_rate": ("Policy/Epsilon", 1.0),
+}
+"""Names of the library's logger, each with the name that is used here and a factor."""
+
+
+def losses(logged: Mapping[str, Any]) -> dict[str, float]:
+    """The values that were logged last, by the names in `NAMES`."""
+    told = _without_totals(logged)
+    return {name: factor * float(logged[key]) for key, (name, factor) in NAMES.items() if key in told}
+
+
+def _without_totals(logged: Mapping[str, Any]) -> set[str]:
+    """The logged names without PPO's ``train/loss``, which is the sum of the other losses. DQN logs only that one."""
+    return {key for key in logged if key != "train/loss" or "train/value_loss" not in logged}
+
+
+LAST = 256
+"""The mean is taken over this many of the newest observations in the replay buffer."""
+
+
+def actor_entropy(model: Any) -> float | None:
+    """Mean entropy of the actions, squashed into [-1, 1], in nats.
+
+    It is None if the model has no soft actor, or if its replay buffer is empty. It is estimated from one draw per
+    observation. The draws do not change the random numbers of the training.
+    """
+    draw = getattr(getattr(model, "actor", None), "action_log_prob", None)
+    buffer = getattr(model, "replay_buffer", None)
+    if draw is None or buffer is None or buffer.pos == 0:
+        return None
+    rows, seen = slice(max(buffer.pos - LAST, 0), buffer.pos), buffer.observations
+    newest = {key: _of_all(part[rows]) for key, part in seen.items()} if isinstance(seen, dict) else _of_all(seen[rows])
+    with torch.random.fork_rng(devices=[]), torch.no_grad():
+        _, log_prob = draw(newest)
+    return -float(log_prob.mean())
+
+
+def _of_all(rows: Any) -> torch.Tensor:
+    """Observations (steps, envs, ...) as (steps * envs, ...)."""
+    return torch.as_tensor(rows.reshape(-1, *rows.shape[2:]))
 
 
 def steps_done(state: TrainingState | None) -> int:

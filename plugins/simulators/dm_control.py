@@ -44,7 +44,6 @@ class DmControl:
         return build_model(robot, timestep, self.bandwidth, servo, self.self_collision)
 
     def open(self, robot: Robot, num_envs: int, control_period: float) -> "DmControlSimulation":
-        """See `harness.simulator.Simulator`."""
         return DmControlSimulation(self, robot, num_envs, control_period)
 
     def bare_loop(self, robot: Robot, targets: Float, period: float) -> Callable[[], None]:
@@ -162,7 +161,6 @@ class DmControlSimulation:
         return steps if self._servo is None else 1
 
     def reset(self, qpos: Float, mask: Mask) -> State:
-        """See `harness.simulator.Simulation`."""
         self._awake |= mask
         for k in np.flatnonzero(mask).tolist():
             self.arms[k].task.start[:] = qpos[k]
@@ -170,11 +168,9 @@ class DmControlSimulation:
         return self._state
 
     def place(self, qpos: Float) -> State:
-        """See `harness.simulator.Simulation`."""
         return self.reset(qpos, np.ones(len(self.arms), bool))
 
     def drive(self, qpos: Float, duration: float) -> State:
-        """See `harness.simulator.Simulation`."""
         if duration != self._duration:
             self._set_duration(duration)
         for k in np.flatnonzero(self._awake).tolist():
@@ -182,7 +178,6 @@ class DmControlSimulation:
         return self._state
 
     def rest(self, mask: Mask) -> None:
-        """See `harness.simulator.Simulation`."""
         self._awake = ~mask
 
     def _set_duration(self, duration: float) -> None:
@@ -204,15 +199,12 @@ class DmControlSimulation:
         state.ground_contact[k] = seen["touch"][0] > 0.0
 
     def read(self) -> State:
-        """See `harness.simulator.Simulation`."""
         return self._state
 
     def render(self, env: int, target: Float, width: int, height: int) -> NDArray[np.uint8]:
-        """See `harness.simulator.Simulation`."""
         return self._renderer.frame(self._state.qpos[env], target, width, height)
 
     def close(self) -> None:
-        """See `harness.simulator.Simulation`."""
         self._renderer.close()
         for arm in self.arms:
             arm.physics.free()

@@ -63,7 +63,6 @@ class Drake:
     self_collision: Annotated[bool, Field(description="whether the arm's links collide with one another")] = False
 
     def open(self, robot: Robot, num_envs: int, control_period: float) -> ArmsApart | ServoArms:
-        """See `harness.simulator.Simulator`."""
         substeps, timestep = Substeps(self.substeps, control_period), control_period / self.substeps
         if self.drive == "servo":
             servo = servo_of(robot)
@@ -74,7 +73,6 @@ class Drake:
         return ArmsApart(robot, num_envs, lambda: Arm(model, substeps, damping))
 
     def bare_loop(self, robot: Robot, targets: Float, period: float) -> Callable[[], None]:
-        """See `harness.simulator.Simulator`."""
         simulation = self.open(robot, targets.shape[1], period)
         if isinstance(simulation, ServoArms):
             return follow_alone(simulation, targets, period, self.substeps)
@@ -114,7 +112,6 @@ class ArmAlone:
         self._torques = model.plant.get_actuation_input_port(model.arm)
 
     def put(self, qpos: Float) -> None:
-        """See `harness_plugins.arms.apart.ArmAlone`."""
         plant, self._done = self.model.plant, 0
         positions = np.empty_like(qpos)
         positions[self.model.order] = qpos
@@ -134,7 +131,6 @@ class ArmAlone:
             raise SimulationDiverged(f"Drake stops the arm: {' '.join(str(error).split())}") from error
 
     def read(self, state: State, env: int) -> None:
-        """See `harness_plugins.arms.apart.ArmAlone`."""
         plant, context = self.model.plant, self.context
         state.qpos[env] = plant.GetPositions(context)[self.model.order]
         state.qvel[env] = plant.GetVelocities(context)[self.model.order]
@@ -156,7 +152,6 @@ class Arm(ArmAlone):
         self._damping = damping
 
     def turn(self, speeds: Float, duration: float) -> None:
-        """See `harness_plugins.arms.apart.Arm`."""
         self._torques.FixValue(self.context, self._damping * speeds)
         self._advance(self._substeps.within(duration))
 
@@ -174,12 +169,10 @@ class ServoArm(ArmAlone):
         )
 
     def put(self, qpos: Float) -> None:
-        """See `harness_plugins.arms.apart.ArmAlone`."""
         super().put(qpos)
         self._friction.forget()
 
     def follow(self, qpos_ref: Float, qvel_ref: Float) -> None:
-        """See `harness_plugins.arms.servo.ServoArm`."""
         for position, speed in zip(qpos_ref, qvel_ref, strict=True):
             self._torques.FixValue(self.context, self._torque(position, speed))
             self._advance(1)

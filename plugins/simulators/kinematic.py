@@ -11,7 +11,7 @@ from harness.arrays import Float, Mask
 from harness.robot import Robot
 from harness.robot.ground_clearance import build_solids
 from harness.robot.kinematics import link_frames
-from harness.scene.still import StillFrames
+from harness.scene.picture import StillFrames
 from harness.simulator import State
 
 
@@ -27,7 +27,6 @@ class Kinematic:
     family: ClassVar[str | None] = None
 
     def open(self, robot: Robot, num_envs: int, control_period: float) -> "KinematicSimulation":
-        """See `harness.simulator.Simulator`."""
         return KinematicSimulation(robot, num_envs)
 
     def bare_loop(self, robot: Robot, targets: Float, period: float) -> Callable[[], None]:
@@ -57,7 +56,6 @@ class KinematicSimulation:
         self.reset(np.tile(robot.home, (num_envs, 1)), np.ones(num_envs, bool))
 
     def reset(self, qpos: Float, mask: Mask) -> State:
-        """See `harness.simulator.Simulation`."""
         state = self._state
         arms = np.flatnonzero(mask)
         state.qpos[arms], state.qvel[arms] = qpos[arms], 0.0
@@ -65,14 +63,12 @@ class KinematicSimulation:
         return state
 
     def place(self, qpos: Float) -> State:
-        """See `harness.simulator.Simulation`."""
         if np.array_equal(qpos, self._state.qpos):  # a decision of several steps puts the arms where they are
             self._state.qvel[...] = 0.0
             return self._state
         return self.reset(qpos, np.ones(len(qpos), bool))
 
     def drive(self, qpos: Float, duration: float) -> State:
-        """See `harness.simulator.Simulation`."""
         state = self._state
         np.subtract(qpos, state.qpos, out=state.qvel)
         state.qvel[...] /= duration
@@ -81,7 +77,6 @@ class KinematicSimulation:
         return state
 
     def read(self) -> State:
-        """See `harness.simulator.Simulation`."""
         return self._state
 
     def render(self, env: int, target: Float, width: int, height: int) -> NDArray[np.uint8]:

@@ -16,7 +16,7 @@ from harness.authoring.ground_contact import GroundContact
 from harness.authoring.substeps import Substeps
 from harness.errors import UsageError
 from harness.robot import Robot
-from harness.scene.still import StillFrames
+from harness.scene.picture import StillFrames
 from harness.simulator import State
 
 from ..mujoco_model import build_model, mujoco
@@ -51,7 +51,6 @@ class Mjx:
     ] = 0
 
     def open(self, robot: Robot, num_envs: int, control_period: float) -> "MjxSimulation":
-        """See `harness.simulator.Simulator`."""
         return MjxSimulation(self, robot, num_envs, control_period)
 
 
@@ -79,7 +78,6 @@ class MjxSimulation:
         self.place(np.tile(robot.home, (num_envs, 1)))
 
     def reset(self, qpos: Float, mask: Mask) -> State:
-        """See `harness.simulator.Simulation`."""
         self._awake |= mask
         motion = self._motion
         motion.qpos[mask] = motion.act[mask] = qpos[mask]
@@ -87,11 +85,9 @@ class MjxSimulation:
         return self._look(np.flatnonzero(mask))
 
     def place(self, qpos: Float) -> State:
-        """See `harness.simulator.Simulation`."""
         return self.reset(qpos, np.ones(len(qpos), bool))
 
     def drive(self, qpos: Float, duration: float) -> State:
-        """See `harness.simulator.Simulation`."""
         steps = self._substeps.within(duration)
         # The speeds lead from the positions that the servos hold now, so rounding cannot add up over periods.
         speeds = (qpos - self._motion.act) / duration
@@ -118,11 +114,9 @@ class MjxSimulation:
         return self._state
 
     def rest(self, mask: Mask) -> None:
-        """See `harness.simulator.Simulation`."""
         self._awake = ~mask
 
     def read(self) -> State:
-        """See `harness.simulator.Simulation`."""
         return self._state
 
     def render(self, env: int, target: Float, width: int, height: int) -> NDArray[np.uint8]:

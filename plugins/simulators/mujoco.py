@@ -43,7 +43,6 @@ class Mujoco:
     self_collision: Annotated[bool, Field(description="whether the arm's links collide with one another")] = False
 
     def open(self, robot: Robot, num_envs: int, control_period: float) -> "MujocoSimulation":
-        """See `harness.simulator.Simulator`."""
         return MujocoSimulation(self, robot, num_envs, control_period)
 
     def build(self, robot: Robot, timestep: float) -> Any:
@@ -85,34 +84,27 @@ class MujocoSimulation:
             self._feed = RampFeed(self._arms.held, self._arms.controls)
 
     def reset(self, qpos: Float, mask: Mask) -> State:
-        """See `harness.simulator.Simulation`."""
         self._arms.reset(qpos, mask)
         self._feed.reset(qpos, mask)
         return self._arms.read()
 
     def place(self, qpos: Float) -> State:
-        """See `harness.simulator.Simulation`."""
         return self.reset(qpos, np.ones(self._num_envs, bool))
 
     def drive(self, qpos: Float, duration: float) -> State:
-        """See `harness.simulator.Simulation`."""
         steps = self._substeps.within(duration)
         self._arms.advance(self._feed.controls(qpos, duration, steps), steps)
         return self._arms.read()
 
     def rest(self, mask: Mask) -> None:
-        """See `harness.simulator.Simulation`."""
         self._arms.rest(mask)
 
     def read(self) -> State:
-        """See `harness.simulator.Simulation`."""
         return self._arms.read()
 
     def render(self, env: int, target: Float, width: int, height: int) -> NDArray[np.uint8]:
-        """See `harness.simulator.Simulation`."""
         return self._renderer.frame(self.read().qpos[env], target, width, height)
 
     def close(self) -> None:
-        """See `harness.simulator.Simulation`."""
         self._renderer.close()
         self._arms.close()

@@ -79,7 +79,6 @@ class PhysX:
     self_collision: Annotated[bool, Field(description="whether the arm's links collide with one another")] = False
 
     def open(self, robot: Robot, num_envs: int, control_period: float) -> ArmsApart | ServoArms:
-        """See `harness.simulator.Simulator`."""
         substeps, timestep = Substeps(self.substeps, control_period), control_period / self.substeps
         if self.drive == "servo":
             servo = servo_of(robot)
@@ -91,7 +90,6 @@ class PhysX:
         return ArmsApart(robot, num_envs, lambda: Arm(model, probe, substeps))
 
     def bare_loop(self, robot: Robot, targets: Float, period: float) -> Callable[[], None]:
-        """See `harness.simulator.Simulator`."""
         simulation = self.open(robot, targets.shape[1], period)
         if isinstance(simulation, ServoArms):
             return follow_alone(simulation, targets, period, self.substeps)
@@ -217,12 +215,10 @@ class ArmAlone:
         self._body = Body(model)
 
     def put(self, qpos: Float) -> None:
-        """See `harness_plugins.arms.apart.ArmAlone`."""
         self._body = Body(self._model)  # only a new scene makes PhysX forget contacts; it takes a millisecond
         self._body.put_joints(qpos)
 
     def read(self, state: State, env: int) -> None:
-        """See `harness_plugins.arms.apart.ArmAlone`."""
         body = self._body
         positions = body.arm.qpos
         state.qpos[env] = positions[body.order]
@@ -241,7 +237,6 @@ class Arm(ArmAlone):
         self._substeps = substeps
 
     def turn(self, speeds: Float, duration: float) -> None:
-        """See `harness_plugins.arms.apart.Arm`."""
         for joint, speed in zip(self._body.joints, speeds.tolist(), strict=True):
             joint.set_drive_velocity_target(speed)
         step = self._body.system.step
@@ -257,7 +252,6 @@ class ServoArm(ArmAlone):
         self._servo = servo
 
     def follow(self, qpos_ref: Float, qvel_ref: Float) -> None:
-        """See `harness_plugins.arms.servo.ServoArm`."""
         servo, order, arm, step = self._servo, self._body.order, self._body.arm, self._body.system.step
         torque = np.empty(len(order), np.float32)
         for position, speed in zip(qpos_ref, qvel_ref, strict=True):

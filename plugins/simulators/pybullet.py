@@ -44,7 +44,6 @@ class PyBullet:
     self_collision: Annotated[bool, Field(description="whether the arm's links collide with one another")] = False
 
     def open(self, robot: Robot, num_envs: int, control_period: float) -> ArmsApart | ServoArms:
-        """See `harness.simulator.Simulator`."""
         clients, substeps = Clients(robot), Substeps(self.substeps, control_period)
         options = substeps, self.iterations, self.self_collision
         with file_of_arm(robot) as path:

@@ -31,7 +31,6 @@ class Moving(ReachTask):
         return MovingGoal(self, robot, self.target_speed, self.control_period, self.steps_within)
 
     def target_in_words(self, robot: Robot) -> str:
-        """See `harness.task.Task`."""
         speed = f"{self.target_speed:g} m/s"
         return f"{super().target_in_words(robot)}; it moves at {speed} to another place there, and back again"
 
@@ -68,7 +67,6 @@ class MovingGoal(Goal):
         return np.asarray(ends - position)
 
     def displacement(self, numbers: Float, step: Float) -> Float:
-        """See `harness.goal.Goal`."""
         length = np.linalg.norm(numbers, axis=1)
         gone = self.speed * self.period * step
         along = length - np.abs(np.mod(gone, 2.0 * np.maximum(length, SHORTEST)) - length)

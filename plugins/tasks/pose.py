@@ -13,8 +13,7 @@ from harness.goal import Goal, Situation
 from harness.reach import Positive, ReachTask
 from harness.robot import Robot
 from harness.robot.inverse_kinematics import reach_position
-from harness.robot.kinematics import forward
-from harness.robot.rotations import axes_of_rotation, rotation_between, rotation_of_axes
+from harness.robot.kinematics import axes_of_rotation, forward, rotation_between, rotation_of_axes
 
 
 @dataclass(frozen=True)
@@ -40,7 +39,6 @@ class Pose(ReachTask):
         return PoseGoal(robot, self.epsilon / self.angle, self.turn)
 
     def target_in_words(self, robot: Robot) -> str:
-        """See `harness.task.Task`."""
         return f"{super().target_in_words(robot)}, in an orientation that it can take there"
 
 

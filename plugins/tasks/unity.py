@@ -82,11 +82,9 @@ class UnityReach:
     ends_at_target: ClassVar[bool] = False
 
     def motion(self, robot: Robot) -> Motion:
-        """See `harness.task.Task`."""
         return build_motion(self.action, Setting(robot, self.control_period, self.speed, self.acceleration))
 
     def observation(self, robot: Robot) -> "UnityObservation":
-        """See `harness.task.Task`."""
         return UnityObservation(robot, np.array(self.base_position))
 
     def target_rewards(self, robot: Robot, qpos: Float) -> Float:
@@ -100,7 +98,6 @@ class UnityReach:
         return rewards
 
     def check(self, robot: Robot) -> None:
-        """See `harness.task.Task`."""
         self.motion(robot)
 
     def draw_start(self, robot: Robot, rng: np.random.Generator) -> Float:
@@ -122,15 +119,12 @@ class UnityReach:
         return Targets(rng.uniform(low, high), relative)
 
     def start_in_words(self, robot: Robot) -> str:
-        """See `harness.task.Task`."""
         return "uniform in the joint ranges, the end effector 0.1 to 1 m above the ground"
 
     def target_in_words(self, robot: Robot) -> str:
-        """See `harness.task.Task`."""
         return "half of the times uniform in a box beside the base, else within 0.01 to 0.15 m of the end effector"
 
     def target_reward_in_words(self) -> str:
-        """See `harness.task.Task`."""
         return f"{self.target_reward:+g}, and up to {self.upright_reward:+g} for an end effector that points up"
 
 
@@ -144,7 +138,6 @@ class Arp2021(UnityReach):
     varies: ClassVar[bool] = False
 
     def check(self, robot: Robot) -> None:
-        """See `harness.task.Task`."""
         self.motion(robot)
         _, reached = reach_position(robot, FIXED_TARGET[None], robot.home[None], tolerance=self.epsilon)
         if not reached.all():
@@ -162,11 +155,9 @@ class Arp2021(UnityReach):
         return Targets(np.tile(FIXED_TARGET, (count, 1)), np.zeros(count, bool))
 
     def start_in_words(self, robot: Robot) -> str:
-        """See `harness.task.Task`."""
         return "the home pose"
 
     def target_in_words(self, robot: Robot) -> str:
-        """See `harness.task.Task`."""
         return f"{tuple(FIXED_TARGET.tolist())} m"
 
 
@@ -201,7 +192,6 @@ class UnityObservation:
         return self._high.astype(np.float32)
 
     def observe(self, episodes: Episodes) -> Float32:
-        """See `harness.task.Observation`."""
         base = np.broadcast_to(self._base, episodes.target.shape)
         vectors = (base, base + episodes.target, base + episodes.end_effector, episodes.offset)
         joints = (episodes.qpos - self._middle) / self._half

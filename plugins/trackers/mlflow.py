@@ -35,7 +35,6 @@ class MLflow:
     experiment: Annotated[str, Field(min_length=1, description="experiment that the runs belong to")] = "fd100-harness"
 
     def why_not(self) -> str:
-        """See `harness.tracker.Tracker`."""
         import mlflow
 
         uri = self.uri or mlflow.get_tracking_uri()
@@ -48,7 +47,6 @@ class MLflow:
         return ""
 
     def begin(self, cell: TrackedCell) -> "Run":
-        """See `harness.tracker.Tracker`."""
         client = self._client()
         found = client.get_experiment_by_name(self.experiment)
         experiment = found.experiment_id if found else client.create_experiment(self.experiment)
@@ -77,14 +75,12 @@ class Run:
         self._client, self._run = client, run
 
     def log(self, steps: int, scalars: Mapping[str, float]) -> None:
-        """See `harness.tracker.Track`."""
         from mlflow.entities import Metric
 
         now = int(1000 * time.time())
         self._client.log_batch(self._run, metrics=[Metric(name, value, now, steps) for name, value in scalars.items()])
 
     def end(self, outcome: Outcome, reason: str) -> None:
-        """See `harness.tracker.Track`."""
         self._client.set_tag(self._run, OUTCOME, outcome)
         if reason:
             self._client.set_tag(self._run, REASON, reason)

@@ -23,11 +23,9 @@ class TensorBoard:
     folder: ClassVar[str] = "tensorboard"
 
     def why_not(self) -> str:
-        """See `harness.tracker.Tracker`."""
         return ""
 
     def begin(self, cell: TrackedCell) -> "Events":
-        """See `harness.tracker.Tracker`."""
         from tensorboard import summary  # it takes a second
 
         title = re.sub(r"[^\w.,=+-]+", "_", cell.title)[:LONGEST]
@@ -41,12 +39,10 @@ class Events:
         self._writer = writer
 
     def log(self, steps: int, scalars: Mapping[str, float]) -> None:
-        """See `harness.tracker.Track`."""
         with np.errstate(over="ignore"):  # it keeps float32: what is too large becomes infinite
             for name, value in scalars.items():
                 self._writer.add_scalar(name, value, steps)
         self._writer.flush()  # so that TensorBoard shows it now
 
     def end(self, outcome: Outcome, reason: str) -> None:
-        """See `harness.tracker.Track`."""
         self._writer.close()

@@ -32,7 +32,6 @@ class WandB:
     ] = "online"
 
     def why_not(self) -> str:
-        """See `harness.tracker.Tracker`."""
         import wandb
 
         if self.mode == "offline" or wandb.login(prompt=False, verify=False):
@@ -40,7 +39,6 @@ class WandB:
         return "nobody is logged in here: type 'wandb login', or give mode=offline"
 
     def begin(self, cell: TrackedCell) -> "Run":
-        """See `harness.tracker.Tracker`."""
         import wandb
 
         # symlink=False: the harness writes nothing into an experiment's folder that holds links, and the working
@@ -69,10 +67,8 @@ class Run:
         self._run = run
 
     def log(self, steps: int, scalars: Mapping[str, float]) -> None:
-        """See `harness.tracker.Track`."""
         self._run.log({STEPS: steps, **scalars})
 
     def end(self, outcome: Outcome, reason: str) -> None:
-        """See `harness.tracker.Track`."""
         self._run.summary.update({"outcome": outcome, "reason": reason})
         self._run.finish(exit_code=0 if outcome == "done" else 1)

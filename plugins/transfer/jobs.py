@@ -94,18 +94,15 @@ class EvaluateElsewhere:
     noun: ClassVar[str] = "evaluation"
 
     def to_json(self) -> dict[str, Any]:
-        """See `harness.experiment.workers.order.Work`."""
         told = {"cell_folder": str(self.cell_folder), "simulator": self.simulator.to_json()}
         return {**told, "plugins": given_to_json(self.plugins)}
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Self:
-        """See `harness.experiment.workers.order.Work`."""
         plugins = given_from_json(data["plugins"])
         return cls(Path(data["cell_folder"]), Choice.from_json(data["simulator"]), plugins)
 
     def do(self, folder: Path, report: Report) -> bool:
-        """See `harness.experiment.workers.order.Work`."""
         return evaluate_elsewhere(self.cell_folder, self.simulator, folder, self.plugins).status == "done"
 
 
@@ -125,7 +122,6 @@ class TransferJob:
 
     @property
     def title(self) -> str:
-        """For people."""
         return f"{self.cell.title} in {self.simulator.label}"
 
 

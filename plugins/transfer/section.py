@@ -25,11 +25,9 @@ class TransferSection:
     what: ClassVar[str] = "an evaluation elsewhere"
 
     def ending(self, folder: Path) -> TransferRecord:
-        """See `harness.section.Section`."""
         return read_record_of(folder)
 
     def show(self, results: "Results") -> "_Shown | None":
-        """See `harness.section.Section`."""
         from .matrix import load_transfers
 
         transfers = load_transfers(results)

@@ -1,18 +1,10 @@
 """``harness tune``: hyperparameters, with an equal budget for every reward."""
 
-if TYPE_CHECKING:
-    from harness.authoring.commands import Cell
-    from harness.executor import OnEvent
-
-    from .trial import TrialRecord, Tuned
-    from .tune import Watch
-    from .tuning import Tuning
-
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -34,6 +26,15 @@ from harness.authoring.commands import (
 )
 from harness.errors import UsageError
 from harness.text import command_text
+
+if TYPE_CHECKING:
+    from harness.authoring.commands import Cell
+    from harness.executor import OnEvent
+
+    from .trial import TrialRecord, Tuned
+    from .tune import Watch
+    from .tuning import Tuning
+
 
 TuningFile = Annotated[
     Path | None,

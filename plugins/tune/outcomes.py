@@ -1,7 +1,7 @@
 """From cells to outcomes: train what is not trained, validate what is not validated.
 
 Validation: episodes that policies of a search are judged by. Their starts and targets are drawn from another seed than
-those of the evaluation after a training (`harness.experiment.evaluation.evaluate`). So no comparison that follows uses
+those of the evaluation after a training (`harness.experiment.arm_evaluation`). So no comparison that follows uses
 the episodes that chose the settings.
 """
 
@@ -81,13 +81,11 @@ class ValidatePolicy:
     noun: ClassVar[str] = "validation"
 
     def to_json(self) -> dict[str, Any]:
-        """See `harness.experiment.workers.order.Work`."""
         told = {"cell_folder": str(self.cell_folder), "episodes": self.episodes}
         return {**told, "plugins": given_to_json(self.plugins)}
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Self:
-        """See `harness.experiment.workers.order.Work`."""
         return cls(Path(data["cell_folder"]), data["episodes"], given_from_json(data["plugins"]))
 
     def do(self, folder: Path, report: Report) -> bool:
@@ -160,7 +158,6 @@ class TrainedOutcomes:
     follow: Follow
 
     def __call__(self, plan: Plan, cells: Sequence[Cell]) -> dict[Cell, Outcome | str]:
-        """See `Outcomes`."""
         store = Store.create(self.folder / TRIALS, plan)
         self._train(replace(plan, cells=tuple(cells)), store)
         reasons = {cell: read_manifest(store.cell_folder(cell)).reason for cell in cells if not store.is_done(cell)}

@@ -6,13 +6,24 @@ not used here.
 """
 
 import logging
-from collections.abc import Mapping, Sequence
+import os
+import queue
+import subprocess
+import sys
+import tempfile
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor, Future
+from contextlib import suppress
 from pathlib import Path
 from time import monotonic
 from typing import Any
 
+import grpc
+
+from harness.errors import UsageError
+
 from .messages import Behaviour, Message, Told, UnityError, behaviours_in, read_message
-from .process import PlayerProcess
 from .protocol import (
     RESET,
     STEP,
@@ -21,8 +32,164 @@ from .protocol import (
     SideChannelManager,
     UnityMessageProto,
     UnityRLCapabilitiesProto,
+    UnityToExternalProtoServicer,
+    add_UnityToExternalProtoServicer_to_server,
 )
-from .service import Service
+
+HOST = "127.0.0.1"
+"""Other machines cannot connect: whoever connects is believed to be Unity."""
+THREADS = 2
+
+
+class Service(UnityToExternalProtoServicer):  # type: ignore[misc] # generated code has no types
+    """Takes one message of Unity after the other, and answers each with the next answer.
+
+    Attributes:
+        port: Where it listens.
+    """
+
+    def __init__(self, port: int) -> None:
+        """Listen on this machine alone.
+
+        Args:
+            port: 0 takes a free one.
+
+        Raises:
+            UsageError: The port is taken.
+        """
+        self._said: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        self._answers: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        self._server = grpc.server(DaemonThreads(THREADS), options=(("grpc.so_reuseport", 0),))
+        add_UnityToExternalProtoServicer_to_server(self, self._server)
+        try:
+            self.port = self._server.add_insecure_port(f"{HOST}:{port}")
+        except RuntimeError as error:
+            raise UsageError(
+                f"port={port} is taken on this machine. Unity's editor has one connection: give --jobs 1, or another "
+                "port"
+            ) from error
+        self._server.start()
+
+    def Exchange(self, request: Any, context: Any) -> Any:  # noqa: N802 # the protocol's name
+        """Unity says `request`; returns what it is answered."""
+        self._said.put(request)
+        return self._answers.get()
+
+    def receive(self, seconds: float) -> Any:
+        """What Unity says next; None if it says nothing for so long."""
+        try:
+            return self._said.get(timeout=seconds)
+        except queue.Empty:
+            return None
+
+    def answer(self, message: Any) -> None:
+        """Answer what Unity said last."""
+        self._answers.put(message)
+
+    def stop(self) -> None:
+        """Listen no more."""
+        self._server.stop(None)
+
+
+class DaemonThreads(Executor):
+    """Threads that no process waits for when it ends: they may wait for an answer that does not come any more."""
+
+    def __init__(self, count: int) -> None:
+        """Start them."""
+        self._work: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
+        for _ in range(count):
+            threading.Thread(target=self._run, daemon=True).start()
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> "Future[Any]":
+        """Have one of them call a function."""
+        future: Future[Any] = Future()
+
+        def call() -> None:
+            try:
+                future.set_result(fn(*args, **kwargs))
+            except BaseException as error:  # the future tells who asked
+                future.set_exception(error)
+
+        self._work.put(call)
+        return future
+
+    def _run(self) -> None:
+        while True:
+            self._work.get()()
+
+
+GUARD = Path(__file__).with_name("guard.py")
+ENDINGS = {"linux": (".x86_64", ".x86", ""), "darwin": ("",), "win32": (".exe", "")}
+"""What a built program's name may end with where a user leaves it out."""
+LONGEST = 5.0
+"""Seconds that a player gets to end by itself."""
+SHOWN = 200
+"""Characters of a player's last line that a message quotes."""
+
+
+class PlayerProcess:
+    """A player that runs. It ends with this process, however this process ends."""
+
+    def __init__(self, program: Path, arguments: Sequence[str]) -> None:
+        """Start it.
+
+        Raises:
+            UsageError: The system does not start it.
+        """
+        self._output = tempfile.TemporaryFile()  # noqa: SIM115 # closed in `end`
+        command = [sys.executable, "-S", "-E", str(GUARD), str(program), *arguments]
+        self._guard = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=self._output, stderr=subprocess.STDOUT)
+
+    def ending(self) -> str:
+        """How it ended, with its last line; empty while it runs."""
+        code = self._guard.poll()
+        if code is None:
+            return ""
+        told = f"exit status {code}" if code < 128 else f"signal {code - 128}"
+        line = self._last_line()
+        return f"{told}; its last line: {line}" if line else told
+
+    def end(self) -> None:
+        """End it, at once if it does not end by itself."""
+        try:
+            with suppress(subprocess.TimeoutExpired):  # it gets no more time
+                self._guard.wait(LONGEST)
+        finally:
+            if self._guard.stdin:
+                self._guard.stdin.close()
+            self._guard.wait()
+            self._output.close()
+
+    def _last_line(self) -> str:
+        self._output.seek(0, os.SEEK_END)
+        self._output.seek(max(0, self._output.tell() - 4096))
+        lines = [line.strip() for line in self._output.read().decode(errors="replace").splitlines()]
+        return next((line[:SHOWN] for line in reversed(lines) if line), "")
+
+
+def find_program(given: str) -> Path:
+    """The program that a user means, in full: Unity's builds end otherwise on each system.
+
+    Raises:
+        UsageError: There is none, or it cannot be run.
+    """
+    path = Path(os.path.abspath(os.path.expanduser(given)))
+    if sys.platform == "darwin" and (inside := _inside_app(path)):
+        return inside
+    for ending in ENDINGS.get(sys.platform, ("",)):
+        found = path.with_name(path.name + ending)
+        if found.is_file():
+            if not os.access(found, os.X_OK):
+                raise UsageError(f"file={given}: {found} may not be run. What to do: chmod +x {found}")
+            return found
+    raise UsageError(f"file={given}: there is no such program. Give the path of the player that Unity built")
+
+
+def _inside_app(path: Path) -> Path | None:
+    """The program in a folder that macOS shows as one file."""
+    folder = path if path.suffix == ".app" else path.with_name(f"{path.name}.app")
+    return next(iter(sorted((folder / "Contents" / "MacOS").glob("*"))), None)
+
 
 PROTOCOL = "1.5.0"
 """The version of ML-Agents' protocol that is spoken; others with the same first number are understood."""

@@ -4,15 +4,14 @@ import itertools
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from harness.authoring import ObservedReward
 from harness.env.ideal import IdealSimulator
 from harness.env.vector_env import ReachVectorEnv
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
-from harness.robot.load import load_robot
+from harness.robot.robot import load_robot
 from harness.score.places import parse_places
 
 POSITIONS = parse_places("end_effector=0:3,target=3:6,renewed=3:6")

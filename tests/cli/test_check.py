@@ -97,7 +97,6 @@ class Here(contextlib.nullcontext[Any]):
         super().__init__(self)
 
     def run(self, orders: Sequence[Order], at_once: int) -> Iterator[News]:
-        """See `harness.experiment.workers.workers.Pool`."""
         for given in orders:
             order, _ = read_order(given.line())
             partial_folder(order.folder).mkdir()

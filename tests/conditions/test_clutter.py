@@ -5,8 +5,7 @@ import pytest
 
 import harness
 from harness.conditions import Conditions
-from harness.conditions.clearance import Clearance
-from harness.conditions.clutter import MARGIN, draw_clutter
+from harness.conditions.clearance import MARGIN, Clearance, draw_clutter
 from harness.conditions.obstacles import distance_from, there
 from harness.reach import ReachTask
 from harness.robot.inverse_kinematics import reach_position

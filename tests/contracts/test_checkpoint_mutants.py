@@ -63,8 +63,6 @@ class Spoiling(Progress):
         self._inner, self._name = inner, name
 
     def checkpoint(self, steps: int, make: Callable[[], TrainingState]) -> None:
-        """See `harness.progress.Progress`."""
-
         def spoiled() -> TrainingState:
             state = make()
             return {**state, self._name: spoil(state[self._name])}
@@ -72,7 +70,6 @@ class Spoiling(Progress):
         self._inner.checkpoint(steps, spoiled)
 
     def restored(self) -> TrainingState | None:
-        """See `harness.progress.Progress`."""
         return self._inner.restored()
 
 
@@ -102,7 +99,6 @@ class Spoiled:
         self.needs_goals = needs_goals(algorithm)
 
     def train(self, env: ReachVectorEnv, steps: int, seed: int, progress: Progress) -> Policy:
-        """See `harness.algorithm.Algorithm`."""
         policy: Policy = self._algorithm.train(env, steps, seed, Spoiling(progress, self._name))
         return policy
 

@@ -12,8 +12,7 @@ from harness.robot.ground_clearance import build_solids
 from harness.robot.kinematics import link_frames
 from harness.simulator import State
 from harness_plugins.kit import SIMULATOR_CHECKS, IdealSimulator, violations
-from harness_plugins.kit.simulators import checks as simulators
-from harness_plugins.kit.simulators import simulations
+from harness_plugins.kit.simulators import checks as simulators, simulations
 from harness_plugins.kit.simulators.servos import SERVO_CHECKS
 
 ROBOT = harness.load_robot("fd100")

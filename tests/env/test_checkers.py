@@ -8,7 +8,7 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 from stable_baselines3.common import env_checker
 
-from harness.env.single_env import ReachEnv
+from harness.env.make import ReachEnv
 from harness.motion import MODES
 from harness.registry.registry import load_registry
 

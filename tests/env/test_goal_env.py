@@ -10,7 +10,7 @@ from stable_baselines3 import SAC, HerReplayBuffer
 from stable_baselines3.common import env_checker
 
 from harness.env.goal_env import NEEDED, ReachGoalEnv, forgets_the_way
-from harness.env.single_env import ReachEnv
+from harness.env.make import ReachEnv
 from harness.errors import UsageError
 from harness.reach import ReachTask
 from harness.registry.choice import build_named

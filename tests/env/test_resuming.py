@@ -178,7 +178,6 @@ class DriftingSimulator(IdealSimulator):
     """See `Drifting`."""
 
     def open(self, robot: Any, num_envs: int, control_period: float) -> Drifting:
-        """See `harness.simulator.Simulator`."""
         return Drifting(robot, num_envs)
 
 

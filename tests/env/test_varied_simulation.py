@@ -6,7 +6,7 @@ import numpy as np
 
 import harness
 from harness.env.ideal import IdealSimulation
-from harness.env.varied_simulation import MOST_IDLE, VariedSimulation
+from harness.env.surroundings import MOST_IDLE, VariedSimulation
 from harness.robot import Robot
 from harness_plugins.kit import IdealSimulator
 
@@ -20,7 +20,6 @@ class Counting:
     opened: list["Counted"]
 
     def open(self, robot: Robot, num_envs: int, control_period: float) -> "Counted":
-        """See `harness.simulator.Simulator`."""
         self.opened.append(Counted(robot, num_envs))
         return self.opened[-1]
 
@@ -31,7 +30,6 @@ class Counted(IdealSimulation):
     is_closed = False
 
     def close(self) -> None:
-        """See `harness.simulator.Simulation`."""
         self.is_closed = True
 
 

@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from harness.eta.behaviour_change import TRAINING, Change, Quantity, change_of
 from harness.eta.curve import GroupCurve, curve_of

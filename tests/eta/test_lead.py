@@ -3,8 +3,7 @@
 import re
 
 import numpy as np
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from harness.eta.behaviour_change import TRAINING, Change, Quantity, change_of
 from harness.eta.headline import UNMEASURED, Answer, key_of, name_of

@@ -4,8 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from harness.arrays import Float
 from harness.eta.rescaling import FEW, Rescaling, line_of, rescaling_of

@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from harness.eta.curve import GroupCurve, Kind, curve_of
 from harness.eta.scored_sums import BB, BK, KB, KK, Curves, ScoredSums, scored_sums

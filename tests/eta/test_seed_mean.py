@@ -5,8 +5,7 @@ import json
 import numpy as np
 import pytest
 import scipy.stats
-from hypothesis import assume, given
-from hypothesis import strategies as st
+from hypothesis import assume, given, strategies as st
 
 from harness.eta.interval import UNSEEN
 from harness.eta.seed_mean import SeedMean, mean_lost_share, mean_over_seeds

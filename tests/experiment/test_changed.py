@@ -22,7 +22,7 @@ from harness.record.manifest import read_manifest
 from harness.record.store import LOCK, Store
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry, load_registry
-from harness.robot.load import load_robot
+from harness.robot.robot import load_robot
 
 MakeCell = Callable[..., Cell]
 OLD, NEW = "9340a572" + "0" * 56, "f96dd784" + "0" * 56

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from harness import load_robot
-from harness.env.known_arm import kinematics_policy
+from harness.env.arm_observation import kinematics_policy
 from harness.env.make import World, build_world
 from harness.errors import SimulationDiverged
 from harness.experiment import arm_evaluation as module

@@ -13,7 +13,7 @@ from harness.record.cell import Cell
 from harness.registry.choice import Choice
 from harness.registry.given import read_given
 from harness.registry.registry import Registry, load_registry
-from harness.robot.load import load_robot
+from harness.robot.robot import load_robot
 from tests.registry.test_given import REWARD
 
 

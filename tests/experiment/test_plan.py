@@ -16,7 +16,7 @@ from harness.experiment.plan import Plan, check_experiment, expand, read_experim
 from harness.record.store import EXPERIMENT, Store
 from harness.registry.choice import choose
 from harness.registry.registry import Registry, load_registry
-from harness.robot.load import load_robot
+from harness.robot.robot import load_robot
 
 BASE = {"sim": ["ideal"], "algo": ["wander"]}
 

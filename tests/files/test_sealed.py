@@ -3,8 +3,7 @@
 from pathlib import Path
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from harness.errors import NewerFormat, SchemaError
 from harness.files.sealed import read_sealed, seal, unseal

@@ -30,9 +30,8 @@ from harness.record.trace import SCALARS, TraceWriter, read_trace
 from harness.registry.choice import choose
 from harness.registry.registry import Registry
 from harness.registry.toml_file import read_toml
-from harness.robot.load import load_robot
 from harness.robot.meshes import read_mesh
-from harness.robot.robot import read_robot
+from harness.robot.robot import load_robot, read_robot
 from harness.scene.scene import scene_of
 from harness.score.open_steps import open_steps
 from harness_plugins.tune.tuning import read_tuning, resolve

@@ -11,8 +11,7 @@ from collections.abc import Callable
 from random import SystemRandom
 
 import pytest
-from hypothesis import HealthCheck, Phase, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, Phase, given, settings, strategies as st
 
 from tests.fuzz.readers import Reader
 

@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
-from hypothesis import strategies as st
+from hypothesis import assume, given, strategies as st
 
-from harness.motion.arc import Arc, arc_through
+from harness.motion.tip import Arc, arc_through
 
 COORDINATE = st.floats(-1.0, 1.0).map(lambda number: round(number, 3))
 POINT = st.tuples(COORDINATE, COORDINATE, COORDINATE).map(np.array)

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 import harness
 from harness.motion import build_motion
-from harness.motion.follow import Follower
+from harness.motion.tip import Follower
 from harness.robot import Robot
 
 

@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from harness.errors import UsageError
-from harness.motion.frames import CartesianMode
+from harness.motion.tip import CartesianMode
 from harness.robot import Robot
 from harness.robot.kinematics import forward
 

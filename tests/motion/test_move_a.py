@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from harness.motion import build_motion
-from harness.motion.arc import arc_through
+from harness.motion.tip import arc_through
 from harness.robot import Robot
 
 COORDINATE = st.floats(-1.0, 1.0).map(lambda number: round(number, 2))

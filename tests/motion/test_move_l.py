@@ -65,7 +65,7 @@ def test_the_line_is_kept_in_any_frame(arm: Robot, setting_of, directions, frame
 
 def test_the_check_on_the_line_sees_a_fault(fd100: Robot, setting_of, directions, monkeypatch):
     """Joint movements that are not solved to the end, only once, leave the line by more than a millimetre."""
-    monkeypatch.setattr("harness.motion.follow.ITERATIONS", 0)
+    monkeypatch.setattr("harness.motion.tip.ITERATIONS", 0)
     world = directions(COUNT)
     tips, held = drive_along(build_motion("movel", setting_of(fd100)), fd100, world, 30)
     way = tips - tips[0]

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.robot.load import load_robot
+from harness.robot.robot import load_robot
 from tests.oracles.trial import Answer, Trial, call
 
 Matrix = NDArray[np.float64]

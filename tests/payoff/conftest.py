@@ -7,7 +7,7 @@ import pytest
 
 from harness.payoff.rollout import record_rollouts
 from harness.reach import ReachTask
-from harness.robot.load import load_robot
+from harness.robot.robot import load_robot
 from harness_plugins.kit import IdealSimulator
 
 

@@ -15,7 +15,7 @@ from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 from harness.reward.forms import reward_class
 from harness.reward.steps import ARM_BEFORE
-from harness.robot.load import load_robot
+from harness.robot.robot import load_robot
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.tasks.moving import Moving
 from harness_plugins.tasks.pose import Pose

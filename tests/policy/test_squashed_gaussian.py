@@ -3,8 +3,7 @@
 from collections.abc import Callable
 
 import numpy as np
-from hypothesis import example, given
-from hypothesis import strategies as st
+from hypothesis import example, given, strategies as st
 
 from harness.policy import SquashedGaussian
 

@@ -6,8 +6,7 @@ from dataclasses import FrozenInstanceError, fields
 from typing import Any
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from harness.record.cell import BROUGHT, Cell
 from harness.registry.choice import Choice

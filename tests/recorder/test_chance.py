@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.recorder.chance import Chance
+from harness.recorder.guard import Chance
 
 DRAWS: dict[str, tuple[str, Callable[[], Any]]] = {
     "numpy": ("numpy.random", np.random.rand),

@@ -6,8 +6,7 @@ from importlib.metadata import EntryPoint
 from typing import Any
 
 import pytest
-from hypothesis import example, given, settings
-from hypothesis import strategies as st
+from hypothesis import example, given, settings, strategies as st
 
 from harness.errors import UsageError
 from harness.registry.choice import Choice, build_defaults, build_named, choose, parse, split_list

@@ -1,8 +1,7 @@
 """Numbers, signs and symbols as print has them."""
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from harness.report.typography import Piece, pieces_of, to_html, typeset
 

@@ -4,8 +4,7 @@ import numpy as np
 
 import harness
 from harness.robot.inverse_kinematics import reach_pose, reach_position
-from harness.robot.kinematics import forward
-from harness.robot.rotations import rotation_between
+from harness.robot.kinematics import forward, rotation_between
 
 ROBOT = harness.load_robot("fd100")
 COUNT = 200

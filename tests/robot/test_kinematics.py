@@ -3,8 +3,7 @@
 import mujoco
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from harness.errors import UsageError
 from harness.robot.kinematics import (
@@ -13,8 +12,8 @@ from harness.robot.kinematics import (
     forward,
     pose_jacobian,
     position_jacobian,
+    rotation_between,
 )
-from harness.robot.rotations import rotation_between
 from harness.robot.urdf import parse_urdf, read_chain
 
 MASS = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'

@@ -7,8 +7,8 @@ import pytest
 
 from harness.errors import UsageError
 from harness.robot.ground_clearance import build_solids
+from harness.robot.joint_limits import choose_home
 from harness.robot.kinematics import Chain, build_chain, end_effector_position, link_frames
-from harness.robot.resting_pose import choose_home
 from harness.robot.shapes import Shape
 from harness.robot.urdf import Joint
 

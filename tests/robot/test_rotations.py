@@ -1,11 +1,10 @@
 """How far one orientation is turned from another."""
 
 import numpy as np
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from scipy.spatial.transform import Rotation
 
-from harness.robot.rotations import axes_of_rotation, rotation_between, rotation_of_axes
+from harness.robot.kinematics import axes_of_rotation, rotation_between, rotation_of_axes
 
 QUATERNIONS = st.lists(st.floats(-1.0, 1.0), min_size=4, max_size=4).filter(lambda q: np.linalg.norm(q) > 0.1)
 ROTATIONS = QUATERNIONS.map(lambda q: Rotation.from_quat(q).as_matrix()[None])

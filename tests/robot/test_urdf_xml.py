@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 import pytest
 
 from harness.errors import UsageError
-from harness.robot.urdf_xml import read_xml
+from harness.robot.urdf import read_xml
 
 LINK = '<link name="a"/>'
 

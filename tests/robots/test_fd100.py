@@ -8,8 +8,7 @@ from xml.etree import ElementTree
 import mujoco
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 import harness_robots
 from harness.robot.robot import read_robot

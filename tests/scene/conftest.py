@@ -7,10 +7,8 @@ import pytest
 
 from harness.record.scene import Scene, scene_from_json
 from harness.robot import Robot
-from harness.robot.load import load_robot
-from harness.robot.robot import read_robot
-from harness.scene.scene import scene_of
-from harness.scene.triangles import surface
+from harness.robot.robot import load_robot, read_robot
+from harness.scene.scene import scene_of, surface
 from tests.robot.test_meshes import binary_stl
 
 LINK = """<link name="{name}">

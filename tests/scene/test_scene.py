@@ -8,7 +8,7 @@ import pytest
 from harness.record.scene import Scene
 from harness.robot import Robot
 from harness.robot.kinematics import child_frames, end_effector_position
-from harness.robot.load import load_robot
+from harness.robot.robot import load_robot
 from harness.scene.picture import chain_of, corners_of
 from harness.scene.scene import FEWEST, GREY, TRIANGLES, scene_of
 from tests.scene.conftest import meshed

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from harness.robot.meshes import Mesh
-from harness.scene.triangles import AROUND, fewer, surface
+from harness.scene.scene import AROUND, fewer, surface
 
 SHARE = AROUND / (2 * np.pi) * np.sin(2 * np.pi / AROUND)
 """Of a circle's area that a regular polygon in it has."""

@@ -29,7 +29,6 @@ class Pinocchio:
     bandwidth: Annotated[float, Field(gt=0, description="bandwidth of the joint drives, w [rad/s]")] = 60.0
 
     def open(self, robot: Robot, num_envs: int, control_period: float) -> "PinocchioSimulation":
-        """See `harness.simulator.Simulator`."""
         return PinocchioSimulation(self, robot, num_envs, control_period)
 
 
@@ -48,17 +47,14 @@ class PinocchioSimulation:
         self._target = self._qpos.copy()  # where the ramp stands: errors do not add up over periods
 
     def reset(self, qpos: Float, mask: Mask) -> State:
-        """See `harness.simulator.Simulation`."""
         self._qpos[mask] = self._target[mask] = qpos[mask]
         self._qvel[mask] = 0.0
         return self.read()
 
     def place(self, qpos: Float) -> State:
-        """See `harness.simulator.Simulation`."""
         return self.reset(qpos, np.ones(len(qpos), bool))
 
     def drive(self, qpos: Float, duration: float) -> State:
-        """See `harness.simulator.Simulation`."""
         steps = self._substeps.within(duration)
         speed, period = (qpos - self._target) / duration, duration / steps
         for env in range(len(qpos)):
@@ -68,7 +64,6 @@ class PinocchioSimulation:
         return self.read()
 
     def read(self) -> State:
-        """See `harness.simulator.Simulation`."""
         tips = np.array([self._tip(qpos) for qpos in self._qpos])
         return State(self._qpos.copy(), self._qvel.copy(), tips, self._touches(self._qpos))
 

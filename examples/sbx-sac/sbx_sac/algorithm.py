@@ -30,7 +30,6 @@ class SbxSac:
     sources: ClassVar[tuple[str, ...]] = ("sbx_sac", "harness_plugins.sb3")
 
     def train(self, env: TrainingEnv, steps: int, seed: int, progress: Progress) -> SquashedGaussian:
-        """See `harness.algorithm.Algorithm`."""
         # Imported here: JAX takes seconds, and settings are checked before anything runs.
         from sbx import SAC
 

@@ -124,7 +124,6 @@ class Together:
 
     @property
     def most(self) -> tuple[float, float] | None:
-        """See `Change.most`."""
         if why_no_interval(self.seeds):
             return None
         (_, one), (_, other) = (mean_bounds(side, [self._ends] * len(side)) for side in self._of_places)

@@ -49,7 +49,6 @@ class TraceParts:
         self._writer = self._open(self._present)
 
     def append(self, rows: Rows) -> None:
-        """See `harness.record.trace.Recorder`."""
         self._writer.append(rows)
 
     def cut(self) -> None:

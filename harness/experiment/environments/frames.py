@@ -104,7 +104,6 @@ class DrawFrames(Plain):
     noun: ClassVar[str] = "drawing"
 
     def do(self, folder: Path, report: Report) -> bool:
-        """See `harness.experiment.workers.order.Work`."""
         report(Word(0))
         try:
             require_pillow()

@@ -23,7 +23,7 @@ from harness.record.store import Store
 from harness.recorder.column import source_of
 from harness.recorder.env_facts import env_facts
 from harness.recorder.retake import Later, Retake
-from harness.recorder.walk import Walk
+from harness.recorder.sealed import Walk
 from harness.registry.choice import Choice, choose
 from harness.registry.names import unknown_name
 from harness.registry.registry import Registry

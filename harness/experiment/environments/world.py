@@ -61,7 +61,6 @@ class EnvironmentWorld:
 
     @cached_property
     def runs_on(self) -> Mapping[str, Any]:
-        """See `CellWorld`."""
         return describe_environment(self._cell, None, self._registry)
 
     def build(self, algorithm: Algorithm) -> Mapping[str, Any]:
@@ -86,14 +85,12 @@ class EnvironmentWorld:
 
     @contextmanager
     def training(self, attempt: Attempt) -> Iterator[TrainingEnv]:
-        """See `CellWorld`."""
         self._batch = self._batch or self._open()
         self._told, self._steps = time.monotonic(), self._batch.environment_steps
         with closing(self._batch) as batch:
             yield batch
 
     def learned(self, steps: int, *, if_due: bool = False) -> Mapping[str, float]:
-        """See `CellWorld`."""
         now, batch, found = time.monotonic(), self._batch, dict[str, float]()
         if batch is None or (if_due and now < self._told + TELL_EVERY):
             return NO_SCALARS
@@ -106,7 +103,6 @@ class EnvironmentWorld:
         return found
 
     def kept(self) -> tuple[TrainingState, Sequence[str]] | None:
-        """See `CellWorld`."""
         batch = self._batch
         return (batch.state(), ()) if batch is not None and batch.can_be_kept else None
 
@@ -147,7 +143,6 @@ class EnvironmentWorld:
         return evaluation_scalars(read_recording(path), self._cell.reward.label)
 
     def finish(self, folder: Path) -> Sequence[str]:
-        """See `CellWorld`."""
         ended = [] if self._batch is None or self._batch.returns else [NO_END]
         recorded = sorted(recordings_in(folder), key=lambda path: path.name != TRAINING_RECORDING)
         return (*ended, *self._cuts(recorded), *_given_up(recorded))

@@ -21,7 +21,7 @@ from harness.reward import Array, Carry, Reward, Steps, pay
 from harness.reward.steps import NOT_RECORDED
 from harness.reward.terms import one_each
 from harness.robot import Robot
-from harness.robot.load import load_robot
+from harness.robot.robot import load_robot
 from harness.task import Task
 
 ARMS, MOST_STEPS = 2, 500
@@ -102,11 +102,9 @@ class _Unpaid:
     """A reward that pays nothing."""
 
     def initial_carry(self, begin_distance: Array) -> Carry:
-        """See `harness.reward.Reward`."""
         return ()
 
     def __call__(self, carry: Carry, steps: Steps) -> tuple[Carry, Array | Mapping[str, Array]]:
-        """See `harness.reward.Reward`."""
         return carry, np.zeros(ARMS)
 
 
@@ -125,7 +123,6 @@ class _Watched:
         self.reason, self._step = "", 0
 
     def initial_carry(self, begin_distance: Array) -> Carry:
-        """See `harness.reward.Reward`."""
         try:
             return self._reward.initial_carry(begin_distance)
         except (Exception, SystemExit) as error:
@@ -133,7 +130,6 @@ class _Watched:
             raise
 
     def __call__(self, carry: Carry, steps: Steps) -> tuple[Carry, Array | Mapping[str, Array]]:
-        """See `harness.reward.Reward`."""
         try:
             after, paid = pay(self._reward, carry, steps)
             for value in (paid.total, *paid.terms.values()):

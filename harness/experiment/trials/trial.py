@@ -52,7 +52,6 @@ class TryTask(Plain):
     noun: ClassVar[str] = "trial"
 
     def do(self, folder: Path, report: Report) -> bool:
-        """See `harness.experiment.workers.order.Work`."""
         with Path(self.notes).open("wb", buffering=0) as notes:
 
             def tell(column: str) -> None:

@@ -59,7 +59,7 @@ def places_of(text: str | None, robot: str | None, registry: Registry) -> ArmPla
         return None
     if robot is None:
         return parse_places(text)
-    from harness.robot.load import load_robot
+    from harness.robot.robot import load_robot
 
     arm = load_robot(Path(robot) if Path(robot).exists() else robot, registry)
     places = parse_places(text, arm.end_effector)

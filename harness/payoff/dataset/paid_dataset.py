@@ -23,10 +23,10 @@ from harness.log.log import (
     RECORDED,
     REWARD,
     SEEN,
+    SUCCESS as SUCCESS_NAME,
     TASK,
     Array,
 )
-from harness.log.log import SUCCESS as SUCCESS_NAME
 from harness.payoff.dataset.rewards import Recorded
 from harness.payoff.dataset.steps import Movement, Payer, flaw_of, seen_after, steps_by_episode
 from harness.record.dataset.labels import FAILURE, SUCCESS, UNKNOWN

@@ -33,21 +33,13 @@ from harness.report.rows.comparison import (
     until_decided,
     what_decides,
 )
-from harness.report.rows.payoff import EXPLANATION as PAYOFFS
-from harness.report.rows.payoff import TITLE as PAYOFF_TITLE
-from harness.report.rows.payoff import Audits
+from harness.report.rows.payoff import EXPLANATION as PAYOFFS, TITLE as PAYOFF_TITLE, Audits
 from harness.report.rows.pools import POOLED, grown_text, joined_text
 from harness.report.rows.race import RACE, RACE_TITLE, race_told
-from harness.report.rows.ranking import AGREEMENT, CHOICE, task_rows
-from harness.report.rows.ranking import EXPLANATION as RANKING
-from harness.report.rows.ranking import TITLE as RANKING_TITLE
+from harness.report.rows.ranking import AGREEMENT, CHOICE, EXPLANATION as RANKING, TITLE as RANKING_TITLE, task_rows
 from harness.report.rows.ratios import PATHS, SPLIT, TOTAL
-from harness.report.rows.returns import EXPLANATION as RETURNS
-from harness.report.rows.returns import MEAN, matrix_title, return_grid
-from harness.report.rows.returns import TITLE as RETURN_TITLE
-from harness.report.rows.terms import EXPLANATION as TERMS
-from harness.report.rows.terms import TITLE as TERMS_TITLE
-from harness.report.rows.terms import never_texts
+from harness.report.rows.returns import EXPLANATION as RETURNS, MEAN, TITLE as RETURN_TITLE, matrix_title, return_grid
+from harness.report.rows.terms import EXPLANATION as TERMS, TITLE as TERMS_TITLE, never_texts
 from harness.results import Results
 from harness.results.comparison import Comparison, still_to_come
 from harness.results.overview import varying_kinds

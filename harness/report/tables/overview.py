@@ -2,8 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
-from rich.console import Console, ConsoleOptions, RenderableType
-from rich.console import Group as Together
+from rich.console import Console, ConsoleOptions, Group as Together, RenderableType
 from rich.text import Text
 
 from harness.report.answers import STYLES

@@ -44,12 +44,10 @@ class Recordings:
 
     @property
     def metrics(self) -> Mapping[str, Measure]:
-        """See `Results`."""
         return {}
 
     @property
     def measures(self) -> tuple[str, ...]:
-        """See `Results`."""
         return tuple(dict.fromkeys(name for it in self.trainings for name in it.names))
 
     @cached_property
@@ -73,7 +71,6 @@ class Recordings:
 
     @property
     def notes(self) -> list[str]:
-        """See `Results`."""
         told: dict[str, None] = {}
         several = len(self.studies) > 1
         for it in self.studies:
@@ -83,12 +80,10 @@ class Recordings:
 
     @property
     def said(self) -> list[str]:
-        """See `Results`."""
         return [line for it in self.trainings for line in it.runs.said]
 
     @property
     def damaged(self) -> list[str]:
-        """See `Results`."""
         return list(dict.fromkeys(line for it in self.trainings for line in it.runs.damaged))
 
     @property
@@ -129,11 +124,9 @@ class Recordings:
         )
 
     def moments(self, cell: Cell) -> tuple[Moment, ...]:
-        """See `Results`."""
         return self.run(cell).moments(cell.steps)
 
     def recorded(self, cell: Cell) -> Float:
-        """See `Results`."""
         files = self.records.store.cell_folder(cell)
         training = files / TRAINING_RECORDING
         return RecordingResults(self.records.folder, training if training.is_dir() else files).paid_by(
@@ -161,7 +154,6 @@ class Recordings:
         return found
 
     def frames(self, cell: Cell) -> Frames | None:
-        """See `Results`."""
         if not self.records.is_experiment:
             return Frames("recordings that no experiment made hold no policies, so no episode can be played again")
         return read_frames(self.records.folder, self.records.manifest(cell))

@@ -59,7 +59,6 @@ class RunTrainings:
         return next((name for name in self.deciding if self.runs.is_flag(name)), "")
 
     def decided_in(self, episodes: Mapping[str, int]) -> str:
-        """See `Trainings`."""
         return next((manner for manner in episodes if episodes[manner]), MANNERS[-1])
 
     def measured(self, training: Run) -> Measured:
@@ -73,11 +72,9 @@ class RunTrainings:
         )
 
     def moments(self, training: Run) -> Sequence[Moment]:
-        """See `Trainings`."""
         return training.moments(self.runs.steps)
 
     def measure(self, name: str, manner: str, episodes: int) -> Quantity:
-        """See `Trainings`."""
         return self.runs.measure(name, manner, episodes)
 
     def has_floor(self, manner: str) -> bool:
@@ -85,7 +82,6 @@ class RunTrainings:
         return manner.startswith(EVALUATION)
 
     def reason(self, match: Match[Run], name: str, manner: str) -> str:
-        """See `Trainings`."""
         for run in (run for side in match.sides for run in side):
             part = run.parts(self.runs.steps).get(manner)
             if part is not None and part.behaviour.get(name) is None:
@@ -100,7 +96,6 @@ class RunTrainings:
         return self._curve(payer, members)
 
     def control(self, match: Match[Run]) -> GroupCurve | None:
-        """See `Trainings`."""
         return self._curve(match.baseline, match.control) if match.control else None
 
     def return_manners(self, episodes: Mapping[str, int]) -> Sequence[str]:
@@ -108,7 +103,6 @@ class RunTrainings:
         return list(episodes)
 
     def returned(self, match: Match[Run], pair: Pair, manner: str) -> list[float]:
-        """See `Trainings`."""
         if self.runs.returns_apart:
             raise Unscored(self.runs.returns_apart)
         payer, found = getattr(match, pair[0]), []
@@ -121,7 +115,6 @@ class RunTrainings:
         return found
 
     def paid_beside_random(self, trainings: Sequence[Run]) -> tuple[list[float], Float]:
-        """See `Trainings`."""
         reward, random = trainings[0].reward, self.runs.random
         evaluated = [None if run.evaluation is None else run.evaluation.whole.returns.get(reward) for run in trainings]
         paid = [value for value in evaluated if value is not None]
@@ -139,7 +132,6 @@ class RunTrainings:
         return ()
 
     def rescaling(self, match: Match[Run]) -> Rescaling | None:
-        """See `Trainings`."""
         if match.baseline == match.proposed:
             return None
         return rescaling_between([run for side in match.sides for run in side], match.proposed, match.baseline)
@@ -149,7 +141,6 @@ class RunTrainings:
         return meet_same_starts([run for side in match.sides for run in side])
 
     def members(self, reward: str) -> Sequence[Run]:
-        """See `Trainings`."""
         return self.runs.of(reward)
 
     def learning(self, comparison: Comparison) -> Learning:
@@ -188,11 +179,9 @@ class RunTrainings:
         return mean_point(end, values, episodes, self.runs.bounds(measure))
 
     def pay_name(self, reward: str) -> str:
-        """See `Trainings`."""
         return return_name(reward)
 
     def ends(self, training: Run) -> Ends:
-        """See `Trainings`."""
         last, part = training.episodes.last, training.episodes.part
         count = min(part_of(len(last)), len(last))
         start = part(0, int(last[count - 1]) + 1) if count else part(0, 0)
@@ -203,7 +192,6 @@ class RunTrainings:
         return Ends(_values(start, training.reward), _values(end, training.reward), acted, episodes)
 
     def at_random(self, reward: str) -> Mapping[str, float | None]:
-        """See `Trainings`."""
         return _values(self.runs.random.whole, reward) if self.runs.random else {}
 
     def has_terms(self, reward: str) -> bool:
@@ -211,7 +199,6 @@ class RunTrainings:
         return True
 
     def terms_paid(self, reward: str) -> list[TermsOfTraining]:
-        """See `Trainings`."""
         return self.terms_beside(reward, reward)[0]
 
     def terms_beside(self, reward: str, trained: str) -> tuple[list[TermsOfTraining], str]:
@@ -223,7 +210,6 @@ class RunTrainings:
         return found, ""
 
     def terms_at_random(self, reward: str) -> ByTerm | None:
-        """See `Trainings`."""
         return self.runs.random.recorded.terms_paid(reward) if self.runs.random else None
 
     def policies(self, reward: str, manner: str) -> Policies:

@@ -62,7 +62,6 @@ class LogPay:
     log: Log
 
     def paid_by(self, reward: str) -> Float:
-        """See `Pay`."""
         facts = self.log.facts
         if facts.unit != "step":
             raise Unscored(f"'{facts.path}' tells {facts.unit}s, and not what was paid for each step")

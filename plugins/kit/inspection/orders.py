@@ -38,16 +38,13 @@ class TryPlugin:
     noun: ClassVar[str] = "check"
 
     def to_json(self) -> dict[str, Any]:
-        """See `harness.experiment.workers.order.Work`."""
         return {"asked": self.asked.to_json(), "notes": self.notes, "check": self.check}
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Self:
-        """See `harness.experiment.workers.order.Work`."""
         return cls(Asked.from_json(data["asked"]), data["notes"], data["check"])
 
     def do(self, folder: Path, report: Report) -> bool:
-        """See `harness.experiment.workers.order.Work`."""
         partial = partial_folder(folder)
         print_into(partial / OUTPUT)
         (partial / ANSWER).write_text(json.dumps(self._answer()), encoding="utf-8")

@@ -25,8 +25,6 @@ from .simulations import (
     same,
     start_at_home,
     turns,
-)
-from .simulations import (
     turns as ways_to_turn,
 )
 

@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 
 import harness
-from harness.env.single_env import ReachEnv
+from harness.env.make import ReachEnv
 from harness.progress import Progress
 from harness.record.trace import TraceWriter
 from harness_plugins.algorithms.ddqn import Ddqn

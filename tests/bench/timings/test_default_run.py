@@ -15,7 +15,7 @@ pytestmark = pytest.mark.bench
 SEEDS, STEPS = 1, 2_500
 BARE = """
 import sys
-from harness.env.single_env import ReachEnv
+from harness.env.make import ReachEnv
 from harness_plugins.algorithms.sac import Sac
 steps, *seeds = map(int, sys.argv[1:])
 for seed in seeds:

@@ -5,10 +5,10 @@ from unittest import mock
 import pytest
 
 import harness
-from harness.env.single_env import ReachEnv
+from harness.env.make import ReachEnv
 from harness.progress import Progress
 from harness_plugins.algorithms.sac_fast import SacFast
-from harness_plugins.fast_sac.learner import Learner
+from harness_plugins.fast_sac.training import Learner
 
 pytestmark = pytest.mark.bench
 START = 10

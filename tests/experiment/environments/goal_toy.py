@@ -54,18 +54,14 @@ class GoalToy:
     lies: bool = False
 
     def make(self) -> AnyEnv:
-        """See `harness.environment.Environment`."""
         return _Square()
 
     def rewards(self, env: AnyEnv) -> Mapping[str, Given]:
-        """See `harness.environment.Environment`."""
         return {"there": "own", "slow": lambda before, action, after, info: -float(np.abs(action).sum())}
 
     def goal_rewards(self, env: AnyEnv) -> Mapping[str, GoalReward]:
-        """See `harness.environment.goal_rewards`."""
         arm: Any = env.unwrapped
         return {"there": lambda achieved, desired: arm.compute_reward(achieved, desired, {}) - self.lies}
 
     def behaviour(self, env: AnyEnv) -> Mapping[str, Given]:
-        """See `harness.environment.Environment`."""
         return {"success": "success"}

@@ -40,13 +40,10 @@ class Swing:
     """Pays for large actions (`large`), or for small ones (`small`)."""
 
     def make(self) -> AnyEnv:
-        """See `harness.environment.Environment`."""
         return _Swing()
 
     def rewards(self, env: AnyEnv) -> Mapping[str, Given]:
-        """See `harness.environment.Environment`."""
         return {"large": "own", "small": lambda before, action, after, info: -_is_large(action)}
 
     def behaviour(self, env: AnyEnv) -> Mapping[str, Given]:
-        """See `harness.environment.Environment`."""
         return {"success": lambda before, action, after, info: env.unwrapped.at[0] > 0.0}

@@ -58,13 +58,10 @@ class Toy:
     bounds: ClassVar[Mapping[str, tuple[float, float]]] = {"distance": (0.0, np.inf)}
 
     def make(self) -> AnyEnv:
-        """See `harness.environment.Environment`."""
         return _Line(self.discrete, self.endless)
 
     def rewards(self, env: AnyEnv) -> Mapping[str, Given]:
-        """See `harness.environment.Environment`."""
         return {"near": "own", "right": lambda before, action, after, info: env.unwrapped.at}
 
     def behaviour(self, env: AnyEnv) -> Mapping[str, Given]:
-        """See `harness.environment.Environment`."""
         return {"distance": "distance", "success": lambda before, action, after, info: abs(env.unwrapped.at) < 0.5}

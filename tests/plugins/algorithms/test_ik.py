@@ -10,8 +10,7 @@ import pytest
 
 import harness
 from harness.algorithm import learns, why_not
-from harness.env.arm_observation import ArmObservation
-from harness.env.known_arm import kinematics_policy
+from harness.env.arm_observation import ArmObservation, kinematics_policy
 from harness.errors import SchemaError
 from harness.experiment.arm_evaluation import EVALUATION_SEED
 from harness.experiment.plan import check_experiment, expand

@@ -49,7 +49,6 @@ class Evaluations(Progress):
         self.found: list[tuple[float, float]] = []
 
     def policy(self, steps: int, make: Callable[[], Policy]) -> None:
-        """See `harness.progress.Progress`."""
         if steps == EVERY * (len(self.found) + 1):
             self.found.append(evaluate(make().act))
 

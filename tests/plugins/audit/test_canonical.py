@@ -5,8 +5,7 @@ from bisect import bisect_right
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from harness.payoff.rollout import Rollout
 from harness.reward import Sample

@@ -9,7 +9,7 @@ import psutil
 import pytest
 
 import harness
-from harness.env.single_env import ReachEnv
+from harness.env.make import ReachEnv
 from harness.errors import UsageError
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry

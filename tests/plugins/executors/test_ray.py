@@ -67,7 +67,7 @@ def test_files_that_are_sent_back_are_those_of_a_shared_folder(check: Callable[.
 
 def test_it_is_said_once_that_no_node_is_left(tmp_path: Path, monkeypatch: Any, capsys: Any):
     """After some seconds, and that the run waits; not while a node can be used, nor while one is asked what it has."""
-    from harness_plugins.ray_cluster import nodes as module
+    from harness_plugins.ray_cluster import fleet as module
 
     nodes, now = module.Nodes([], tmp_path, 1.0, 0.0), [time.monotonic()]
     nodes.known["a"] = module.Node("a", "a", 1, None)

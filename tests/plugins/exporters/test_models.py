@@ -11,8 +11,7 @@ import onnx
 import onnxruntime
 import pytest
 import torch
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from harness.policy import Categorical, Deterministic, Gaussian, Greedy, Network, SquashedGaussian
 from harness_plugins.exporters import onnx_model, torch_script

@@ -13,9 +13,9 @@ from stable_baselines3.common.type_aliases import ReplayBufferSamples
 from torch.distributions import normal
 
 from harness_plugins.algorithms.sac_fast import SacFast
-from harness_plugins.fast_sac.learner import Learner
 from harness_plugins.fast_sac.network import Float32, Networks
 from harness_plugins.fast_sac.replay import Batch, Replay
+from harness_plugins.fast_sac.training import Learner
 
 OBSERVATION, ACTION, ROWS = 5, 3, 32
 

@@ -1,8 +1,7 @@
 """Names of new plugins."""
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from harness.errors import UsageError
 from harness_plugins.kit.new_plugin import LONGEST, PluginName

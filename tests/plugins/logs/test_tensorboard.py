@@ -345,8 +345,7 @@ def test_a_success_that_is_no_share_is_refused(tmp_path: Path):
 
 def test_this_projects_own_tracker_is_read(tmp_path: Path):
     """What `--track tensorboard` has logged of a cell."""
-    from harness.progress import RETURN
-    from harness.progress import SUCCESS as SHARE
+    from harness.progress import RETURN, SUCCESS as SHARE
     from harness.tracker import TrackedCell
     from harness_plugins.trackers.tensorboard import TensorBoard as Tracker
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from harness_plugins.kit.metrics import recorded_trace
-from harness_plugins.metrics.final_distance import FinalDistance
+from harness_plugins.metrics.outcomes import FinalDistance
 
 
 def test_mean_over_the_ends():

@@ -4,7 +4,7 @@ import pytest
 
 from harness.record.trace import trace_of
 from harness_plugins.kit.metrics import recorded_trace
-from harness_plugins.metrics.obstacle_hits import ObstacleHits
+from harness_plugins.metrics.outcomes import ObstacleHits
 
 
 @pytest.mark.parametrize(

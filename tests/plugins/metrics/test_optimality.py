@@ -6,7 +6,7 @@ import pytest
 from harness.log import Log
 from harness.record.episode_facts import EpisodeFacts, with_episode_facts
 from harness_plugins.kit.metrics import recorded_trace
-from harness_plugins.metrics.optimality import Optimality
+from harness_plugins.metrics.movement import Optimality
 
 ENDS = ("reached", "truncated", "reached", "ground", "reached")
 

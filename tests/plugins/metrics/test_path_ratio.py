@@ -8,7 +8,7 @@ from harness.log import Log
 from harness.record.episode_facts import EpisodeFacts, with_episode_facts
 from harness.record.trace import trace_of
 from harness_plugins.kit.metrics import recorded_trace
-from harness_plugins.metrics.path_ratio import PathRatio
+from harness_plugins.metrics.movement import PathRatio
 
 
 def walk(*paths: list[tuple[float, float, float]], reached: bool = True) -> Log:

@@ -6,7 +6,7 @@ import pytest
 from harness.log import Log
 from harness.record.trace import trace_of
 from harness_plugins.kit.metrics import recorded_trace
-from harness_plugins.metrics.smoothness import Smoothness
+from harness_plugins.metrics.movement import Smoothness
 
 
 def move(*episodes: np.ndarray, truncated: bool = True) -> Log:

@@ -2,14 +2,13 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from harness.log import Log
 from harness.record.episode_facts import EpisodeFacts
 from harness.record.trace import trace_of
 from harness_plugins.kit.metrics import recorded_trace
-from harness_plugins.metrics.sparc import Sparc, spectral_arcs
+from harness_plugins.metrics.movement import Sparc, spectral_arcs
 
 
 def moved(*speeds: np.ndarray, period: float | None = 0.1) -> Log:

@@ -6,8 +6,7 @@ import pytest
 from harness.errors import Unmeasured
 from harness.record.episode_facts import EpisodeFacts, with_episode_facts
 from harness_plugins.kit.metrics import recorded_trace
-from harness_plugins.metrics.path_ratio import PathRatio
-from harness_plugins.metrics.spl import Spl
+from harness_plugins.metrics.movement import PathRatio, Spl
 
 
 def test_success_counts_the_line_over_the_path():

@@ -5,7 +5,7 @@ import pytest
 from harness.log import Log
 from harness.record.episode_facts import EpisodeFacts, with_episode_facts
 from harness_plugins.kit.metrics import recorded_trace
-from harness_plugins.metrics.time_to_target import TimeToTarget
+from harness_plugins.metrics.outcomes import TimeToTarget
 
 
 def told(trace: Log, horizon: int | None = 100, period: float | None = 0.1) -> Log:

@@ -3,9 +3,7 @@
 import pytest
 
 from harness_plugins.kit.metrics import recorded_trace
-from harness_plugins.metrics.ground_hits import GroundHits
-from harness_plugins.metrics.success_rate import SuccessRate
-from harness_plugins.metrics.timeouts import Timeouts
+from harness_plugins.metrics.outcomes import GroundHits, SuccessRate, Timeouts
 
 
 @pytest.mark.parametrize(

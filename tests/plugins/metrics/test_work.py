@@ -4,7 +4,7 @@ import pytest
 
 from harness.record.episode_facts import EpisodeFacts, with_episode_facts
 from harness_plugins.kit.metrics import recorded_trace
-from harness_plugins.metrics.work import Work
+from harness_plugins.metrics.movement import Work
 
 
 def test_mean_over_the_finished_episodes():

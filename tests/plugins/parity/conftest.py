@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness.env.ideal import IdealSimulation
-from harness.robot.load import load_robot
+from harness.robot.robot import load_robot
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.parity.contenders import Contenders
 from harness_plugins.parity.orders import Setting

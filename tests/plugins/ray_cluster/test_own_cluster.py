@@ -75,7 +75,7 @@ def test_the_locked_ray_asks_for_a_token():
 
 def test_every_cluster_has_another_token(ray: Any):
     """One that leaked is worth nothing for the next."""
-    from harness_plugins.ray_cluster.own_cluster import own_cluster
+    from harness_plugins.ray_cluster.connection import own_cluster
 
     tokens = set()
     for _ in range(2):
@@ -87,7 +87,7 @@ def test_every_cluster_has_another_token(ray: Any):
 
 def test_the_environment_is_afterwards_as_before(ray: Any, monkeypatch: pytest.MonkeyPatch):
     """What the user had set for another cluster holds again."""
-    from harness_plugins.ray_cluster.own_cluster import own_cluster
+    from harness_plugins.ray_cluster.connection import own_cluster
 
     monkeypatch.setenv("RAY_AUTH_TOKEN", "mine")
     monkeypatch.delenv("RAY_AUTH_MODE", raising=False)
@@ -103,7 +103,7 @@ def test_a_word_against_tokens_is_for_other_clusters(ray: Any, monkeypatch: pyte
     """RAY_AUTH_MODE=disabled in the environment does not open ours."""
     from ray._raylet import AuthenticationMode, get_authentication_mode
 
-    from harness_plugins.ray_cluster.own_cluster import own_cluster
+    from harness_plugins.ray_cluster.connection import own_cluster
 
     monkeypatch.setenv("RAY_AUTH_MODE", "disabled")
     with own_cluster():
@@ -113,7 +113,7 @@ def test_a_word_against_tokens_is_for_other_clusters(ray: Any, monkeypatch: pyte
 
 def test_nothing_is_left_of_the_folder(ray: Any):
     """It is the user's alone as long as it is there."""
-    from harness_plugins.ray_cluster.own_cluster import own_cluster
+    from harness_plugins.ray_cluster.connection import own_cluster
 
     with own_cluster() as arguments:
         place = Path(arguments["_temp_dir"]).parent

@@ -1,8 +1,7 @@
 """Nothing is shaped."""
 
 import numpy as np
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from harness_plugins.kit import check_reward
 from harness_plugins.rewards.sparse import Sparse

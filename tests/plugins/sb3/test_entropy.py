@@ -12,7 +12,7 @@ from harness.env import ReachVectorEnv
 from harness.reach import ReachTask
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import NegativeDistance
-from harness_plugins.sb3.entropy import actor_entropy
+from harness_plugins.sb3.callback import actor_entropy
 from harness_plugins.sb3.vec_env import VecEnvAdapter
 
 

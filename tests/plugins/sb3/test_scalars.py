@@ -2,7 +2,7 @@
 
 import pytest
 
-from harness_plugins.sb3.scalars import losses
+from harness_plugins.sb3.callback import losses
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from harness.errors import UsageError
-from harness_plugins.slurm_array.private_folder import private_folder
+from harness_plugins.slurm_array.cluster import private_folder
 
 WHERE = Path("fd100-harness/jobs")
 

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 import harness
 from harness.env import ReachVectorEnv
-from harness.env.known_arm import kinematics_policy
+from harness.env.arm_observation import kinematics_policy
 from harness.goal import Situation
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import NegativeDistance

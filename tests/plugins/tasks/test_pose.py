@@ -4,13 +4,11 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 import harness
 from harness.goal import Situation
-from harness.robot.kinematics import forward
-from harness.robot.rotations import axes_of_rotation, rotation_between
+from harness.robot.kinematics import axes_of_rotation, forward, rotation_between
 from harness_plugins.tasks.pose import Pose, PoseGoal
 
 ROBOT = harness.load_robot("fd100")

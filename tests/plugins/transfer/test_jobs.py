@@ -25,7 +25,7 @@ from harness.record.trace import read_trace
 from harness.registry.choice import Choice, choose
 from harness.registry.registry import Registry, load_registry
 from harness.results import Results, load_results
-from harness.robot.load import load_robot
+from harness.robot.robot import load_robot
 from harness_plugins.transfer.jobs import evaluate_elsewhere, plan_transfers, run_transfers, transfer
 from harness_plugins.transfer.matrix import Transfers, load_transfers
 from harness_plugins.transfer.record import TRANSFER, read_transfer, simulator_id

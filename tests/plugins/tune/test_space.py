@@ -1,8 +1,7 @@
 """What a search may choose from."""
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from harness.errors import UsageError
 from harness.registry.registry import Registry

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 from gymnasium.spaces import Box, Discrete
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from harness_plugins.unity_player.actions import MOST_CHOICES, action_space, to_unity
 from harness_plugins.unity_player.messages import Behaviour, UnityError

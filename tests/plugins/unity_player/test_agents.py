@@ -8,7 +8,7 @@ from harness.env.vector_env import ReachVectorEnv
 from harness.errors import UsageError
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
-from harness.robot.load import load_robot
+from harness.robot.robot import load_robot
 from harness_plugins.environments.unity import Unity
 
 SEED = 7

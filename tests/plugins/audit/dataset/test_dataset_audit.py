@@ -248,7 +248,7 @@ def test_lerobot_s_batches_do_not_change_the_pay(tmp_path: Path, monkeypatch: py
 
 def test_joints_of_a_robot_give_the_end_effector(tmp_path: Path):
     """By its forward kinematics, so that ARP is paid to an arm's log."""
-    from harness.robot.load import load_robot
+    from harness.robot.robot import load_robot
 
     robot = load_robot("fd100")
     rng = np.random.default_rng(0)

@@ -5,8 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from harness.log import Failed, LogFacts, in_memory
 from harness_plugins.audit.recorded.pair import Apart, Paid, compare_paid, paid_in, pairs_in

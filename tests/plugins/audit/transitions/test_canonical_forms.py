@@ -4,10 +4,9 @@ from itertools import product
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
-from harness.recorder.walk import Walk
+from harness.recorder.sealed import Walk
 from harness_plugins.audit.distance import EPIC, FORMS, STARC, centred_unit, distance_between
 from harness_plugins.audit.transitions.canonical_forms import (
     NEAR,

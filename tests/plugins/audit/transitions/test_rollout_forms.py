@@ -8,7 +8,7 @@ from harness.payoff.rollout import record_rollouts
 from harness.payoff.score import score_rollout
 from harness.reach import ReachTask
 from harness.reward.forms import reward_class
-from harness.robot.load import load_robot
+from harness.robot.robot import load_robot
 from harness_plugins.audit.distance import EPIC, FORMS, SHAPING, STARC, compare_forms
 from harness_plugins.audit.transitions.rollout_forms import ask_of, forms_of_rollouts, rows_of_rollouts
 from harness_plugins.rewards.baseline import Baseline

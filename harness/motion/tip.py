@@ -1,17 +1,20 @@
-"""Joint movements that keep the end effector on a way, by damped least squares on the robot's Jacobian."""
+"""Motions of the end effector, NOTE Table II: along straight lines and arcs, and the joints that follow them."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
-from typing import NamedTuple, TypeAlias
+from typing import Annotated, ClassVar, Literal, NamedTuple, TypeAlias
 
 import numpy as np
+from pydantic import Field
+from pydantic.dataclasses import dataclass as checked_dataclass
 
 from harness.arrays import Float, Mask
-from harness.motion.limits import JointLimits, stopping_speed
-from harness.motion.motion import Move
+from harness.errors import UsageError
+from harness.motion.limits import JointLimits, require_numbers, stopping_speed
+from harness.motion.motion import Move, Setting
 from harness.robot import Robot
-from harness.robot.kinematics import child_frames, position_jacobian_of, tip_position
+from harness.robot.kinematics import child_frames, forward, position_jacobian_of, tip_position
 
 Way: TypeAlias = Callable[[Float], Float]
 """Where the end effector is, from its start, (n, 3), world frame [m], when the shares (n, 1) of a way are gone."""
@@ -233,3 +236,243 @@ def _smallest(limit: Float, movement: Float) -> Float:
 
 HUGE = 1e9
 """A number that is as good as no limit, and whose square is a number."""
+
+
+Metres3 = tuple[float, float, float]
+Positive = Annotated[float, Field(gt=0)]
+
+
+@checked_dataclass(frozen=True)
+class CartesianMode:
+    """What `movel` and `movea` have in common."""
+
+    frame: Annotated[
+        Literal["wcs", "ucs", "tcs"],
+        Field(description="axes of the action: the world's (wcs), the user's (ucs), or the tool's at each step (tcs)"),
+    ] = "wcs"
+    tip_speed: Annotated[Positive, Field(description="speed of the end effector under a full action [m/s]")] = 0.5
+    parts: Annotated[int, Field(gt=0, description="pieces into which the path of a control period is cut")] = 4
+    ucs_origin: Annotated[Metres3, Field(description="origin of the user's frame, world frame [m]")] = (
+        0.0,
+        0.0,
+        0.0,
+    )
+    ucs_x: Annotated[Metres3, Field(description="a point on the user's +x axis, world frame [m]")] = (
+        1.0,
+        0.0,
+        0.0,
+    )
+    ucs_xy: Annotated[
+        Metres3, Field(description="a point in the first quadrant of the user's xy plane, world frame [m]")
+    ] = (
+        0.0,
+        1.0,
+        0.0,
+    )
+
+    def axes(self, robot: Robot) -> "Axes":
+        """The axes of `frame`.
+
+        Raises:
+            UsageError: The user's three points lie on one line.
+        """
+        if self.frame == "tcs":
+            return ToolAxes(robot)
+        return FixedAxes(np.eye(3) if self.frame == "wcs" else self._user_axes())
+
+    def _user_axes(self) -> Float:
+        """The user's axes as columns, (3, 3)."""
+        origin = np.array(self.ucs_origin)
+        x, towards_y = np.array(self.ucs_x) - origin, np.array(self.ucs_xy) - origin
+        z = np.cross(x, towards_y)
+        if np.linalg.norm(z) < 1e-9:
+            raise UsageError(
+                f"ucs_origin={self.ucs_origin}, ucs_x={self.ucs_x} and ucs_xy={self.ucs_xy} lie on one line: "
+                "give three points that span a plane"
+            )
+        return np.stack([x / np.linalg.norm(x), _unit(np.cross(z, x)), _unit(z)], axis=1)
+
+
+@dataclass(frozen=True, eq=False)
+class FixedAxes:
+    """Axes that stand still, (3, 3), a column each."""
+
+    columns: Float
+
+    def to_world(self, qpos: Float, vectors: Float) -> Float:
+        """Vectors, (num_envs, count, 3), turned into the world frame."""
+        turned: Float = vectors @ self.columns.T
+        return turned
+
+
+@dataclass(frozen=True, eq=False)
+class ToolAxes:
+    """The end effector link's axes at joint positions `qpos`."""
+
+    robot: Robot
+
+    def to_world(self, qpos: Float, vectors: Float) -> Float:
+        """Vectors, (num_envs, count, 3), turned into the world frame."""
+        turned: Float = vectors @ np.swapaxes(forward(self.robot.chain, qpos)[:, :3, :3], -1, -2)
+        return turned
+
+
+Axes = FixedAxes | ToolAxes
+
+
+def _unit(vector: Float) -> Float:
+    unit: Float = vector / np.linalg.norm(vector)
+    return unit
+
+
+@checked_dataclass(frozen=True)
+class MoveLMode(CartesianMode):
+    """MoveL: the end effector moves on a straight line; the action is its velocity as a fraction of tip_speed.
+
+    An action that is longer than 1 is one of length 1. The orientation of the end effector is free.
+    """
+
+    def motion(self, setting: Setting) -> "MoveL":
+        """The motion of one arm."""
+        follower = Follower(setting.robot, setting.limits(self.parts), self.tip_speed)
+        return MoveL(follower, self.axes(setting.robot), self.tip_speed * setting.period, self.parts)
+
+
+@dataclass(frozen=True, eq=False)
+class MoveL:
+    """See `MoveLMode`.
+
+    Attributes:
+        follower: Keeps the end effector on the line.
+        axes: Of the action.
+        length: Of the line under a full action, [m].
+        parts: Points on it.
+    """
+
+    follower: Follower
+    axes: Axes
+    length: float
+    parts: int
+    action_size: ClassVar[int] = 3
+    jumps: ClassVar[bool] = False
+
+    def advance(self, qpos: Float, qvel: Float, action: Float) -> Move:
+        require_numbers(action)
+        clipped = np.minimum(np.maximum(action, -1.0), 1.0)
+        fraction = clipped / np.maximum(1.0, np.linalg.norm(clipped, axis=-1, keepdims=True))
+        way = self.axes.to_world(qpos, self.length * fraction[:, None])[:, 0]
+        return self.follower.pass_along(qpos, qvel, lambda gone: gone * way, self.parts)
+
+    def stay(self, qpos: Float) -> Float:
+        """No velocity."""
+        return np.zeros((len(qpos), 3))
+
+    def increments(self) -> Float:
+        """Full speed along each axis."""
+        return np.eye(3)
+
+
+STRAIGHT = 1e-6
+"""Three points whose triangle's area is below this share of its sides' product lie on a line."""
+
+
+@dataclass(frozen=True, eq=False)
+class Arc:
+    """Ways from the origin along circles, or straight, for n arms at once.
+
+    Attributes:
+        forward: Unit vector in which a way begins; 0 where it is none, (n, 3).
+        inward: Unit vector from the origin to the circle's centre; 0 where the way is straight, (n, 3).
+        radius: (n, 1), [m]; 1 where the way is straight.
+        length: Of the way, (n, 1), [m].
+    """
+
+    forward: Float
+    inward: Float
+    radius: Float
+    length: Float
+
+    def point(self, distance: Float) -> Float:
+        """Where the ways are after `distance`, (n, 1) [m]: (n, 3), [m]."""
+        angle = distance / self.radius
+        straight = ~self.inward.any(axis=-1, keepdims=True)
+        along = np.where(straight, distance, self.radius * np.sin(angle))
+        # 1 - cos, exact also where the angle is small.
+        point: Float = along * self.forward + 2.0 * self.radius * np.sin(0.5 * angle) ** 2 * self.inward
+        return point
+
+
+def arc_through(via: Float, end: Float) -> Arc:
+    """The arcs from the origin through `via` to `end`, (n, 3) both, [m].
+
+    Where the three lie on one line, or two of them coincide, the way is the straight line to `end`.
+    """
+    normal = np.cross(via, end)  # as long as the triangle's area, twice
+    area, via_length, end_length = (np.linalg.norm(vector, axis=-1, keepdims=True) for vector in (normal, via, end))
+    straight = area <= STRAIGHT * via_length * end_length
+    area = np.where(straight, 1.0, area)
+    center = np.cross(via_length**2 * end - end_length**2 * via, normal) / (2.0 * area**2)
+    radius = np.where(straight, 1.0, np.linalg.norm(center, axis=-1, keepdims=True))
+    inward = np.where(straight, 0.0, center / radius)
+    line = end / np.where(end_length > 0.0, end_length, 1.0)
+    forward = np.where(straight, line, np.cross(inward, normal / area))
+    angle = np.arctan2(_dot(end, forward), radius - _dot(end, inward)) % (2.0 * np.pi)
+    return Arc(forward, inward, radius, np.where(straight, end_length, radius * angle))
+
+
+def _dot(first: Float, second: Float) -> Float:
+    dot: Float = np.vecdot(first, second)[..., None]
+    return dot
+
+
+@checked_dataclass(frozen=True)
+class MoveAMode(CartesianMode):
+    """MoveA: the end effector moves on an arc through a via point; the action is the via point and the end point.
+
+    Both are given from where the end effector is, as fractions of the way that it does at tip_speed; an arc that is
+    longer is gone only so far, and a tight one slowly. Three points on one line make a straight line. The orientation
+    of the end effector is free.
+    """
+
+    def motion(self, setting: Setting) -> "MoveA":
+        """The motion of one arm."""
+        follower = Follower(setting.robot, setting.limits(self.parts), self.tip_speed)
+        return MoveA(follower, self.axes(setting.robot), setting.period, self.parts)
+
+
+@dataclass(frozen=True, eq=False)
+class MoveA:
+    """See `MoveAMode`.
+
+    Attributes:
+        follower: Keeps the end effector on the arc.
+        axes: Of the action.
+        period: Control period, [s].
+        parts: Pieces of the way within it.
+    """
+
+    follower: Follower
+    axes: Axes
+    period: float
+    parts: int
+    action_size: ClassVar[int] = 6
+    jumps: ClassVar[bool] = False
+
+    def advance(self, qpos: Float, qvel: Float, action: Float) -> Move:
+        require_numbers(action)
+        follower = self.follower
+        clipped = np.minimum(np.maximum(action, -1.0), 1.0).reshape(-1, 2, 3)
+        points = self.axes.to_world(qpos, follower.tip_speed * self.period * clipped)
+        arc = arc_through(points[:, 0], points[:, 1])
+        turning = follower.turning_speed(qpos, arc.forward, arc.inward, arc.radius)
+        length = np.minimum(arc.length, self.period * np.minimum(turning, follower.tip_speed))
+        return follower.pass_along(qpos, qvel, lambda gone: arc.point(gone * length), self.parts)
+
+    def stay(self, qpos: Float) -> Float:
+        """Via and end point where the end effector is."""
+        return np.zeros((len(qpos), 6))
+
+    def increments(self) -> Float:
+        """Along each axis, with a bulge of a quarter towards the next one."""
+        ends = np.eye(3)
+        return np.concatenate([0.5 * ends + 0.25 * np.roll(ends, 1, axis=1), ends], axis=1)
