@@ -8,7 +8,7 @@
     curves.parquet       the mean curves that the indices are read from, thinned
     runs.parquet         the curves of single runs, as the figures show them
     figures.json         what the figures tell besides
-    figures/*.svg        what the report page draws, without a script; `harness_plugins.committed.redraw` draws them again
+    figures/*.svg        what the report page draws; `harness_plugins.committed.redraw` draws them again
     summary.md           the combinations as a table, and what they took
 """
 

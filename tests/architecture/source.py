@@ -12,12 +12,14 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 TOPS = {"harness": "harness", "plugins": "harness_plugins", "robots": "harness_robots"}
 """Our folders, and what the packages in them are called."""
-FORK = re.compile(r"\b(NO_SIMULATOR|NO_ROBOT|require_arm|RecordedResults|arm_world|is_environment)\b")
+FORK = re.compile(
+    r"\b(NO_SIMULATOR|NO_ROBOT|BROUGHT|require_arm|RecordedResults|arm_world|is_environment|(is_|\.)in_environment)\b"
+)
 """Names by which code asks whether it has an arm or another environment."""
 WORLDS = re.compile(
-    r"^(harness/world/|plugins/worlds/|harness/experiment/(arm_)?world\.py|harness/experiment/environments/)"
+    r"^(harness/record/cell\.py|harness/experiment/(arm_)?world\.py|harness/experiment/environments/|harness/authoring/)"
 )
-"""Files of the two worlds: what they say of themselves is no fork."""
+"""Files of the two worlds, and the cell, which says where it trains: what they say of themselves is no fork."""
 
 
 def files_of(*tops: str) -> list[Path]:
