@@ -37,25 +37,23 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, str], Re
 CASES = [(name, "fd100-reach") for name in STEPS] + [("ppo", "fd100-reach:action=discrete")]
 
 
-def test_algorithm_reaches_what_random_does_not(results: Callable[[str, str], Results], subtests: pytest.Subtests):
+@pytest.mark.parametrize(("algorithm", "task"), CASES)
+def test_algorithm_reaches_what_random_does_not(results: Callable[[str, str], Results], algorithm: str, task: str):
     """Of 100 targets the policy of every seed reaches 70 and more, random actions 10 at most."""
-    for algorithm, task in CASES:
-        with subtests.test(algorithm=algorithm, task=task):
-            found = results(algorithm, task).evaluations.values()
-            assert len(found) == SEEDS
-            assert min(values["success_rate"] for values in found) >= 0.7
-            assert max(values["random_success_rate"] for values in found) <= 0.1
+    found = results(algorithm, task).evaluations.values()
+    assert len(found) == SEEDS
+    assert min(values["success_rate"] for values in found) >= 0.7
+    assert max(values["random_success_rate"] for values in found) <= 0.1
 
 
-def test_algorithm_earns_what_random_does_not(results: Callable[[str, str], Results], subtests: pytest.Subtests):
+@pytest.mark.parametrize(("algorithm", "task"), CASES)
+def test_algorithm_earns_what_random_does_not(results: Callable[[str, str], Results], algorithm: str, task: str):
     """The mean return of every seed's policy is at least 20 above that of random actions, -40 and less."""
-    for algorithm, task in CASES:
-        with subtests.test(algorithm=algorithm, task=task):
-            found = results(algorithm, task)
-            for cell in found.done_cells:
-                trained, random = (
-                    mean_return(read_trace(found.store.cell_folder(cell) / file)) for file in (EVALUATION, RANDOM)
-                )
-                assert trained is not None
-                assert random is not None
-                assert trained > random + 20.0
+    found = results(algorithm, task)
+    for cell in found.done_cells:
+        trained, random = (
+            mean_return(read_trace(found.store.cell_folder(cell) / file)) for file in (EVALUATION, RANDOM)
+        )
+        assert trained is not None
+        assert random is not None
+        assert trained > random + 20.0

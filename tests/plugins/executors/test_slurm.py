@@ -5,6 +5,7 @@ import re
 import subprocess
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import psutil
@@ -31,12 +32,10 @@ def submitit() -> None:
     pytest.importorskip("submitit")
 
 
-def test_jobs_on_this_machine_keep_the_contract(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
+@pytest.mark.parametrize("check", EXECUTOR_CHECKS)
+def test_jobs_on_this_machine_keep_the_contract(check: Callable[..., None], tmp_path: Path):
     """By submitit's local executor."""
-    for check in EXECUTOR_CHECKS:
-        with subtests.test(check=check):
-            tmp_path = tmp_path_factory.mktemp("case")
-            check(Slurm(cluster="local"), tmp_path)
+    check(Slurm(cluster="local"), tmp_path)
 
 
 def test_jobs_are_not_read_from_the_experiments_folder(tmp_path: Path, state: Path):
@@ -51,12 +50,10 @@ def test_jobs_are_not_read_from_the_experiments_folder(tmp_path: Path, state: Pa
 
 
 @pytest.mark.usefixtures("slurm")
-def test_jobs_of_a_cluster_keep_the_contract(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
+@pytest.mark.parametrize("check", EXECUTOR_CHECKS)
+def test_jobs_of_a_cluster_keep_the_contract(check: Callable[..., None], tmp_path: Path):
     """By sbatch, squeue and scancel."""
-    for check in EXECUTOR_CHECKS:
-        with subtests.test(check=check):
-            tmp_path = tmp_path_factory.mktemp("case")
-            check(Slurm(memory=0.5), tmp_path)
+    check(Slurm(memory=0.5), tmp_path)
 
 
 def test_a_cluster_that_takes_no_jobs_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
