@@ -1,29 +1,124 @@
 """All checks, by the kind of what they check."""
 
-from collections.abc import Mapping
+import time
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from types import MappingProxyType
 
+import numpy as np
+
+from harness.algorithm import Algorithm, learns
+from harness.measure import Measure
+from harness.reward import Reward
+from harness.robot import Robot
+from harness.simulator import Simulator
+from harness.task import Task
+
 from .algorithms import ALGORITHM_CHECKS, ALGORITHM_WARNINGS
-from .contract import Check
+from .contract import Check, check, require
 from .environments import ENVIRONMENT_CHECKS
 from .executors import EXECUTOR_CHECKS
 from .exports import EXPORT_CHECKS
 from .logs.checks import LOG_CHECKS
-from .metrics import METRIC_CHECKS
+from .metrics import ALL_ENDS, METRIC_CHECKS, recorded_trace
+from .reward_samples import pay, samples_for
 from .rewards import REWARD_CHECKS, REWARD_WARNINGS
 from .robots import ROBOT_CHECKS, ROBOT_WARNINGS, SIMULATED_ROBOT_CHECKS
 from .simulators.calls import a_long_simulation_neither_drifts_nor_leaks
 from .simulators.checks import SIMULATOR_CHECKS, SIMULATOR_WARNINGS
-from .speed import (
-    a_metric_is_quick,
-    a_reward_is_quick,
-    a_simulation_is_quick,
-    a_training_is_quick,
-    an_episode_is_drawn_quickly,
-)
+from .simulators.simulations import PERIOD, opened, ramps, start_at_home
 from .tasks import TASK_CHECKS, TASK_WARNINGS
 from .trackers import TRACKER_CHECKS
+from .trainings import steps_for, train_anew
+
+TRAINING = 100_000
+"""Environment steps of a training that the sentences speak of."""
+MOST_STEP = 2e-3
+"""Seconds of a control period of one arm: 100,000 of them in three minutes."""
+MOST_LEARNING = 20e-3
+"""Seconds of an environment step of a training, updates included: 100,000 of them in half an hour."""
+MOST_REWARD = 200e-6
+"""Seconds of what a reward pays for a step."""
+MOST_DRAW = 20e-3
+"""Seconds of the start and the target of an episode."""
+MOST_METRIC = 0.5
+"""Seconds of a trace of 1,000 rows or so; an experiment has hundreds of longer ones."""
+LEARNING_STEPS = 300
+
+
+@check("sim-slow", "warning")
+def a_simulation_is_quick(simulator: Simulator, robot: Robot) -> None:
+    """A control period of one arm takes less than 2 ms."""
+    targets = ramps(robot, 1)
+    with opened(simulator, robot, 1) as simulation:
+        start_at_home(simulation, robot, 1)
+        seconds = median_seconds([partial(simulation.drive, target, PERIOD) for target in targets])
+    require(seconds <= MOST_STEP, f"a step of one arm takes {_told(seconds)}: {_training(seconds)}")
+
+
+@check("algo-slow", "warning")
+def a_training_is_quick(algorithm: Algorithm) -> None:
+    """An environment step of a training takes less than 20 ms, in a simulator that takes almost no time."""
+    if not learns(algorithm):
+        return
+    steps = steps_for(algorithm, LEARNING_STEPS)
+    start = time.perf_counter()
+    train_anew(algorithm, steps)
+    seconds = (time.perf_counter() - start) / steps
+    require(seconds <= MOST_LEARNING, f"a step of training takes {_told(seconds)}: {_training(seconds)}")
+
+
+@check("reward-slow", "warning")
+def a_reward_is_quick(reward: Reward) -> None:
+    """A step is paid in less than 0.2 ms."""
+    samples = samples_for(reward, 0)
+    carry = reward.initial_carry(samples[0].begin_distance)
+    seconds = median_seconds([partial(pay, reward, carry, sample) for sample in samples])
+    require(seconds <= MOST_REWARD, f"a step is paid in {_told(seconds)}: {_training(seconds)} for the reward alone")
+
+
+@check("task-slow", "warning")
+def an_episode_is_drawn_quickly(task: Task, robot: Robot) -> None:
+    """The start and the target of an episode are drawn in less than 20 ms."""
+    rng, count = np.random.default_rng(0), 16
+
+    def draw() -> None:
+        for _ in range(count):
+            task.draw_start(robot, rng)
+        task.draw_targets(robot, rng, count)
+
+    seconds = median_seconds([draw] * 3) / count
+    require(seconds <= MOST_DRAW, f"the start and the target of an episode take {_told(seconds)}")
+
+
+@check("metric-slow", "warning")
+def a_metric_is_quick(metric: Measure) -> None:
+    """The value of a trace of 1,000 rows or so takes less than half a second."""
+    trace = recorded_trace(0, ALL_ENDS * 25)
+    seconds = median_seconds([lambda: metric(trace)] * 3)
+    require(seconds <= MOST_METRIC, f"the value of a trace of {len(trace):,} rows takes {_told(seconds)}")
+
+
+def median_seconds(calls: list[Callable[[], object]]) -> float:
+    """How long a call takes, the first one, which may load something, left out."""
+    took = []
+    for call in calls:
+        start = time.perf_counter()
+        call()
+        took.append(time.perf_counter() - start)
+    return float(np.median(took[1:]))
+
+
+def _told(seconds: float) -> str:
+    return f"{seconds * 1e3:.2g} ms" if seconds < 1.0 else f"{seconds:.2g} s"
+
+
+def _training(seconds: float) -> str:
+    minutes = seconds * TRAINING / 60.0
+    took = f"{minutes:.0f} min" if minutes < 120.0 else f"{minutes / 60.0:.0f} h"
+    return f"training for {TRAINING:,} steps takes {took}"
+
 
 LONG_SECONDS = 900.0
 """How long ``harness check`` waits for a check that takes minutes."""

@@ -17,7 +17,21 @@ from ray._private import ray_constants
 from harness.errors import UsageError, one_line
 from harness.experiment.workers.workers import core_count
 
-from .environment import set_variables
+
+@contextmanager
+def set_variables(values: Mapping[str, str]) -> Iterator[None]:
+    """Within the block the environment has these variables; afterwards it is as before."""
+    before = {name: os.environ.get(name) for name in values}
+    os.environ.update(values)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value
+
 
 SHORT: Final = Path("/tmp")
 """Where Ray's files are put if it is there: the names of its sockets have to be short."""

@@ -12,7 +12,7 @@ import pytest
 from harness.experiment.workers.order import Order, read_order
 from harness.experiment.workers.workers import News
 from harness.record.folder import partial_folder
-from harness_plugins.kit.inspection.orders import OUTPUT
+from harness_plugins.kit.inspection.inspection import OUTPUT
 
 BLACK_BOX = Path(__file__).parents[2] / "examples" / "log-format" / "black_box.py"
 HOOKS = """
@@ -109,7 +109,7 @@ class Here(contextlib.nullcontext[Any]):
 def checked_here(monkeypatch):
     """Checks are run in this process."""
     monkeypatch.setattr("harness_plugins.kit.inspection.inspection.Pool", Here)
-    monkeypatch.setattr("harness_plugins.kit.inspection.orders.print_into", lambda path: None)
+    monkeypatch.setattr("harness_plugins.kit.inspection.inspection.print_into", lambda path: None)
 
 
 @pytest.fixture

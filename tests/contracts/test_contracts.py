@@ -172,7 +172,7 @@ def test_task(name: str):
 @registered("tasks")
 def test_task_with_every_action_mode(name: str, monkeypatch: pytest.MonkeyPatch, subtests: pytest.Subtests):
     """Every registered task keeps the contract whatever the learner does in it; what is drawn is as in `test_task`."""
-    monkeypatch.setattr("harness_plugins.kit.goals.LONGEST", 25)  # `test_task` takes as many as the kit does
+    monkeypatch.setattr("harness_plugins.kit.tasks.LONGEST", 25)  # `test_task` takes as many as the kit does
     checks = [check for check in TASK_CHECKS if check not in DRAW_CHECKS]
     for action in MODES:
         with subtests.test(action=action):

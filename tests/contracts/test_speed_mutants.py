@@ -14,7 +14,7 @@ from harness.reach import ReachTask
 from harness.reward import Array, Carry, Sample
 from harness.robot import Robot
 from harness.simulator import State
-from harness_plugins.kit import Check, IdealSimulator, speed, violations
+from harness_plugins.kit import Check, IdealSimulator, kits as speed, violations
 from harness_plugins.kit.trainings import NegativeDistance
 
 ROBOT = harness.load_robot("fd100")

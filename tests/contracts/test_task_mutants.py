@@ -16,7 +16,7 @@ from harness.motion import Move, MoveJ
 from harness.reach import ReachTask
 from harness.robot import Robot
 from harness.task import Targets
-from harness_plugins.kit import TASK_CHECKS, goals, tasks, violations
+from harness_plugins.kit import TASK_CHECKS, tasks, tasks as goals, violations
 from harness_plugins.tasks.moving import Moving, MovingGoal
 
 ROBOT = harness.load_robot("fd100")

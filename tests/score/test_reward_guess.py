@@ -16,8 +16,8 @@ from harness.record.manifest import Manifest
 from harness.record.trace import COLUMN, SCALARS, TraceWriter
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry, load_registry
+from harness.score.compare import guess_reward, misfit
 from harness.score.open_steps import open_steps
-from harness.score.reward_guess import guess_reward, misfit
 
 Pay = Callable[[float, float, float], float]
 

@@ -1,11 +1,14 @@
 """One comparison as the page tells it: the answer, the behaviour, the number, what the rewards pay for."""
 
+import base64
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from harness.eta.amounts import capitalised
+from harness.eta.headline import SUCCESS
 from harness.eta.return_split import ReturnSplit
+from harness.record.cell import Cell
 from harness.report.answers import symbol_of
 from harness.report.apart import BETWEEN
 from harness.report.figures.accumulated import draw_panels
@@ -26,8 +29,6 @@ from harness.report.figures.split_rows import describe_split
 from harness.report.figures.sum_split import describe_sum, draw_sum
 from harness.report.figures.trajectories import VIEWS, describe_trajectories, draw_trajectories
 from harness.report.page.answer import Card, card_of
-from harness.report.page.frames import Strips, frames_of
-from harness.report.page.outcomes import Bar, outcome_bars
 from harness.report.replay.links import BASELINE, PROPOSED, EpisodeLinks, Link
 from harness.report.rows.alone import alone_grid, setting_of, story
 from harness.report.rows.behaviour import (
@@ -48,8 +49,114 @@ from harness.report.rows.returns import READING, returns_grid
 from harness.report.rows.terms import changed_text, terms_grid, terms_of
 from harness.results import Results
 from harness.results.alone import Alone, Stages
-from harness.results.comparison import Comparison
+from harness.results.comparison import Comparison, Group
 from harness.results.trajectories import trajectories_of
+
+TIMEOUTS, OBSTACLES = "timeouts", "obstacle_hits"
+LEAST = 0.08
+"""A share below this is too narrow for its number."""
+
+
+class Part(NamedTuple):
+    """A part of a bar: one way in which episodes ended."""
+
+    kind: str
+    """``reached``, ``ground``, ``obstacle`` or ``time-out``."""
+    share: float
+    """Share of the episodes, in [0, 1]."""
+    text: str
+    """The text that is written into the bar; empty if there is no room."""
+
+
+class Bar(NamedTuple):
+    """One reward's episodes."""
+
+    who: str
+    reward: str
+    parts: tuple[Part, ...]
+    told: str
+    """The same in words."""
+
+
+def outcome_bars(comparison: Comparison) -> list[Bar]:
+    """Bars for the baseline, the proposed reward and random actions; empty if the outcomes were not measured."""
+    changes = {change.name: change for change in comparison.changes_of(comparison.manner)}
+    success, timeouts = changes.get(SUCCESS), changes.get(TIMEOUTS)
+    if success is None or timeouts is None:
+        return []
+    names, hits = comparison.names, changes.get(OBSTACLES)
+    struck = (None, None, None) if hits is None else (hits.baseline, hits.proposed, hits.random)
+    sides = (
+        ("Baseline", names.baseline, success.baseline, timeouts.baseline, struck[0]),
+        ("Proposed", names.proposed, success.proposed, timeouts.proposed, struck[1]),
+        ("Random", "random actions", success.random, timeouts.random, struck[2]),
+    )
+    return [
+        _bar(who, reward, reached, over, hit or 0.0)
+        for who, reward, reached, over, hit in sides
+        if reached is not None and over is not None
+    ]
+
+
+def _bar(who: str, reward: str, reached: float, over: float, hit: float) -> Bar:
+    """A bar. Episodes with no target reached, no obstacle touched and time left ended on the ground."""
+    shares = {"reached": reached, "ground": max(0.0, 1.0 - reached - over - hit), "time-out": over}
+    if hit:
+        shares["obstacle"] = hit
+    told = ", ".join(f"{kind} {share:.1%}" for kind, share in shares.items())
+    parts = (Part(kind, share, f"{share:.0%}" if share >= LEAST else "") for kind, share in shares.items())
+    return Bar(who, reward, tuple(part for part in parts if part.share > 0.0), told)
+
+
+class Side(NamedTuple):
+    """The episode under one reward."""
+
+    title: str
+    source: str
+    """The pictures side by side, as the address of an image; empty if there are none."""
+    told: str
+    """What the episode came to, or why there is no picture."""
+    alternative: str
+    """The same for those who cannot see the pictures."""
+    ended: str = ""
+    """The reward, and how the episode ended."""
+    pictures: int = 0
+    """How many pictures there are."""
+
+
+class Strips(NamedTuple):
+    """Both sides."""
+
+    title: str
+    sides: tuple[Side, ...]
+
+
+def frames_of(results: Results, comparison: Comparison) -> Strips | None:
+    """The pictures of a comparison's first seed; None for the null control, and where an arm has a replay."""
+    if not comparison.seeds or comparison.is_control:
+        return None
+    seed = comparison.seeds[0]
+    cells = {it.reward.label: it for it in results.done_cells if it.seed == seed and Group.of(it) == comparison.group}
+    rewards = {"Baseline": comparison.baseline, "Proposed": comparison.proposed}
+    if any(reward not in cells for reward in rewards.values()):
+        return None
+    sides = [_side(results, cells[reward], who, reward) for who, reward in rewards.items()]
+    found = tuple(side for side in sides if side is not None)
+    return Strips(f"The first episode of the evaluation of seed {seed}, in pictures", found) if found else None
+
+
+def _side(results: Results, cell: Cell, who: str, reward: str) -> Side | None:
+    found, title = results.frames(cell), f"{who}: {reward}"
+    if found is None:
+        return None
+    if found.reason:
+        return Side(title, "", f"No pictures: {found.reason}.", "")
+    source = f"data:image/webp;base64,{base64.b64encode(found.strip).decode()}"
+    told = f"{found.outcome}; {found.told}; {found.steps[-1]:,} steps"
+    steps = ", ".join(f"{step:,}" for step in found.steps)
+    seen, ended = f"{told}. Pictures after {steps} steps.", f"{reward}: {found.outcome}"
+    return Side(title, source, seen, f"{title}: {told}", ended, len(found.steps))
+
 
 SIDES = {"Baseline": BASELINE, "Proposed": PROPOSED}
 """Sides of the replay, by the names of the bars. The replay does not show random actions."""

@@ -1,10 +1,12 @@
 """The report as one HTML file that opens anywhere, offline."""
 
+import base64
+import gzip
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 from harness.eta.amounts import trainings_text
 from harness.eta.splits import Names
@@ -19,7 +21,6 @@ from harness.report.figures.points import points_of_a_run
 from harness.report.figures.race import draw_race
 from harness.report.page.answer import groups_of, pool_cards
 from harness.report.page.comparison import Section, alone_section, comparison_section, title_of
-from harness.report.page.download import Download, pack
 from harness.report.page.matrix import Matrix, comparisons_csv, matrix_of
 from harness.report.page.page import render_page, write_page
 from harness.report.replay.links import Link, links_of
@@ -48,6 +49,22 @@ from harness.results.replay import shows_of
 from harness.results.return_matrix import ReturnMatrix
 from harness.results.standing import told_manifests
 from harness.section import Shown, shown_sections
+
+
+class Download(NamedTuple):
+    """A file inside a page."""
+
+    name: str
+    kind: str
+    """Its media type."""
+    content: str
+    """The content, compressed by gzip, as base64."""
+
+
+def pack(name: str, kind: str, text: str) -> Download:
+    """A file inside a page. The same text gives the same bytes, because no time of day is in them."""
+    return Download(name, kind, base64.b64encode(gzip.compress(text.encode(), mtime=0)).decode())
+
 
 TEMPLATE = Path(__file__).parent / "report.html.j2"
 LEARNING = "Lines: mean over seeds, evaluated during training{}. Bands: 95% intervals. Dotted: random actions."

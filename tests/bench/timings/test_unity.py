@@ -66,7 +66,7 @@ def test_steps_beside_the_bare_loop(
 ):
     """Wall time, for two processes wait for each other; they take turns, and the median of the turns' ratios counts."""
     try:
-        import harness_plugins.unity_player.protocol  # noqa: F401
+        import harness_plugins.unity_player.connection  # noqa: F401
     except (ImportError, TypeError):
         pytest.skip("mlagents-envs and its protobuf are not installed here: make unity")
     from harness_plugins.kit.unity_player import write_unity_player

@@ -11,7 +11,7 @@ from harness.experiment.environments.frames import PICTURES, draw_frames
 from harness.experiment.experiment import run
 from harness.files.keyed_file import write_keyed
 from harness.record.verify import verify
-from harness.report.page.frames import frames_of
+from harness.report.page.comparison import frames_of
 from harness.report.page.html import write_html
 from harness.results import load_results
 from harness.results.frames import FOREIGN, MOST_BYTES, frames_file, made_of, read_frames

@@ -2,9 +2,9 @@
 
 import pytest
 
-from harness.experiment.trials import trial as module
-from harness.experiment.trials.trial import TryTask, try_tasks
+from harness.experiment.trials import tried_plan as module
 from harness.experiment.trials.tried import Fault, Tried, fault_of
+from harness.experiment.trials.tried_plan import TryTask, try_tasks
 from tests.experiment.trials.conftest import planned
 
 

@@ -3,7 +3,7 @@
 import pytest
 
 from harness.executor import Limits
-from harness.experiment.workers.process import LONGEST_LOOK, Clock, Watchdog
+from harness.experiment.workers.workers import LONGEST_LOOK, Clock, Watchdog
 
 
 class Times:

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from harness.experiment.workers import process as worker_process
+from harness.experiment.workers import workers as worker_process
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ from harness.env import ReachVectorEnv
 from harness.env.make import World
 from harness.registry.choice import build_defaults, choose
 from harness.registry.registry import load_registry
-from harness_plugins.kit.checkpoints import differences, train_with_checkpoints
+from harness_plugins.kit.algorithms import differences, train_with_checkpoints
 
 REGISTRY = load_registry()
 SMALL: dict[str, Any] = {"net_arch": (8,), "batch_size": 16, "learning_starts": 40}

@@ -6,8 +6,8 @@ from dataclasses import replace
 import pytest
 
 from harness.eta.seed_mean import SeedMean
+from harness.report.figures.accumulated import OMEGA_1, OMEGA_2
 from harness.report.figures.panel import panels_of
-from harness.report.figures.regions import OMEGA_1, OMEGA_2
 from harness.report.figures.split_rows import split_rows
 from harness.results.learning import learning_of
 from harness_plugins.committed.figures import flat_words, learning_file, measures_of, runs_file, split_file

@@ -3,7 +3,7 @@
 import numpy as np
 import torch
 
-from harness_plugins.fast_sac.adam import Adam
+from harness_plugins.fast_sac.training import Adam
 
 
 def test_steps_are_those_of_torch():

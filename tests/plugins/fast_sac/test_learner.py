@@ -14,8 +14,7 @@ from torch.distributions import normal
 
 from harness_plugins.algorithms.sac_fast import SacFast
 from harness_plugins.fast_sac.network import Float32, Networks
-from harness_plugins.fast_sac.replay import Batch, Replay
-from harness_plugins.fast_sac.training import Learner
+from harness_plugins.fast_sac.training import Batch, Learner, Replay
 
 OBSERVATION, ACTION, ROWS = 5, 3, 32
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from harness_plugins.fast_sac.replay import Replay
+from harness_plugins.fast_sac.training import Replay
 
 OBSERVATION, ACTION = 3, 2
 

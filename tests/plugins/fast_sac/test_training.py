@@ -13,8 +13,7 @@ from harness.policy import Policy
 from harness.progress import Progress
 from harness_plugins.algorithms.sac_fast import SacFast
 from harness_plugins.fast_sac import training
-from harness_plugins.fast_sac.replay import Batch, Replay
-from harness_plugins.fast_sac.training import Learner
+from harness_plugins.fast_sac.training import Batch, Learner, Replay
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import EASY, ENV_SEED, NegativeDistance, WatchedEnv, easy_robot
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from harness_plugins.parity.grids import class_grid, classes_text, explanations, reference_pairs, response_grid
+from harness_plugins.parity.page import class_grid, classes_text, explanations, reference_pairs, response_grid
 
 
 @pytest.fixture(scope="module")

@@ -8,19 +8,19 @@ import pytest
 from rich.console import Console
 
 from harness_plugins.parity.contenders import Missing
-from harness_plugins.parity.grids import (
+from harness_plugins.parity.page import (
     contact_text,
     engines_text,
     explanations,
     failures,
     not_installed,
     pair_grids,
+    parity_table,
     setting_text,
     simulator_grid,
     title,
     verdict,
 )
-from harness_plugins.parity.page import parity_table
 
 
 @pytest.fixture(scope="module")

@@ -24,7 +24,7 @@ def nothing_allowed(monkeypatch: pytest.MonkeyPatch) -> None:
 def player(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., Path]]:
     """Writes a player with options, which the user named; no process of it may be left."""
     try:
-        import harness_plugins.unity_player.protocol  # noqa: F401
+        import harness_plugins.unity_player.connection  # noqa: F401
     except (ImportError, TypeError):  # not installed, or protobuf is too new: make unity
         pytest.skip("mlagents-envs and its protobuf are not installed here")
     from harness_plugins.kit.unity_player import write_unity_player

@@ -2,9 +2,8 @@ import numpy as np
 import pytest
 
 from harness.eta.scored_sums import BB, KK
-from harness.report.figures.accumulated import draw_panels
+from harness.report.figures.accumulated import OMEGA_1, OMEGA_2, draw_panels
 from harness.report.figures.chart import Area, Dots, Flag, Line, Word
-from harness.report.figures.regions import OMEGA_1, OMEGA_2
 
 
 def panels(results):

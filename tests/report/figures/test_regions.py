@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, strategies as st
 
 from harness.eta.curve import Kind, curve_of
+from harness.report.figures.accumulated import OMEGA_1, OMEGA_2, regions_of
 from harness.report.figures.panel import CurvePanel, panel_of
-from harness.report.figures.regions import OMEGA_1, OMEGA_2, regions_of
 
 VALUES = st.lists(st.integers(-9, 9).map(float), min_size=2, max_size=40)
 

@@ -3,7 +3,7 @@
 import base64
 import gzip
 
-from harness.report.page.download import pack
+from harness.report.page.html import pack
 
 
 def test_file_comes_back():

@@ -2,7 +2,7 @@
 
 import pytest
 
-from harness.report.page.outcomes import _bar, outcome_bars
+from harness.report.page.comparison import _bar, outcome_bars
 
 
 def test_shares_make_one(build):

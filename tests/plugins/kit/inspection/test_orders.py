@@ -7,13 +7,13 @@ import pytest
 
 from harness.record.folder import partial_folder
 from harness_plugins.kit.inspection.finding import Asked, Finding
-from harness_plugins.kit.inspection.orders import ANSWER, TryPlugin, read_finding, read_outline
+from harness_plugins.kit.inspection.inspection import ANSWER, TryPlugin, read_finding, read_outline
 
 
 @pytest.fixture
 def done(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """The folder that an order leaves."""
-    monkeypatch.setattr("harness_plugins.kit.inspection.orders.print_into", lambda path: None)
+    monkeypatch.setattr("harness_plugins.kit.inspection.inspection.print_into", lambda path: None)
 
     def do(check: str | None) -> Path:
         folder = tmp_path / str(check)
