@@ -22,7 +22,10 @@ def test_hooks_read_alike(subtests: pytest.Subtests):
 
 
 def test_register_has_one_signature():
-    """What a plugin says of a name: target and summary always, what it requires and the extra at will."""
+    """What a plugin says of a name: target and summary always, what it requires and the extra at will.
+
+    A command may name its heading in the help.
+    """
     parameters = inspect.signature(Register.__call__).parameters
     assert [name for name, item in parameters.items() if item.default is item.empty] == [
         "self",
@@ -30,4 +33,8 @@ def test_register_has_one_signature():
         "target",
         "summary",
     ]
-    assert [name for name, item in parameters.items() if item.default is not item.empty] == ["requires", "extra"]
+    assert [name for name, item in parameters.items() if item.default is not item.empty] == [
+        "requires",
+        "extra",
+        "heading",
+    ]

@@ -163,9 +163,9 @@ class Results(Records):
         """
         return tuple(alone for it in self.source.trainings if (alone := alone_of(it)) is not None)
 
-    def trainings(self, group: Group) -> Trainings[Any]:
-        """The done trainings of a group, which has some."""
-        return next(it for it in self.source.trainings if it.group == group)
+    def trainings(self, group: Group) -> Trainings[Any] | None:
+        """The done trainings of a group; None where none is done."""
+        return next((it for it in self.source.trainings if it.group == group), None)
 
     def learning(self, comparison: Comparison) -> Learning | None:
         """How the policies of a comparison behaved while they learned; None if that is not known.
@@ -177,7 +177,8 @@ class Results(Records):
         """
         if comparison.is_control or not comparison.has_trainings:
             return None
-        return self.trainings(comparison.group).learning(comparison)
+        trainings = self.trainings(comparison.group)
+        return None if trainings is None else trainings.learning(comparison)
 
     def measured(self, cell: Cell) -> Measured:
         """Every measure of a done cell, by manner; none of a cell in an environment that is not compared."""

@@ -7,7 +7,7 @@ A seed is trained in both, so its two trainings are a pair: the tests are those 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, NoReturn
 
 from harness.errors import UsageError
 from harness.eta.behaviour_change import NO_WORD, Change, change_of
@@ -142,7 +142,15 @@ def between(before: Results, after: Results) -> Between:
 
 
 def _policies(results: Results, comparison: Comparison, manner: str) -> Policies:
-    return results.trainings(comparison.group).policies(comparison.proposed, manner)
+    trainings = results.trainings(comparison.group)
+    return NONE_TRAINED if trainings is None else trainings.policies(comparison.proposed, manner)
+
+
+def _no_measure(name: str, episodes: int) -> NoReturn:
+    raise KeyError(name)
+
+
+NONE_TRAINED = Policies((), _no_measure, {})
 
 
 def _compared(results: Results) -> dict[tuple[Group, str, str], Comparison]:

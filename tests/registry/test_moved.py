@@ -20,6 +20,7 @@ from harness.registry.moved import (
 )
 
 OLD = {
+    "harness": ["audit_dataset", "audit_rewards"],
     "harness.environment": ["Measure"],
     "harness.metric": ["Metric"],
     "harness.pytest_plugin": ["pytest_configure"],

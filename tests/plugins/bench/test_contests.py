@@ -9,12 +9,11 @@ import psutil
 import pytest
 
 import harness
+from harness.authoring.checking import closed_motion
 from harness.env.make import ReachEnv
 from harness.errors import UsageError
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
-from harness.testing import IdealSimulator
-from harness.testing.opened import closed_motion
 from harness_plugins.algorithms.ppo import Ppo
 from harness_plugins.bench.contests import (
     ENGINE,
@@ -33,6 +32,7 @@ from harness_plugins.bench.contests import (
     take_turns,
 )
 from harness_plugins.bench.stopwatch import Meter
+from harness_plugins.kit import IdealSimulator
 
 
 class Work:

@@ -9,7 +9,6 @@ from harness.eta.seed_mean import SeedMean
 from harness.report.figures.accumulated import OMEGA_1, OMEGA_2
 from harness.report.figures.panel import panels_of
 from harness.report.figures.split_rows import split_rows
-from harness.results.learning import learning_of
 from harness_plugins.committed.figures import flat_words, learning_file, measures_of, runs_file, split_file
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -114,7 +113,7 @@ def learned(build):
     """A combination that was evaluated while learning, how it learned, and the measures that are shown."""
     results = build(learned={10: 1})
     (combination,) = results.combinations
-    learning = learning_of(results, combination)
+    learning = results.learning(combination)
     return combination, learning, measures_of(combination, learning)
 
 
@@ -122,7 +121,7 @@ def test_learning_says_how_many_trainings_its_lines_are_of(build):
     """All of each reward, also where they have other seeds."""
     results = build(learned={10: 1}, ended={("arp", 2): ("failed", "it broke")})
     (combination,) = results.combinations
-    learning = learning_of(results, combination)
+    learning = results.learning(combination)
     told = words(learning_file(combination, learning, measures_of(combination, learning)))
     assert any("3 trainings with baseline, 2 with arp" in text for text in told)
 

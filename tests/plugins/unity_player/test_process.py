@@ -10,8 +10,8 @@ import psutil
 import pytest
 
 from harness.errors import UsageError
-from harness_plugins.unity_player.connection import PlayerProcess, find_program
 from harness_plugins.unity_player.guard import MOST
+from harness_plugins.unity_player.process import PlayerProcess, find_program
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="the programs of these tests are shell scripts")
 
@@ -62,7 +62,7 @@ def test_a_player_gets_its_arguments(tmp_path: Path):
 
 def test_a_player_that_goes_on_is_ended_with_what_it_started(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """It gets some seconds, then no more."""
-    monkeypatch.setattr("harness_plugins.unity_player.connection.LONGEST", 0.1)
+    monkeypatch.setattr("harness_plugins.unity_player.process.LONGEST", 0.1)
     pids = tmp_path / "pids"
     process = PlayerProcess(script(tmp_path / "p", f"sleep 600 & echo $$ $! > {pids}; wait"), [])
     assert wait_for(lambda: pids.exists() and len(pids.read_text().split()) == 2)
@@ -74,7 +74,7 @@ def test_a_player_ends_with_a_killed_asker(tmp_path: Path):
     """Whatever ends the process that started it, nothing is left."""
     pids, program = tmp_path / "pids", script(tmp_path / "p", f"echo $$ > {tmp_path / 'pids'}; sleep 600")
     code = (
-        "import time; from pathlib import Path; from harness_plugins.unity_player.connection import PlayerProcess;"
+        "import time; from pathlib import Path; from harness_plugins.unity_player.process import PlayerProcess;"
         f"PlayerProcess(Path({str(program)!r}), []); time.sleep(600)"
     )
     asker = subprocess.Popen([sys.executable, "-c", code])
