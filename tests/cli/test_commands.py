@@ -138,3 +138,18 @@ def test_bare_harness_shows_the_help_and_says_no_more(harness):
     assert (bare.status, bare.err) == (2, "")
     assert bare.out.rstrip() == harness("--help").out.rstrip()
     assert "Usage: harness" in bare.out
+
+
+def test_our_commands_import_no_foreign_plugin(harness, install: Callable[..., str]):
+    """One that cannot be imported is no trouble of theirs; a command that cannot be is listed, as any foreign one."""
+    raising = "raise SystemExit('no licence')\n"
+    hook = "import harness\n@harness.hookimpl\ndef register_commands(register):\n"
+    line = "    register('nod', __name__ + '_command:nod', summary='nods to someone')\n"
+    foreign = {install("no-licence", raising), install("nodding", hook + line, command=raising)}
+    answer = harness("check", "--help")
+    assert (answer.status, answer.err) == (0, "")
+    assert "Usage: harness check" in answer.out
+    assert not foreign & set(sys.modules)
+    listed = harness("--all")
+    assert (listed.status, "nods to someone" in listed.out) == (0, True)
+    assert foreign & set(sys.modules)
