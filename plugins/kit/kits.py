@@ -25,6 +25,7 @@ from .metrics import ALL_ENDS, METRIC_CHECKS, recorded_trace
 from .reward_samples import pay, samples_for
 from .rewards import REWARD_CHECKS, REWARD_WARNINGS
 from .robots import ROBOT_CHECKS, ROBOT_WARNINGS, SIMULATED_ROBOT_CHECKS
+from .sections import SECTION_CHECKS, SECTION_WARNINGS
 from .simulators.calls import a_long_simulation_neither_drifts_nor_leaks
 from .simulators.checks import SIMULATOR_CHECKS, SIMULATOR_WARNINGS
 from .simulators.simulations import PERIOD, opened, ramps, start_at_home
@@ -166,8 +167,9 @@ KITS: Mapping[str, Kit] = MappingProxyType(
         "executors": Kit(EXECUTOR_CHECKS, seconds=120.0),
         "trackers": Kit(TRACKER_CHECKS),
         "logs": Kit(LOG_CHECKS),
+        "sections": Kit(SECTION_CHECKS, SECTION_WARNINGS),
     }
 )
-"""By kind, as `harness.hookspecs.KINDS` has them; commands and sections have none."""
+"""By kind, as `harness.hookspecs.KINDS` has them; commands have none."""
 EXPORTS = Kit(EXPORT_CHECKS)
 """The kit of policies; see `harness_plugins.kit.exports`."""

@@ -320,3 +320,12 @@ def test_plugins_check_finds_what_is_broken(harness):
     assert "Algorithm 'spaceless'" in line
     assert "Robot 'ghost'" in line
     assert "Reward 'gift'" not in line
+
+
+def test_section_of_the_report_is_checked(harness):
+    """Whatever needs an experiment that its command has filled is told as not tried, with the remedy."""
+    checks = json.loads(harness("check", "transfer", "--kind", "section", "--json").out)["checks"]
+    verdicts = {each["check"]: each["verdict"] for each in checks}
+    assert verdicts.pop("section-untried") == "warning"
+    assert set(verdicts.values()) == {"ok"}
+    assert {"target", "section-ending", "section-silent"} < verdicts.keys()

@@ -19,6 +19,7 @@ from harness.motion import MODES
 from harness.reach import ReachTask
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
+from harness.registry.spec import OURS
 from harness.robot import Robot
 from harness_plugins.kit import (
     ALGORITHM_CHECKS,
@@ -27,6 +28,7 @@ from harness_plugins.kit import (
     METRIC_CHECKS,
     REWARD_CHECKS,
     ROBOT_CHECKS,
+    SECTION_CHECKS,
     SIMULATOR_CHECKS,
     TASK_CHECKS,
     TRACKER_CHECKS,
@@ -47,6 +49,7 @@ from harness_plugins.kit.algorithms import (
     the_return_rises,
 )
 from harness_plugins.kit.contract import require
+from harness_plugins.kit.sections import SECTION_WARNINGS
 from harness_plugins.kit.simulators.states import frames_show_the_target, render_gives_a_frame_or_says_why_not
 from harness_plugins.kit.tasks import (
     draws_depend_on_the_stream_alone,
@@ -57,6 +60,8 @@ from harness_plugins.kit.tasks import (
     targets_do_not_depend_on_the_count,
 )
 from harness_plugins.kit.trainings import NegativeDistance
+from tests.plugins.transfer.conftest import add_transfers
+from tests.report.conftest import build_results
 
 REGISTRY = load_registry()
 ROBOT = harness.load_robot("fd100", REGISTRY)
@@ -95,6 +100,8 @@ LOCAL = {"wandb": "wandb:mode=offline", "mlflow": "mlflow:uri=sqlite:///mlflow.d
 """Settings of trackers with which nothing leaves this machine."""
 NEED_A_CLUSTER = ("slurm",)
 """Executors that start none themselves; `tests/plugins/executors` does, and runs the checks there."""
+FILLED = {"transfer": add_transfers}
+"""What the command of a section adds to an experiment; a foreign one's is not known here."""
 CHECKS = [
     *SIMULATOR_CHECKS,
     *REWARD_CHECKS,
@@ -104,6 +111,7 @@ CHECKS = [
     *EXECUTOR_CHECKS,
     *TRACKER_CHECKS,
     *LOG_CHECKS,
+    *SECTION_CHECKS,
 ]
 
 
@@ -239,6 +247,21 @@ def test_tracker(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv("WANDB_X_SAVE_REQUIREMENTS", "false")  # else each of its runs reads about every distribution
     tracker = choose(REGISTRY, "trackers", LOCAL.get(name, name)).build(REGISTRY, "trackers")
     assert broken_in(tmp_path, TRACKER_CHECKS, tracker) == []
+
+
+@registered("sections")
+def test_section(name: str, tmp_path: Path):
+    """Every registered section keeps the contract; what ours show is looked at, of an experiment with their folders."""
+    if name in FILLED:
+        FILLED[name](build_results(tmp_path))
+    checks = (*SECTION_CHECKS, *(SECTION_WARNINGS if name in FILLED else ()))
+    assert broken(checks, build("sections", name), tmp_path) == []
+
+
+def test_our_sections_are_filled():
+    """What each of ours shows is among what was looked at."""
+    ours = {name for name in REGISTRY.names("sections") if REGISTRY.get("sections", name).distribution == OURS}
+    assert ours == set(FILLED)
 
 
 @registered("logs")

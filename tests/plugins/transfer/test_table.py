@@ -1,38 +1,11 @@
-from dataclasses import replace
 from io import StringIO
 
-import numpy as np
 import pytest
 from rich.console import Console
 
-from harness.policy import SquashedGaussian
-from harness.record.folder import EVALUATION, POLICY
-from harness.registry.choice import Choice
 from harness.report.page.html import write_html
 from harness_plugins.transfer.matrix import load_transfers
-from harness_plugins.transfer.record import TRANSFER, TransferRecord, policy_digest, simulator_id
 from harness_plugins.transfer.shown import transfer_table
-
-
-@pytest.fixture
-def transferred(build):
-    """An experiment whose policies were also in pybullet, where one evaluation failed."""
-    results = build()
-    for cell in results.done_cells:
-        home = results.store.cell_folder(cell)
-        weights = {f"{layer}.{part}": np.ones((1, 1), np.float32) for layer in ("mean", "log_std") for part in "wb"}
-        weights["mean.weight"] = np.ones((1, 1), np.float32)
-        SquashedGaussian(weights, "relu", (-1.0,), (1.0,)).save(home / POLICY)
-        away = Choice("pybullet", (), "pybullet")
-        folder = results.folder / TRANSFER / cell.id / simulator_id(away)
-        folder.mkdir(parents=True)
-        record = TransferRecord(cell.id, away, policy_digest(home), status="done")
-        if (cell.reward.label, cell.seed) == ("arp", 1):
-            record = replace(record, status="failed", reason="it <b>fell</b>")
-        else:
-            (folder / EVALUATION).write_bytes((home / "random.parquet").read_bytes())
-        record.write(folder)
-    return results
 
 
 @pytest.mark.parametrize("width", [60, 80, 100])
