@@ -274,8 +274,10 @@ if TYPE_CHECKING:
     from harness.results.alone import Alone as Alone
     from harness.results.cell_results import PAID as PAID
     from harness.results.comparison import (
+        Behaviour as Behaviour,
         Comparison as Comparison,
         Group as Group,
+        Number as Number,
         deciding_manner as deciding_manner,
         pools_of as pools_of,
     )

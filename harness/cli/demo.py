@@ -103,7 +103,7 @@ def _show(results: "Results") -> None:
     show(comparison_lines(results.combinations))
     (comparison,) = results.combinations
     same, recorded = _same_steps(results)
-    eta = format_number(comparison.eta_p.value)
+    eta = format_number(comparison.number.eta_p.value)
     show(Text(AFTER.format(same=f"{same:,}", all=f"{recorded:,}", eta=eta)))
     show(Text(ANSWER))
     make_table_and_page(results)

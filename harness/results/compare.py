@@ -17,7 +17,7 @@ from harness.eta.scored_sums import BB, BK, KB, KK, Pair
 from harness.eta.splits import Decomposition
 from harness.eta.swaps import Swaps, swaps_of
 from harness.record.terms import FIRST, Terms
-from harness.results.comparison import Comparison, Group, StepChange
+from harness.results.comparison import Behaviour, Comparison, Group, Number, StepChange
 from harness.results.measured import (
     AREA,
     LAST,
@@ -67,44 +67,35 @@ def compare(trainings: Trainings[Training], match: Match[Training], swaps: Swaps
         swaps: The ways in which the names of a seed's trainings are swapped.
     """
     comparer = _Comparer(trainings, match, swaps)
-    empty = Comparison(
-        trainings.group,
-        match.baseline,
-        match.proposed,
-        match.seeds,
-        None,
-        (),
-        {},
+    measured = Behaviour(
         episodes=comparer.episodes,
+        counted=trainings.counted,
         deciding=trainings.deciding,
         decided_in=trainings.decided_in(comparer.episodes),
-        number_of=trainings.number_of,
-        trained=match.seeds_of,
-        rescaling=trainings.rescaling(match),
         same_starts=trainings.same_starts(match),
-        counted=trainings.counted,
     )
-    if not all(match.seeds_of):
-        return empty
-    behaviour = replace(
-        empty,
-        changes=comparer.changes(),
-        along=comparer.along(),
-        mixtures=trainings.mixtures(match),
-        paid=tuple(comparer.paid_at_random()),
+    if all(match.seeds_of):
+        measured = replace(
+            measured,
+            changes=comparer.changes(),
+            along=comparer.along(),
+            mixtures=trainings.mixtures(match),
+            same_steps=bool(match.seeds) and match.is_paired and trainings.same_steps(match),
+            paid=tuple(comparer.paid_at_random()),
+        )
+    found = Comparison(trainings.group, match.baseline, match.proposed, match.seeds, match.seeds_of, measured)
+    number = Number(
+        number_of=trainings.number_of,
+        rescaling=trainings.rescaling(match),
+        manner=found.manner,
+        why_none=found.why_none,
     )
-    if not match.seeds:
-        return behaviour
+    if not (all(match.seeds_of) and match.seeds):
+        return replace(found, number=number)
     decomposition, pairs = comparer.indices()
     returns, missing = comparer.returns()
-    return replace(
-        behaviour,
-        decomposition=decomposition,
-        curves=_CurvesOnDemand(pairs, lambda pair: trainings.curve(match, pair)),
-        same_steps=match.is_paired and trainings.same_steps(match),
-        returns=returns,
-        missing=missing,
-    )
+    number = replace(number, decomposition=decomposition, returns=returns, missing=missing)
+    return replace(found, number=number, curves=_CurvesOnDemand(pairs, lambda pair: trainings.curve(match, pair)))
 
 
 class _CurvesOnDemand(Mapping[Pair, GroupCurve]):

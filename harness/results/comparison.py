@@ -11,7 +11,7 @@ from harness.arrays import Float
 from harness.eta.behaviour_change import NO_WORD, TRAINING, WHOLE, Change
 from harness.eta.curve import GroupCurve
 from harness.eta.headline import DECIDING, SUCCESS, UNMEASURED, Answer, Headline
-from harness.eta.index import Index, Ratio
+from harness.eta.index import Ratio
 from harness.eta.judge import judge
 from harness.eta.lead import lead_of
 from harness.eta.number import number_sentence, return_sentence
@@ -120,7 +120,146 @@ class StepChange(NamedTuple):
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
-        return {"steps": self.steps, "behaviour": [change.to_json() for change in self.changes]}
+        behaviour = [change.to_json() for change in self.changes]
+        return {"steps": self.steps, "behaviour": behaviour, "answer": self.answer}
+
+    @property
+    def answer(self) -> str:
+        """What it hints at: ``better``, ``worse`` or ``cannot tell``. It decides nothing."""
+        return next((change.direction for change in self.changes if change.direction), Answer.CANNOT_TELL.value)
+
+
+@dataclass(frozen=True, eq=False)
+class Behaviour:
+    """What was measured of the trainings under both rewards.
+
+    Attributes:
+        changes: Measures of behaviour: of the trained policies in each manner, of the trainings, of learning.
+        along: The deciding measures at each evaluation before the end of the trainings.
+        episodes: How many finished episodes every seed has at least, in each manner.
+        counted: By manner, what `episodes` counts where it counts no episodes, such as points of a curve.
+        mixtures: Plugins of which several versions made the cells that are compared.
+        deciding: Names of the measures that decide about the robot, in this order.
+        decided_in: The manner that decides; by default that in which the cells say that policies act, unless it has
+            fewer episodes than another.
+        same_steps: Whether the policies of both rewards take the same steps in every evaluation, bit for bit.
+        same_starts: Whether policies met the same episodes in their evaluations, as far as that is known.
+        paid: What each of both rewards pays its own policies and random actions, as far as that is known.
+    """
+
+    changes: tuple[Change, ...] = ()
+    along: tuple[StepChange, ...] = ()
+    episodes: Mapping[str, int] = field(default_factory=dict)
+    counted: Mapping[str, str] = field(default_factory=dict)
+    mixtures: tuple[Mixture, ...] = ()
+    deciding: tuple[str, ...] = DECIDING
+    decided_in: str = ""
+    same_steps: bool = False
+    same_starts: bool = True
+    paid: tuple[PaidAtRandom, ...] = ()
+
+    def changes_of(self, manner: str) -> tuple[Change, ...]:
+        """The measures of one manner."""
+        return tuple(change for change in self.changes if change.measure.manner == manner)
+
+    @cached_property
+    def speed(self) -> Change | None:
+        """Success over the whole training, which says how fast the robot learns; None if it was not measured."""
+        names = [SUCCESS, *self.deciding[:1]]
+        during = [*self.changes_of(TRAINING), *self.changes_of(WHOLE)]
+        there = [it for it in during if it.name in names and it.measure.episodes is not None]
+        return next((it for it in there if it.seeds), None)
+
+    def without_words(self) -> "Behaviour":
+        """The same with hints that have a p, and call nothing better or worse."""
+        changes = tuple(replace(it, level=NO_WORD) for it in self.changes)
+        along = tuple(it._replace(changes=tuple(replace(of, level=NO_WORD) for of in it.changes)) for it in self.along)
+        return replace(self, changes=changes, along=along)
+
+
+@dataclass(frozen=True)
+class Judged:
+    """What the test says.
+
+    Attributes:
+        ruling: Of the measures that decide, in this place; None before it was asked.
+        pool: The answer over all places; None where there is one place.
+        asked: Names and manners of the measures that the ruling is about, as another place may lack some; None before.
+        claims: How many hints are corrected together, in all comparisons of the experiment except the null control.
+    """
+
+    ruling: Ruling | None = None
+    pool: Pool | None = None
+    asked: tuple[tuple[str, str], ...] | None = None
+    claims: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Number:
+    """What is paid: by how much the number changed, and how much of that is ruler.
+
+    Attributes:
+        decomposition: Both etas with their parts; None without a seed, and where an own reward is not known.
+        returns: By manner, the mean return of an episode and its split, where both own returns are known.
+        missing: By manner, why a mean return is not known.
+        number_of: What the sentence tells: the mean return, or both indices as in the note.
+        rescaling: What the proposed reward is, if it is the baseline but for scale and offset; else None.
+        manner: How the episodes that decide came about: the mean return of these is told.
+        why_none: Why there is no decomposition, where there is none.
+    """
+
+    decomposition: Decomposition | None = None
+    returns: Mapping[str, ReturnSplit] = field(default_factory=dict)
+    missing: Mapping[str, str] = field(default_factory=dict)
+    number_of: Literal["returns", "indices"] = "returns"
+    rescaling: Rescaling | None = None
+    manner: str = DETERMINISTIC
+    why_none: str = "an own reward is not known in every step"
+
+    @property
+    def splits(self) -> Splits:
+        """Both etas and their parts. Where there is none they hold the reason."""
+        return self.decomposition.splits if self.decomposition else no_splits(self.why_none)
+
+    @property
+    def index_splits(self) -> Splits:
+        """Those of `splits` whose index is not 0 under both rewards."""
+        sides = (self.decomposition.baseline, self.decomposition.proposed) if self.decomposition else ()
+        sums = {"eta_N": [it.negative_sum for it in sides], "eta_P": [it.positive_sum for it in sides]}
+        return {name: split for name, split in self.splits.items() if any(sums[name])}
+
+    @property
+    def eta_n(self) -> Ratio:
+        """The split of eta_N, NOTE eq. 43."""
+        return self.splits["eta_N"].eta
+
+    @property
+    def eta_p(self) -> Ratio:
+        """The split of eta_P, NOTE eq. 44."""
+        return self.splits["eta_P"].eta
+
+    @property
+    def is_split(self) -> bool:
+        """Whether there are runs, and each training was scored by the other's reward."""
+        return self.decomposition is not None and self.decomposition.is_split
+
+    @property
+    def has_pay(self) -> bool:
+        """Whether something is known of how much the pay changed, or else not said why it is not."""
+        return self.main is not None or self.decomposition is not None or not self.missing
+
+    @property
+    def main(self) -> ReturnSplit | None:
+        """The split of the mean return in the manner that decides; None if it is not known, or does not count."""
+        return self.returns.get(self.manner) if self.number_of == "returns" else None
+
+    def sentence(self, names: Names) -> str:
+        """How much the pay changed, and how much of that is ruler: of mean returns, else of both indices."""
+        if self.main is not None:
+            return return_sentence(names, self.main)
+        if self.number_of == "returns" and self.manner in self.missing:
+            return f"Mean returns are not compared: {self.missing[self.manner]}."
+        return number_sentence(names, self.splits)
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,59 +273,21 @@ class Comparison:
             baseline trained again with other seeds.
         seeds: The seeds that are done under both rewards. What is paid is compared on them.
         trained: All seeds of each reward's trainings. Behaviour is compared on all of them.
-        decomposition: Both etas with their parts; None without a seed, and where an own reward is not known.
-        changes: Measures of behaviour: of the trained policies in each manner, of the trainings, of learning.
+        measured: What was measured of them.
+        number: What is paid.
+        answer: What the test says.
         curves: S_r(tau_q) by (r, q), as far as the rewards could be scored. A curve is read again at each request.
-        along: The deciding measures at each evaluation before the end of the trainings.
-        episodes: How many finished episodes every seed has at least, in each manner.
-        claims: How many hints are corrected together, in all comparisons of the experiment except the null control.
-        mixtures: Plugins of which several versions made the cells that are compared.
-        returns: By manner, the mean return of an episode and its split, where both own returns are known.
-        missing: By manner, why a mean return is not known.
-        deciding: Names of the measures that decide about the robot, in this order.
-        decided_in: The manner that decides; by default that in which the cells say that policies act, unless it has
-            fewer episodes than another.
-        number_of: What the sentence about the number tells: the mean return, or both indices as in the note.
-        ruling: What the test says of the measures that decide, in this place; None before it was asked.
-        pool: The answer over all places; None where there is one place.
-        asked: Names and manners of the measures that the ruling is about, as another place may lack some; None before.
-        same_steps: Whether the policies of both rewards take the same steps in every evaluation, bit for bit.
-        rescaling: What the proposed reward is, if it is the baseline but for scale and offset; else None.
-        paid: What each of both rewards pays its own policies and random actions, as far as that is known.
-        same_starts: Whether policies met the same episodes in their evaluations, as far as that is known.
-        counted: By manner, what `episodes` counts where it counts no episodes, such as points of a curve.
     """
 
     group: Group
     baseline: str
     proposed: str
     seeds: tuple[int, ...]
-    decomposition: Decomposition | None
-    changes: tuple[Change, ...]
-    curves: Mapping[Pair, GroupCurve]
-    along: tuple[StepChange, ...] = ()
-    episodes: Mapping[str, int] = field(default_factory=dict)
-    claims: int = 0
-    mixtures: tuple[Mixture, ...] = ()
-    returns: Mapping[str, ReturnSplit] = field(default_factory=dict)
-    missing: Mapping[str, str] = field(default_factory=dict)
-    deciding: tuple[str, ...] = DECIDING
-    decided_in: str = ""
-    number_of: Literal["returns", "indices"] = "returns"
-    ruling: Ruling | None = None
-    pool: Pool | None = None
-    asked: tuple[tuple[str, str], ...] | None = None
-    same_steps: bool = False
-    rescaling: Rescaling | None = None
-    same_starts: bool = True
-    counted: Mapping[str, str] = field(default_factory=dict)
     trained: tuple[tuple[int, ...], tuple[int, ...]] = ((), ())
-    paid: tuple[PaidAtRandom, ...] = ()
-
-    @property
-    def place_key(self) -> tuple[Group, str, str]:
-        """Tells it apart from all other comparisons of the experiment."""
-        return self.group, self.baseline, self.proposed
+    measured: Behaviour = Behaviour()
+    number: Number = Number()
+    answer: Judged = Judged()
+    curves: Mapping[Pair, GroupCurve] = field(default_factory=dict)
 
     @property
     def is_control(self) -> bool:
@@ -215,61 +316,9 @@ class Comparison:
         return {"baseline": baseline, "proposed": proposed}
 
     @property
-    def splits(self) -> Splits:
-        """Both etas and their parts. Where there is none they hold the reason."""
-        return self.decomposition.splits if self.decomposition else no_splits(self._empty)
-
-    @property
-    def index_splits(self) -> Splits:
-        """Those of `splits` whose index is not 0 under both rewards."""
-        if self.decomposition is None:
-            return {}
-        sides = (self.decomposition.baseline, self.decomposition.proposed)
-        is_there = {
-            "eta_N": any(index.negative_sum for index in sides),
-            "eta_P": any(index.positive_sum for index in sides),
-        }
-        return {name: split for name, split in self.splits.items() if is_there[name]}
-
-    @property
-    def eta_n(self) -> Ratio:
-        """The split of eta_N, NOTE eq. 43."""
-        return self.splits["eta_N"].eta
-
-    @property
-    def eta_p(self) -> Ratio:
-        """The split of eta_P, NOTE eq. 44."""
-        return self.splits["eta_P"].eta
-
-    @property
-    def is_split(self) -> bool:
-        """Whether there are runs, and each training was scored by the other's reward."""
-        return self.decomposition is not None and self.decomposition.is_split
-
-    @property
-    def has_pay(self) -> bool:
-        """Whether something is known of how much the pay changed, or else not said why it is not."""
-        return self.main is not None or self.decomposition is not None or not self.missing
-
-    @property
-    def baseline_index(self) -> Index | None:
-        """The indices of the baseline's trainings under their own reward; None where there are none."""
-        return self.decomposition.baseline if self.decomposition else None
-
-    @property
-    def proposed_index(self) -> Index | None:
-        """The indices of the proposed reward's trainings under their own reward; None where there are none."""
-        return self.decomposition.proposed if self.decomposition else None
-
-    @property
     def manner(self) -> str:
         """How the episodes that decide came about, one of the manners of `changes`."""
-        return self.decided_in or deciding_manner(self.group.deterministic, self.episodes)
-
-    @property
-    def main(self) -> ReturnSplit | None:
-        """The split of the mean return in the manner that decides; None if it is not known, or does not count."""
-        return self.returns.get(self.manner) if self.number_of == "returns" else None
+        return self.measured.decided_in or deciding_manner(self.group.deterministic, self.measured.episodes)
 
     @property
     def outcomes(self) -> list[Float | None]:
@@ -277,25 +326,29 @@ class Comparison:
 
         The hints are: mean returns, both etas, all changes that do not decide, all evaluations along the budget.
         """
-        splits = [split.ratio.outcomes for split in self.returns.values()]
-        etas = [split.outcomes for split in self.decomposition.splits.values()] if self.decomposition else []
-        changes = [None if self._is_ruled(change) else change.outcomes for change in self.changes]
-        along = [change.outcomes for moment in self.along for change in moment.changes]
+        number, measured = self.number, self.measured
+        splits = [split.ratio.outcomes for split in number.returns.values()]
+        etas = [split.outcomes for split in number.decomposition.splits.values()] if number.decomposition else []
+        changes = [None if self._is_ruled(change) else change.outcomes for change in measured.changes]
+        along = [change.outcomes for moment in measured.along for change in moment.changes]
         return [*splits, *etas, *changes, *along]
 
     def with_corrected(self, p_values: Iterator[float | None], claims: int) -> "Comparison":
         """The comparison with p-values that hold for so many hints together, in the order of `outcomes`."""
-        returns = {manner: split.with_corrected(next(p_values)) for manner, split in self.returns.items()}
-        decomposition = self.decomposition
+        number, measured = self.number, self.measured
+        returns = {manner: split.with_corrected(next(p_values)) for manner, split in number.returns.items()}
+        decomposition = number.decomposition
         if decomposition is not None:
             decomposition = decomposition.with_corrected(next(p_values), next(p_values))
-        told = [(change, next(p_values)) for change in self.changes]
+        told = [(change, next(p_values)) for change in measured.changes]
         changes = tuple(it if self._is_ruled(it) else replace(it, corrected=p) for it, p in told)
         along = tuple(
             moment._replace(changes=tuple(replace(change, corrected=next(p_values)) for change in moment.changes))
-            for moment in self.along
+            for moment in measured.along
         )
-        return replace(self, returns=returns, decomposition=decomposition, changes=changes, along=along, claims=claims)
+        measured = replace(measured, changes=changes, along=along)
+        number = replace(number, returns=returns, decomposition=decomposition)
+        return replace(self, measured=measured, number=number, answer=replace(self.answer, claims=claims))
 
     def with_ruling(self, asked: Sequence[Change], ruling: Ruling, pool: Pool | None) -> "Comparison":
         """The comparison with what the test says; before the plan is trained to its end hints say no word.
@@ -308,18 +361,11 @@ class Comparison:
         ruled = dict(zip_longest(map(id, asked), ruling.of_measures))
         changes = tuple(
             replace(it, p=ruling.p, corrected=ruled[id(it)], level=ruling.level) if id(it) in ruled else it
-            for it in self.changes
+            for it in self.measured.changes
         )
-        found = replace(self, changes=changes, ruling=ruling, pool=pool, asked=tuple(map(_name_and_manner, asked)))
-        return found._without_words() if ruling.missing else found
-
-    def _without_words(self) -> "Comparison":
-        """The comparison with hints that have a p, and call nothing better or worse."""
-        changes = tuple(replace(it, level=NO_WORD) for it in self.changes)
-        along = tuple(
-            moment._replace(changes=tuple(replace(it, level=NO_WORD) for it in moment.changes)) for moment in self.along
-        )
-        return replace(self, changes=changes, along=along)
+        measured = replace(self.measured, changes=changes)
+        answer = replace(self.answer, ruling=ruling, pool=pool, asked=tuple(map(_name_and_manner, asked)))
+        return replace(self, measured=measured.without_words() if ruling.missing else measured, answer=answer)
 
     @cached_property
     def decisive_changes(self) -> tuple[Change, ...]:
@@ -328,83 +374,62 @@ class Comparison:
         A measure without a value in some training does not decide. It would compare the trainings that have one: who
         succeeds more often where success is hard would be told to be slow.
         """
-        acted = self.changes_of(self.answered_in)
-        found = [change for name in self.deciding for change in acted if change.name == name and change.is_complete]
-        if found and self.speed is not None and self.speed.is_complete and all(it is not self.speed for it in found):
-            found.append(self.speed)
-        return tuple(it for it in found if self.asked is None or _name_and_manner(it) in self.asked)
+        acted, names, asked = self.measured.changes_of(self.answered_in), self.measured.deciding, self.answer.asked
+        found = [change for name in names for change in acted if change.name == name and change.is_complete]
+        speed = self.measured.speed
+        if found and speed is not None and speed.is_complete and all(it is not speed for it in found):
+            found.append(speed)
+        return tuple(it for it in found if asked is None or _name_and_manner(it) in asked)
 
     @property
     def answered_in(self) -> str:
         """The manner of the measures that decide: the last evaluations where there are several, else `manner`."""
-        return LAST if any(change.measure.manner == LAST for change in self.changes) else self.manner
-
-    @cached_property
-    def speed(self) -> Change | None:
-        """Success over the whole training, which says how fast the robot learns; None if it was not measured."""
-        names = [SUCCESS, *self.deciding[:1]]
-        during = [*self.changes_of(TRAINING), *self.changes_of(WHOLE)]
-        there = [it for it in during if it.name in names and it.measure.episodes is not None]
-        return next((it for it in there if it.seeds), None)
+        return LAST if any(change.measure.manner == LAST for change in self.measured.changes) else self.manner
 
     def _is_ruled(self, change: Change) -> bool:
         """Whether the verdict tells of a change, so that it is no hint."""
-        return self.ruling is not None and any(change is it for it in self.decisive_changes)
+        return self.answer.ruling is not None and any(change is it for it in self.decisive_changes)
 
     @property
     def own_manner(self) -> str:
         """The manner of acting that the cells name. Evaluations along the budget have only this manner."""
         named = DETERMINISTIC if self.group.deterministic else STOCHASTIC
-        return named if named in self.episodes else self.manner
-
-    def changes_of(self, manner: str) -> tuple[Change, ...]:
-        """The measures of one manner."""
-        return tuple(change for change in self.changes if change.measure.manner == manner)
+        return named if named in self.measured.episodes else self.manner
 
     @property
     def decisive(self) -> Change | None:
         """The first of the measures that decide, in the manner that decides; None if it was not measured."""
-        return next((change for change in self.changes_of(self.answered_in) if change.name in self.deciding[:1]), None)
+        acted, first = self.measured.changes_of(self.answered_in), self.measured.deciding[:1]
+        return next((change for change in acted if change.name in first), None)
 
     @cached_property
     def headline(self) -> Headline:
         """The answers of the comparison: about the robot, and about the number."""
         if not self.has_trainings:
-            return Headline(Answer.CANNOT_TELL, f"Nothing to compare: {self._empty}.", "")
+            return Headline(Answer.CANNOT_TELL, f"Nothing to compare: {self.why_none}.", "")
         told = UNMEASURED if self.decisive is None else _unmeasured(self.names, self.decisive)
-        found = judge(self.names, self.decisive_changes, self.number, self.ruling, told, same_steps=self.same_steps)
-        if self.pool is None or found.decided_by or not self.pool.ruling.is_decided:
+        number, said, same_steps = self.number.sentence(self.names), self.answer, self.measured.same_steps
+        found = judge(self.names, self.decisive_changes, number, said.ruling, told, same_steps=same_steps)
+        if said.pool is None or found.decided_by or not said.pool.ruling.is_decided:
             return found
-        over_all = f"{self.pool.where.capitalize()} together: {self.pool.headline.answer.value.upper()}."
+        over_all = f"{said.pool.where.capitalize()} together: {said.pool.headline.answer.value.upper()}."
         return replace(found, robot=f"{over_all} Of this place alone: {found.robot}")
 
     @cached_property
     def lead(self) -> str:
         """The answer about the robot in a sentence or two without a bracket."""
-        found, ruling = self.headline, self.ruling or Ruling()
-        return lead_of(found, self.decisive_changes, ruling, self.group.subject, same_steps=self.same_steps)
+        found, ruling = self.headline, self.answer.ruling or Ruling()
+        return lead_of(found, self.decisive_changes, ruling, self.group.subject, same_steps=self.measured.same_steps)
 
     @property
     def not_maximised(self) -> tuple[str, ...]:
         """A sentence for each reward that pays random actions more than its policies; none before all have trained."""
-        is_interim = self.ruling is not None and self.ruling.missing
-        return () if is_interim else tuple(it.told for it in self.paid if it.told)
-
-    def hint_at(self, moment: StepChange) -> str:
-        """What an evaluation on the way hints at: ``better``, ``worse`` or ``cannot tell``. It decides nothing."""
-        return next((change.direction for change in moment.changes if change.direction), Answer.CANNOT_TELL.value)
-
-    @property
-    def number(self) -> str:
-        """A sentence on how much the pay changed, and how much of that is ruler: mean returns, else both indices."""
-        if self.main is not None:
-            return return_sentence(self.names, self.main)
-        if self.number_of == "returns" and self.manner in self.missing:
-            return f"Mean returns are not compared: {self.missing[self.manner]}."
-        return number_sentence(self.names, self.splits)
+        is_interim = self.answer.ruling is not None and self.answer.ruling.missing
+        return () if is_interim else tuple(it.told for it in self.measured.paid if it.told)
 
     def to_json(self) -> dict[str, Any]:
         """Plain data, without the curves; docs/json.md explains it."""
+        measured, number, ruling, indices = self.measured, self.number, self.answer.ruling, self.number.decomposition
         headline = self.headline.to_json()
         if self.group.subject == "robot":
             # `robot` is its name in version 0.1; it leaves with the next format
@@ -416,25 +441,25 @@ class Comparison:
             "is_control": self.is_control,
             "seeds": list(self.seeds),
             "trained": self.trained_by,
-            "mixtures": [mixture.to_json() for mixture in self.mixtures],
+            "mixtures": [mixture.to_json() for mixture in measured.mixtures],
             "headline": headline,
-            "test": self.ruling and self.ruling.to_json(),
-            "deciding": list(self.deciding),
+            "test": ruling and ruling.to_json(),
+            "deciding": list(measured.deciding),
             "decided_in": self.answered_in,
-            "same_steps": self.same_steps,
-            "paid_at_random": [it.to_json() for it in self.paid],
+            "same_steps": measured.same_steps,
+            "paid_at_random": [it.to_json() for it in measured.paid],
             "not_maximised": list(self.not_maximised),
-            "returns": {manner: split.to_json() for manner, split in self.returns.items()},
-            "returns_missing": dict(self.missing),
-            **splits_to_json(self.splits),
-            "total": self.decomposition and self.decomposition.total.to_json(),
-            "baseline_index": self.baseline_index and self.baseline_index.to_json(),
-            "proposed_index": self.proposed_index and self.proposed_index.to_json(),
-            "claims": self.claims,
+            "returns": {manner: split.to_json() for manner, split in number.returns.items()},
+            "returns_missing": dict(number.missing),
+            **splits_to_json(number.splits),
+            "total": indices and indices.total.to_json(),
+            "baseline_index": indices and indices.baseline.to_json(),
+            "proposed_index": indices and indices.proposed.to_json(),
+            "claims": self.answer.claims,
             "smallest_p": smallest_p(*self.counts) if self.has_trainings else None,
-            "episodes": dict(self.episodes),
-            "behaviour": [change.to_json() for change in self.changes],
-            "along_the_budget": [{**moment.to_json(), "answer": self.hint_at(moment)} for moment in self.along],
+            "episodes": dict(measured.episodes),
+            "behaviour": [change.to_json() for change in measured.changes],
+            "along_the_budget": [moment.to_json() for moment in measured.along],
         }
 
     def __repr__(self) -> str:
@@ -447,7 +472,8 @@ class Comparison:
         return "".join(f"<p>{escape(visible(it))}</p>" for it in sentences if it)
 
     @property
-    def _empty(self) -> str:
+    def why_none(self) -> str:
+        """Why there is no decomposition, where there is none."""
         if self.is_control:
             return f"{self.baseline} is not trained again with other seeds yet"
         if self.seeds:
@@ -465,12 +491,12 @@ def _name_and_manner(change: Change) -> tuple[str, str]:
 
 def pools_of(comparisons: Iterable[Comparison]) -> tuple[Pool, ...]:
     """The answers over all places, each once; none where there is one place."""
-    return tuple({id(it.pool): it.pool for it in comparisons if it.pool is not None}.values())
+    return tuple({id(it.answer.pool): it.answer.pool for it in comparisons if it.answer.pool is not None}.values())
 
 
 def still_to_come(comparisons: Iterable[Comparison]) -> int:
     """How many planned trainings have not ended, before which nothing is said; 0 also where a plan has looks."""
-    return max((it.ruling.missing for it in comparisons if it.ruling is not None), default=0)
+    return max((it.answer.ruling.missing for it in comparisons if it.answer.ruling is not None), default=0)
 
 
 def _unmeasured(names: Names, change: Change) -> str:

@@ -66,10 +66,10 @@ class Overview(NamedTuple):
 
 def overview_of(combinations: Sequence[Comparison]) -> Overview:
     """The columns for these comparisons, of which there must be at least one."""
-    names = dict.fromkeys(name for it in combinations for name in it.deciding[:1])
-    mains = [it.main for it in combinations if it.main is not None]
+    names = dict.fromkeys(name for it in combinations for name in it.measured.deciding[:1])
+    mains = [it.number.main for it in combinations if it.number.main is not None]
     is_ratio = all(it.ratio.eta.value is not None for it in mains)
-    is_paid = any(it.has_pay for it in combinations)
+    is_paid = any(it.number.has_pay for it in combinations)
     numbers: Numbers = "none" if not is_paid else "indices" if not mains else "ratio" if is_ratio else "difference"
     measure = " / ".join(map(short_name, names)) or "behaviour"
     trained = f" {TRAINING}" if names and all(it.manner in (WHOLE, TRAINING) for it in combinations) else ""
@@ -127,8 +127,8 @@ def overview_row(name: str, comparison: Comparison, with_intervals: bool, overvi
     if overview.numbers == "none":
         return measured
     if overview.numbers != "indices":
-        return (*measured, *_returned(comparison.main, overview.numbers == "ratio"))
-    splits = comparison.splits
+        return (*measured, *_returned(comparison.number.main, overview.numbers == "ratio"))
+    splits = comparison.number.splits
     etas = (splits["eta_N"].eta, splits["eta_P"].eta)
     told = (short_value(eta) + (_interval(eta) if with_intervals else "") for eta in etas)
     return (*measured, *told, short_value(splits["eta_P"].ruler))

@@ -314,7 +314,7 @@ def _place(results: Results, found: _Found, success: Order) -> Place:
 
 def _read(name: str, part: str) -> Callable[[Comparison], float | None]:
     def read(comparison: Comparison) -> float | None:
-        ratio = getattr(comparison.splits[name], part)
+        ratio = getattr(comparison.number.splits[name], part)
         return None if ratio.near_zero is not None else ratio.value
 
     return read

@@ -123,7 +123,7 @@ def told_manifests(results: Results) -> list[Manifest]:
 
 def _ending(comparison: Comparison) -> LookRuling | None:
     """What the test says of a reward that is trained no further; None if it is."""
-    ruling = comparison.ruling if comparison.pool is None else comparison.pool.ruling
+    ruling = comparison.answer.ruling if comparison.answer.pool is None else comparison.answer.pool.ruling
     return ruling if isinstance(ruling, LookRuling) and ruling.is_over else None
 
 
@@ -155,7 +155,7 @@ def values_of(results: Results, seen: Seen, reward: str) -> Float:
 
 
 def _value(results: Results, cell: Cell, comparison: Comparison) -> float:
-    name = comparison.deciding[0] if comparison.deciding else ""
+    name = comparison.measured.deciding[0] if comparison.measured.deciding else ""
     if comparison.answered_in == LAST:
         value = last_values(results.moments(cell), cell.steps, results.plan.terms.averaged).get(name)
     else:

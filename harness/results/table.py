@@ -126,7 +126,7 @@ def comparison_rows(comparisons: Sequence[Comparison]) -> pa.Table:
 
 def _row(comparison: Comparison) -> Iterator[tuple[str, Any]]:
     labels, headline, ruling, change = (
-        comparison.group.labels, comparison.headline, comparison.ruling, comparison.decisive,
+        comparison.group.labels, comparison.headline, comparison.answer.ruling, comparison.decisive,
     )  # fmt: skip
     yield from ((kind, labels.get(kind)) for kind in KINDS)
     yield from zip(("baseline", "proposed"), comparison.names, strict=True)
@@ -137,9 +137,9 @@ def _row(comparison: Comparison) -> Iterator[tuple[str, Any]]:
     if change is not None:
         yield from (("measure", change.name), ("baseline_value", change.baseline), ("proposed_value", change.proposed))
         yield from (("difference", change.difference), ("low", change.low), ("high", change.high))
-    split = comparison.splits["eta_P"] if comparison.main is None else comparison.main.ratio
+    split = comparison.number.splits["eta_P"] if comparison.number.main is None else comparison.number.main.ratio
     for name, ratio in (
-        *(("eta_N", comparison.eta_n), ("eta_P", comparison.eta_p)),
+        *(("eta_N", comparison.number.eta_n), ("eta_P", comparison.number.eta_p)),
         *(("ruler", split.ruler), ("behaviour", split.behaviour)),
     ):
         yield from _ends(name, ratio)

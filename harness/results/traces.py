@@ -342,7 +342,7 @@ class TraceTrainings:
         if self.group.evaluate_every:
             baseline, proposed = (self._evaluated(*side) for side in sides)
             if any(len(run.moments) > 1 for curve in (baseline, proposed) for run in curve.runs):
-                random = {change.name: change.random for change in comparison.changes_of(comparison.own_manner)}
+                random = {it.name: it.random for it in comparison.measured.changes_of(comparison.own_manner)}
                 return Learning(baseline, proposed, random)
         baseline, proposed = (self.learned(*side) for side in sides)
         return Learning(baseline, proposed, dict.fromkeys(baseline.points))

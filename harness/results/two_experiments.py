@@ -50,7 +50,7 @@ class BeforeAfter:
     @property
     def decisive(self) -> Change | None:
         """The change of the first measure that decides; None if no seed is done in both."""
-        deciding = self.before.deciding[:1]
+        deciding = self.before.measured.deciding[:1]
         return next((change for change in self.changes if change.name in deciding and change.seeds), None)
 
     @property
@@ -156,7 +156,7 @@ NONE_TRAINED = Policies((), _no_measure, {})
 def _compared(results: Results) -> dict[tuple[Group, str, str], Comparison]:
     """Comparisons with the experiment's baseline. An environment has others too, of the same policies."""
     found = (it for it in results.combinations if it.baseline == results.baseline and not it.is_control)
-    return {it.place_key: it for it in found}
+    return {(it.group, it.baseline, it.proposed): it for it in found}
 
 
 def _changes(before: Policies, after: Policies, swaps: Swaps) -> tuple[Change, ...]:
@@ -190,7 +190,7 @@ def _correct(families: Sequence[tuple[Change, ...]], level: float) -> list[tuple
 
 
 def _side_to_json(comparison: Comparison) -> dict[str, Any]:
-    etas = {"eta_N": comparison.eta_n, "eta_P": comparison.eta_p}
+    etas = {"eta_N": comparison.number.eta_n, "eta_P": comparison.number.eta_p}
     return {
         "seeds": list(comparison.seeds),
         "answer": comparison.headline.answer.value,

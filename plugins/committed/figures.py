@@ -115,7 +115,7 @@ def race_file(told: RaceTold) -> bytes:
 def measures_of(combination: Comparison, learning: Learning | None) -> dict[str, bool]:
     """The measures that the figure of learning shows, and whether each is written as a percentage."""
     names = learning_names(learning, combination)[:PANELS] if learning else []
-    shares = [it.name for it in combination.changes_of(combination.manner) if text_of(it) is percentage]
+    shares = [it.name for it in combination.measured.changes_of(combination.manner) if text_of(it) is percentage]
     return {name: name in shares for name in names}
 
 
@@ -202,7 +202,7 @@ def draw_overview(combinations: Sequence[Comparison], missing: Sequence[str]) ->
     shared, names = name_apart(combinations)
     labels = [_label(*given) for given in zip(names, combinations, missing, strict=True)]
     rows = list(_rows(combinations, labels))
-    returned = ["eta"] if any(it.main for it in combinations) else []
+    returned = ["eta"] if any(it.number.main for it in combinations) else []
     of = returned if _is_drawn("eta", rows) else [*returned, *BETTER]
     drawn = [name for name in of if _is_drawn(name, rows)]
     if not drawn:
@@ -275,7 +275,7 @@ def _places(row: Row) -> list[tuple[float, str]]:
 def _split(row: Row, name: str) -> list[SplitRow]:
     """An eta and the means of both paths. The combination's own figure shows the paths."""
     combination, place = row.combination, row.middle
-    split = splits_of(combination).get(name, combination.splits.get(name, NO_SPLIT))
+    split = splits_of(combination).get(name, combination.number.splits.get(name, NO_SPLIT))
     return [
         SplitRow("eta", split.eta, place - 1.0, "ink", "circle"),
         SplitRow("ruler", split.ruler, place, "ruler", "square"),

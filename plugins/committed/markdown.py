@@ -131,7 +131,7 @@ def _overview(results: Results, picture: str) -> list[str]:
         return [part for it in results.alone for part in _alone(results, it)]
     if not combinations:
         return ["No combination: nothing is planned under a baseline and another reward."]
-    has_returns = any(it.main for it in combinations)
+    has_returns = any(it.number.main for it in combinations)
     rows = [
         _row(number, combination, has_returns, missing_text(results, combination))
         for number, combination in enumerate(combinations, 1)
@@ -154,11 +154,12 @@ def _row(number: int, combination: Comparison, has_returns: bool, missing: str) 
 
 
 def _etas(combination: Comparison) -> list[str]:
-    return [text for split in combination.splits.values() for text in (ratio_with_interval(split.eta), _parts(split))]
+    splits = combination.number.splits.values()
+    return [text for split in splits for text in (ratio_with_interval(split.eta), _parts(split))]
 
 
 def _returned(combination: Comparison) -> list[str]:
-    main = combination.main
+    main = combination.number.main
     if main is None:
         return [NOTHING] * 4
     own = [format_number(main.returns[pair].mean) for pair in OWN]
@@ -181,7 +182,7 @@ def _section(results: Results, number: int, combination: Comparison, pictures: P
     grids += map(terms_grid, terms_of(results, combination, is_first=number == 1))
     parts = [
         escape(title),
-        *(f"**{escape(mixture.text)}.**" for mixture in combination.mixtures),
+        *(f"**{escape(mixture.text)}.**" for mixture in combination.measured.mixtures),
         f"**The {combination.group.subject}: {answer_text(headline)}.** {escape(headline.robot)}",
         *map(escape, beside_answer(combination)),
         escape(basis_text(combination)),

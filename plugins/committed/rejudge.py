@@ -87,11 +87,11 @@ def _rewrite(told: dict[str, Any], comparison: Comparison) -> None:
         if key in headline:
             headline[key] = sentence
     headline |= {key: value for key, value in answer.items() if key in headline and key not in ("number", "robot")}
-    told["test"] = comparison.ruling and comparison.ruling.to_json()
+    told["test"] = comparison.answer.ruling and comparison.answer.ruling.to_json()
     told["trained"] = comparison.trained_by
     told.pop("learns", None)  # up to version 0.2 a question of its own
     ruled = {id(it) for it in comparison.decisive_changes}
-    for measure, change in zip(told["behaviour"], comparison.changes, strict=True):
+    for measure, change in zip(told["behaviour"], comparison.measured.changes, strict=True):
         measure.pop("values", None)  # up to version 0.2 in pairs
         keys = (*OF_ALL, *MADE_ANEW) if id(change) in ruled else OF_ALL
         measure |= {key: value for key, value in change.to_json().items() if key in keys}

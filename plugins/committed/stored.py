@@ -9,6 +9,7 @@ from harness.authoring.commands import (
     DECIDING,
     PAID,
     SUCCESS,
+    Behaviour,
     Change,
     Choice,
     Comparison,
@@ -17,6 +18,7 @@ from harness.authoring.commands import (
     Index,
     Learning,
     LearningCurve,
+    Number,
     Point,
     Quantity,
     Ratio,
@@ -53,20 +55,15 @@ def studied_comparisons(record: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
 def behaviour_of(told: Mapping[str, Any]) -> Comparison:
     """A comparison with its measures of behaviour and their seeds' values, and nothing of the rewards."""
     seeds = tuple(told["seeds"])
-    return Comparison(
-        _group(told),
-        told["baseline"],
-        told["proposed"],
-        seeds,
-        None,
+    measured = Behaviour(
         tuple(_change(it, seeds) for it in told["behaviour"]),
-        {},
         episodes=told["episodes"],
         deciding=tuple(told.get("deciding") or _deciding(told)),
         decided_in=told.get("decided_in") or "",
         same_steps=told.get("same_steps", False),
-        trained=_trained(told, seeds),
     )
+    found = Comparison(_group(told), told["baseline"], told["proposed"], seeds, _trained(told, seeds), measured)
+    return replace(found, number=Number(manner=found.manner, why_none=found.why_none))
 
 
 def _trained(told: Mapping[str, Any], seeds: tuple[int, ...]) -> tuple[tuple[int, ...], tuple[int, ...]]:
@@ -78,13 +75,14 @@ def _trained(told: Mapping[str, Any], seeds: tuple[int, ...]) -> tuple[tuple[int
 def comparison_of(told: Mapping[str, Any], manner: str) -> Comparison:
     """A comparison with its numbers too, without the curves; of the mean returns those in one manner are told."""
     found = behaviour_of(told)
-    return replace(
-        found,
-        decided_in=manner,
+    number = replace(
+        found.number,
         decomposition=_decomposition(told),
         returns={manner: _returned(it) for manner, it in (told.get("returns") or {}).items()},
         number_of="indices" if found.group.subject == "robot" else "returns",
+        manner=manner,
     )
+    return replace(found, measured=replace(found.measured, decided_in=manner), number=number)
 
 
 def learning_in(told: Mapping[str, Any]) -> Learning | None:

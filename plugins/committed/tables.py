@@ -221,10 +221,10 @@ def panels_in(
     runs: Runs, combination: Comparison, kind: Literal["accumulated", "per-step"]
 ) -> tuple[CurvePanel, CurvePanel] | None:
     """The panels of a combination; None where its curves are not there."""
-    baseline, proposed = combination.baseline_index, combination.proposed_index
-    if baseline is None or proposed is None:
+    indices = combination.number.decomposition
+    if indices is None:
         return None
-    sides = (("Baseline", combination.baseline, baseline), ("Proposed", combination.proposed, proposed))
+    sides = (("Baseline", combination.baseline, indices.baseline), ("Proposed", combination.proposed, indices.proposed))
     panels = []
     for (role, reward, index), trained in zip(sides, combination.names, strict=True):
         keys = [_key(combination, trained, [seed]) for seed in combination.seeds]

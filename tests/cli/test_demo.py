@@ -19,7 +19,7 @@ def test_the_number_grows_and_the_arm_moves_the_same(harness, tmp_path):
     assert same == recorded != "0"
     results = load_results(tmp_path / "mine")
     (combination,) = results.combinations
-    split = combination.splits["eta_P"]
+    split = combination.number.splits["eta_P"]
     assert (round(split.ruler.value, 9), round(split.behaviour.value, 9)) == (1.5, 1.0)
     assert "harness report mine --details" in answer.out
     (show,) = shows_of(results)

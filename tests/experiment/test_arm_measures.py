@@ -167,7 +167,7 @@ def test_they_stand_among_the_metrics(results: Results):
 def test_the_named_one_decides(results: Results):
     """Alone."""
     (comparison,) = results.combinations
-    assert comparison.deciding == ("near",)
+    assert comparison.measured.deciding == ("near",)
     assert [it.name for it in comparison.decisive_changes] == ["near", "near"]
 
 
@@ -175,7 +175,7 @@ def test_success_rate_decides_where_none_is_named(results: Results, file: Path, 
     """The mutant: a measure alone changes no verdict."""
     harness.run(**{**ARM, "task": "fd100-reach:horizon=20"}, seeds=1, measure=[file], out=tmp_path / "R", jobs=1)  # type: ignore[arg-type]
     (comparison,) = load_results(tmp_path / "R", measures=[file]).combinations
-    assert comparison.deciding == ("success_rate", "time_to_target")
+    assert comparison.measured.deciding == ("success_rate", "time_to_target")
 
 
 def test_without_its_file_what_decides_is_not_known(folder: Path):

@@ -76,6 +76,6 @@ def test_an_experiment_may_grow_by_a_reward_that_reads_more(run):
     results = run("arp", "slow")
     assert before < {cell.id for cell in results.done_cells}
     (slow,) = (it for it in results.combinations if it.proposed == "slow")
-    assert slow.splits["eta_N"].ruler.note == (
+    assert slow.number.splits["eta_N"].ruler.note == (
         "reward slow reads qvel, which these trainings did not record; new ones with it do"
     )

@@ -17,7 +17,7 @@ from harness.record.cell import BROUGHT
 from harness.record.terms import FIRST, Terms
 from harness.registry.choice import Choice
 from harness.report.page.answer import Card, card_of, pool_card
-from harness.results.comparison import Comparison, Group
+from harness.results.comparison import Behaviour, Comparison, Group
 from harness.results.overview import decider_text
 from harness.results.verdicts import LookOf, with_verdicts
 
@@ -44,7 +44,7 @@ class Situation:
         terms: What was agreed on before the first training.
         look_of: In an experiment with looks: tells them.
         to_come: How many planned trainings are still to come.
-        fields: Of every comparison.
+        fields: Of what was measured, in every comparison.
     """
 
     title: str
@@ -217,11 +217,8 @@ def _comparison(place: str, measures: Mapping[Quantity, Sides], situation: Situa
     robot = "fd100" if place else BROUGHT.robot
     group = Group(robot, Choice("reach", (), "reach"), Choice("sac", (), "sac"), 100_000, 100, simulator=simulator)
     shared = min(trained, key=len)
-    return replace(
-        Comparison(group, "baseline", "dense", shared, None, changes, {}, episodes={"deterministic": 100}),
-        trained=trained,
-        **situation.fields,
-    )
+    measured = replace(Behaviour(changes, episodes={"deterministic": 100}), **situation.fields)
+    return Comparison(group, "baseline", "dense", shared, trained, measured)
 
 
 def _change(measure: Quantity, sides: Sides) -> Change:
@@ -232,7 +229,7 @@ def _change(measure: Quantity, sides: Sides) -> Change:
 def told(situation: Situation) -> str:
     """All sentences of a situation."""
     comparisons = judged(situation)
-    pool, blocks = comparisons[0].pool, list[str]()
+    pool, blocks = comparisons[0].answer.pool, list[str]()
     if pool is not None:
         blocks.append(_block("over all places", pool.headline.answer.value, "", pool.headline.robot, pool_card(pool)))
     shown = comparisons if len(comparisons) < 3 else (comparisons[0], comparisons[-1])

@@ -57,7 +57,7 @@ def _words(text: str) -> str:
 def test_what_is_paid_is_what_was_recorded(results: Results):
     """By the reward that trained, in the evaluations; beside the mean over the episodes of random actions."""
     (comparison,) = results.combinations
-    large, small = comparison.paid
+    large, small = comparison.measured.paid
     path, *_ = results.folder.glob(f"cells/*/{recording_of(RANDOM)}")
     assert large.at_random == pytest.approx(float(read_recording(path)["reward/large"].sum()) / 40)
     assert (large.reward, large.trained) == ("large", (0.0,) * 5)
@@ -97,7 +97,7 @@ def test_page_and_summary_say_it(results: Results, tmp_path: Path):
 def test_nothing_is_claimed_while_trainings_are_to_come(results: Results):
     """Who looks again and again would find something."""
     (comparison,) = results.combinations
-    assert replace(comparison, ruling=Ruling(missing=2)).not_maximised == ()
+    assert replace(comparison, answer=replace(comparison.answer, ruling=Ruling(missing=2))).not_maximised == ()
 
 
 def test_a_race_says_it_once(tmp_path: Path):

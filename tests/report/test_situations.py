@@ -20,7 +20,12 @@ def test_the_sentences_are_those_that_were_read():
 def test_every_answer_has_a_situation():
     """But one that is the mirror of another."""
     answers = {it.headline.answer for situation in SITUATIONS for it in judged(situation)}
-    answers |= {it.pool.headline.answer for situation in SITUATIONS for it in judged(situation) if it.pool is not None}
+    answers |= {
+        it.answer.pool.headline.answer
+        for situation in SITUATIONS
+        for it in judged(situation)
+        if it.answer.pool is not None
+    }
     assert set(Answer) - answers == {Answer.LEARNS_SLOWER}
 
 
@@ -29,7 +34,7 @@ def test_a_word_of_better_or_worse_stands_only_where_a_test_decided(subtests: py
     for situation in SITUATIONS:
         with subtests.test(situation=situation):
             for it in judged(situation):
-                if it.ruling.is_decided or it.pool is not None:
+                if it.answer.ruling.is_decided or it.answer.pool is not None:
                     continue
                 told = f"{it.headline.robot} {it.lead}".replace("Whether dense helps or hurts", "")
                 assert not CLAIM.search(told.replace("lower is better", ""))

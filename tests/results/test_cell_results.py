@@ -255,7 +255,7 @@ def test_own_pay_and_random_pay_are_those_of_whole_episodes(ended: Results):
     (path,) = ended.folder.glob(f"{CELLS}/*/{RANDOM}")
     at_random = read_trace(path)
     payer = InstalledReward(cells[0].reward, ended.registry)
-    found = comparison.paid[0]
+    found = comparison.measured.paid[0]
     assert found.reward == comparison.baseline
     assert found.trained == pytest.approx([_paid(trace, trace["reward"]) for trace in evaluated])
     assert found.at_random == pytest.approx(_paid(at_random, payer.pay(at_random, cells[0].reward).total))
@@ -275,4 +275,4 @@ def test_a_reward_that_is_gone_has_no_pay_beside_random_actions(ended: Results, 
         InstalledReward, "pays_recorded", lambda payer, own: payer.choice.name == "arp" and pays(payer, own)
     )
     remove_kept(ended)
-    assert [it.reward for it in fresh(ended).combinations[0].paid] == ["arp"]
+    assert [it.reward for it in fresh(ended).combinations[0].measured.paid] == ["arp"]

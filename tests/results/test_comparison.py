@@ -18,7 +18,7 @@ from harness.eta.swaps import swaps_of
 from harness.eta.verdict.ruling import Ruling
 from harness.record.cell import BROUGHT, Cell
 from harness.registry.choice import Choice
-from harness.results.comparison import Comparison, Group, StepChange
+from harness.results.comparison import Behaviour, Comparison, Group, Judged, Number, StepChange
 from harness.results.verdicts import with_verdicts
 from tests.results.told import comparison, rates
 
@@ -54,19 +54,17 @@ def _combination() -> Comparison:
         "baseline",
         "arp",
         SEEDS,
-        decompose(CURVES),
-        CHANGES,
+        (SEEDS, SEEDS),
+        Behaviour(CHANGES, episodes={"deterministic": 20}),
+        Number(decompose(CURVES)),
+        Judged(claims=5),
         CURVES,
-        (),
-        {"deterministic": 20},
-        5,
-        trained=(SEEDS, SEEDS),
     )
 
 
 @pytest.fixture(name="empty")
 def _empty() -> Comparison:
-    return Comparison(GROUP, "baseline", "arp", (), None, (), {})
+    return Comparison(GROUP, "baseline", "arp", (), number=Number(why_none="no training with baseline is done"))
 
 
 def test_cells_that_differ_are_in_other_groups(make_cell: Callable[..., Cell], subtests: pytest.Subtests):
@@ -109,16 +107,17 @@ def test_title_names_all_that_is_shared():
 def test_runs_are_split_where_both_were_scored(combination: Comparison, empty: Comparison):
     """By the other's reward; without it, or without a seed, they are not."""
     alone = decompose({pair: CURVES[pair] for pair in (BB, KK)})
-    assert combination.is_split
-    assert not replace(combination, decomposition=alone).is_split
-    assert not empty.is_split
+    assert combination.number.is_split
+    assert not replace(combination, number=replace(combination.number, decomposition=alone)).number.is_split
+    assert not empty.number.is_split
 
 
 def test_etas_and_indices_are_the_decompositions(combination: Comparison):
     """They are at hand without it."""
-    found = combination.decomposition
-    assert (combination.eta_n, combination.eta_p) == (found.eta_n, found.eta_p)
-    assert (combination.baseline_index, combination.proposed_index) == (found.baseline, found.proposed)
+    found = combination.number.decomposition
+    assert (combination.number.eta_n, combination.number.eta_p) == (found.eta_n, found.eta_p)
+    assert combination.to_json()["baseline_index"] == found.baseline.to_json()
+    assert combination.to_json()["proposed_index"] == found.proposed.to_json()
 
 
 def test_success_is_found_among_the_changes(combination: Comparison, empty: Comparison):
@@ -140,13 +139,18 @@ def test_manner_with_the_most_episodes_decides(combination: Comparison, subtests
     for deterministic, episodes, manner in rows:
         with subtests.test(deterministic=deterministic, episodes=episodes, manner=manner):
             group = GROUP._replace(deterministic=deterministic)
-            assert replace(combination, group=group, episodes=episodes).manner == manner
+            assert (
+                replace(combination, group=group, measured=replace(combination.measured, episodes=episodes)).manner
+                == manner
+            )
 
 
 def test_deciding_manner_gives_the_answer(combination: Comparison):
     """The policies get better acting one way and worse the other."""
     assert ruled(combination).headline.answer is Answer.HELPS
-    drawn = replace(combination, episodes={"deterministic": 1, "stochastic": 20})
+    drawn = replace(
+        combination, measured=replace(combination.measured, episodes={"deterministic": 1, "stochastic": 20})
+    )
     assert ruled(drawn).headline.answer is Answer.HURTS
 
 
@@ -159,9 +163,9 @@ def ruled(comparison: Comparison) -> Comparison:
 def test_an_evaluation_on_the_way_is_a_hint(combination: Comparison):
     """Better or worse by its corrected p, and no answer."""
     none, worse = (StepChange(5, (change("success_rate", "after 5 steps", value),)) for value in (0.5, 0.25))
-    assert combination.hint_at(none) == "cannot tell"
-    assert combination.hint_at(worse) == "worse"
-    (told,) = replace(combination, along=(worse,)).to_json()["along_the_budget"]
+    assert none.answer == "cannot tell"
+    assert worse.answer == "worse"
+    (told,) = replace(combination, measured=replace(combination.measured, along=(worse,))).to_json()["along_the_budget"]
     assert (told["steps"], told["answer"], [it["name"] for it in told["behaviour"]]) == (5, "worse", ["success_rate"])
 
 
@@ -174,8 +178,13 @@ def test_null_control_names_its_sides_apart(combination: Comparison):
 
 def test_questions_decide_how_many_seeds_it_takes(combination: Comparison):
     """More questions asked together, more seeds at most."""
-    unsure = replace(combination, changes=(change("success_rate", "deterministic", 0.5),))
-    few, many = (replace(unsure, ruling=Ruling(asked=asked)).headline.seeds_to_decide for asked in (1, 100))
+    unsure = replace(
+        combination, measured=replace(combination.measured, changes=(change("success_rate", "deterministic", 0.5),))
+    )
+    few, many = (
+        replace(unsure, answer=replace(unsure.answer, ruling=Ruling(asked=asked))).headline.seeds_to_decide
+        for asked in (1, 100)
+    )
     assert few[0] == many[0]
     assert few[1] < many[1]
 
@@ -183,8 +192,8 @@ def test_questions_decide_how_many_seeds_it_takes(combination: Comparison):
 def test_outcomes_are_those_of_every_claim(combination: Comparison, empty: Comparison):
     """Both etas first, then measures, then those along the budget."""
     moment = StepChange(5, (change("success_rate", "after 5 steps", 0.5),))
-    found = replace(combination, along=(moment,)).outcomes
-    split, expected = combination.decomposition, [it.outcomes for it in (*CHANGES, *moment.changes)]
+    found = replace(combination, measured=replace(combination.measured, along=(moment,))).outcomes
+    split, expected = combination.number.decomposition, [it.outcomes for it in (*CHANGES, *moment.changes)]
     assert [id(it) for it in found] == [id(it) for it in (split.negative.outcomes, split.positive.outcomes, *expected)]
     assert empty.outcomes == []
 
@@ -192,8 +201,8 @@ def test_outcomes_are_those_of_every_claim(combination: Comparison, empty: Compa
 def test_without_a_seed_the_reason_stands_everywhere(empty: Comparison):
     """In both ratios, in the answer, and nowhere a number."""
     reason = "no training with baseline is done"
-    assert empty.eta_n == empty.eta_p == Ratio(None, notes=(reason,))
-    assert (empty.baseline_index, empty.proposed_index) == (None, None)
+    assert empty.number.eta_n == empty.number.eta_p == Ratio(None, notes=(reason,))
+    assert empty.number.decomposition is None
     assert (empty.headline.answer, empty.headline.number) == (Answer.CANNOT_TELL, "")
     assert empty.headline.robot == f"Nothing to compare: {reason}."
 

@@ -39,7 +39,7 @@ def _intervals(*ratios: Ratio) -> list[str]:
         for name, ratio in zip(("eta_N", "eta_P"), ratios, strict=True)
     }
     headline = SimpleNamespace(answer=SimpleNamespace(value="helps"), decided_by=None)
-    told = SimpleNamespace(splits=splits, decisive=None, decisive_changes=(), headline=headline)
+    told = SimpleNamespace(number=SimpleNamespace(splits=splits), decisive=None, decisive_changes=(), headline=headline)
     return list(overview_row("arp", told, True, Overview("robot", "success", "indices"))[4:6])
 
 

@@ -30,19 +30,19 @@ def test_every_two_rewards_are_compared_if_asked_for(results: Results):
     few, all_pairs = results.combinations, load_results(results.folder, pairs=True).combinations
     names = [(it.baseline, it.proposed) for it in all_pairs]
     assert names == [("baseline", "arp"), ("baseline", "relative"), ("arp", "relative")]
-    assert all_pairs[0].claims > few[0].claims
-    for one, other in zip(few[0].changes, all_pairs[0].changes, strict=True):
+    assert all_pairs[0].answer.claims > few[0].answer.claims
+    for one, other in zip(few[0].measured.changes, all_pairs[0].measured.changes, strict=True):
         assert one.corrected is None or other.corrected >= one.corrected
 
 
 def test_the_mean_return_is_split(results: Results):
     """Of the final evaluation; the indices stay what the number is told by, and it makes no claim."""
     found = results.combinations[0]
-    split = found.returns[found.manner]
+    split = found.number.returns[found.manner]
     assert split.is_split
     total = split.total
     assert total.change.mean == pytest.approx(split.returns[KK].mean - split.returns[BB].mean)
     assert total.change.mean == pytest.approx(total.ruler.mean + total.behaviour.mean)
-    assert found.main is None
+    assert found.number.main is None
     assert split.ratio.outcomes is None
-    assert found.number.startswith("I_N")
+    assert found.number.sentence(found.names).startswith("I_N")

@@ -20,7 +20,7 @@ def pool_of(mean: float, spread: float = 0.05) -> Pool:
             for seed, place in enumerate(PLACES)
         ]
     )
-    pool = found[0].pool
+    pool = found[0].answer.pool
     assert pool is not None
     return pool
 

@@ -42,7 +42,9 @@ def test_the_evaluation_that_decides_is_shown(recorded: Results):
     (combination,) = recorded.combinations
     cells = tuple(recorded.done_cells)
     assert ShownCells(cells, "", (), combination).files == [EVALUATION] * 2
-    more = replace(combination, episodes={"deterministic": 1, "stochastic": 100})
+    more = replace(
+        combination, measured=replace(combination.measured, episodes={"deterministic": 1, "stochastic": 100})
+    )
     assert ShownCells(cells, "", (), more).files == [STOCHASTIC] * 2
 
 

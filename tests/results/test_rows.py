@@ -4,13 +4,13 @@ from dataclasses import replace
 
 from harness.eta.headline import Answer
 from harness.eta.verdict.ruling import Ruling
-from harness.results.comparison import Comparison
+from harness.results.comparison import Behaviour, Comparison, Judged, Number
 from harness.results.table import SCHEMA, comparison_rows
 from tests.results.test_comparison import CHANGES, CURVES, GROUP, decompose
 
 COMPARED = Comparison(
-    GROUP, "baseline", "arp", tuple(range(6)), decompose(CURVES), CHANGES, CURVES, (), {"deterministic": 20}, 5,
-    ruling=Ruling(0.01, 0.02),
+    GROUP, "baseline", "arp", tuple(range(6)), measured=Behaviour(CHANGES, episodes={"deterministic": 20}),
+    number=Number(decompose(CURVES)), answer=Judged(Ruling(0.01, 0.02), claims=5), curves=CURVES,
 )  # fmt: skip
 
 
@@ -39,12 +39,12 @@ def test_row_has_the_test_and_the_numbers():
     assert (row["p"], row["p_corrected"]) == (0.01, 0.02)
     assert change is not None
     assert (row["measure"], row["difference"]) == (change.name, change.difference)
-    assert (row["eta_P"], row["ruler"]) == (COMPARED.eta_p.value, COMPARED.splits["eta_P"].ruler.value)
+    assert (row["eta_P"], row["ruler"]) == (COMPARED.number.eta_p.value, COMPARED.number.splits["eta_P"].ruler.value)
 
 
 def test_what_is_not_known_is_null():
     """An environment has no robot; without a ruling there is no p."""
-    row = row_of(replace(COMPARED, ruling=None, group=GROUP._replace(robot="", simulator=None)))
+    row = row_of(replace(COMPARED, answer=Judged(), group=GROUP._replace(robot="", simulator=None)))
     assert row["p"] is None
     assert row["simulator"] is None
 

@@ -117,7 +117,7 @@ def _results(ran: Path) -> Results:
 def test_behaviour_by_term_adds_up_to_the_behaviour_part(results: Results):
     """On the path that takes the ruler on the baseline's runs: what gentle pays its own minus what it pays theirs."""
     (found,) = results.terms
-    (split,) = results.combinations[0].returns.values()
+    (split,) = results.combinations[0].number.returns.values()
     behaviour = sum(it.behaviour.mean or 0.0 for it in found.terms)
     returns = {pair: split.returns[pair].mean or 0.0 for pair in (BB, BK, KB, KK)}
     assert behaviour == pytest.approx(returns[KK] - returns[KB], rel=1e-12)

@@ -38,10 +38,13 @@ def test_indices_are_of_the_recorded_rewards(experiment: Store, registry: Regist
     """Accumulated, cut to the group's shortest run, averaged; the ratios are of these, not rounded."""
     combination = only(Results(experiment.folder, registry))
     baseline, proposed = _index(BASELINE_RUNS), _index(ARP_RUNS, 1.5)
-    assert (combination.baseline_index, combination.proposed_index) == (baseline, proposed)
+    assert (combination.number.decomposition.baseline, combination.number.decomposition.proposed) == (
+        baseline,
+        proposed,
+    )
     assert (baseline.steps, proposed.steps) == (7, 5)
-    assert combination.eta_n.value == proposed.negative_sum / baseline.negative_sum
-    assert combination.eta_p.value == proposed.positive_sum / baseline.positive_sum
+    assert combination.number.eta_n.value == proposed.negative_sum / baseline.negative_sum
+    assert combination.number.eta_p.value == proposed.positive_sum / baseline.positive_sum
 
 
 def test_runs_are_scored_under_the_other_reward(experiment: Store, registry: Registry):
@@ -49,7 +52,7 @@ def test_runs_are_scored_under_the_other_reward(experiment: Store, registry: Reg
     combination = only(Results(experiment.folder, registry))
     bb, bk = _index(BASELINE_RUNS), _index(ARP_RUNS)
     kb, kk = _index(BASELINE_RUNS, 1.5), _index(ARP_RUNS, 1.5)
-    first, second = combination.decomposition.positive.paths
+    first, second = combination.number.decomposition.positive.paths
     assert first.ruler.value == kk.positive_sum / bk.positive_sum
     assert first.behaviour.value == bk.positive_sum / bb.positive_sum
     assert second.ruler.value == kb.positive_sum / bb.positive_sum
@@ -66,7 +69,7 @@ def test_behaviour_is_the_mean_over_seeds(make_cell: MakeCell, make_plan: MakePl
     finish(store, cells[0, "arp"], [1.0, 0.5], [True, True])
     finish(store, cells[1, "arp"], [1.0, 0.5], [True, True], [True, False, False, False])
     combination = only(Results(store.folder, registry))
-    by_name = {change.name: change for change in combination.changes_of("deterministic")}
+    by_name = {change.name: change for change in combination.measured.changes_of("deterministic")}
     success = by_name["success_rate"]
     assert (success.baseline, success.proposed, success.random) == (0.5, 1.0, 0.0625)
     distance = by_name["final_distance"]
@@ -81,7 +84,7 @@ def test_metric_that_is_not_defined_is_none(
     store = Store.create(tmp_path, make_plan(*cells))
     for cell in cells:
         finish(store, cell, [1.0, 1.5], [False])
-    changes = only(Results(store.folder, registry)).changes
+    changes = only(Results(store.folder, registry)).measured.changes
     steps = next(change for change in changes if change.name == "steps_to_target")
     assert (steps.baseline, steps.proposed, steps.random) == (None, None, None)
 
@@ -92,7 +95,7 @@ def test_seed_that_is_done_under_one_reward_is_left_out(experiment: Store, make_
     fail(experiment, failed, "no luck")
     combination = only(Results(experiment.folder, registry))
     assert combination.seeds == (0, 1)
-    assert combination.baseline_index == _index(BASELINE_RUNS, seeds=(0, 1))
+    assert combination.number.decomposition.baseline == _index(BASELINE_RUNS, seeds=(0, 1))
     assert {curve.count for curve in combination.curves.values()} == {2}
     assert combination.decisive.seeds == 2
 
@@ -157,7 +160,7 @@ def test_every_proposal_of_every_group_is_compared(
         (24, "arp"),
         (24, "arp:k2=2"),
     ]
-    assert [item.eta_n.value for item in combinations] == [2.0, 3.0, 5 / 4, 6 / 4]
+    assert [item.number.eta_n.value for item in combinations] == [2.0, 3.0, 5 / 4, 6 / 4]
 
 
 def test_numbers_of_evaluation_episodes_are_not_mixed(
@@ -170,7 +173,7 @@ def test_numbers_of_evaluation_episodes_are_not_mixed(
         finish(store, cell, [1.0, 2.0], [True] * cell.evaluation_episodes)
     combinations = Results(store.folder, registry).combinations
     assert [item.group.evaluation_episodes for item in combinations] == [2, 4]
-    assert [item.episodes["deterministic"] for item in combinations] == [2, 4]
+    assert [item.measured.episodes["deterministic"] for item in combinations] == [2, 4]
 
 
 # The null control
@@ -194,7 +197,7 @@ def test_null_control_compares_a_seed_with_another_one(controlled: Results):
     assert (asked.is_control, control.is_control) == (False, True)
     assert (control.baseline, control.proposed, control.seeds) == ("baseline", "baseline", (0, 1, 2, 3, 4, 5))
     # Seeds 6 to 11 repeat the runs of 0 to 5 here: as good a training gives 1 everywhere.
-    assert [control.splits[name].eta.value for name in ("eta_N", "eta_P")] == [1.0, 1.0]
+    assert [control.number.splits[name].eta.value for name in ("eta_N", "eta_P")] == [1.0, 1.0]
 
 
 def test_null_control_runs_are_no_runs_of_the_question(controlled: Results):
@@ -204,21 +207,21 @@ def test_null_control_runs_are_no_runs_of_the_question(controlled: Results):
 
 def test_null_control_is_the_noise_floor(controlled: Results):
     """Halves of all runs of the baseline stand for what seeds do."""
-    note = controlled.combinations[0].decomposition.positive.noise.note
+    note = controlled.combinations[0].number.decomposition.positive.noise.note
     assert note == "the baseline trained again with other seeds"
 
 
 def test_noise_floor_without_a_control_is_of_halves(experiment: Store, registry: Registry):
     """Of the experiment's own runs; three are too few."""
-    note = only(Results(experiment.folder, registry)).decomposition.positive.noise.note
+    note = only(Results(experiment.folder, registry)).number.decomposition.positive.noise.note
     assert note == "3 runs of the baseline: halves of them need at least 4"
 
 
 def test_null_control_is_a_family_of_its_own(controlled: Results):
     """It must not make the claims about the rewards weaker: alone these have the same p-values."""
     asked, control = controlled.combinations
-    assert asked.claims == control.claims
-    assert asked.ruling.asked == control.ruling.asked == 1
+    assert asked.answer.claims == control.answer.claims
+    assert asked.answer.ruling.asked == control.answer.ruling.asked == 1
     assert _corrected_apart([asked]) == pytest.approx(_corrected_of(asked))
 
 
@@ -259,26 +262,28 @@ def test_every_metric_is_compared_in_every_manner(acted: Callable[..., Compariso
     """The policy in both, and the training itself."""
     combination = acted([True], {0: [True], 1: [False]})
     manners = ["deterministic", "stochastic", "while training"]
-    assert [change.measure.manner for change in combination.changes if change.name == "success_rate"] == manners
-    assert len(combination.changes) == 3 * len(registry.names("metrics"))
+    assert [
+        change.measure.manner for change in combination.measured.changes if change.name == "success_rate"
+    ] == manners
+    assert len(combination.measured.changes) == 3 * len(registry.names("metrics"))
 
 
 def test_manner_that_a_cell_lacks_is_left_out(acted: Callable[..., Comparison]):
     """Folders of version 0.1, gone on with now, have it of the new cells alone: it must not decide."""
     combination = acted([True], {0: [True, False, True], 1: None})
-    assert combination.episodes == {"deterministic": 1, "while training": 0}
+    assert combination.measured.episodes == {"deterministic": 1, "while training": 0}
     assert combination.manner == "deterministic"
     assert combination.decisive is not None
 
 
 def test_episodes_are_those_of_the_cell_with_the_fewest(acted: Callable[..., Comparison]):
     """What rests on fewer must not be taken for more."""
-    assert acted([True], {0: [True] * 3, 1: [True] * 2}).episodes["stochastic"] == 2
+    assert acted([True], {0: [True] * 3, 1: [True] * 2}).measured.episodes["stochastic"] == 2
 
 
 def test_shares_know_their_episodes(acted: Callable[..., Comparison]):
     """Their intervals allow for rare failures; a distance is no share."""
-    measures = {change.name: change.measure for change in acted([True] * 4, {0: None, 1: None}).changes[:13]}
+    measures = {change.name: change.measure for change in acted([True] * 4, {0: None, 1: None}).measured.changes[:13]}
     assert measures["success_rate"].episodes == 4
     assert measures["final_distance"].episodes is None
 
@@ -305,11 +310,11 @@ def test_success_is_compared_at_every_evaluation_before_the_end(
     """What decides about the robot, of both rewards, seed by seed."""
     never, always = {5: [False], 10: [False]}, {5: [False], 10: [True]}
     combination = _learned(make_cell, make_plan, registry, tmp_path, never, always, never, always)
-    assert [moment.steps for moment in combination.along] == [5, 10]
-    told = [(moment.changes[0].baseline, moment.changes[0].proposed) for moment in combination.along]
+    assert [moment.steps for moment in combination.measured.along] == [5, 10]
+    told = [(moment.changes[0].baseline, moment.changes[0].proposed) for moment in combination.measured.along]
     assert told == [(0.0, 0.0), (0.0, 1.0)]
-    assert [change.name for change in combination.along[0].changes] == ["success_rate", "time_to_target"]
-    assert {change.measure.manner for change in combination.along[1].changes} == {"after 10 steps"}
+    assert [change.name for change in combination.measured.along[0].changes] == ["success_rate", "time_to_target"]
+    assert {change.measure.manner for change in combination.measured.along[1].changes} == {"after 10 steps"}
 
 
 def test_evaluations_that_were_due_together_are_compared(
@@ -318,7 +323,7 @@ def test_evaluations_that_were_due_together_are_compared(
     """An algorithm that acts for several steps at a time steps over a multiple, seed by seed elsewhere."""
     given = [{5: [True], 10: [True]}, {6: [True], 11: [True]}, {7: [True], 10: [True]}, {5: [True], 11: [True]}]
     combination = _learned(make_cell, make_plan, registry, tmp_path, *given)
-    assert [moment.steps for moment in combination.along] == [5, 10]
+    assert [moment.steps for moment in combination.measured.along] == [5, 10]
 
 
 def test_evaluation_that_one_cell_lacks_is_left_out(
@@ -327,14 +332,14 @@ def test_evaluation_that_one_cell_lacks_is_left_out(
     """Seeds are compared in pairs."""
     full, short = {5: [True], 10: [True]}, {10: [True]}
     combination = _learned(make_cell, make_plan, registry, tmp_path, full, full, short, full)
-    assert [moment.steps for moment in combination.along] == [10]
+    assert [moment.steps for moment in combination.measured.along] == [10]
 
 
 def test_how_fast_was_learned_is_compared(make_cell: MakeCell, make_plan: MakePlan, registry: Registry, tmp_path: Path):
     """Area under the curve of success, and steps to the goal; the last evaluation succeeds here."""
     slow, fast = {5: [False], 10: [False]}, {5: [True], 10: [True]}
     combination = _learned(make_cell, make_plan, registry, tmp_path, slow, fast, slow, fast)
-    area, steps = combination.changes_of("while learning")
+    area, steps = combination.measured.changes_of("while learning")
     assert (area.baseline, area.proposed) == pytest.approx((1 / 3, 1.0))
     assert (steps.baseline, steps.proposed) == (12.0, 5.0)
 
@@ -342,7 +347,7 @@ def test_how_fast_was_learned_is_compared(make_cell: MakeCell, make_plan: MakePl
 def test_nothing_along_the_budget_without_evaluations(experiment: Store, registry: Registry):
     """Nor how fast was learned."""
     combination = only(Results(experiment.folder, registry))
-    assert combination.along == combination.changes_of("while learning") == ()
+    assert combination.measured.along == combination.measured.changes_of("while learning") == ()
 
 
 # Several claims
@@ -350,8 +355,11 @@ def test_nothing_along_the_budget_without_evaluations(experiment: Store, registr
 
 def _claims(combination: Comparison) -> list[Any]:
     """All that have a p-value, in order."""
-    splits = list(combination.splits.values())
-    changes: list[Change] = [*combination.changes, *(it for moment in combination.along for it in moment.changes)]
+    splits = list(combination.number.splits.values())
+    changes: list[Change] = [
+        *combination.measured.changes,
+        *(it for moment in combination.measured.along for it in moment.changes),
+    ]
     return [claim for claim in (*splits, *changes) if claim.outcomes is not None]
 
 
@@ -365,7 +373,7 @@ def _corrected_apart(combinations: Sequence[Comparison]) -> list[float]:
 
 def _hints(combination: Comparison) -> list[Any]:
     """All claims but those of the measures that the verdict rests on."""
-    ruled = {id(it) for it in (*combination.decisive_changes, combination.speed)}
+    ruled = {id(it) for it in (*combination.decisive_changes, combination.measured.speed)}
     return [claim for claim in _claims(combination) if id(claim) not in ruled]
 
 
@@ -384,7 +392,7 @@ def test_all_claims_of_all_combinations_are_one_family(
     found = _corrected_of(one, two)
     assert found == _corrected_apart([one, two])
     assert found != [*_corrected_apart([one]), *_corrected_apart([two])]
-    assert one.claims == two.claims == none.claims == len(found)
+    assert one.answer.claims == two.answer.claims == none.answer.claims == len(found)
     assert _claims(none) == []
     assert two.decisive.p == pytest.approx(2 * 0.5**7)  # seven that never fail beside seven that do half of the time
 
@@ -396,8 +404,8 @@ def test_one_seed_claims_nothing(make_cell: MakeCell, make_plan: MakePlan, regis
     for cell in cells:
         finish(store, cell, [1.0, 1.5, 0.5])
     combination = only(Results(store.folder, registry))
-    assert combination.claims == 0
-    assert {change.corrected for change in combination.changes} == {None}
+    assert combination.answer.claims == 0
+    assert {change.corrected for change in combination.measured.changes} == {None}
 
 
 def test_combinations_with_different_seeds_are_swapped_together(
@@ -420,10 +428,10 @@ def test_combinations_with_different_seeds_are_swapped_together(
 
 def _nothing_is_split(combination: Any, reason: str) -> None:
     """Eta and behaviour stand, and each part says why it does not."""
-    assert combination.eta_p.value is not None
-    assert combination.eta_p.low is not None
+    assert combination.number.eta_p.value is not None
+    assert combination.number.eta_p.low is not None
     assert combination.decisive.baseline == 1.0
-    for split in (combination.decomposition.negative, combination.decomposition.positive):
+    for split in (combination.number.decomposition.negative, combination.number.decomposition.positive):
         assert not split.paths
         for part in (split.ruler, split.behaviour, split.interaction):
             assert part.value is None
@@ -472,7 +480,7 @@ def test_last_bits_are_no_change_of_a_reward(
     for cell in cells:
         rewards = np.nextafter(paid(BASELINE_RUNS[0], 1.5 if cell.reward == ARP else 1.0), 10.0)
         finish(store, cell, BASELINE_RUNS[0], rewards=rewards)
-    assert only(Results(store.folder, registry)).decomposition.positive.ruler.value is not None
+    assert only(Results(store.folder, registry)).number.decomposition.positive.ruler.value is not None
 
 
 BROKEN = """
@@ -525,6 +533,6 @@ def test_reward_that_fails_on_other_runs(
         finish(store, cell, [*runs[cell.seed][:3], 0.5, 0.0], rewards=own and [*own[:3], -0.5, 0.0])
     results = Results(store.folder, registry)
     combination = only(results)
-    assert combination.eta_n.value is not None
-    assert reason in combination.decomposition.negative.ruler.note
+    assert combination.number.eta_n.value is not None
+    assert reason in combination.number.decomposition.negative.ruler.note
     assert json.dumps(results.to_json(), allow_nan=False)

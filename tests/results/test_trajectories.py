@@ -44,7 +44,7 @@ def recorded(tmp_path: Path, make_cell: Callable[..., Cell], make_plan: Callable
         seeds = tuple(sorted(set.intersection(*(set(runs) for runs in evaluations.values()))))
         group = Group.of(next(iter(cells)))
         proposed = list(evaluations)[-1]
-        return load_results(store.folder), Comparison(group, "baseline", proposed, seeds, None, (), {})
+        return load_results(store.folder), Comparison(group, "baseline", proposed, seeds)
 
     return record
 

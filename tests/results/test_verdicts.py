@@ -9,7 +9,7 @@ import pytest
 from harness.eta.behaviour_change import TRAINING, change_of
 from harness.eta.swaps import swaps_of
 from harness.record.terms import Terms
-from harness.results.comparison import Comparison, StepChange, still_to_come
+from harness.results.comparison import Behaviour, Comparison, StepChange, still_to_come
 from harness.results.verdicts import with_verdicts
 from tests.results.told import SUCCESS, comparison, rates
 
@@ -24,31 +24,31 @@ def of_success(proposed: str, mean: float, place: str = "mujoco", seed: int = 0,
 def test_one_comparison_is_one_question():
     """Its p is its own."""
     (found,) = with_verdicts([of_success("dense", 0.9)])
-    assert found.ruling.asked == 1
-    assert found.ruling.corrected == found.ruling.p
+    assert found.answer.ruling.asked == 1
+    assert found.answer.ruling.corrected == found.answer.ruling.p
     assert found.headline.answer == "helps"
-    assert found.pool is None
+    assert found.answer.pool is None
 
 
 def test_the_order_of_the_comparisons_stays():
     """Whatever is asked together."""
     asked = [of_success(name, 0.5, place) for name in ("dense", "arp") for place in PLACES[:2]]
-    assert [it.place_key for it in with_verdicts(asked)] == [it.place_key for it in asked]
+    assert [(it.group, it.proposed) for it in with_verdicts(asked)] == [(it.group, it.proposed) for it in asked]
 
 
 def test_rewards_in_one_place_are_asked_together():
     """Each has a larger p than alone."""
     both = with_verdicts([of_success("dense", 0.6), of_success("arp", 0.6, seed=1)])
     (alone,) = with_verdicts([of_success("dense", 0.6)])
-    assert [it.ruling.asked for it in both] == [2, 2]
-    assert both[0].ruling.corrected >= alone.ruling.corrected
+    assert [it.answer.ruling.asked for it in both] == [2, 2]
+    assert both[0].answer.ruling.corrected >= alone.answer.ruling.corrected
 
 
 def test_several_places_get_one_answer():
     """The same in each comparison; four small differences add up."""
     found = with_verdicts([of_success("dense", 0.58, place, seed) for seed, place in enumerate(PLACES)])
-    assert len({id(it.pool) for it in found}) == 1
-    pool = found[0].pool
+    assert len({id(it.answer.pool) for it in found}) == 1
+    pool = found[0].answer.pool
     assert pool.headline.answer == "helps"
     assert pool.places == tuple(it.group.title for it in found)
 
@@ -58,24 +58,24 @@ def test_places_of_other_budgets_are_other_questions():
     short, long = of_success("dense", 0.9), of_success("dense", 0.9, seed=1)
     long = replace(long, group=long.group._replace(steps=2000))
     found = with_verdicts([short, long])
-    assert [it.pool for it in found] == [None, None]
-    assert [it.ruling.asked for it in found] == [2, 2]
+    assert [it.answer.pool for it in found] == [None, None]
+    assert [it.answer.ruling.asked for it in found] == [2, 2]
 
 
 def test_a_null_control_is_no_question():
     """It takes nothing from the rewards, and is ruled by itself."""
     control = comparison("baseline", {"success_rate": rates(0.5, 0.5)})
     alone, beside = with_verdicts([of_success("dense", 0.9)])[0], with_verdicts([of_success("dense", 0.9), control])[0]
-    assert alone.ruling == beside.ruling
+    assert alone.answer.ruling == beside.answer.ruling
 
 
 def test_a_comparison_without_values_is_no_question():
     """It has no ruling that decides, and takes nothing from the others."""
     empty = comparison("arp", {"time_to_target": rates(0.5, 0.5)})
-    empty = replace(empty, changes=())
+    empty = replace(empty, measured=replace(empty.measured, changes=()))
     found = with_verdicts([of_success("dense", 0.9), empty])
-    assert found[0].ruling.asked == 1
-    assert not found[1].ruling.is_decided
+    assert found[0].answer.ruling.asked == 1
+    assert not found[1].answer.ruling.is_decided
 
 
 def test_two_measures_are_one_question():
@@ -91,14 +91,16 @@ def test_places_with_other_units_are_put_together_relative_to_the_baseline():
     times = {"time_to_target": 1.0 + rates(0.9, 0.1)}
     one = comparison("dense", times, "mujoco")
     other = comparison("dense", {"time_to_target": 1000.0 * times["time_to_target"]}, "pybullet")
-    change = other.changes[0]
-    other = replace(other, changes=(replace(change, measure=change.measure._replace(unit="ms")),))
+    change = other.measured.changes[0]
+    other = replace(
+        other, measured=replace(other.measured, changes=(replace(change, measure=change.measure._replace(unit="ms")),))
+    )
     found = with_verdicts([one, other])
-    (measure,) = found[0].pool.measures
+    (measure,) = found[0].answer.pool.measures
     assert measure.is_relative
-    change = one.changes[0]
+    change = one.measured.changes[0]
     assert measure.difference == pytest.approx(change.proposed / change.baseline - 1.0)
-    assert found[0].pool.headline.answer == "helps"
+    assert found[0].answer.pool.headline.answer == "helps"
 
 
 def test_a_place_is_not_told_while_the_answer_over_all_places_is_open():
@@ -106,15 +108,15 @@ def test_a_place_is_not_told_while_the_answer_over_all_places_is_open():
     up = comparison("dense", {"success_rate": rates(0.4, 0.8, seeds=20)}, "mujoco")
     down = comparison("dense", {"success_rate": rates(0.8, 0.4, seeds=20, seed=1)}, "pybullet")
     found, _ = with_verdicts([up, down])
-    assert found.ruling.is_held
+    assert found.answer.ruling.is_held
     assert found.headline.answer == "cannot tell"
     assert found.headline.seeds_to_decide is None
-    p = f"{found.ruling.corrected:.3f}"
+    p = f"{found.answer.ruling.corrected:.3f}"
     assert found.headline.robot.endswith(
         f": corrected p {p}. A single place is told only where the answer over all is, and there p is {p}."
     )
-    assert found.pool.headline.seeds_to_decide is not None
-    assert "in each place would tell" in found.pool.headline.robot
+    assert found.answer.pool.headline.seeds_to_decide is not None
+    assert "in each place would tell" in found.answer.pool.headline.robot
 
 
 def test_a_place_of_a_decided_answer_says_what_would_tell():
@@ -122,7 +124,7 @@ def test_a_place_of_a_decided_answer_says_what_would_tell():
     better = comparison("dense", {"success_rate": rates(0.4, 0.9)}, "mujoco")
     same = comparison("dense", {"success_rate": rates(0.5, 0.51, seed=1)}, "pybullet")
     _, found = with_verdicts([better, same])
-    assert not found.ruling.is_held
+    assert not found.answer.ruling.is_held
     assert found.headline.seeds_to_decide is not None
 
 
@@ -131,10 +133,10 @@ def test_what_does_not_decide_is_a_hint():
     (found,) = with_verdicts(
         [comparison("dense", {"success_rate": rates(0.5, 0.5), "time_to_target": rates(0.5, 0.5)})]
     )
-    assert found.claims == 0
-    with_hint = replace(found, deciding=("success_rate",))
+    assert found.answer.claims == 0
+    with_hint = replace(found, measured=replace(found.measured, deciding=("success_rate",)))
     (found,) = with_verdicts([with_hint])
-    assert found.claims == 1
+    assert found.answer.claims == 1
 
 
 def speeds(mean: float) -> Mapping[str, object]:
@@ -145,8 +147,8 @@ def speeds(mean: float) -> Mapping[str, object]:
 def test_success_while_training_decides_with_the_others():
     """One question of three measures, at 5 %."""
     (found,) = with_verdicts([comparison("dense", **speeds(0.8))])
-    assert found.ruling.level == 0.05
-    assert len(found.ruling.of_measures) == 2
+    assert found.answer.ruling.level == 0.05
+    assert len(found.answer.ruling.of_measures) == 2
     assert found.headline.answer == "learns faster"
 
 
@@ -159,17 +161,21 @@ def test_who_learns_slower_is_told_so():
 def test_success_over_the_training_that_decides_anyway_counts_once():
     """Recordings without evaluations have nothing else."""
     found = comparison("dense", {"success_rate": rates(0.5, 0.9)}, speed=rates(0.3, 0.8))
-    found = replace(found, changes=found.changes[1:], decided_in=TRAINING)
-    assert found.decisive_changes == found.changes
+    found = replace(found, measured=replace(found.measured, changes=found.measured.changes[1:], decided_in=TRAINING))
+    assert found.decisive_changes == found.measured.changes
 
 
 def test_a_measure_without_a_value_in_some_training_does_not_decide():
     """Those that have one are a selection."""
     found = comparison("dense", {"success_rate": rates(0.5, 0.5), "time_to_target": 3.0 + rates(0.9, 0.1)})
-    short = replace(found.changes[1], without=(0, 1))
-    (found,) = with_verdicts([replace(found, changes=(found.changes[0], short))])
-    assert len(found.ruling.of_measures) == 1
-    (alone,) = with_verdicts([replace(found, changes=(short,), deciding=("time_to_target",))])
+    short = replace(found.measured.changes[1], without=(0, 1))
+    (found,) = with_verdicts(
+        [replace(found, measured=replace(found.measured, changes=(found.measured.changes[0], short)))]
+    )
+    assert len(found.answer.ruling.of_measures) == 1
+    (alone,) = with_verdicts(
+        [replace(found, measured=replace(found.measured, changes=(short,), deciding=("time_to_target",)))]
+    )
     assert alone.headline.answer == "cannot tell"
     assert "has no value in 1 of 7 trainings with dense" in alone.headline.robot
 
@@ -178,7 +184,7 @@ def test_a_measure_that_one_place_lacks_decides_in_none():
     """Over places the same measures are asked about."""
     both = {"success_rate": rates(0.5, 0.9), "time_to_target": 3.0 + rates(0.9, 0.1)}
     found = with_verdicts([comparison("dense", both), comparison("dense", {"success_rate": both["success_rate"]}, "b")])
-    assert [it.name for it in found[0].pool.measures] == ["success_rate"]
+    assert [it.name for it in found[0].answer.pool.measures] == ["success_rate"]
 
 
 def test_trainings_without_a_partner_count():
@@ -186,22 +192,24 @@ def test_trainings_without_a_partner_count():
     ten, five = rates(0.5, 0.5, 10), rates(0.5, 0.7, 5)
     change = change_of(SUCCESS, dict(enumerate(ten[0])), dict(enumerate(five[1])), swaps_of(range(10)))
     found = comparison("dense", {"success_rate": five})
-    (found,) = with_verdicts([replace(found, changes=(change,))])
+    (found,) = with_verdicts([replace(found, measured=replace(found.measured, changes=(change,)))])
     assert found.decisive.counts == (10, 5)
-    assert found.ruling.p == pytest.approx(1 / 3003)
+    assert found.answer.ruling.p == pytest.approx(1 / 3003)
 
 
 def test_before_all_trainings_of_a_plan_ended_nothing_is_tested():
     """Whoever looks on and on would find something."""
     found = with_verdicts([of_success("dense", 0.9, place) for place in PLACES[:2]], to_come=2)
-    assert [(it.ruling.p, it.ruling.missing, it.headline.answer) for it in found] == [(None, 2, "interim")] * 2
-    assert found[0].pool.headline.answer == "interim"
+    assert [(it.answer.ruling.p, it.answer.ruling.missing, it.headline.answer) for it in found] == [
+        (None, 2, "interim")
+    ] * 2
+    assert found[0].answer.pool.headline.answer == "interim"
 
 
 def test_in_a_race_no_comparison_is_a_test():
     """The race decides who leaves."""
     (found,) = with_verdicts([of_success("dense", 0.9)], Terms((6,), race=True))
-    assert not found.ruling.is_decided
+    assert not found.answer.ruling.is_decided
     assert "The race decides" in found.headline.robot
 
 
@@ -215,10 +223,10 @@ def test_looks_tell_which_seeds_count():
 
     (first,) = with_verdicts([asked], terms, lambda it: look_of(it, 1))
     (second,) = with_verdicts([asked], terms, lambda it: look_of(it, 2))
-    few = np.array([it[:4] for it in asked.changes[0].values])
+    few = np.array([it[:4] for it in asked.measured.changes[0].values])
     (alone,) = with_verdicts([comparison("dense", {"success_rate": few})], terms, lambda it: look_of(it, 1))
-    assert first.ruling == alone.ruling
-    assert first.ruling != second.ruling
+    assert first.answer.ruling == alone.answer.ruling
+    assert first.answer.ruling != second.answer.ruling
 
 
 def test_hints_of_an_unfinished_plan_say_no_word():
@@ -226,18 +234,20 @@ def test_hints_of_an_unfinished_plan_say_no_word():
     hint = SUCCESS._replace(manner="stochastic")
     it = of_success("dense", 0.9)
     values = [dict(enumerate(side)) for side in rates(0.5, 0.9)]
-    hinted = replace(it, changes=(*it.changes, change_of(hint, *values, swaps_of(range(6)))))
+    hinted = replace(
+        it, measured=replace(it.measured, changes=(*it.measured.changes, change_of(hint, *values, swaps_of(range(6)))))
+    )
     (ended,), (interim,) = with_verdicts([hinted]), with_verdicts([hinted], to_come=1)
-    assert [found.changes[-1].direction for found in (ended, interim)] == ["better", ""]
-    assert ended.changes[-1].corrected == interim.changes[-1].corrected
+    assert [found.measured.changes[-1].direction for found in (ended, interim)] == ["better", ""]
+    assert ended.measured.changes[-1].corrected == interim.measured.changes[-1].corrected
 
 
 def test_an_evaluation_on_the_way_of_an_unfinished_plan_hints_at_nothing():
     """No more than the last one does."""
     it = of_success("dense", 0.9)
-    there = replace(it, along=(StepChange(500, it.changes),))
+    there = replace(it, measured=replace(it.measured, along=(StepChange(500, it.measured.changes),)))
     (ended,), (interim,) = with_verdicts([there]), with_verdicts([there], to_come=1)
-    assert [found.hint_at(found.along[0]) for found in (ended, interim)] == ["better", "cannot tell"]
+    assert [found.measured.along[0].answer for found in (ended, interim)] == ["better", "cannot tell"]
 
 
 def test_what_decides_has_no_p_before_the_end():
@@ -248,7 +258,7 @@ def test_what_decides_has_no_p_before_the_end():
 
 def test_a_plan_of_looks_is_never_unfinished():
     """It says itself when to look; what is not needed any more would be pending for ever."""
-    unmeasured = replace(of_success("arp", 0.5), changes=())
+    unmeasured = replace(of_success("arp", 0.5), measured=Behaviour())
     terms = Terms((3, 6), asked=2, margin=0.1)
     look_of = lambda it: ({seed: int(seed >= 3) for seed in range(6)}, 2)  # noqa: E731
     found = with_verdicts([of_success("dense", 0.9), unmeasured], terms, look_of, to_come=9)

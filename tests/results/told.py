@@ -8,7 +8,7 @@ from harness.arrays import Float
 from harness.eta.behaviour_change import TRAINING, Change, Quantity, change_of
 from harness.eta.swaps import swaps_of
 from harness.registry.choice import Choice
-from harness.results.comparison import Comparison, Group
+from harness.results.comparison import Behaviour, Comparison, Group
 
 SUCCESS = Quantity("success_rate", "", "higher", "deterministic", 100)
 TIME = Quantity("time_to_target", "s", "lower", "deterministic")
@@ -52,11 +52,8 @@ def comparison(
         baseline,
         proposed,
         seeds,
-        None,
-        tuple(changes),
-        {},
-        episodes={"deterministic": 100},
         trained=(seeds, seeds),
+        measured=Behaviour(tuple(changes), episodes={"deterministic": 100}),
         **fields,
     )
 

@@ -6,8 +6,9 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.report.figures.chart import Area, Axis, Chart, Dots, Flag, Line, Word, linear_axis
-from harness.report.figures.panel import Curved, CurvePanel, panels_of, reward_range, step_range
+from harness.report.figures.panel import CurvePanel, panels_of, reward_range, step_range
 from harness.report.figures.points import POINTS, select_points
+from harness.results.comparison import Comparison
 
 OMEGA_1, OMEGA_2 = "Ω₁", "Ω₂"
 ROOM = (0.02, 0.08)
@@ -69,7 +70,7 @@ def _trim(x: Float, y: Float) -> tuple[Float, Float]:
 
 
 def draw_panels(
-    comparison: Curved, points: int = POINTS, amount: str = "accumulated reward"
+    comparison: Comparison, points: int = POINTS, amount: str = "accumulated reward"
 ) -> tuple[Chart, Chart] | None:
     """A panel for the baseline and one for the proposed reward, on equal axes; None without a finished pair.
 

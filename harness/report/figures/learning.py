@@ -20,8 +20,8 @@ def learning_names(learning: Learning, comparison: Comparison) -> list[str]:
     Of measures of an arm the one that decides alone: they are many.
     """
     known = [name for name in learning.random if learning.baseline.known(name) or learning.proposed.known(name)]
-    first = [name for name in known if name in comparison.deciding[:1]]
-    measured = [change.name for change in comparison.changes_of(comparison.manner)]
+    first = [name for name in known if name in comparison.measured.deciding[:1]]
+    measured = [change.name for change in comparison.measured.changes_of(comparison.manner)]
     if len(measured) > MOST:
         return [*first, *(name for name in known if name not in measured)]
     return [*first, *(name for name in known if name not in first)]

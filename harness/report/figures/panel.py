@@ -1,44 +1,17 @@
 """What a panel of accumulated reward shows."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
 from harness.arrays import Float
 from harness.eta.curve import GroupCurve, Kind
 from harness.eta.index import Index
-from harness.eta.scored_sums import BB, KK, Pair
+from harness.eta.scored_sums import BB, KK
 from harness.report.figures.points import POINTS, select_points
-
-
-class Curved(Protocol):
-    """A comparison of two rewards whose curves can be drawn."""
-
-    @property
-    def baseline(self) -> str:
-        """Label of the baseline reward."""
-
-    @property
-    def proposed(self) -> str:
-        """Label of the proposed reward."""
-
-    @property
-    def seeds(self) -> tuple[int, ...]:
-        """The seeds of the runs under each reward."""
-
-    @property
-    def curves(self) -> Mapping[Pair, GroupCurve]:
-        """The curves of both trainings, at least each under its own reward."""
-
-    @property
-    def baseline_index(self) -> Index | None:
-        """The index of the baseline's curves; None if there is nothing to draw."""
-
-    @property
-    def proposed_index(self) -> Index | None:
-        """The same for the proposed reward."""
+from harness.results.comparison import Comparison
 
 
 class Drawn(NamedTuple):
@@ -92,15 +65,14 @@ def panel_of(
     return CurvePanel(role, reward, curve.kind, index, seeds, drawn, _drawn(runs.mean(axis=0), curve.stride, POINTS))
 
 
-def panels_of(comparison: Curved, points: int = POINTS) -> tuple[CurvePanel, CurvePanel] | None:
+def panels_of(comparison: Comparison, points: int = POINTS) -> tuple[CurvePanel, CurvePanel] | None:
     """A panel for the baseline and one for the proposed reward; None without a finished pair."""
-    baseline, proposed = comparison.baseline_index, comparison.proposed_index
-    if baseline is None or proposed is None:
+    indices, curves, seeds = comparison.number.decomposition, comparison.curves, comparison.seeds
+    if indices is None:
         return None
-    curves, seeds = comparison.curves, comparison.seeds
     return (
-        panel_of("Baseline", comparison.baseline, curves[BB], baseline, seeds, points),
-        panel_of("Proposed", comparison.proposed, curves[KK], proposed, seeds, points),
+        panel_of("Baseline", comparison.baseline, curves[BB], indices.baseline, seeds, points),
+        panel_of("Proposed", comparison.proposed, curves[KK], indices.proposed, seeds, points),
     )
 
 

@@ -71,10 +71,10 @@ def card_of(comparison: Comparison, name: str) -> Card:
         name: What it is called on the page.
     """
     names, found, changes = comparison.names, comparison.headline, comparison.decisive_changes
-    ruling, pay = comparison.ruling or Ruling(), pay_of(comparison)
+    ruling, pay = comparison.answer.ruling or Ruling(), pay_of(comparison)
     card = _card(names, found, comparison.lead, changes, ruling)
     card = card._replace(name=name, beside=tuple(beside_answer(comparison)))
-    if changes and is_same(changes, ruling, same_steps=comparison.same_steps):
+    if changes and is_same(changes, ruling, same_steps=comparison.measured.same_steps):
         card = card._replace(seen=same_text(names, changes))
     return card if pay is None else _with_pay(card, pay, found.answer)
 
@@ -186,7 +186,7 @@ def _told(comparisons: Sequence[Comparison]) -> str:
     if len(comparisons) < 2 or any(it.answer is not Answer.CANNOT_TELL for it in found):
         return ""
     needed = [it.seeds_to_decide for it in found if it.seeds_to_decide is not None]
-    if all(it.ruling is not None and it.ruling.is_held for it in comparisons):
+    if all(it.answer.ruling is not None and it.answer.ruling.is_held for it in comparisons):
         return "A single place is told only where the answer over all is."
     if not needed:
         return "Nothing decides these comparisons."

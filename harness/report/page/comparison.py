@@ -80,7 +80,7 @@ class Bar(NamedTuple):
 
 def outcome_bars(comparison: Comparison) -> list[Bar]:
     """Bars for the baseline, the proposed reward and random actions; empty if the outcomes were not measured."""
-    changes = {change.name: change for change in comparison.changes_of(comparison.manner)}
+    changes = {change.name: change for change in comparison.measured.changes_of(comparison.manner)}
     success, timeouts = changes.get(SUCCESS), changes.get(TIMEOUTS)
     if success is None or timeouts is None:
         return []
@@ -225,7 +225,7 @@ def comparison_section(
         show=links.place - 1 if links else None,
         full=[text for text in full if text],
         returns=returned._replace(title="") if returned.rows or returned.notes else None,
-        mixtures=[mixture.text for mixture in comparison.mixtures],
+        mixtures=[mixture.text for mixture in comparison.measured.mixtures],
         tests=claims_text(comparison),
         summary=describe_comparison(comparison),
         behaviour=grids[0] if grids else None,
@@ -286,7 +286,7 @@ def describe_comparison(comparison: Comparison) -> str:
     """In plain words: what was compared."""
     group = comparison.group
     if not comparison.has_trainings:
-        return f"{comparison.proposed} was to be compared with {comparison.baseline}, but {comparison.eta_n.note}."
+        return f"{comparison.proposed} was to be compared with {comparison.baseline}, but {comparison.why_none}."
     paid = (
         f"trained twice, both times paid by {comparison.baseline}, the second time with other seeds"
         if comparison.is_control
@@ -295,7 +295,7 @@ def describe_comparison(comparison: Comparison) -> str:
     what = ", ".join(f"{kind} {label}" for kind, label in group.shown.items())
     told = f"{capitalised(what)}. {capitalised(compared_text(comparison))}, {group.steps:,} steps each: {paid}."
     scales = scales_text(group.subject)
-    return f"{told} {READING} {scales}" if comparison.main else f"{told} {scales}"
+    return f"{told} {READING} {scales}" if comparison.number.main else f"{told} {scales}"
 
 
 def _endings(links: EpisodeLinks | None, bars: list[Bar]) -> list[list[Link | None]]:
@@ -315,7 +315,7 @@ def _learning_panels(results: Results, comparison: Comparison) -> list[Panel]:
     learning = results.learning(comparison)
     if learning is None:
         return []
-    texts = {change.name: text_of(change) for change in comparison.changes_of(comparison.manner)}
+    texts = {change.name: text_of(change) for change in comparison.measured.changes_of(comparison.manner)}
     panels = []
     for name in learning_names(learning, comparison):
         text = texts.get(name, format_number)
@@ -354,9 +354,10 @@ def _profile_panels(comparison: Comparison) -> list[Panel]:
 
 def _split_panels(comparison: Comparison) -> list[Panel]:
     """The pay of an episode with its parts, as a ratio or else as a difference; then, of an arm, both indices."""
-    returned = comparison.returns.get(comparison.manner)
+    number = comparison.number
+    returned = number.returns.get(comparison.manner)
     panels = [] if returned is None else _return_panel(returned, comparison.manner)
-    indices = comparison.index_splits if comparison.number_of == "indices" and comparison.is_split else {}
+    indices = number.index_splits if number.number_of == "indices" and number.is_split else {}
     drawn = [(name, split, draw_split(name, split)) for name, split in indices.items()]
     return panels + [
         _panel(f"{name} = ruler x behaviour", chart, describe_split(name, split), LOGARITHMIC)
@@ -385,7 +386,7 @@ def _curve_panels(comparison: Comparison, points: int) -> list[Panel]:
     charts = draw_panels(comparison, points)
     if charts is None:
         return []
-    first, crossover = index_grid(comparison.decomposition).rows[:2]
+    first, crossover = index_grid(comparison.number.decomposition).rows[:2]
     return [
         _panel(
             f"{role}: {reward}",

@@ -127,8 +127,9 @@ class _Kinds(NamedTuple):
 def _kinds(combinations: Sequence[Comparison]) -> _Kinds:
     decisive = [it.decisive for it in combinations if it.decisive is not None]
     names = dict.fromkeys(SHORT.get(it.name, it.name.replace("_", " ")) for it in decisive)
-    has_returns, is_share = any(it.main for it in combinations), all(text_of(it) is percentage for it in decisive)
-    has_ratios = any(it.main.ratio.eta.value is not None for it in combinations if it.main is not None)
+    mains, is_share = [it.number.main for it in combinations], all(text_of(it) is percentage for it in decisive)
+    has_returns = any(mains)
+    has_ratios = any(main.ratio.eta.value is not None for main in mains if main is not None)
     return _Kinds(" / ".join(names) or "behaviour", is_share, has_returns, has_ratios, not has_returns)
 
 
@@ -138,8 +139,8 @@ def comparisons_csv(combinations: Sequence[Comparison]) -> str:
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(COLUMNS)
     for comparison in combinations:
-        ratios = [end for eta in (comparison.eta_n, comparison.eta_p) for end in (eta.value, eta.low, eta.high)]
-        success = comparison.decisive
+        success, number = comparison.decisive, comparison.number
+        ratios = [end for eta in (number.eta_n, number.eta_p) for end in (eta.value, eta.low, eta.high)]
         shares = (
             (success.baseline, success.proposed, success.difference, success.low, success.high)
             if success
@@ -176,8 +177,8 @@ def _describe(group: Group) -> tuple[str, ...]:
 def _entry(number: int, place: str, comparison: Comparison, kinds: _Kinds) -> Entry:
     headline, change = comparison.headline, comparison.decisive
     difference = "" if change is None or change.difference is None else _points(change)
-    returned = _returned(comparison.main)[: 2 + kinds.has_ratios] if kinds.has_returns else ()
-    etas = [_ratio(eta) for eta in (comparison.eta_n, comparison.eta_p)] if kinds.has_indices else []
+    returned = _returned(comparison.number.main)[: 2 + kinds.has_ratios] if kinds.has_returns else ()
+    etas = [_ratio(eta) for eta in (comparison.number.eta_n, comparison.number.eta_p)] if kinds.has_indices else []
     return Entry(
         anchor_of(number),
         place,

@@ -38,22 +38,23 @@ class BehaviourRow(NamedTuple):
 
 def behaviour_grids(comparison: Comparison) -> list[Grid]:
     """A grid for each manner in which behaviour was measured, the one that decides first."""
-    manners = dict.fromkeys([comparison.manner, *(change.measure.manner for change in comparison.changes)])
+    manners = dict.fromkeys([comparison.manner, *(change.measure.manner for change in comparison.measured.changes)])
     grids = [_grid(comparison, manner) for manner in manners]
     return [grid for grid in grids if grid.rows]
 
 
 def defined_changes(comparison: Comparison, manner: str) -> list[Change]:
     """The measures, those that decide first. A measure that is not defined under either reward is left out."""
-    changes = [change for change in comparison.changes_of(manner) if (change.baseline, change.proposed) != (None,) * 2]
-    first = comparison.deciding
+    measured, nothing = comparison.measured, (None, None)
+    changes = [it for it in measured.changes_of(manner) if (it.baseline, it.proposed) != nothing]
+    first = measured.deciding
     return sorted(changes, key=lambda change: first.index(change.name) if change.name in first else len(first))
 
 
 def failed_changes(comparison: Comparison, manner: str) -> list[Change]:
     """The measures whose metric failed for every seed. They stand below the others, with the reason."""
     defined = {change.name for change in defined_changes(comparison, manner)}
-    return [change for change in comparison.changes_of(manner) if change.reason and change.name not in defined]
+    return [change for change in comparison.measured.changes_of(manner) if change.reason and change.name not in defined]
 
 
 def behaviour_row(change: Change) -> BehaviourRow:
@@ -85,11 +86,11 @@ def value_text(change: Change, value: float) -> str:
 
 def along_grid(comparison: Comparison) -> Grid:
     """What each evaluation on the way hints at. None of them decides; the last row is the end of the trainings."""
-    name = next(iter(comparison.deciding), "").replace("_rate", "").replace("_", " ")
+    name = next(iter(comparison.measured.deciding), "").replace("_rate", "").replace("_", " ")
     headings = ("", f"{name}: baseline", "proposed", "difference", "hint")
     manner = comparison.own_manner
-    moments = [*comparison.along, StepChange(comparison.group.steps, comparison.changes_of(manner))]
-    rows = [_moment_row(comparison, moment) for moment in moments] if comparison.along else []
+    moments = [*comparison.measured.along, StepChange(comparison.group.steps, comparison.measured.changes_of(manner))]
+    rows = [_moment_row(comparison, moment) for moment in moments] if comparison.measured.along else []
     return Grid(headings, rows, [], f"Along the budget of training, {manner}")
 
 
@@ -97,7 +98,7 @@ def seeds_grid(comparison: Comparison) -> Grid:
     """What single seeds say where a mean may hide it, in the manner that decides."""
     headings = ("over seeds", "middle half: baseline", "proposed", "chance that a run is better")
     rows: list[tuple[str, ...]] = []
-    for change in comparison.changes_of(comparison.manner):
+    for change in comparison.measured.changes_of(comparison.manner):
         if change.improvement is not None:
             text = text_of(change)
             rows.append((_name(change), *map(text, change.middles), f"{change.improvement:.0%}"))
@@ -120,7 +121,7 @@ def _note(change: Change) -> str:
 
 def _title(comparison: Comparison, manner: str) -> str:
     """How the policies acted, and how many episodes were seen."""
-    episodes = comparison.episodes.get(manner)
+    episodes = comparison.measured.episodes.get(manner)
     if episodes is None:
         return f"Behaviour {manner}"
     seen = count_of(comparison, manner, episodes)
@@ -131,10 +132,10 @@ def _title(comparison: Comparison, manner: str) -> str:
 
 def _moment_row(comparison: Comparison, moment: StepChange) -> tuple[str, ...]:
     """The row of an evaluation, with what it hints at."""
-    decisive = next((change for change in moment.changes if change.name in comparison.deciding[:1]), None)
+    decisive = next((change for change in moment.changes if change.name in comparison.measured.deciding[:1]), None)
     told = behaviour_row(decisive) if decisive else None
     values = (told.baseline, told.proposed, told.difference) if told else (NOTHING,) * 3
-    return (f"after {moment.steps:,} steps", *values, comparison.hint_at(moment))
+    return (f"after {moment.steps:,} steps", *values, moment.answer)
 
 
 def _name(change: Change) -> str:

@@ -73,13 +73,13 @@ def interim_line(missing: int) -> str:
 
 def beside_answer(comparison: Comparison) -> list[str]:
     """What a reader of the answer has to know at once, a sentence or two each."""
-    starts = "" if comparison.same_starts else UNLIKE_STARTS
+    starts = "" if comparison.measured.same_starts else UNLIKE_STARTS
     return [line for line in (*comparison.not_maximised, scale_text(comparison), starts) if line]
 
 
 def scale_text(comparison: Comparison) -> str:
     """Why behaviour differs where both rewards ask for the same, k times as loudly; empty where that is not so."""
-    found, names = comparison.rescaling, comparison.names
+    found, names = comparison.number.rescaling, comparison.names
     if found is None or comparison.is_control or not comparison.headline.decided_by:
         return ""
     if not found.is_ruler or (found.factor, found.offset) == (1.0, 0.0):
@@ -92,14 +92,15 @@ def scale_text(comparison: Comparison) -> str:
 
 def count_of(comparison: Comparison, manner: str, count: int) -> str:
     """So many episodes, or what stands for them in a manner."""
-    return f"{count:,} {comparison.counted.get(manner, 'episode')}{'s' * (count != 1)}"
+    return f"{count:,} {comparison.measured.counted.get(manner, 'episode')}{'s' * (count != 1)}"
 
 
 def basis_text(comparison: Comparison) -> str:
     """Which episodes the verdict rests on, where that needs saying; else empty."""
-    if not comparison.has_trainings or not comparison.changes or comparison.manner in (DETERMINISTIC, STOCHASTIC):
+    is_measured = comparison.has_trainings and comparison.measured.changes
+    if not is_measured or comparison.manner in (DETERMINISTIC, STOCHASTIC):
         return ""
-    count = comparison.episodes[comparison.manner]
+    count = comparison.measured.episodes[comparison.manner]
     told = f"{count_of(comparison, comparison.manner, count)} or more of each seed"
     rests = "will rest" if comparison.headline.answer is Answer.INTERIM else "rests"
     if comparison.manner.startswith(EVALUATION):
@@ -118,7 +119,7 @@ def advice(results: Results, comparison: Comparison) -> str:
 
 def until_decided(results: Results, comparison: Comparison) -> str:
     """The command that trains until there is an answer; empty if no number of seeds gives one, or none is needed."""
-    ruling, pool, seeds = comparison.ruling, comparison.pool, comparison.seeds
+    ruling, pool, seeds = comparison.answer.ruling, comparison.answer.pool, comparison.seeds
     asked = pool if pool is not None and ruling is not None and ruling.is_held else comparison
     if asked.headline.seeds_to_decide is None or seeds != tuple(range(len(seeds))) or comparison.is_control:
         return ""
@@ -138,14 +139,14 @@ def _run_text(results: Results, out: str) -> str:
 
 def claims_text(comparison: Comparison) -> str:
     """How many questions and hints there are, and what a test with so many seeds can show; empty without a seed."""
-    counts, ruling = comparison.counts, comparison.ruling
+    counts, ruling, claims = comparison.counts, comparison.answer.ruling, comparison.answer.claims
     if not comparison.has_trainings or comparison.headline.answer is Answer.INTERIM:
         return ""
     asked = 1 if ruling is None else ruling.asked
     smallest = smallest_p(*counts)
     least = f"no p below {smallest:.2g} from {trainings_text(comparison.names, counts)}"
     questions = f"{asked} question{'s' * (asked != 1)} about the {comparison.group.subject}, asked together; {least}."
-    hints = f"{comparison.claims} hint{'s' * (comparison.claims != 1)}, corrected by themselves, decide nothing."
+    hints = f"{claims} hint{'s' * (claims != 1)}, corrected by themselves, decide nothing."
     return f"{questions} {hints}"
 
 

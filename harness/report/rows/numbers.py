@@ -11,8 +11,8 @@ OF_SUMS = "I_N and I_P of the summed reward: eta = proposed / baseline"
 
 def splits_of(comparison: Comparison) -> Splits:
     """The eta of the mean return in the manner that decides, then those of both indices, as far as they are split."""
-    main = {} if comparison.main is None else {"eta": comparison.main.ratio}
-    return {**main, **(comparison.index_splits if comparison.is_split else {})}
+    main = {} if comparison.number.main is None else {"eta": comparison.number.main.ratio}
+    return {**main, **(comparison.number.index_splits if comparison.number.is_split else {})}
 
 
 def number_grids(comparison: Comparison, kind: Kind, with_paths: bool = False) -> list[Grid]:
@@ -23,15 +23,15 @@ def number_grids(comparison: Comparison, kind: Kind, with_paths: bool = False) -
         kind: Of the curves that the indices are read from.
         with_paths: Whether both paths of every split are shown too.
     """
-    returned, splits = return_splits(comparison), comparison.index_splits
+    returned, splits = return_splits(comparison), comparison.number.index_splits
     grids = [returns_grid(comparison)]
-    indices = splits or comparison.splits if comparison.has_pay else {}
+    indices = splits or comparison.number.splits if comparison.number.has_pay else {}
     for found in (returned, indices):
         if not found:
             continue
         ratios = ratio_grid(found)
         grids.append(ratios._replace(title=OF_SUMS) if returned and found is not returned else ratios)
         grids += [split_grid(found), *([path_grid(found)] if with_paths else [])]
-    decomposition = comparison.decomposition
+    decomposition = comparison.number.decomposition
     grids += [sum_grid(decomposition.total if decomposition else None), index_grid(decomposition, kind)]
     return [grid for grid in grids if grid.rows or grid.notes]

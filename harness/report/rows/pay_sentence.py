@@ -52,7 +52,7 @@ def pay_of(comparison: Comparison) -> PaySentence | None:
     Of an experiment whose returns are not known it is the number that they have, an index of the summed reward; None
     where no number is known.
     """
-    split = comparison.returns.get(comparison.manner)
+    split = comparison.number.returns.get(comparison.manner)
     if split is not None:
         proposed, baseline = (format_number(split.returns[pair].mean) for pair in (KK, BB))
         sides = f"An episode is paid {proposed} instead of {baseline}"
@@ -60,7 +60,8 @@ def pay_of(comparison: Comparison) -> PaySentence | None:
         change = split.total.change.mean
         return pay and pay._replace(grows=None if not change else change > 0.0)
     named = {"eta_P": "What was earned (I_P)", "eta_N": "What was lost (I_N)"}
-    of_index = (_ratio(f"{told} is {{}} times as large", comparison.splits[name]) for name, told in named.items())
+    splits = comparison.number.splits
+    of_index = (_ratio(f"{told} is {{}} times as large", splits[name]) for name, told in named.items())
     return next((it for it in of_index if it is not None), None)
 
 

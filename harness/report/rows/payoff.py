@@ -54,7 +54,7 @@ def payoff_story(comparison: Comparison, audits: Audits) -> Story | None:
 
 def _done(comparison: Comparison, label: str, payoffs: Payoffs) -> str:
     """What the robot did that was trained with this reward."""
-    changes = {change.name: change for change in comparison.changes_of(comparison.manner)}
+    changes = {change.name: change for change in comparison.measured.changes_of(comparison.manner)}
     over, missed = (changes.get(name) for name in ("timeouts", "closest_distance"))
     if not payoffs.returns or over is None:
         return ""

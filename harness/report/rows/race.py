@@ -46,7 +46,7 @@ def race_told(results: Results) -> RaceTold | None:
     if standing is None or race is None or not race.looks:
         return None
     first = next(iter(results.combinations))
-    measure = (first.deciding[0] if first.deciding else "behaviour").replace("_", " ")
+    measure = (first.measured.deciding[0] if first.measured.deciding else "behaviour").replace("_", " ")
     change = first.decisive
     is_share = change is not None and change.measure.episodes is not None
     sign = -1.0 if change is not None and change.measure.better == "lower" else 1.0
@@ -116,9 +116,9 @@ def _number(comparison: Comparison | None) -> tuple[str, str]:
     """
     if comparison is None:
         return "", ""
-    if comparison.main is not None:
-        return _ratio("", comparison.main.ratio) or _difference(comparison.main)
-    of_index = (_ratio(f"I_{name} ", comparison.splits[f"eta_{name}"]) for name in ("P", "N"))
+    if comparison.number.main is not None:
+        return _ratio("", comparison.number.main.ratio) or _difference(comparison.number.main)
+    of_index = (_ratio(f"I_{name} ", comparison.number.splits[f"eta_{name}"]) for name in ("P", "N"))
     return next(filter(None, of_index), (NOTHING, NOTHING))
 
 

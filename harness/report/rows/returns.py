@@ -28,16 +28,16 @@ READING = (
 def returns_grid(comparison: Comparison) -> Grid:
     """The mean return of either training, and what their difference is made of; no rows if it is not known."""
     rows: list[tuple[str, ...]] = []
-    for manner, split in comparison.returns.items():
+    for manner, split in comparison.number.returns.items():
         parts = (split.total.change, split.total.ruler, split.total.behaviour)
         amounts = (split.returns[BB], split.returns[KK], *parts)
         rows.append((manner, *(format_number(it.mean) for it in amounts)))
         if any(it.low is not None for it in amounts):
             rows.append(("  95% interval", *map(interval_of_mean, amounts)))
-    notes = [f"{manner}: {NOTHING}: {reason}" for manner, reason in comparison.missing.items()]
+    notes = [f"{manner}: {NOTHING}: {reason}" for manner, reason in comparison.number.missing.items()]
     reasons = dict.fromkeys(
         note
-        for split in comparison.returns.values()
+        for split in comparison.number.returns.values()
         for it in (split.returns[BB], split.total.ruler)
         for note in it.notes
     )
@@ -47,7 +47,7 @@ def returns_grid(comparison: Comparison) -> Grid:
 
 def return_splits(comparison: Comparison) -> dict[str, Split]:
     """The ratios of mean returns by name, one for each manner. A ratio without a value has the reason."""
-    return {f"eta {manner}": split.ratio for manner, split in comparison.returns.items()}
+    return {f"eta {manner}": split.ratio for manner, split in comparison.number.returns.items()}
 
 
 def return_grid(matrix: ReturnMatrix) -> Grid:

@@ -37,8 +37,8 @@ def comparison_table(results: Results) -> RenderableType:
     blocks += alone_lines(results, with_all=True)
     blocks += [_combination_block(results, it, is_first=it is combinations[0]) for it in combinations]
     if any(comparison.has_trainings for comparison in combinations):
-        is_split = any(comparison.is_split for comparison in combinations)
-        read = [READING] if any(comparison.main for comparison in combinations) else []
+        is_split = any(comparison.number.is_split for comparison in combinations)
+        read = [READING] if any(comparison.number.main for comparison in combinations) else []
         told = [
             scales_text(results.subject),
             *([SPLIT] if is_split else []),
@@ -60,7 +60,7 @@ def _combination_block(results: Results, comparison: Comparison, *, is_first: bo
         Text(comparison.group.title, style="bold"),
         Text(rewards_text(comparison)),
         Text(f"{compared_text(comparison)} compared, {comparison.group.steps:,} training steps per run"),
-        *(Text(mixture.text, style="bold") for mixture in comparison.mixtures),
+        *(Text(mixture.text, style="bold") for mixture in comparison.measured.mixtures),
         Text(),
         Text(headline.robot),
         Text(f"The {comparison.group.subject}: {answer_text(headline)}", style="bold"),

@@ -47,7 +47,7 @@ def overview_table(results: Results, details: str) -> RenderableType:
     combinations = results.combinations
     parts = said_lines(results)
     parts += race_lines(results) or _comparisons(results) or alone_lines(results, with_all=False)
-    parts += map(Text, dict.fromkeys(mixture.text for it in combinations for mixture in it.mixtures))
+    parts += map(Text, dict.fromkeys(mixture.text for it in combinations for mixture in it.measured.mixtures))
     parts += [part for line in _not_split(combinations) for part in (Text(), Text(line))]
     parts += [part for line in never_texts(results) for part in (Text(), Text(line))]
     for matrix in _with_others(results):
@@ -128,7 +128,8 @@ def overview_grids(combinations: Sequence[Comparison], *, with_intervals: bool) 
 
 def _not_split(combinations: Sequence[Comparison]) -> list[str]:
     """Why a reward could not pay the runs of another one, each reason once. It explains why an eta was not split."""
-    told = (it.index_splits for it in combinations if it.main is None and it.seeds and not it.is_split)
+    numbers = (it.number for it in combinations if it.seeds)
+    told = (it.index_splits for it in numbers if it.main is None and not it.is_split)
     return list(dict.fromkeys(note for splits in told for note in split_grid(splits).notes))
 
 

@@ -50,14 +50,15 @@ def between_table(found: Between) -> RenderableType:
 
 def _row(name: str, pair: BeforeAfter) -> tuple[str, ...]:
     answers = [answer_text(it.headline) for it in (pair.before, pair.after)]
-    etas = [[short_value(it.splits[name].eta) for it in (pair.before, pair.after)] for name in ("eta_N", "eta_P")]
+    both = (pair.before.number.splits, pair.after.number.splits)
+    etas = [[short_value(splits[name].eta) for splits in both] for name in ("eta_N", "eta_P")]
     seeds = str(pair.decisive.seeds) if pair.decisive else "0"
     return (name, pair.verdict.value.upper(), _decisive(pair), seeds, _change(answers), *map(_change, etas))
 
 
 def _measure_text(comparison: Comparison) -> str:
     """The measure that decides, for a heading."""
-    return next((SHORT.get(name, name.replace("_", " ")) for name in comparison.deciding), "behaviour")
+    return next((SHORT.get(name, name.replace("_", " ")) for name in comparison.measured.deciding), "behaviour")
 
 
 def _decisive(pair: BeforeAfter) -> str:

@@ -71,7 +71,7 @@ def test_random_actions_are_evaluated_once(results: Results):
 def test_random_actions_stand_beside_the_policies(results: Results):
     """In every measure of both manners."""
     found = results.combinations[0]
-    changes = found.changes_of(found.manner)
+    changes = found.measured.changes_of(found.manner)
     assert [change.name for change in changes] == ["success", "distance"]
     assert all(change.random is not None for change in changes)
 
@@ -79,8 +79,8 @@ def test_random_actions_stand_beside_the_policies(results: Results):
 def test_the_measure_that_decides_is_compared_along_the_budget(results: Results):
     """At each evaluation before the end; and how fast the trainings learned."""
     found = results.combinations[0]
-    assert [moment.steps for moment in found.along] == [20, 40, 60]
-    assert [change.name for change in found.changes_of(LEARNING)] == ["success_area", "steps_to_goal"]
+    assert [moment.steps for moment in found.measured.along] == [20, 40, 60]
+    assert [change.name for change in found.measured.changes_of(LEARNING)] == ["success_area", "steps_to_goal"]
 
 
 def test_the_null_control_is_compared_alone(results: Results):
@@ -88,7 +88,7 @@ def test_the_null_control_is_compared_alone(results: Results):
     *others, control = results.combinations
     assert (control.is_control, [it.is_control for it in others]) == (True, [False])
     assert control.seeds == (0, 1)
-    assert control.decomposition.total.ruler.mean == pytest.approx(0.0)
+    assert control.number.decomposition.total.ruler.mean == pytest.approx(0.0)
 
 
 def test_the_null_control_alone_is_an_experiment(tmp_path: Path):
@@ -109,7 +109,7 @@ def test_several_environments_are_one_matrix(tmp_path: Path):
     """Each has its comparisons, and all are one family of claims."""
     found = _run(tmp_path / "out", task=["toy", "toy:discrete=true"])
     assert [it.group.task.label for it in found.combinations] == ["toy", "toy:discrete=True"]
-    assert len({it.claims for it in found.combinations}) == 1
+    assert len({it.answer.claims for it in found.combinations}) == 1
 
 
 def test_rewards_are_ranked_over_environments(tmp_path: Path):
@@ -132,4 +132,4 @@ def test_several_tasks_of_an_arm_are_one_matrix(tmp_path: Path):
     tasks = ["fd100-reach:horizon=5", "fd100-reach:horizon=6"]
     found = _run(tmp_path / "out", task=tasks, sim="kinematic", steps=12)
     assert [it.group.task.label for it in found.combinations] == tasks
-    assert len({it.claims for it in found.combinations}) == 1
+    assert len({it.answer.claims for it in found.combinations}) == 1

@@ -409,7 +409,7 @@ def test_a_study_compares_the_cells(results: Results):
     assert told.study is not None
     assert told.study.runs.trained == ("near", "right")
     assert told.study.comparisons[0].seeds == (0, 1)
-    assert told.study.comparisons[0].deciding == ("success",)
+    assert told.study.comparisons[0].measured.deciding == ("success",)
     assert results.combinations == told.study.comparisons
     assert results.combinations[0].group.task.label == "toy"
     assert all(run.evaluation is not None for run in told.study.runs.members.values())
@@ -421,7 +421,9 @@ def test_chosen_measures_are_shown_beside_the_one_that_decides(folder: Path, ask
     (told,) = load_results(folder, metrics=asked, plugins=[TOY]).studies
     assert told.study is not None
     (comparison,) = told.study.comparisons
-    assert told.study.runs.measures == tuple(dict.fromkeys(change.name for change in comparison.changes)) == shown
+    assert (
+        told.study.runs.measures == tuple(dict.fromkeys(change.name for change in comparison.measured.changes)) == shown
+    )
 
 
 def test_measure_that_no_environment_has_is_refused(folder: Path):

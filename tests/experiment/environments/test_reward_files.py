@@ -163,7 +163,10 @@ def test_first_measure_of_the_file_decides(trained: Path):
     """None is called success; the file says of which less is better."""
     (told,) = load_results(trained).studies
     assert told.study is not None
-    assert (told.study.comparisons[0].deciding, told.study.runs.measures) == (("height",), ("height", "effort"))
+    assert (told.study.comparisons[0].measured.deciding, told.study.runs.measures) == (
+        ("height",),
+        ("height", "effort"),
+    )
     assert told.study.runs.better("effort") == "lower"
 
 
@@ -175,7 +178,7 @@ def test_named_measure_decides(files: Path, tmp_path: Path):
         results = harness.run(**given, plugins=plugins, measure=measure, out=tmp_path / "runs")
         (told,) = results.studies
         assert told.study is not None
-        assert told.study.comparisons[0].deciding == (deciding,)
+        assert told.study.comparisons[0].measured.deciding == (deciding,)
     assert len(Store.open(tmp_path / "runs").read_plan().cells) == 4
 
 

@@ -92,7 +92,7 @@ def test_split_has_every_number_with_its_interval(build):
 def test_near_zero_is_a_word_in_the_split(build):
     """A ratio that says little is no number, as in the page."""
     (combination,) = build(baseline=(9, 9), proposed={"arp": (1, 3_000)}, seeds=2).combinations
-    ratios = [row.ratio for name, split in combination.splits.items() for row in split_rows(name, split)]
+    ratios = [row.ratio for name, split in combination.number.splits.items() for row in split_rows(name, split)]
     count = sum(ratio.near_zero is not None for ratio in ratios)
     assert count > 4
     assert words(split_file(combination)).count("near zero") == count

@@ -67,7 +67,7 @@ def test_intervals_stand_beside_the_ratios_where_there_is_room(build, commit):
         for folder in [commit(results)]
         for width in (120, 60)
     )
-    assert interval_text(combination.eta_p) in wide
+    assert interval_text(combination.number.eta_p) in wide
     assert "[" not in narrow
 
 

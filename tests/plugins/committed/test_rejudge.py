@@ -49,9 +49,11 @@ def test_the_earlier_records_were_all_judged_anew():
     """Ninety-two comparisons: eighteen are decided by themselves, and twenty-one more over all of their places."""
     judged = [list(judged_anew(list(stored_comparisons(record_of(it))))) for it in JUDGED_ANEW]
     claims = [it for comparisons in judged for it in comparisons if not it.is_control]
-    alone = [it for it in claims if it.ruling.is_decided]
-    together = [it for it in claims if not it.ruling.is_decided and it.pool and it.pool.ruling.is_decided]
-    small = [it for it in claims if it.pool and it.pool.headline.answer == "no difference"]
+    alone = [it for it in claims if it.answer.ruling.is_decided]
+    together = [
+        it for it in claims if not it.answer.ruling.is_decided and it.answer.pool and it.answer.pool.ruling.is_decided
+    ]
+    small = [it for it in claims if it.answer.pool and it.answer.pool.headline.answer == "no difference"]
     assert (len(claims), len(alone), len(together), len(small)) == (92, 18, 21, 0)
 
 

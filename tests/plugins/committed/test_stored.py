@@ -25,11 +25,11 @@ def test_numbers_are_those_of_the_results(build):
     """Every ratio of both etas with its interval and remarks, the indices, the labels."""
     combination, told = stored(build(baseline=(9, 9), proposed={"arp": (1, 3_000)}, seeds=2))
     again = comparison_of(told, combination.manner)
-    for name, split in combination.splits.items():
-        assert shown(again.splits[name]) == shown(split)
-        assert again.splits[name].eta.near_zero == split.eta.near_zero
+    for name, split in combination.number.splits.items():
+        assert shown(again.number.splits[name]) == shown(split)
+        assert again.number.splits[name].eta.near_zero == split.eta.near_zero
     assert again.group.labels == combination.group.labels
-    assert again.baseline_index.crossover == combination.baseline_index.crossover
+    assert again.number.decomposition.baseline.crossover == combination.number.decomposition.baseline.crossover
     assert again.manner == combination.manner
 
 
@@ -44,7 +44,7 @@ def test_nothing_finished_is_nothing(build):
     """Without a finished pair."""
     combination, told = stored(build(seeds=1, ended={("arp", 0): ("failed", "it broke")}))
     assert learning_in(told) is None
-    assert comparison_of(told, combination.manner).baseline_index is None
+    assert comparison_of(told, combination.manner).number.decomposition is None
 
 
 def test_version_1_told_learning_by_measure_alone():

@@ -8,7 +8,7 @@ from harness.report.figures.split_rows import describe_split
 def figures(results):
     """The splits of the only combination, and their figures."""
     (combination,) = results.combinations
-    both = combination.splits
+    both = combination.number.splits
     return both, {name: draw_split(name, split) for name, split in both.items()}
 
 

@@ -34,7 +34,7 @@ def test_a_card_says_how_sure_it_is(helped):
         r"from 6 trainings of each reward\. Luck alone would show such a difference in (\d+) of 1,000 experiments\.",
         card_of(helped, "arp").sure,
     )
-    assert 0 <= int(told[1]) - 1000.0 * helped.ruling.corrected < 1.0
+    assert 0 <= int(told[1]) - 1000.0 * helped.answer.ruling.corrected < 1.0
 
 
 def test_the_differences_stand_before_the_answer(helped):
@@ -53,15 +53,19 @@ def test_a_card_without_an_answer_says_why_and_what_would_tell(build):
     assert {row.note for row in card.rows} == {""}
 
 
+def _ruled(comparison, ruling):
+    return replace(comparison, answer=replace(comparison.answer, ruling=ruling))
+
+
 def test_a_bar_that_misses_the_line_without_an_answer_has_its_reason(helped):
     """It stands by itself; the test holds for all bars of the page."""
-    open_ruling = replace(helped.ruling, corrected=0.128, of_measures=(0.128, 0.9), is_floored=False)
-    whole = replace(helped, ruling=open_ruling)
+    open_ruling = replace(helped.answer.ruling, corrected=0.128, of_measures=(0.128, 0.9), is_floored=False)
+    whole = _ruled(helped, open_ruling)
     card = card_of(whole, "arp")
     assert card.answer == "CANNOT TELL"
     assert "The interval of success leaves out 0 when it is looked at alone, " in card.sure
     assert "but allowing for all measures that decide p is 0.128." in card.sure
-    asked = replace(whole, ruling=replace(open_ruling, asked=2))
+    asked = _ruled(whole, replace(open_ruling, asked=2))
     assert "but 2 questions were asked together, " in card_of(asked, "arp").sure
 
 
@@ -84,7 +88,7 @@ def test_what_decides_is_marked_and_named(helped):
     """Once; where the answer is mixed, on both sides."""
     marks = [row.note for row in card_of(helped, "arp").rows]
     assert marks.count("decides") == 1
-    mixed = replace(helped, ruling=replace(helped.ruling, signs=(1, -1), of_measures=(0.001, 0.02)))
+    mixed = _ruled(helped, replace(helped.answer.ruling, signs=(1, -1), of_measures=(0.001, 0.02)))
     card = card_of(mixed, "arp")
     assert card.answer == "MIXED"
     assert [row.note for row in card.rows] == ["decides", "decides"]
@@ -97,7 +101,7 @@ def test_what_decides_is_marked_and_named(helped):
 
 def test_a_plan_that_is_not_trained_to_its_end_has_no_colour(helped):
     """No bar is better or worse, and nothing is sure."""
-    interim = replace(helped, ruling=Ruling(missing=12))
+    interim = _ruled(helped, Ruling(missing=12))
     card = card_of(interim, "arp")
     assert (card.answer, card.badge, card.sure) == ("INTERIM", "interim", "")
     assert not re.search("better|worse", "".join(row.figure for row in card.rows))

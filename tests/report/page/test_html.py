@@ -210,7 +210,7 @@ def test_split_is_drawn_told_and_explained(build, write):
     page = write(results)
     ratios = [label for label in page.figures if label.startswith("Ratios on a logarithmic axis.")]
     assert [name for label in ratios for name in ("eta_N", "eta_P") if f"{name} = ruler" in label] == ["eta_N", "eta_P"]
-    told = [describe_split(*named) for named in results.combinations[0].splits.items()]
+    told = [describe_split(*named) for named in results.combinations[0].number.splits.items()]
     assert all(" ".join(Page(to_html(it)).words) in page.text for it in told)
     assert page.text.count(" ".join(Page(to_html(SPLIT)).words)) == 1
 
@@ -294,14 +294,14 @@ def test_missing_ratio_has_its_reason(build, write):
     results = build(baseline=(39, 0))
     page = write(results)
     assert "η P n/a n/a n/a n/a" in page.text
-    assert " ".join(Page(to_html(f"eta_P n/a: {results.combinations[0].eta_p.note}")).words) in page.text
+    assert " ".join(Page(to_html(f"eta_P n/a: {results.combinations[0].number.eta_p.note}")).words) in page.text
 
 
 def test_no_finished_pair_is_said(build, write):
     """Without a finished pair the page says so and draws nothing."""
     results = build(seeds=1, ended={("arp", 0): ("failed", "it broke")})
     page = write(results)
-    assert results.combinations[0].eta_n.note in page.text
+    assert results.combinations[0].number.eta_n.note in page.text
     assert page.figures == []
 
 

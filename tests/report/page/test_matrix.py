@@ -41,7 +41,7 @@ def test_table_is_sorted_by_numbers(build):
     results = build(seeds=1, baseline=(39, 0))
     (entry,) = matrix_of(results.combinations).entries
     eta_n, eta_p, *_ = entry.values
-    assert float(eta_n.key) == results.combinations[0].eta_n.value
+    assert float(eta_n.key) == results.combinations[0].number.eta_n.value
     assert (eta_p.text, eta_p.key) == ("n/a", "")
 
 
@@ -50,7 +50,7 @@ def test_file_has_a_row_per_comparison(build):
     results = build()
     (row,) = csv.DictReader(StringIO(comparisons_csv(results.combinations)))
     assert (row["proposed"], row["answer"], row["seeds"]) == ("arp", "cannot tell", "3")
-    assert float(row["eta_N"]) == results.combinations[0].eta_n.value
+    assert float(row["eta_N"]) == results.combinations[0].number.eta_n.value
 
 
 def test_file_holds_no_formula(build):

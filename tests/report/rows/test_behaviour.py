@@ -50,7 +50,7 @@ def test_one_seed_has_no_interval_and_no_p(build):
 
 def test_number_without_unit_above_one_is_no_percentage(build):
     """A metric without a unit is shown as a percentage only while it is a share."""
-    change = only(build()).changes[0]
+    change = only(build()).measured.changes[0]
     measure = change.measure._replace(name="jerks", unit="", better="lower")
     count = replace(change, measure=measure, baseline=0.5, proposed=2.0, random=None, low=1.0, high=2.0, corrected=None)
     assert behaviour_row(count) == ("jerks", "0.500", "2.00", "[1.00, 2.00]", "n/a", "lower", "n/a", "")
@@ -73,9 +73,12 @@ def test_manner_that_decides_comes_first(build):
     ]
     changes = tuple(
         replace(it, measure=it.measure._replace(manner="stochastic")) if it.measure.manner == "while training" else it
-        for it in combination.changes
+        for it in combination.measured.changes
     )
-    drawn = replace(combination, changes=changes, episodes={"deterministic": 1, "stochastic": 100})
+    drawn = replace(
+        combination,
+        measured=replace(combination.measured, changes=changes, episodes={"deterministic": 1, "stochastic": 100}),
+    )
     assert [grid.title.split(", ", 1)[-1] for grid in behaviour_grids(drawn)] == [
         "stochastic, 100 episodes per seed",
         "deterministic, 1 episode per seed",
@@ -108,7 +111,9 @@ def test_every_evaluation_has_its_hint(build):
 def test_all_of_the_budget_is_told_in_one_manner(build):
     """That of the evaluations while learning, whatever decides after the training."""
     combination = only(build(learned={10: 1}))
-    drawn = replace(combination, episodes={"deterministic": 4, "stochastic": 100})
+    drawn = replace(
+        combination, measured=replace(combination.measured, episodes={"deterministic": 4, "stochastic": 100})
+    )
     grid = along_grid(drawn)
     assert grid.title == "Along the budget of training, deterministic"
     assert grid.rows[-1][1] == "75.0%"

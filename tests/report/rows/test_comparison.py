@@ -55,15 +55,15 @@ def test_flags_stand_under_the_ratios():
 
 def test_noise_is_told_where_it_comes_from(build):
     """Once for both etas; without enough runs, why there is none."""
-    notes = ratio_grid(only(build(seeds=4)).splits).notes
+    notes = ratio_grid(only(build(seeds=4)).number.splits).notes
     assert "eta_N noise, eta_P noise: halves of 4 runs, scaled to all" in notes
-    notes = ratio_grid(only(build(seeds=3)).splits).notes
+    notes = ratio_grid(only(build(seeds=3)).number.splits).notes
     assert "eta_N noise n/a, eta_P noise n/a: 3 runs of the baseline: halves of them need at least 4" in notes
 
 
 def test_all_of_equal_runs_is_ruler(build):
     """The same runs under both rewards: whatever eta is, the ruler is too, and the behaviour is 1."""
-    splits = only(build()).splits
+    splits = only(build()).number.splits
     for grid, parts in ((split_grid(splits), 1), (path_grid(splits), 2)):
         expected = [(*row[1:3], "1.00", "[1.00, 1.00]") for row in ratio_grid(splits).rows for _ in range(parts)]
         assert [row[1:5] for row in grid.rows] == expected
@@ -100,18 +100,18 @@ def test_near_zero_is_no_big_number(build):
     """A ratio with an index near zero is called that, in every grid and note; the JSON keeps it."""
     combination = only(build(baseline=(9, 9), proposed={"arp": (1, 3_000)}, seeds=3))
     assert combination.to_json()["eta_P"]["eta"]["value"] > 1e6
-    ratios, parts = ratio_grid(combination.splits), split_grid(combination.splits)
+    ratios, parts = ratio_grid(combination.number.splits), split_grid(combination.number.splits)
     assert ratios.rows[1][1:3] == ("near zero", "n/a")
     assert parts.rows[1][3:] == ("near zero", "n/a", "near zero")
-    assert any(note.startswith(f"eta_P: {combination.eta_p.near_zero}") for note in ratios.notes)
+    assert any(note.startswith(f"eta_P: {combination.number.eta_p.near_zero}") for note in ratios.notes)
     assert not any("e+" in text for text in [*parts.notes, *map(str, parts.rows)])
 
 
 def test_missing_ratio_has_its_reason(build):
     """A ratio that is not defined is n/a, wherever it stands, and a note says why."""
     combination = only(build(baseline=(39, 0)))
-    (reason,) = combination.eta_p.notes
-    ratios, parts = ratio_grid(combination.splits), split_grid(combination.splits)
+    (reason,) = combination.number.eta_p.notes
+    ratios, parts = ratio_grid(combination.number.splits), split_grid(combination.number.splits)
     assert ratios.rows[1][1:3] == ("n/a", "n/a")
     assert f"eta_P n/a: {reason}" in ratios.notes
     assert parts.rows[1] == ("eta_P", *["n/a"] * 5)
@@ -121,16 +121,16 @@ def test_missing_ratio_has_its_reason(build):
 def test_reward_that_cannot_score_leaves_no_split(build):
     """A reward whose plugin is not installed: the etas stand, and one note says why they are not split."""
     combination = only(build(proposed={"gone": (9, 30)}))
-    assert [row[1] for row in ratio_grid(combination.splits).rows] == ["1.00", "1.00"]
-    grid = split_grid(combination.splits)
-    assert (grid.rows, path_grid(combination.splits).rows) == ([], [])
+    assert [row[1] for row in ratio_grid(combination.number.splits).rows] == ["1.00", "1.00"]
+    grid = split_grid(combination.number.splits)
+    assert (grid.rows, path_grid(combination.number.splits).rows) == ([], [])
     (note,) = grid.notes
     assert "No reward 'gone'" in note
 
 
 def test_one_seed_has_no_interval_and_no_p(build):
     """With one seed there are ratios and nothing to hold them against, and a note says why."""
-    splits = only(build(seeds=1)).splits
+    splits = only(build(seeds=1)).number.splits
     ratios, parts = ratio_grid(splits), split_grid(splits)
     assert ratios.notes[0] == "eta_N, eta_P: one seed: no interval below 3 seeds"
     assert {row[2] for row in ratios.rows + parts.rows} == {"n/a"}
@@ -141,12 +141,12 @@ def test_null_control_is_named(build):
     """The baseline against itself is marked as A/A, and its ruler is 1 whatever eta is."""
     _, control = build(a_a=True).combinations
     assert "A/A" in rewards_text(control)
-    assert {row[1] for row in split_grid(control.splits).rows} == {"1.00"}
+    assert {row[1] for row in split_grid(control.number.splits).rows} == {"1.00"}
 
 
 def test_change_of_the_sum_is_a_sum(build):
     """I_N + I_P: ruler and behaviour add up to the change, each with its interval."""
-    total = only(build(proposed={"arp": (5, 34)})).decomposition.total
+    total = only(build(proposed={"arp": (5, 34)})).number.decomposition.total
     grid = sum_grid(total)
     assert [row[0].strip() for row in grid.rows] == ["change", "of it ruler", "of it behaviour"]
     assert total.change.mean == pytest.approx(total.ruler.mean + total.behaviour.mean)
@@ -158,21 +158,21 @@ def test_change_of_the_sum_is_a_sum(build):
 
 def test_change_of_the_sum_stands_without_its_parts(build):
     """Where the runs could not be scored again: the change, and why there is no more."""
-    grid = sum_grid(only(build(proposed={"gone": (9, 30)})).decomposition.total)
+    grid = sum_grid(only(build(proposed={"gone": (9, 30)})).number.decomposition.total)
     assert [row[0] for row in grid.rows] == ["change"]
     assert "No reward 'gone'" in grid.notes[0]
 
 
 def test_curve_that_never_crosses_over_says_so(build):
     """A step that does not exist is 'never'."""
-    rows = index_grid(only(build(proposed={"arp": (0, 39)})).decomposition).rows
+    rows = index_grid(only(build(proposed={"arp": (0, 39)})).number.decomposition).rows
     assert [row[2] for row in rows[:2]] == ["never", "never"]
 
 
 def test_indices_are_rounded_as_published(build):
     """I_N and I_P of the mean curve have one decimal, computed here by hand; so has their sum."""
     curve = np.concatenate([[0.0], -np.arange(1.0, 10.0), -9.0 + 1.1 * np.arange(1, 31)])  # seeds 0 to 2
-    rows = {row[0]: row[1] for row in index_grid(only(build()).decomposition).rows}
+    rows = {row[0]: row[1] for row in index_grid(only(build()).number.decomposition).rows}
     assert float(rows["I_N"]) == pytest.approx(np.minimum(curve, 0).sum(), abs=0.05)
     assert float(rows["I_P"]) == pytest.approx(np.maximum(curve, 0).sum(), abs=0.05)
     assert float(rows["I_N + I_P"]) == pytest.approx(curve.sum(), abs=0.05)
@@ -211,10 +211,10 @@ def test_no_advice_where_it_would_not_help(build):
 def test_no_finished_pair_has_no_grids(build):
     """Without a finished pair there is the reason, and nothing else."""
     combination = only(build(seeds=1, ended={("arp", 0): ("failed", "it broke")}))
-    note, *_ = ratio_grid(combination.splits).notes
-    assert note == f"eta_N n/a, eta_P n/a: {combination.eta_n.note}"
-    splits = combination.splits
-    rest = [split_grid(splits), path_grid(splits), index_grid(combination.decomposition), sum_grid(None)]
+    note, *_ = ratio_grid(combination.number.splits).notes
+    assert note == f"eta_N n/a, eta_P n/a: {combination.number.eta_n.note}"
+    splits = combination.number.splits
+    rest = [split_grid(splits), path_grid(splits), index_grid(combination.number.decomposition), sum_grid(None)]
     assert [(grid.rows, grid.notes) for grid in rest] == [([], [])] * 4
 
 
@@ -234,7 +234,7 @@ def test_interval_stands_behind_its_ratio_where_there_is_one():
 
 def test_heading_says_which_curve_the_indices_are_of(build):
     """Accumulated, unless a reader asked for the other."""
-    decomposition = only(build()).decomposition
+    decomposition = only(build()).number.decomposition
     headings = [index_grid(decomposition, kind).headings[0] for kind in ("accumulated", "per-step")]
     assert headings == ["accumulated reward", "per-step reward"]
 

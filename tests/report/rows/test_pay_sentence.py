@@ -27,7 +27,7 @@ def test_a_ratio_has_parts_that_multiply(build):
     """Their logarithms add up to that of the ratio."""
     (combination,) = build(baseline=(9, 12), proposed={"arp": (1, 20)}).combinations
     pay = pay_of(combination)
-    split = combination.returns[combination.manner].ratio
+    split = combination.number.returns[combination.manner].ratio
     assert re.fullmatch(r"An episode is paid [\d.]+ instead of [\d.]+: [\d.]+ times as much", pay.told)
     assert [part.name for part in pay.parts] == ["ruler", "behaviour"]
     assert sum(part.size for part in pay.parts) == pytest.approx(math.log(split.eta.value), rel=1e-6)
@@ -36,7 +36,7 @@ def test_a_ratio_has_parts_that_multiply(build):
 def test_a_difference_has_parts_that_add_up(recorded_pay):
     """Where a return is not above 0."""
     combination, pay = recorded_pay
-    change = combination.returns[combination.manner].total.change.mean
+    change = combination.number.returns[combination.manner].total.change.mean
     assert pay.told == f"An episode is paid -5.23 instead of 9.77: {format_number(-change)} less"
     assert sum(part.size for part in pay.parts) == pytest.approx(change)
     assert all(part.text.startswith(("+", "-")) for part in pay.parts if part.size)

@@ -36,7 +36,7 @@ def printed(results, width=80, **console):
 
 def grids_of(combination):
     """All that stand in a combination's block."""
-    decomposition, splits = combination.decomposition, combination.splits
+    decomposition, splits = combination.number.decomposition, combination.number.splits
     numbers = [ratio_grid(splits), split_grid(splits), sum_grid(decomposition.total), index_grid(decomposition)]
     return [behaviour_grids(combination)[0], along_grid(combination), *numbers]
 
@@ -89,9 +89,11 @@ def test_wide_behaviour_is_not_cut(build):
         replace(
             change, measure=change.measure._replace(unit="m"), **wide, low=-0.000123, high=-0.000123, corrected=0.01
         )
-        for change in combination.changes_of("deterministic")
+        for change in combination.measured.changes_of("deterministic")
     ]
-    results.__dict__["combinations"] = (replace(combination, changes=tuple(changes)),)
+    results.__dict__["combinations"] = (
+        replace(combination, measured=replace(combination.measured, changes=tuple(changes))),
+    )
     text = printed(results)
     assert text.count("[-0.000123, -0.000123]") == len(changes)
     assert len(re.findall(r" 0\.010\b", text)) >= len(changes)
@@ -160,7 +162,7 @@ def test_no_finished_pair_is_said(build):
     """A combination without a finished pair shows n/a and why, and no empty tables."""
     results = build(seeds=1, ended={("arp", 0): ("failed", "it broke")})
     text = printed(results)
-    assert results.combinations[0].eta_n.note in squeezed(text)
+    assert results.combinations[0].number.eta_n.note in squeezed(text)
     assert "success rate" not in text
     assert "ruler" not in text
 

@@ -145,7 +145,7 @@ def test_where_only_the_scale_differs_the_answer_says_so(tmp_path, pays, is_told
     told = scale_text(comparison)
     assert ("so its scale decides here" in told) is is_told
     assert card_of(comparison, "other").beside == ((told,) if told else ())
-    assert scale_text(replace(comparison, ruling=None)) == ""
+    assert scale_text(replace(comparison, answer=replace(comparison.answer, ruling=None))) == ""
 
 
 def test_other_starts_are_told_beside_the_answer(tmp_path):
@@ -154,7 +154,7 @@ def test_other_starts_are_told_beside_the_answer(tmp_path):
         record(tmp_path / reward, reward, 0, ARMS)
         record(tmp_path / reward / "half", reward, 0, ARMS, evaluation=True, after=50, starts=starts)
     (comparison,) = load_study(tmp_path).comparisons
-    assert not comparison.same_starts
+    assert not comparison.measured.same_starts
     assert beside_answer(comparison) == [UNLIKE_STARTS]
     assert card_of(comparison, "thrice").beside == (UNLIKE_STARTS,)
-    assert beside_answer(replace(comparison, same_starts=True)) == []
+    assert beside_answer(replace(comparison, measured=replace(comparison.measured, same_starts=True))) == []

@@ -87,7 +87,7 @@ def own(reward: str, manner: str) -> float:
 @pytest.mark.parametrize("manner", [TRAINING, LAST, EVALUATION])
 def test_a_reward_that_only_scales_is_a_ruler_of_its_factor(study, manner):
     """The ratio is 3 x behaviour, and the behaviour is what the env itself pays more, to 1e-9."""
-    split = study.comparisons[0].returns[manner]
+    split = study.comparisons[0].number.returns[manner]
     behaviour = own("scaled", manner) / own("plain", manner)
     assert study.comparisons[0].names == ("plain", "scaled")
     assert split.ratio.ruler.value == pytest.approx(FACTOR, abs=1e-9)
@@ -99,7 +99,7 @@ def test_a_reward_that_only_scales_is_a_ruler_of_its_factor(study, manner):
 @pytest.mark.parametrize("manner", [TRAINING, LAST, EVALUATION])
 def test_a_reward_that_only_adds_is_a_ruler_of_what_it_adds(study, manner):
     """The difference is 2 for each pull, ruler, and what the env itself pays more, behaviour, to 1e-9."""
-    split = study.comparisons[1].returns[manner]
+    split = study.comparisons[1].number.returns[manner]
     assert study.comparisons[1].names == ("plain", "shifted")
     assert split.total.ruler.mean == pytest.approx(BONUS * PULLS, abs=1e-9)
     assert split.total.behaviour.mean == pytest.approx(own("shifted", manner) - own("plain", manner), abs=1e-9)
@@ -115,8 +115,8 @@ def test_the_full_table_is_known_in_closed_form(study):
 def test_the_index_of_the_summed_reward_is_split_by_the_same_ruler(study):
     """The summed curve is never negative: I_P alone, and its ruler is the factor."""
     comparison = study.comparisons[0]
-    assert list(comparison.index_splits) == ["eta_P"]
-    assert comparison.index_splits["eta_P"].ruler.value == pytest.approx(FACTOR, abs=1e-9)
+    assert list(comparison.number.index_splits) == ["eta_P"]
+    assert comparison.number.index_splits["eta_P"].ruler.value == pytest.approx(FACTOR, abs=1e-9)
     assert set(comparison.curves) == {BB, KK, BK, KB}
 
 

@@ -142,7 +142,7 @@ def test_logs_of_episodes_are_compared():
     assert (runs.trained, runs.measures, runs.steps) == (("base", "new"), ("success",), 400)
     (study,) = studies_of_runs(Path(), [runs], "accumulated")
     (comparison,) = study.comparisons
-    (change,) = (it for it in comparison.changes if it.measure.manner == "over the training")
+    (change,) = (it for it in comparison.measured.changes if it.measure.manner == "over the training")
     assert (change.baseline, change.proposed) == (pytest.approx(6.5 / 40), pytest.approx(32.5 / 40))
-    assert comparison.decomposition is None
-    assert comparison.returns["over the training"].total.ruler.notes == ("base in 'new-0': not recorded",)
+    assert comparison.number.decomposition is None
+    assert comparison.number.returns["over the training"].total.ruler.notes == ("base in 'new-0': not recorded",)

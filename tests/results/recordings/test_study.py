@@ -86,7 +86,7 @@ def test_measure_that_is_not_recorded_is_refused(study_folder):
 
 def test_returns_are_means_over_episodes_then_over_seeds(study_folder):
     """Of the last fifth: those of its episodes alone."""
-    split = load_study(study_folder).comparisons[0].returns[LAST]
+    split = load_study(study_folder).comparisons[0].number.returns[LAST]
     arms = [np.linspace(0.0, 0.4 + 0.01 * seed, 40)[-8:].mean() for seed in range(6)]
     assert split.returns[BB].mean == pytest.approx(np.mean([PULLS * (arm + 1.0) for arm in arms]))
     assert split.returns[KK].low < split.returns[KK].mean < split.returns[KK].high
@@ -103,19 +103,19 @@ def test_a_ratio_takes_positive_returns(tmp_path, shift):
     """Otherwise the reason stands in its place, the difference is split all the same, and words tell that."""
     pays = {"plain": lambda arm: arm + shift, "thrice": lambda arm: 3.0 * arm + shift}
     (comparison,) = load_study(two(tmp_path, pays=pays)).comparisons
-    split = comparison.returns[TRAINING]
+    split = comparison.number.returns[TRAINING]
     assert (split.ratio.eta.value is None) == (shift < 0.0)
     assert split.total.change.mean == pytest.approx(split.total.ruler.mean + split.total.behaviour.mean)
     if shift:
         assert "is not above 0" in split.ratio.eta.note
-        assert "from counting the same runs differently (ruler)" in comparison.number
+        assert "from counting the same runs differently (ruler)" in comparison.number.sentence(comparison.names)
 
 
 def test_signs_of_the_summed_curve_decide_which_indices_there_are(tmp_path):
     """A sum that is always negative has I_N alone."""
     pays = {"plain": lambda arm: arm - 2.0, "thrice": lambda arm: arm - 4.0}
     (comparison,) = load_study(two(tmp_path, pays=pays)).comparisons
-    assert list(comparison.index_splits) == ["eta_N"]
+    assert list(comparison.number.index_splits) == ["eta_N"]
 
 
 def test_more_rewards_are_compared_with_the_first_one(tmp_path):
@@ -127,7 +127,7 @@ def test_more_rewards_are_compared_with_the_first_one(tmp_path):
     study = load_study(tmp_path)
     assert [it.names for it in study.comparisons] == [("plain", "thrice"), ("plain", "half")]
     assert len(study.tables[TRAINING]) == 9
-    assert len({it.claims for it in study.comparisons}) == 1
+    assert len({it.answer.claims for it in study.comparisons}) == 1
 
 
 def test_studies_of_one_experiment_are_one_family(tmp_path):
@@ -138,10 +138,10 @@ def test_studies_of_one_experiment_are_one_family(tmp_path):
                 record(tmp_path / group / f"{reward}-{seed}", reward, seed, [arm + 0.01 * seed for arm in arms])
     alone = load_study(tmp_path / "first")
     together = studies_of_runs(tmp_path, [read_runs(tmp_path / group) for group in ("first", "second")], "accumulated")
-    count = alone.comparisons[0].claims
+    count = alone.comparisons[0].answer.claims
     assert count > 1
-    assert [it.comparisons[0].claims for it in together] == [2 * count, 2 * count]
-    pairs = zip(alone.comparisons[0].changes, together[0].comparisons[0].changes, strict=True)
+    assert [it.comparisons[0].answer.claims for it in together] == [2 * count, 2 * count]
+    pairs = zip(alone.comparisons[0].measured.changes, together[0].comparisons[0].measured.changes, strict=True)
     assert all(of_all.corrected >= of_one.corrected for of_one, of_all in pairs if of_one.corrected is not None)
 
 
@@ -155,13 +155,13 @@ def test_a_reward_that_taught_nobody_pays_all_the_same(tmp_path):
 def test_a_measure_of_which_less_is_better(tmp_path):
     """As it was recorded."""
     (comparison,) = load_study(two(tmp_path, lower_is_better=("arm",))).comparisons
-    assert {it.name: it.measure.better for it in comparison.changes} == {"success": "higher", "arm": "lower"}
+    assert {it.name: it.measure.better for it in comparison.measured.changes} == {"success": "higher", "arm": "lower"}
 
 
 def test_a_measure_of_zeros_and_ones_is_a_share(tmp_path):
     """Its interval knows of the episodes, any other's does not."""
     (comparison,) = load_study(two(tmp_path)).comparisons
-    assert {it.name: it.measure.episodes for it in comparison.changes_of(LAST)} == {"success": 4, "arm": None}
+    assert {it.name: it.measure.episodes for it in comparison.measured.changes_of(LAST)} == {"success": 4, "arm": None}
 
 
 def test_without_behaviour_rewards_alone_decide_nothing(tmp_path):
@@ -175,7 +175,7 @@ def test_without_behaviour_rewards_alone_decide_nothing(tmp_path):
 def test_one_seed_has_values_and_no_interval(tmp_path):
     """And nothing can be told from it."""
     (comparison,) = load_study(two(tmp_path, seeds=1)).comparisons
-    ratio = comparison.returns[TRAINING].ratio
+    ratio = comparison.number.returns[TRAINING].ratio
     assert (ratio.eta.low, ratio.p) == (None, None)
     assert ratio.eta.value is not None
     assert "one seed: no interval below 3 seeds" in ratio.eta.notes
@@ -197,7 +197,7 @@ def test_a_reward_that_was_given_up_is_not_known_in_that_training(tmp_path):
     record(two(tmp_path) / "odd", "plain", 2, RISING, failures={"reward/thrice": 12})
     record(tmp_path / "even", "thrice", 2, RISING)
     study = load_study(tmp_path)
-    split = study.comparisons[0].returns[TRAINING]
+    split = study.comparisons[0].number.returns[TRAINING]
     assert not split.is_split
     assert "given up in step 2 of episode 2: ZeroDivisionError" in split.ratio.ruler.note
     assert split.ratio.eta.value is not None
@@ -209,8 +209,8 @@ def test_an_own_reward_that_was_given_up_leaves_no_return(tmp_path):
     record(two(tmp_path) / "odd", "thrice", 2, RISING, failures={"reward/thrice": 12})
     record(tmp_path / "even", "plain", 2, RISING)
     (comparison,) = load_study(tmp_path).comparisons
-    assert (comparison.returns, comparison.decomposition) == ({}, None)
-    assert "given up" in comparison.number
+    assert (comparison.number.returns, comparison.number.decomposition) == ({}, None)
+    assert "given up" in comparison.number.sentence(comparison.names)
     assert comparison.decisive.seeds == 3
 
 
@@ -227,7 +227,7 @@ def test_a_reward_that_one_training_did_not_record(tmp_path):
     """It cannot pay that one."""
     record(two(tmp_path) / "odd", "plain", 2, RISING, pays={"plain": PAYS["plain"]})
     record(tmp_path / "even", "thrice", 2, RISING)
-    assert "odd': not recorded" in load_study(tmp_path).comparisons[0].returns[TRAINING].ratio.ruler.note
+    assert "odd': not recorded" in load_study(tmp_path).comparisons[0].number.returns[TRAINING].ratio.ruler.note
 
 
 def test_what_the_env_pays_is_another_reward_in_another_training(tmp_path):
@@ -238,8 +238,8 @@ def test_what_the_env_pays_is_another_reward_in_another_training(tmp_path):
         record(tmp_path / f"plain-{seed}", "plain", seed, RISING, sources=sources)
         record(tmp_path / f"thrice-{seed}", "thrice", seed, RISING, pays=pays, sources=sources)
     (comparison,) = load_study(tmp_path).comparisons
-    assert not comparison.returns[TRAINING].is_split
-    assert "that was thrice here" in comparison.returns[TRAINING].ratio.ruler.note
+    assert not comparison.number.returns[TRAINING].is_split
+    assert "that was thrice here" in comparison.number.returns[TRAINING].ratio.ruler.note
 
 
 def test_code_that_changed_between_trainings_is_told(tmp_path):
@@ -280,7 +280,7 @@ def test_no_seed_in_common(tmp_path):
     record(tmp_path / "other", "thrice", 1, RISING)
     (comparison,) = load_study(tmp_path).comparisons
     assert comparison.decisive.counts == (1, 1)
-    assert "no seed is done under both plain and thrice" in comparison.number
+    assert "no seed is done under both plain and thrice" in comparison.number.sentence(comparison.names)
 
 
 def test_trainings_without_a_seed_are_numbered(tmp_path):
@@ -471,7 +471,7 @@ def test_where_the_recorder_paid_a_copy_of_the_own_reward_is_known(tmp_path, pay
             path = record(tmp_path / f"{reward}-{seed}", reward, seed, RISING, pays=pays, sources=sources, pay=pay)
             record(path / "e", reward, seed, RISING, pays=pays, sources=sources, evaluation=True)
     (comparison,) = load_study(tmp_path).comparisons
-    assert {manner: split.is_split for manner, split in comparison.returns.items()} == {
+    assert {manner: split.is_split for manner, split in comparison.number.returns.items()} == {
         EVALUATION: pay, LAST: pay, TRAINING: pay,
     }  # fmt: skip
 
@@ -525,4 +525,6 @@ def test_the_smallest_p_is_that_of_both_numbers_of_trainings(unlike: Path):
 def test_an_unfinished_plan_has_no_verdict_yet(study_folder: Path):
     """What it will rest on is told all the same."""
     (comparison,) = load_study(study_folder).comparisons
-    assert basis_text(replace(comparison, ruling=Ruling(missing=2))).startswith("The verdict will rest on the training")
+    assert basis_text(replace(comparison, answer=replace(comparison.answer, ruling=Ruling(missing=2)))).startswith(
+        "The verdict will rest on the training"
+    )

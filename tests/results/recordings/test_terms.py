@@ -88,7 +88,7 @@ def test_behaviour_and_ruler_by_term_add_up(results: Results):
     own, others = PULLS * 0.81, PULLS * 0.41
     assert [it.behaviour.mean for it in calm.terms] == pytest.approx([own - others, -0.5 * (own - others), 0.0])
     assert calm.terms[0].ruler.mean == pytest.approx(others - 2.0 * others)
-    (split,) = (it for manner, it in results.combinations[0].returns.items() if manner == "in evaluations")
+    (split,) = (it for manner, it in results.combinations[0].number.returns.items() if manner == "in evaluations")
     returns = {pair: mean.mean or 0.0 for pair, mean in split.returns.items()}
     total = returns["proposed", "proposed"] - returns["proposed", "baseline"]
     assert sum(it.behaviour.mean or 0.0 for it in calm.terms) == pytest.approx(total, rel=1e-12)
