@@ -20,7 +20,7 @@ import typer
 from sphinx.application import Sphinx
 
 from harness.cli.app import PANELS, build_app
-from harness.cli.commands import PANEL
+from harness.cli.commands import OPTION, PANEL
 from harness.experiment.plan import Experiment
 from harness.hookspecs import NOUNS
 from harness.registry.parameters import parameters_of
@@ -159,7 +159,8 @@ def _toctrees(index: str) -> str:
 
 def commands_page(registry: Registry) -> str:
     """Every command with its help, arguments and options, those of our plugins too."""
-    app, brought = build_app(), registry.names("commands")
+    app = build_app()
+    brought = [name for name in registry.names("commands") if OPTION not in name]
     for name in brought:
         app.command(name)(registry.get("commands", name).load())
     group = typer.main.get_command(app)

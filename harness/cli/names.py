@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from harness.cli.commands import KIND, OPTION
 from harness.cli.flags.shared import PluginFiles
 from harness.cli.output import complain, say
 from harness.errors import UsageError
@@ -52,6 +53,8 @@ def list_names(
         say(f"\n{shown}: {EXPLAINED[shown]}")
         width = max(16, *map(len, registry.names(shown)), 0) + 2
         for name in registry.names(shown):
+            if shown == KIND and OPTION in name:  # an option of ours, which nobody calls as a command
+                continue
             spec = registry.get(shown, name)
             note = f" [missing {', '.join(spec.missing)}: {spec.remedy}]" if spec.missing else ""
             say(f"  {name:<{width}}{spec.summary}{note}")

@@ -35,3 +35,10 @@ def test_every_kind_is_explained(harness):
     assert set(EXPLAINED) == set(KINDS)
     assert all(f"{kind}: {told}" in out for kind, told in EXPLAINED.items())
     assert "NOTE" not in out
+
+
+def test_an_option_of_a_plugin_is_no_command_that_is_listed(harness):
+    """`harness report--summary` cannot be typed: the plugin writes what an option of ours asks for."""
+    out = harness("list", "commands").out
+    assert "  export " in out
+    assert "report--" not in out
