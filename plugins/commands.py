@@ -27,7 +27,7 @@ def register_commands(register: harness.Register) -> None:
     )
     register(
         "doctor",
-        "harness_plugins.doctor.doctor:doctor",
+        "harness_plugins.doctor.command:doctor",
         summary="Show what is installed, what is missing, and what works here. "
         "Simulators and environments take a step each.",
         heading="Run and read",
@@ -50,7 +50,7 @@ def register_commands(register: harness.Register) -> None:
     )
     register(
         "watch",
-        "harness_plugins.watch.watch:watch",
+        "harness_plugins.watch.command:watch",
         summary="Show recorded episodes in the browser. While a run goes on, the page says when more cells have ended.",
         heading="Run and read",
     )

@@ -1,4 +1,4 @@
-"""``harness doctor``: what is installed, what is missing, and what of it works on this machine."""
+"""What is installed, what is missing, and what of it works on this machine."""
 
 import base64
 import hashlib
@@ -9,8 +9,6 @@ import sys
 from importlib.metadata import Distribution, PackageNotFoundError, PackagePath, distribution
 from pathlib import Path
 from typing import TYPE_CHECKING
-
-import typer
 
 from harness.authoring.commands import (
     CHECKOUT,
@@ -49,10 +47,11 @@ REMEDY = "install it again: pip install --force-reinstall --no-deps, and what yo
 CACHE = "__pycache__"
 
 
-def doctor(context: typer.Context) -> int:
-    """Show what is installed, what is missing, and what works here. Simulators and environments take a step each.
+def show_installation(own: "Sequence[str]") -> int:
+    """Print it all, and give the exit status: 1 if a plugin is broken, a file is missing, or something fails.
 
-    Ends with status 1 if a plugin is broken, a file of the installation is missing, or something installed fails.
+    Args:
+        own: Names of the core's commands.
     """
     machine, registry = describe_machine(), load_registry()
     specs = list(registry.all_specs())
@@ -65,7 +64,7 @@ def doctor(context: typer.Context) -> int:
     plugins = examined(registry)
     at_fault = [plugin for plugin in plugins if plugin.is_at_fault]
     advice = [line for plugin in plugins for line in plugin.advice]
-    notes = registry.conflicts() + hidden_commands(registry, context.obj) + registry.notes + advice
+    notes = registry.conflicts() + hidden_commands(registry, own) + registry.notes + advice
     fine = [] if at_fault or notes else [f"plugins {len(registry.plugins)}, all fine"]
     for line in [*(plugin.complaint for plugin in at_fault), *notes, *fine]:
         say(line)
@@ -79,9 +78,6 @@ def doctor(context: typer.Context) -> int:
     ]:
         say(line)
     return 1 if at_fault or files or any(trial.problem for trial in trials) else 0
-
-
-vars(doctor)["examples"] = ("harness doctor",)
 
 
 def _group(heading: str, lines: "Sequence[str]") -> list[str]:

@@ -1,20 +1,16 @@
-"""``harness watch``: the replay of an experiment in the browser, while it goes on."""
+"""The replay of an experiment in the browser, while it goes on."""
 
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
-
-import typer
+from typing import TYPE_CHECKING
 
 from harness.authoring.commands import (
-    ExperimentFolder,
     complain,
     describe_unexpected,
     line_names,
     overview_of,
     overview_row,
-    say,
     shows_of,
 )
 from harness.authoring.pages import question, render_page, replay_of
@@ -29,29 +25,6 @@ HOST = "127.0.0.1"
 """Nobody else on the network sees the page."""
 PATIENCE = 60.0
 """Seconds to wait for a client that asks nothing."""
-
-
-def watch(
-    folder: ExperimentFolder,
-    port: Annotated[
-        int, typer.Option(help="The port of the page. 0: any port that is free.", metavar="N", min=0, max=65535)
-    ] = 0,
-    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open it in the browser.")] = True,
-) -> None:
-    """Show recorded episodes in the browser. While a run goes on, the page says when more cells have ended."""
-    pages = Pages(folder)
-    pages.page()  # what is wrong with the folder is said here
-    with open_server(pages, port) as server:
-        address = f"http://{HOST}:{server.server_port}/"
-        say(f"Replay: {address} (Ctrl+C ends it)", err=True)
-        if browser:
-            import webbrowser
-
-            webbrowser.open(address)
-        server.serve_forever()
-
-
-vars(watch)["examples"] = ("harness watch my-results", "harness watch my-results --no-browser --port 8000")
 
 
 class Pages:

@@ -1,0 +1,32 @@
+"""``harness watch``. What reads and serves is imported when it is called: ``--help`` does not wait for it."""
+
+from typing import Annotated
+
+import typer
+
+from harness.authoring.commands import ExperimentFolder, say
+
+
+def watch(
+    folder: ExperimentFolder,
+    port: Annotated[
+        int, typer.Option(help="The port of the page. 0: any port that is free.", metavar="N", min=0, max=65535)
+    ] = 0,
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open it in the browser.")] = True,
+) -> None:
+    """Show recorded episodes in the browser. While a run goes on, the page says when more cells have ended."""
+    from .watch import HOST, Pages, open_server
+
+    pages = Pages(folder)
+    pages.page()  # what is wrong with the folder is said here
+    with open_server(pages, port) as server:
+        address = f"http://{HOST}:{server.server_port}/"
+        say(f"Replay: {address} (Ctrl+C ends it)", err=True)
+        if browser:
+            import webbrowser
+
+            webbrowser.open(address)
+        server.serve_forever()
+
+
+vars(watch)["examples"] = ("harness watch my-results", "harness watch my-results --no-browser --port 8000")
