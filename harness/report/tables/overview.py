@@ -15,12 +15,12 @@ from harness.report.rows.comparison import (
     remarks_on_cells,
 )
 from harness.report.rows.pools import POOLED_TITLE, pooled_answers
+from harness.report.rows.race import RACE, RACE_TITLE, race_told
 from harness.report.rows.ratios import Grid, split_grid
 from harness.report.rows.returns import matrix_title, return_grid
 from harness.report.rows.terms import never_texts
 from harness.report.tables.alone import alone_lines
 from harness.report.tables.grid import divide_columns, show_grid
-from harness.report.tables.race import race_lines
 from harness.results import Results
 from harness.results.comparison import Comparison
 from harness.results.overview import (
@@ -33,6 +33,22 @@ from harness.results.overview import (
     varying_kinds,
 )
 from harness.results.return_matrix import ReturnMatrix
+
+
+def race_lines(results: Results) -> list[RenderableType]:
+    """The answer, and a line for each reward; none where there is no race, or no look is complete yet."""
+    told = race_told(results)
+    if told is None:
+        return []
+    return [
+        Text(RACE_TITLE, style="bold"),
+        Text(told.sentence, style="bold"),
+        Text(),
+        *show_grid(told.grid),
+        *(part for line in told.beside for part in (Text(), Text(line))),
+        Text(),
+        Text(RACE, style="dim"),
+    ]
 
 
 def overview_table(results: Results, details: str) -> RenderableType:

@@ -13,9 +13,9 @@ import pytest
 
 import harness
 from harness.env.make import build_world
-from harness.experiment.cell_progress import SECONDS
 from harness.experiment.checkpoints.checkpoint import Checkpoint, read_checkpoint, store
 from harness.experiment.plan import Experiment, expand
+from harness.experiment.run_cell import SECONDS
 from harness.progress import Progress, Ring, TrainingState
 from harness.registry.registry import load_registry
 from tests.bench.timings.conftest import cpu_seconds

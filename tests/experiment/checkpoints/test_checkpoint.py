@@ -14,7 +14,7 @@ import safetensors.numpy
 from harness.authoring.generator_state import pack_generator, restore_generator
 from harness.errors import SchemaError
 from harness.executor import CellOptions
-from harness.experiment import cell_progress
+from harness.experiment import run_cell as cell_progress
 from harness.experiment.checkpoints.checkpoint import ABOUT, Checkpoint, begin_attempt, read_checkpoint
 from harness.experiment.checkpoints.trace_parts import TraceParts, discard_parts, part_of, require_parts
 from harness.experiment.experiment import ExperimentRun

@@ -9,7 +9,7 @@ from hypothesis import given, strategies as st
 
 from harness.payoff.rollout import Rollout
 from harness.reward import Sample
-from harness_plugins.audit.canonical import CHANGES, GROUPS, SAMPLES, anywhere, canonical_values, nearby
+from harness_plugins.audit.scripts import CHANGES, GROUPS, SAMPLES, anywhere, canonical_values, nearby
 from harness_plugins.rewards.arp import Arp
 from harness_plugins.rewards.baseline import Baseline
 

@@ -10,8 +10,8 @@ from harness.payoff.rollout import Rollout, record_rollouts
 from harness.reach import ReachTask
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
-from harness_plugins.audit.canonical import anywhere, canonical_values, forms_of_distances, nearby
 from harness_plugins.audit.distance import DARD, EPIC, SHAPING, compare_forms, distance_between
+from harness_plugins.audit.scripts import anywhere, canonical_values, forms_of_distances, nearby
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.rewards.arp import Arp
 from harness_plugins.rewards.baseline import Baseline

@@ -5,7 +5,7 @@ import pytest
 import torch
 from stable_baselines3.common.distributions import SquashedDiagGaussianDistribution
 
-from harness_plugins.fast_sac.actor import draw, put_error
+from harness_plugins.fast_sac.training import draw, put_error
 
 ROWS, SIZE = 40, 6
 

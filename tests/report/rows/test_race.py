@@ -15,7 +15,7 @@ from harness.registry.registry import load_registry
 from harness.report.figures.race import draw_race
 from harness.report.rows.comparison import question
 from harness.report.rows.race import RaceTold, race_told
-from harness.report.tables.race import race_lines
+from harness.report.tables.overview import race_lines
 from harness_plugins.committed.records import write_summary
 from tests.results.in_looks import RACE, Folder, folder_in_looks
 
