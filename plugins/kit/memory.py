@@ -33,6 +33,10 @@ def require_nothing_kept(play: Callable[[], object], steps: int, noun: str) -> N
     traces = tracemalloc.is_tracing()
     if not traces:
         tracemalloc.start()
+    # What there is already is looked at no more: the collections below take no time in which other threads of a large
+    # process would give memory back, and hide what was kept.
+    gc.collect()
+    gc.freeze()
     try:
         play()
         allowed = MOST_KEPT * steps + SPARE
@@ -43,6 +47,7 @@ def require_nothing_kept(play: Callable[[], object], steps: int, noun: str) -> N
             if kept <= allowed:
                 break
     finally:
+        gc.unfreeze()
         if not traces:
             tracemalloc.stop()
     require(

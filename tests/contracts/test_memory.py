@@ -1,5 +1,6 @@
 """How the kit tells memory that grows from caches that fill and empty."""
 
+import gc
 from collections.abc import Iterator
 
 import pytest
@@ -40,6 +41,7 @@ def test_it_is_played_no_more_than_it_takes():
     calls: list[int] = []
     require_nothing_kept(lambda: calls.append(0), STEPS, "steps")
     assert len(calls) == 2
+    assert gc.get_freeze_count() == 0
     with pytest.raises(AssertionError):
         require_nothing_kept(lambda: calls.append(KEPT.append(bytes(10_000)) or 0), STEPS, "steps")
     assert len(calls) == 2 + 1 + PLAYS
