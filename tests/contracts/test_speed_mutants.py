@@ -14,7 +14,7 @@ from harness.reach import ReachTask
 from harness.reward import Array, Carry, Sample
 from harness.robot import Robot
 from harness.simulator import State
-from harness_plugins.kit import Check, IdealSimulator, kits as speed, violations
+from harness_plugins.kit import Check, IdealSimulator, kits, violations
 from harness_plugins.kit.trainings import NegativeDistance
 
 ROBOT = harness.load_robot("fd100")
@@ -80,20 +80,20 @@ class SlowAlgorithm:
 
 
 FOUND: dict[str, tuple[Check, tuple[Any, ...], str]] = {
-    "simulator": (speed.a_simulation_is_quick, (SlowSimulator(), ROBOT), " ms: training for 100,000 steps takes "),
-    "algorithm": (speed.a_training_is_quick, (SlowAlgorithm(),), "a step of training takes "),
-    "reward": (speed.a_reward_is_quick, (SlowReward(),), "a step is paid in "),
-    "task": (speed.an_episode_is_drawn_quickly, (SlowTask(), ROBOT), "the start and the target of an episode take "),
-    "metric": (speed.a_metric_is_quick, (SlowMetric(),), "the value of a trace of"),
+    "simulator": (kits.a_simulation_is_quick, (SlowSimulator(), ROBOT), " ms: training for 100,000 steps takes "),
+    "algorithm": (kits.a_training_is_quick, (SlowAlgorithm(),), "a step of training takes "),
+    "reward": (kits.a_reward_is_quick, (SlowReward(),), "a step is paid in "),
+    "task": (kits.an_episode_is_drawn_quickly, (SlowTask(), ROBOT), "the start and the target of an episode take "),
+    "metric": (kits.a_metric_is_quick, (SlowMetric(),), "the value of a trace of"),
 }
 
 
 @pytest.mark.parametrize("name", FOUND)
 def test_what_is_slow_is_warned_of(name: str, monkeypatch: pytest.MonkeyPatch):
     """One sentence with a time in it; no error."""
-    monkeypatch.setattr(speed, "LEARNING_STEPS", 20)
+    monkeypatch.setattr(kits, "LEARNING_STEPS", 20)
     for name_of_bound in ("MOST_DRAW", "MOST_METRIC"):  # what breaks them takes several times as long
-        monkeypatch.setattr(speed, name_of_bound, getattr(speed, name_of_bound) / 10.0)
+        monkeypatch.setattr(kits, name_of_bound, getattr(kits, name_of_bound) / 10.0)
     check, subject, words = FOUND[name]
     (violation,) = violations([check], *subject)
     assert violation.level == "warning"
@@ -103,7 +103,7 @@ def test_what_is_slow_is_warned_of(name: str, monkeypatch: pytest.MonkeyPatch):
 def test_nothing_is_told_of_what_is_quick(monkeypatch: pytest.MonkeyPatch):
     """With bounds that a busy machine keeps."""
     for name in ("MOST_STEP", "MOST_REWARD", "MOST_DRAW"):
-        monkeypatch.setattr(speed, name, 1.0)
-    assert not list(violations([speed.a_simulation_is_quick], IdealSimulator(), ROBOT))
-    assert not list(violations([speed.a_reward_is_quick], NegativeDistance()))
-    assert not list(violations([speed.an_episode_is_drawn_quickly], ReachTask(), ROBOT))
+        monkeypatch.setattr(kits, name, 1.0)
+    assert not list(violations([kits.a_simulation_is_quick], IdealSimulator(), ROBOT))
+    assert not list(violations([kits.a_reward_is_quick], NegativeDistance()))
+    assert not list(violations([kits.an_episode_is_drawn_quickly], ReachTask(), ROBOT))

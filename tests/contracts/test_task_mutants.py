@@ -16,7 +16,7 @@ from harness.motion import Move, MoveJ
 from harness.reach import ReachTask
 from harness.robot import Robot
 from harness.task import Targets
-from harness_plugins.kit import TASK_CHECKS, tasks, tasks as goals, violations
+from harness_plugins.kit import TASK_CHECKS, tasks, violations
 from harness_plugins.tasks.moving import Moving, MovingGoal
 
 ROBOT = harness.load_robot("fd100")
@@ -389,15 +389,15 @@ class ShowsMore(Asks):
 
 
 MUTANTS = {
-    NamesNoError: goals.goals_are_described,
-    ShowsAndDoesNotSay: goals.goals_are_described,
-    GoesBelowZero: goals.errors_are_numbers,
-    MeasuresTheBatch: goals.errors_are_numbers,
-    NeverThere: goals.errors_are_zero_at_the_goal,
-    ForgivesTheFar: goals.errors_are_zero_at_the_goal,
-    JumpsAway: goals.targets_move_from_where_they_are_set,
-    MovesInSecret: goals.targets_move_from_where_they_are_set,
-    ShowsMore: goals.goals_show_numbers_in_their_bounds,
+    NamesNoError: tasks.goals_are_described,
+    ShowsAndDoesNotSay: tasks.goals_are_described,
+    GoesBelowZero: tasks.errors_are_numbers,
+    MeasuresTheBatch: tasks.errors_are_numbers,
+    NeverThere: tasks.errors_are_zero_at_the_goal,
+    ForgivesTheFar: tasks.errors_are_zero_at_the_goal,
+    JumpsAway: tasks.targets_move_from_where_they_are_set,
+    MovesInSecret: tasks.targets_move_from_where_they_are_set,
+    ShowsMore: tasks.goals_show_numbers_in_their_bounds,
     TargetsOutOfReach: tasks.targets_can_be_reached,
     TargetsUnderground: tasks.targets_can_be_reached,
     RelativeTargetsUnderground: tasks.targets_can_be_reached,
