@@ -1,25 +1,23 @@
 """One robot arm: its URDF, and the few numbers beside it in `robot.toml` that a URDF has no place for."""
 
 import hashlib
-import json
 import math
 import os
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from xml.etree import ElementTree
-from xml.etree.ElementTree import Element
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from harness.arrays import Float
 from harness.errors import UsageError
-from harness.files.bounded import digest_of, read_text, reading
+from harness.files.bounded import digest_of, reading
 from harness.registry.registry import Registry, load_registry
+from harness.robot.chain_end import find_chain_end, find_jaw
 from harness.robot.joint_limits import describe_origin, read_joint_limits
 from harness.robot.kinematics import (
     Chain,
@@ -31,155 +29,12 @@ from harness.robot.kinematics import (
 )
 from harness.robot.normal_urdf import normal_urdf
 from harness.robot.servo import Servo, read_servo
-from harness.robot.settings import FILE, JOINT_KEYS, RobotSettings, read_settings
+from harness.robot.settings import FILE, JOINT_KEYS, RobotSettings
 from harness.robot.shapes import Shape, attach_shapes, read_shapes
-from harness.robot.urdf import Joint, Urdf, linked, parse_urdf, read_chain
-
-FEWEST_BEFORE_A_HAND = 3
-"""Joints that move before branches that move are a hand's fingers, and not several arms."""
-
-
-def find_chain_end(urdf: Urdf) -> str:
-    """The last link of the one chain that a URDF describes.
-
-    From the root link the way leads along the joints that move, or that carry what moves. It ends where two or more
-    such joints begin, at the palm of a hand; else behind the last joint that moves, at the last link that is fixed to
-    it, or at the link where several are. Fixed branches beside the way, such as frames on the base, do not count.
-
-    Args:
-        urdf: The URDF.
-
-    Returns:
-        The link's name.
-
-    Raises:
-        UsageError: The chain branches so early that the branches may be arms.
-    """
-    joints, lively = urdf.joints, _links_before_motion(urdf.carriers)
-    link = next(name for name in urdf.links if name not in urdf.carriers)
-    moving = 0
-    while onward := [joint for joint in _joints_of(link, joints) if _moves(joint) or linked(joint, "child") in lively]:
-        if len(onward) > 1 and moving >= FEWEST_BEFORE_A_HAND:
-            return link
-        if len(onward) > 1:
-            branches = ", ".join(f"'{linked(joint, 'child')}'" for joint in onward)
-            raise UsageError(
-                f"The arm branches at link '{link}' into {branches}, and nothing says which is its end. "
-                "Name it as end_effector in a robot.toml beside the URDF."
-            )
-        moving += _moves(onward[0])
-        link = linked(onward[0], "child")
-    return _last_fixed(link, joints)
-
-
-def _links_before_motion(carrier: Mapping[str, Element]) -> set[str]:
-    """Links that carry a joint that moves, at any distance."""
-    links: set[str] = set()
-    for joint in filter(_moves, carrier.values()):
-        link = linked(joint, "parent")
-        links.add(link)
-        while link in carrier:
-            link = linked(carrier[link], "parent")
-            links.add(link)
-    return links
-
-
-def _last_fixed(link: str, joints: Sequence[Element]) -> str:
-    while len(onward := _joints_of(link, joints)) == 1:
-        link = linked(onward[0], "child")
-    return link
-
-
-def _joints_of(link: str, joints: Sequence[Element]) -> list[Element]:
-    return [joint for joint in joints if linked(joint, "parent") == link]
-
-
-def _moves(joint: Element) -> bool:
-    return joint.get("type") != "fixed"
-
-
-JAW = re.compile(r"grip|jaw|finger|claw|knuckle|pincer", re.IGNORECASE)
-"""In the name of a joint: it opens and closes something."""
-WRIST = re.compile(r"rot|roll|yaw|pitch|twist|turn|wrist|flex", re.IGNORECASE)
-"""In the name of a joint: it turns a gripper as a whole."""
-TOOL = re.compile(
-    r"tcp|tool[-_]?(0|frame)|grasp|gripper[-_]?frame|end[-_]?effector|(^|[-_])eef?($|[-_])", re.IGNORECASE
-)
-"""In the name of a link: the frame that a tool works with."""
-STILL = 1e-6
-"""A tip that is nearer than this to a joint's axis does not move with it, as a share of the chain's length."""
-
-
-@dataclass(frozen=True)
-class Jaw:
-    """The last joint of a chain, which looks like the jaw of a gripper.
-
-    Attributes:
-        joint: Its name.
-        tip: The link at the end of the chain.
-        reasons: What it looks like a jaw by, in words.
-        palm: The link to name as end effector instead: a tool's frame beside the jaw, else what carries the jaw.
-    """
-
-    joint: str
-    tip: str
-    reasons: tuple[str, ...]
-    palm: str
-
-    def warning(self, settings: Path) -> str:
-        """What a user has to know, and to write into the robot.toml `settings` if it is a jaw, in one line."""
-        return (
-            f"the end effector, '{self.tip}', is moved by '{self.joint}', which looks like the jaw of a gripper: "
-            f"{', '.join(self.reasons)}. If it is one, write into {settings}: "
-            f"end_effector = {json.dumps(self.palm, ensure_ascii=False)}"
-        )
-
-
-def find_jaw(urdf: Urdf, chain: Chain, joints: Sequence[Joint]) -> Jaw | None:
-    """The last moving joint, if it looks like a jaw; None where nothing says so.
-
-    It cannot move the chain's end aside, or slides. And its name says that it opens something, or what carries it
-    carries the frame of a tool too.
-
-    Args:
-        urdf: The URDF.
-        chain: Of the arm.
-        joints: Those of the chain in order, fixed ones included; two of them move.
-    """
-    *_, before, last = (joint for joint in joints if joint.kind != "fixed")
-    if not (last.kind == "prismatic" or _is_still(chain)):
-        return None
-    is_named = bool(JAW.search(last.name)) and not WRIST.search(last.name)
-    frames = [link for link in _fixed_to(urdf, before.child) if TOOL.search(link)]
-    reasons = [
-        *["by its name"] * is_named,
-        *[f"it does not move the tool's frame '{frame}'" for frame in frames[:1]],
-        "it slides" if last.kind == "prismatic" else "it only turns its link",
-    ]
-    if not is_named and not frames:
-        return None
-    return Jaw(last.name, joints[-1].child, tuple(reasons), [*frames, last.parent][0])
-
-
-def _is_still(chain: Chain) -> bool:
-    """Whether the chain's end lies on the axis of its last joint."""
-    tip, axis = chain.T_last_tip[:3, 3], chain.axes[-1]
-    length = np.linalg.norm(chain.T_previous_joint[:, :3, 3], axis=1).sum() + np.linalg.norm(tip)
-    return bool(np.linalg.norm(np.cross(axis, tip)) <= STILL * length)
-
-
-def _fixed_to(urdf: Urdf, link: str) -> Iterator[str]:
-    """The links that are fixed to a link, directly or by others, farther out, in the order of the text."""
-    for joint in urdf.joints:
-        if joint.get("type") == "fixed" and linked(joint, "parent") == link:
-            child = linked(joint, "child")
-            yield child
-            yield from _fixed_to(urdf, child)
-
+from harness.robot.source import read_source
+from harness.robot.urdf import Joint, Urdf, parse_urdf, read_chain
 
 FEWEST_JOINTS, MOST_JOINTS = 3, 8
-MOST_BYTES = 4 * 2**20
-"""The most bytes of a URDF: 200 for each of the elements that it may have. A humanoid's has a fifth of a megabyte."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -320,15 +175,16 @@ def read_robot(path: Path) -> Robot:
 
 
 def _read_robot(path: Path) -> Robot:
-    settings, urdf_path = _find_files(path)
+    source = read_source(path)
+    settings, urdf_path = source.settings, source.path
     with _naming(urdf_path):
-        given = parse_urdf(_read_text(urdf_path))
+        given = parse_urdf(source.text)
         tip = settings.text("end_effector") or find_chain_end(given)
         joints = read_chain(given, tip)
         driven = [joint for joint in joints if joint.kind != "fixed"]
         _check_count(driven, tip)
         names = tuple(joint.name for joint in driven)
-        urdf = normal_urdf(given, names, urdf_path.parent)
+        urdf = normal_urdf(given, names, source.folder)
         link_shapes = read_shapes(urdf)
         joint_shapes = attach_shapes(urdf, link_shapes, names)
     chain = build_chain(joints)
@@ -336,7 +192,7 @@ def _read_robot(path: Path) -> Robot:
     return Robot(
         name=settings.text("name") or urdf_path.stem,
         urdf=urdf.text,
-        folder=urdf_path.parent,
+        folder=source.folder,
         end_effector_link=tip,
         joint_names=names,
         lower=limits.lower,
@@ -349,45 +205,13 @@ def _read_robot(path: Path) -> Robot:
         joint_shapes=joint_shapes,
         origins=_origins(settings, driven),
         servo=read_servo(settings, driven),
-        warnings=() if settings.text("end_effector") else _warn_of_jaw(find_jaw(given, chain, joints), settings),
+        warnings=(*source.warnings, *_warn_of_jaw(settings, given, chain, joints)),
     )
 
 
-def _warn_of_jaw(jaw: Jaw | None, settings: RobotSettings) -> tuple[str, ...]:
-    return () if jaw is None else (jaw.warning(settings.path),)
-
-
-def _find_files(path: Path) -> tuple[RobotSettings, Path]:
-    """The robot.toml, empty where there is none, and the URDF's path."""
-    if path.is_dir():
-        return _find_in_folder(path)
-    beside = path.parent / FILE
-    if beside.is_file():
-        settings = read_settings(beside)
-        if settings.text("urdf") in {None, path.name}:
-            return settings, path
-    return RobotSettings(beside), path
-
-
-def _find_in_folder(folder: Path) -> tuple[RobotSettings, Path]:
-    if not (folder / FILE).exists():
-        raise UsageError(f"{folder}: no {FILE} in it. Give the path of a URDF, or write a {FILE} that names one.")
-    settings = read_settings(folder / FILE)
-    name = settings.text("urdf")
-    if name is None:
-        raise UsageError(
-            f"{settings.path}: missing urdf. Name the URDF's file, or give its path instead of the folder."
-        )
-    return settings, folder / name
-
-
-def _read_text(path: Path) -> str:
-    try:
-        return read_text(path, MOST_BYTES)
-    except OSError as error:
-        raise UsageError(f"cannot be read ({error.strerror}). A robot is a URDF and its {FILE}.") from error
-    except UnicodeDecodeError as error:
-        raise UsageError(f"is not UTF-8 text ({error.reason}). Save it as UTF-8.") from error
+def _warn_of_jaw(settings: RobotSettings, urdf: Urdf, chain: Chain, joints: Sequence[Joint]) -> list[str]:
+    jaw = None if settings.text("end_effector") else find_jaw(urdf, chain, joints)
+    return [] if jaw is None else [jaw.warning(settings.path)]
 
 
 @contextmanager

@@ -3,7 +3,7 @@
 import pytest
 
 from harness.errors import UsageError
-from harness.robot.robot import find_chain_end
+from harness.robot.chain_end import find_chain_end
 from harness.robot.urdf import Urdf, parse_urdf
 
 
