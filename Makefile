@@ -77,7 +77,7 @@ engines: build/experiments/engines/installed
 	$(ENGINES) -m harness check drake && $(ENGINES) -m harness check physx
 	OMP_NUM_THREADS=1 $(ENGINES) -m pytest tests/plugins/simulators -k "drake or physx or test_mjx" -n 2 --benchmark-disable
 
-# Public arms from packages of PyPI: loaded, trained in three simulators, and held against one another. ARM="SO-101 Z1".
+# Public arms from packages of PyPI: loaded, trained in three simulators, and held against one another. Some: ARM='Z1 "KR16"'.
 arms: ARM =
 arms: build/experiments/arms/installed
 	OMP_NUM_THREADS=1 build/experiments/arms/bin/python experiments/arms/measure.py results/reference/arms/arms.csv $(ARM)

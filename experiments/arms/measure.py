@@ -12,7 +12,7 @@ import sys
 import tempfile
 import time
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
@@ -180,24 +180,25 @@ def read(path: Path) -> list[Row]:
         return [Row(**{it.name: it.type(line[it.name]) for it in fields(Row)}) for line in csv.DictReader(file)]
 
 
-def main(path: str, *names: str) -> None:
-    """Measure the arms of these names, or all; keep the rows of the others."""
-    known = tomllib.loads(ARMS.read_text(encoding="utf-8"))["arm"]
-    kept = {row.name: row for row in read(Path(path))} if names else {}
-    with ThreadPoolExecutor(AT_ONCE) as pool:
-        for row in pool.map(measure, [arm for arm in known if not names or arm["name"] in names]):
-            kept[row.name] = row
-            print_visible(
-                f"{row.name}: {row.joints} joints, {row.tip_error:.0e} m, {row.trains}, {row.apart:.1e} m {row.refused}"
-            )
-    rows = [kept[arm["name"]] for arm in known if arm["name"] in kept]
-    Path(path).parent.mkdir(parents=True, exist_ok=True)
-    with Path(path).open("w", encoding="utf-8", newline="") as file:
+def write(path: Path, rows: Iterable[Row]) -> None:
+    """The rows as CSV, for `read`."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, [it.name for it in fields(Row)], lineterminator="\n")
         writer.writeheader()
         writer.writerows(map(asdict, rows))
-    print_visible(table(rows))
+
+
+def main(path: Path, names: Sequence[str]) -> None:
+    """Measure the arms of these names, or all; the rows of others stay."""
+    known = tomllib.loads(ARMS.read_text(encoding="utf-8"))["arm"]
+    rows = {row.name: row for row in read(path)} if path.exists() else {}
+    with ThreadPoolExecutor(AT_ONCE) as pool:
+        for row in pool.map(measure, [arm for arm in known if not names or arm["name"] in names]):
+            rows[row.name] = row
+            write(path, [rows[arm["name"]] for arm in known if arm["name"] in rows])
+            print_visible(f"{table([row]).splitlines()[-1]} {row.refused}")
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    main(Path(sys.argv[1]), sys.argv[2:])
