@@ -32,7 +32,9 @@ JOINT_KEYS: Mapping[Quantity, Mapping[Motion, str]] = {
 """The keys that hold one value per joint of a motion: a list in the order of the chain, or a table by joint names."""
 SERVO = "servo"
 """The table of the drives; see `harness.robot.servo`."""
-KEYS = (*TEXT_KEYS, *(key for keys in JOINT_KEYS.values() for key in keys.values()), SERVO)
+ARGUMENTS = "arguments"
+"""The table of texts that a description takes which is no URDF: of a xacro file what it calls arguments."""
+KEYS = (*TEXT_KEYS, *(key for keys in JOINT_KEYS.values() for key in keys.values()), SERVO, ARGUMENTS)
 
 
 @dataclass(frozen=True)
@@ -56,6 +58,17 @@ class RobotSettings:
     def text(self, key: str) -> str | None:
         """The value of one of `TEXT_KEYS`; None where it is left out."""
         return self.entries.get(key)
+
+    def texts(self, key: str) -> Mapping[str, str]:
+        """The texts of a table by name; empty where it is left out.
+
+        Raises:
+            UsageError: It is no table of texts.
+        """
+        table = self.entries.get(key, {})
+        if not isinstance(table, dict) or not all(isinstance(value, str) for value in table.values()):
+            raise UsageError(f'{self.place}: {key} is {_shown(table)}. Give a table of texts, {{ name = "value" }}.')
+        return table
 
     def values(self, quantity: Quantity, joints: Sequence[Joint]) -> list[float | None]:
         """One value per joint, in radians or metres and seconds; None where it is left out.
