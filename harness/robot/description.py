@@ -54,12 +54,13 @@ class DescriptionFormat(Protocol):
             head: Its first `HEAD` bytes.
         """
 
-    def read(self, path: Path, arguments: Mapping[str, str]) -> Description:
+    def read(self, path: Path, arguments: Mapping[str, str], packages: Mapping[str, Path]) -> Description:
         """The robot in a file of this format.
 
         Args:
             path: The file.
             arguments: What the robot.toml gives as `arguments`.
+            packages: The folders of ROS packages that it gives as `meshes`, by name; that of the name '' holds others.
 
         Raises:
             UsageError: The file cannot be read, or the format has no such argument.
@@ -83,12 +84,15 @@ FOREIGN: Mapping[str, str] = {
 """What to do with a file that no reader takes, by an expression for the suffix of its name, a line break, its head."""
 
 
-def read_description(path: Path, arguments: Mapping[str, str], registry: Registry) -> Description | None:
+def read_description(
+    path: Path, arguments: Mapping[str, str], packages: Mapping[str, Path], registry: Registry
+) -> Description | None:
     """What the registered reader of a file understands.
 
     Args:
         path: The file; no URDF.
         arguments: What the robot.toml gives as `arguments`.
+        packages: What it gives as `meshes`.
         registry: Has the readers.
 
     Returns:
@@ -106,18 +110,22 @@ def read_description(path: Path, arguments: Mapping[str, str], registry: Registr
         reader: DescriptionFormat = Choice(name).build(registry, DESCRIPTIONS)
         with blamed_on(spec, "it read a robot"):
             if reader.recognises(path, head):
-                return _read(reader, path, arguments)
-    return _refuse(path, head)
+                return _read(reader, path, arguments, packages)
+    _refuse(path, head)
+    return None
 
 
-def _read(reader: DescriptionFormat, path: Path, arguments: Mapping[str, str]) -> Description:
+def _read(
+    reader: DescriptionFormat, path: Path, arguments: Mapping[str, str], packages: Mapping[str, Path]
+) -> Description:
     try:
-        return reader.read(path, arguments)
+        return reader.read(path, arguments, packages)
     except (OSError, UnicodeDecodeError) as error:
         raise UsageError(f"{path}: cannot be read ({reason_of(error)}). Correct it.") from error
 
 
 def _refuse(path: Path, head: bytes) -> None:
+    """Raise with what to do, where something is known of a file that no reader takes."""
     described = f"{path.suffix.lower()}\n".encode() + head
     for pattern, remedy in FOREIGN.items():
         if re.match(pattern.encode(), described, re.DOTALL):

@@ -3,8 +3,7 @@
 import hashlib
 import math
 import os
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -17,9 +16,10 @@ from harness.arrays import Float
 from harness.errors import UsageError
 from harness.files.bounded import digest_of, reading
 from harness.registry.registry import Registry, load_registry
-from harness.robot.chain_end import find_chain_end, find_jaw
+from harness.robot.arrangement import arrange
+from harness.robot.chain_end import find_jaw
 from harness.robot.description import Description
-from harness.robot.joint_limits import RULES, describe_origin, read_joint_limits
+from harness.robot.joint_limits import RULES, describe_origin, read_joint_limits, warn_of_speeds
 from harness.robot.kinematics import (
     Chain,
     build_chain,
@@ -29,14 +29,15 @@ from harness.robot.kinematics import (
     read_only,
 )
 from harness.robot.normal_urdf import normal_urdf
+from harness.robot.packages import is_installed
 from harness.robot.servo import Servo, read_servo
-from harness.robot.settings import FILE, JOINT_KEYS, RobotSettings
+from harness.robot.settings import CHAIN, FILE, JOINT_KEYS, TOOL, RobotSettings
 from harness.robot.shapes import Shape, attach_shapes, read_shapes
-from harness.robot.source import read_source
+from harness.robot.source import naming, read_source
 from harness.robot.urdf import Joint, Urdf, parse_urdf, read_chain
 
 FEWEST_JOINTS, MOST_JOINTS = 3, 8
-SUFFIXES = (".urdf", ".xacro", ".xml")
+SUFFIXES = (".urdf", ".xacro", ".xml", FILE)
 """Of the names of files that describe robots: the name of no plugin ends so."""
 
 
@@ -164,8 +165,9 @@ def read_robot(path: Path, registry: Registry | None = None) -> Robot:
     """The robot of a folder or a URDF, or of a file that a plugin makes a URDF of.
 
     Args:
-        path: A folder whose `robot.toml` names the URDF; or a URDF, beside which a `robot.toml` may lie that names it
-            or none. Of one that names another URDF nothing is taken.
+        path: A folder whose `robot.toml` names the URDF, or that file; or a URDF, beside which a `robot.toml` may lie
+            that names it or none. Of one that names another URDF nothing is taken. Also ``PACKAGE:PATH`` of an
+            installed package.
         registry: Has the readers of what is no URDF; loaded if None, and only where it is needed.
 
     Returns:
@@ -180,15 +182,18 @@ def read_robot(path: Path, registry: Registry | None = None) -> Robot:
 
 def _read_robot(path: Path, registry: Registry | None) -> Robot:
     source = read_source(path, registry)
-    settings, urdf_path, described = source.settings, source.path, source.described
-    with _naming(urdf_path):
-        given = parse_urdf(source.text)
-        tip = settings.text("end_effector") or _own_tip(given, described)
+    settings, described = source.settings, source.described
+    urdf_path = Path(settings.installed or source.path)
+    with naming(urdf_path):
+        parsed = parse_urdf(source.text)
+    given, tip = arrange(parsed, settings, urdf_path, described.tip)
+    packages = settings.folders()
+    with naming(urdf_path):
         joints = read_chain(given, tip)
         driven = [joint for joint in joints if joint.kind != "fixed"]
         _check_count(driven, tip)
         names = tuple(joint.name for joint in driven)
-        urdf = normal_urdf(given, names, source.folder)
+        urdf = normal_urdf(given, names, source.folder, packages)
         link_shapes = read_shapes(urdf)
         joint_shapes = attach_shapes(urdf, link_shapes, names)
     chain = build_chain(joints)
@@ -211,42 +216,29 @@ def _read_robot(path: Path, registry: Registry | None) -> Robot:
         servo=read_servo(settings, driven),
         warnings=(
             *source.warnings,
-            *_warn_of_speeds(settings, driven, described),
+            *warn_of_speeds(driven, limits.max_speed),
+            *_warn_of_lacking_speeds(settings, driven, described),
             *_warn_of_jaw(settings, given, chain, joints),
         ),
     )
 
 
-def _warn_of_speeds(settings: RobotSettings, driven: Sequence[Joint], described: Description) -> list[str]:
+def _warn_of_lacking_speeds(settings: RobotSettings, driven: Sequence[Joint], described: Description) -> list[str]:
     """What a format without speeds says of them, if robot.toml leaves some out."""
     return [described.speeds] if described.speeds and None in settings.values("max_speed", driven) else []
 
 
 def _warn_of_jaw(settings: RobotSettings, urdf: Urdf, chain: Chain, joints: Sequence[Joint]) -> list[str]:
-    jaw = None if settings.text("end_effector") else find_jaw(urdf, chain, joints)
-    return [] if jaw is None else [jaw.warning(settings.path)]
-
-
-def _own_tip(urdf: Urdf, described: Description) -> str:
-    """The end of an arm that nobody else names: its tool's frame, if its file has one; raises where arms branch."""
-    end = find_chain_end(urdf)
-    return described.tip or end
-
-
-@contextmanager
-def _naming(path: Path) -> Iterator[None]:
-    """Put the file before what is wrong with it."""
-    try:
-        yield
-    except UsageError as error:
-        raise UsageError(f"{path}: {error}") from error
+    is_named = {"end_effector", CHAIN, TOOL} & settings.entries.keys()
+    jaw = None if is_named else find_jaw(urdf, chain, joints)
+    return [] if jaw is None else [jaw.warning(settings.to_write)]
 
 
 def _check_count(driven: Sequence[Joint], tip: str) -> None:
     if not FEWEST_JOINTS <= len(driven) <= MOST_JOINTS:
         raise UsageError(
             f"{len(driven)} joints move between the root link and '{tip}'; allowed: {FEWEST_JOINTS} to {MOST_JOINTS}. "
-            f"Fix some, or name another end_effector in a {FILE}."
+            f"In a {FILE}, hold some: fixed = {{ joint = 0 }}; or name where the arm lies: chain = [first, last]."
         )
 
 
@@ -263,7 +255,8 @@ def _name_meshes_by_content(urdf: str) -> str:
 
 
 def _origins(settings: RobotSettings, driven: Sequence[Joint], described: Description) -> Mapping[str, str]:
-    tip = FILE if settings.text("end_effector") else "the frame of its tool" if described.tip else "the end of the chain"
+    is_named = {"end_effector", CHAIN, TOOL} & settings.entries.keys()
+    tip = FILE if is_named else "the frame of its tool" if described.tip else "the end of the chain"
     origins = {"end_effector": tip} | {each: describe_origin(settings, each, driven) for each in JOINT_KEYS}
     if described.home and origins["home"] == RULES["home"]:
         origins["home"] = described.home_origin
@@ -274,15 +267,14 @@ def load_robot(name_or_path: str | Path, registry: Registry | None = None) -> Ro
     """A registered robot, or the one that a path leads to.
 
     Args:
-        name_or_path: ``fd100``; or the path of a URDF, beside which a ``robot.toml`` may lie, or of a folder that holds
-            both.
+        name_or_path: ``fd100``; or a path as `read_robot` takes it.
         registry: The plugins; loaded if None.
 
     Raises:
         UsageError: No such robot, or its files say something that cannot be.
     """
     text = str(name_or_path)
-    if is_path(name_or_path) and os.path.exists(text):  # no error, whatever the text
+    if is_path(name_or_path) and (os.path.exists(text) or is_installed(text)):  # no error, whatever the text
         return read_robot(Path(text), registry)
     plugins = registry or load_registry()
     if is_path(name_or_path) and "robots" not in plugins.kinds_of(text):  # a qualified name looks like a path

@@ -4,18 +4,23 @@ import errno
 import os
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from harness.errors import UsageError
 from harness.files.bounded import read_bytes, read_text
 from harness.registry.registry import Registry, load_registry
 from harness.robot.description import Description, read_description
+from harness.robot.packages import find_installed, is_installed, locate
 from harness.robot.settings import ARGUMENTS, FILE, RobotSettings, read_settings
 
 MOST_BYTES = 4 * 2**20
 """The most bytes of a URDF: 200 for each of the elements that it may have. A humanoid's has a fifth of a megabyte."""
 COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
+
+PACKAGES = {"site-packages", "dist-packages"}
+"""Folders that pip installs packages into."""
 
 
 @dataclass(frozen=True)
@@ -39,20 +44,31 @@ class Source:
     described: Description = field(default_factory=lambda: Description(""))
 
 
+@contextmanager
+def naming(path: Path) -> Iterator[None]:
+    """Put the file before what is wrong with it."""
+    try:
+        yield
+    except UsageError as error:
+        raise UsageError(f"{path}: {error}") from error
+
+
 def read_source(path: Path, registry: Registry | None = None) -> Source:
-    """The description at `path`: a folder with a robot.toml, or a file beside which one may lie.
+    """The description at `path`.
 
     Args:
-        path: The folder, or the file.
-        registry: Has the readers of what is no URDF; loaded if None.
+        path: Of a folder with a robot.toml, of that file, or of a URDF beside which one may lie; also as a file of an
+            installed package, see `harness.robot.packages.find_installed`. In place of a URDF may stand what a
+            registered reader makes one of.
+        registry: Has these readers; loaded if None.
 
     Raises:
         UsageError: A file cannot be read; the message names it.
     """
     settings, file = _find_files(path)
-    arguments = settings.texts(ARGUMENTS)
+    arguments = settings.arguments()
     if not _may_be_urdf(file):
-        described = read_description(file, arguments, registry or load_registry())
+        described = read_description(file, arguments, settings.folders(), registry or load_registry())
         if described is not None:
             return Source(settings, file, described.urdf, file.parent, described.warnings, described)
     if arguments:
@@ -71,12 +87,22 @@ def _may_be_urdf(path: Path) -> bool:
 
 def _find_files(path: Path) -> tuple[RobotSettings, Path]:
     """The robot.toml, empty where there is none, and the URDF's path."""
-    if path.is_dir():
-        return _find_in_folder(path)
+    found = find_installed(str(path)) if is_installed(str(path)) and not os.path.exists(path) else path
+    if found.name == FILE and found.is_file():
+        found = found.parent
+    settings, file = _find_in_folder(found) if found.is_dir() else _find_beside(found)
+    if PACKAGES & set(settings.path.absolute().parts):
+        settings = replace(settings, installed=str(path if found is not path else path.absolute()))
+    return settings, file
+
+
+def _find_beside(path: Path) -> tuple[RobotSettings, Path]:
+    """Of a robot.toml that names another URDF nothing is taken."""
     beside = path.parent / FILE
     if beside.is_file():
         settings = read_settings(beside)
-        if settings.text("urdf") in {None, path.name}:
+        named = settings.text("urdf")
+        if named is None or os.path.realpath(beside.parent / named) == os.path.realpath(path):
             return settings, path
     return RobotSettings(beside), path
 
@@ -90,7 +116,7 @@ def _find_in_folder(folder: Path) -> tuple[RobotSettings, Path]:
         raise UsageError(
             f"{settings.path}: missing urdf. Name the URDF's file, or give its path instead of the folder."
         )
-    return settings, folder / name
+    return settings, locate(name, folder, str(settings.path))
 
 
 def _read_text(path: Path) -> str:
@@ -100,30 +126,3 @@ def _read_text(path: Path) -> str:
         raise UsageError(f"{path}: cannot be read ({error.strerror}). A robot is a URDF and its {FILE}.") from error
     except UnicodeDecodeError as error:
         raise UsageError(f"{path}: is not UTF-8 text ({error.reason}). Save it as UTF-8.") from error
-
-
-def package_folders(name: str, folder: Path) -> Iterator[Path]:
-    """The folders of a ROS package, likeliest first.
-
-    Looked at are those around `folder`, those beside them, those that ROS_PACKAGE_PATH lists and those in them, and
-    ``share`` in those that AMENT_PREFIX_PATH lists. A folder around it is also known by its ``package.xml``.
-
-    Args:
-        name: Of the package.
-        folder: Where it is asked for.
-    """
-    around = (folder.absolute(), *folder.absolute().parents)
-    listed = [Path(place) for place in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if place]
-    installed = [Path(place, "share") for place in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if place]
-    yield from (place for place in (*around, *listed) if name in {place.name, _named_by(place / "package.xml")})
-    places = (place / name for place in (*around, *listed, *installed))
-    yield from (place for place in places if os.path.isdir(place))
-
-
-def _named_by(manifest: Path) -> str:
-    """The name that a package.xml gives its package; empty without such a file."""
-    try:
-        found = re.search(r"<name>\s*([^<\s]+)\s*</name>", read_text(manifest, MOST_BYTES))
-    except (OSError, UnicodeDecodeError):
-        return ""
-    return found[1] if found else ""

@@ -67,7 +67,7 @@ class Mjcf:
         first = re.search(rb"<([A-Za-z_]+)", re.sub(rb"<!--.*?-->", b"", head, flags=re.DOTALL))
         return first is not None and first[1] == b"mujoco"
 
-    def read(self, path: Path, arguments: Mapping[str, str]) -> Description:
+    def read(self, path: Path, arguments: Mapping[str, str], packages: Mapping[str, Path]) -> Description:
         """The arms of the file, without what stands around them."""
         if arguments:
             raise UsageError(f"{path}: an MJCF takes no arguments, {', '.join(arguments)} are given. Leave them out.")
@@ -237,7 +237,7 @@ class _Reading:
             SubElement(inertial, "mass", value=repr(float(model.body_mass[body])))
             ixx, iyy, izz = (repr(float(moment)) for moment in model.body_inertia[body])
             SubElement(inertial, "inertia", ixx=ixx, iyy=iyy, izz=izz, ixy="0", ixz="0", iyz="0")
-        for geom in np.flatnonzero(model.geom_bodyid == body):
+        for geom in np.flatnonzero(model.geom_bodyid == body).tolist():
             for tag in self._uses(geom):
                 shape = self._shape(geom)
                 if shape is not None:
@@ -270,7 +270,9 @@ class _Reading:
             # The compiled mesh was moved and turned to its own centre; the file was not.
             xyz, rotation = xyz + rotation @ placed[0], rotation @ placed[1]
         else:
-            name = {0: "plane", 1: "height field", 4: "ellipsoid", 8: "distance field"}.get(kind, "shape of another kind")
+            name = {0: "plane", 1: "height field", 4: "ellipsoid", 8: "distance field"}.get(
+                kind, "shape of another kind"
+            )
             self._leave_out(geom, f"a {name}")
             return None
         return Element("origin", xyz=_text(xyz), rpy=_text(_rpy(rotation))), geometry
@@ -307,8 +309,8 @@ class _Reading:
             self.warnings.append(f"left out, as they are no part of the arm: {', '.join(names[:NAMED])}{more}")
         if any(map(self._closes_a_loop, range(model.neq))):
             self.warnings.append(
-                "the MJCF ties links of the arm together besides their joints, by connect or weld. Here each joint moves "
-                "by itself"
+                "the MJCF ties links of the arm together besides their joints, by connect or weld. Here each joint "
+                "moves by itself"
             )
 
     def _closes_a_loop(self, tie: int) -> bool:

@@ -6,14 +6,14 @@ named it, as a program.
 
 import contextlib
 import io
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from harness.errors import UsageError, one_line
 from harness.registry.allowed import is_allowed_program
 from harness.robot.description import Description
-from harness.robot.source import package_folders
+from harness.robot.packages import package_folders
 from harness.text import command_text
 
 EXAMPLE = """<robot name="example" xmlns:xacro="http://www.ros.org/wiki/xacro">
@@ -42,7 +42,7 @@ class XacroFile:
         """By the suffix, or an element of xacro."""
         return path.suffix.lower() == ".xacro" or (b"<robot" in head and b"<xacro:" in head)
 
-    def read(self, path: Path, arguments: Mapping[str, str]) -> Description:
+    def read(self, path: Path, arguments: Mapping[str, str], packages: Mapping[str, Path]) -> Description:
         """The URDF that the file makes with these arguments."""
         if not is_allowed_program(path):
             raise UsageError(
@@ -53,12 +53,18 @@ class XacroFile:
 
         guessed: list[str] = []
         silent = io.StringIO()
+
+        def find(package: str) -> str:
+            """The folder of a package; where there is none, that around the file's: a checkout has any name."""
+            found = next(package_folders(package, path.parent, packages), None)
+            guessed.extend([package] * (found is None))
+            return str(found or path.absolute().parent.parent)
+
         try:
-            with contextlib.redirect_stderr(silent), contextlib.redirect_stdout(silent), _finding(path, guessed):
+            with contextlib.redirect_stderr(silent), contextlib.redirect_stdout(silent), _finding_by(find):
                 document = xacro.process_file(str(path), mappings=dict(arguments), verbosity=0)
         except Exception as error:  # of expressions that anybody wrote
-            said = one_line(error)
-            raise UsageError(f"{path}: xacro cannot expand it: {said}. {_remedy(said, guessed)}") from error
+            raise UsageError(f"{path}: {_problem(one_line(error), guessed)}.") from error
         if not document.documentElement.getElementsByTagName("link"):
             raise UsageError(f"{path}: it makes no <link>: a file of macros, it seems. Give the one that calls them.")
         return Description(document.documentElement.toxml())
@@ -71,20 +77,9 @@ class XacroFile:
 
 
 @contextlib.contextmanager
-def _finding(path: Path, guessed: list[str]) -> Iterator[None]:
-    """Within it ``$(find PACKAGE)`` leads where ``package://PACKAGE`` does; xacro alone knows ROS's own folders only.
-
-    Args:
-        path: The file.
-        guessed: Gets the packages of which there is no folder. For these the one around the file's folder is taken, as
-            a checkout may be called otherwise.
-    """
+def _finding_by(find: Callable[[str], str]) -> Iterator[None]:
+    """Within it ``$(find PACKAGE)`` is what a function says; xacro alone knows ROS's own folders only."""
     from xacro import substitution_args
-
-    def find(package: str) -> str:
-        found = next(package_folders(package, path.parent), None)
-        guessed.extend([package] * (found is None))
-        return str(found or path.absolute().parent.parent)
 
     kept = substitution_args._eval_find
     substitution_args._eval_find = find
@@ -94,10 +89,11 @@ def _finding(path: Path, guessed: list[str]) -> Iterator[None]:
         substitution_args._eval_find = kept
 
 
-def _remedy(said: str, guessed: Sequence[str]) -> str:
-    """What to do about what xacro says."""
+def _problem(said: str, guessed: Sequence[str]) -> str:
+    """What to do about what xacro says, and what that is."""
     if "Undefined substitution argument" in said:
-        return 'Give it in a robot.toml beside the file: arguments = { name = "value" }.'
-    if guessed:
-        return f"Name the folder that '{guessed[-1]}' lies in by ROS_PACKAGE_PATH: $(find {guessed[-1]}) is not here."
-    return "Correct it."
+        return f'{said}. Give it in a robot.toml beside the file: arguments = {{ name = "value" }}'
+    if guessed and "No such file" in said:
+        name = guessed[-1]
+        return f'$(find {name}) leads nowhere. Say in a robot.toml beside it: meshes = {{ {name} = "FOLDER" }} ({said})'
+    return f"xacro cannot expand it: {said}. Correct it"
