@@ -24,8 +24,9 @@ import pinocchio
 from numpy.typing import NDArray
 
 from harness.errors import UsageError
+from harness.registry.allowed import allow_programs
 from harness.robot import Robot
-from harness.robot.packages import find_installed
+from harness.robot.packages import find_installed, package_folders
 from harness.robot.robot import load_robot
 from harness.text import print_visible
 
@@ -125,13 +126,7 @@ def _tip_error(robot: Robot, arm: Mapping[str, Any]) -> float:
 
 
 def _pinocchio_tips(file: Path, tip: str, poses: Iterable[Mapping[str, float]]) -> Iterator[NDArray[np.float64]]:
-    if file.suffix == ".xacro":
-        import xacro
-
-        text = xacro.process_file(str(file)).toxml()
-    else:
-        text = file.read_text(encoding="utf-8")
-    model = pinocchio.buildModelFromXML(text)
+    model = pinocchio.buildModelFromXML(_expand(file) if file.suffix == ".xacro" else file.read_text(encoding="utf-8"))
     data, frame = model.createData(), model.getFrameId(tip, pinocchio.FrameType.BODY)
     for pose in poses:
         qpos = pinocchio.neutral(model)
@@ -141,6 +136,14 @@ def _pinocchio_tips(file: Path, tip: str, poses: Iterable[Mapping[str, float]]) 
             qpos[joint.idx_q : joint.idx_q + joint.nq] = turn if joint.nq == 2 else [position]
         pinocchio.framesForwardKinematics(model, data, qpos)
         yield data.oMf[frame].translation.copy()
+
+
+def _expand(file: Path) -> str:
+    """What the package xacro makes of a file; a package that is not found is the folder around it."""
+    import xacro
+
+    xacro.substitution_args._eval_find = lambda name: str(next(package_folders(name, file.parent, {}), file.parents[1]))
+    return str(xacro.process_file(str(file)).toxml())
 
 
 def _mujoco_tips(file: Path, tip: str, poses: Iterable[Mapping[str, float]]) -> Iterator[NDArray[np.float64]]:
@@ -193,6 +196,7 @@ def main(path: Path, names: Sequence[str]) -> None:
     """Measure the arms of these names, or all; the rows of others stay."""
     known = tomllib.loads(ARMS.read_text(encoding="utf-8"))["arm"]
     rows = {row.name: row for row in read(path)} if path.exists() else {}
+    allow_programs(str(find_installed(arm["file"])) for arm in known if arm["file"].endswith(".xacro"))
     with ThreadPoolExecutor(AT_ONCE) as pool:
         for row in pool.map(measure, [arm for arm in known if not names or arm["name"] in names]):
             rows[row.name] = row
