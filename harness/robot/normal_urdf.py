@@ -23,8 +23,6 @@ NEXT_TO_NO_MASS = ElementTree.fromstring("""<inertial><mass value="1e-6"/>
 """The inertia of a link without mass, in kg and kg m^2. Engines would take 1 kg, a solid of water, or a part of the
 ground."""
 MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
-MASS = ("mass", "value")
-SHAPES = ("collision", "visual")
 NO_MASS = 1e-6
 """The mass of a link without one, [kg]; what has no more is a frame of somebody's exporter."""
 SMALLEST_MOMENT = 1e-9
@@ -84,12 +82,10 @@ def normal_urdf(urdf: Urdf, driven: Collection[str], folder: Path) -> NormalUrdf
     size, told = 0, _Told()
     carriers = Urdf("", robot).carriers
     movers = {name: moving_carrier(name, carriers)[0] for name in urdf.links}
-    heavy = {movers[name] for name, link in urdf.links.items() if _has_mass(link)}
+    solid = {movers[name] for name, link in urdf.links.items() if _is_solid(link)}
     for link in robot.findall("link"):
         mover = movers[link.get("name", "")]
-        if mover is not None and mover not in heavy and any(link.find(each) is not None for each in SHAPES):
-            told.massless.append(link.get("name", ""))
-        _settle_inertia(link, mover is not None, told)
+        _settle_inertia(link, mover is not None, mover in solid, told)
         size += _settle_meshes(link, mover is not None, folder, told)
     if size > MOST_MESH_BYTES:
         raise UsageError(f"The meshes have {size:,} bytes together, {MOST_MESH_BYTES:,} are allowed. Simplify them.")
@@ -227,29 +223,48 @@ def _text(numbers: Float) -> str:
     return " ".join(repr(float(number)) for number in numbers)
 
 
-def _has_mass(link: Element) -> bool:
-    """Whether a link has a mass and an inertia; ROS reads the first <inertial>."""
-    inertial = link.find("inertial")
-    return inertial is not None and inertial.find("inertia") is not None and _number(link, inertial, *MASS) > 0.0
+def _read_inertia(link: Element) -> tuple[float, Float]:
+    """A link's mass, [kg], and its moments in the order of `MOMENTS`, [kg m^2]; all 0 where it has no mass."""
+    inertial = link.find("inertial")  # as in ROS, the first
+    if inertial is None or inertial.find("inertia") is None or _number(link, inertial, "mass", "value") <= 0.0:
+        return 0.0, np.zeros(len(MOMENTS))
+    moments = [_number(link, inertial, "inertia", name) for name in MOMENTS]
+    return _number(link, inertial, "mass", "value"), np.array(moments)
 
 
-def _settle_inertia(link: Element, moves: bool, told: _Told) -> None:
-    """Give a link a mass and an inertia that a body can have, where it has none."""
-    for unread in link.findall("inertial")[_has_mass(link) :]:
+def _is_solid(link: Element) -> bool:
+    """Whether a link has enough mass and inertia for others that are fixed to it."""
+    mass, moments = _read_inertia(link)
+    return mass > NO_MASS and float(moments[:3].sum()) > 0.0
+
+
+def _settle_inertia(link: Element, moves: bool, is_on_solid: bool, told: _Told) -> None:
+    """Give a link a mass and an inertia that a body can have, where it has none.
+
+    Args:
+        link: The link.
+        moves: Whether a joint of the chain moves it.
+        is_on_solid: Whether that joint moves a solid link: another one without mass then changes nothing.
+        told: What to add to.
+    """
+    mass, moments = _read_inertia(link)
+    for unread in link.findall("inertial")[int(mass > 0.0) :]:
         link.remove(unread)
-    inertial = link.find("inertial")
-    if inertial is None:
+    told_of = moves and (not is_on_solid or (mass > NO_MASS and bool(moments.any())))
+    if mass <= 0.0:
+        has_shape = any(link.find(part) is not None for part in ("collision", "visual"))
         link.append(deepcopy(NEXT_TO_NO_MASS))
+        if told_of and has_shape:
+            told.massless.append(link.get("name", ""))
         return
-    moments = {name: _number(link, inertial, "inertia", name) for name in MOMENTS}
-    ixx, iyy, izz, ixy, ixz, iyz = moments.values()
+    ixx, iyy, izz, ixy, ixz, iyz = moments
     low, middle, high = np.linalg.eigvalsh([[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]])
     if low > 0.0 and high <= (low + middle) * (1.0 + ROUNDING):
         return
     mean = max((ixx + iyy + izz) / 3.0, SMALLEST_MOMENT)
     for name, moment in zip(MOMENTS, [mean, mean, mean, 0.0, 0.0, 0.0], strict=True):
-        cast(Element, inertial.find("inertia")).set(name, repr(float(moment)))
-    if moves and _number(link, inertial, *MASS) > NO_MASS:
+        cast(Element, link.find("inertial/inertia")).set(name, repr(float(moment)))
+    if told_of:
         (told.no_moment if low <= 0.0 else told.no_triangle).append(link.get("name", ""))
 
 

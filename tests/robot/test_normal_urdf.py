@@ -282,6 +282,10 @@ def test_impossible_inertia_is_told_with_its_rule(tmp_path: Path):
     )
     assert told_of(tmp_path, ("base", negative)) == ()
     assert told_of(tmp_path, ("arm", negative.replace('value="1"', 'value="1e-9"'))) == ()
+    nothing = BODY.replace('ixx="1" iyy="2" izz="3"', 'ixx="0" iyy="0" izz="0"')
+    assert told_of(tmp_path, ("arm", nothing)) == ()  # what is fixed to it has enough
+    (line,) = told_of(tmp_path, ("arm", nothing), ("finger", ""))
+    assert line.startswith("an inertia that no body has: link 'arm' with a principal moment of 0 or less.")
 
 
 def test_many_links_are_counted():
