@@ -18,6 +18,7 @@ from harness.motion import Motion, Setting, build_motion
 from harness.reward import LARGEST_FACTOR
 from harness.robot import Robot
 from harness.robot.inverse_kinematics import reach_position
+from harness.robot.kinematics import end_effector_position, in_mount
 from harness.task import LONGEST_EPISODE, Targets, goal_of
 
 Positive = Annotated[float, Field(gt=0)]
@@ -31,6 +32,12 @@ FD100_CENTER = np.array([0.85, 0.0, 0.7])
 FD100_HALF_EXTENT = np.array([0.2, 0.3, 0.3])
 FD100_MOUNT = 0.43
 """Height of the FD100's first joint over the world's origin, [m]: its box has that room for an arm's stand."""
+BESIDE = 1.0 + 1e-9
+"""Up to this slope, 45 degrees, a home is on a side of its mount."""
+NOT_BEFORE = 0.1
+"""A home that is nearer to its first joint, seen from above the mount, has no side; as a share of the reach."""
+ABOVE_GROUND = 0.05
+"""How far the lowest targets are above the ground at least, as a share of the reach."""
 
 START_NOISE = (
     "largest distance of a joint from the robot's home pose at the start, +- [rad]; of a sliding joint as large a "
@@ -100,11 +107,10 @@ class ReachTask(Conditions):
 
     def target_box(self, robot: Robot) -> tuple[Float, Float]:
         """Centre and half edges of the box of targets, (3,) both, [m]."""
-        scale = robot.reach / FD100_REACH
-        center = (
-            scale * FD100_CENTER + way_to_mount(robot) if self.target_center is None else np.array(self.target_center)
-        )
-        half = scale * FD100_HALF_EXTENT if self.target_half_extent is None else np.array(self.target_half_extent)
+        center, half = place_box(robot, FD100_CENTER, FD100_HALF_EXTENT)
+        center[2] = max(center[2], half[2] + ABOVE_GROUND * robot.reach)
+        center = center if self.target_center is None else np.array(self.target_center)
+        half = half if self.target_half_extent is None else np.array(self.target_half_extent)
         return center, half
 
     def check(self, robot: Robot) -> None:
@@ -185,14 +191,46 @@ class ReachTask(Conditions):
         return f"{self.target_reward:+g}"
 
 
-def way_to_mount(robot: Robot) -> Float:
-    """By how much a box of targets, scaled by the arm's reach, moves along with the arm's mount, (3,), [m].
+def place_box(robot: Robot, center: Float, half_extent: Float) -> tuple[Float, Float]:
+    """A box that was chosen for the FD100, for another arm: scaled by its reach, on its mount, turned to its front.
 
-    It is 0 for an arm whose first joint is no farther from the world's origin, up and aside, than the FD100's, scaled
+    The front is the side of the mount, of its four, on which the end effector is at home: +x but for an arm that
+    cannot work there.
+
+    Args:
+        robot: The arm.
+        center: Of the FD100's box, (3,), [m].
+        half_extent: Half its edges, (3,), [m].
+
+    Returns:
+        Centre and half edges in the world, (3,) both, new arrays, [m]. Of an arm that leans, its edges are those of the
+        smallest box around the one that leans with it.
+    """
+    scale = robot.reach / FD100_REACH
+    mount = robot.chain.T_world_mount
+    turned = mount[:3, :3] @ _front(robot)
+    from_mount = turned @ (scale * center) + mount[:3, :3] @ way_to_mount(robot)
+    return mount[:3, 3] + from_mount, np.abs(turned) @ (scale * half_extent)
+
+
+def _front(robot: Robot) -> Float:
+    """R_mount_front: the turn about the mount's z axis, by whole quarters, that leads from its x axis to the front."""
+    mounted = in_mount(robot.chain)
+    x, y, _ = end_effector_position(mounted, robot.home) - mounted.T_previous_joint[0, :3, 3]
+    if abs(y) <= x * BESIDE or math.hypot(x, y) < NOT_BEFORE * robot.reach:
+        return np.eye(3)
+    cos, sin = (-1.0, 0.0) if abs(y) <= -x * BESIDE else (0.0, math.copysign(1.0, y))
+    return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+
+
+def way_to_mount(robot: Robot) -> Float:
+    """By how much a box of targets, scaled by the arm's reach, moves with the first joint, (3,), the mount's frame [m].
+
+    It is 0 for an arm whose first joint is no farther from the mount's origin, up and aside, than the FD100's, scaled
     likewise: how far along its axis a first joint stands is the choice of who wrote the URDF. For one that is farther
     away, on a table or beside the origin, it is the rest of the way.
     """
-    first = robot.chain.T_previous_joint[0, :3, 3]
+    first = in_mount(robot.chain).T_previous_joint[0, :3, 3]
     aside, room = np.array([first[0], first[1], 0.0]), FD100_MOUNT * (robot.reach / FD100_REACH)
     distance = float(np.linalg.norm(aside))
     beyond = max(distance - room, 0.0) / distance if distance else 0.0

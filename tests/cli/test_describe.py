@@ -98,7 +98,7 @@ def test_robot_of_a_path_is_described(harness, tmp_path):
     shutil.copy(Path(harness_robots.UNITY_ARM, "unity_arm.urdf"), tmp_path / "mine.urdf")
     out = harness("describe", tmp_path / "mine.urdf").out
     assert "robot mine: 5 joints, end effector Axis06Tip" in out
-    assert re.search(r"home: +the simplest pose clear of the ground", out)
+    assert re.search(r"home: +a pose in front of the mount", out)
     assert re.search(r"home: +robot\.toml", harness("describe", "unity-arm").out)
 
 
