@@ -17,6 +17,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
@@ -126,7 +127,10 @@ def _tip_error(robot: Robot, arm: Mapping[str, Any]) -> float:
 
 
 def _pinocchio_tips(file: Path, tip: str, poses: Iterable[Mapping[str, float]]) -> Iterator[NDArray[np.float64]]:
-    model = pinocchio.buildModelFromXML(_expand(file) if file.suffix == ".xacro" else file.read_text(encoding="utf-8"))
+    robot = ElementTree.fromstring(_expand(file) if file.suffix == ".xacro" else file.read_bytes())
+    for limit in robot.iter("limit"):  # ROS's parser wants both, which move no tip
+        limit.attrib.update({"effort": "0", "velocity": "0"} | limit.attrib)
+    model = pinocchio.buildModelFromXML(ElementTree.tostring(robot, encoding="unicode"))
     data, frame = model.createData(), model.getFrameId(tip, pinocchio.FrameType.BODY)
     for pose in poses:
         qpos = pinocchio.neutral(model)
