@@ -7,6 +7,7 @@ measures all arms, or those named, two at a time; `make arms` sets up what it ne
 
 import csv
 import json
+import re
 import subprocess
 import sys
 import tempfile
@@ -17,7 +18,6 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
@@ -127,10 +127,10 @@ def _tip_error(robot: Robot, arm: Mapping[str, Any]) -> float:
 
 
 def _pinocchio_tips(file: Path, tip: str, poses: Iterable[Mapping[str, float]]) -> Iterator[NDArray[np.float64]]:
-    robot = ElementTree.fromstring(_expand(file) if file.suffix == ".xacro" else file.read_bytes())
-    for limit in robot.iter("limit"):  # ROS's parser wants both, which move no tip
-        limit.attrib.update({"effort": "0", "velocity": "0"} | limit.attrib)
-    model = pinocchio.buildModelFromXML(ElementTree.tostring(robot, encoding="unicode"))
+    text = _expand(file) if file.suffix == ".xacro" else file.read_text(encoding="utf-8")
+    for name in ("effort", "velocity"):  # ROS's parser wants both, which move no tip
+        text = re.sub(rf"<limit\b(?![^>]*\b{name}=)", f'<limit {name}="0"', text)
+    model = pinocchio.buildModelFromXML(text)
     data, frame = model.createData(), model.getFrameId(tip, pinocchio.FrameType.BODY)
     for pose in poses:
         qpos = pinocchio.neutral(model)
