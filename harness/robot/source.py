@@ -97,7 +97,7 @@ def _find_files(path: Path) -> tuple[RobotSettings, Path]:
 
 
 def _find_beside(path: Path) -> tuple[RobotSettings, Path]:
-    """Of a robot.toml that names another URDF nothing is taken."""
+    """The robot.toml beside a file, and the file; of one that names another file nothing is taken."""
     beside = path.parent / FILE
     if beside.is_file():
         settings = read_settings(beside)
