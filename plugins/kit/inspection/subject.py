@@ -32,7 +32,7 @@ from .finding import LOADS, TARGET, Asked, Finding, Outline, PlannedCheck
 DEFAULT_ROBOT = "fd100"
 WITH_ROBOT = ("simulators", "tasks")
 """The kinds that are checked with a robot."""
-WITH_FOLDER = ("executors", "trackers", "logs", "sections")
+WITH_FOLDER = ("executors", "trackers", "logs", "descriptions", "sections")
 """The kinds that are checked in a folder."""
 
 Tell: TypeAlias = Callable[[str], None]
