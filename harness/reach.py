@@ -1,7 +1,9 @@
 """The reach task of the FD100, with everything that the project adds to the NOTE's tuple <S, A, T, R>."""
 
 import math
-from typing import Annotated, ClassVar
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from pydantic import Field
@@ -19,6 +21,7 @@ from harness.reward import LARGEST_FACTOR
 from harness.robot import Robot
 from harness.robot.inverse_kinematics import reach_position
 from harness.robot.kinematics import end_effector_position, in_mount
+from harness.robot.robot import FD100_REACH
 from harness.task import LONGEST_EPISODE, Targets, goal_of
 
 Positive = Annotated[float, Field(gt=0)]
@@ -26,10 +29,9 @@ Metres3 = tuple[float, float, float]
 Pay = Annotated[float, Field(ge=-LARGEST_FACTOR, le=LARGEST_FACTOR, allow_inf_nan=False)]
 Extents = tuple[Annotated[float, Field(ge=0)], Annotated[float, Field(ge=0)], Annotated[float, Field(ge=0)]]
 
-FD100_REACH = 1.5413267497929588
-"""Reach of the FD100, [m]. The box of targets below was chosen for it."""
 FD100_CENTER = np.array([0.85, 0.0, 0.7])
 FD100_HALF_EXTENT = np.array([0.2, 0.3, 0.3])
+"""Half the edges of the FD100's box of targets, (3,), [m]; its centre stands above."""
 FD100_MOUNT = 0.43
 """Height of the FD100's first joint over the world's origin, [m]: its box has that room for an arm's stand."""
 BESIDE = 1.0 + 1e-9
@@ -52,7 +54,7 @@ class ReachTask(Conditions):
     """Bring the end effector of an arm within epsilon of a target.
 
     The defaults are those of the FD100 (`fd100-reach`). For another arm the box of targets is scaled by its reach
-    and follows its mount, see `way_to_mount`.
+    and stands on its mount, see `place_box`; so is what `lengths` names, see `defaults_for`.
     """
 
     epsilon: Annotated[Positive, Field(description="distance within which the target is reached, NOTE eq. 20 [m]")] = (
@@ -90,8 +92,16 @@ class ReachTask(Conditions):
     step_reward: Annotated[Pay, Field(description="reward on every step: the baseline's step penalty")] = -0.0001
 
     robot: ClassVar[str] = "fd100"
+    lengths: ClassVar[tuple[str, ...]] = ("epsilon",)
     ends_at_target: ClassVar[bool] = True
     decision_period: ClassVar[int] = 1
+
+    def defaults_for(self, robot: Robot) -> Mapping[str, Any]:
+        """See `harness.task.Task`: what `lengths` names, as large a share of the reach as it is of the FD100's."""
+        if self.robot != ReachTask.robot:  # its numbers were chosen for that arm
+            return {}
+        defaults = {field.name: field.default for field in fields(self)}
+        return {name: _scaled(defaults[name], robot) for name in self.lengths}
 
     def motion(self, robot: Robot) -> Motion:
         return build_motion(self.action, Setting(robot, self.control_period, self.speed, self.acceleration))
@@ -189,6 +199,11 @@ class ReachTask(Conditions):
 
     def target_reward_in_words(self) -> str:
         return f"{self.target_reward:+g}"
+
+
+def _scaled(length: Any, robot: Robot) -> Any:
+    """A length, or several, that were chosen for the FD100, for another arm."""
+    return tuple(map(robot.scaled, length)) if isinstance(length, tuple) else robot.scaled(length)
 
 
 def place_box(robot: Robot, center: Float, half_extent: Float) -> tuple[Float, Float]:

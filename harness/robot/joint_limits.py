@@ -19,15 +19,17 @@ from harness.robot.settings import FILE, JOINT_KEYS, Motion, Quantity, RobotSett
 from harness.robot.shapes import Shape
 from harness.robot.urdf import Joint
 
-LARGEST_DEFAULT_SPEED = {"turning": math.radians(180.0), "sliding": 1.0}
-"""[rad/s] and [m/s]. Where a URDF allows more and robot.toml says nothing, it seldom is the arm's: 10 rad/s for 2."""
+LARGEST_DEFAULT_SPEED = math.radians(180.0)
+"""[rad/s]. Where a URDF allows more and robot.toml says nothing, it seldom is the arm's: 10 rad/s for 2."""
+LARGEST_DEFAULT_SHARE = 0.5
+"""The same for a joint that slides: as a share of its range, [1/s]. Half a turn is so much of a turning joint's."""
 EXAMPLE_SPEED: Mapping[Motion, str] = {"turning": "90", "sliding": "0.2"}
 """What a message shows as the value of a key."""
 SPEED_UP_RATE = 8.0
 """Largest acceleration by largest speed, [1/s], where robot.toml has none: full speed in an eighth of a second."""
 RULES = {
     "home": "a pose in front of the mount, far from the ground and from singular poses",
-    "max_speed": "the URDF's velocity, at most 180 deg/s or 1 m/s",
+    "max_speed": "the URDF's velocity, at most 180 deg/s, or half a slide's range a second",
     "max_acceleration": "the largest speed in an eighth of a second",
 }
 
@@ -67,7 +69,7 @@ def read_joint_limits(
     # One turn where a joint has no end, so that every range is finite.
     lower = _array([-math.pi if joint.kind == "continuous" else joint.lower for joint in driven])
     upper = _array([math.pi if joint.kind == "continuous" else joint.upper for joint in driven])
-    max_speed = _max_speed(settings, urdf, driven)
+    max_speed = _max_speed(settings, urdf, driven, upper - lower)
     max_acceleration = _fill(settings.values("max_acceleration", driven), SPEED_UP_RATE * max_speed)
     _check_positive(settings, "max_acceleration", driven, max_acceleration)
     home = [
@@ -97,13 +99,14 @@ def describe_origin(settings: RobotSettings, quantity: Quantity, driven: Sequenc
     return RULES[quantity] if all(missing) else f"{FILE}, else {RULES[quantity]}"
 
 
-def _max_speed(settings: RobotSettings, urdf: Path, driven: Sequence[Joint]) -> Float:
+def _max_speed(settings: RobotSettings, urdf: Path, driven: Sequence[Joint], span: Float) -> Float:
     given = settings.values("max_speed", driven)
     lacking = [joint for joint, value in zip(driven, given, strict=True) if value is None and joint.velocity is None]
     if lacking:
         raise UsageError(f"{urdf}: {_speeds_wanted(settings, driven, lacking)}")
-    default = [min(joint.velocity or math.inf, LARGEST_DEFAULT_SPEED[motion_of(joint)]) for joint in driven]
-    speed = _fill(given, np.array(default))
+    slides = [motion_of(joint) == "sliding" for joint in driven]
+    largest = np.where(slides, LARGEST_DEFAULT_SHARE * span, LARGEST_DEFAULT_SPEED)
+    speed = _fill(given, np.minimum([joint.velocity or math.inf for joint in driven], largest))
     _check_positive(settings, "max_speed", driven, speed)
     return speed
 
