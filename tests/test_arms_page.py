@@ -1,7 +1,7 @@
 """The public arms: all of the list are measured, what is said of them holds, and the pages say what was measured."""
 
-import importlib.util
 import math
+import sys
 import tomllib
 from dataclasses import replace
 from pathlib import Path
@@ -11,12 +11,10 @@ import pytest
 pytest.importorskip("pinocchio")
 pytest.importorskip("mujoco")
 ROOT = Path(__file__).parents[1]
-SCRIPT = ROOT / "experiments/arms/measure.py"
-SPEC = importlib.util.spec_from_file_location("measure_arms", SCRIPT)
-assert SPEC is not None and SPEC.loader is not None
-measure_arms = importlib.util.module_from_spec(SPEC)
-SPEC.loader.exec_module(measure_arms)
-ARMS = tomllib.loads((SCRIPT.parent / "arms.toml").read_text(encoding="utf-8"))["arm"]
+sys.path.insert(0, str(ROOT / "experiments/arms"))
+import measure as measure_arms
+
+ARMS = tomllib.loads(measure_arms.ARMS.read_text(encoding="utf-8"))["arm"]
 RECORD = ROOT / "results/reference/arms/arms.csv"
 ROWS = measure_arms.read(RECORD)
 
