@@ -10,10 +10,10 @@ import pytest
 
 pytest.importorskip("pinocchio")
 pytest.importorskip("mujoco")
-ROOT = Path(__file__).parents[1]
-sys.path.insert(0, str(ROOT / "experiments/arms"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "experiments/arms"))
 import measure as measure_arms
 
+ROOT = Path(__file__).parents[1]
 ARMS = tomllib.loads(measure_arms.ARMS.read_text(encoding="utf-8"))["arm"]
 RECORD = ROOT / "results/reference/arms/arms.csv"
 ROWS = measure_arms.read(RECORD)
