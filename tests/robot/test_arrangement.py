@@ -211,12 +211,16 @@ def test_range_of_a_slide_is_in_metres(tmp_path: Path):
 
 
 def test_a_name_that_is_taken_is_no_obstacle(tmp_path: Path):
-    """A root that is called world already stands on another one."""
-    text = changed(('"base"', '"world"'), ('"j4"', '"world__to_world"'))
-    robot = read_arm(tmp_path, text, TABLE)
+    """A root that is called world stands on another one; MuJoCo, which knows the name, has it there too."""
+    text = changed(('"base"', '"world"'), ('"l3"', '"mount"'), ('"j4"', '"world_to_mount_"'))
+    robot, registry = read_arm(tmp_path, text, TABLE), load_registry()
     poses = poses_of(robot)
     wanted = [pose((0, 0, 0.75), (0, 0, 0)) * frame for frame in tips(text, robot, poses, "tool")]
     assert differ(robot, poses, wanted) <= 1e-12
+    simulation = choose(registry, "simulators", "mujoco").build(registry, "simulators").open(robot, 1, 0.1)
+    found = simulation.place(poses[:1]).end_effector[0]
+    np.testing.assert_allclose(found, wanted[0].translation, rtol=0, atol=1e-12)
+    simulation.close()
 
 
 @pytest.mark.parametrize("toml", ["", 'name = "b"\n', "max_speed_deg_s = [9, 9, 9, 9]\n"])
@@ -235,6 +239,7 @@ REFUSED = {
     "base = { rpy_deg = [0, 1, nan] }": "rpy_deg is .*. Give a list of three finite numbers",
     'tool = { name = "l3" }': r"\[tool\]: name is 'l3'; the URDF has a link of that name. Give another",
     "tool = { name = 5 }": "name is 5. Give another, in quotes",
+    'tool = { name = "world" }': "name is 'world'. Give another",
     'tool = {}\nend_effector = "hand"': "arm.urdf: No link 'hand' in the URDF",
     "fixed = [1]": r"robot.toml: fixed is \[1\]. Give a table of joints by name",
     "fixed = { j33 = 1 }": r"robot.toml: fixed names 'j33'. Did you mean 'j3'\? Joints that move: 'j1', 'j2'",
