@@ -17,6 +17,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
+from sysconfig import get_path
 from typing import Any
 
 import mujoco
@@ -72,7 +73,7 @@ def measure(arm: Mapping[str, Any]) -> Row:
         folder = Path(name)
         (folder / "robot.toml").write_text(robot_toml(arm), encoding="utf-8")
         row = _measure(Row(arm["name"], arm["file"]), arm, folder)
-        refused = row.refused.replace(f"{folder}/", "").replace(f"{_site()}/", "")
+        refused = row.refused.replace(f"{folder}/", "").replace(f"{get_path('purelib')}/", "")
     return replace(row, seconds=time.perf_counter() - begin, refused=refused)
 
 
@@ -159,10 +160,6 @@ def _mujoco_tips(file: Path, tip: str, poses: Iterable[Mapping[str, float]]) -> 
             data.joint(name).qpos[:] = position
         mujoco.mj_kinematics(model, data)
         yield (data.site(tip) if is_site else data.body(tip)).xpos.copy()
-
-
-def _site() -> Path:
-    return Path(np.__file__).parents[1]
 
 
 def table(rows: Iterable[Row]) -> str:
