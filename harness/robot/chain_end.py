@@ -4,7 +4,6 @@ import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from xml.etree.ElementTree import Element
 
 import numpy as np
@@ -43,7 +42,7 @@ def find_chain_end(urdf: Urdf) -> str:
             branches = ", ".join(f"'{linked(joint, 'child')}'" for joint in onward)
             raise UsageError(
                 f"The arm branches at link '{link}' into {branches}, and nothing says which is its end. "
-                "Name it as end_effector in a robot.toml beside the URDF."
+                "Name it as end_effector in a robot.toml: beside the URDF, or elsewhere with the URDF's path as urdf."
             )
         moving += _moves(onward[0])
         link = linked(onward[0], "child")
@@ -104,8 +103,8 @@ class Jaw:
     reasons: tuple[str, ...]
     palm: str
 
-    def warning(self, settings: Path) -> str:
-        """What a user has to know, and to write into the robot.toml `settings` if it is a jaw, in one line."""
+    def warning(self, settings: str) -> str:
+        """What a user has to know in one line, and to write into `settings`, the robot.toml, if it is a jaw."""
         return (
             f"the end effector, '{self.tip}', is moved by '{self.joint}', which looks like the jaw of a gripper: "
             f"{', '.join(self.reasons)}. If it is one, write into {settings}: "

@@ -84,7 +84,7 @@ def choose_home(
             return best
     raise UsageError(
         f"No simple pose keeps the moving links {CLEARANCE * length:.2g} m above the ground z = 0. "
-        "Name one as home_deg (home_m of sliding joints) in a robot.toml beside the URDF, or raise the arm's base."
+        "Name one as home_deg (home_m of sliding joints) in a robot.toml, or raise the arm's base."
     )
 
 
@@ -190,13 +190,26 @@ def _max_speed(settings: RobotSettings, urdf: Path, driven: Sequence[Joint]) -> 
     default = [min(joint.velocity or math.inf, LARGEST_DEFAULT_SPEED[motion_of(joint)]) for joint in driven]
     speed = _fill(given, np.array(default))
     _check_positive(settings, "max_speed", driven, speed)
-    for joint, value in zip(driven, speed, strict=True):
-        if joint.velocity is not None and value > joint.velocity * (1.0 + 1e-6):  # equal up to rounding is fine
-            raise UsageError(
-                f"{_place(settings, 'max_speed', joint)} is {shown(value, joint)}; "
-                f"the URDF allows {shown(joint.velocity, joint)}."
-            )
     return speed
+
+
+def warn_of_speeds(driven: Sequence[Joint], max_speed: Float) -> list[str]:
+    """A line where robot.toml allows joints more than the URDF, which it may: a velocity there is often a placeholder.
+
+    Args:
+        driven: The joints, dof of them.
+        max_speed: What they are allowed, [rad/s] or [m/s], (dof,).
+    """
+    above = [
+        f"joint '{joint.name}' {shown(value, joint)} {_unit(joint)}, the URDF {shown(joint.velocity, joint)}"
+        for joint, value in zip(driven, max_speed, strict=True)
+        if joint.velocity is not None and value > joint.velocity * (1.0 + 1e-6)  # equal up to rounding is fine
+    ]
+    return [f"{FILE} allows {'; '.join(above)}"] * bool(above)
+
+
+def _unit(joint: Joint) -> str:
+    return "m/s" if motion_of(joint) == "sliding" else "deg/s"
 
 
 def _speeds_wanted(settings: RobotSettings, driven: Sequence[Joint], lacking: Sequence[Joint]) -> str:
@@ -211,7 +224,7 @@ def _speeds_wanted(settings: RobotSettings, driven: Sequence[Joint], lacking: Se
             lines += [f"{key} = {{ {', '.join(f'{toml_key(name)} = {example}' for name in names)} }}"]
     more = f" and {len(lacking) - 1} more" * (len(lacking) > 1)
     told = f"joint '{lacking[0].name}'{more}: no velocity limit above 0."
-    return f"{told} Write into {settings.path}, with the arm's own numbers: {' and '.join(lines)}"
+    return f"{told} Write into {settings.to_write}, with the arm's own numbers: {' and '.join(lines)}"
 
 
 def _check_positive(settings: RobotSettings, quantity: Quantity, driven: Sequence[Joint], values: Float) -> None:

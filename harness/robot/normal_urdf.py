@@ -1,9 +1,10 @@
 """A URDF with nothing left to guess: what every simulator reads, so that all of them read the same arm."""
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from copy import deepcopy
 from pathlib import Path
+from types import MappingProxyType
 from typing import cast
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
@@ -33,7 +34,9 @@ MOST_MESH_BYTES = 512 * 2**20
 """The most bytes of the files of all of these together, each as often as it is named."""
 
 
-def normal_urdf(urdf: Urdf, driven: Collection[str], folder: Path) -> Urdf:
+def normal_urdf(
+    urdf: Urdf, driven: Collection[str], folder: Path, packages: Mapping[str, Path] = MappingProxyType({})
+) -> Urdf:
     """The same arm with its meshes found, its other joints fixed and a mass for every link.
 
     Joints that are not driven are fixed at zero, or at the end of their range that is nearest to it. Meshes have
@@ -44,6 +47,7 @@ def normal_urdf(urdf: Urdf, driven: Collection[str], folder: Path) -> Urdf:
         urdf: The URDF; it is left as it is.
         driven: Names of the joints that move.
         folder: Where the names of meshes start.
+        packages: Where those of packages lead, see `harness.robot.meshes.locate_mesh`.
 
     Returns:
         A URDF; `urdf` itself where there was nothing to do.
@@ -55,12 +59,12 @@ def normal_urdf(urdf: Urdf, driven: Collection[str], folder: Path) -> Urdf:
     robot = deepcopy(urdf.element)
     for joint in robot.findall("joint"):
         if joint.get("name") not in driven and joint.get("type") != "fixed":
-            _fix(joint)
+            fix_joint(joint)
         _drop_words(joint)
     size = 0
     for link in robot.findall("link"):
         _give_mass(link)
-        size += _locate_meshes(link, folder)
+        size += _locate_meshes(link, folder, packages)
     if size > MOST_MESH_BYTES:
         raise UsageError(f"The meshes have {size:,} bytes together, {MOST_MESH_BYTES:,} are allowed. Simplify them.")
     return urdf if _are_alike(robot, urdf.element) else Urdf(ElementTree.tostring(robot, encoding="unicode"), robot)
@@ -72,9 +76,18 @@ def _are_alike(first: Element, second: Element) -> bool:
     return own == other and all(map(_are_alike, first, second))
 
 
-def _fix(joint: Element) -> None:
-    """Turn a joint that moves into a fixed one."""
-    pose = _pose_at_rest(joint)
+def fix_joint(joint: Element, held: float | None = None) -> None:
+    """Turn a joint that moves into a fixed one.
+
+    Args:
+        joint: It is changed.
+        held: Its position, [rad] or [m]; of a planar or floating one 0. None for zero, or as near to it as its range
+            allows.
+
+    Raises:
+        UsageError: Its origin or axis cannot be computed with.
+    """
+    pose = _pose_of(joint, held)
     kept = {"parent", "child"}
     for part in [part for part in joint if part.tag not in kept]:
         joint.remove(part)
@@ -106,14 +119,14 @@ def _is_number(text: str) -> bool:
     return True
 
 
-def _pose_at_rest(joint: Element) -> Float:
-    """T_parent_child with the joint at zero, or as near to it as its range allows, (4, 4)."""
+def _pose_of(joint: Element, held: float | None) -> Float:
+    """T_parent_child, (4, 4); arguments as for `fix_joint`."""
     xyz = read_vector(joint, "origin", "xyz", default=(0.0, 0.0, 0.0))
     rpy = read_vector(joint, "origin", "rpy", default=(0.0, 0.0, 0.0))
     names = joint.get("name", ""), linked(joint, "parent"), linked(joint, "child")
     name, parent, child = names
-    kind, position, axis = joint.get("type"), 0.0, (1.0, 0.0, 0.0)
-    if kind in {"revolute", "prismatic"}:
+    kind, position, axis = joint.get("type"), held or 0.0, (1.0, 0.0, 0.0)
+    if held is None and kind in {"revolute", "prismatic"}:
         position = _position_at_rest(joint)
     if position:
         axis = read_axis(joint)
@@ -188,12 +201,12 @@ def _require_few_shapes(urdf: Urdf) -> None:
         raise UsageError(f"The URDF has {count:,} shapes, {MOST_SHAPES:,} are allowed. Simplify it.")
 
 
-def _locate_meshes(link: Element, folder: Path) -> int:
+def _locate_meshes(link: Element, folder: Path, packages: Mapping[str, Path]) -> int:
     """Writes where the link's meshes are; how many bytes they have."""
     total = 0
     for mesh in link.iter("mesh"):
         try:
-            path = locate_mesh(mesh.get("filename", ""), folder)
+            path = locate_mesh(mesh.get("filename", ""), folder, packages)
         except UsageError as error:
             raise UsageError(f"Link '{link.get('name')}' {error}") from error
         mesh.set("filename", str(path))

@@ -3,8 +3,7 @@
 import hashlib
 import math
 import os
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -17,8 +16,9 @@ from harness.arrays import Float
 from harness.errors import UsageError
 from harness.files.bounded import digest_of, reading
 from harness.registry.registry import Registry, load_registry
-from harness.robot.chain_end import find_chain_end, find_jaw
-from harness.robot.joint_limits import describe_origin, read_joint_limits
+from harness.robot.arrangement import arrange
+from harness.robot.chain_end import find_jaw
+from harness.robot.joint_limits import describe_origin, read_joint_limits, warn_of_speeds
 from harness.robot.kinematics import (
     Chain,
     build_chain,
@@ -28,10 +28,11 @@ from harness.robot.kinematics import (
     read_only,
 )
 from harness.robot.normal_urdf import normal_urdf
+from harness.robot.packages import is_installed
 from harness.robot.servo import Servo, read_servo
-from harness.robot.settings import FILE, JOINT_KEYS, RobotSettings
+from harness.robot.settings import CHAIN, FILE, JOINT_KEYS, TOOL, RobotSettings
 from harness.robot.shapes import Shape, attach_shapes, read_shapes
-from harness.robot.source import read_source
+from harness.robot.source import naming, read_source
 from harness.robot.urdf import Joint, Urdf, parse_urdf, read_chain
 
 FEWEST_JOINTS, MOST_JOINTS = 3, 8
@@ -161,8 +162,9 @@ def read_robot(path: Path) -> Robot:
     """The robot of a folder or a URDF.
 
     Args:
-        path: A folder whose `robot.toml` names the URDF; or a URDF, beside which a `robot.toml` may lie that names it
-            or none. Of one that names another URDF nothing is taken.
+        path: A folder whose `robot.toml` names the URDF, or that file; or a URDF, beside which a `robot.toml` may lie
+            that names it or none. Of one that names another URDF nothing is taken. Also ``PACKAGE:PATH`` of an
+            installed package.
 
     Returns:
         The robot, every number checked.
@@ -176,15 +178,18 @@ def read_robot(path: Path) -> Robot:
 
 def _read_robot(path: Path) -> Robot:
     source = read_source(path)
-    settings, urdf_path = source.settings, source.path
-    with _naming(urdf_path):
-        given = parse_urdf(source.text)
-        tip = settings.text("end_effector") or find_chain_end(given)
+    settings = source.settings
+    urdf_path = Path(settings.installed or source.path)
+    with naming(urdf_path):
+        parsed = parse_urdf(source.text)
+    given, tip = arrange(parsed, settings, urdf_path)
+    packages = settings.folders()
+    with naming(urdf_path):
         joints = read_chain(given, tip)
         driven = [joint for joint in joints if joint.kind != "fixed"]
         _check_count(driven, tip)
         names = tuple(joint.name for joint in driven)
-        urdf = normal_urdf(given, names, source.folder)
+        urdf = normal_urdf(given, names, source.folder, packages)
         link_shapes = read_shapes(urdf)
         joint_shapes = attach_shapes(urdf, link_shapes, names)
     chain = build_chain(joints)
@@ -205,29 +210,25 @@ def _read_robot(path: Path) -> Robot:
         joint_shapes=joint_shapes,
         origins=_origins(settings, driven),
         servo=read_servo(settings, driven),
-        warnings=(*source.warnings, *_warn_of_jaw(settings, given, chain, joints)),
+        warnings=(
+            *source.warnings,
+            *warn_of_speeds(driven, limits.max_speed),
+            *_warn_of_jaw(settings, given, chain, joints),
+        ),
     )
 
 
 def _warn_of_jaw(settings: RobotSettings, urdf: Urdf, chain: Chain, joints: Sequence[Joint]) -> list[str]:
-    jaw = None if settings.text("end_effector") else find_jaw(urdf, chain, joints)
-    return [] if jaw is None else [jaw.warning(settings.path)]
-
-
-@contextmanager
-def _naming(path: Path) -> Iterator[None]:
-    """Put the file before what is wrong with it."""
-    try:
-        yield
-    except UsageError as error:
-        raise UsageError(f"{path}: {error}") from error
+    is_named = {"end_effector", CHAIN, TOOL} & settings.entries.keys()
+    jaw = None if is_named else find_jaw(urdf, chain, joints)
+    return [] if jaw is None else [jaw.warning(settings.to_write)]
 
 
 def _check_count(driven: Sequence[Joint], tip: str) -> None:
     if not FEWEST_JOINTS <= len(driven) <= MOST_JOINTS:
         raise UsageError(
             f"{len(driven)} joints move between the root link and '{tip}'; allowed: {FEWEST_JOINTS} to {MOST_JOINTS}. "
-            f"Fix some, or name another end_effector in a {FILE}."
+            f"In a {FILE}, hold some: fixed = {{ joint = 0 }}; or name where the arm lies: chain = [first, last]."
         )
 
 
@@ -244,7 +245,7 @@ def _name_meshes_by_content(urdf: str) -> str:
 
 
 def _origins(settings: RobotSettings, driven: Sequence[Joint]) -> Mapping[str, str]:
-    tip = FILE if settings.text("end_effector") else "the end of the chain"
+    tip = FILE if {"end_effector", CHAIN, TOOL} & settings.entries.keys() else "the end of the chain"
     return {"end_effector": tip} | {each: describe_origin(settings, each, driven) for each in JOINT_KEYS}
 
 
@@ -252,15 +253,14 @@ def load_robot(name_or_path: str | Path, registry: Registry | None = None) -> Ro
     """A registered robot, or the one that a path leads to.
 
     Args:
-        name_or_path: ``fd100``; or the path of a URDF, beside which a ``robot.toml`` may lie, or of a folder that holds
-            both.
+        name_or_path: ``fd100``; or a path as `read_robot` takes it.
         registry: The plugins; loaded if None.
 
     Raises:
         UsageError: No such robot, or its files say something that cannot be.
     """
     text = str(name_or_path)
-    if is_path(name_or_path) and os.path.exists(text):  # no error, whatever the text
+    if is_path(name_or_path) and (os.path.exists(text) or is_installed(text)):  # no error, whatever the text
         return read_robot(Path(text))
     plugins = registry or load_registry()
     if is_path(name_or_path) and "robots" not in plugins.kinds_of(text):  # a qualified name looks like a path
@@ -272,4 +272,4 @@ def load_robot(name_or_path: str | Path, registry: Registry | None = None) -> Ro
 def is_path(robot: str | Path) -> bool:
     """Whether a robot is given by the path of its files, and not by a registered name."""
     text = str(robot)
-    return isinstance(robot, Path) or "/" in text or "\\" in text or text.endswith(".urdf")
+    return isinstance(robot, Path) or "/" in text or "\\" in text or text.endswith((".urdf", FILE))

@@ -1,14 +1,21 @@
 """Where a robot's description comes from: its `robot.toml`, its file, and the text of its URDF."""
 
-from dataclasses import dataclass
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from harness.errors import UsageError
 from harness.files.bounded import read_text
+from harness.robot.packages import find_installed, is_installed, locate
 from harness.robot.settings import FILE, RobotSettings, read_settings
 
 MOST_BYTES = 4 * 2**20
 """The most bytes of a URDF: 200 for each of the elements that it may have. A humanoid's has a fifth of a megabyte."""
+
+PACKAGES = {"site-packages", "dist-packages"}
+"""Folders that pip installs packages into."""
 
 
 @dataclass(frozen=True)
@@ -30,8 +37,21 @@ class Source:
     warnings: tuple[str, ...] = ()
 
 
+@contextmanager
+def naming(path: Path) -> Iterator[None]:
+    """Put the file before what is wrong with it."""
+    try:
+        yield
+    except UsageError as error:
+        raise UsageError(f"{path}: {error}") from error
+
+
 def read_source(path: Path) -> Source:
-    """The description at `path`: a folder with a robot.toml, or a URDF beside which one may lie.
+    """The description at `path`.
+
+    Args:
+        path: Of a folder with a robot.toml, of that file, or of a URDF beside which one may lie; also as a file of an
+            installed package, see `harness.robot.packages.find_installed`.
 
     Raises:
         UsageError: A file cannot be read; the message names it.
@@ -42,12 +62,22 @@ def read_source(path: Path) -> Source:
 
 def _find_files(path: Path) -> tuple[RobotSettings, Path]:
     """The robot.toml, empty where there is none, and the URDF's path."""
-    if path.is_dir():
-        return _find_in_folder(path)
+    found = find_installed(str(path)) if is_installed(str(path)) and not os.path.exists(path) else path
+    if found.name == FILE and found.is_file():
+        found = found.parent
+    settings, file = _find_in_folder(found) if found.is_dir() else _find_beside(found)
+    if PACKAGES & set(settings.path.absolute().parts):
+        settings = replace(settings, installed=str(path if found is not path else path.absolute()))
+    return settings, file
+
+
+def _find_beside(path: Path) -> tuple[RobotSettings, Path]:
+    """Of a robot.toml that names another URDF nothing is taken."""
     beside = path.parent / FILE
     if beside.is_file():
         settings = read_settings(beside)
-        if settings.text("urdf") in {None, path.name}:
+        named = settings.text("urdf")
+        if named is None or os.path.realpath(beside.parent / named) == os.path.realpath(path):
             return settings, path
     return RobotSettings(beside), path
 
@@ -61,7 +91,7 @@ def _find_in_folder(folder: Path) -> tuple[RobotSettings, Path]:
         raise UsageError(
             f"{settings.path}: missing urdf. Name the URDF's file, or give its path instead of the folder."
         )
-    return settings, folder / name
+    return settings, locate(name, folder, str(settings.path))
 
 
 def _read_text(path: Path) -> str:
