@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from harness.arrays import Float
 from harness.errors import UsageError
 from harness.robot import Robot
-from harness.robot.meshes import is_readable, read_mesh
+from harness.robot.meshes import read_mesh
 from harness.robot.servo import Servo
 from harness.robot.shapes import Shape, read_origin, read_scale
 
@@ -75,7 +75,7 @@ def add_meshes(spec: mujoco.MjSpec, urdf: Element, link_shapes: Mapping[str, Seq
 
 
 def _read_surfaces(urdf: Element) -> dict[str, list[Surface]]:
-    """The surfaces of each link. Formats other than STL and OBJ are left out."""
+    """The surfaces of each link."""
     colors = dict(_colors(urdf))
     return {link.get("name", ""): list(_surfaces(link, colors)) for link in urdf.findall("link")}
 
@@ -84,11 +84,11 @@ def _surfaces(link: Element, colors: dict[str, list[float]]) -> Iterator[Surface
     owner = f"Link '{link.get('name')}'"
     for visual in link.findall("visual"):
         mesh, material = visual.find("geometry/mesh"), visual.find("material")
-        path = Path("" if mesh is None else mesh.get("filename", ""))
-        if mesh is not None and is_readable(path):
+        if mesh is not None:
             name = "" if material is None else material.get("name", "")
-            vertices = read_mesh(path).vertices * read_scale(mesh, owner)
-            yield Surface(vertices, read_mesh(path).faces, read_origin(visual, owner), colors.get(name, GREY))
+            surface = read_mesh(Path(mesh.get("filename", "")))
+            vertices = surface.vertices * read_scale(mesh, owner)
+            yield Surface(vertices, surface.faces, read_origin(visual, owner), colors.get(name, GREY))
 
 
 def _colors(robot: Element) -> Iterator[tuple[str, list[float]]]:
