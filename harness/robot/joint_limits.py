@@ -8,6 +8,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -138,7 +139,12 @@ class RobotLimits:
 
 
 def read_joint_limits(
-    settings: RobotSettings, urdf: Path, driven: Sequence[Joint], chain: Chain, shapes: Sequence[Sequence[Shape]]
+    settings: RobotSettings,
+    urdf: Path,
+    driven: Sequence[Joint],
+    chain: Chain,
+    shapes: Sequence[Sequence[Shape]],
+    own_home: Mapping[str, float] = MappingProxyType({}),
 ) -> RobotLimits:
     """The limits of the joints that move, and the resting pose.
 
@@ -148,6 +154,7 @@ def read_joint_limits(
         driven: The joints, dof of them.
         chain: The same.
         shapes: Those that each of them moves.
+        own_home: Positions by joint where the arm's file has a resting pose; of it what robot.toml leaves out is taken.
 
     Raises:
         UsageError: A number is not given, or cannot be; the message starts with the file to correct.
@@ -158,7 +165,10 @@ def read_joint_limits(
     max_speed = _max_speed(settings, urdf, driven)
     max_acceleration = _fill(settings.values("max_acceleration", driven), SPEED_UP_RATE * max_speed)
     _check_positive(settings, "max_acceleration", driven, max_acceleration)
-    home = settings.values("home", driven)
+    home = [
+        own_home.get(joint.name) if value is None else value
+        for joint, value in zip(driven, settings.values("home", driven), strict=True)
+    ]
     resting = lower if None not in home else _choose_home(urdf, chain, lower, upper, max_speed, shapes)
     limits = RobotLimits(lower, upper, max_speed, max_acceleration, _fill(home, resting))
     _check_home(settings, driven, limits)

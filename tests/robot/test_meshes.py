@@ -257,7 +257,8 @@ def test_nearest_mesh_is_taken(tmp_path: Path):
     [
         (
             "a.stl",
-            "has the mesh 'a.stl', and there is no file '{}/a.stl'. Put it there, say in a robot.toml where such names start, meshes = \"FOLDER\", or take its <visual>",
+            "has the mesh 'a.stl', and there is no file '{}/a.stl'. Put it there, say in a robot.toml where such names "
+            'start, meshes = "FOLDER", or take its <visual>',
         ),
         ("", "has the mesh '', and there is no file '{}'"),
         ("package://p/a.stl", "there is no file '{}/p/a.stl', nor one in the folders around it. Put it"),
