@@ -113,6 +113,21 @@ def test_an_arm_with_a_jaw_is_described_with_what_to_write(harness, tmp_path):
     assert "the end effector, 'jaw', is moved by 'gripper'" in answer.err
 
 
+def test_the_tip_of_an_arm_is_described_with_what_else_might_be_meant(harness, tmp_path):
+    """The link, the joint that cannot move it, the links beside it, and the line for the tool's frame among them."""
+    tool = '<link name="tcp"/><joint name="k" type="fixed"><parent link="tool"/><child link="tcp"/></joint>'
+    (tmp_path / "arm.urdf").write_text(changed(("</robot>", f"{tool}</robot>")))
+    (tmp_path / "robot.toml").write_text('end_effector = "l4"')
+    out = harness("describe", tmp_path / "arm.urdf").out
+    assert (
+        "\n\nTargets are for the origin of link l4.\nIt lies on the axis of j4, which cannot move it.\n"
+        'Links beside it: tcp, tool.\nIf the tool is meant, write into robot.toml: end_effector = "tcp"\n\n'
+    ) in out
+    (tmp_path / "robot.toml").write_text('end_effector = "tcp"')
+    out = harness("describe", tmp_path / "arm.urdf").out
+    assert "Targets are for the origin of link tcp.\nLinks beside it: l4, tool.\n\n" in out
+
+
 def test_speeds_that_are_missing_are_told_whole(harness, tmp_path):
     """What to write is not cut either, and then the arm is described."""
     path = tmp_path / "arm.urdf"
