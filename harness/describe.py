@@ -7,6 +7,7 @@ import re
 import tempfile
 from collections.abc import Sequence
 from contextlib import closing
+from functools import partial
 from pathlib import Path
 from typing import Any, get_args
 
@@ -35,7 +36,7 @@ from harness.robot.robot import load_robot
 from harness.robot.servo import Part
 from harness.robot.settings import FILE, SERVO
 from harness.simulator import family_of
-from harness.task import Task, goal_of
+from harness.task import Task, choose_task, goal_of
 
 OF_ENVIRONMENTS = {field.name for field in ENVIRONMENT} - {field.name for field in ARM}
 """Fields of steps of environments that steps of an arm do not have."""
@@ -60,7 +61,10 @@ def describe_name(registry: Registry, kind: str, given: str, robot: str | None) 
     if not (params or spec.missing) and _has_to_be_given(spec.load()):  # nothing can be built of the bare name
         parts = [*_head(spec, name, spec.load()), _describe_parameters(spec.load(), {})]
     else:
-        choice = choose(registry, kind, given)
+        load = partial(load_robot, registry=registry)
+        choice, arm = (
+            choose_task(registry, given, robot, load) if kind == "tasks" else (choose(registry, kind, given), None)
+        )
         thing = choice.build(registry, kind)
         parts = _head(spec, choice.label, type(thing))
         if kind == "simulators":
@@ -73,8 +77,8 @@ def describe_name(registry: Registry, kind: str, given: str, robot: str | None) 
             parts.append(_describe_env(thing, spec))
         if kind == "logs":
             parts.append(_describe_format(thing, spec))
-        if kind == "tasks":
-            parts += [describe_task(thing, load_robot(robot or thing.robot, registry)), _steps_of_arms()]
+        if arm is not None:
+            parts += [describe_task(thing, arm), _steps_of_arms()]
         parts.append(_describe_parameters(type(thing), values_of(thing)))
         if kind == "algorithms":
             parts.append(_describe_in_environments(choice.label, choose(registry, kind, given, IN_ENVIRONMENTS).label))

@@ -7,6 +7,7 @@ measures all arms, or those named, two at a time; `make arms` sets up what it ne
 
 import csv
 import json
+import re
 import subprocess
 import sys
 import tempfile
@@ -126,7 +127,10 @@ def _tip_error(robot: Robot, arm: Mapping[str, Any]) -> float:
 
 
 def _pinocchio_tips(file: Path, tip: str, poses: Iterable[Mapping[str, float]]) -> Iterator[NDArray[np.float64]]:
-    model = pinocchio.buildModelFromXML(_expand(file) if file.suffix == ".xacro" else file.read_text(encoding="utf-8"))
+    text = _expand(file) if file.suffix == ".xacro" else file.read_text(encoding="utf-8")
+    for name in ("effort", "velocity"):  # ROS's parser wants both, which move no tip
+        text = re.sub(rf"<limit\b(?![^>]*\b{name}=)", f'<limit {name}="0"', text)
+    model = pinocchio.buildModelFromXML(text)
     data, frame = model.createData(), model.getFrameId(tip, pinocchio.FrameType.BODY)
     for pose in poses:
         qpos = pinocchio.neutral(model)

@@ -25,8 +25,8 @@ KEYS = {FIXED, CHAIN, TOOL, BASE, *RANGE_KEYS.values()}
 """Those that change anything."""
 POSE = ("xyz_m", "rpy_deg")
 NAME = "name"
-WORLD, TOOL_LINK = "world", "tool"
-"""Names of the links that stand for the world and for the tool's frame, where nothing else is said."""
+WORLD, MOUNT, TOOL_LINK = "world", "mount", "tool"
+"""Names of the links that stand for the world, for one that was called so, and for a tool's frame without a name."""
 SHOWN = 100
 
 
@@ -169,7 +169,7 @@ def _add_tool(urdf: Urdf, tip: str, settings: RobotSettings) -> str:
     if table is None:
         return tip
     name = table.entries.get(NAME, TOOL_LINK)
-    if not isinstance(name, str) or not name or name in urdf.links:
+    if not isinstance(name, str) or not name or name in {*urdf.links, WORLD}:
         taken = "; the URDF has a link of that name" if name in urdf.links else ""
         raise UsageError(f"{table.place}: {NAME} is {_shown(name)}{taken}. Give another, in quotes.")
     urdf.element.append(Element("link", name=name))
@@ -183,9 +183,14 @@ def _add_base(urdf: Urdf, settings: RobotSettings) -> None:
     if table is None:
         return
     root = next(name for name in urdf.links if name not in urdf.carriers)
-    world = _free(WORLD, urdf.links)
-    urdf.element.insert(0, Element("link", name=world))
-    urdf.element.append(_mount(urdf, table, world, root))
+    if WORLD in urdf.links:  # engines take a link of that name for the world
+        mount = _free(MOUNT, urdf.links)
+        root = mount if root == WORLD else root
+        urdf.links[WORLD].set("name", mount)
+        for end in urdf.element.iterfind(f"joint/*[@link='{WORLD}']"):
+            end.set("link", mount)
+    urdf.element.insert(0, Element("link", name=WORLD))
+    urdf.element.append(_mount(urdf, table, WORLD, root))
 
 
 def _mount(urdf: Urdf, table: RobotSettings, parent: str, child: str) -> Element:

@@ -72,8 +72,8 @@ def find_installed(name: str, place: str = "") -> Path:
 
 
 def _no_package(package: str) -> str:
-    known = {*packages_distributions(), *(name for names in packages_distributions().values() for name in names)}
-    meant = did_you_mean(package, known)
+    brought = packages_distributions()
+    meant = did_you_mean(package, {*brought, *(name for names in brought.values() for name in names)})
     return f"No package '{package}' is installed.{meant} Correct the name, install it, or give the path of a file."
 
 

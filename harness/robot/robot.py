@@ -41,6 +41,8 @@ from harness.robot.urdf import Joint, Urdf, parse_urdf, read_chain
 FEWEST_JOINTS, MOST_JOINTS = 3, 8
 SUFFIXES = (".urdf", ".xacro", ".xml", FILE)
 """Of the names of files that describe robots: the name of no plugin ends so."""
+FD100_REACH = 1.5413267497929588
+"""Reach of the FD100, [m]. Lengths of tasks and motions were chosen for it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,6 +135,19 @@ class Robot:
     def extent(self) -> float:
         """No end effector position is farther than this from the world's origin: the chain's begin and `reach` [m]."""
         return self.reach + float(np.linalg.norm(self.chain.T_previous_joint[0, :3, 3]))
+
+    def scaled(self, length: float) -> float:
+        """A length or speed of the tip that was chosen for the FD100, as large a share of this arm's reach.
+
+        Args:
+            length: [m] or [m/s].
+
+        Returns:
+            In the same unit, with three digits: it is to be read, and the same on all platforms. For the FD100, or an
+            arm of its reach, the number itself.
+        """
+        scale = self.reach / FD100_REACH
+        return length if math.isclose(scale, 1.0, rel_tol=1e-6) else float(f"{scale * length:.3g}")
 
     def end_effector(self, qpos: ArrayLike) -> Float:
         """The end effector's position in the world frame.

@@ -17,6 +17,8 @@ from harness.robot.settings import ARGUMENTS, FILE, RobotSettings, read_settings
 
 MOST_BYTES = 4 * 2**20
 """The most bytes of a URDF: 200 for each of the elements that it may have. A humanoid's has a fifth of a megabyte."""
+FOREIGN = (b"<xacro:", b"\0")
+"""What no URDF has: macros, and bytes of an archive."""
 COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
 
 PACKAGES = {"site-packages", "dist-packages"}
@@ -82,7 +84,7 @@ def _may_be_urdf(path: Path) -> bool:
         data = COMMENT.sub(b"", read_bytes(path, MOST_BYTES))
     except OSError as error:
         return error.errno != errno.EFBIG
-    return path.suffix.lower() != ".xacro" and b"<robot" in data and b"<xacro:" not in data
+    return path.suffix.lower() != ".xacro" and b"<robot" in data and not any(mark in data for mark in FOREIGN)
 
 
 def _find_files(path: Path) -> tuple[RobotSettings, Path]:
@@ -97,7 +99,7 @@ def _find_files(path: Path) -> tuple[RobotSettings, Path]:
 
 
 def _find_beside(path: Path) -> tuple[RobotSettings, Path]:
-    """Of a robot.toml that names another URDF nothing is taken."""
+    """The robot.toml beside a file, and the file; of one that names another file nothing is taken."""
     beside = path.parent / FILE
     if beside.is_file():
         settings = read_settings(beside)

@@ -6,6 +6,7 @@ becomes a link of its name, whose frame is the body's; a site becomes a link wit
 
 import math
 import re
+import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -17,7 +18,7 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 
 from harness.arrays import Float
-from harness.errors import UsageError, one_line
+from harness.errors import UsageError
 from harness.robot.chain_end import TOOL
 from harness.robot.description import Description
 from harness.robot.meshes import is_readable
@@ -30,6 +31,8 @@ SPEEDS = (
 )
 SITE = re.compile(r"attachment|" + TOOL.pattern, re.IGNORECASE)
 """In the name of a site: it is where a tool is held, or works."""
+MESH = 7
+"""As MuJoCo numbers the types of shapes; its numbers of types, objects and joints never change."""
 DRAWN_GROUPS = 3
 """Shapes of the groups below this one are drawn by MuJoCo's viewer."""
 NAMED = 3
@@ -74,10 +77,12 @@ class Mjcf:
         import mujoco
 
         try:
-            spec = mujoco.MjSpec.from_file(str(path))
-            model = spec.compile()
+            with warnings.catch_warnings(action="ignore"):  # of attributes that are deprecated, and still read
+                spec = mujoco.MjSpec.from_file(str(path))
+                model = spec.compile()
         except (ValueError, TypeError, RuntimeError) as error:
-            raise UsageError(f"{path}: MuJoCo cannot read it: {one_line(error)}. Correct it.") from error
+            said = " ".join(str(error).split()).removeprefix("XML ").removeprefix("Error: ")
+            raise UsageError(f"{path}: MuJoCo cannot read it: {said}. Correct it.") from error
         placed = {mesh.id: (mesh.refpos, mesh.refquat) for mesh in spec.meshes}
         try:
             return _Reading(model, placed).description()
@@ -245,10 +250,12 @@ class _Reading:
         return link
 
     def _uses(self, geom: int) -> Iterator[str]:
-        touches = bool(self.model.geom_contype[geom] or self.model.geom_conaffinity[geom])
+        """What a shape is for: others can touch it, or it is drawn; a mesh that is touched as its hull is drawn too."""
+        model = self.model
+        touches = bool(model.geom_contype[geom] or model.geom_conaffinity[geom])
         if touches:
             yield "collision"
-        if not touches or self.model.geom_group[geom] < DRAWN_GROUPS:
+        if not touches or (model.geom_type[geom] == MESH and model.geom_group[geom] < DRAWN_GROUPS):
             yield "visual"
 
     def _shape(self, geom: int) -> tuple[Element, Element] | None:
@@ -263,7 +270,7 @@ class _Reading:
             SubElement(geometry, tag, radius=repr(size[0]), length=repr(2.0 * size[1]))
         elif kind == 6:
             SubElement(geometry, "box", size=_text(2.0 * model.geom_size[geom]))
-        elif kind == 7:
+        elif kind == MESH:
             placed = self._mesh(geom, geometry)
             if placed is None:
                 return None
@@ -273,7 +280,7 @@ class _Reading:
             name = {0: "plane", 1: "height field", 4: "ellipsoid", 8: "distance field"}.get(
                 kind, "shape of another kind"
             )
-            self._leave_out(geom, f"a {name}")
+            self._leave_out(geom, f"{'an' if name[0] in 'aeiou' else 'a'} {name}")
             return None
         return Element("origin", xyz=_text(xyz), rpy=_text(_rpy(rotation))), geometry
 

@@ -52,6 +52,7 @@ class XacroFile:
         import xacro
 
         guessed: list[str] = []
+        given = _Arguments(arguments)
         silent = io.StringIO()
 
         def find(package: str) -> str:
@@ -62,9 +63,12 @@ class XacroFile:
 
         try:
             with contextlib.redirect_stderr(silent), contextlib.redirect_stdout(silent), _finding_by(find):
-                document = xacro.process_file(str(path), mappings=dict(arguments), verbosity=0)
+                document = xacro.process_file(str(path), mappings=given, verbosity=0)
         except Exception as error:  # of expressions that anybody wrote
             raise UsageError(f"{path}: {_problem(one_line(error), guessed)}.") from error
+        if unused := sorted(arguments.keys() - given.asked):
+            declared = ", ".join(sorted(given.asked)) or "none"
+            raise UsageError(f"{path}: it has no argument '{unused[0]}'. Its arguments: {declared}.")
         if not document.documentElement.getElementsByTagName("link"):
             raise UsageError(f"{path}: it makes no <link>: a file of macros, it seems. Give the one that calls them.")
         return Description(document.documentElement.toxml())
@@ -74,6 +78,22 @@ class XacroFile:
         path = folder / "example.urdf.xacro"
         path.write_text(EXAMPLE, encoding="utf-8")
         return path
+
+
+class _Arguments(dict[str, str]):
+    """The arguments of a file, and which it asks for; xacro silently takes others too."""
+
+    def __init__(self, given: Mapping[str, str]) -> None:
+        super().__init__(given)
+        self.asked: set[str] = set()
+
+    def __contains__(self, name: object) -> bool:
+        self.asked.add(str(name))
+        return super().__contains__(name)
+
+    def __getitem__(self, name: str) -> str:
+        self.asked.add(name)
+        return super().__getitem__(name)
 
 
 @contextlib.contextmanager

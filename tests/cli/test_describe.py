@@ -98,8 +98,17 @@ def test_robot_of_a_path_is_described(harness, tmp_path):
     shutil.copy(Path(harness_robots.UNITY_ARM, "unity_arm.urdf"), tmp_path / "mine.urdf")
     out = harness("describe", tmp_path / "mine.urdf").out
     assert "robot mine: 5 joints, end effector Axis06Tip" in out
-    assert re.search(r"home: +the simplest pose clear of the ground", out)
+    assert re.search(r"home: +a pose in front of the mount", out)
     assert re.search(r"home: +robot\.toml", harness("describe", "unity-arm").out)
+
+
+def test_robot_alone_is_described_itself(harness, tmp_path):
+    """`--robot FILE` is as good as `FILE`; nothing at all is answered with what to give."""
+    shutil.copy(Path(harness_robots.UNITY_ARM, "unity_arm.urdf"), tmp_path / "mine.urdf")
+    assert harness("describe", "--robot", tmp_path / "mine.urdf").out == harness("describe", tmp_path / "mine.urdf").out
+    answer = harness("describe")
+    assert answer.status == 2
+    assert "Nothing to describe: give a name that harness list shows, or --robot and a URDF." in answer.err
 
 
 def test_an_arm_with_a_jaw_is_described_with_what_to_write(harness, tmp_path):

@@ -334,6 +334,17 @@ def test_robot_toml_wins_over_a_placeholder(tmp_path_factory: pytest.TempPathFac
             assert read_robot(tmp_path / "arm.urdf").max_speed.tolist() == [np.pi / 2, np.pi / 2, 0.5]
 
 
+def test_robot_toml_wins_over_a_lower_speed_of_the_urdf(tmp_path: Path):
+    """A velocity there is often a placeholder; a line tells the joints that are allowed more, and no others."""
+    (tmp_path / "plain").mkdir()
+    assert read_robot(_write(tmp_path / "plain")).warnings == ()
+    faster = TOML.replace("[90, 180.0]", "[180, 180]").replace("[0.25]", "[0.75]")
+    robot = read_robot(_write(tmp_path, toml=faster))
+    np.testing.assert_allclose(robot.max_speed, [np.pi, np.pi, 0.75])
+    told = "robot.toml allows joint 'shoulder' 180 deg/s, the URDF 90; joint 'slide' 0.75 m/s, the URDF 0.5"
+    assert robot.warnings == (told,)
+
+
 def test_what_to_write_has_both_kinds_of_joints(tmp_path: Path):
     """And names in quotes where TOML wants them."""
     urdf = URDF.replace(' velocity="0.5"', "").replace('"elbow"', '"the elbow"')
