@@ -80,7 +80,7 @@ def damage_is_refused(form: DescriptionFormat, folder: Path) -> None:
 
 @check("description-arguments")
 def unknown_arguments_are_refused(form: DescriptionFormat, folder: Path) -> None:
-    """An argument that the file does not take is refused with a UsageError: a slip would change nothing, and silently."""
+    """An argument that the file does not take is refused with a UsageError: a slip would change nothing."""
     _require_refused(form, _example(form, folder), {"no_such_argument_": "1"}, "an argument that it does not take")
 
 

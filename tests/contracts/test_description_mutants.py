@@ -30,8 +30,8 @@ class Chain:
     def describe(self, names):
         links = ["base", *(f"{name}_link" for name in names)]
         joints = "".join(
-            f'<joint name="{name}" type="continuous"><origin xyz="0 0 0.3"/><axis xyz="0 {y} {1 - y}"/><limit velocity="1"/>'
-            f'<parent link="{links[place]}"/><child link="{links[place + 1]}"/></joint>'
+            f'<joint name="{name}" type="continuous"><origin xyz="0 0 0.3"/><axis xyz="0 {y} {1 - y}"/>'
+            f'<limit velocity="1"/><parent link="{links[place]}"/><child link="{links[place + 1]}"/></joint>'
             for place, (name, y) in enumerate(zip(names, itertools.cycle((0, 1)), strict=False))
         )
         urdf = f'<robot name="chain">{"".join(f"<link name={name!r}/>" for name in links)}{joints}</robot>'
