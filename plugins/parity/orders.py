@@ -26,7 +26,7 @@ GOALS = 32
 POSES = 1_024
 """Drawn for each dive of an arm whose tip does not reach a goal."""
 ROUNDS, NEARER = 8, 0.6
-"""So often poses are drawn, the next time nearer around the lowest one by this factor."""
+"""How often poses are drawn, the next time nearer around the lowest one by this factor."""
 
 
 def dive_motions(robot: Robot, seed: int, episodes: int, period: float) -> Float | None:

@@ -41,7 +41,9 @@ def test_limits_are_kept(each_robot, steps, period):
 
 def test_every_joint_really_moves(each_robot):
     """In each motion a joint gets to a third of what it may at least; in the best of eight to nearly all of it."""
-    share = np.abs(speeds(smooth_motions(each_robot, 0, 8, 200, PERIOD).motions)).max(axis=0) / (SPEED * each_robot.max_speed)
+    share = np.abs(speeds(smooth_motions(each_robot, 0, 8, 200, PERIOD).motions)).max(axis=0) / (
+        SPEED * each_robot.max_speed
+    )
     assert share.min() > 1 / 3
     assert (share.max(axis=0) > 0.9).all()
 
@@ -70,7 +72,7 @@ def test_lowest_point_is_the_lowest_of_tip_and_joints(robot):
 
 
 def test_an_arm_whose_home_is_on_the_ground_is_moved_all_the_same(robot):
-    """No motion from there keeps a tenth of the reach; solids above the ground at home stay above it, and it is told."""
+    """No motion from there keeps a tenth of the reach; solids stay above it, and it is told."""
     low = replace(robot, home=np.array([0.0, robot.upper[1], 0.0, 0.0, 0.0, 0.0]))
     drawn = smooth_motions(low, 0, 1, 20, PERIOD)
     assert drawn.held == "solids"
