@@ -239,9 +239,14 @@ def _read_obj(data: bytes) -> Mesh:
     numbers = np.fromiter(_corners_of_obj(data), np.int64).reshape(-1, 3)
     # They begin with 1; what is below 0 is counted from the end, as most files with it list all points first.
     corners = np.where(numbers < 0, numbers + len(vertices), numbers - 1)
-    if corners.size and not 0 <= corners.min() <= corners.max() < len(vertices):
-        raise ValueError("it has triangles with corners that it does not have")
+    _require_corners(corners, len(vertices))
     return Mesh(vertices, corners.astype(np.int32))
+
+
+def _require_corners(numbers: NDArray[np.int64], count: int) -> None:
+    """Raises unless all triangles have corners among `count` points."""
+    if numbers.size and not 0 <= numbers.min() <= numbers.max() < count:
+        raise ValueError("it has triangles with corners that it does not have")
 
 
 def _corners_of_obj(data: bytes) -> Iterator[int]:
@@ -299,6 +304,7 @@ def _read_scene(data: bytes, suffix: str) -> Mesh:
         part = scene.geometry[name]
         if not isinstance(part, trimesh.Trimesh):
             continue  # lines
+        _require_corners(part.faces, len(part.vertices))
         triangles += len(part.faces)
         if triangles > MOST_TRIANGLES:
             raise _too_many(triangles)

@@ -105,6 +105,8 @@ def test_bad_mesh_is_refused_in_one_line(tmp_path_factory: pytest.TempPathFactor
         ("a.stl", binary_stl(CORNERS)[:-1], "it holds no points, or some"),
         ("a.stl", binary_stl(CORNERS * np.nan), "it holds no points, or some"),
         ("a.stl", text_stl(CORNERS).replace(b"vertex", b"corner", 1), "its last triangle is not complete"),
+        ("a.dae", collada(CORNERS).replace("<p>0", "<p>7").encode(), "cannot be read as a mesh"),
+        ("a.ply", OUTSIDE, "triangles with corners that it does not have"),
         ("a.obj", b"v 1 2\n", "cannot be read as a mesh"),
         ("a.obj", b"v 1 2 x\n", "cannot be read as a mesh"),
         ("a.obj", b"v 1 2 3\nf 1 a 1\n", "cannot be read as a mesh"),
@@ -143,6 +145,21 @@ def test_distinct_points_are_those_of_numpy(points: np.ndarray):
     np.testing.assert_array_equal(found_numbers, numbers.ravel())
 
 
+OUTSIDE = b"""ply
+format ascii 1.0
+element vertex 3
+property float x
+property float y
+property float z
+element face 1
+property list uchar int vertex_indices
+end_header
+0 0 0
+1 0 0
+0 1 0
+3 0 1 7
+"""
+"""A PLY with a corner that it does not have."""
 COLLADA = """<?xml version="1.0"?>
 <COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
 <asset><unit name="any" meter="{unit}"/><up_axis>{up}</up_axis></asset>
