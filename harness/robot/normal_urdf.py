@@ -1,9 +1,10 @@
 """A URDF with nothing left to guess: what every simulator reads, so that all of them read the same arm."""
 
 import math
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from copy import deepcopy
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple, cast
@@ -84,13 +85,14 @@ def normal_urdf(
             fix_joint(joint)
         _drop_words(joint)
     size, told = 0, _Told()
+    find = partial(locate_mesh, folder=folder, packages=packages)
     carriers = Urdf("", robot).carriers
     movers = {name: moving_carrier(name, carriers)[0] for name in urdf.links}
     solid = {movers[name] for name, link in urdf.links.items() if _is_solid(link)}
     for link in robot.findall("link"):
         mover = movers[link.get("name", "")]
         _settle_inertia(link, mover is not None, mover in solid, told)
-        size += _settle_meshes(link, mover is not None, told, folder, packages)
+        size += _settle_meshes(link, mover is not None, find, told)
     if size > MOST_MESH_BYTES:
         raise UsageError(f"The meshes have {size:,} bytes together, {MOST_MESH_BYTES:,} are allowed. Simplify them.")
     is_same = _are_alike(robot, urdf.element)
@@ -298,7 +300,7 @@ def _require_few_shapes(urdf: Urdf) -> None:
         raise UsageError(f"The URDF has {count:,} shapes, {MOST_SHAPES:,} are allowed. Simplify it.")
 
 
-def _settle_meshes(link: Element, moves: bool, told: _Told, folder: Path, packages: Mapping[str, Path]) -> int:
+def _settle_meshes(link: Element, moves: bool, find: Callable[[str], Path], told: _Told) -> int:
     """Write where the link's meshes are, and take out those that cannot be read and need not; how many bytes they have.
 
     Raises:
@@ -309,7 +311,7 @@ def _settle_meshes(link: Element, moves: bool, told: _Told, folder: Path, packag
         for mesh in part.findall("geometry/mesh"):
             file = None
             try:
-                file = _locate(mesh, folder, packages, f"Link '{name}'")
+                file = _locate(mesh, find, f"Link '{name}'")
                 total += file.stat().st_size
                 if part.tag == "visual":
                     _require_surface(part, mesh, f"Link '{name}'")
@@ -329,10 +331,10 @@ def _settle_meshes(link: Element, moves: bool, told: _Told, folder: Path, packag
     return total
 
 
-def _locate(mesh: Element, folder: Path, packages: Mapping[str, Path], owner: str) -> Path:
+def _locate(mesh: Element, find: Callable[[str], Path], owner: str) -> Path:
     """Write where a mesh is, and return that."""
     try:
-        file = locate_mesh(mesh.get("filename", ""), folder, packages)
+        file = find(mesh.get("filename", ""))
     except UsageError as error:
         raise UsageError(f"{owner} {error}") from error
     mesh.set("filename", str(file))
