@@ -166,9 +166,10 @@ def _add_tool(urdf: Urdf, tip: str, settings: RobotSettings) -> str:
     if table is None:
         return tip
     name = table.entries.get(NAME, TOOL_LINK)
-    if not isinstance(name, str) or not name or name in {*urdf.links, WORLD}:
-        taken = "; the URDF has a link of that name" if name in urdf.links else ""
-        raise UsageError(f"{table.place}: {NAME} is {_shown(name)}{taken}. Give another, in quotes.")
+    if not isinstance(name, str) or name in {"", WORLD}:
+        raise UsageError(f"{table.place}: {NAME} is {_shown(name)}. Give another, in quotes.")
+    if name in urdf.links:
+        raise UsageError(f"{table.place}: {NAME} is {_shown(name)}, a link of the URDF. Give another.")
     urdf.element.append(Element("link", name=name))
     urdf.element.append(_mount(urdf, table, tip, name))
     return name
