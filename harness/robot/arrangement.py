@@ -37,13 +37,14 @@ class Mover(NamedTuple):
     kind: str
 
 
-def arrange(given: Urdf, settings: RobotSettings, path: Path) -> tuple[Urdf, str]:
+def arrange(given: Urdf, settings: RobotSettings, path: Path, frame: str | None = None) -> tuple[Urdf, str]:
     """The arm as robot.toml wants it.
 
     Args:
         given: What a file describes; it is left as it is.
         settings: The robot.toml.
         path: Of the file, which an error of it begins with.
+        frame: The link that its author calls the tool's frame, if there is one.
 
     Returns:
         A URDF, `given` itself where robot.toml has none of the keys; and the link that is the end effector.
@@ -52,20 +53,23 @@ def arrange(given: Urdf, settings: RobotSettings, path: Path) -> tuple[Urdf, str
         UsageError: A key names no link or joint, or a number cannot be; the message begins with the file to correct.
     """
     if not KEYS & settings.entries.keys():
-        return given, _find_end(given, settings, path)
+        return given, _find_end(given, settings, path, frame)
     urdf = Urdf("", deepcopy(given.element))
     _hold(urdf, settings, path)
-    tip = _begin_and_end(urdf, settings, path) or _find_end(urdf, settings, path)
+    tip = _begin_and_end(urdf, settings, path) or _find_end(urdf, settings, path, frame)
     _limit(urdf, tip, settings)
     tip = _add_tool(urdf, tip, settings)
     _add_base(urdf, settings)
     return Urdf(ElementTree.tostring(urdf.element, encoding="unicode"), urdf.element), tip
 
 
-def _find_end(urdf: Urdf, settings: RobotSettings, path: Path) -> str:
-    """The link that robot.toml names, else the end of the chain."""
+def _find_end(urdf: Urdf, settings: RobotSettings, path: Path, frame: str | None) -> str:
+    """The link that robot.toml names, else the tool's frame, else the end of the chain; raises where arms branch."""
     with naming(path):
-        tip = settings.text(END) or find_chain_end(urdf)
+        tip = settings.text(END)
+        if tip is None:
+            end = find_chain_end(urdf)
+            tip = frame or end
         require_link(urdf, tip)
     return tip
 

@@ -1,15 +1,16 @@
-"""Files by the names that a `robot.toml` or a command gives them: paths, and files of installed packages."""
+"""Files by the names that a `robot.toml`, a command or a xacro file gives them: paths, and files of packages."""
 
 import difflib
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from importlib.metadata import Distribution, PackageNotFoundError, distribution, packages_distributions
 from importlib.util import find_spec
 from itertools import islice
 from pathlib import Path, PurePosixPath
 
 from harness.errors import UsageError
+from harness.files.bounded import read_text
 from harness.registry.names import did_you_mean
 
 INSTALLED = re.compile(r"([A-Za-z0-9][A-Za-z0-9._-]+):([^/\\:][^:]*)")
@@ -17,6 +18,8 @@ INSTALLED = re.compile(r"([A-Za-z0-9][A-Za-z0-9._-]+):([^/\\:][^:]*)")
 MOST_FILES = 20_000
 """Files of a package that are looked at for a near miss."""
 SHOWN = 5
+MOST_BYTES = 2**20
+"""Of a package.xml."""
 
 
 def is_installed(name: str) -> bool:
@@ -99,3 +102,35 @@ def _files_in(folders: list[Path]) -> Iterator[str]:
 
 def _files_of(brought: Distribution) -> Iterator[str]:
     return (file.as_posix() for file in brought.files or [])
+
+
+def package_folders(name: str, folder: Path, packages: Mapping[str, Path]) -> Iterator[Path]:
+    """The folders of a ROS package, likeliest first.
+
+    Looked at are those that `packages` names, those around `folder`, those beside them, those that ROS_PACKAGE_PATH
+    lists and those in them, and ``share`` in those that AMENT_PREFIX_PATH lists. A folder around `folder` is also known
+    by its ``package.xml``.
+
+    Args:
+        name: Of the package.
+        folder: Where it is asked for.
+        packages: Folders of packages by their names; that of the name '' holds all others.
+    """
+    if name in packages:
+        yield packages[name]
+    around = (folder.absolute(), *folder.absolute().parents)
+    listed = [Path(place) for place in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if place]
+    installed = [Path(place, "share") for place in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if place]
+    yield from (place for place in (*around, *listed) if name in {place.name, _named_by(place / "package.xml")})
+    given = [packages[""]] if "" in packages else []
+    places = (place / name for place in (*given, *around, *listed, *installed))
+    yield from (place for place in places if os.path.isdir(place))
+
+
+def _named_by(manifest: Path) -> str:
+    """The name that a package.xml gives its package; empty without such a file."""
+    try:
+        found = re.search(r"<name>\s*([^<\s]+)\s*</name>", read_text(manifest, MOST_BYTES))
+    except (OSError, UnicodeDecodeError):
+        return ""
+    return found[1] if found else ""

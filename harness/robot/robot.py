@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,7 +19,8 @@ from harness.files.bounded import digest_of, reading
 from harness.registry.registry import Registry, load_registry
 from harness.robot.arrangement import arrange
 from harness.robot.chain_end import find_jaw
-from harness.robot.joint_limits import describe_origin, read_joint_limits, warn_of_speeds
+from harness.robot.description import Description
+from harness.robot.joint_limits import RULES, describe_origin, read_joint_limits, warn_of_speeds
 from harness.robot.kinematics import (
     Chain,
     build_chain,
@@ -27,15 +29,20 @@ from harness.robot.kinematics import (
     position_jacobian,
     read_only,
 )
-from harness.robot.normal_urdf import normal_urdf
+from harness.robot.meshes import SCENES
+from harness.robot.normal_urdf import named, normal_urdf
 from harness.robot.packages import is_installed
 from harness.robot.servo import Servo, read_servo
 from harness.robot.settings import CHAIN, FILE, JOINT_KEYS, TOOL, RobotSettings
-from harness.robot.shapes import Shape, attach_shapes, read_shapes
+from harness.robot.shapes import Shape, attach_shapes, find_too_long, read_shapes
 from harness.robot.source import naming, read_source
 from harness.robot.urdf import Joint, Urdf, parse_urdf, read_chain
 
 FEWEST_JOINTS, MOST_JOINTS = 3, 8
+SUFFIXES = (".urdf", ".xacro", ".xml", FILE)
+"""Of the names of files that describe robots: the name of no plugin ends so."""
+FD100_REACH = 1.5413267497929588
+"""Reach of the FD100, [m]. Lengths of tasks and motions were chosen for it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,6 +136,19 @@ class Robot:
         """No end effector position is farther than this from the world's origin: the chain's begin and `reach` [m]."""
         return self.reach + float(np.linalg.norm(self.chain.T_previous_joint[0, :3, 3]))
 
+    def scaled(self, length: float) -> float:
+        """A length or speed of the tip that was chosen for the FD100, as large a share of this arm's reach.
+
+        Args:
+            length: [m] or [m/s].
+
+        Returns:
+            In the same unit, with three digits: it is to be read, and the same on all platforms. For the FD100, or an
+            arm of its reach, the number itself.
+        """
+        scale = self.reach / FD100_REACH
+        return length if math.isclose(scale, 1.0, rel_tol=1e-6) else float(f"{scale * length:.3g}")
+
     def end_effector(self, qpos: ArrayLike) -> Float:
         """The end effector's position in the world frame.
 
@@ -158,13 +178,14 @@ class Robot:
         return position_jacobian(self.chain, qpos)
 
 
-def read_robot(path: Path) -> Robot:
-    """The robot of a folder or a URDF.
+def read_robot(path: Path, registry: Registry | None = None) -> Robot:
+    """The robot of a folder or a URDF, or of a file that a plugin makes a URDF of.
 
     Args:
         path: A folder whose `robot.toml` names the URDF, or that file; or a URDF, beside which a `robot.toml` may lie
             that names it or none. Of one that names another URDF nothing is taken. Also ``PACKAGE:PATH`` of an
             installed package.
+        registry: Has the readers of what is no URDF; loaded if None, and only where it is needed.
 
     Returns:
         The robot, every number checked.
@@ -173,27 +194,28 @@ def read_robot(path: Path) -> Robot:
         UsageError: A file cannot be read or says something that cannot be; the message names the file.
     """
     with reading(path, "robot", UsageError):
-        return _read_robot(path)
+        return _read_robot(path, registry)
 
 
-def _read_robot(path: Path) -> Robot:
-    source = read_source(path)
-    settings = source.settings
+def _read_robot(path: Path, registry: Registry | None) -> Robot:
+    source = read_source(path, registry)
+    settings, described = source.settings, source.described
     urdf_path = Path(settings.installed or source.path)
     with naming(urdf_path):
         parsed = parse_urdf(source.text)
-    given, tip = arrange(parsed, settings, urdf_path)
+    given, tip = arrange(parsed, settings, urdf_path, described.tip)
     packages = settings.folders()
     with naming(urdf_path):
         joints = read_chain(given, tip)
         driven = [joint for joint in joints if joint.kind != "fixed"]
         _check_count(driven, tip)
         names = tuple(joint.name for joint in driven)
-        urdf = normal_urdf(given, names, source.folder, packages)
+        urdf, changes = normal_urdf(given, names, source.folder, packages)
         link_shapes = read_shapes(urdf)
         joint_shapes = attach_shapes(urdf, link_shapes, names)
-    chain = build_chain(joints)
-    limits = read_joint_limits(settings, urdf_path, driven, chain, joint_shapes)
+        chain = build_chain(joints)
+        long = _warn_of_length(urdf, chain, driven)
+    limits = read_joint_limits(settings, urdf_path, driven, chain, joint_shapes, described.home)
     return Robot(
         name=settings.text("name") or urdf_path.stem,
         urdf=urdf.text,
@@ -208,14 +230,31 @@ def _read_robot(path: Path) -> Robot:
         chain=chain,
         link_shapes=link_shapes,
         joint_shapes=joint_shapes,
-        origins=_origins(settings, driven),
+        origins=_origins(settings, driven, described),
         servo=read_servo(settings, driven),
         warnings=(
             *source.warnings,
+            *changes,
+            *long,
             *warn_of_speeds(driven, limits.max_speed),
+            *_warn_of_lacking_speeds(settings, driven, described),
             *_warn_of_jaw(settings, given, chain, joints),
         ),
     )
+
+
+def _warn_of_length(urdf: Urdf, chain: Chain, driven: Sequence[Joint]) -> list[str]:
+    reach = chain_length(chain, *np.array([[joint.lower, joint.upper] for joint in driven]).T)
+    long = find_too_long(urdf, reach)
+    if not long:
+        return []
+    given = f"{named(long)}: a mesh {max(long.values()):.3g} m long, and the arm reaches {reach:.3g} m"
+    return [f'{given}. If the file is in millimetres, give the <mesh> scale="0.001 0.001 0.001"']
+
+
+def _warn_of_lacking_speeds(settings: RobotSettings, driven: Sequence[Joint], described: Description) -> list[str]:
+    """What a format without speeds says of them, if robot.toml leaves some out."""
+    return [described.speeds] if described.speeds and None in settings.values("max_speed", driven) else []
 
 
 def _warn_of_jaw(settings: RobotSettings, urdf: Urdf, chain: Chain, joints: Sequence[Joint]) -> list[str]:
@@ -233,20 +272,33 @@ def _check_count(driven: Sequence[Joint], tip: str) -> None:
 
 
 def _name_meshes_by_content(urdf: str) -> str:
-    """The URDF's text with the SHA-256 of each mesh file in the place of its path; a URDF without meshes as it is."""
+    """The URDF's text with the SHA-256 of each mesh file in the place of its path; a URDF without meshes as it is.
+
+    Drawings that only `SCENES` names are left out: whether they are in the URDF depends on what is installed.
+    """
     if "mesh" not in urdf:
         return urdf
     robot = parse_urdf(urdf).element
-    meshes = list(robot.iter("mesh"))
-    for mesh in meshes:
-        path = Path(mesh.get("filename", ""))
-        mesh.set("filename", digest_of(path) + path.suffix.lower())
-    return ElementTree.tostring(robot, encoding="unicode") if meshes else urdf
+    for link in robot.iter("link"):
+        for visual in link.findall("visual"):
+            if any(_path(mesh).suffix.lower() in SCENES for mesh in visual.iter("mesh")):
+                link.remove(visual)
+    for mesh in robot.iter("mesh"):
+        mesh.set("filename", digest_of(_path(mesh)) + _path(mesh).suffix.lower())
+    return ElementTree.tostring(robot, encoding="unicode")
 
 
-def _origins(settings: RobotSettings, driven: Sequence[Joint]) -> Mapping[str, str]:
-    tip = FILE if {"end_effector", CHAIN, TOOL} & settings.entries.keys() else "the end of the chain"
-    return {"end_effector": tip} | {each: describe_origin(settings, each, driven) for each in JOINT_KEYS}
+def _path(mesh: Element) -> Path:
+    return Path(mesh.get("filename", ""))
+
+
+def _origins(settings: RobotSettings, driven: Sequence[Joint], described: Description) -> Mapping[str, str]:
+    is_named = {"end_effector", CHAIN, TOOL} & settings.entries.keys()
+    tip = FILE if is_named else "the frame of its tool" if described.tip else "the end of the chain"
+    origins = {"end_effector": tip} | {each: describe_origin(settings, each, driven) for each in JOINT_KEYS}
+    if described.home and origins["home"] == RULES["home"]:
+        origins["home"] = described.home_origin
+    return origins
 
 
 def load_robot(name_or_path: str | Path, registry: Registry | None = None) -> Robot:
@@ -261,15 +313,15 @@ def load_robot(name_or_path: str | Path, registry: Registry | None = None) -> Ro
     """
     text = str(name_or_path)
     if is_path(name_or_path) and (os.path.exists(text) or is_installed(text)):  # no error, whatever the text
-        return read_robot(Path(text))
+        return read_robot(Path(text), registry)
     plugins = registry or load_registry()
     if is_path(name_or_path) and "robots" not in plugins.kinds_of(text):  # a qualified name looks like a path
         raise UsageError(f"No robot at '{text}': name a URDF, a folder that holds robot.toml, or a registered robot")
     folder: Path = plugins.get("robots", text).load()
-    return read_robot(folder)
+    return read_robot(folder, registry)
 
 
 def is_path(robot: str | Path) -> bool:
     """Whether a robot is given by the path of its files, and not by a registered name."""
     text = str(robot)
-    return isinstance(robot, Path) or "/" in text or "\\" in text or text.endswith((".urdf", FILE))
+    return isinstance(robot, Path) or "/" in text or "\\" in text or text.endswith(SUFFIXES)

@@ -34,6 +34,8 @@ JOINT_KEYS: Mapping[Quantity, Mapping[Motion, str]] = {
 """The keys that hold one value per joint of a motion: a list in the order of the chain, or a table by joint names."""
 SERVO = "servo"
 """The table of the drives; see `harness.robot.servo`."""
+ARGUMENTS = "arguments"
+"""The table of texts that a description takes which is no URDF: of a xacro file what it calls arguments."""
 RANGE_KEYS: Mapping[Motion, str] = {"turning": "range_deg", "sliding": "range_m"}
 """The same, with two values per joint."""
 BASE, TOOL, FIXED, CHAIN, MESHES = "base", "tool", "fixed", "chain", "meshes"
@@ -42,7 +44,7 @@ KEYS = (
     *TEXT_KEYS,
     *(BASE, TOOL, FIXED, CHAIN, MESHES),
     *(key for keys in (*JOINT_KEYS.values(), RANGE_KEYS) for key in keys.values()),
-    SERVO,
+    *(SERVO, ARGUMENTS),
 )
 
 
@@ -103,6 +105,19 @@ class RobotSettings:
     def text(self, key: str) -> str | None:
         """The value of one of `TEXT_KEYS`; None where it is left out."""
         return self.entries.get(key)
+
+    def arguments(self) -> Mapping[str, str]:
+        """The texts of `ARGUMENTS` by name; empty where it is left out.
+
+        Raises:
+            UsageError: It is no table of texts.
+        """
+        given = self.entries.get(ARGUMENTS, {})
+        if not isinstance(given, dict) or not all(isinstance(value, str) for value in given.values()):
+            raise UsageError(
+                f'{self.place}: {ARGUMENTS} is {_shown(given)}. Give a table of texts, {{ name = "value" }}.'
+            )
+        return given
 
     def texts(self, key: str, count: int) -> list[str] | None:
         """The value of a key that holds a list of so many texts; None where it is left out.

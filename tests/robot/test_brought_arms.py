@@ -36,7 +36,7 @@ ALIKE = {
     "a mark of the byte order": "\ufeff" + ARM,
     "blank lines before the declaration": "\n \n" + ARM,
     "no declaration": ARM.partition("\n")[2],
-    "elements with a prefix": changed(('<link name="tool"/>', '<link name="tool"/><xacro:a b:c="1"><link/></xacro:a>')),
+    "elements with a prefix": changed(('<link name="tool"/>', '<link name="tool"/><drake:a b:c="1"><link/></drake:a>')),
     "a declared prefix": changed(("<robot", '<robot xmlns:d="http://d"'), ("<limit", '<limit d:acceleration="2"')),
     "an axis with a word of a fixed joint": in_joint("jt", '<axis xyz="a b"/>'),
     "a range the wrong way round of a fixed joint": in_joint(

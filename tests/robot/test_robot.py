@@ -1,6 +1,7 @@
 """Reading a robot's folder."""
 
 import hashlib
+import sys
 from dataclasses import FrozenInstanceError, replace
 from itertools import pairwise
 from pathlib import Path
@@ -11,6 +12,7 @@ import pytest
 from harness.errors import UsageError
 from harness.robot import robot as robot_module
 from harness.robot.robot import read_robot
+from tests.robot.test_meshes import CORNERS, binary_stl, collada
 
 URDF = """
 <robot name="arm">
@@ -114,8 +116,12 @@ def test_digest_is_by_content_wherever_the_files_lie(tmp_path: Path):
         folder.mkdir()
         named = mesh.replace(".stl", ".obj") if folder.name == "renamed" else mesh
         _write(folder, urdf=URDF.replace('<link name="base"/>', named))
-        content = "another" if folder.name == "edited" else "a hull"
-        (folder / ("hull.obj" if folder.name == "renamed" else "hull.stl")).write_text(content)
+        far = 2 if folder.name == "edited" else 1
+        content = f"v 0 0 0\nv {far} 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n"
+        content += "".join(
+            f"vertex {corner}\n" for corner in ("0 0 0", f"{far} 0 0", "0 1 0", "0 0 0", "1 0 0", "0 0 1")
+        )
+        (folder / ("hull.obj" if folder.name == "renamed" else "hull.stl")).write_text(content)  # either reads it
     here, there, edited, renamed = (read_robot(folder).digest for folder in folders)
     assert here == there
     assert len({here, edited, renamed}) == 3
@@ -207,6 +213,38 @@ def test_meshes_start_at_the_folder_of_the_urdf(tmp_path: Path):
         read_robot(tmp_path)
     message = f"{tmp_path}/arm.urdf: Link 'tip' has the mesh 'tip.stl', and there is no file '{tmp_path}/tip.stl'"
     assert str(caught.value).startswith(message)
+
+
+def test_digest_does_not_depend_on_what_is_installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """A drawing in COLLADA is left out of the URDF where nothing reads it, and of the digest everywhere."""
+    shape = '<visual><geometry><mesh filename="seen.dae"/></geometry></visual>'
+    solid = '<collision><geometry><mesh filename="hit.stl"/></geometry></collision>'
+    (tmp_path / "seen.dae").write_text(collada(CORNERS))
+    (tmp_path / "hit.stl").write_bytes(binary_stl(CORNERS))
+    for parts in (shape, shape + solid):
+        _write(tmp_path, urdf=URDF.replace('<link name="tip"/>', f'<link name="tip">{parts}</link>'))
+        seen = read_robot(tmp_path)
+        with monkeypatch.context() as patch:
+            patch.setitem(sys.modules, "trimesh", None)
+            unseen = read_robot(tmp_path)
+        assert seen.digest == unseen.digest
+        assert seen.urdf != unseen.urdf
+
+
+def test_mesh_in_millimetres_is_told(tmp_path: Path):
+    """Drawn it is only strange; where it collides and moves, no pose would be above the ground. Scaled it is right."""
+    (tmp_path / "part.stl").write_bytes(binary_stl(100 * CORNERS))
+    given = 'a mesh 100 m long, and the arm reaches 0.95 m. If the file is in millimetres, give the <mesh> scale="0.001'
+    for part, scale in (("visual", ""), ("visual", 'scale="0.001 0.001 0.001"'), ("collision", "")):
+        shape = f'<{part}><geometry><mesh filename="part.stl" {scale}/></geometry></{part}>'
+        _write(tmp_path, urdf=URDF.replace('<link name="lower"/>', f'<link name="lower">{shape}</link>'))
+        if part == "collision":
+            with pytest.raises(UsageError, match="Link 'lower' has a collision mesh 100 m long, and the arm reaches"):
+                read_robot(tmp_path)
+        else:
+            assert [line for line in read_robot(tmp_path).warnings if "long" in line] == (
+                [] if scale else [f"link 'lower': {given} 0.001 0.001\""]
+            )
 
 
 def test_bad_settings_are_refused_in_one_line(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):

@@ -19,6 +19,7 @@ from harness_plugins.kit.simulators.states import frames_show_the_target, render
 from harness_plugins.mujoco_model import build_model
 from harness_plugins.simulators.kinematic import Kinematic
 from harness_plugins.simulators.mujoco import Mujoco
+from tests.robot.test_meshes import CORNERS, collada
 
 PUBLISHED = {
     "panda": ("franka_panda/panda.urdf", "panda_hand", 7),
@@ -213,13 +214,15 @@ def test_what_mujoco_cannot_read_is_refused_in_one_line(tmp_path: Path):
     assert "\n" not in str(caught.value)
 
 
-def test_visual_mesh_that_nobody_draws_does_no_harm(tmp_path: Path):
-    """What is only seen may be of any format, as long as it is there."""
+@pytest.mark.parametrize("drawing", [None, "<COLLADA/>", collada(CORNERS)], ids=["missing", "broken", "whole"])
+def test_drawing_does_no_harm(tmp_path: Path, drawing: str | None):
+    """Every simulator opens the arm whatever its drawing is. What can be read stays."""
     shape = '<visual><geometry><mesh filename="nice.dae"/></geometry></visual>'
     path = tmp_path / "seen.urdf"
     path.write_text(drawn(SCARA).replace('<link name="l2">', f'<link name="l2">{shape}'))
-    with pytest.raises(UsageError, match=r"seen\.urdf: Link 'l2' has the mesh 'nice\.dae', and there is no file"):
-        read_robot(path)
-    (tmp_path / "nice.dae").write_text("<COLLADA/>")
+    if drawing is not None:
+        (tmp_path / "nice.dae").write_text(drawing)
+    robot = read_robot(path)
+    assert ("drawing is left out" in "".join(robot.warnings)) == (drawing != collada(CORNERS))
     for simulator in SIMULATORS:
-        simulator.open(read_robot(path), 1, 0.1).close()
+        simulator.open(robot, 1, 0.1).close()

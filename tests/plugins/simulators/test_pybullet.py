@@ -136,7 +136,7 @@ def test_link_without_inertia_weighs_nothing(open_arms: Call):
     for link in tree.findall("link[@name='tool0']"):
         for inertial in link.findall("inertial"):
             link.remove(inertial)
-    plain = normal_urdf(parse_urdf(ElementTree.tostring(tree, "unicode")), ROBOT.joint_names, ROBOT.folder)
+    plain = normal_urdf(parse_urdf(ElementTree.tostring(tree, "unicode")), ROBOT.joint_names, ROBOT.folder).urdf
     simulation = open_arms(1, replace(ROBOT, urdf=plain.text))
     (arm,) = simulation.arms
     assert pybullet.getDynamicsInfo(arm.body, arm.tip, physicsClientId=arm.client)[0] < 1e-5
@@ -146,7 +146,7 @@ def test_mesh_is_found_from_the_folder_of_the_robot(tmp_path: Path, open_arms: C
     """A mesh whose path starts from the robot's folder reaches the ground."""
     (tmp_path / "long.obj").write_text("v 0 0 0\nv .1 0 0\nv 0 .1 0\nv 0 0 -3\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n")
     robot = with_mesh(tmp_path, "long.obj")
-    plain = normal_urdf(parse_urdf(robot.urdf), robot.joint_names, tmp_path)
+    plain = normal_urdf(parse_urdf(robot.urdf), robot.joint_names, tmp_path).urdf
     assert open_arms(1, replace(robot, urdf=plain.text)).read().ground_contact.all()
 
 
