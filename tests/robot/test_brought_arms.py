@@ -79,7 +79,7 @@ REFUSED = {
     "an axis of no length": ('xyz="1 0 0"', 'xyz="0 0 0"', "Joint 'j4' has an axis of zero length"),
     "a robot with a prefix": ("robot", "u:robot", "The outermost element is <u:robot>"),
     "an attribute twice": ('lower="-2"', 'lower="-2" lower="-1"', "not well-formed XML: duplicate attribute"),
-    "a tree of another kind": ("robot", "mujoco", "The outermost element is <mujoco>"),
+    "a tree of another kind": ("robot", "model", "The outermost element is <model>"),
 }
 
 
