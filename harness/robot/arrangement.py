@@ -17,7 +17,7 @@ from harness.robot.chain_end import find_chain_end
 from harness.robot.normal_urdf import fix_joint
 from harness.robot.settings import BASE, CHAIN, FIXED, RANGE_KEYS, TOOL, RobotSettings, motion_of, shown
 from harness.robot.source import naming
-from harness.robot.urdf import Urdf, linked, number_of, path_to, quoted, require_link
+from harness.robot.urdf import WORLD, Urdf, linked, number_of, path_to, quoted, require_link
 from harness.text import shortened
 
 END = "end_effector"
@@ -25,8 +25,8 @@ KEYS = {FIXED, CHAIN, TOOL, BASE, *RANGE_KEYS.values()}
 """Those that change anything."""
 POSE = ("xyz_m", "rpy_deg")
 NAME = "name"
-WORLD, MOUNT, TOOL_LINK = "world", "mount", "tool"
-"""Names of the links that stand for the world, for one that was called so, and for a tool's frame without a name."""
+MOUNT, TOOL_LINK = "mount", "tool"
+"""Names of links: of one that was called world, and of a tool's frame without a name."""
 SHOWN = 100
 
 
@@ -170,9 +170,10 @@ def _add_tool(urdf: Urdf, tip: str, settings: RobotSettings) -> str:
     if table is None:
         return tip
     name = table.entries.get(NAME, TOOL_LINK)
-    if not isinstance(name, str) or not name or name in {*urdf.links, WORLD}:
-        taken = "; the URDF has a link of that name" if name in urdf.links else ""
-        raise UsageError(f"{table.place}: {NAME} is {_shown(name)}{taken}. Give another, in quotes.")
+    if not isinstance(name, str) or name in {"", WORLD}:
+        raise UsageError(f"{table.place}: {NAME} is {_shown(name)}. Give another, in quotes.")
+    if name in urdf.links:
+        raise UsageError(f"{table.place}: {NAME} is {_shown(name)}, a link of the URDF. Give another.")
     urdf.element.append(Element("link", name=name))
     urdf.element.append(_mount(urdf, table, tip, name))
     return name

@@ -84,6 +84,9 @@ def normal_urdf(
         if joint.get("name") not in driven and joint.get("type") != "fixed":
             fix_joint(joint)
         _drop_words(joint)
+    _drop_colors(robot)
+    if not robot.get("name"):
+        robot.set("name", "robot")  # Bullet reads none without
     size, told = 0, _Told()
     find = partial(locate_mesh, folder=folder, packages=packages)
     carriers = Urdf("", robot).carriers
@@ -192,13 +195,21 @@ def _drop_words(joint: Element) -> None:
                 joint.remove(axis)
 
 
+def _drop_colors(robot: Element) -> None:
+    """Leave out colours that are not four numbers."""
+    for material in robot.iter("material"):
+        for color in material.findall("color"):
+            words = color.get("rgba", "").split()
+            if len(words) != 4 or not all(map(_is_number, words)):
+                material.remove(color)
+
+
 def _is_number(text: str) -> bool:
-    """Whether an engine can read a text as a number, be it an infinity."""
+    """Whether an engine can read a text as a number and compute with it, be it an infinity."""
     try:
-        float(text)
+        return not math.isnan(float(text))
     except ValueError:
         return False
-    return True
 
 
 def _pose_of(joint: Element, held: float | None) -> Float:

@@ -265,9 +265,10 @@ def _warn_of_jaw(settings: RobotSettings, urdf: Urdf, chain: Chain, joints: Sequ
 
 def _check_count(driven: Sequence[Joint], tip: str) -> None:
     if not FEWEST_JOINTS <= len(driven) <= MOST_JOINTS:
+        to_do = f"In a {FILE}, hold some: fixed = {{ joint = 0 }}; or name where the arm lies: chain = [first, last]."
         raise UsageError(
             f"{len(driven)} joints move between the root link and '{tip}'; allowed: {FEWEST_JOINTS} to {MOST_JOINTS}. "
-            f"In a {FILE}, hold some: fixed = {{ joint = 0 }}; or name where the arm lies: chain = [first, last]."
+            f"{to_do if len(driven) > MOST_JOINTS else f'Name another end_effector in a {FILE}, or give another arm.'}"
         )
 
 
