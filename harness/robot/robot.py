@@ -38,7 +38,7 @@ from harness.robot.urdf import Joint, Urdf, parse_urdf, read_chain
 
 FEWEST_JOINTS, MOST_JOINTS = 3, 8
 SUFFIXES = (".urdf", ".xacro", ".xml", FILE)
-"""Of the names of files that describe robots: the name of no plugin ends so."""
+"""Endings of the names of files that describe robots; the name of no plugin has one."""
 
 
 @dataclass(frozen=True, eq=False)

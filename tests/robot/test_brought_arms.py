@@ -36,7 +36,7 @@ ALIKE = {
     "a mark of the byte order": "\ufeff" + ARM,
     "blank lines before the declaration": "\n \n" + ARM,
     "no declaration": ARM.partition("\n")[2],
-    "elements with a prefix": changed(('<link name="tool"/>', '<link name="tool"/><xacro:a b:c="1"><link/></xacro:a>')),
+    "elements with a prefix": changed(('<link name="tool"/>', '<link name="tool"/><a:a b:c="1"><link/></a:a>')),
     "a declared prefix": changed(("<robot", '<robot xmlns:d="http://d"'), ("<limit", '<limit d:acceleration="2"')),
     "an axis with a word of a fixed joint": in_joint("jt", '<axis xyz="a b"/>'),
     "a range the wrong way round of a fixed joint": in_joint(
@@ -69,7 +69,7 @@ REFUSED = {
     "an axis of no length": ('xyz="1 0 0"', 'xyz="0 0 0"', "Joint 'j4' has an axis of zero length"),
     "a robot with a prefix": ("robot", "u:robot", "The outermost element is <u:robot>"),
     "an attribute twice": ('lower="-2"', 'lower="-2" lower="-1"', "not well-formed XML: duplicate attribute"),
-    "a tree of another kind": ("robot", "mujoco", "The outermost element is <mujoco>"),
+    "a tree of another kind": ("robot", "machine", "The outermost element is <machine>"),
 }
 
 
