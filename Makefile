@@ -14,7 +14,7 @@ INSTALL_LOCK := $(INSTALL) --no-deps --require-hashes --requirement
 
 # What install and dev set up, of pyproject.toml's extras.
 RUN_EXTRAS := mujoco sb3 report
-DEV_EXTRAS := mujoco sb3 report pybullet dm-control tune tensorboard wandb ray slurm video minari dev docs
+DEV_EXTRAS := mujoco sb3 report pybullet dm-control tune tensorboard wandb ray slurm video minari xacro dev docs
 
 .PHONY: install dev lock run reference test coverage slow plugins examples browser engines unity bench bench-record quick-bench check docs links wheel sbom \
 	format clean
