@@ -238,7 +238,7 @@ def _read_robot(path: Path, registry: Registry | None) -> Robot:
             *long,
             *warn_of_speeds(driven, limits.max_speed),
             *_warn_of_lacking_speeds(settings, driven, described),
-            *_warn_of_jaw(settings, given, chain, joints),
+            *_warn_of_jaw(settings, given, joints),
         ),
     )
 
@@ -257,9 +257,10 @@ def _warn_of_lacking_speeds(settings: RobotSettings, driven: Sequence[Joint], de
     return [described.speeds] if described.speeds and None in settings.values("max_speed", driven) else []
 
 
-def _warn_of_jaw(settings: RobotSettings, urdf: Urdf, chain: Chain, joints: Sequence[Joint]) -> list[str]:
-    is_named = {"end_effector", CHAIN, TOOL} & settings.entries.keys()
-    jaw = None if is_named else find_jaw(urdf, chain, joints)
+def _warn_of_jaw(settings: RobotSettings, urdf: Urdf, joints: Sequence[Joint]) -> list[str]:
+    is_named = {"end_effector", CHAIN} & settings.entries.keys()
+    own = joints[:-1] if TOOL in settings.entries else joints  # a tool is fixed to what the URDF alone ends at
+    jaw = None if is_named else find_jaw(urdf, build_chain(own), own)
     return [] if jaw is None else [jaw.warning(settings.to_write)]
 
 
