@@ -102,7 +102,8 @@ def choose_home(
                     return best
     raise UsageError(
         f"No simple pose keeps the moving links {CLEARANCE * length:.2g} m above the ground z = 0. "
-        "Name one as home_deg (home_m of sliding joints) in a robot.toml beside the URDF, or raise the arm's base."
+        "In a robot.toml, name one as home_deg (home_m of sliding joints), or raise the arm: "
+        "base = { xyz_m = [0, 0, 1] }."
     )
 
 

@@ -139,7 +139,7 @@ def test_arm_in_the_ground_is_refused():
     """An arm whose links stand in the ground in any pose is told so in one line."""
     plate = [[Shape("box", (1.0, 1.0, 2.0), np.eye(4))], [], []]
     with pytest.raises(
-        UsageError, match=r"No simple pose keeps the moving links 0\.09 m above the ground z = 0\. Name one"
+        UsageError, match=r"moving links 0\.09 m above the ground z = 0\. In a robot\.toml, .*: base = { xyz_m = \["
     ) as caught:
         home_of(upright(), [-2, -2, -2], [2, 2, 2], plate)
     assert "\n" not in str(caught.value)
