@@ -167,7 +167,7 @@ build/experiments/%/installed: experiments/%/requirements.txt $(VENV)/.installed
 	$(BIN)/python -m venv --without-pip --clear $(@D)
 	$(BIN)/python -c "import sysconfig; print(f'import site; site.addsitedir({sysconfig.get_path(\"purelib\")!r})')" \
 		> $$($(@D)/bin/python -c "import sysconfig; print(sysconfig.get_path('purelib'))")/above.pth
-	$(PIP) --python $(@D) install --quiet $(if $(filter arms,$*),--no-deps) --requirement $<
+	$(PIP) --python $(@D) install --quiet --requirement $< $(if $(filter arms,$*),--no-deps)
 	touch $@
 
 # Versions stay that still fit pyproject.toml and constraints.txt. Newer ones: make lock UPGRADE=pytest, or UPGRADE=all.

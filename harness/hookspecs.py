@@ -64,7 +64,7 @@ class Hooks:
 
     @hookspec
     def register_descriptions(self, register: Register) -> None:
-        """Targets: a frozen dataclass that is a `harness.robot.description.DescriptionFormat`."""
+        """Targets: a frozen dataclass that is a `harness.robot.DescriptionFormat`."""
 
     @hookspec
     def register_tasks(self, register: Register) -> None:

@@ -2,7 +2,7 @@
 
     python experiments/arms/measure.py results/reference/arms/arms.csv [NAME ...]
 
-measures all arms, or those named, two at a time; `make arms` sets up what it needs. `table` draws the rows.
+measures all arms, or those named, two at a time, and writes a page beside the rows; `make arms` sets up what it needs.
 """
 
 import csv
@@ -17,6 +17,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
+from sysconfig import get_path
 from typing import Any
 
 import mujoco
@@ -72,7 +73,7 @@ def measure(arm: Mapping[str, Any]) -> Row:
         folder = Path(name)
         (folder / "robot.toml").write_text(robot_toml(arm), encoding="utf-8")
         row = _measure(Row(arm["name"], arm["file"]), arm, folder)
-        refused = row.refused.replace(f"{folder}/", "").replace(f"{_site()}/", "")
+        refused = row.refused.replace(f"{folder}/", "").replace(f"{get_path('purelib')}/", "")
     return replace(row, seconds=time.perf_counter() - begin, refused=refused)
 
 
@@ -129,7 +130,7 @@ def _tip_error(robot: Robot, arm: Mapping[str, Any]) -> float:
 def _pinocchio_tips(file: Path, tip: str, poses: Iterable[Mapping[str, float]]) -> Iterator[NDArray[np.float64]]:
     text = _expand(file) if file.suffix == ".xacro" else file.read_text(encoding="utf-8")
     for name in ("effort", "velocity"):  # ROS's parser wants both, which move no tip
-        text = re.sub(rf"<limit\b(?![^>]*\b{name}=)", f'<limit {name}="0"', text)
+        text = re.sub(rf"<limit\b(?![^>]*\b{name}\s*=)", f'<limit {name}="0"', text)
     model = pinocchio.buildModelFromXML(text)
     data, frame = model.createData(), model.getFrameId(tip, pinocchio.FrameType.BODY)
     for pose in poses:
@@ -161,24 +162,37 @@ def _mujoco_tips(file: Path, tip: str, poses: Iterable[Mapping[str, float]]) -> 
         yield (data.site(tip) if is_site else data.body(tip)).xpos.copy()
 
 
-def _site() -> Path:
-    return Path(np.__file__).parents[1]
-
-
 def table(rows: Iterable[Row]) -> str:
-    """The rows for a page, in Markdown."""
-    lines = ["| arm | file | joints | tip | trains | apart | s |", "| --- | --- | --- | --- | --- | --- | --- |"]
+    """The rows in Markdown: distances in metres and millimetres."""
+    lines = ["| arm | file | joints | tip, m | trains | apart, mm | s |", "| --- | --- | --- | --- | --- | --- | --- |"]
     for row in rows:
         kind = {"urdf": "URDF", "xml": "MJCF"}.get(row.file.rpartition(".")[2], "xacro")
-        if not row.joints:
-            lines.append(f"| {row.name} | {kind} | refused | | | | |")
-            continue
         trains = "all" if len(row.trains.split()) == len(SIMULATORS) else row.trains or "no"
-        apart = "refused" if np.isnan(row.apart) else f"{1000 * row.apart:.2g} mm"
-        lines.append(
-            f"| {row.name} | {kind} | {row.joints} | {row.tip_error:.0e} m | {trains} | {apart} | {row.seconds:.0f} |"
-        )
+        apart = "refused" if np.isnan(row.apart) else f"{1000 * row.apart:.2g}"
+        found = f"{row.joints} | {row.tip_error:.0e} | {trains} | {apart}" if row.joints else "refused | | |"
+        lines.append(f"| {row.name} | {kind} | {found} | {row.seconds:.0f} |")
     return "\n".join(lines)
+
+
+def by_package(rows: Iterable[Row]) -> str:
+    """What each package brings, in Markdown; arms with a refusal in brackets."""
+    packages: dict[str, list[str]] = {}
+    for row in rows:
+        name = f"({row.name})" if row.refused else row.name
+        packages.setdefault(row.file.partition(":")[0], []).append(name)
+    lines = [f"| `{package}` | {', '.join(names)} |" for package, names in sorted(packages.items())]
+    return "\n".join(["| package | arms |", "| --- | --- |", *lines])
+
+
+def _page(rows: Sequence[Row]) -> str:
+    right = [row for row in rows if not row.refused]
+    refused = [f"* **{row.name}.** {row.refused}" for row in rows if row.refused]
+    head = (
+        f"# Public arms\n\nMade by `make arms`: {len(right)} of {len(rows)} are right in everything. *tip* is the "
+        f"largest distance from what Pinocchio or MuJoCo says in {POSES} poses, *trains* says in which simulators 500 "
+        "steps were trained, *apart* how far the tips of two simulators are in the same motion.\n"
+    )
+    return "\n".join([head, table(rows), *(["", "## Refused", "", *refused] if refused else []), ""])
 
 
 def read(path: Path) -> list[Row]:
@@ -188,12 +202,14 @@ def read(path: Path) -> list[Row]:
 
 
 def write(path: Path, rows: Iterable[Row]) -> None:
-    """The rows as CSV, for `read`."""
+    """The rows as CSV, for `read`, and as a page beside it."""
+    rows = list(rows)
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, [it.name for it in fields(Row)], lineterminator="\n")
         writer.writeheader()
         writer.writerows(map(asdict, rows))
+    path.with_name("README.md").write_text(_page(rows), encoding="utf-8")
 
 
 def main(path: Path, names: Sequence[str]) -> None:

@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Protocol
 
 from harness.errors import UsageError, reason_of
-from harness.files.bounded import kind_at, open_regular
+from harness.files.bounded import open_regular
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.registry.spec import blamed_on
 
 DESCRIPTIONS = "descriptions"
-HEAD = 65_536
+HEAD_BYTES = 65_536
 """The bytes of a file's beginning that `DescriptionFormat.recognises` is given: licences may stand before all else."""
 MOST_BYTES = 256 * 2**20
 """The most bytes of a file that is looked at: one may hold its meshes."""
@@ -51,7 +51,7 @@ class DescriptionFormat(Protocol):
 
         Args:
             path: The file.
-            head: Its first `HEAD` bytes.
+            head: Its first `HEAD_BYTES` bytes.
         """
 
     def read(self, path: Path, arguments: Mapping[str, str], packages: Mapping[str, Path]) -> Description:
@@ -102,7 +102,7 @@ def read_description(
         UsageError: The file cannot be read, or is of a format that nothing reads here; says what to do.
     """
     with open_regular(path, MOST_BYTES) as file:
-        head = file.read(HEAD)
+        head = file.read(HEAD_BYTES)
     for name in registry.names(DESCRIPTIONS):
         spec = registry.get(DESCRIPTIONS, name)
         if spec.missing:
@@ -130,5 +130,3 @@ def _refuse(path: Path, head: bytes) -> None:
     for pattern, remedy in FOREIGN.items():
         if re.match(pattern.encode(), described, re.DOTALL):
             raise UsageError(f"{path}: {remedy}.")
-    if (kind := kind_at(path)) is not None:
-        raise UsageError(f"{path}: is no robot, it is {kind.sentence}")

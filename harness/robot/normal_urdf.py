@@ -140,7 +140,8 @@ class _Told:
         if self.unread:
             yield f"{', '.join(sorted(set(self.unread)))} ({TO_READ_THEM} has them read)"
         if self.undrawn:
-            yield self.undrawn[0] + (f" {len(self.undrawn)} are like that." if len(self.undrawn) > 1 else "")
+            more = len(self.undrawn) - 1
+            yield self.undrawn[0] + (f" {more} more cannot be read." if more else "")
 
     def _balls(self) -> Iterator[str]:
         if self.no_moment:

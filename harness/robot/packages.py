@@ -19,7 +19,7 @@ MOST_FILES = 20_000
 """Files of a package that are looked at for a near miss."""
 SHOWN = 5
 MOST_BYTES = 2**20
-"""Of a package.xml."""
+"""The most bytes of a package.xml."""
 
 
 def is_installed(name: str) -> bool:

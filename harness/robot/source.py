@@ -83,7 +83,7 @@ def _may_be_urdf(path: Path) -> bool:
     try:
         data = COMMENT.sub(b"", read_bytes(path, MOST_BYTES))
     except OSError as error:
-        return error.errno != errno.EFBIG
+        return error.errno != errno.EFBIG or path.suffix.lower() == ".urdf"
     return path.suffix.lower() != ".xacro" and b"<robot" in data and not any(mark in data for mark in FOREIGN)
 
 

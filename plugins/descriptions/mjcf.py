@@ -19,8 +19,8 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.errors import UsageError
+from harness.robot import Description
 from harness.robot.chain_end import TOOL
-from harness.robot.description import Description
 from harness.robot.meshes import is_readable
 
 FASTEST = 100.0
@@ -32,7 +32,7 @@ SPEEDS = (
 SITE = re.compile(r"attachment|" + TOOL.pattern, re.IGNORECASE)
 """In the name of a site: it is where a tool is held, or works."""
 MESH = 7
-"""As MuJoCo numbers the types of shapes; its numbers of types, objects and joints never change."""
+"""MuJoCo's number for meshes among the types of shapes; its numbers for types never change."""
 DRAWN_GROUPS = 3
 """Shapes of the groups below this one are drawn by MuJoCo's viewer."""
 NAMED = 3

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from harness.errors import UsageError, one_line
 from harness.registry.allowed import is_allowed_program
-from harness.robot.description import Description
+from harness.robot import Description
 from harness.robot.packages import package_folders
 from harness.text import command_text
 

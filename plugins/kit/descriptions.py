@@ -3,11 +3,16 @@
 from collections.abc import Mapping
 from pathlib import Path
 
+from harness.authoring.checking import (
+    HEAD_BYTES,
+    Urdf,
+    allow_programs,
+    find_chain_end,
+    parse_urdf,
+    read_chain,
+)
 from harness.errors import HarnessError, UsageError
-from harness.registry.allowed import allow_programs
-from harness.robot.chain_end import find_chain_end
-from harness.robot.description import HEAD, Description, DescriptionFormat
-from harness.robot.urdf import Urdf, parse_urdf, read_chain
+from harness.robot import Description, DescriptionFormat
 
 from .contract import Check, check, raise_first_in_folders, require, settings_are_frozen, settings_survive_json
 
@@ -37,7 +42,7 @@ def check_description_format(form: DescriptionFormat, folder: Path | None = None
 def its_own_files_are_recognised(form: DescriptionFormat, folder: Path) -> None:
     """`recognises` says yes to the format's own example, and no to a URDF, a table, an empty file and odd bytes."""
     path = _example(form, folder)
-    require(form.recognises(path, path.read_bytes()[:HEAD]) is True, f"recognises does not take '{path.name}'")
+    require(form.recognises(path, path.read_bytes()[:HEAD_BYTES]) is True, f"recognises does not take '{path.name}'")
     for what, content in OTHERS.items():
         other = folder / f"other{'.urdf' if what == 'URDF' else ''}"
         other.write_bytes(content)

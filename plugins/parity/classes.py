@@ -13,12 +13,12 @@ from .motions import (
     HELD,
     Drawn,
     GroundClearance,
+    Held,
     Pace,
     draw_clear,
     draw_start,
     draw_swinging,
     first_drawn,
-    grounds_of,
     smooth_motions,
 )
 
@@ -28,6 +28,8 @@ CREEP = Pace(0.2, 0.1)
 """The pace of slow motions."""
 SHORTEST, LONGEST = 0.3, 1.0
 """A fast joint keeps its direction so long, [s]."""
+STEPS: dict[Held, list[float]] = {"whole": [-1.0, 1.0], "solids": [-1.0, 0.0, 1.0], "nothing": [-1.0, 1.0]}
+"""What a fast joint chooses from: near the ground it may also stand, since some joint cannot move without touching."""
 CHOICES = 32
 """Ways to go on, of which a fast motion takes the first that stays clear of the ground."""
 POSES = 1_024
@@ -88,7 +90,7 @@ def class_motions(robot: Robot, seed: int, episodes: int, steps: int, period: fl
         period: Control period, [s].
     """
     slow = smooth_motions(robot, seed, episodes, steps, period, CREEP)
-    grounds = grounds_of(robot, max(slow.held, "solids", key=HELD.index))
+    last = max(slow.held, "solids", key=HELD.index)
 
     def fast(ground: GroundClearance) -> Float | None:
         rngs = [np.random.default_rng([seed, 3, n]) for n in range(episodes)]
@@ -101,7 +103,7 @@ def class_motions(robot: Robot, seed: int, episodes: int, steps: int, period: fl
         found = [motion for motion in drawn if motion is not None]
         return np.stack(found, axis=1) if len(found) == episodes else None
 
-    found = {SLOW: slow, FAST: first_drawn(grounds, fast), SINGULAR: first_drawn(grounds, singular)}
+    found = {SLOW: slow, FAST: first_drawn(robot, fast, last), SINGULAR: first_drawn(robot, singular, last)}
     return {name: drawn for name, drawn in found.items() if drawn is not None}
 
 
@@ -119,7 +121,7 @@ def draw_fast(robot: Robot, rng: np.random.Generator, steps: int, period: float,
     rows, speed = [draw_start(robot, rng)], np.zeros(robot.dof)
     while len(rows) <= steps:
         count = max(1, round(rng.uniform(SHORTEST, LONGEST) / period))
-        wanted = rng.choice([-1.0, 1.0], (CHOICES, robot.dof)) * robot.max_speed
+        wanted = rng.choice(STEPS[ground.held], (CHOICES, robot.dof)) * robot.max_speed
         wanted[-1] = 0.0
         ways, speeds = _go_on(limits, rows[-1], speed, [*[wanted] * count, *[0.0 * wanted] * to_stop])
         clear = ground.is_clear(ways.reshape(-1, robot.dof)).reshape(ways.shape[:2]).all(axis=0)

@@ -1,6 +1,6 @@
 """Smooth motions through the air, the same for every simulator, whose solids keep away from the ground."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import cached_property
 from typing import Literal, NamedTuple
 
@@ -14,7 +14,7 @@ from harness.robot import Robot
 CLEARANCE = 0.1
 """Height that the tip and each joint keep above the ground, as a share of the arm's reach."""
 STILL, POSES = 1e-6, 64
-"""A point stands still whose height differs by no more in so many poses, [m]."""
+"""A point stands still whose height differs by no more in so many poses, [m]; so many starts are tried as well."""
 MARGIN = 0.02
 """Height that the solids of each joint keep above it, [m]; half of that at home where it is less, as in a turret."""
 SPEED, ACCELERATION = 0.8, 0.6
@@ -65,11 +65,11 @@ class GroundClearance:
 
     def is_clear(self, qpos: Float) -> Mask:
         """Whether all keep their heights at each of the joint positions, (n, dof): (n,)."""
-        if self.held != "whole":
-            return np.asarray((self._heights(qpos) >= self._needed).all(axis=0))
-        points = point_heights(self._robot, qpos)[self._rises]
-        high = (points >= CLEARANCE * self._robot.reach).all(axis=0)
-        return np.asarray(high & (self._heights(qpos) >= self._needed).all(axis=0))
+        clear = np.asarray((self._heights(qpos) >= self._needed).all(axis=0))
+        if self.held == "whole":
+            points = point_heights(self._robot, qpos)[self._rises]
+            clear &= (points >= CLEARANCE * self._robot.reach).all(axis=0)
+        return clear
 
     @cached_property
     def _rises(self) -> Mask:
@@ -95,14 +95,11 @@ class GroundClearance:
         return heights
 
 
-def grounds_of(robot: Robot, least: Held = "nothing") -> list[GroundClearance]:
-    """Every way to keep an arm away from the ground, the strictest first, as far as `least`."""
-    return [GroundClearance(robot, held) for held in HELD[: HELD.index(least) + 1]]
-
-
-def first_drawn(grounds: Sequence[GroundClearance], draw: Callable[[GroundClearance], Float | None]) -> Drawn | None:
-    """The motions that `draw` finds with the first of the `grounds` that allows any; None if none does."""
-    drawn = ((draw(ground), ground.held) for ground in grounds)
+def first_drawn(robot: Robot, draw: Callable[[GroundClearance], Float | None], last: Held = "nothing") -> Drawn | None:
+    """The motions that `draw` finds with the most of the arm held away from the ground; None if none even at `last`."""
+    rng, grounds = np.random.default_rng(0), (GroundClearance(robot, held) for held in HELD[: HELD.index(last) + 1])
+    starts = np.array([draw_start(robot, rng) for _ in range(POSES)])  # without a clear one a search would be in vain
+    drawn = ((draw(ground), ground.held) for ground in grounds if ground.is_clear(starts).any())
     return next((Drawn(motions, held) for motions, held in drawn if motions is not None), None)
 
 
@@ -167,7 +164,7 @@ def smooth_motions(robot: Robot, seed: int, episodes: int, steps: int, period: f
             found.append(motion)
         return np.stack(found, axis=1)
 
-    drawn = first_drawn(grounds_of(robot), draw)
+    drawn = first_drawn(robot, draw)
     assert drawn is not None  # what keeps nothing away from the ground is always found
     return drawn
 

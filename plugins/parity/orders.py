@@ -1,6 +1,6 @@
 """What every simulator is told: poses, motions, and dives that end below the ground."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import NamedTuple
 
@@ -155,12 +155,13 @@ class Orders(NamedTuple):
 def draw_orders(setting: Setting) -> Orders:
     """The same for the same setting."""
     robot, seed, episodes = setting.robot, setting.seed, setting.episodes
-    smooth = smooth_motions(robot, seed, episodes, setting.steps, setting.period)
-    drawn = class_motions(robot, seed, episodes, setting.steps, setting.period)
+    simple = replace(robot, joint_shapes=tuple(map(tuple, few_points(robot.joint_shapes))))  # once, as it takes long
+    smooth = smooth_motions(simple, seed, episodes, setting.steps, setting.period)
+    drawn = class_motions(simple, seed, episodes, setting.steps, setting.period)
     return Orders(
         random_poses(robot, seed, episodes),
         smooth.motions,
-        dive_motions(robot, seed, episodes, setting.period),
+        dive_motions(simple, seed, episodes, setting.period),
         {name: motions for name, (motions, _) in drawn.items()},
         probes_of(robot),
         {name: held for name, (_, held) in in_order({SMOOTH: smooth, **drawn}).items()},

@@ -228,7 +228,7 @@ def test_drawings_are_left_out_in_one_line(tmp_path: Path, monkeypatch: pytest.M
         "5 drawings are left out: .dae, .glb (pip install 'fd100-harness[meshes]' has them read); "
         "Link 'arm' has the mesh 'away.stl', and there is no file"
     )
-    assert line.endswith(" 2 are like that.")
+    assert line.endswith(" 1 more cannot be read.")
 
 
 @pytest.mark.parametrize("file", ["away.stl", "bad.glb", "none.stl"])

@@ -57,6 +57,15 @@ def test_the_whole_range_of_a_slide_counts_as_a_full_turn(tmp_path: Path):
     assert robot.per_radian[0] == 1.0  # exactly, so that products with it change nothing
 
 
+def test_a_slide_may_do_half_its_range_a_second(tmp_path: Path):
+    """Where the URDF allows more and robot.toml says nothing, as a turning joint may do half a turn."""
+    toml = TOML.replace("max_speed_m_s = [0.25]\n", "")
+    assert read_robot(_write(tmp_path, toml)).max_speed[2] == pytest.approx(0.15)
+    slower = URDF.replace('velocity="0.5"', 'velocity="0.1"')
+    assert read_robot(_write(tmp_path, toml, slower)).max_speed[2] == 0.1
+    assert read_robot(_write(tmp_path)).max_speed[2] == 0.25
+
+
 def test_robot_is_what_the_folder_says(tmp_path: Path):
     """Names and folder are those of the files; degrees are turned into radians, metres are left."""
     robot = read_robot(_write(tmp_path))
@@ -178,7 +187,9 @@ def test_urdf_alone_is_a_robot(tmp_path: Path):
     (_write(tmp_path, urdf=urdf) / "robot.toml").unlink()
     robot = read_robot(tmp_path / "arm.urdf")
     assert (robot.name, robot.end_effector_link) == ("arm", "tip")
-    np.testing.assert_allclose(robot.max_speed, [np.pi / 2, np.pi, 0.5])  # 9 rad/s is more than the rule takes
+    np.testing.assert_allclose(
+        robot.max_speed, [np.pi / 2, np.pi, 0.15]
+    )  # 9 rad/s and 0.5 m/s are more than the rule takes
     np.testing.assert_allclose(robot.max_acceleration, 8 * robot.max_speed)
     assert ((robot.lower < robot.home) & (robot.home < robot.upper)).all()
     assert "robot.toml" not in robot.origins.values()
@@ -191,7 +202,7 @@ def test_file_beside_a_urdf_says_what_it_knows(tmp_path: Path):
     assert robot.end_effector_link == "slider"
     np.testing.assert_allclose(np.degrees(robot.home[:2]), [10, 20])
     assert -0.2 < robot.home[2] < 0.1
-    np.testing.assert_allclose(robot.max_speed, [*np.radians([30, 40]), 0.5])
+    np.testing.assert_allclose(robot.max_speed, [*np.radians([30, 40]), 0.15])
     assert robot.origins["end_effector"] == "robot.toml"
     assert robot.origins["home"].startswith("robot.toml, else ")
 
@@ -331,7 +342,7 @@ def test_robot_toml_wins_over_a_placeholder(tmp_path_factory: pytest.TempPathFac
                 read_robot(tmp_path / "arm.urdf")
             file, line = str(caught.value).rpartition("Write into ")[2].split(", with the arm's own numbers: ")
             Path(file).write_text(line)
-            assert read_robot(tmp_path / "arm.urdf").max_speed.tolist() == [np.pi / 2, np.pi / 2, 0.5]
+            np.testing.assert_allclose(read_robot(tmp_path / "arm.urdf").max_speed, [np.pi / 2, np.pi / 2, 0.15])
 
 
 def test_robot_toml_wins_over_a_lower_speed_of_the_urdf(tmp_path: Path):
