@@ -63,6 +63,10 @@ class Hooks:
         """Targets: a `pathlib.Path`, the folder that holds ``robot.toml`` and the URDF."""
 
     @hookspec
+    def register_descriptions(self, register: Register) -> None:
+        """Targets: a frozen dataclass that is a `harness.robot.DescriptionFormat`."""
+
+    @hookspec
     def register_tasks(self, register: Register) -> None:
         """Targets: a frozen dataclass that is a `harness.task.Task`."""
 
@@ -97,6 +101,7 @@ NOUNS = {
     "rewards": "reward",
     "metrics": "metric",
     "robots": "robot",
+    "descriptions": "description format",
     "tasks": "task",
     "environments": "environment",
     "executors": "executor",

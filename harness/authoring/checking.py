@@ -53,6 +53,7 @@ if TYPE_CHECKING:
         trace_of as trace_of,
     )
     from harness.recorder.column import Column as Column, made_columns as made_columns
+    from harness.registry.allowed import allow_programs as allow_programs
     from harness.registry.given import PluginFile as PluginFile, is_class_name as is_class_name
     from harness.registry.parameters import build as build, values_of as values_of
     from harness.registry.spec import Spec as Spec
@@ -66,6 +67,8 @@ if TYPE_CHECKING:
         rows_of as rows_of,
         step_between as step_between,
     )
+    from harness.robot.chain_end import find_chain_end as find_chain_end
+    from harness.robot.description import HEAD_BYTES as HEAD_BYTES
     from harness.robot.energy import energy as energy, read_bodies as read_bodies
     from harness.robot.ground_clearance import build_solids as build_solids
     from harness.robot.inverse_kinematics import reach_pose as reach_pose
@@ -74,6 +77,7 @@ if TYPE_CHECKING:
     from harness.robot.robot import is_path as is_path
     from harness.robot.servo import Servo as Servo
     from harness.robot.settings import FILE as FILE
+    from harness.robot.urdf import Urdf as Urdf, parse_urdf as parse_urdf, read_chain as read_chain
 
 _HOMES = homes_in(__file__)
 

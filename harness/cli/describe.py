@@ -12,16 +12,17 @@ from harness.hookspecs import KINDS
 
 def describe(
     name: Annotated[
-        str,
+        str | None,
         typer.Argument(
             help="A name that `harness list` shows, such as arp or arp:k2=2, or the path of a URDF.",
+            show_default="that of --robot",
             autocompletion=names_of(*KINDS),
         ),
-    ],
+    ] = None,
     robot: Annotated[
         str | None,
         typer.Option(
-            help="The robot that a task is described for.",
+            help="The robot that a task is described for; alone it is described itself.",
             show_default="the task's",
             metavar="NAME",
             autocompletion=ROBOTS,
@@ -38,6 +39,11 @@ def describe(
     from harness.robot.robot import is_path
 
     registry = load_registry(given=read_given(plugin))
+    if name is None:
+        if robot is None:
+            raise UsageError("Nothing to describe: give a name that harness list shows, or --robot and a URDF.")
+        say(describe_name(registry, "robots", robot, None))
+        return
     kinds = registry.kinds_of(name.partition(":")[0]) or (["robots"] if is_path(name) else [])
     if not kinds:
         asked = parse(name)[0]

@@ -22,6 +22,7 @@ EXPLAINED: Mapping[str, str] = MappingProxyType(
         "rewards": "what a step is paid (--reward, --baseline)",
         "metrics": "what is measured of the trained robots (--metric)",
         "robots": "the arms (--robot)",
+        "descriptions": "files of arms beside URDF that are read (--robot)",
         "tasks": "what an arm has to do (--task)",
         "environments": "worlds of other libraries, in place of simulator, robot and task (--task)",
         "executors": "where trainings run (--executor)",

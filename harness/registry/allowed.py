@@ -17,6 +17,8 @@ PROGRAMS = "HARNESS_ALLOW_PROGRAM"
 """The same for programs: their paths in full, joined as those in PATH are."""
 _MODULE = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*")
 _TYPED = re.compile(rf"\bid=\(?({_MODULE.pattern}):")
+_TYPED_XACRO = re.compile(r"(?:--\w+=)?(.+\.(?:xacro|urdf))", re.IGNORECASE)
+"""A path that may be of a xacro file, which is a program too."""
 _TYPED_PROGRAM = re.compile(r"\bfile=(?:\(([^()]+)\)|([^,()]+))")
 
 
@@ -46,6 +48,7 @@ def allow_typed(texts: Iterable[str]) -> None:
     listed = list(texts)
     allow_imports(found[1] for text in listed for found in _TYPED.finditer(text))
     allow_programs((found[1] or found[2]).strip() for text in listed for found in _TYPED_PROGRAM.finditer(text))
+    allow_programs(found[1] for text in listed if (found := _TYPED_XACRO.fullmatch(text)))
 
 
 def allowed_imports() -> frozenset[str]:
@@ -75,6 +78,11 @@ def allowed_programs() -> frozenset[str]:
     return frozenset(filter(None, os.environ.get(PROGRAMS, "").split(os.pathsep)))
 
 
+def is_allowed_program(path: str | os.PathLike[str]) -> bool:
+    """Whether the user named a program."""
+    return os.path.abspath(os.path.expanduser(path)) in allowed_programs()
+
+
 def require_program(path: str) -> None:
     """See whether an environment may start a program.
 
@@ -84,7 +92,7 @@ def require_program(path: str) -> None:
     Raises:
         UsageError: The user did not name it.
     """
-    if os.path.abspath(os.path.expanduser(path)) not in allowed_programs():
+    if not is_allowed_program(path):
         raise UsageError(
             f"file={path} is a program, and a file or a folder names it: nothing is started for that. If you trust the "
             f"program, add --allow-program {command_text(path)}"

@@ -35,6 +35,7 @@ MEMBERS: Mapping[str, Mapping[str, int | None]] = MappingProxyType(
         "executors": {"run": 3},
         "trackers": {"why_not": 0, "begin": 1},
         "logs": {"recognises": 2, "read": 1, "write_example": 1},
+        "descriptions": {"recognises": 2, "read": 3, "write_example": 1},
         "sections": {"what": None, "ending": 1, "show": 1},
     }
 )

@@ -3,6 +3,8 @@
 STL and OBJ are read here; COLLADA, glTF and PLY by `trimesh`, of the extra `meshes`.
 """
 
+import glob
+import json
 import os
 import re
 from collections.abc import Callable, Iterator, Mapping
@@ -12,6 +14,7 @@ from importlib.util import find_spec
 from io import BytesIO
 from itertools import pairwise
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,16 +50,18 @@ COUNT = re.compile(rb'"count"\s*:\s*(\d+)')
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
 
-def locate_mesh(name: str, folder: Path) -> Path:
+def locate_mesh(name: str, folder: Path, packages: Mapping[str, Path] = MappingProxyType({})) -> Path:
     """The file that a URDF in `folder` means by `name`.
 
-    A relative name starts at `folder`. ``package://PACKAGE/REST`` is looked for as PACKAGE/REST, then as REST, in
-    `folder` and in each folder around it: the package is the folder that the URDF lies in or beside, whatever a
-    checkout is called.
+    A relative name starts at `folder`, else at the package ''. ``package://PACKAGE/REST`` is looked for where
+    `packages` says; then as PACKAGE/REST, then as REST, in `folder` and in each folder around it: the package is the
+    folder that the URDF lies in or beside, whatever a checkout is called; then where ROS looks: in the folders of
+    ROS_PACKAGE_PATH and those in them, and in ``share`` of those of AMENT_PREFIX_PATH.
 
     Args:
         name: A path, or ``package://``, ``model://`` or ``file://`` and a path.
         folder: Of the URDF.
+        packages: Folders of packages by their names; that of the name '' holds all others, or is one.
 
     Returns:
         An absolute path.
@@ -68,20 +73,54 @@ def locate_mesh(name: str, folder: Path) -> Path:
     if separator and scheme not in {"package", "model", "file"}:
         raise UsageError(f"has the mesh '{name}': allowed are paths, package://, model:// and file://. Change it.")
     folder = folder.absolute()
-    if scheme in {"package", "model"}:
-        tails = [rest, *rest.split("/", 1)[1:]]
-        places = [around / tail for around in (folder, *folder.parents) for tail in tails]
-    else:
-        places = [folder / rest]
-    for place in places:
+    is_packaged = scheme in {"package", "model"}
+    look = _places_in_packages if is_packaged else _places
+    for place in look(rest, folder, packages):
         if os.path.isfile(place):  # no error, whatever the name
             _require_small(place)
             return place
     raise UsageError(
-        f"has the mesh '{name}', and there is no file '{places[0]}'"
-        f"{', nor one in the folders around it' if len(places) > 1 else ''}. "
-        "Put it there, or take its <visual> or <collision> out of the URDF."
+        f"has the mesh '{name}', and there is no file '{next(look(rest, folder, packages))}'"
+        f"{', nor one in the folders around it' * is_packaged}. "
+        f"Put it there, {_or_write(rest, is_packaged)} or take its <visual> or <collision> out of the URDF."
     )
+
+
+def _or_write(rest: str, is_packaged: bool) -> str:
+    """What to write into a robot.toml."""
+    if not is_packaged:
+        return 'say in a robot.toml where such names start, meshes = "FOLDER",'
+    package = json.dumps(rest.partition("/")[0], ensure_ascii=False)
+    return f'say in a robot.toml where the package lies, meshes = {{ {package} = "FOLDER" }},'
+
+
+def _places(rest: str, folder: Path, packages: Mapping[str, Path]) -> Iterator[Path]:
+    """Where a file with a relative name may lie; arguments as for `locate_mesh`."""
+    yield folder / rest
+    if "" in packages:
+        yield packages[""] / rest
+
+
+def _places_in_packages(rest: str, folder: Path, packages: Mapping[str, Path]) -> Iterator[Path]:
+    """Where a file of a package, PACKAGE/REST, may lie; arguments as for `locate_mesh`."""
+    package, _, inner = rest.partition("/")
+    tails = [rest, *[inner] * bool(inner)]
+    if package in packages:
+        yield packages[package] / inner
+    if "" in packages:
+        yield from (packages[""] / tail for tail in tails)
+    yield from (around / tail for around in (folder, *folder.parents) for tail in tails)
+    for path in _paths_in("ROS_PACKAGE_PATH"):
+        yield path / rest
+        if path.name == package:
+            yield path / inner
+        yield from sorted(path.glob(f"*/{glob.escape(rest)}"))
+    yield from (path / "share" / rest for path in _paths_in("AMENT_PREFIX_PATH"))
+
+
+def _paths_in(variable: str) -> list[Path]:
+    """The folders that a variable of the environment names."""
+    return [Path(path).absolute() for path in os.environ.get(variable, "").split(os.pathsep) if path]
 
 
 def _require_small(path: Path) -> None:
@@ -134,6 +173,11 @@ def _read(path: Path, modified: int) -> Mesh:
         raise ValueError(NO_POINTS)
     mesh.vertices.flags.writeable = mesh.faces.flags.writeable = False
     return mesh
+
+
+def is_readable(path: Path) -> bool:
+    """Whether a file is of a format that `read_mesh` knows, and has what reads it."""
+    return path.suffix.lower() in READERS and not needs_extra(path)
 
 
 def needs_extra(path: Path) -> bool:

@@ -1,10 +1,12 @@
 """A URDF with nothing left to guess: what every simulator reads, so that all of them read the same arm."""
 
 import math
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
 from copy import deepcopy
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
+from types import MappingProxyType
 from typing import NamedTuple, cast
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
@@ -53,7 +55,9 @@ class NormalUrdf(NamedTuple):
     warnings: tuple[str, ...]
 
 
-def normal_urdf(urdf: Urdf, driven: Collection[str], folder: Path) -> NormalUrdf:
+def normal_urdf(
+    urdf: Urdf, driven: Collection[str], folder: Path, packages: Mapping[str, Path] = MappingProxyType({})
+) -> NormalUrdf:
     """The same arm with its meshes found, its other joints fixed and a mass for every link.
 
     Joints that are not driven are fixed at zero, or at the end of their range that is nearest to it. Meshes have
@@ -65,6 +69,7 @@ def normal_urdf(urdf: Urdf, driven: Collection[str], folder: Path) -> NormalUrdf
         urdf: The URDF; it is left as it is.
         driven: Names of the joints that move.
         folder: Where the names of meshes start.
+        packages: Where those of packages lead, see `harness.robot.meshes.locate_mesh`.
 
     Returns:
         A URDF, `urdf` itself where there was nothing to do; and warnings.
@@ -77,16 +82,20 @@ def normal_urdf(urdf: Urdf, driven: Collection[str], folder: Path) -> NormalUrdf
     robot = deepcopy(urdf.element)
     for joint in robot.findall("joint"):
         if joint.get("name") not in driven and joint.get("type") != "fixed":
-            _fix(joint)
+            fix_joint(joint)
         _drop_words(joint)
+    _drop_colors(robot)
+    if not robot.get("name"):
+        robot.set("name", "robot")  # Bullet reads none without
     size, told = 0, _Told()
+    find = partial(locate_mesh, folder=folder, packages=packages)
     carriers = Urdf("", robot).carriers
     movers = {name: moving_carrier(name, carriers)[0] for name in urdf.links}
     solid = {movers[name] for name, link in urdf.links.items() if _is_solid(link)}
     for link in robot.findall("link"):
         mover = movers[link.get("name", "")]
         _settle_inertia(link, mover is not None, mover in solid, told)
-        size += _settle_meshes(link, mover is not None, folder, told)
+        size += _settle_meshes(link, mover is not None, find, told)
     if size > MOST_MESH_BYTES:
         raise UsageError(f"The meshes have {size:,} bytes together, {MOST_MESH_BYTES:,} are allowed. Simplify them.")
     is_same = _are_alike(robot, urdf.element)
@@ -153,9 +162,18 @@ def _are_alike(first: Element, second: Element) -> bool:
     return own == other and all(map(_are_alike, first, second))
 
 
-def _fix(joint: Element) -> None:
-    """Turn a joint that moves into a fixed one."""
-    pose = _pose_at_rest(joint)
+def fix_joint(joint: Element, held: float | None = None) -> None:
+    """Turn a joint that moves into a fixed one.
+
+    Args:
+        joint: It is changed.
+        held: Its position, [rad] or [m]; of a planar or floating one 0. None for zero, or as near to it as its range
+            allows.
+
+    Raises:
+        UsageError: Its origin or axis cannot be computed with.
+    """
+    pose = _pose_of(joint, held)
     kept = {"parent", "child"}
     for part in [part for part in joint if part.tag not in kept]:
         joint.remove(part)
@@ -178,23 +196,31 @@ def _drop_words(joint: Element) -> None:
                 joint.remove(axis)
 
 
+def _drop_colors(robot: Element) -> None:
+    """Leave out colours that are not four numbers."""
+    for material in robot.iter("material"):
+        for color in material.findall("color"):
+            words = color.get("rgba", "").split()
+            if len(words) != 4 or not all(map(_is_number, words)):
+                material.remove(color)
+
+
 def _is_number(text: str) -> bool:
-    """Whether an engine can read a text as a number, be it an infinity."""
+    """Whether an engine can read a text as a number and compute with it, be it an infinity."""
     try:
-        float(text)
+        return not math.isnan(float(text))
     except ValueError:
         return False
-    return True
 
 
-def _pose_at_rest(joint: Element) -> Float:
-    """T_parent_child with the joint at zero, or as near to it as its range allows, (4, 4)."""
+def _pose_of(joint: Element, held: float | None) -> Float:
+    """T_parent_child, (4, 4); arguments as for `fix_joint`."""
     xyz = read_vector(joint, "origin", "xyz", default=(0.0, 0.0, 0.0))
     rpy = read_vector(joint, "origin", "rpy", default=(0.0, 0.0, 0.0))
     names = joint.get("name", ""), linked(joint, "parent"), linked(joint, "child")
     name, parent, child = names
-    kind, position, axis = joint.get("type"), 0.0, (1.0, 0.0, 0.0)
-    if kind in {"revolute", "prismatic"}:
+    kind, position, axis = joint.get("type"), held or 0.0, (1.0, 0.0, 0.0)
+    if held is None and kind in {"revolute", "prismatic"}:
         position = _position_at_rest(joint)
     if position:
         axis = read_axis(joint)
@@ -286,7 +312,7 @@ def _require_few_shapes(urdf: Urdf) -> None:
         raise UsageError(f"The URDF has {count:,} shapes, {MOST_SHAPES:,} are allowed. Simplify it.")
 
 
-def _settle_meshes(link: Element, moves: bool, folder: Path, told: _Told) -> int:
+def _settle_meshes(link: Element, moves: bool, find: Callable[[str], Path], told: _Told) -> int:
     """Write where the link's meshes are, and take out those that cannot be read and need not; how many bytes they have.
 
     Raises:
@@ -297,7 +323,7 @@ def _settle_meshes(link: Element, moves: bool, folder: Path, told: _Told) -> int
         for mesh in part.findall("geometry/mesh"):
             file = None
             try:
-                file = _locate(mesh, folder, f"Link '{name}'")
+                file = _locate(mesh, find, f"Link '{name}'")
                 total += file.stat().st_size
                 if part.tag == "visual":
                     _require_surface(part, mesh, f"Link '{name}'")
@@ -317,10 +343,10 @@ def _settle_meshes(link: Element, moves: bool, folder: Path, told: _Told) -> int
     return total
 
 
-def _locate(mesh: Element, folder: Path, owner: str) -> Path:
+def _locate(mesh: Element, find: Callable[[str], Path], owner: str) -> Path:
     """Write where a mesh is, and return that."""
     try:
-        file = locate_mesh(mesh.get("filename", ""), folder)
+        file = find(mesh.get("filename", ""))
     except UsageError as error:
         raise UsageError(f"{owner} {error}") from error
     mesh.set("filename", str(file))

@@ -3,8 +3,7 @@
 import hashlib
 import math
 import os
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -18,8 +17,10 @@ from harness.arrays import Float
 from harness.errors import UsageError
 from harness.files.bounded import digest_of, reading
 from harness.registry.registry import Registry, load_registry
-from harness.robot.chain_end import find_chain_end, find_jaw
-from harness.robot.joint_limits import describe_origin, read_joint_limits
+from harness.robot.arrangement import arrange
+from harness.robot.chain_end import find_jaw
+from harness.robot.description import Description
+from harness.robot.joint_limits import RULES, describe_origin, read_joint_limits, warn_of_speeds
 from harness.robot.kinematics import (
     Chain,
     build_chain,
@@ -30,13 +31,18 @@ from harness.robot.kinematics import (
 )
 from harness.robot.meshes import SCENES
 from harness.robot.normal_urdf import named, normal_urdf
+from harness.robot.packages import is_installed
 from harness.robot.servo import Servo, read_servo
-from harness.robot.settings import FILE, JOINT_KEYS, RobotSettings
+from harness.robot.settings import CHAIN, FILE, JOINT_KEYS, TOOL, RobotSettings
 from harness.robot.shapes import Shape, attach_shapes, find_too_long, read_shapes
-from harness.robot.source import read_source
+from harness.robot.source import naming, read_source
 from harness.robot.urdf import Joint, Urdf, parse_urdf, read_chain
 
 FEWEST_JOINTS, MOST_JOINTS = 3, 8
+SUFFIXES = (".urdf", ".xacro", ".xml", FILE)
+"""Of the names of files that describe robots: the name of no plugin ends so."""
+FD100_REACH = 1.5413267497929588
+"""Reach of the FD100, [m]. Lengths of tasks and motions were chosen for it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,6 +136,19 @@ class Robot:
         """No end effector position is farther than this from the world's origin: the chain's begin and `reach` [m]."""
         return self.reach + float(np.linalg.norm(self.chain.T_previous_joint[0, :3, 3]))
 
+    def scaled(self, length: float) -> float:
+        """A length or speed of the tip that was chosen for the FD100, as large a share of this arm's reach.
+
+        Args:
+            length: [m] or [m/s].
+
+        Returns:
+            In the same unit, with three digits: it is to be read, and the same on all platforms. For the FD100, or an
+            arm of its reach, the number itself.
+        """
+        scale = self.reach / FD100_REACH
+        return length if math.isclose(scale, 1.0, rel_tol=1e-6) else float(f"{scale * length:.3g}")
+
     def end_effector(self, qpos: ArrayLike) -> Float:
         """The end effector's position in the world frame.
 
@@ -159,12 +178,14 @@ class Robot:
         return position_jacobian(self.chain, qpos)
 
 
-def read_robot(path: Path) -> Robot:
-    """The robot of a folder or a URDF.
+def read_robot(path: Path, registry: Registry | None = None) -> Robot:
+    """The robot of a folder or a URDF, or of a file that a plugin makes a URDF of.
 
     Args:
-        path: A folder whose `robot.toml` names the URDF; or a URDF, beside which a `robot.toml` may lie that names it
-            or none. Of one that names another URDF nothing is taken.
+        path: A folder whose `robot.toml` names the URDF, or that file; or a URDF, beside which a `robot.toml` may lie
+            that names it or none. Of one that names another URDF nothing is taken. Also ``PACKAGE:PATH`` of an
+            installed package.
+        registry: Has the readers of what is no URDF; loaded if None, and only where it is needed.
 
     Returns:
         The robot, every number checked.
@@ -173,25 +194,28 @@ def read_robot(path: Path) -> Robot:
         UsageError: A file cannot be read or says something that cannot be; the message names the file.
     """
     with reading(path, "robot", UsageError):
-        return _read_robot(path)
+        return _read_robot(path, registry)
 
 
-def _read_robot(path: Path) -> Robot:
-    source = read_source(path)
-    settings, urdf_path = source.settings, source.path
-    with _naming(urdf_path):
-        given = parse_urdf(source.text)
-        tip = settings.text("end_effector") or find_chain_end(given)
+def _read_robot(path: Path, registry: Registry | None) -> Robot:
+    source = read_source(path, registry)
+    settings, described = source.settings, source.described
+    urdf_path = Path(settings.installed or source.path)
+    with naming(urdf_path):
+        parsed = parse_urdf(source.text)
+    given, tip = arrange(parsed, settings, urdf_path, described.tip)
+    packages = settings.folders()
+    with naming(urdf_path):
         joints = read_chain(given, tip)
         driven = [joint for joint in joints if joint.kind != "fixed"]
         _check_count(driven, tip)
         names = tuple(joint.name for joint in driven)
-        urdf, changes = normal_urdf(given, names, source.folder)
+        urdf, changes = normal_urdf(given, names, source.folder, packages)
         link_shapes = read_shapes(urdf)
         joint_shapes = attach_shapes(urdf, link_shapes, names)
         chain = build_chain(joints)
         long = _warn_of_length(urdf, chain, driven)
-    limits = read_joint_limits(settings, urdf_path, driven, chain, joint_shapes)
+    limits = read_joint_limits(settings, urdf_path, driven, chain, joint_shapes, described.home)
     return Robot(
         name=settings.text("name") or urdf_path.stem,
         urdf=urdf.text,
@@ -206,9 +230,16 @@ def _read_robot(path: Path) -> Robot:
         chain=chain,
         link_shapes=link_shapes,
         joint_shapes=joint_shapes,
-        origins=_origins(settings, driven),
+        origins=_origins(settings, driven, described),
         servo=read_servo(settings, driven),
-        warnings=(*source.warnings, *changes, *long, *_warn_of_jaw(settings, given, chain, joints)),
+        warnings=(
+            *source.warnings,
+            *changes,
+            *long,
+            *warn_of_speeds(driven, limits.max_speed),
+            *_warn_of_lacking_speeds(settings, driven, described),
+            *_warn_of_jaw(settings, given, chain, joints),
+        ),
     )
 
 
@@ -221,25 +252,23 @@ def _warn_of_length(urdf: Urdf, chain: Chain, driven: Sequence[Joint]) -> list[s
     return [f'{given}. If the file is in millimetres, give the <mesh> scale="0.001 0.001 0.001"']
 
 
+def _warn_of_lacking_speeds(settings: RobotSettings, driven: Sequence[Joint], described: Description) -> list[str]:
+    """What a format without speeds says of them, if robot.toml leaves some out."""
+    return [described.speeds] if described.speeds and None in settings.values("max_speed", driven) else []
+
+
 def _warn_of_jaw(settings: RobotSettings, urdf: Urdf, chain: Chain, joints: Sequence[Joint]) -> list[str]:
-    jaw = None if settings.text("end_effector") else find_jaw(urdf, chain, joints)
-    return [] if jaw is None else [jaw.warning(settings.path)]
-
-
-@contextmanager
-def _naming(path: Path) -> Iterator[None]:
-    """Put the file before what is wrong with it."""
-    try:
-        yield
-    except UsageError as error:
-        raise UsageError(f"{path}: {error}") from error
+    is_named = {"end_effector", CHAIN, TOOL} & settings.entries.keys()
+    jaw = None if is_named else find_jaw(urdf, chain, joints)
+    return [] if jaw is None else [jaw.warning(settings.to_write)]
 
 
 def _check_count(driven: Sequence[Joint], tip: str) -> None:
     if not FEWEST_JOINTS <= len(driven) <= MOST_JOINTS:
+        to_do = f"In a {FILE}, hold some: fixed = {{ joint = 0 }}; or name where the arm lies: chain = [first, last]."
         raise UsageError(
             f"{len(driven)} joints move between the root link and '{tip}'; allowed: {FEWEST_JOINTS} to {MOST_JOINTS}. "
-            f"Fix some, or name another end_effector in a {FILE}."
+            f"{to_do if len(driven) > MOST_JOINTS else f'Name another end_effector in a {FILE}, or give another arm.'}"
         )
 
 
@@ -264,33 +293,36 @@ def _path(mesh: Element) -> Path:
     return Path(mesh.get("filename", ""))
 
 
-def _origins(settings: RobotSettings, driven: Sequence[Joint]) -> Mapping[str, str]:
-    tip = FILE if settings.text("end_effector") else "the end of the chain"
-    return {"end_effector": tip} | {each: describe_origin(settings, each, driven) for each in JOINT_KEYS}
+def _origins(settings: RobotSettings, driven: Sequence[Joint], described: Description) -> Mapping[str, str]:
+    is_named = {"end_effector", CHAIN, TOOL} & settings.entries.keys()
+    tip = FILE if is_named else "the frame of its tool" if described.tip else "the end of the chain"
+    origins = {"end_effector": tip} | {each: describe_origin(settings, each, driven) for each in JOINT_KEYS}
+    if described.home and origins["home"] == RULES["home"]:
+        origins["home"] = described.home_origin
+    return origins
 
 
 def load_robot(name_or_path: str | Path, registry: Registry | None = None) -> Robot:
     """A registered robot, or the one that a path leads to.
 
     Args:
-        name_or_path: ``fd100``; or the path of a URDF, beside which a ``robot.toml`` may lie, or of a folder that holds
-            both.
+        name_or_path: ``fd100``; or a path as `read_robot` takes it.
         registry: The plugins; loaded if None.
 
     Raises:
         UsageError: No such robot, or its files say something that cannot be.
     """
     text = str(name_or_path)
-    if is_path(name_or_path) and os.path.exists(text):  # no error, whatever the text
-        return read_robot(Path(text))
+    if is_path(name_or_path) and (os.path.exists(text) or is_installed(text)):  # no error, whatever the text
+        return read_robot(Path(text), registry)
     plugins = registry or load_registry()
     if is_path(name_or_path) and "robots" not in plugins.kinds_of(text):  # a qualified name looks like a path
         raise UsageError(f"No robot at '{text}': name a URDF, a folder that holds robot.toml, or a registered robot")
     folder: Path = plugins.get("robots", text).load()
-    return read_robot(folder)
+    return read_robot(folder, registry)
 
 
 def is_path(robot: str | Path) -> bool:
     """Whether a robot is given by the path of its files, and not by a registered name."""
     text = str(robot)
-    return isinstance(robot, Path) or "/" in text or "\\" in text or text.endswith(".urdf")
+    return isinstance(robot, Path) or "/" in text or "\\" in text or text.endswith(SUFFIXES)

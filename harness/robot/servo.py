@@ -27,7 +27,7 @@ PART_KEYS: Mapping[Part, Mapping[Motion, str]] = {
 }
 """The keys of `[servo]` that hold one value per joint of a motion, in the order of the chain."""
 FRICTIONS: tuple[Part, ...] = ("viscous_friction", "dry_friction")
-"""0 where they are left out; the others are needed."""
+"""0 where they are left out; of the others only `max_torque` may be, where the URDF has an effort above 0."""
 POSITIVE: tuple[Part, ...] = ("max_torque", "stiffness")
 LATENCY, GRAVITY = "latency_s", "gravity_compensated"
 KEYS = (*(key for keys in PART_KEYS.values() for key in keys.values()), LATENCY, GRAVITY)
@@ -124,7 +124,8 @@ def read_servo(settings: RobotSettings, joints: Sequence[Joint]) -> Servo | None
 
 def _read_part(table: RobotSettings, part: Part, joints: Sequence[Joint]) -> Float:
     values = []
-    for joint, value in zip(joints, table.numbers(PART_KEYS[part], joints), strict=True):
+    for joint, given in zip(joints, table.numbers(PART_KEYS[part], joints), strict=True):
+        value = joint.effort if given is None and part == "max_torque" else given
         key = PART_KEYS[part][motion_of(joint)]
         if value is None and part not in FRICTIONS:
             raise UsageError(

@@ -3,6 +3,7 @@
 Only what kinematics needs is read: joints, their frames, axes and limits. Reference: http://wiki.ros.org/urdf/XML/joint
 """
 
+import json
 import math
 import re
 from collections import Counter
@@ -138,6 +139,8 @@ KINDS = (*get_args(JointKind), "planar", "floating")
 """All that a URDF has; the last two move in several ways at once and cannot be on a chain."""
 Vector = tuple[float, float, float]
 
+WORLD = "world"
+"""The link that engines take for the world, if there is one of that name."""
 MOST_LINKS = 200
 """The most links of a URDF: an arm has ten, a humanoid with both hands less than 150."""
 SHOWN = 20
@@ -165,6 +168,7 @@ class Joint:
         lower: Smallest position, [rad] or, for a prismatic joint, [m]; -inf for a continuous or fixed joint.
         upper: Largest position, as `lower`; inf for a continuous or fixed joint.
         velocity: Largest speed, [rad/s] or [m/s], positive; None where the URDF names none that is.
+        effort: Largest torque or force, [N m] or [N], likewise.
     """
 
     name: str
@@ -177,6 +181,7 @@ class Joint:
     lower: float
     upper: float
     velocity: float | None
+    effort: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -222,12 +227,25 @@ def read_chain(urdf: Urdf, tip: str) -> tuple[Joint, ...]:
     Raises:
         UsageError: There is no such link, or a joint of the chain cannot be computed with.
     """
-    if tip not in urdf.links:
-        raise UsageError(f"No link '{tip}' in the URDF. Name one of its links as the tip: {_quoted(urdf.links)}.")
-    chain = tuple(_read_joint(joint) for joint in _path_to(tip, urdf.carriers))
+    require_link(urdf, tip)
+    path = path_to(tip, urdf.carriers)
+    for joint in path:
+        if linked(joint, "child") == WORLD:
+            raise _joint_error(joint, f"carries the link '{WORLD}', which engines take for the world. Rename the link.")
+    chain = tuple(_read_joint(joint) for joint in path)
     if all(joint.kind == "fixed" for joint in chain):
         raise UsageError(f"No joint moves between the root link and '{tip}'. Name a tip beyond a joint that moves.")
     return chain
+
+
+def require_link(urdf: Urdf, tip: str) -> None:
+    """Raise unless a URDF has a link.
+
+    Raises:
+        UsageError: It has none of that name; the message names those that it has.
+    """
+    if tip not in urdf.links:
+        raise UsageError(f"No link '{tip}' in the URDF. Name one of its links as the tip: {quoted(urdf.links)}.")
 
 
 def parse_urdf(text: str) -> Urdf:
@@ -252,14 +270,14 @@ def parse_urdf(text: str) -> Urdf:
             raise _joint_error(joint, f"is of type '{joint.get('type')}'; allowed: {', '.join(KINDS)}. Change it.")
     _check_tree(links, urdf.joints)
     for link in links:
-        _path_to(link, urdf.carriers)  # raises where joints form a loop
+        path_to(link, urdf.carriers)  # raises where joints form a loop
     return urdf
 
 
 def _check_unique(what: str, names: Sequence[str]) -> None:
     repeated = _repeated(names)
     if repeated:
-        raise UsageError(f"The URDF has more than one {what} {_quoted(repeated)}. Give each its own name.")
+        raise UsageError(f"The URDF has more than one {what} {quoted(repeated)}. Give each its own name.")
 
 
 def _repeated(names: Sequence[str]) -> list[str]:
@@ -272,19 +290,27 @@ def _check_tree(links: Sequence[str], joints: Sequence[Element]) -> None:
     parents = [linked(joint, "parent") for joint in joints]
     unknown = sorted({*children, *parents} - set(links))
     if unknown:
-        raise UsageError(f"Joints name links that the URDF does not define: {_quoted(unknown)}. Define or rename them.")
+        raise UsageError(f"Joints name links that the URDF does not define: {quoted(unknown)}. Define or rename them.")
     shared = _repeated(children)
     if shared:
-        raise UsageError(f"More than one joint carries link {_quoted(shared)}. Keep one joint for each link.")
+        raise UsageError(f"More than one joint carries link {quoted(shared)}. Keep one joint for each link.")
     carried = set(children)
     roots = [link for link in links if link not in carried]
     if len(roots) != 1:
-        found = _quoted(roots) or "none"
+        found = quoted(roots) or "none"
         raise UsageError(f"A URDF has one root link, carried by no joint; found: {found}. Join all links in one tree.")
 
 
-def _path_to(tip: str, carrier: Mapping[str, Element]) -> list[Element]:
-    """The joints from the root to `tip`; found upwards from the tip, where the way is unique."""
+def path_to(tip: str, carrier: Mapping[str, Element]) -> list[Element]:
+    """The joints from the root to `tip`; found upwards from the tip, where the way is unique.
+
+    Args:
+        tip: A link.
+        carrier: The joint that carries each link, see `Urdf.carriers`.
+
+    Raises:
+        UsageError: The joints form a loop.
+    """
     path: list[Element] = []
     link = tip
     while link in carrier:
@@ -320,16 +346,19 @@ def _read_joint(joint: Element) -> Joint:
         axis=(1.0, 0.0, 0.0) if kind == "fixed" else read_axis(joint),
         lower=lower,
         upper=upper,
-        velocity=None if kind == "fixed" else _velocity(joint),
+        velocity=None if kind == "fixed" else _positive_limit(joint, "velocity"),
+        effort=None if kind == "fixed" else _positive_limit(joint, "effort"),
     )
 
 
 def _kind(joint: Element) -> JointKind:
     kind, allowed = joint.get("type"), get_args(JointKind)
     if kind not in allowed:
-        raise _joint_error(joint, f"is of type '{kind}'; allowed on the chain: {', '.join(allowed)}. Change it.")
+        told = f"is of type '{kind}'; allowed on the chain: {', '.join(allowed)}"
+        raise _joint_error(joint, f"{told}. Change it, {_or_hold(joint)}")
     if kind != "fixed" and joint.find("mimic") is not None:
-        raise _joint_error(joint, "mimics another one, but each joint of the chain moves by itself. Remove <mimic>.")
+        told = "mimics another one, but each joint of the chain moves by itself"
+        raise _joint_error(joint, f"{told}. Remove <mimic>, {_or_hold(joint)}")
     return cast(JointKind, kind)
 
 
@@ -353,21 +382,39 @@ def _limits(joint: Element, kind: JointKind) -> tuple[float, float]:
         return -math.inf, math.inf
     lower, upper = read_number(joint, "limit", "lower"), read_number(joint, "limit", "upper")
     if lower is None or upper is None:
-        raise _joint_error(joint, f"is {kind} and has no limits. Give it <limit lower=... upper=.../>.")
+        raise _joint_error(
+            joint, f"is {kind} and has no limits. Give it <limit lower=... upper=.../>, {_or_write(joint, kind)}"
+        )
     if lower >= upper:
-        raise _joint_error(joint, f"has the limits {lower:g} to {upper:g}. Give a lower one below the upper one.")
+        raise _joint_error(
+            joint,
+            f"has the limits {lower:g} to {upper:g}. Give a lower one below the upper one, {_or_write(joint, kind)}",
+        )
     if kind == "prismatic" and upper - lower > LONGEST_SLIDE:  # a placeholder, from which home and noise would come
         raise _joint_error(
             joint,
-            f"slides from {lower:g} to {upper:g} m, {LONGEST_SLIDE:g} m are allowed. Give the slide's own limits.",
+            f"slides from {lower:g} to {upper:g} m, {LONGEST_SLIDE:g} m are allowed. Give the slide's own limits, "
+            f"{_or_write(joint, kind)}",
         )
     return lower, upper
 
 
-def _velocity(joint: Element) -> float | None:
-    """The largest speed; None where what stands there is none: exporters write 0, nothing or the largest float."""
-    velocity = number_of(_text(joint, "limit", "velocity") or "")
-    return velocity if velocity > 0.0 else None
+def _or_hold(joint: Element) -> str:
+    """What to write into a robot.toml instead, of a joint that cannot move."""
+    return f"or hold the joint in a robot.toml: fixed = {{ {json.dumps(_name(joint), ensure_ascii=False)} = 0 }}"
+
+
+def _or_write(joint: Element, kind: JointKind) -> str:
+    """What to write into a robot.toml instead."""
+    key, example = ("range_m", "[0, 0.2]") if kind == "prismatic" else ("range_deg", "[-90, 90]")
+    name = json.dumps(_name(joint), ensure_ascii=False)
+    return f"or the arm's own in a robot.toml: {key} = {{ {name} = {example} }}"
+
+
+def _positive_limit(joint: Element, name: str) -> float | None:
+    """A largest speed or effort; None where none stands there: exporters write 0, nothing or the largest float."""
+    limit = number_of(_text(joint, "limit", name) or "")
+    return limit if limit > 0.0 else None
 
 
 def read_vector(joint: Element, tag: str, attribute: str, default: Vector) -> Vector:
@@ -426,7 +473,7 @@ def _joint_error(joint: Element, message: str) -> UsageError:
     return UsageError(f"Joint '{joint.get('name')}' {message}")
 
 
-def _quoted(names: Iterable[str]) -> str:
-    """The first of them, as many as fit into a message."""
+def quoted(names: Iterable[str]) -> str:
+    """The first of the names, as many as fit into a message."""
     shown = [f"'{name}'" for name in names]
     return ", ".join(shown[:SHOWN]) + (", ..." if len(shown) > SHOWN else "")

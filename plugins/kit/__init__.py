@@ -21,6 +21,10 @@ if TYPE_CHECKING:
 
     from .algorithms import ALGORITHM_CHECKS as ALGORITHM_CHECKS, check_algorithm as check_algorithm
     from .contract import Check as Check, check as check, violations as violations
+    from .descriptions import (
+        DESCRIPTION_CHECKS as DESCRIPTION_CHECKS,
+        check_description_format as check_description_format,
+    )
     from .environments import ENVIRONMENT_CHECKS as ENVIRONMENT_CHECKS, check_environment as check_environment
     from .executors import EXECUTOR_CHECKS as EXECUTOR_CHECKS, check_executor as check_executor
     from .exports import EXPORT_CHECKS as EXPORT_CHECKS, check_export as check_export
@@ -36,6 +40,7 @@ if TYPE_CHECKING:
 _NAMES = {
     "harness_plugins.kit.algorithms": ("ALGORITHM_CHECKS", "check_algorithm"),
     "harness_plugins.kit.contract": ("Check", "check", "violations"),
+    "harness_plugins.kit.descriptions": ("DESCRIPTION_CHECKS", "check_description_format"),
     "harness_plugins.kit.environments": ("ENVIRONMENT_CHECKS", "check_environment"),
     "harness_plugins.kit.executors": ("EXECUTOR_CHECKS", "check_executor"),
     "harness_plugins.kit.exports": ("EXPORT_CHECKS", "check_export"),

@@ -17,6 +17,7 @@ from harness.task import Task
 
 from .algorithms import ALGORITHM_CHECKS, ALGORITHM_WARNINGS
 from .contract import Check, check, require
+from .descriptions import DESCRIPTION_CHECKS
 from .environments import ENVIRONMENT_CHECKS
 from .executors import EXECUTOR_CHECKS
 from .exports import EXPORT_CHECKS
@@ -167,6 +168,7 @@ KITS: Mapping[str, Kit] = MappingProxyType(
         "executors": Kit(EXECUTOR_CHECKS, seconds=120.0),
         "trackers": Kit(TRACKER_CHECKS),
         "logs": Kit(LOG_CHECKS),
+        "descriptions": Kit(DESCRIPTION_CHECKS),
         "sections": Kit(SECTION_CHECKS, SECTION_WARNINGS),
     }
 )

@@ -17,12 +17,14 @@ from harness.log.format import HEAD
 from harness.log.open_log import formats_of
 from harness.motion import MODES
 from harness.reach import ReachTask
+from harness.registry.allowed import PROGRAMS
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 from harness.registry.spec import OURS
 from harness.robot import Robot
 from harness_plugins.kit import (
     ALGORITHM_CHECKS,
+    DESCRIPTION_CHECKS,
     EXECUTOR_CHECKS,
     LOG_CHECKS,
     METRIC_CHECKS,
@@ -112,6 +114,7 @@ CHECKS = [
     *TRACKER_CHECKS,
     *LOG_CHECKS,
     *SECTION_CHECKS,
+    *DESCRIPTION_CHECKS,
 ]
 
 
@@ -277,6 +280,22 @@ def test_log_format_is_told_apart(name: str, tmp_path: Path):
     with example.open("rb") if example.is_file() else io.BytesIO() as file:
         head = file.read(HEAD)
     assert [each for each, it in formats_of(REGISTRY).items() if it.recognises(example, head)] == [name]
+
+
+@registered("descriptions")
+def test_description_format(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Every registered format of robots keeps the contract, where the library that it needs is installed."""
+    monkeypatch.setenv(PROGRAMS, "")
+    assert broken_in(tmp_path, DESCRIPTION_CHECKS, build("descriptions", name)) == []
+
+
+@registered("descriptions")
+def test_description_format_is_told_apart(name: str, tmp_path: Path):
+    """The example of a format is recognised by that format, and by no other."""
+    example = build("descriptions", name).write_example(tmp_path)
+    specs = [REGISTRY.get("descriptions", each) for each in REGISTRY.names("descriptions")]
+    forms = {spec.name: spec.load()() for spec in specs if not spec.missing}
+    assert [each for each, it in forms.items() if it.recognises(example, example.read_bytes())] == [name]
 
 
 def test_ideal_simulator():

@@ -220,7 +220,7 @@ def test_commands_are_found():
 
 
 @pytest.mark.parametrize(
-    "text", ["harness run --simulator mujoco", "harness run --seeds", "harness describe", "harness status DIR --jsn"]
+    "text", ["harness run --simulator mujoco", "harness run --seeds", "harness status", "harness status DIR --jsn"]
 )
 def test_command_that_is_wrong_cannot_be_typed(text: str, known: Mapping[str, typer.core.TyperCommand]):
     """The mutants: a flag that is not there, and a value or an argument that is missing."""

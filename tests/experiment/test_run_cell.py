@@ -190,7 +190,7 @@ def test_cell_is_done_again_over_what_was_left(make_cell: MakeCell, tmp_path: Pa
 def test_robot_is_read_once(make_cell: MakeCell, toys: Registry, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """The training, its evaluations and the manifest share it: its files are parsed and checked once in a cell."""
     read, plain = [], robot.read_robot
-    monkeypatch.setattr("harness.robot.robot.read_robot", lambda path: read.append(path) or plain(path))
+    monkeypatch.setattr("harness.robot.robot.read_robot", lambda path, *rest: read.append(path) or plain(path, *rest))
     _run(make_cell(evaluate_every=6), tmp_path / "cell")
     assert len(read) == 1
 

@@ -92,6 +92,12 @@ max_speed_deg_s = [80, 100.0]
 max_speed_m_s = [0.25]
 max_acceleration_deg_s2 = [360, 720]
 max_acceleration_m_s2 = [2]
+range_deg = [[-10, 50], [-90, 120]]
+chain = ["base", "mount"]
+fixed = { grip = 0.15 }
+meshes = { arm = "." }
+base = { xyz_m = [0, 0, 0.5], rpy_deg = [0, 0, 10] }
+tool = { xyz_m = [0.1, 0, 0], name = "probe" }
 """
 TRIANGLES = [[0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0], [0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 0, 0]]
 STL = bytes(80) + struct.pack("<I", 2) + b"".join(struct.pack("<12fH", *corners, 0) for corners in TRIANGLES)

@@ -95,6 +95,11 @@ def test_register_logs(write_plugin: Write):
     _assert_hook_registers("logs", write_plugin)
 
 
+def test_register_descriptions(write_plugin: Write):
+    """A name that is registered as a format of robots is found among those alone."""
+    _assert_hook_registers("descriptions", write_plugin)
+
+
 def test_register_sections(write_plugin: Write):
     """A name that is registered as a section is found among those alone."""
     _assert_hook_registers("sections", write_plugin)

@@ -272,7 +272,10 @@ def test_nearest_mesh_is_taken(tmp_path: Path):
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("a.stl", "has the mesh 'a.stl', and there is no file '{}/a.stl'. Put it there, or take its <visual>"),
+        (
+            "a.stl",
+            "has the mesh 'a.stl', and there is no file '{}/a.stl'. Put it there, say in a robot.toml where such names",
+        ),
         ("", "has the mesh '', and there is no file '{}'"),
         ("package://p/a.stl", "there is no file '{}/p/a.stl', nor one in the folders around it. Put it"),
         ("http://host/a.stl", "has the mesh 'http://host/a.stl': allowed are paths, package://, model:// and file://"),
@@ -360,3 +363,57 @@ def test_a_mesh_may_lie_beside_the_folder(tmp_path: Path):
     (tmp_path / "urdf").mkdir()
     (tmp_path / "meshes" / "a.stl").write_bytes(binary_stl(CORNERS))
     assert locate_mesh("../meshes/a.stl", tmp_path / "urdf").is_file()
+
+
+def mesh_at(place: Path) -> Path:
+    """An empty file, with the folders that it lies in."""
+    place.parent.mkdir(parents=True)
+    place.touch()
+    return place
+
+
+def test_packages_lie_where_they_are_said_to(tmp_path: Path):
+    """One by its name, all others in one folder or as it; that comes before a file around the URDF."""
+    near, named = mesh_at(tmp_path / "urdf" / "pack" / "a.stl"), mesh_at(tmp_path / "elsewhere" / "a.stl")
+    held = mesh_at(tmp_path / "all" / "pack" / "a.stl")
+    folder = tmp_path / "urdf"
+    assert locate_mesh("package://pack/a.stl", folder) == near
+    assert locate_mesh("package://pack/a.stl", folder, {"pack": named.parent}) == named
+    assert locate_mesh("package://pack/a.stl", folder, {"": tmp_path / "all"}) == held
+    assert locate_mesh("package://other/a.stl", folder, {"": named.parent}) == named
+    assert locate_mesh("package://pack/a.stl", folder, {"other": named.parent}) == near
+
+
+def test_relative_names_start_at_the_folder_of_all_packages_too(tmp_path: Path):
+    """Some URDFs count from the folder of the program that loads them."""
+    far = mesh_at(tmp_path / "assets" / "meshes" / "a.stl")
+    assert locate_mesh("meshes/a.stl", tmp_path / "urdf", {"": tmp_path / "assets"}) == far
+    near = mesh_at(tmp_path / "urdf" / "meshes" / "a.stl")
+    assert locate_mesh("meshes/a.stl", tmp_path / "urdf", {"": tmp_path / "assets"}) == near
+
+
+@pytest.mark.parametrize(
+    ("variable", "folders", "place"),
+    [
+        ("ROS_PACKAGE_PATH", ["none", "src"], "src/pack/a.stl"),
+        ("ROS_PACKAGE_PATH", ["src"], "src/several/pack/a.stl"),
+        ("ROS_PACKAGE_PATH", ["src/pack"], "src/pack/a.stl"),
+        ("AMENT_PREFIX_PATH", ["none", "install"], "install/share/pack/a.stl"),
+    ],
+)
+def test_packages_lie_where_ros_looks(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, variable: str, folders: list[str], place: str
+):
+    """In the folders that its variables name; one beside the URDF comes first."""
+    far = mesh_at(tmp_path / place)
+    monkeypatch.setenv(variable, os.pathsep.join(str(tmp_path / folder) for folder in folders))
+    assert locate_mesh("package://pack/a.stl", tmp_path / "urdf") == far
+    near = mesh_at(tmp_path / "urdf" / "pack" / "a.stl")
+    assert locate_mesh("package://pack/a.stl", tmp_path / "urdf") == near
+
+
+def test_what_to_write_about_a_package_works(tmp_path: Path):
+    """The line of the message, with the folder in it."""
+    with pytest.raises(UsageError, match=r"say in a robot\.toml where the package lies") as caught:
+        locate_mesh("package://pack/a.stl", tmp_path / "urdf")
+    assert 'meshes = { "pack" = "FOLDER" }' in str(caught.value)

@@ -53,9 +53,9 @@ gravity_compensated = false
 OPTIONAL = ("viscous", "dry", "latency", "gravity")
 
 
-def _read(folder: Path, toml: str = TOML) -> Robot:
+def _read(folder: Path, toml: str = TOML, urdf: str = URDF) -> Robot:
     (folder / "robot.toml").write_text(toml, encoding="utf-8")
-    (folder / "arm.urdf").write_text(URDF, encoding="utf-8")
+    (folder / "arm.urdf").write_text(urdf, encoding="utf-8")
     return read_robot(folder / "arm.urdf")
 
 
@@ -100,22 +100,25 @@ def test_drives_cannot_be_changed(tmp_path: Path):
         servo.latency = 1.0
 
 
+def test_torque_that_is_left_out_is_the_effort_of_the_urdf(tmp_path: Path):
+    """One by one, where there is one above 0; else it is missing."""
+    some = TOML.replace("[10, 20]", "{ elbow = 20 }").replace("max_force_n = [300]\n", "")
+    np.testing.assert_array_equal(_read(tmp_path, some, URDF.replace('"1"', '"7"')).servo.max_torque, [7, 7, 20])
+    for effort in ("0", "-1", "", "x"):
+        with pytest.raises(UsageError, match=r"\[servo\]: missing max_torque_nm of 'shoulder'. Give one value per"):
+            _read(tmp_path, some, URDF.replace('effort="1"', f'effort="{effort}"'))
+
+
 def test_bad_drives_are_refused_in_one_line(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
     """Each fault is a UsageError of one line that names the file and the table."""
     rows = [
         ("[servo]", "servo = 5", r"robot.toml: servo is 5. Write a table: \[servo\], and its keys below."),
         ("latency_s", "delay_s", r"robot.toml: \[servo\]: unknown delay_s. The keys are max_torque_nm, max_force_n"),
         (
-            "max_torque_nm = [10, 20]",
-            "",
-            r"\[servo\]: missing max_torque_nm of 'shoulder'. Give one value per",
-        ),
-        (
             "stiffness_n_per_m = [3000]",
             "",
             r"\[servo\]: missing stiffness_n_per_m of 'slide'. Give one value per",
         ),
-        ("[10, 20]", "{ shoulder = 10 }", r"\[servo\]: missing max_torque_nm of 'elbow'. Give one value per"),
         ("[10, 20]", "[10]", r"\[servo\]: max_torque_nm has 1 values for 2 turning joints. Give one per joint."),
         ("[10, 20]", "[10, 0]", r"\[servo\]: max_torque_nm of 'elbow' is 0. Give a positive value."),
         ("[100, 200]", "[-1, 2]", r"\[servo\]: stiffness_nm_per_rad of 'shoulder' is -1. Give a positive value."),

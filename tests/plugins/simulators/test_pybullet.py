@@ -14,10 +14,11 @@ import pytest
 
 import harness
 from harness.errors import UsageError
+from harness.registry.registry import load_registry
 from harness.robot import Robot
 from harness.robot.normal_urdf import normal_urdf
 from harness.robot.urdf import parse_urdf
-from harness_plugins.bullet_arms import Clients, FreeArm, exact_timestep, file_of_arm
+from harness_plugins.bullet_arms import Clients, FreeArm, arm as bullet_arm, exact_timestep, file_of_arm
 from tests.robot.brought_arms import changed, read_arm
 
 Call = Callable[..., Any]
@@ -53,6 +54,42 @@ def test_every_period_has_its_substeps(subtests: pytest.Subtests):
                 assert step == pytest.approx(period / substeps, rel=1e-7)
                 assert (step * substeps) / substeps == step
                 assert (step * substeps) % step == 0.0
+
+
+@pytest.mark.parametrize(("needed", "off"), [(None, (0.0, 1e-3)), (1, (5e-3, 1.0))])
+def test_a_heavy_tool_gets_the_iterations_that_it_needs(
+    needed: int | None, off: tuple[float, float], open_arms: Call, monkeypatch: pytest.MonkeyPatch
+):
+    """With the FD100's 50 its tip is centimetres from where it is driven, with what the arm needs it is there.
+
+    Its links weigh 10 g, and the last one, which is small, weighs 20 kg.
+    """
+    urdf = ElementTree.fromstring(ROBOT.urdf)
+    inertials = urdf.findall("link/inertial")
+    for inertial in inertials:
+        inertial.find("mass").set("value", "20" if inertial is inertials[-1] else "1e-2")  # type: ignore[union-attr]
+        for key in ("ixx", "iyy", "izz"):
+            inertial.find("inertia").set(key, "3e-3")  # type: ignore[union-attr]
+    light = replace(ROBOT, urdf=ElementTree.tostring(urdf, encoding="unicode"))
+    if needed is not None:
+        monkeypatch.setattr(bullet_arm, "needed_iterations", lambda *_: needed)
+    simulation = open_arms(1, robot=light)
+    turn = 0.2 * light.max_speed * PERIOD * [1, -1, 1, -1, 1, -1]
+    errors = []
+    for step in range(1, 11):
+        target = light.home + step * turn
+        errors.append(np.linalg.norm(simulation.drive(target[None], PERIOD).end_effector - light.end_effector(target)))
+    assert off[0] <= max(errors) < off[1]
+
+
+@pytest.mark.parametrize("name", ["fd100", "unity-arm"])
+def test_the_robots_of_this_project_need_no_more_iterations_than_their_records_have(name: str):
+    """These were made with 50."""
+    robot = harness.load_robot(name)
+    simulation = load_registry().get("simulators", "pybullet").load()().open(robot, 1, PERIOD)
+    (arm,) = simulation.arms
+    assert bullet_arm.needed_iterations(arm.client, arm.body, robot) <= 50
+    simulation.close()
 
 
 @pytest.mark.parametrize("substeps", [3, 7, 20])

@@ -1,0 +1,1 @@
+"""Built-in formats of robots beside URDF; `harness_robots` announces them."""

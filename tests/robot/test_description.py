@@ -1,0 +1,111 @@
+"""Robots in files that are no URDF: which reader is asked, and what is said where there is none."""
+
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from harness.errors import PluginError, UsageError
+from harness.registry.registry import Registry
+from harness.registry.spec import Spec
+from harness.robot.robot import load_robot, read_robot
+from tests.contracts.test_description_mutants import Sound
+from tests.robot.brought_arms import ARM, read_arm
+
+NOTHING = Registry()
+
+
+class Failing(Sound):
+    """Raises what is no error of ours."""
+
+    def read(self, path, arguments, packages):
+        raise KeyError("a mistake of the reader")
+
+
+def registry_of(name: str, requires: tuple[str, ...] = ()) -> Registry:
+    """One format, of a class here."""
+    registry = Registry()
+    target = f"{__name__}:{name}"
+    registry.specs["descriptions", "chain"] = [
+        Spec("descriptions", "chain", target, "", requires, None, "mine", "chains", "0.1")
+    ]
+    return registry
+
+
+@pytest.fixture(autouse=True)
+def importable(monkeypatch: pytest.MonkeyPatch):
+    """This module, by its name, wherever pytest has it."""
+    monkeypatch.setitem(__import__("sys").modules, __name__, __import__("sys").modules[__name__])
+
+
+def said_of(path: Path, registry: Registry = NOTHING) -> str:
+    """The error about a file, without its path."""
+    with pytest.raises(UsageError) as error:
+        read_robot(path, registry)
+    return str(error.value).removeprefix(f"{path}: ")
+
+
+def test_the_reader_that_recognises_a_file_reads_it(tmp_path: Path):
+    """Its tip and its resting pose are taken, by `load_robot` too."""
+    path = Sound().write_example(tmp_path)
+    for robot in (read_robot(path, registry_of("Sound")), load_robot(path, registry_of("Sound"))):
+        assert robot.joint_names == ("one", "two", "three")
+        assert robot.end_effector_link == "three_link"
+        assert robot.home[0] == 0.5
+        assert robot.origins["end_effector"] == "the frame of its tool"
+
+
+def test_a_urdf_asks_no_reader(tmp_path: Path):
+    """Whatever is registered."""
+    (tmp_path / "arm.urdf").write_text(ARM)
+    assert read_robot(tmp_path / "arm.urdf", registry_of("Failing")).dof == 4
+
+
+def test_a_reader_that_fails_is_blamed(tmp_path: Path):
+    """By its name and package."""
+    with pytest.raises(PluginError, match=r"Description format 'chain' of package chains 0\.1 raised KeyError"):
+        read_robot(Sound().write_example(tmp_path), registry_of("Failing"))
+
+
+def test_a_reader_without_its_library_is_not_asked(tmp_path: Path):
+    """What is said then is what is said of the file."""
+    assert "not well-formed XML" in said_of(Sound().write_example(tmp_path), registry_of("Sound", ("no_such_module",)))
+
+
+FOREIGN = {
+    "arm.urdf.xacro": ('<robot name="a"/>', "xacro has to be expanded: pip install 'fd100-harness[xacro]'"),
+    "arm.urdf": ('<robot><xacro:arm name="a"/></robot>', "or xacro arm.urdf.xacro > arm.urdf, and give that"),
+    "arm.xml": ("<!-- a --><mujoco/>", "an MJCF is read by MuJoCo: pip install 'fd100-harness[mujoco]'"),
+    "part.xml": ("<mujocoinclude/>", "it is a part of an MJCF. Give the file that includes it"),
+    "arm.sdf": ("<sdf/>", "an SDF is not read. Give the URDF or the xacro file"),
+    "model.xml": ("<sdf version='1.6'/>", "ROS's sdformat_urdf makes one"),
+    "arm.usda": ("#usda 1.0", "a USD is not read. Give the URDF that it was made of"),
+    "arm.usd": ("PXR-USDC", "the URDF exporter of Isaac Sim"),
+}
+
+
+@pytest.mark.parametrize("name", FOREIGN)
+def test_other_files_say_how_to_come_to_a_urdf(tmp_path: Path, name: str):
+    """One sentence, that begins with the file."""
+    text, told = FOREIGN[name]
+    (tmp_path / name).write_text(text)
+    assert told in said_of(tmp_path / name)
+
+
+def test_an_archive_is_to_be_unpacked(tmp_path: Path):
+    """Whatever its name."""
+    with zipfile.ZipFile(tmp_path / "arm.zip", "w") as archive:
+        archive.writestr("arm.urdf", ARM)
+    assert said_of(tmp_path / "arm.zip") == "it is an archive. Unpack it, and give the URDF in it."
+
+
+def test_a_damaged_urdf_is_said_to_be_one(tmp_path: Path):
+    """As before there were other formats."""
+    (tmp_path / "arm.urdf").write_text("<robt/>")
+    assert said_of(tmp_path / "arm.urdf") == "The outermost element is <robt>, a URDF's is <robot>. Give a URDF."
+
+
+def test_a_urdf_takes_no_arguments(tmp_path: Path):
+    """They would change nothing, and silently."""
+    with pytest.raises(UsageError, match=r"arguments are given, and arm\.urdf is a URDF, which takes none"):
+        read_arm(tmp_path, ARM, 'arguments = { a = "1" }\n')
