@@ -199,7 +199,7 @@ def _read_robot(path: Path, registry: Registry | None) -> Robot:
     chain = build_chain(joints)
     limits = read_joint_limits(settings, urdf_path, driven, chain, joint_shapes, described.home)
     return Robot(
-        name=settings.text("name") or urdf_path.stem,
+        name=settings.text("name") or urdf_path.stem.removesuffix(".urdf"),
         urdf=urdf.text,
         folder=source.folder,
         end_effector_link=tip,

@@ -260,6 +260,17 @@ def test_fixed_objects_are_left_out_too(tmp_path: Path):
     )
 
 
+def test_objects_that_float_are_left_out_with_their_joints(tmp_path: Path):
+    """A box with a lid is no second arm."""
+    lid = '<body name="lid"><joint/><geom size="0.01"/></body>'
+    text = (
+        ARM[: ARM.index("<keyframe>")].replace('size="0.02 0.02 0.02"/>', f'size="0.02 0.02 0.02"/>{lid}') + "</mujoco>"
+    )
+    robot = read_robot(write_arm(tmp_path, text))
+    assert robot.joint_names[0] == "pan"
+    assert 'name="lid"' not in robot.urdf
+
+
 def test_an_arm_that_floats_is_fixed_where_it_begins(tmp_path: Path):
     """Told in a line, if nothing else moves."""
     text = ARM.replace('<geom type="cylinder" size="0.06', '<freejoint/><geom type="cylinder" size="0.06')
