@@ -14,9 +14,9 @@ INSTALL_LOCK := $(INSTALL) --no-deps --require-hashes --requirement
 
 # What install and dev set up, of pyproject.toml's extras.
 RUN_EXTRAS := mujoco sb3 report
-DEV_EXTRAS := mujoco sb3 report pybullet dm-control tune tensorboard wandb ray slurm video minari xacro dev docs
+DEV_EXTRAS := mujoco sb3 report pybullet dm-control tune tensorboard wandb ray slurm video minari meshes xacro dev docs
 
-.PHONY: install dev lock run reference test coverage slow plugins examples browser engines unity bench bench-record quick-bench check docs links wheel sbom \
+.PHONY: install dev lock run reference test coverage slow plugins examples browser engines arms unity bench bench-record quick-bench check docs links wheel sbom \
 	format clean
 
 install: $(VENV)/.installed
@@ -76,6 +76,11 @@ engines: ENGINES = build/experiments/engines/bin/python
 engines: build/experiments/engines/installed
 	$(ENGINES) -m harness check drake && $(ENGINES) -m harness check physx
 	OMP_NUM_THREADS=1 $(ENGINES) -m pytest tests/plugins/simulators -k "drake or physx or test_mjx" -n 2 --benchmark-disable
+
+# Public arms from packages of PyPI: loaded, trained in three simulators, and held against one another. Some: ARM='Z1 "KR16"'.
+arms: ARM =
+arms: build/experiments/arms/installed
+	OMP_NUM_THREADS=1 build/experiments/arms/bin/python experiments/arms/measure.py results/reference/arms/arms.csv $(ARM)
 
 # Unity's protocol, with a player that needs no Unity, and what experiments/unity/requirements.txt names.
 unity: UNITY = build/experiments/unity/bin/python
@@ -162,7 +167,7 @@ build/experiments/%/installed: experiments/%/requirements.txt $(VENV)/.installed
 	$(BIN)/python -m venv --without-pip --clear $(@D)
 	$(BIN)/python -c "import sysconfig; print(f'import site; site.addsitedir({sysconfig.get_path(\"purelib\")!r})')" \
 		> $$($(@D)/bin/python -c "import sysconfig; print(sysconfig.get_path('purelib'))")/above.pth
-	$(PIP) --python $(@D) install --quiet --requirement $<
+	$(PIP) --python $(@D) install --quiet --requirement $< $(if $(filter arms,$*),--no-deps)
 	touch $@
 
 # Versions stay that still fit pyproject.toml and constraints.txt. Newer ones: make lock UPGRADE=pytest, or UPGRADE=all.

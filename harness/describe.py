@@ -1,11 +1,13 @@
 """Explains what a name stands for, in plain text."""
 
 import inspect
+import json
 import math
 import re
 import tempfile
 from collections.abc import Sequence
 from contextlib import closing
+from functools import partial
 from pathlib import Path
 from typing import Any, get_args
 
@@ -29,14 +31,17 @@ from harness.reward import MissingField, Reward
 from harness.reward.needs import needs_of
 from harness.reward.steps import ARM, ENVIRONMENT
 from harness.robot import Robot
+from harness.robot.chain_end import tip_of
 from harness.robot.robot import load_robot
 from harness.robot.servo import Part
 from harness.robot.settings import FILE, SERVO
 from harness.simulator import family_of
-from harness.task import Task, goal_of
+from harness.task import Task, choose_task, goal_of
 
 OF_ENVIRONMENTS = {field.name for field in ENVIRONMENT} - {field.name for field in ARM}
 """Fields of steps of environments that steps of an arm do not have."""
+SHOWN_LINKS = 6
+"""Links beside the end effector that are named; a hand has dozens."""
 SOURCES = "NOTE and ARP are the sources that docs/sources.md names."
 
 
@@ -56,7 +61,10 @@ def describe_name(registry: Registry, kind: str, given: str, robot: str | None) 
     if not (params or spec.missing) and _has_to_be_given(spec.load()):  # nothing can be built of the bare name
         parts = [*_head(spec, name, spec.load()), _describe_parameters(spec.load(), {})]
     else:
-        choice = choose(registry, kind, given)
+        load = partial(load_robot, registry=registry)
+        choice, arm = (
+            choose_task(registry, given, robot, load) if kind == "tasks" else (choose(registry, kind, given), None)
+        )
         thing = choice.build(registry, kind)
         parts = _head(spec, choice.label, type(thing))
         if kind == "simulators":
@@ -69,8 +77,8 @@ def describe_name(registry: Registry, kind: str, given: str, robot: str | None) 
             parts.append(_describe_env(thing, spec))
         if kind == "logs":
             parts.append(_describe_format(thing, spec))
-        if kind == "tasks":
-            parts += [describe_task(thing, load_robot(robot or thing.robot, registry)), _steps_of_arms()]
+        if arm is not None:
+            parts += [describe_task(thing, arm), _steps_of_arms()]
         parts.append(_describe_parameters(type(thing), values_of(thing)))
         if kind == "algorithms":
             parts.append(_describe_in_environments(choice.label, choose(registry, kind, given, IN_ENVIRONMENTS).label))
@@ -305,7 +313,20 @@ def _describe_robot(robot: Robot) -> str:
     origins = [(f"{quantity.replace('_', ' ')}:", origin) for quantity, origin in robot.origins.items()]
     told = f"robot {robot.name}: {robot.dof} joints, {tip}\n{_table([head, *rows])}\n\nFrom\n{_table(origins)}"
     warnings = [f"Note: {line}" for line in robot.warnings]
-    return "\n\n".join([told, *warnings, _describe_drives(robot)])
+    return "\n\n".join([told, _describe_tip(robot), *warnings, _describe_drives(robot)])
+
+
+def _describe_tip(robot: Robot) -> str:
+    """The link that has to reach targets, and those that might be meant by it."""
+    tip = tip_of(robot.urdf, robot.end_effector_link, robot.chain)
+    more = f" and {len(tip.beside) - SHOWN_LINKS} more" * (len(tip.beside) > SHOWN_LINKS)
+    lines = [
+        f"Targets are for the origin of link {robot.end_effector_link}.",
+        f"It lies on the axis of {', '.join(tip.still)}, which cannot move it." if tip.still else "",
+        f"Links beside it: {', '.join(tip.beside[:SHOWN_LINKS])}{more}." if tip.beside else "",
+        f"If the tool is meant, write into {FILE}: end_effector = {json.dumps(tip.tool)}" if tip.tool else "",
+    ]
+    return "\n".join(line for line in lines if line)
 
 
 def _describe_drives(robot: Robot) -> str:

@@ -1,7 +1,9 @@
 """The reach task of the FD100, with everything that the project adds to the NOTE's tuple <S, A, T, R>."""
 
 import math
-from typing import Annotated, ClassVar
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from pydantic import Field
@@ -18,6 +20,8 @@ from harness.motion import Motion, Setting, build_motion
 from harness.reward import LARGEST_FACTOR
 from harness.robot import Robot
 from harness.robot.inverse_kinematics import reach_position
+from harness.robot.kinematics import end_effector_position, in_mount
+from harness.robot.robot import FD100_REACH
 from harness.task import LONGEST_EPISODE, Targets, goal_of
 
 Positive = Annotated[float, Field(gt=0)]
@@ -25,12 +29,17 @@ Metres3 = tuple[float, float, float]
 Pay = Annotated[float, Field(ge=-LARGEST_FACTOR, le=LARGEST_FACTOR, allow_inf_nan=False)]
 Extents = tuple[Annotated[float, Field(ge=0)], Annotated[float, Field(ge=0)], Annotated[float, Field(ge=0)]]
 
-FD100_REACH = 1.5413267497929588
-"""Reach of the FD100, [m]. The box of targets below was chosen for it."""
 FD100_CENTER = np.array([0.85, 0.0, 0.7])
 FD100_HALF_EXTENT = np.array([0.2, 0.3, 0.3])
+"""Half the edges of the FD100's box of targets, (3,), [m]; its centre stands above."""
 FD100_MOUNT = 0.43
 """Height of the FD100's first joint over the world's origin, [m]: its box has that room for an arm's stand."""
+BESIDE = 1.0 + 1e-9
+"""Up to this slope, 45 degrees, a home is on a side of its mount."""
+NOT_BEFORE = 0.1
+"""A home that is nearer to its first joint, seen from above the mount, has no side; as a share of the reach."""
+ABOVE_GROUND = 0.05
+"""How far the lowest targets are above the ground at least, as a share of the reach."""
 
 START_NOISE = (
     "largest distance of a joint from the robot's home pose at the start, +- [rad]; of a sliding joint as large a "
@@ -45,7 +54,7 @@ class ReachTask(Conditions):
     """Bring the end effector of an arm within epsilon of a target.
 
     The defaults are those of the FD100 (`fd100-reach`). For another arm the box of targets is scaled by its reach
-    and follows its mount, see `way_to_mount`.
+    and stands on its mount, see `place_box`; so is what `lengths` names, see `defaults_for`.
     """
 
     epsilon: Annotated[Positive, Field(description="distance within which the target is reached, NOTE eq. 20 [m]")] = (
@@ -83,8 +92,16 @@ class ReachTask(Conditions):
     step_reward: Annotated[Pay, Field(description="reward on every step: the baseline's step penalty")] = -0.0001
 
     robot: ClassVar[str] = "fd100"
+    lengths: ClassVar[tuple[str, ...]] = ("epsilon",)
     ends_at_target: ClassVar[bool] = True
     decision_period: ClassVar[int] = 1
+
+    def defaults_for(self, robot: Robot) -> Mapping[str, Any]:
+        """See `harness.task.Task`: what `lengths` names, as large a share of the reach as it is of the FD100's."""
+        if self.robot != ReachTask.robot:  # its numbers were chosen for that arm
+            return {}
+        defaults = {field.name: field.default for field in fields(self)}
+        return {name: _scaled(defaults[name], robot) for name in self.lengths}
 
     def motion(self, robot: Robot) -> Motion:
         return build_motion(self.action, Setting(robot, self.control_period, self.speed, self.acceleration))
@@ -100,11 +117,10 @@ class ReachTask(Conditions):
 
     def target_box(self, robot: Robot) -> tuple[Float, Float]:
         """Centre and half edges of the box of targets, (3,) both, [m]."""
-        scale = robot.reach / FD100_REACH
-        center = (
-            scale * FD100_CENTER + way_to_mount(robot) if self.target_center is None else np.array(self.target_center)
-        )
-        half = scale * FD100_HALF_EXTENT if self.target_half_extent is None else np.array(self.target_half_extent)
+        center, half = place_box(robot, FD100_CENTER, FD100_HALF_EXTENT)
+        center[2] = max(center[2], half[2] + ABOVE_GROUND * robot.reach)
+        center = center if self.target_center is None else np.array(self.target_center)
+        half = half if self.target_half_extent is None else np.array(self.target_half_extent)
         return center, half
 
     def check(self, robot: Robot) -> None:
@@ -185,14 +201,51 @@ class ReachTask(Conditions):
         return f"{self.target_reward:+g}"
 
 
-def way_to_mount(robot: Robot) -> Float:
-    """By how much a box of targets, scaled by the arm's reach, moves along with the arm's mount, (3,), [m].
+def _scaled(length: Any, robot: Robot) -> Any:
+    """A length, or several, that were chosen for the FD100, for another arm."""
+    return tuple(map(robot.scaled, length)) if isinstance(length, tuple) else robot.scaled(length)
 
-    It is 0 for an arm whose first joint is no farther from the world's origin, up and aside, than the FD100's, scaled
+
+def place_box(robot: Robot, center: Float, half_extent: Float) -> tuple[Float, Float]:
+    """A box that was chosen for the FD100, for another arm: scaled by its reach, on its mount, turned to its front.
+
+    The front is the side of the mount, of its four, on which the end effector is at home: +x but for an arm that
+    cannot work there.
+
+    Args:
+        robot: The arm.
+        center: Of the FD100's box, (3,), [m].
+        half_extent: Half its edges, (3,), [m].
+
+    Returns:
+        Centre and half edges in the world, (3,) both, new arrays, [m]. Of an arm that leans, its edges are those of the
+        smallest box around the one that leans with it.
+    """
+    scale = robot.reach / FD100_REACH
+    mount = robot.chain.T_world_mount
+    turned = mount[:3, :3] @ _front(robot)
+    from_mount = turned @ (scale * center) + mount[:3, :3] @ way_to_mount(robot)
+    return mount[:3, 3] + from_mount, np.abs(turned) @ (scale * half_extent)
+
+
+def _front(robot: Robot) -> Float:
+    """R_mount_front: the turn about the mount's z axis, by whole quarters, that leads from its x axis to the front."""
+    mounted = in_mount(robot.chain)
+    x, y, _ = end_effector_position(mounted, robot.home) - mounted.T_previous_joint[0, :3, 3]
+    if abs(y) <= x * BESIDE or math.hypot(x, y) < NOT_BEFORE * robot.reach:
+        return np.eye(3)
+    cos, sin = (-1.0, 0.0) if abs(y) <= -x * BESIDE else (0.0, math.copysign(1.0, y))
+    return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+
+
+def way_to_mount(robot: Robot) -> Float:
+    """By how much a box of targets, scaled by the arm's reach, moves with the first joint, (3,), the mount's frame [m].
+
+    It is 0 for an arm whose first joint is no farther from the mount's origin, up and aside, than the FD100's, scaled
     likewise: how far along its axis a first joint stands is the choice of who wrote the URDF. For one that is farther
     away, on a table or beside the origin, it is the rest of the way.
     """
-    first = robot.chain.T_previous_joint[0, :3, 3]
+    first = in_mount(robot.chain).T_previous_joint[0, :3, 3]
     aside, room = np.array([first[0], first[1], 0.0]), FD100_MOUNT * (robot.reach / FD100_REACH)
     distance = float(np.linalg.norm(aside))
     beyond = max(distance - room, 0.0) / distance if distance else 0.0

@@ -1,13 +1,18 @@
 """The interface of a task: start, target, what the learner sees and does, when an episode ends."""
 
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
 from harness.arrays import Float, Float32, Mask
 from harness.goal import Goal
 from harness.motion import Motion
+from harness.registry.choice import Choice, choose
+from harness.registry.registry import Registry
 from harness.robot import Robot
+from harness.robot.robot import load_robot
 
 if TYPE_CHECKING:
     from harness.env.episodes import Episodes
@@ -47,8 +52,10 @@ class Task(Protocol):
     An environment step is one control period. The learner decides every `decision_period` environment steps. Its action
     is repeated in between, and every environment step pays a reward.
 
-    A task may also have two more members. ``varies`` is False if all episodes have the same start and targets, see
+    A task may also have three more members. ``varies`` is False if all episodes have the same start and targets, see
     `varies`. ``goal(robot)`` returns a `Goal` if more counts than the end effector's distance to the target.
+    ``defaults_for(robot)`` returns values of parameters, by name, that take the place of the defaults for that arm, see
+    `choose_task`.
     """
 
     @property
@@ -137,6 +144,35 @@ def varies(task: Task) -> bool:
     If they do not differ, all deterministic episodes of a policy are the same, so an evaluation does only one.
     """
     return bool(getattr(task, "varies", True))
+
+
+def choose_task(
+    registry: Registry,
+    given: str | Mapping[str, Any],
+    robot: str | Path | None = None,
+    load: Callable[[Any], Robot] = load_robot,
+) -> tuple[Choice, Robot]:
+    """The task that a user named, and the arm that does it.
+
+    What the user did not choose has the default that the task declares for the arm. Like all that is chosen, it stands
+    in the choice as a number.
+
+    Args:
+        registry: The plugins.
+        given: The task's name, with the parameters that the user chose.
+        robot: Name or path of the arm; None for the task's own.
+        load: Finds the arm.
+
+    Raises:
+        UsageError: A name or a parameter is not known.
+        PluginError: The plugin of the task is broken.
+    """
+    plain = choose(registry, "tasks", given)
+    task = plain.build(registry, "tasks")
+    arm = load(robot or task.robot)
+    if not hasattr(task, "defaults_for"):
+        return plain, arm
+    return choose(registry, "tasks", given, lambda built: built.defaults_for(arm)), arm
 
 
 def goal_of(task: Task, robot: Robot) -> Goal | None:

@@ -1,14 +1,19 @@
 """The reach task: where episodes start, what the targets are, which overrides are refused."""
 
+import itertools
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given, strategies as st
+from scipy.spatial.transform import Rotation
 
 import harness
 from harness.errors import UsageError
 from harness.reach import FD100_MOUNT, ReachTask, way_to_mount
+from harness.robot import Robot
 from harness.robot.inverse_kinematics import reach_position
 from harness.robot.robot import read_robot
 from tests.robot.brought_arms import TABLE_MOUNT, changed, read_arm
@@ -87,6 +92,85 @@ def test_box_follows_a_mount_beside_the_origin(tmp_path: Path):
     np.testing.assert_allclose(way_to_mount(aside), (2.0 - room) / 2.0 * np.array([-1.2, 1.6, 0.0]))
     assert not way_to_mount(near).any()
     ReachTask().check(aside)
+
+
+def on_mount(arm: Robot, mount: np.ndarray) -> Robot:
+    """The arm, mounted otherwise."""
+    joints = arm.chain.T_previous_joint.copy()
+    joints[0] = mount @ joints[0]
+    return replace(arm, chain=replace(arm.chain, T_previous_joint=joints, T_world_mount=mount.round(12)))
+
+
+def pose(rotation: Rotation, *xyz: float) -> np.ndarray:
+    """T_world_mount."""
+    mount = np.eye(4)
+    mount[:3, :3], mount[:3, 3] = rotation.as_matrix(), xyz
+    return mount
+
+
+def test_box_on_a_wall_and_under_a_ceiling_is_the_one_of_the_floor(subtests: pytest.Subtests):
+    """Turned with the mount, and reached as well: by a search for every point, and by the tips of random poses."""
+    center, half = ReachTask().target_box(ROBOT)
+    points = np.random.default_rng(0).uniform(-1.0, 1.0, (64, 3)) * half + center
+    for name, turn in {"wall": ("y", 90), "other wall": ("x", -90), "ceiling": ("x", 180), "aside": ("z", 90)}.items():
+        with subtests.test(name):
+            mount = pose(Rotation.from_euler(*turn, degrees=True), 0.3, -2.0, 3.0)
+            arm = on_mount(ROBOT, mount)
+            moved, turned_half = ReachTask().target_box(arm)
+            np.testing.assert_allclose(moved, mount[:3, :3] @ center + mount[:3, 3], atol=1e-12)
+            np.testing.assert_allclose(turned_half, np.abs(mount[:3, :3]) @ half, atol=1e-12)
+            there = points @ mount[:3, :3].T + mount[:3, 3]
+            assert reach_position(arm, there, np.tile(arm.home, (64, 1)))[1].all()
+            tips = arm.end_effector(np.random.default_rng(1).uniform(arm.lower, arm.upper, (20_000, 6)))
+            assert (np.abs(tips - moved) <= turned_half).all(axis=1).sum() > 50
+
+
+@given(rotvec=st.tuples(*[st.floats(-3.0, 3.0)] * 3), xyz=st.tuples(*[st.floats(-5.0, 5.0)] * 2, st.floats(4.0, 9.0)))
+def test_box_follows_any_mount(rotvec: tuple[float, ...], xyz: tuple[float, ...]):
+    """Far above the ground its centre stands in the mount's frame where it stands in the world on the floor."""
+    mount = pose(Rotation.from_rotvec(rotvec), *xyz)
+    center, half = ReachTask().target_box(ROBOT)
+    moved, around = ReachTask().target_box(on_mount(ROBOT, mount))
+    np.testing.assert_allclose(mount[:3, :3].T @ (moved - mount[:3, 3]), center, atol=1e-9)
+    corners = np.array(list(itertools.product((-1, 1), repeat=3))) * half
+    np.testing.assert_allclose(np.abs(corners @ mount[:3, :3].T).max(axis=0), around, atol=1e-9)
+
+
+def test_box_is_above_the_ground():
+    """Before a wall that the arm hangs on half a metre high, the box would be in the ground."""
+    mount = pose(Rotation.from_euler("y", 90, degrees=True), 0.0, 0.0, 0.5)
+    center, half = ReachTask().target_box(on_mount(ROBOT, mount))
+    assert center[2] - half[2] == pytest.approx(0.05 * ROBOT.reach)
+
+
+def test_box_is_on_the_side_where_the_arm_is_at_home():
+    """At +x up to 45 degrees beside it; an arm whose first joint rests at 90 degrees has it at +y."""
+    center, half = ReachTask().target_box(ROBOT)
+    for degrees, quarter in ((44, 0), (46, 1), (-90, -1), (170, 2)):
+        home = ROBOT.home.copy()
+        home[0] = math.radians(degrees)
+        turn = Rotation.from_euler("z", 90 * quarter, degrees=True).as_matrix()
+        moved, turned_half = ReachTask().target_box(replace(ROBOT, home=home))
+        np.testing.assert_allclose(moved, turn @ center, atol=1e-12)
+        np.testing.assert_allclose(turned_half, np.abs(turn) @ half, atol=1e-12)
+
+
+def test_an_arm_on_a_table_by_a_fixed_joint_is_the_one_on_the_floor(tmp_path: Path):
+    """A root link `world` and a fixed joint: the mount is the link that carries the first joint."""
+    fixed = '<link name="world"/><joint name="m" type="fixed"><parent link="world"/><child link="base"/>{}</joint>'
+    mount = '<origin xyz="0 0 2.5" rpy="3.141592653589793 0 0"/>'
+    robots = [
+        read_arm(tmp_path / name, changed(("</robot>", f"{fixed.format(where)}</robot>")))
+        for name, where in {"floor": "", "ceiling": mount}.items()
+    ]
+    floor, ceiling = robots
+    np.testing.assert_array_equal(floor.home, ceiling.home)
+    (center, half), (hung, same_half) = map(ReachTask().target_box, robots)
+    np.testing.assert_allclose(hung, [center[0], -center[1], 2.5 - center[2]], atol=1e-12)
+    np.testing.assert_allclose(half, same_half, atol=1e-12)
+    lean = changed(('xyz="0 0 0.1" rpy="0 0 0"/><axis xyz="0 0 1"', 'xyz="0 0 0.1" rpy="0 0 0"/><axis xyz="0 1 0"'))
+    upright = read_arm(tmp_path / "lean", lean.replace("</robot>", f"{fixed.format(mount)}</robot>"))
+    np.testing.assert_array_equal(upright.chain.T_world_mount, np.eye(4))
 
 
 def test_a_given_box_follows_nothing(tmp_path: Path):
@@ -224,6 +308,60 @@ def test_good_overrides_reach_the_env():
     assert (env.task.epsilon, env.task.horizon, env.task.target_center) == (0.02, 7, (0.8, 0.1, 0.6))
     env = harness.make_env(task={"name": "fd100-reach", "epsilon": 0.03})
     assert env.task.epsilon == 0.03
+
+
+def test_epsilon_is_a_share_of_the_reach(tmp_path: Path, subtests: pytest.Subtests):
+    """The default; one that is given stays, also if it is the FD100's, and so does every one of the FD100."""
+    arm = tmp_path / "arm" / "arm.urdf"
+    scale = read_arm(arm.parent, changed()).reach / ROBOT.reach
+    for name, default in {
+        "fd100-reach": 0.05,
+        "fd100-low": 0.02,
+        "fd100-pose": 0.02,
+        "fd100-small-target": 0.01,
+        "fd100-moving": 0.05,
+        "noisy-reach": 0.02,
+        "varied-reach": 0.03,
+    }.items():
+        with subtests.test(name):
+            assert harness.make_env("kinematic", name).task.epsilon == default
+            scaled = harness.make_env("kinematic", name, robot=arm).task.epsilon
+            assert scaled == pytest.approx(scale * default, rel=5e-3)
+            given = harness.make_env("kinematic", f"{name}:epsilon={default}", robot=arm).task.epsilon
+            assert given == default
+    assert harness.make_env("kinematic", "unity-reach", robot=arm).task.epsilon == 0.05
+
+
+def test_all_lengths_of_a_task_are_shares_of_the_reach(tmp_path: Path):
+    """The speed of a target, the noise on it, and the sizes of obstacles."""
+    robot = read_arm(tmp_path, changed())
+    arm, scale = tmp_path / "arm.urdf", robot.reach / ROBOT.reach
+    for name, keys in {
+        "fd100-moving": ("target_speed",),
+        "noisy-reach": ("target_noise",),
+        "cluttered-reach": ("obstacle_size", "obstacle_clearance"),
+    }.items():
+        usual, scaled = (harness.make_env("kinematic", name, robot=it).task for it in (None, arm))
+        for key in keys:
+            np.testing.assert_allclose(getattr(scaled, key), scale * np.array(getattr(usual, key)), rtol=5e-3)
+
+
+def test_a_task_for_another_arm_keeps_its_numbers():
+    """They were chosen for that one."""
+
+    class Own(ReachTask):
+        robot = "unity-arm"
+
+    assert Own().defaults_for(ROBOT) == {}
+
+
+def test_a_scaled_length_is_the_same_everywhere():
+    """Three digits; and the number itself for the FD100, whatever rounding does to its reach."""
+    half = replace(ROBOT, chain=ROBOT.chain)
+    half.__dict__["reach"] = ROBOT.reach * (1.0 + 1e-12)
+    assert half.scaled(0.0123456) == 0.0123456
+    half.__dict__["reach"] = ROBOT.reach / 3.0
+    assert half.scaled(0.05) == 0.0167
 
 
 def test_epsilon_that_covers_the_box_does_not_pass_the_check():

@@ -73,7 +73,7 @@ if TYPE_CHECKING:
     from harness.robot.ground_clearance import build_solids as build_solids
     from harness.robot.inverse_kinematics import reach_pose as reach_pose
     from harness.robot.kinematics import rotation_of_axes as rotation_of_axes
-    from harness.robot.meshes import is_readable as is_readable, read_mesh as read_mesh
+    from harness.robot.meshes import read_mesh as read_mesh
     from harness.robot.robot import is_path as is_path
     from harness.robot.servo import Servo as Servo
     from harness.robot.settings import FILE as FILE

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -20,7 +21,7 @@ from harness.reward import Reward
 from harness.robot import Robot
 from harness.robot.robot import load_robot
 from harness.simulator import Simulator
-from harness.task import Task
+from harness.task import Task, choose_task
 
 Given: TypeAlias = str | Mapping[str, Any]
 """``"arp:k2=2"`` or ``{"name": "arp", "k2": 2}``."""
@@ -92,9 +93,8 @@ def make_env(
         choice: Choice = choose(registry, kind, given)
         return choice.build(registry, kind)
 
-    goal: Task = build("tasks", task)
-    arm = load_robot(robot or goal.robot, registry)
-    world = World(build("simulators", simulator), arm, goal, build("rewards", reward))
+    goal, arm = choose_task(registry, task, robot, partial(load_robot, registry=registry))
+    world = World(build("simulators", simulator), arm, goal.build(registry, "tasks"), build("rewards", reward))
     return world.open(num_envs, autoreset_mode=autoreset_mode)
 
 

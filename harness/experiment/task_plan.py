@@ -25,7 +25,7 @@ from harness.reward.steps import BEFORE, NOT_RECORDED
 from harness.robot import Robot
 from harness.robot.robot import load_robot
 from harness.simulator import require_drives
-from harness.task import Task
+from harness.task import Task, choose_task
 
 Given: TypeAlias = str | dict[str, Any]
 DEFAULT_BASELINE, DEFAULT_REWARDS = "baseline", ("arp",)
@@ -179,10 +179,9 @@ def _with_arm(asked: Asked, given: Given, registry: Registry, load: Callable[[st
     baseline = choose(registry, "rewards", asked.baseline or DEFAULT_BASELINE)
     rewards = choose_each(registry, "rewards", [*DEFAULT_REWARDS] if asked.reward is None else asked.reward)
     require_known(given, registry)
-    task = choose(registry, "tasks", given)
+    robot = _locate(asked.robot or choose(registry, "tasks", given).build(registry, "tasks").robot, registry)
+    task, arm = choose_task(registry, given, robot, load)
     built = task.build(registry, "tasks")
-    robot = _locate(asked.robot or built.robot, registry)
-    arm = load(robot)
     with blamed_on(registry.get("tasks", task.name), PLANNED):
         built.check(arm)
     for simulator in simulators:

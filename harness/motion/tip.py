@@ -242,6 +242,10 @@ Metres3 = tuple[float, float, float]
 Positive = Annotated[float, Field(gt=0)]
 
 
+TIP_SPEED = 0.5
+"""The tip speed of the FD100 where nothing else is said, [m/s]."""
+
+
 @checked_dataclass(frozen=True)
 class CartesianMode:
     """What `movel` and `movea` have in common."""
@@ -250,7 +254,12 @@ class CartesianMode:
         Literal["wcs", "ucs", "tcs"],
         Field(description="axes of the action: the world's (wcs), the user's (ucs), or the tool's at each step (tcs)"),
     ] = "wcs"
-    tip_speed: Annotated[Positive, Field(description="speed of the end effector under a full action [m/s]")] = 0.5
+    tip_speed: Annotated[
+        Positive | None,
+        Field(
+            description="speed of the end effector under a full action [m/s]; None: of the FD100 0.5, scaled by reach"
+        ),
+    ] = None
     parts: Annotated[int, Field(gt=0, description="pieces into which the path of a control period is cut")] = 4
     ucs_origin: Annotated[Metres3, Field(description="origin of the user's frame, world frame [m]")] = (
         0.0,
@@ -269,6 +278,10 @@ class CartesianMode:
         1.0,
         0.0,
     )
+
+    def speed(self, robot: Robot) -> float:
+        """The tip speed for an arm, [m/s]."""
+        return robot.scaled(TIP_SPEED) if self.tip_speed is None else self.tip_speed
 
     def axes(self, robot: Robot) -> "Axes":
         """The axes of `frame`.
@@ -334,8 +347,8 @@ class MoveLMode(CartesianMode):
 
     def motion(self, setting: Setting) -> "MoveL":
         """The motion of one arm."""
-        follower = Follower(setting.robot, setting.limits(self.parts), self.tip_speed)
-        return MoveL(follower, self.axes(setting.robot), self.tip_speed * setting.period, self.parts)
+        follower = Follower(setting.robot, setting.limits(self.parts), self.speed(setting.robot))
+        return MoveL(follower, self.axes(setting.robot), follower.tip_speed * setting.period, self.parts)
 
 
 @dataclass(frozen=True, eq=False)
@@ -436,7 +449,7 @@ class MoveAMode(CartesianMode):
 
     def motion(self, setting: Setting) -> "MoveA":
         """The motion of one arm."""
-        follower = Follower(setting.robot, setting.limits(self.parts), self.tip_speed)
+        follower = Follower(setting.robot, setting.limits(self.parts), self.speed(setting.robot))
         return MoveA(follower, self.axes(setting.robot), setting.period, self.parts)
 
 

@@ -5,9 +5,9 @@ its commas are its own.
 """
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 from harness.errors import PluginError, UsageError, sentence
 from harness.hookspecs import NOUNS
@@ -17,6 +17,8 @@ from harness.registry.registry import Registry
 from harness.registry.spec import Spec, blamed_on
 from harness.reward.forms import FAILED
 
+Defaults: TypeAlias = str | Callable[[Any], Mapping[str, Any]]
+"""See `choose`."""
 LONGEST = 10_000
 """Characters of a name with its parameters: a hundred times what a reward has."""
 SYNTAX = "write name or name:key=value,key=value"
@@ -67,7 +69,7 @@ class Choice:
         return _build(registry.get(kind, self.name), dict(self.params), f"{NOUNS[kind]} '{self.name}'", registry)
 
 
-def choose(registry: Registry, kind: str, given: str | Mapping[str, Any], defaults: str = "") -> Choice:
+def choose(registry: Registry, kind: str, given: str | Mapping[str, Any], defaults: Defaults = "") -> Choice:
     """Resolve what a user gave: ``"arp:k2=2"`` or ``{"name": "arp", "k2": 2}``.
 
     Args:
@@ -75,7 +77,8 @@ def choose(registry: Registry, kind: str, given: str | Mapping[str, Any], defaul
         kind: Of what is named.
         given: The name, with the parameters that the user chose.
         defaults: The name of a class variable of the target, such as ``in_environments``. It holds values that take the
-            place of the target's defaults. The choice is then the same as if the user had written them.
+            place of the target's defaults. The choice is then the same as if the user had written them. Or a function
+            that returns such values, given the target with its own defaults.
 
     Raises:
         UsageError: Unknown name, malformed text, unknown parameter, wrong type or value out of range.
@@ -172,7 +175,7 @@ def _require_short(text: str) -> None:
 
 
 def _choose_and_build(
-    registry: Registry, kind: str, given: str | Mapping[str, Any], defaults: str = ""
+    registry: Registry, kind: str, given: str | Mapping[str, Any], defaults: Defaults = ""
 ) -> tuple[Choice, Any]:
     """The choice, and what was built to check it: a name inside a name costs no second one."""
     name, params = parse(given) if isinstance(given, str) else _name_and_params(given)
@@ -187,7 +190,8 @@ def _choose_and_build(
         try:
             built = _build(spec, {**params, **declared}, noun, registry)
         except UsageError as error:
-            raise PluginError(f"{spec.title} does not take what its {defaults} declares: {error}") from error
+            told = defaults if isinstance(defaults, str) else "defaults_for"
+            raise PluginError(f"{spec.title} does not take what its {told} declares: {error}") from error
     values, changed = resolved(target, built, noun)
     later = set(getattr(target, "later", ())) - changed.keys()
     frozen = tuple((key, _frozen(value)) for key, value in values.items() if key not in later)
@@ -197,9 +201,10 @@ def _choose_and_build(
     return Choice(name, frozen, label), built
 
 
-def _not_chosen(target: Any, built: Any, params: Mapping[str, Any], defaults: str) -> dict[str, Any]:
-    """What a class variable of the target declares, but for what was given, or brought by a preset that was."""
-    declared: Mapping[str, Any] = getattr(target, defaults, {}) if defaults else {}
+def _not_chosen(target: Any, built: Any, params: Mapping[str, Any], defaults: Defaults) -> dict[str, Any]:
+    """What the target declares in place of its defaults, but for what was given, or brought by a preset that was."""
+    of_class = getattr(target, defaults, {}) if isinstance(defaults, str) and defaults else {}
+    declared: Mapping[str, Any] = of_class if isinstance(defaults, str) else defaults(built)
     brought = target.defaults_with(values_of(built)) if declared and hasattr(target, "defaults_with") else {}
     return {key: value for key, value in declared.items() if key not in params and key not in brought}
 

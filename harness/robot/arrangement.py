@@ -17,7 +17,7 @@ from harness.robot.chain_end import find_chain_end
 from harness.robot.normal_urdf import fix_joint
 from harness.robot.settings import BASE, CHAIN, FIXED, RANGE_KEYS, TOOL, RobotSettings, motion_of, shown
 from harness.robot.source import naming
-from harness.robot.urdf import Urdf, linked, number_of, path_to, quoted, require_link
+from harness.robot.urdf import WORLD, Urdf, linked, number_of, path_to, quoted, require_link
 from harness.text import shortened
 
 END = "end_effector"
@@ -25,8 +25,8 @@ KEYS = {FIXED, CHAIN, TOOL, BASE, *RANGE_KEYS.values()}
 """Those that change anything."""
 POSE = ("xyz_m", "rpy_deg")
 NAME = "name"
-WORLD, MOUNT, TOOL_LINK = "world", "mount", "tool"
-"""Names of the links that stand for the world, for one that was called so, and for a tool's frame without a name."""
+MOUNT, TOOL_LINK = "mount", "tool"
+"""Names of links: of one that was called world, and of a tool's frame without a name."""
 SHOWN = 100
 
 
@@ -55,8 +55,8 @@ def arrange(given: Urdf, settings: RobotSettings, path: Path, frame: str | None 
     if not KEYS & settings.entries.keys():
         return given, _find_end(given, settings, path, frame)
     urdf = Urdf("", deepcopy(given.element))
-    _hold(urdf, settings)
-    tip = _begin_and_end(urdf, settings) or _find_end(urdf, settings, path, frame)
+    _hold(urdf, settings, path)
+    tip = _begin_and_end(urdf, settings, path) or _find_end(urdf, settings, path, frame)
     _limit(urdf, tip, settings)
     tip = _add_tool(urdf, tip, settings)
     _add_base(urdf, settings)
@@ -74,7 +74,7 @@ def _find_end(urdf: Urdf, settings: RobotSettings, path: Path, frame: str | None
     return tip
 
 
-def _hold(urdf: Urdf, settings: RobotSettings) -> None:
+def _hold(urdf: Urdf, settings: RobotSettings, path: Path) -> None:
     """Fix the joints of `fixed` at its values, and those that mimic them where that puts them."""
     given = settings.entries.get(FIXED, {})
     if not isinstance(given, dict):
@@ -89,10 +89,11 @@ def _hold(urdf: Urdf, settings: RobotSettings) -> None:
             f"Joints that move: {quoted(moving) or 'none'}."
         )
     positions = {name: _position(settings, moving[name], value) for name, value in given.items()}
-    for name, joint in moving.items():
-        position = positions[name] if name in positions else _mimicked(joint, positions)
-        if position is not None:
-            fix_joint(joint, position)
+    with naming(path):
+        for name, joint in moving.items():
+            position = positions[name] if name in positions else _mimicked(joint, positions)
+            if position is not None:
+                fix_joint(joint, position)
 
 
 def _position(settings: RobotSettings, joint: Element, value: object) -> float:
@@ -121,7 +122,7 @@ def _mimicked(joint: Element, positions: Mapping[str, float]) -> float | None:
     return None if math.isnan(position) else position
 
 
-def _begin_and_end(urdf: Urdf, settings: RobotSettings) -> str | None:
+def _begin_and_end(urdf: Urdf, settings: RobotSettings, path: Path) -> str | None:
     """The last link of `chain`, None where it is left out; joints before the first link are fixed at rest."""
     names = settings.texts(CHAIN, 2)
     if names is None:
@@ -129,12 +130,12 @@ def _begin_and_end(urdf: Urdf, settings: RobotSettings) -> str | None:
     first, last = _link_at(urdf, settings, names[0], "parent"), _link_at(urdf, settings, names[1], "child")
     if settings.text(END) not in {None, last}:
         raise UsageError(f"{settings.place}: {CHAIN} ends at '{last}', {END} is '{settings.text(END)}'. Keep one.")
-    path = path_to(last, urdf.carriers)
-    if first not in [linked(joint, "parent") for joint in path]:
+    if first not in [linked(joint, "parent") for joint in path_to(last, urdf.carriers)]:
         raise UsageError(f"{settings.place}: {CHAIN} begins at '{first}', which does not carry '{last}'. Correct it.")
-    for joint in path_to(first, urdf.carriers):
-        if joint.get("type") != "fixed":
-            fix_joint(joint)
+    with naming(path):
+        for joint in path_to(first, urdf.carriers):
+            if joint.get("type") != "fixed":
+                fix_joint(joint)
     return last
 
 
@@ -169,9 +170,10 @@ def _add_tool(urdf: Urdf, tip: str, settings: RobotSettings) -> str:
     if table is None:
         return tip
     name = table.entries.get(NAME, TOOL_LINK)
-    if not isinstance(name, str) or not name or name in {*urdf.links, WORLD}:
-        taken = "; the URDF has a link of that name" if name in urdf.links else ""
-        raise UsageError(f"{table.place}: {NAME} is {_shown(name)}{taken}. Give another, in quotes.")
+    if not isinstance(name, str) or name in {"", WORLD}:
+        raise UsageError(f"{table.place}: {NAME} is {_shown(name)}. Give another, in quotes.")
+    if name in urdf.links:
+        raise UsageError(f"{table.place}: {NAME} is {_shown(name)}, a link of the URDF. Give another.")
     urdf.element.append(Element("link", name=name))
     urdf.element.append(_mount(urdf, table, tip, name))
     return name

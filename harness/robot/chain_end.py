@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from xml.etree.ElementTree import Element
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.errors import UsageError
-from harness.robot.kinematics import Chain
-from harness.robot.urdf import Joint, Urdf, linked
+from harness.robot.kinematics import Chain, build_chain, position_jacobian
+from harness.robot.urdf import Joint, Urdf, linked, parse_urdf, read_chain
 
 FEWEST_BEFORE_A_HAND = 3
 """Joints that move before branches that move are a hand's fingers, and not several arms."""
@@ -21,7 +22,8 @@ def find_chain_end(urdf: Urdf) -> str:
 
     From the root link the way leads along the joints that move, or that carry what moves. It ends where two or more
     such joints begin, at the palm of a hand; else behind the last joint that moves, at the last link that is fixed to
-    it, or at the link where several are. Fixed branches beside the way, such as frames on the base, do not count.
+    it, or at the link where several are. Of frames that are fixed there, the one with the name of a tool's is the end.
+    Fixed branches beside the way, such as frames on the base, do not count.
 
     Args:
         urdf: The URDF.
@@ -37,7 +39,7 @@ def find_chain_end(urdf: Urdf) -> str:
     moving = 0
     while onward := [joint for joint in _joints_of(link, joints) if _moves(joint) or linked(joint, "child") in lively]:
         if len(onward) > 1 and moving >= FEWEST_BEFORE_A_HAND:
-            return link
+            return _tool_at(urdf, link) or link
         if len(onward) > 1:
             branches = ", ".join(f"'{linked(joint, 'child')}'" for joint in onward)
             raise UsageError(
@@ -46,7 +48,17 @@ def find_chain_end(urdf: Urdf) -> str:
             )
         moving += _moves(onward[0])
         link = linked(onward[0], "child")
-    return _last_fixed(link, joints)
+    end = _last_fixed(link, joints)
+    return _tool_at(urdf, end) or end
+
+
+def _tool_at(urdf: Urdf, end: str) -> str | None:
+    """The tool's frame that is fixed to a link; None where there is none, or several that are not at one point."""
+    frames = [link for link in _fixed_to(urdf, end) if TOOL.search(link)]
+    places = [build_chain(read_chain(urdf, frame)).T_last_tip[:3, 3] for frame in frames]
+    if not frames or np.ptp(places, axis=0).max() > AT_ONE_POINT:
+        return None
+    return min(frames, key=lambda frame: not frame.endswith(TOOL0))
 
 
 def _links_before_motion(carrier: Mapping[str, Element]) -> set[str]:
@@ -80,9 +92,15 @@ JAW = re.compile(r"grip|jaw|finger|claw|knuckle|pincer", re.IGNORECASE)
 WRIST = re.compile(r"rot|roll|yaw|pitch|twist|turn|wrist|flex", re.IGNORECASE)
 """In the name of a joint: it turns a gripper as a whole."""
 TOOL = re.compile(
-    r"tcp|tool[-_]?(0|frame)|grasp|gripper[-_]?frame|end[-_]?effector|(^|[-_])eef?($|[-_])", re.IGNORECASE
+    r"tcp|tool[-_]?(0|frame)|grasp|gripper[-_]?frame|end[-_]?effector|attachment|(^|[-_])eef?($|[-_])", re.IGNORECASE
 )
 """In the name of a link: the frame that a tool works with."""
+TOOL0 = "tool0"
+"""What most arms for industry call it; some have an older name for the same point beside it."""
+AT_ONE_POINT = 1e-6
+"""Frames that are nearer than this to one another are one to a task, whose target is a point, [m]."""
+POSES = 5
+"""Random ones, in which a joint moves the end effector or never does."""
 STILL = 1e-6
 """A tip that is nearer than this to a joint's axis does not move with it, as a share of the chain's length."""
 
@@ -152,3 +170,47 @@ def _fixed_to(urdf: Urdf, link: str) -> Iterator[str]:
             child = linked(joint, "child")
             yield child
             yield from _fixed_to(urdf, child)
+
+
+@dataclass(frozen=True)
+class Tip:
+    """The end effector of an arm, and what else might be meant by it.
+
+    Attributes:
+        still: Joints that do not move it: it lies on the axes of the last ones.
+        beside: Other links that the last joint moves as it does, tools' frames first.
+        tool: The one with the name of a tool's frame to write as end effector instead; None where the end effector has
+            such a name itself, or none has.
+    """
+
+    still: tuple[str, ...]
+    beside: tuple[str, ...]
+    tool: str | None
+
+
+def tip_of(urdf_text: str, end_effector: str, chain: Chain) -> Tip:
+    """What is known of an arm's end effector.
+
+    Args:
+        urdf_text: A URDF in which only the arm's joints move.
+        end_effector: The link.
+        chain: From the root link to it.
+    """
+    urdf = parse_urdf(urdf_text)
+    driven = [joint for joint in read_chain(urdf, end_effector) if joint.kind != "fixed"]
+    last = driven[-1].child
+    beside = [link for link in (last, *_fixed_to(urdf, last)) if link != end_effector]
+    tools = [link for link in beside if TOOL.search(link)]
+    is_one = TOOL.search(end_effector) or not tools
+    return Tip(
+        still=tuple(joint.name for joint, moves in zip(driven, _move_tip(chain), strict=True) if not moves),
+        beside=(*tools, *(link for link in beside if link not in tools)),
+        tool=None if is_one else tools[0],
+    )
+
+
+def _move_tip(chain: Chain) -> NDArray[np.bool_]:
+    """Which joints move the end effector in some pose, (dof,)."""
+    poses = np.random.default_rng(0).uniform(-1.0, 1.0, (POSES, chain.dof))
+    moved: NDArray[np.bool_] = np.linalg.norm(position_jacobian(chain, poses), axis=1).max(axis=0) > STILL
+    return moved

@@ -3,126 +3,33 @@
 These numbers are those of `robot.toml`, or of the URDF by fixed rules where it has none.
 """
 
-import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.arrays import Float
 from harness.errors import UsageError
-from harness.robot.ground_clearance import build_solids
-from harness.robot.kinematics import (
-    Chain,
-    chain_length,
-    end_effector_position,
-    link_frames,
-    position_jacobian,
-    read_only,
-)
+from harness.robot.kinematics import Chain, chain_length, read_only
+from harness.robot.resting_pose import choose_home
 from harness.robot.settings import FILE, JOINT_KEYS, Motion, Quantity, RobotSettings, motion_of, shown, toml_key
 from harness.robot.shapes import Shape
 from harness.robot.urdf import Joint
 
-BEND = 0.5
-"""By how much a joint may leave the middle of its range, as a share of the way to its end."""
-WIDEST_BEND = np.radians(45.0)
-"""The most that a turning joint leaves the middle, [rad]."""
-CLEARANCE = 0.1
-"""The clearance of the moving links and the end effector over the ground, as a share of the chain's length."""
-LOW_SHARE = 0.5
-"""The share of how high they get at best, for links that are always low: those of a turret near the ground."""
-LEAST_CLEARANCE = 2e-3
-"""The least clearance of any of them, [m]: more than what engines add to shapes."""
-HIGH = 1e6
-"""The height of what has no shape, [m]."""
-AGILITY = 0.5
-"""How far from a singular pose, as a share of what the best of the poses has."""
-
-
-def choose_home(
-    chain: Chain, lower: Float, upper: Float, max_speed: Float, length: float, shapes: Sequence[Sequence[Shape]]
-) -> Float:
-    """The simplest pose that is clear of the ground and not close to a singular one.
-
-    Looked at are the middle of all ranges and the poses in which some joints leave it half way to either end, turning
-    ones by 45 degrees at most. Among those with the fewest joints off the middle that are high enough and agile
-    enough, the most agile is taken, of equals the one with the tip farthest along +x. Agility is the tip's speed in
-    its slowest direction when the joints, in the best combination, turn with their largest speeds.
-
-    Args:
-        chain: The arm, dof joints.
-        lower: Of the ranges, [rad] or [m], (dof,).
-        upper: Likewise.
-        max_speed: [rad/s] or [m/s], (dof,).
-        length: Of the chain, [m].
-        shapes: Those that each joint moves, as `harness.robot.shapes.attach_shapes` returns them.
-
-    Returns:
-        Joint positions, (dof,).
-
-    Raises:
-        UsageError: All poses are too close to the ground.
-    """
-    middle, half = (lower + upper) / 2.0, (upper - lower) / 2.0
-    bend = np.where(chain.slides, BEND * half, np.minimum(BEND * half, WIDEST_BEND))
-    ways = np.array(list(itertools.product((0.0, 1.0, -1.0), repeat=chain.dof)))
-    poses = middle + ways * bend
-    agility = np.linalg.svd(position_jacobian(chain, poses) * max_speed, compute_uv=False)[:, -1]
-    agile = agility >= AGILITY * agility.max()
-    simple = poses[np.count_nonzero(ways, axis=1) <= 1]
-    needed = _needed_heights(_heights(chain, shapes, simple), CLEARANCE * length)
-    for level in _by_count(ways, agile):
-        clear = level[(_heights(chain, shapes, poses[level]) >= needed).all(axis=0)]
-        if clear.size:
-            forward = end_effector_position(chain, poses[clear])[:, 0]
-            # Rounded, so that poses which mirror one another are equal.
-            best: Float = poses[clear[np.lexsort((forward.round(9), agility[clear].round(9)))[-1]]]
-            return best
-    raise UsageError(
-        f"No simple pose keeps the moving links {CLEARANCE * length:.2g} m above the ground z = 0. "
-        "Name one as home_deg (home_m of sliding joints) in a robot.toml, or raise the arm's base."
-    )
-
-
-def _by_count(ways: Float, agile: Float) -> Iterator[NDArray[np.intp]]:
-    """Numbers of the agile poses, those with the fewest joints off the middle first."""
-    counts = np.count_nonzero(ways, axis=1)
-    for count in range(ways.shape[1] + 1):
-        yield np.flatnonzero((counts == count) & agile)
-
-
-def _needed_heights(simple: Float, clearance: float) -> Float:
-    """How high the parts have to be, (dof + 1, 1), [m], by their heights in simple poses, (dof + 1, n)."""
-    highest = simple.max(axis=1, keepdims=True)
-    needed: Float = np.maximum(np.minimum(LOW_SHARE * highest, clearance), LEAST_CLEARANCE)
-    return needed
-
-
-def _heights(chain: Chain, shapes: Sequence[Sequence[Shape]], poses: Float) -> Float:
-    """The heights of the lowest point of what each joint moves, and of the end effector, (dof + 1, n), [m]."""
-    frames = link_frames(chain, poses)
-    heights = np.full((chain.dof + 1, len(poses)), HIGH)
-    for joint in range(chain.dof):
-        alone = build_solids([group if number == joint else () for number, group in enumerate(shapes)])
-        np.minimum(alone.lowest(frames), HIGH, out=heights[joint])
-    heights[-1] = end_effector_position(chain, poses)[:, 2]
-    return heights
-
-
-LARGEST_DEFAULT_SPEED = {"turning": math.radians(180.0), "sliding": 1.0}
-"""[rad/s] and [m/s]. Where a URDF allows more and robot.toml says nothing, it seldom is the arm's: 10 rad/s for 2."""
+LARGEST_DEFAULT_SPEED = math.radians(180.0)
+"""[rad/s]. Where a URDF allows more and robot.toml says nothing, it seldom is the arm's: 10 rad/s for 2."""
+LARGEST_DEFAULT_SHARE = 0.5
+"""The same for a joint that slides: as a share of its range, [1/s]. Half a turn is so much of a turning joint's."""
 EXAMPLE_SPEED: Mapping[Motion, str] = {"turning": "90", "sliding": "0.2"}
 """What a message shows as the value of a key."""
 SPEED_UP_RATE = 8.0
 """Largest acceleration by largest speed, [1/s], where robot.toml has none: full speed in an eighth of a second."""
 RULES = {
-    "home": "the simplest pose clear of the ground and of singular poses",
-    "max_speed": "the URDF's velocity, at most 180 deg/s or 1 m/s",
+    "home": "a pose in front of the mount, far from the ground and from singular poses",
+    "max_speed": "the URDF's velocity, at most 180 deg/s, or half a slide's range a second",
     "max_acceleration": "the largest speed in an eighth of a second",
 }
 
@@ -162,7 +69,7 @@ def read_joint_limits(
     # One turn where a joint has no end, so that every range is finite.
     lower = _array([-math.pi if joint.kind == "continuous" else joint.lower for joint in driven])
     upper = _array([math.pi if joint.kind == "continuous" else joint.upper for joint in driven])
-    max_speed = _max_speed(settings, urdf, driven)
+    max_speed = _max_speed(settings, urdf, driven, upper - lower)
     max_acceleration = _fill(settings.values("max_acceleration", driven), SPEED_UP_RATE * max_speed)
     _check_positive(settings, "max_acceleration", driven, max_acceleration)
     home = [
@@ -192,13 +99,14 @@ def describe_origin(settings: RobotSettings, quantity: Quantity, driven: Sequenc
     return RULES[quantity] if all(missing) else f"{FILE}, else {RULES[quantity]}"
 
 
-def _max_speed(settings: RobotSettings, urdf: Path, driven: Sequence[Joint]) -> Float:
+def _max_speed(settings: RobotSettings, urdf: Path, driven: Sequence[Joint], span: Float) -> Float:
     given = settings.values("max_speed", driven)
     lacking = [joint for joint, value in zip(driven, given, strict=True) if value is None and joint.velocity is None]
     if lacking:
         raise UsageError(f"{urdf}: {_speeds_wanted(settings, driven, lacking)}")
-    default = [min(joint.velocity or math.inf, LARGEST_DEFAULT_SPEED[motion_of(joint)]) for joint in driven]
-    speed = _fill(given, np.array(default))
+    slides = [motion_of(joint) == "sliding" for joint in driven]
+    largest = np.where(slides, LARGEST_DEFAULT_SHARE * span, LARGEST_DEFAULT_SPEED)
+    speed = _fill(given, np.minimum([joint.velocity or math.inf for joint in driven], largest))
     _check_positive(settings, "max_speed", driven, speed)
     return speed
 

@@ -6,7 +6,7 @@ continuous) or slides (prismatic) its child link's frame away from it.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -79,12 +79,15 @@ class Chain:
         axes: Unit vector of each joint's motion, in the joint's frame, shape (dof, 3).
         kinds: How each joint moves, dof entries, none of them fixed.
         T_last_tip: The tip link's frame in the last joint's child frame, shape (4, 4).
+        T_world_mount: What the arm stands on: the frame of the link that carries the first joint, in the world, if the
+            joint's axis is along its z axis; else the world itself. Shape (4, 4).
     """
 
     T_previous_joint: Float
     axes: Float
     kinds: tuple[JointKind, ...]
     T_last_tip: Float
+    T_world_mount: Float = field(default_factory=lambda: read_only(np.eye(4)))
 
     @cached_property
     def dof(self) -> int:
@@ -137,7 +140,35 @@ def build_chain(joints: Sequence[Joint]) -> Chain:
         axes=read_only(np.array([joint.axis for joint in moving])),
         kinds=tuple(joint.kind for joint in moving),
         T_last_tip=read_only(T_previous_next),
+        T_world_mount=_mount_of(joints),
     )
+
+
+def in_mount(chain: Chain) -> Chain:
+    """The chain as it would be with its mount in the world's origin, upright."""
+    mount = chain.T_world_mount
+    T_mount_world = np.eye(4)
+    T_mount_world[:3, :3], T_mount_world[:3, 3] = mount[:3, :3].T, -mount[:3, :3].T @ mount[:3, 3]
+    joints = chain.T_previous_joint.copy()
+    joints[0] = T_mount_world @ joints[0]
+    return replace(chain, T_previous_joint=read_only(joints), T_world_mount=read_only(np.eye(4)))
+
+
+UPRIGHT = 1e-3
+"""The sine of the angle by which a first joint's axis may lean and is still along the mount's z axis."""
+
+
+def _mount_of(joints: Sequence[Joint]) -> Float:
+    """`Chain.T_world_mount` of the joints of `build_chain`."""
+    T_world_parent = np.eye(4)
+    for joint in joints:
+        if joint.kind != "fixed":
+            axis = _constant_step(joint)[:3, :3] @ joint.axis
+            is_upright = np.hypot(axis[0], axis[1]) <= UPRIGHT
+            # Rounded: of turns by 90 degrees no more is to be left than zeros and ones.
+            return read_only(T_world_parent.round(12) if is_upright else np.eye(4))
+        T_world_parent = T_world_parent @ _constant_step(joint)
+    return read_only(np.eye(4))
 
 
 def forward(chain: Chain, qpos: ArrayLike) -> Float:

@@ -1,4 +1,7 @@
-"""Mesh files: where a URDF's name for one leads, and the surface in an STL or OBJ."""
+"""Mesh files: where a URDF's name for one leads, and the surface in it.
+
+STL and OBJ are read here; COLLADA, glTF and PLY by `trimesh`, of the extra `meshes`.
+"""
 
 import glob
 import json
@@ -6,7 +9,9 @@ import os
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
+from importlib.util import find_spec
+from io import BytesIO
 from itertools import pairwise
 from pathlib import Path
 from types import MappingProxyType
@@ -30,6 +35,18 @@ LONGEST_LINE = 1_000
 LARGEST = 1e9
 """The largest coordinate of a point, in whatever unit: in micrometres a kilometre."""
 NO_POINTS = f"it holds no points, or some that are not finite or beyond {LARGEST:g}"
+SCENES: Mapping[str, tuple[str, ...]] = {
+    ".dae": ("trimesh", "collada"),
+    ".glb": ("trimesh",),
+    ".gltf": ("trimesh",),
+    ".ply": ("trimesh",),
+}
+"""The formats that others read, by the suffix in small letters, and the packages that this takes."""
+TO_READ_THEM = "pip install 'fd100-harness[meshes]'"
+UNIT = re.compile(rb"<unit[^>]*?\bmeter\s*=\s*[\"']([^\"']+)")
+"""How many metres the unit of a COLLADA file has."""
+COUNT = re.compile(rb'"count"\s*:\s*(\d+)')
+"""How many elements an array of a glTF file has; one without data has as many zeros."""
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
 
@@ -130,13 +147,15 @@ def read_mesh(path: Path) -> Mesh:
     """The surface in a file.
 
     Args:
-        path: An STL file, binary or text, or a Wavefront OBJ, whose objects are taken as one.
+        path: An STL file, binary or text; a Wavefront OBJ, or a file of `SCENES`, whose objects are taken as one.
 
     Raises:
         UsageError: The file cannot be read, is of another format or too large, or holds no points that are finite.
     """
-    if not is_readable(path):
-        raise UsageError(f"'{path}' is no STL or OBJ file. Convert it: other meshes cannot be collided with.")
+    if path.suffix.lower() not in READERS:
+        raise UsageError(f"'{path}' is none of {', '.join(READERS)}. Convert it to STL.")
+    if needs_extra(path):
+        raise UsageError(f"'{path}' is no STL or OBJ file. To have it read: {TO_READ_THEM}. Or convert it to STL.")
     try:
         return _read(path, path.stat().st_mtime_ns)
     except Exception as error:  # bytes of anybody: too large for a number's type, for the memory, ...
@@ -157,8 +176,13 @@ def _read(path: Path, modified: int) -> Mesh:
 
 
 def is_readable(path: Path) -> bool:
-    """Whether a file is of a format that `read_mesh` knows."""
-    return path.suffix.lower() in READERS
+    """Whether a file is of a format that `read_mesh` knows, and has what reads it."""
+    return path.suffix.lower() in READERS and not needs_extra(path)
+
+
+def needs_extra(path: Path) -> bool:
+    """Whether a file is of a format whose reader is not installed."""
+    return not all(map(find_spec, SCENES.get(path.suffix.lower(), ())))
 
 
 def _read_stl(data: bytes) -> Mesh:
@@ -215,9 +239,14 @@ def _read_obj(data: bytes) -> Mesh:
     numbers = np.fromiter(_corners_of_obj(data), np.int64).reshape(-1, 3)
     # They begin with 1; what is below 0 is counted from the end, as most files with it list all points first.
     corners = np.where(numbers < 0, numbers + len(vertices), numbers - 1)
-    if corners.size and not 0 <= corners.min() <= corners.max() < len(vertices):
-        raise ValueError("it has triangles with corners that it does not have")
+    _require_corners(corners, len(vertices))
     return Mesh(vertices, corners.astype(np.int32))
+
+
+def _require_corners(numbers: NDArray[np.int64], count: int) -> None:
+    """Raises unless all triangles have corners among `count` points."""
+    if numbers.size and not 0 <= numbers.min() <= numbers.max() < count:
+        raise ValueError("it has triangles with corners that it does not have")
 
 
 def _corners_of_obj(data: bytes) -> Iterator[int]:
@@ -255,5 +284,41 @@ def _too_many(count: int) -> ValueError:
     return ValueError(f"it has {count:,} triangles or more, {MOST_TRIANGLES:,} are allowed")
 
 
-READERS: Mapping[str, Callable[[bytes], Mesh]] = {".stl": _read_stl, ".obj": _read_obj}
+def _read_scene(data: bytes, suffix: str) -> Mesh:
+    """All objects of a scene, where its nodes put them, as RViz and other programs around ROS read it.
+
+    The unit of a COLLADA file counts and its <up_axis> does not; glTF is not turned either. Public arms are made for
+    that: so read, their drawings lie where the STLs of the same links do.
+    """
+    import trimesh
+
+    if b"<!DOCTYPE" in data:
+        raise ValueError("it has a <!DOCTYPE>, which no mesh needs")
+    if (count := max(map(int, COUNT.findall(data)), default=0)) > 3 * MOST_TRIANGLES:
+        raise _too_many(count // 3)
+    scene = trimesh.load_scene(BytesIO(data), file_type=suffix[1:], process=False)
+    unit = UNIT.search(data) if suffix == ".dae" else None
+    vertices, faces, points, triangles = [np.empty((0, 3))], [np.empty((0, 3), np.int32)], 0, 0
+    for node in scene.graph.nodes_geometry:
+        pose, name = scene.graph[node]
+        part = scene.geometry[name]
+        if not isinstance(part, trimesh.Trimesh):
+            continue  # lines
+        _require_corners(part.faces, len(part.vertices))
+        triangles += len(part.faces)
+        if triangles > MOST_TRIANGLES:
+            raise _too_many(triangles)
+        mirrored = np.linalg.det(pose[:3, :3]) < 0.0
+        vertices.append(part.vertices @ pose[:3, :3].T + pose[:3, 3])
+        faces.append(part.faces[:, :: -1 if mirrored else 1] + points)
+        points += len(part.vertices)
+    scale = float(unit[1]) if unit else 1.0
+    return Mesh(np.concatenate(vertices) * scale, np.concatenate(faces).astype(np.int32))
+
+
+READERS: Mapping[str, Callable[[bytes], Mesh]] = {
+    ".stl": _read_stl,
+    ".obj": _read_obj,
+    **{suffix: partial(_read_scene, suffix=suffix) for suffix in SCENES},
+}
 """By the suffix of the file's name, in small letters."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,17 +29,20 @@ from harness.robot.kinematics import (
     position_jacobian,
     read_only,
 )
-from harness.robot.normal_urdf import normal_urdf
+from harness.robot.meshes import SCENES
+from harness.robot.normal_urdf import named, normal_urdf
 from harness.robot.packages import is_installed
 from harness.robot.servo import Servo, read_servo
 from harness.robot.settings import CHAIN, FILE, JOINT_KEYS, TOOL, RobotSettings
-from harness.robot.shapes import Shape, attach_shapes, read_shapes
+from harness.robot.shapes import Shape, attach_shapes, find_too_long, read_shapes
 from harness.robot.source import naming, read_source
 from harness.robot.urdf import Joint, Urdf, parse_urdf, read_chain
 
 FEWEST_JOINTS, MOST_JOINTS = 3, 8
 SUFFIXES = (".urdf", ".xacro", ".xml", FILE)
-"""Endings of the names of files that describe robots; the name of no plugin has one."""
+"""Of the names of files that describe robots: the name of no plugin ends so."""
+FD100_REACH = 1.5413267497929588
+"""Reach of the FD100, [m]. Lengths of tasks and motions were chosen for it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,6 +136,19 @@ class Robot:
         """No end effector position is farther than this from the world's origin: the chain's begin and `reach` [m]."""
         return self.reach + float(np.linalg.norm(self.chain.T_previous_joint[0, :3, 3]))
 
+    def scaled(self, length: float) -> float:
+        """A length or speed of the tip that was chosen for the FD100, as large a share of this arm's reach.
+
+        Args:
+            length: [m] or [m/s].
+
+        Returns:
+            In the same unit, with three digits: it is to be read, and the same on all platforms. For the FD100, or an
+            arm of its reach, the number itself.
+        """
+        scale = self.reach / FD100_REACH
+        return length if math.isclose(scale, 1.0, rel_tol=1e-6) else float(f"{scale * length:.3g}")
+
     def end_effector(self, qpos: ArrayLike) -> Float:
         """The end effector's position in the world frame.
 
@@ -193,10 +210,11 @@ def _read_robot(path: Path, registry: Registry | None) -> Robot:
         driven = [joint for joint in joints if joint.kind != "fixed"]
         _check_count(driven, tip)
         names = tuple(joint.name for joint in driven)
-        urdf = normal_urdf(given, names, source.folder, packages)
+        urdf, changes = normal_urdf(given, names, source.folder, packages)
         link_shapes = read_shapes(urdf)
         joint_shapes = attach_shapes(urdf, link_shapes, names)
-    chain = build_chain(joints)
+        chain = build_chain(joints)
+        long = _warn_of_length(urdf, chain, driven)
     limits = read_joint_limits(settings, urdf_path, driven, chain, joint_shapes, described.home)
     return Robot(
         name=settings.text("name") or urdf_path.stem.removesuffix(".urdf"),
@@ -216,11 +234,22 @@ def _read_robot(path: Path, registry: Registry | None) -> Robot:
         servo=read_servo(settings, driven),
         warnings=(
             *source.warnings,
+            *changes,
+            *long,
             *warn_of_speeds(driven, limits.max_speed),
             *_warn_of_lacking_speeds(settings, driven, described),
             *_warn_of_jaw(settings, given, chain, joints),
         ),
     )
+
+
+def _warn_of_length(urdf: Urdf, chain: Chain, driven: Sequence[Joint]) -> list[str]:
+    reach = chain_length(chain, *np.array([[joint.lower, joint.upper] for joint in driven]).T)
+    long = find_too_long(urdf, reach)
+    if not long:
+        return []
+    given = f"{named(long)}: a mesh {max(long.values()):.3g} m long, and the arm reaches {reach:.3g} m"
+    return [f'{given}. If the file is in millimetres, give the <mesh> scale="0.001 0.001 0.001"']
 
 
 def _warn_of_lacking_speeds(settings: RobotSettings, driven: Sequence[Joint], described: Description) -> list[str]:
@@ -236,22 +265,32 @@ def _warn_of_jaw(settings: RobotSettings, urdf: Urdf, chain: Chain, joints: Sequ
 
 def _check_count(driven: Sequence[Joint], tip: str) -> None:
     if not FEWEST_JOINTS <= len(driven) <= MOST_JOINTS:
+        to_do = f"In a {FILE}, hold some: fixed = {{ joint = 0 }}; or name where the arm lies: chain = [first, last]."
         raise UsageError(
             f"{len(driven)} joints move between the root link and '{tip}'; allowed: {FEWEST_JOINTS} to {MOST_JOINTS}. "
-            f"In a {FILE}, hold some: fixed = {{ joint = 0 }}; or name where the arm lies: chain = [first, last]."
+            f"{to_do if len(driven) > MOST_JOINTS else f'Name another end_effector in a {FILE}, or give another arm.'}"
         )
 
 
 def _name_meshes_by_content(urdf: str) -> str:
-    """The URDF's text with the SHA-256 of each mesh file in the place of its path; a URDF without meshes as it is."""
+    """The URDF's text with the SHA-256 of each mesh file in the place of its path; a URDF without meshes as it is.
+
+    Drawings that only `SCENES` names are left out: whether they are in the URDF depends on what is installed.
+    """
     if "mesh" not in urdf:
         return urdf
     robot = parse_urdf(urdf).element
-    meshes = list(robot.iter("mesh"))
-    for mesh in meshes:
-        path = Path(mesh.get("filename", ""))
-        mesh.set("filename", digest_of(path) + path.suffix.lower())
-    return ElementTree.tostring(robot, encoding="unicode") if meshes else urdf
+    for link in robot.iter("link"):
+        for visual in link.findall("visual"):
+            if any(_path(mesh).suffix.lower() in SCENES for mesh in visual.iter("mesh")):
+                link.remove(visual)
+    for mesh in robot.iter("mesh"):
+        mesh.set("filename", digest_of(_path(mesh)) + _path(mesh).suffix.lower())
+    return ElementTree.tostring(robot, encoding="unicode")
+
+
+def _path(mesh: Element) -> Path:
+    return Path(mesh.get("filename", ""))
 
 
 def _origins(settings: RobotSettings, driven: Sequence[Joint], described: Description) -> Mapping[str, str]:

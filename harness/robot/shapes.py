@@ -30,6 +30,8 @@ SIZES: Mapping[ShapeKind, tuple[tuple[str, int], ...]] = {
 }
 """The attributes of each kind of shape that are lengths, and how many numbers each one has."""
 
+TOO_LONG = 30.0
+"""A mesh that is longer than the arm's reach by this factor is in another unit than metres."""
 NO_POINTS = read_only(np.empty((0, 3)))
 
 
@@ -101,6 +103,33 @@ def moving_carrier(link: str, carrier: Mapping[str, Element]) -> tuple[str | Non
         T_child_link = read_origin(joint, f"Joint '{joint.get('name')}'") @ T_child_link
         link = linked(joint, "parent")
     return None, T_child_link
+
+
+def find_too_long(urdf: Urdf, reach: float) -> dict[str, float]:
+    """How long the meshes are that are far too long for the arm, [m], by their link's name.
+
+    Args:
+        urdf: What `harness.robot.normal_urdf.normal_urdf` returned.
+        reach: Of the arm, [m].
+
+    Raises:
+        UsageError: One of them collides and moves: no pose would keep it above the ground.
+    """
+    found: dict[str, float] = {}
+    for name, link in urdf.links.items():
+        for part in link:
+            for mesh in part.findall("geometry/mesh"):
+                points = read_mesh(Path(mesh.get("filename", ""))).vertices * read_scale(mesh, f"Link '{name}'")
+                length = float(np.ptp(points, axis=0).max())
+                if length <= TOO_LONG * reach:
+                    continue
+                if part.tag == "collision" and moving_carrier(name, urdf.carriers)[0] is not None:
+                    raise UsageError(
+                        f"Link '{name}' has a collision mesh {length:.3g} m long, and the arm reaches {reach:.3g} m. "
+                        'If the file is in millimetres, give the <mesh> scale="0.001 0.001 0.001".'
+                    )
+                found[name] = length
+    return found
 
 
 def _shapes_of_link(link: Element) -> tuple[Shape, ...]:

@@ -94,7 +94,7 @@ def _find_files(path: Path) -> tuple[RobotSettings, Path]:
         found = found.parent
     settings, file = _find_in_folder(found) if found.is_dir() else _find_beside(found)
     if PACKAGES & set(settings.path.absolute().parts):
-        settings = replace(settings, installed=str(path if found is not path else path.absolute()))
+        settings = replace(settings, installed=str(path if found is not path and file == found else file.absolute()))
     return settings, file
 
 

@@ -139,6 +139,8 @@ KINDS = (*get_args(JointKind), "planar", "floating")
 """All that a URDF has; the last two move in several ways at once and cannot be on a chain."""
 Vector = tuple[float, float, float]
 
+WORLD = "world"
+"""The link that engines take for the world, if there is one of that name."""
 MOST_LINKS = 200
 """The most links of a URDF: an arm has ten, a humanoid with both hands less than 150."""
 SHOWN = 20
@@ -226,7 +228,11 @@ def read_chain(urdf: Urdf, tip: str) -> tuple[Joint, ...]:
         UsageError: There is no such link, or a joint of the chain cannot be computed with.
     """
     require_link(urdf, tip)
-    chain = tuple(_read_joint(joint) for joint in path_to(tip, urdf.carriers))
+    path = path_to(tip, urdf.carriers)
+    for joint in path:
+        if linked(joint, "child") == WORLD:
+            raise _joint_error(joint, f"carries the link '{WORLD}', which engines take for the world. Rename the link.")
+    chain = tuple(_read_joint(joint) for joint in path)
     if all(joint.kind == "fixed" for joint in chain):
         raise UsageError(f"No joint moves between the root link and '{tip}'. Name a tip beyond a joint that moves.")
     return chain
@@ -348,9 +354,11 @@ def _read_joint(joint: Element) -> Joint:
 def _kind(joint: Element) -> JointKind:
     kind, allowed = joint.get("type"), get_args(JointKind)
     if kind not in allowed:
-        raise _joint_error(joint, f"is of type '{kind}'; allowed on the chain: {', '.join(allowed)}. Change it.")
+        told = f"is of type '{kind}'; allowed on the chain: {', '.join(allowed)}"
+        raise _joint_error(joint, f"{told}. Change it, {_or_hold(joint)}")
     if kind != "fixed" and joint.find("mimic") is not None:
-        raise _joint_error(joint, "mimics another one, but each joint of the chain moves by itself. Remove <mimic>.")
+        told = "mimics another one, but each joint of the chain moves by itself"
+        raise _joint_error(joint, f"{told}. Remove <mimic>, {_or_hold(joint)}")
     return cast(JointKind, kind)
 
 
@@ -389,6 +397,11 @@ def _limits(joint: Element, kind: JointKind) -> tuple[float, float]:
             f"{_or_write(joint, kind)}",
         )
     return lower, upper
+
+
+def _or_hold(joint: Element) -> str:
+    """What to write into a robot.toml instead, of a joint that cannot move."""
+    return f"or hold the joint in a robot.toml: fixed = {{ {json.dumps(_name(joint), ensure_ascii=False)} = 0 }}"
 
 
 def _or_write(joint: Element, kind: JointKind) -> str:

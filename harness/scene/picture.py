@@ -1,5 +1,6 @@
 """Pictures of an arm without any engine: shaded triangles, drawn from the farthest to the nearest by pillow."""
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -11,7 +12,7 @@ from harness.arrays import Float
 from harness.errors import UsageError
 from harness.record.scene import Scene
 from harness.robot import Robot
-from harness.robot.kinematics import Chain, child_frames
+from harness.robot.kinematics import Chain, child_frames, link_frames
 from harness.scene.scene import scene_of
 
 if TYPE_CHECKING:
@@ -20,12 +21,18 @@ if TYPE_CHECKING:
 LIGHT = np.array([-0.35, -0.5, 0.8])
 """Where it comes from."""
 BACKGROUND, GRID, SHADOW, TARGET = "#f3f5f7", "#dcdfe3", "#cfd3d8", "#00805c"
+MARKER = 0.03
+"""The radius of the ball at a target, as a share of that of what is seen."""
 FINER = 2
 """Pixels are drawn smaller by this, and averaged: edges are smooth."""
-MARGIN = 1.15
-"""Around what is seen; nearer, it looks larger than in proportion."""
+MARGIN, FITTINGS = 1.15, 8
+"""Around what is seen, and how often it is fitted into the picture: nearer, it looks larger than in proportion."""
 FOCAL, AWAY, TURN, RISE = 2.6, 2.8, -0.9, 0.35
 """The camera: focal length, distance in radii of what it shows, and where it stands, [rad]."""
+POSES, AROUND, FARTHEST = 64, 0.25, math.pi / 4.0
+"""The number of poses that are seen, each joint within this share of its range from home, and no farther, [rad]."""
+DIRECTIONS = 512
+"""The number of directions in which the farthest of all points are kept."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,8 +60,33 @@ class Camera:
     @property
     def eye(self) -> Float:
         """Where it stands, world frame, [m], (3,)."""
-        eye: Float = self.centre + AWAY * self.radius * self.axes[2]
+        eye: Float = self.centre + self.distance * self.axes[2]
         return eye
+
+    @property
+    def distance(self) -> float:
+        """From the centre, [m]."""
+        return AWAY * self.radius
+
+    @property
+    def marker(self) -> float:
+        """The radius of a ball that marks the target, [m]."""
+        return MARKER * self.radius
+
+    @property
+    def azimuth(self) -> float:
+        """The direction in which it looks, about z from x, [deg]; it looks `elevation` upwards."""
+        return math.degrees(TURN) + 180.0
+
+    @property
+    def elevation(self) -> float:
+        """How far upwards it looks, [deg]; negative, since it looks down."""
+        return -math.degrees(RISE)
+
+    @property
+    def field_of_view(self) -> float:
+        """From the lower edge of the picture to the upper one, [deg]."""
+        return 2.0 * math.degrees(math.atan(self.height / (FOCAL * min(self.width, self.height))))
 
     def project(self, points: Float) -> Float:
         """Column, row and depth of points, (..., 3), [m], in pixels and [m]: the same shape."""
@@ -65,13 +97,45 @@ class Camera:
 
 
 def camera_for(points: Float, width: int, height: int) -> Camera:
-    """A camera that sees points, (count, 3), [m], and the world's origin, in a picture of so many pixels."""
-    seen = np.vstack([points, np.zeros(3)])
+    """A camera that sees points, (count, 3), [m], in a picture of so many pixels.
+
+    It also sees the world's origin, unless that is farther away than the points from one another: a small arm on a high
+    table would be lost.
+    """
+    low, high = points.min(axis=0), points.max(axis=0)
+    near = np.linalg.norm(np.clip(0.0, low, high)) <= np.linalg.norm(high - low)
+    seen = np.vstack([points, np.zeros((int(near), 3))])
     low, high = seen.min(axis=0), seen.max(axis=0)
     camera = Camera((low + high) / 2, max(float(np.linalg.norm(high - low)) / 2, 1e-3), width, height)
     half = np.array([width, height]) / 2
-    filled = float((np.abs(camera.project(seen)[:, :2] - half) / half).max())  # a ball around it has room to spare
-    return replace(camera, radius=max(camera.radius * filled * MARGIN, 1e-3))
+    for _ in range(FITTINGS):  # a ball around it has room to spare
+        flat = camera.project(seen)
+        low, high = flat[:, :2].min(axis=0), flat[:, :2].max(axis=0)
+        right, down = ((low + high) / 2 - half) * camera.distance / (FOCAL * half.min())
+        filled = float(((high - low) / 2 / half).max())
+        centre = camera.centre + right * camera.axes[0] - down * camera.axes[1]
+        camera = replace(camera, centre=centre, radius=max(camera.radius * filled * MARGIN, 1e-3))
+    return camera
+
+
+def seen_of(robot: Robot, scene: Scene | None = None) -> Float:
+    """What the pictures of a robot show in every simulator: the arm at home, and where it moves around there.
+
+    Args:
+        robot: The arm.
+        scene: What is drawn of it; `scene_of` the robot if None.
+
+    Returns:
+        Points for `camera_for`, the outermost ones, world frame, [m], (count, 3).
+    """
+    drawn = np.random.default_rng(0).uniform(robot.lower, robot.upper, (POSES, robot.dof))
+    farthest = FARTHEST * robot.per_radian
+    poses = robot.home + np.clip(AROUND * (drawn - robot.home), -farthest, farthest)
+    joints = np.moveaxis(link_frames(robot.chain, poses)[..., 3, :], 1, -1).reshape(-1, 3)
+    solid = corners_of(scene or scene_of(robot), robot.home)[0].reshape(-1, 3)
+    points = np.concatenate([solid, joints, robot.end_effector(poses)])
+    directions = np.random.default_rng(0).standard_normal((3, DIRECTIONS))
+    return np.asarray(points[np.unique((points @ directions).argmax(axis=0))])
 
 
 def chain_of(scene: Scene) -> Chain:
@@ -131,12 +195,18 @@ def draw_arm(scene: Scene, qpos: Float, target: Float, path: Float, colour: str,
     return image.reduce(FINER)
 
 
-def draw_still(scene: Scene, qpos: Float, target: Float, width: int, height: int) -> "Image.Image":
+def draw_still(
+    scene: Scene, qpos: Float, target: Float, width: int, height: int, camera: Camera | None = None
+) -> "Image.Image":
     """A picture of an arm that stands still, so many pixels wide and high; see `draw_arm`.
+
+    Without a camera it sees the room above and before the world's origin that the links' lengths reach.
 
     Raises:
         UsageError: pillow is missing.
     """
+    if camera is not None:
+        return draw_arm(scene, qpos, target, np.empty((0, 3)), TARGET, camera)
     reach = np.sum([np.linalg.norm(joint.frame[:, 3]) for joint in scene.joints]) + np.linalg.norm(scene.tip[:, 3])
     whole = np.array([[-0.3, -0.3, 0.0], [0.5, 0.3, 0.8]]) * reach
     camera = camera_for(whole, width, height)
@@ -203,7 +273,9 @@ class StillFrames:
         """
         if self._scene is None:
             self._scene = scene_of(self._robot)
-        return np.array(draw_still(self._scene, qpos, target, width, height))
+            self._seen = seen_of(self._robot, self._scene)
+        camera = camera_for(self._seen, width, height)
+        return np.array(draw_still(self._scene, qpos, target, width, height, camera))
 
     def close(self) -> None:
         """Does nothing: there is nothing to give back."""

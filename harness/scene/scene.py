@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from harness.arrays import Float
 from harness.errors import UsageError
 from harness.record.scene import Body, Scene, SceneJoint
-from harness.robot.meshes import Mesh, is_readable, read_mesh
+from harness.robot.meshes import Mesh, read_mesh
 from harness.robot.robot import Robot
 from harness.robot.shapes import SIZES, Shape, ShapeKind, moving_carrier, read_origin, read_scale, read_sizes
 from harness.robot.urdf import parse_urdf
@@ -119,7 +119,7 @@ class Part(NamedTuple):
 def scene_of(robot: Robot) -> Scene:
     """What is drawn of a robot: the visual shapes of each link, or those that collide.
 
-    The collision shapes of a link stand in where it has no visual shapes, or some that cannot be read, as COLLADA.
+    The collision shapes of a link stand in where it has no visual shapes.
     Fine surfaces are drawn with fewer triangles, `TRIANGLES` together.
 
     Args:
@@ -152,7 +152,7 @@ def _parts(link: Element, solids: tuple[Shape, ...], colours: dict[str, str]) ->
     visuals = link.findall("visual")
     try:
         parts = [_visual(visual, colours, f"Link '{link.get('name')}'") for visual in visuals]
-    except UsageError:  # of a format that is not read: what collides is drawn
+    except UsageError:  # of a kind that no engine draws: what collides is drawn
         parts = []
     colour = _colour_of(visuals[0], colours) if visuals else GREY
     return parts or [Part(colour, solid.T_link_shape, _solid(solid)) for solid in solids]
@@ -164,19 +164,10 @@ def _visual(visual: Element, colours: dict[str, str], owner: str) -> Part:
         raise UsageError(f"{owner} has a visual that is not drawn")
     kind = cast(ShapeKind, shape.tag)
     if kind == "mesh":
-        mesh = _scaled(_read(Path(shape.get("filename", ""))), read_scale(shape, owner))
+        mesh = _scaled(read_mesh(Path(shape.get("filename", ""))), read_scale(shape, owner))
     else:
         mesh = surface(kind, read_sizes(shape, owner))
     return Part(_colour_of(visual, colours), read_origin(visual, owner), mesh)
-
-
-def _read(path: Path) -> Mesh:
-    if not is_readable(path):
-        raise UsageError(f"'{path}' is not drawn")
-    mesh = read_mesh(path)
-    if not len(mesh.faces):
-        raise UsageError(f"'{path}' has no triangles")
-    return mesh
 
 
 def _scaled(mesh: Mesh, scale: Float) -> Mesh:

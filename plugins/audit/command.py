@@ -263,11 +263,11 @@ def _on_scripts(
     from harness.authoring.commands import (
         IdealSimulator,
         choose,
-        load_robot,
         record_rollouts,
         score_rollout,
         split_list,
     )
+    from harness.task import choose_task
 
     from .scripts import audit_reward
 
@@ -277,12 +277,13 @@ def _on_scripts(
     if not 0.0 < gamma <= 1.0:
         raise UsageError(f"--gamma {gamma:g}: must be above 0 and at most 1")
     *choices, compared = (choose(registry, "rewards", name) for name in (*split_list(rewards), against or "baseline"))
-    chosen, where = choose(registry, "tasks", task or "fd100-reach"), sim and choose(registry, "simulators", sim)
+    chosen, arm = choose_task(registry, task or "fd100-reach", robot)
+    where = sim and choose(registry, "simulators", sim)
     engine = where.build(registry, "simulators") if where else IdealSimulator()
     label = where.label if where else "no simulator: joints move exactly as commanded"
     world = chosen.build(registry, "tasks")
     robot = robot or world.robot
-    rollouts = record_rollouts(engine, load_robot(robot, registry), world, episodes)
+    rollouts = record_rollouts(engine, arm, world, episodes)
     *judged, other = (choice.build(registry, "rewards") for choice in (*choices, compared))
     with _named(compared, registry):
         score_rollout(other, rollouts[0])

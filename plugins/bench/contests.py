@@ -15,7 +15,6 @@ from typing import Annotated, Any, Literal, NamedTuple, TypeAlias, get_args
 import psutil
 from pydantic import Field
 
-from harness import load_robot
 from harness.algorithm import Algorithm
 from harness.authoring.checking import closed_motion
 from harness.authoring.commands import ReachEnv, ReachVectorEnv, Registry, World, choose
@@ -23,7 +22,7 @@ from harness.errors import UsageError
 from harness.progress import Progress
 from harness.robot import Robot
 from harness.simulator import Simulator
-from harness.task import Task
+from harness.task import Task, choose_task
 
 from .stopwatch import ENGINE as ENGINE_CALLS, Clock, Meter, TimedMethods
 
@@ -207,8 +206,8 @@ def open_contest(entry: Entry, setting: Setting, registry: Registry, stack: Exit
     plugin = choose(registry, entry.of, entry.name).build(registry, entry.of)
     if entry.of == "algorithms":
         return _algorithm(plugin, entry, setting, registry, stack)
-    goal: Task = choose(registry, "tasks", setting.task).build(registry, "tasks")
-    robot = load_robot(setting.robot or goal.robot, registry)
+    chosen, robot = choose_task(registry, setting.task, setting.robot)
+    goal: Task = chosen.build(registry, "tasks")
     reward = choose(registry, "rewards", "baseline").build(registry, "rewards")
     world = World(plugin, robot, goal, reward)
     return _peer_env(world, entry, stack) if entry.peer else _simulator(world, entry.num_envs, stack)
@@ -282,11 +281,11 @@ def _algorithm(algorithm: Any, entry: Entry, setting: Setting, registry: Registr
     if "continuous" not in algorithm.action_spaces and ":" not in task:
         task = f"{task}:action=discrete"
     steps -= steps % algorithm.num_envs
-    goal: Task = choose(registry, "tasks", task).build(registry, "tasks")
+    chosen, robot = choose_task(registry, task, setting.robot)
     world = World(
         choose(registry, "simulators", CHEAP).build(registry, "simulators"),
-        load_robot(setting.robot or goal.robot, registry),
-        goal,
+        robot,
+        chosen.build(registry, "tasks"),
         choose(registry, "rewards", "baseline").build(registry, "rewards"),
     )
     singles = [

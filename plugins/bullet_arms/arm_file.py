@@ -19,9 +19,6 @@ from harness.robot import Robot
 from harness.robot.meshes import HEADER, TRIANGLE, read_mesh
 from harness.robot.shapes import read_points
 
-DRAWN = {".stl", ".obj", ".dae"}
-"""Suffixes of the drawings that Bullet can read."""
-
 
 @contextmanager
 def file_of_arm(robot: Robot, *, is_drawn: bool = False) -> Iterator[Path]:
@@ -29,13 +26,15 @@ def file_of_arm(robot: Robot, *, is_drawn: bool = False) -> Iterator[Path]:
 
     Args:
         robot: The arm.
-        is_drawn: Whether its drawings stay in it, apart from those in formats that Bullet does not know.
+        is_drawn: Whether its drawings stay in it.
     """
     urdf = ElementTree.fromstring(robot.urdf)
     with tempfile.TemporaryDirectory() as folder:
         for link in urdf.iter("link"):
             for visual in link.findall("visual"):
-                if not (is_drawn and _can_draw(visual, Path(folder))):
+                if is_drawn:
+                    _set_surface(visual, Path(folder))
+                else:
                     link.remove(visual)
             for collision in link.findall("collision"):
                 _set_solid(collision, f"Link '{link.get('name')}'", Path(folder))
@@ -44,16 +43,12 @@ def file_of_arm(robot: Robot, *, is_drawn: bool = False) -> Iterator[Path]:
         yield path
 
 
-def _can_draw(visual: Element, folder: Path) -> bool:
-    """Whether Bullet can read a drawing; an STL is written anew, since it may be text."""
+def _set_surface(visual: Element, folder: Path) -> None:
+    """Write a drawing anew, as the harness reads it, unless it is an OBJ, which may have colours."""
     mesh = visual.find("geometry/mesh")
-    if mesh is None:
-        return True
-    path = Path(mesh.get("filename", ""))
-    if path.suffix.lower() == ".stl":
-        surface = read_mesh(path)
+    if mesh is not None and not mesh.get("filename", "").lower().endswith(".obj"):
+        surface = read_mesh(Path(mesh.get("filename", "")))
         mesh.set("filename", _write_stl(surface.vertices[surface.faces], folder))
-    return path.suffix.lower() in DRAWN
 
 
 def _set_solid(collision: Element, owner: str, folder: Path) -> None:

@@ -1,6 +1,7 @@
 """Bullet's clients of one simulation, which are closed together."""
 
 import weakref
+from collections.abc import Sequence
 
 import numpy as np
 import pybullet
@@ -9,35 +10,55 @@ from numpy.typing import NDArray
 from harness.arrays import Float
 from harness.errors import UsageError
 from harness.robot import Robot
+from harness.scene.picture import Camera, camera_for, seen_of
 
 from .arm_file import file_of_arm
 from .world import LOAD_FLAGS, load_body, numbers, set_joints
+
+DEPTHS = (0.02, 8.0)
+"""The nearest and the farthest that is drawn, as shares of the camera's distance from what it looks at."""
+
+GROUND = 3.0
+"""Half the edge of the ground that is drawn, in radii of what is seen; never less than 3 m."""
 
 
 class Scene:
     """A world that is only drawn: ground, arm and target, by Bullet's own software renderer."""
 
     def __init__(self, client: int, robot: Robot) -> None:
-        self.client = client
+        self.client, self._seen = client, seen_of(robot)
+        camera = camera_for(self._seen, 1, 1)
+        edge = max(3.0, GROUND * camera.radius)
         with file_of_arm(robot, is_drawn=True) as path:
             self.body = load_body(client, robot, path, LOAD_FLAGS)
         _, self.joints = numbers(client, self.body, robot)
-        _add_shape(client, [0.0, 0.0, -0.01], pybullet.GEOM_BOX, halfExtents=[3, 3, 0.01], rgbaColor=[0.8, 0.8, 0.8, 1])
+        _add_shape(
+            client, [0.0, 0.0, -0.01], pybullet.GEOM_BOX, halfExtents=[edge, edge, 0.01], rgbaColor=[0.8, 0.8, 0.8, 1]
+        )
         red = [0.85, 0.2, 0.15, 1]
-        self.target = _add_shape(client, [0.0, 0.0, 0.0], pybullet.GEOM_SPHERE, radius=0.03, rgbaColor=red)
+        self.target = _add_shape(client, [0.0, 0.0, 0.0], pybullet.GEOM_SPHERE, radius=camera.marker, rgbaColor=red)
 
     def frame(self, qpos: Float, target: Float, width: int, height: int) -> NDArray[np.uint8]:
         """The arm at `qpos`, (dof,), and a marker at `target`, (3,), [m]; RGB, (height, width, 3)."""
         client = self.client
         set_joints(client, self.body, self.joints, qpos)
         pybullet.resetBasePositionAndOrientation(self.target, list(target), [0, 0, 0, 1], physicsClientId=client)
-        view = pybullet.computeViewMatrixFromYawPitchRoll([0.4, 0.0, 0.6], 3.0, 40.0, -20.0, 0.0, 2)
         image = pybullet.getCameraImage(
-            width, height, view, pybullet.computeProjectionMatrixFOV(45.0, width / height, 0.05, 20.0),
+            width, height, *_matrices(camera_for(self._seen, width, height)),
             renderer=pybullet.ER_TINY_RENDERER, physicsClientId=client,
         )  # fmt: skip
         pixels = np.array(image[2], np.uint8).reshape(height, width, 4)  # a copy, since the array is Bullet's
         return np.ascontiguousarray(pixels[..., :3])
+
+
+def _matrices(camera: Camera) -> tuple[Sequence[float], Sequence[float]]:
+    """Bullet's view and projection; its yaw is 0 where a camera looks along y."""
+    view = pybullet.computeViewMatrixFromYawPitchRoll(
+        camera.centre.tolist(), camera.distance, camera.azimuth - 90.0, camera.elevation, 0.0, 2
+    )
+    near, far = (share * camera.distance for share in DEPTHS)
+    ratio = camera.width / camera.height
+    return view, pybullet.computeProjectionMatrixFOV(camera.field_of_view, ratio, near, far)
 
 
 def _add_shape(client: int, position: list[float], kind: int, **shape: object) -> int:

@@ -85,10 +85,14 @@ def exact_timestep(period: float, substeps: int) -> float:
 def set_options(client: int, timestep: float, substeps: int, iterations: int) -> None:
     """Set gravity, solver and physics steps of a world; `stepSimulation` does `substeps` of `timestep` [s]."""
     pybullet.setGravity(0.0, 0.0, GRAVITY, physicsClientId=client)
-    pybullet.setPhysicsEngineParameter(
-        numSolverIterations=iterations, deterministicOverlappingPairs=1, physicsClientId=client
-    )
+    pybullet.setPhysicsEngineParameter(deterministicOverlappingPairs=1, physicsClientId=client)
+    set_iterations(client, iterations)
     set_steps(client, timestep, substeps)
+
+
+def set_iterations(client: int, iterations: int) -> None:
+    """Let the solver go through all constraints so often in a physics step."""
+    pybullet.setPhysicsEngineParameter(numSolverIterations=iterations, physicsClientId=client)
 
 
 def set_steps(client: int, timestep: float, steps: int) -> None:

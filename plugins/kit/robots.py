@@ -9,7 +9,7 @@ import numpy as np
 from harness import load_robot
 from harness.arrays import Float
 from harness.authoring import link_frames, reach_position
-from harness.authoring.checking import FILE, build_solids, is_readable, read_mesh, require_solids
+from harness.authoring.checking import FILE, build_solids, read_mesh, require_solids
 from harness.authoring.commands import choose, load_registry
 from harness.errors import MissingSolid, PluginError, UsageError
 from harness.robot import Robot
@@ -137,14 +137,13 @@ def masses_are_those_of_bodies(robot: Robot) -> None:
 
 @check("robot-meshes")
 def meshes_can_be_read(robot: Robot) -> None:
-    """Every mesh of the URDF is an existing file; meshes for collisions are STL or OBJ and have points."""
+    """Every mesh of the URDF is an existing file; it can be read and has points."""
     for link in ElementTree.fromstring(robot.urdf).findall("link"):
         for part in ("visual", "collision"):
             for mesh in link.iterfind(f"{part}/geometry/mesh"):
                 path = Path(mesh.get("filename", ""))
                 require(path.is_file(), f"link '{link.get('name')}' has the {part} mesh '{path}', which is not there")
-                if part == "collision" or is_readable(path):
-                    read_mesh(path)  # raises, and says why
+                read_mesh(path)  # raises, and says why
 
 
 @check("robot-simulators")

@@ -17,12 +17,14 @@ from numpy.typing import NDArray
 from harness.arrays import Float
 from harness.errors import UsageError
 from harness.robot import Robot
-from harness.robot.meshes import is_readable, read_mesh
+from harness.robot.meshes import read_mesh
 from harness.robot.servo import Servo
 from harness.robot.shapes import Shape, read_origin, read_scale
 
 GREY = [0.7, 0.7, 0.7, 1.0]
 """Red, green, blue and opacity, 0 to 1, of a surface without a colour."""
+MOUNT = "harness_mount"
+"""What a link `world` is called that is not the root."""
 COLOR = re.compile(r"(\s*(\d+\.?\d*|\.\d+)(?=\s|$)){4}\s*")
 """Matches four numbers with spaces between them."""
 
@@ -45,8 +47,16 @@ class Surface:
 
 
 def without_meshes(urdf: Element) -> str:
-    """The text of a URDF without the shapes that are meshes; the element `urdf` itself is left as it is."""
+    """The text of a URDF without the shapes that are meshes; the element `urdf` itself is left as it is.
+
+    A link `world` that a joint puts somewhere is called `MOUNT`: MuJoCo would take it for its own world, at the origin.
+    """
     robot = deepcopy(urdf)
+    if any(child.get("link") == "world" for child in robot.iterfind("joint/child")):
+        for element, key in [(link, "name") for link in robot.iter("link")] + [
+            (end, "link") for joint in robot.iter("joint") for end in joint if end.tag in {"parent", "child"}
+        ]:
+            element.set(key, MOUNT if element.get(key) == "world" else element.get(key, ""))
     for link in robot.iter("link"):
         for shape in [*link.findall("collision"), *link.findall("visual")]:
             if shape.find("geometry/mesh") is not None:
@@ -65,7 +75,8 @@ def add_meshes(spec: mujoco.MjSpec, urdf: Element, link_shapes: Mapping[str, Seq
     bodies = {body.name: body for body in spec.bodies}
     surfaces = _read_surfaces(urdf)
     for link, shapes in link_shapes.items():
-        body = bodies.get(link, spec.worldbody)  # the root link has become the world
+        # The root link has become the world.
+        body = bodies.get(MOUNT if link == "world" else link, spec.worldbody)
         for shape in (shape for shape in shapes if shape.kind == "mesh"):
             mesh = _new_mesh(spec, f"collision of link {link}", uservert=shape.points.ravel())
             geom = _add_geom(body, mesh, shape.T_link_shape)
@@ -75,7 +86,7 @@ def add_meshes(spec: mujoco.MjSpec, urdf: Element, link_shapes: Mapping[str, Seq
 
 
 def _read_surfaces(urdf: Element) -> dict[str, list[Surface]]:
-    """The surfaces of each link. Formats other than STL and OBJ are left out."""
+    """The surfaces of each link."""
     colors = dict(_colors(urdf))
     return {link.get("name", ""): list(_surfaces(link, colors)) for link in urdf.findall("link")}
 
@@ -84,11 +95,11 @@ def _surfaces(link: Element, colors: dict[str, list[float]]) -> Iterator[Surface
     owner = f"Link '{link.get('name')}'"
     for visual in link.findall("visual"):
         mesh, material = visual.find("geometry/mesh"), visual.find("material")
-        path = Path("" if mesh is None else mesh.get("filename", ""))
-        if mesh is not None and is_readable(path):
+        if mesh is not None:
             name = "" if material is None else material.get("name", "")
-            vertices = read_mesh(path).vertices * read_scale(mesh, owner)
-            yield Surface(vertices, read_mesh(path).faces, read_origin(visual, owner), colors.get(name, GREY))
+            surface = read_mesh(Path(mesh.get("filename", "")))
+            vertices = surface.vertices * read_scale(mesh, owner)
+            yield Surface(vertices, surface.faces, read_origin(visual, owner), colors.get(name, GREY))
 
 
 def _colors(robot: Element) -> Iterator[tuple[str, list[float]]]:
@@ -247,7 +258,12 @@ def _set_options(spec: mujoco.MjSpec, timestep: float) -> None:
 def _add_target(spec: mujoco.MjSpec) -> None:
     marker = spec.worldbody.add_body(name=TARGET, mocap=True)
     marker.add_geom(
-        type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.03, 0, 0], rgba=[0.85, 0.2, 0.15, 1], contype=0, conaffinity=0
+        name=TARGET,
+        type=mujoco.mjtGeom.mjGEOM_SPHERE,
+        size=[0.03, 0, 0],
+        rgba=[0.85, 0.2, 0.15, 1],
+        contype=0,
+        conaffinity=0,
     )
 
 

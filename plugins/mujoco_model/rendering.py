@@ -20,8 +20,11 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float
 from harness.errors import UsageError, one_line
+from harness.robot import Robot
+from harness.scene.picture import Camera, camera_for, seen_of
 
 from .engine import choices_kept, mujoco
+from .model import TARGET
 
 WITHOUT_DISPLAY = ("egl", "osmesa")
 """Values of MUJOCO_GL with which Linux renders without a display."""
@@ -37,10 +40,12 @@ class Renderer:
 
     Args:
         model: The model of the arm and a target, from `build_model`; it is not changed.
+        robot: The arm.
     """
 
-    def __init__(self, model: mujoco.MjModel) -> None:
-        self._model = model
+    def __init__(self, model: mujoco.MjModel, robot: Robot) -> None:
+        self._model, self._robot = model, robot
+        self._seen: Float | None = None
         self._canvas: Canvas | None = None
 
     def frame(self, qpos: Float, target: Float, width: int, height: int) -> NDArray[np.uint8]:
@@ -52,7 +57,8 @@ class Renderer:
         try:
             if self._canvas is None or self._canvas.size != (width, height):
                 self.close()
-                self._canvas = Canvas(self._model, width, height)
+                self._seen = seen_of(self._robot) if self._seen is None else self._seen
+                self._canvas = Canvas(self._model, camera_for(self._seen, width, height))
             return self._canvas.draw(qpos, target)
         except Exception as error:  # the GL libraries raise errors of many kinds
             raise _refusal(error) from error
@@ -67,13 +73,19 @@ class Renderer:
 class Canvas:
     """Draws frames of one size."""
 
-    def __init__(self, model: mujoco.MjModel, width: int, height: int) -> None:
-        self.size = (width, height)
+    def __init__(self, model: mujoco.MjModel, camera: Camera) -> None:
+        self.size = width, height = camera.width, camera.height
         self._model = copy.copy(model)
         self._model.vis.global_.offwidth, self._model.vis.global_.offheight = width, height
+        self._model.vis.global_.fovy = camera.field_of_view
+        self._model.geom(TARGET).size[0] = camera.marker
         self._data = mujoco.MjData(self._model)
         self._scene = mujoco.MjvScene(self._model, MAX_GEOMS)
-        self._option, self._camera, self._area = mujoco.MjvOption(), _camera(), mujoco.MjrRect(0, 0, width, height)
+        self._option, self._camera, self._area = (
+            mujoco.MjvOption(),
+            _of_mujoco(camera),
+            mujoco.MjrRect(0, 0, width, height),
+        )
         self._context = _open_context(width, height)
         self._drawing = _open_drawing(self._model)
         # `close`, the garbage collector or the end of the interpreter calls it, whichever comes first. At the end of
@@ -162,8 +174,8 @@ def _open_drawing(model: mujoco.MjModel) -> Any:
     return drawing
 
 
-def _camera() -> mujoco.MjvCamera:
-    camera = mujoco.MjvCamera()
-    camera.lookat[:] = [0.4, 0.0, 0.6]
-    camera.distance, camera.azimuth, camera.elevation = 3.0, 130.0, -20.0
-    return camera
+def _of_mujoco(camera: Camera) -> mujoco.MjvCamera:
+    same = mujoco.MjvCamera()
+    same.lookat[:] = camera.centre
+    same.distance, same.azimuth, same.elevation = camera.distance, camera.azimuth, camera.elevation
+    return same

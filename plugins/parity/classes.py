@@ -1,7 +1,7 @@
 """Motions of several classes: slow, smooth, fast, near singular poses, and into the ground. The same for everyone."""
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -9,13 +9,27 @@ from harness.arrays import Float
 from harness.authoring.commands import JointLimits
 from harness.robot import Robot
 
-from .motions import GroundClearance, Pace, draw_clear, draw_start, draw_swinging, smooth_motions
+from .motions import (
+    HELD,
+    Drawn,
+    GroundClearance,
+    Held,
+    Pace,
+    draw_clear,
+    draw_start,
+    draw_swinging,
+    first_drawn,
+    smooth_motions,
+)
 
+Motions = TypeVar("Motions")
 SLOW, SMOOTH, FAST, SINGULAR, CONTACT = "slow", "smooth", "fast", "singular", "contact"
 CREEP = Pace(0.2, 0.1)
 """The pace of slow motions."""
 SHORTEST, LONGEST = 0.3, 1.0
 """A fast joint keeps its direction so long, [s]."""
+STEPS: dict[Held, list[float]] = {"whole": [-1.0, 1.0], "solids": [-1.0, 0.0, 1.0], "nothing": [-1.0, 1.0]}
+"""What a fast joint chooses from: near the ground it may also stand, since some joint cannot move without touching."""
 CHOICES = 32
 """Ways to go on, of which a fast motion takes the first that stays clear of the ground."""
 POSES = 1_024
@@ -62,10 +76,11 @@ def shares_told(robot: Robot, motion: Float, period: float) -> tuple[Float, Floa
     return np.abs(speed) / robot.max_speed, np.abs(change) / robot.max_acceleration
 
 
-def class_motions(robot: Robot, seed: int, episodes: int, steps: int, period: float) -> dict[str, Float]:
-    """Joint targets of the slow, the fast and the singular class, (steps + 1, episodes, dof) each, [rad].
+def class_motions(robot: Robot, seed: int, episodes: int, steps: int, period: float) -> dict[str, Drawn]:
+    """The slow, the fast and the singular class, motions of (steps + 1, episodes, dof), [rad].
 
-    A class is left out where its motions would meet the ground.
+    Less of the arm keeps away from the ground where no motion of a class would be one otherwise, see `Held`: never
+    less than in slow motions. A class that still has none is left out.
 
     Args:
         robot: The arm.
@@ -73,19 +88,26 @@ def class_motions(robot: Robot, seed: int, episodes: int, steps: int, period: fl
         episodes: How many motions of each, >= 1.
         steps: Control periods of each, >= 1.
         period: Control period, [s].
-
-    Raises:
-        UsageError: Next to every slow motion of this arm meets the ground.
     """
-    found: dict[str, Float] = {SLOW: smooth_motions(robot, seed, episodes, steps, period, CREEP)}
-    fast = [draw_fast(robot, np.random.default_rng([seed, 3, n]), steps, period) for n in range(episodes)]
-    found[FAST] = np.stack(fast, axis=1)
-    singular = [draw_singular(robot, np.random.default_rng([seed, 4, n]), steps, period) for n in range(episodes)]
-    drawn = [motion for motion in singular if motion is not None]
-    return {**found, SINGULAR: np.stack(drawn, axis=1)} if len(drawn) == episodes else found
+    slow = smooth_motions(robot, seed, episodes, steps, period, CREEP)
+    last = max(slow.held, "solids", key=HELD.index)
+
+    def fast(ground: GroundClearance) -> Float | None:
+        rngs = [np.random.default_rng([seed, 3, n]) for n in range(episodes)]
+        drawn = np.stack([draw_fast(robot, rng, steps, period, ground) for rng in rngs], axis=1)
+        return drawn if (drawn != drawn[0]).any() else None
+
+    def singular(ground: GroundClearance) -> Float | None:
+        rngs = [np.random.default_rng([seed, 4, n]) for n in range(episodes)]
+        drawn = [draw_singular(robot, rng, steps, period, ground) for rng in rngs]
+        found = [motion for motion in drawn if motion is not None]
+        return np.stack(found, axis=1) if len(found) == episodes else None
+
+    found = {SLOW: slow, FAST: first_drawn(robot, fast, last), SINGULAR: first_drawn(robot, singular, last)}
+    return {name: drawn for name, drawn in found.items() if drawn is not None}
 
 
-def draw_fast(robot: Robot, rng: np.random.Generator, steps: int, period: float) -> Float:
+def draw_fast(robot: Robot, rng: np.random.Generator, steps: int, period: float, ground: GroundClearance) -> Float:
     """From rest near home as fast as the joints can: each at its largest speed, up or down, turning as fast as it can.
 
     All joints choose anew where to go, again and again; of the drawn choices the first is taken after which the arm can
@@ -96,10 +118,10 @@ def draw_fast(robot: Robot, rng: np.random.Generator, steps: int, period: float)
     """
     limits = JointLimits(robot.lower, robot.upper, robot.max_speed, robot.max_acceleration * period, period)
     to_stop = int(np.ceil(limits.max_speed / limits.max_change).max()) + 1
-    ground, rows, speed = GroundClearance(robot), [draw_start(robot, rng)], np.zeros(robot.dof)
+    rows, speed = [draw_start(robot, rng)], np.zeros(robot.dof)
     while len(rows) <= steps:
         count = max(1, round(rng.uniform(SHORTEST, LONGEST) / period))
-        wanted = rng.choice([-1.0, 1.0], (CHOICES, robot.dof)) * robot.max_speed
+        wanted = rng.choice(STEPS[ground.held], (CHOICES, robot.dof)) * robot.max_speed
         wanted[-1] = 0.0
         ways, speeds = _go_on(limits, rows[-1], speed, [*[wanted] * count, *[0.0 * wanted] * to_stop])
         clear = ground.is_clear(ways.reshape(-1, robot.dof)).reshape(ways.shape[:2]).all(axis=0)
@@ -120,7 +142,9 @@ def _go_on(limits: JointLimits, qpos: Float, qvel: Float, wanted: list[Float]) -
     return np.array(rows), np.array(speeds)
 
 
-def draw_singular(robot: Robot, rng: np.random.Generator, steps: int, period: float) -> Float | None:
+def draw_singular(
+    robot: Robot, rng: np.random.Generator, steps: int, period: float, ground: GroundClearance
+) -> Float | None:
     """A swing around a pose near which the tip can hardly move in some direction, as where the arm is stretched.
 
     Of `POSES` drawn poses that are clear of the ground it is the one whose Jacobian has the smallest singular value.
@@ -128,7 +152,6 @@ def draw_singular(robot: Robot, rng: np.random.Generator, steps: int, period: fl
     Returns:
         (steps + 1, dof), [rad]; None where every such motion meets the ground.
     """
-    ground = GroundClearance(robot)
 
     def draw() -> Float:
         poses = rng.uniform(robot.lower, robot.upper, (POSES, robot.dof))
@@ -140,6 +163,6 @@ def draw_singular(robot: Robot, rng: np.random.Generator, steps: int, period: fl
     return draw_clear(ground, draw)
 
 
-def in_order(motions: Mapping[str, Float]) -> dict[str, Float]:
+def in_order(motions: Mapping[str, Motions]) -> dict[str, Motions]:
     """The classes in the order in which they are shown."""
     return {name: motions[name] for name in (SLOW, SMOOTH, FAST, SINGULAR, CONTACT) if name in motions}

@@ -2,20 +2,19 @@
 
 from collections.abc import Callable
 from functools import cached_property
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from harness.arrays import Float, Mask
 from harness.authoring import link_frames
 from harness.authoring.commands import Solids, build_solids, few_points
-from harness.errors import UsageError
 from harness.robot import Robot
 
 CLEARANCE = 0.1
 """Height that the tip and each joint keep above the ground, as a share of the arm's reach."""
 STILL, POSES = 1e-6, 64
-"""A point stands still whose height differs by no more in so many poses, [m]."""
+"""A point stands still whose height differs by no more in so many poses, [m]; so many starts are tried as well."""
 MARGIN = 0.02
 """Height that the solids of each joint keep above it, [m]; half of that at home where it is less, as in a turret."""
 SPEED, ACCELERATION = 0.8, 0.6
@@ -32,14 +31,32 @@ FARTHEST = (np.pi, np.pi / 4.0, np.pi / 12.0, np.pi / 36.0)
 """No joint goes farther from its start than this, [rad]; the next where `TRIES` motions all come near the ground."""
 NOTHING = 1e-9
 """A joint that swings less than this, [rad], is not at any limit."""
+Held = Literal["whole", "solids", "nothing"]
+"""What keeps away from the ground: tip, joints and solids; the solids alone; nothing, where all that is in vain."""
+HELD: tuple[Held, ...] = ("whole", "solids", "nothing")
+
+
+class Drawn(NamedTuple):
+    """Motions of a class."""
+
+    motions: Float
+    """Joint targets, (rows, episodes, dof), [rad]."""
+    held: Held = "whole"
+    """What of the arm keeps away from the ground in them."""
 
 
 class GroundClearance:
-    """An arm's tip, joints and solids, ready to be held against the ground."""
+    """What of an arm keeps away from the ground, ready to be held against it.
 
-    def __init__(self, robot: Robot) -> None:
+    Attributes:
+        held: What that is. Of the solids alone each joint's keep `MARGIN`, or half of what they have at home where that
+            is less, and those that stand in the ground at home need not keep anything: a part that cannot rise holds
+            nothing up. Without any solids the same is asked of the points.
+    """
+
+    def __init__(self, robot: Robot, held: Held = "whole") -> None:
         """Prepare the solids, once for any number of poses."""
-        self._robot = robot
+        self._robot, self.held = robot, held
         shapes = few_points(robot.joint_shapes)
         self._solids: list[Solids] = [
             build_solids([group if number == joint else () for number, group in enumerate(shapes)])
@@ -48,9 +65,11 @@ class GroundClearance:
 
     def is_clear(self, qpos: Float) -> Mask:
         """Whether all keep their heights at each of the joint positions, (n, dof): (n,)."""
-        points = point_heights(self._robot, qpos)[self._rises]
-        high = (points >= CLEARANCE * self._robot.reach).all(axis=0)
-        return np.asarray(high & (self._heights(qpos) >= self._needed).all(axis=0))
+        clear = np.asarray((self._heights(qpos) >= self._needed).all(axis=0))
+        if self.held == "whole":
+            points = point_heights(self._robot, qpos)[self._rises]
+            clear &= (points >= CLEARANCE * self._robot.reach).all(axis=0)
+        return clear
 
     @cached_property
     def _rises(self) -> Mask:
@@ -62,13 +81,26 @@ class GroundClearance:
     @cached_property
     def _needed(self) -> Float:
         """How high the solids of each joint have to be, (dof, 1), [m]."""
-        return np.minimum(0.5 * self._heights(self._robot.home[None]), MARGIN)
+        heights = self._heights(self._robot.home[None])
+        needed = np.minimum(0.5 * heights, MARGIN)
+        free = heights <= 0.0 if self.held == "solids" else np.full(heights.shape, self.held == "nothing")
+        return np.where(free, -np.inf, needed)
 
     def _heights(self, qpos: Float) -> Float:
         """The lowest point of the solids of each joint, (dof, n), [m]; inf where there is none."""
+        if self.held != "whole" and not any(self._robot.joint_shapes):
+            return point_heights(self._robot, qpos)
         frames = link_frames(self._robot.chain, qpos)
         heights: Float = np.stack([solids.lowest(frames) for solids in self._solids])
         return heights
+
+
+def first_drawn(robot: Robot, draw: Callable[[GroundClearance], Float | None], last: Held = "nothing") -> Drawn | None:
+    """The motions that `draw` finds with the most of the arm held away from the ground; None if none even at `last`."""
+    rng, grounds = np.random.default_rng(0), (GroundClearance(robot, held) for held in HELD[: HELD.index(last) + 1])
+    starts = np.array([draw_start(robot, rng) for _ in range(POSES)])  # without a clear one a search would be in vain
+    drawn = ((draw(ground), ground.held) for ground in grounds if ground.is_clear(starts).any())
+    return next((Drawn(motions, held) for motions, held in drawn if motions is not None), None)
 
 
 def point_heights(robot: Robot, qpos: Float) -> Float:
@@ -99,11 +131,12 @@ class Pace(NamedTuple):
 SMOOTH = Pace(SPEED, ACCELERATION)
 
 
-def smooth_motions(robot: Robot, seed: int, episodes: int, steps: int, period: float, pace: Pace = SMOOTH) -> Float:
+def smooth_motions(robot: Robot, seed: int, episodes: int, steps: int, period: float, pace: Pace = SMOOTH) -> Drawn:
     """Joint targets that start at rest near home and swing as sums of sines, clear of the ground.
 
     Each joint swings as far as its range and `pace` allow, whichever is met first; less far where such motions come
-    near the ground, see `FARTHEST`. Episode n of a seed is the same whatever the number of episodes.
+    near the ground, see `FARTHEST`. Where all of these do, less of the arm keeps away from it, see `Held`. Episode n of
+    a seed is the same whatever the number of episodes, unless one of them needs that.
 
     Args:
         robot: The arm.
@@ -114,27 +147,26 @@ def smooth_motions(robot: Robot, seed: int, episodes: int, steps: int, period: f
         pace: How fast the joints may be.
 
     Returns:
-        (steps + 1, episodes, dof), [rad]; row 0 is where the arm starts.
-
-    Raises:
-        UsageError: Next to every motion of this arm meets the ground.
+        Motions of (steps + 1, episodes, dof), [rad]; row 0 is where the arm starts.
     """
-    ground, drawn = GroundClearance(robot), []
-    for n in range(episodes):
-        rng = np.random.default_rng([seed, 0, n])
-        ways = (
-            draw_clear(ground, lambda: draw_swinging(robot, rng, draw_start(robot, rng), steps, period, pace, far))  # noqa: B023
-            for far in FARTHEST
-        )
-        motion = next((way for way in ways if way is not None), None)
-        if motion is None:
-            raise UsageError(
-                f"{len(FARTHEST) * TRIES} motions of '{robot.name}', down to {np.degrees(FARTHEST[-1]):.0f} degrees, "
-                f"all come within {CLEARANCE:.0%} of its reach to the ground, or a link within {MARGIN:g} m: choose a "
-                "home pose in robot.toml that is clear of it"
+
+    def draw(ground: GroundClearance) -> Float | None:
+        found = []
+        for n in range(episodes):
+            rng = np.random.default_rng([seed, 0, n])
+            ways = (
+                draw_clear(ground, lambda: draw_swinging(robot, rng, draw_start(robot, rng), steps, period, pace, far))  # noqa: B023
+                for far in FARTHEST
             )
-        drawn.append(motion)
-    return np.stack(drawn, axis=1)
+            motion = next((way for way in ways if way is not None), None)
+            if motion is None:
+                return None
+            found.append(motion)
+        return np.stack(found, axis=1)
+
+    drawn = first_drawn(robot, draw)
+    assert drawn is not None  # what keeps nothing away from the ground is always found
+    return drawn
 
 
 def draw_start(robot: Robot, rng: np.random.Generator) -> Float:

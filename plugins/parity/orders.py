@@ -1,21 +1,22 @@
 """What every simulator is told: poses, motions, and dives that end below the ground."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from harness.arrays import Float
 from harness.authoring import link_frames, reach_position
-from harness.authoring.commands import Probe, build_solids, few_points, probes_of
+from harness.authoring.commands import Probe, Solids, build_solids, few_points, probes_of
 from harness.robot import Robot
 
 from .classes import CONTACT, SMOOTH, class_motions, in_order
-from .motions import ACCELERATION, SPEED, draw_start, smooth_motions
+from .motions import ACCELERATION, SPEED, Held, draw_start, smooth_motions
 from .track import random_poses
 
-DEPTH = 0.1
-"""A dive's goal lies so far below the ground, [m]."""
+DEPTH, SHALLOW = 0.1, 0.01
+"""A dive's goal lies so far below the ground, or less where the arm does not get there, [m]."""
 NEAREST, FARTHEST = 0.35, 0.75
 """Horizontal distance of the goal from the base, as a share of the arm's reach."""
 SIDEWAYS = np.radians(60.0)
@@ -24,12 +25,14 @@ GOALS = 32
 """Drawn for each dive, of which the first within reach is taken."""
 POSES = 1_024
 """Drawn for each dive of an arm whose tip does not reach a goal."""
+ROUNDS, NEARER = 8, 0.6
+"""How often poses are drawn, the next time nearer around the lowest one by this factor."""
 
 
 def dive_motions(robot: Robot, seed: int, episodes: int, period: float) -> Float | None:
     """Joint targets from rest near home straight, in joint space, to a tip `DEPTH` below the ground.
 
-    Where the tip of the arm does not get there, it goes to a pose with a solid `DEPTH` below it.
+    Where the tip of the arm does not get there, it goes to a pose with a solid `DEPTH` below it, or else `SHALLOW`.
 
     Speeds rise and fall as half a sine, to no more than `SPEED` and `ACCELERATION` of the maxima. Whoever arrives
     before the slowest one waits there.
@@ -43,11 +46,18 @@ def dive_motions(robot: Robot, seed: int, episodes: int, period: float) -> Float
     Returns:
         (rows, episodes, dof), [rad]; row 0 is where the arm starts. None if the arm reaches no such goal.
     """
-    ends = [_draw_ends(robot, np.random.default_rng([seed, 1, episode])) for episode in range(episodes)]
-    if None in ends:
-        ends = [_draw_solid_ends(robot, np.random.default_rng([seed, 1, episode])) for episode in range(episodes)]
-    found = [pair for pair in ends if pair is not None]
-    if len(found) < episodes:
+    solids = _solids_above(robot)
+    ways = (
+        partial(_draw_ends, robot),
+        partial(_draw_solid_ends, robot, solids, DEPTH),
+        partial(_draw_solid_ends, robot, solids, SHALLOW),
+    )
+    for way in ways:
+        ends = [way(np.random.default_rng([seed, 1, episode])) for episode in range(episodes)]
+        found = [pair for pair in ends if pair is not None]
+        if len(found) == episodes:
+            break
+    else:
         return None
     start, goal = np.array(found).swapaxes(0, 1)  # (episodes, dof)
     periods = _periods(robot, np.abs(goal - start), period)
@@ -65,13 +75,29 @@ def _draw_ends(robot: Robot, rng: np.random.Generator) -> tuple[Float, Float] | 
     return (start, goals[reached.argmax()]) if reached.any() else None
 
 
-def _draw_solid_ends(robot: Robot, rng: np.random.Generator) -> tuple[Float, Float] | None:
-    """The same for the solids: of the drawn poses the nearest with one in the ground."""
-    start = draw_start(robot, rng)
-    poses = rng.uniform(robot.lower, robot.upper, (POSES, robot.dof))
-    inside = poses[build_solids(few_points(robot.joint_shapes)).lowest(link_frames(robot.chain, poses)) < -DEPTH]
-    far = np.linalg.norm((inside - start) / robot.per_radian, axis=1)
-    return (start, inside[far.argmin()]) if len(inside) else None
+def _solids_above(robot: Robot) -> Solids:
+    """The solids that can come into the ground: at home those of their joint are above it."""
+    shapes, home = few_points(robot.joint_shapes), link_frames(robot.chain, robot.home[None])
+    alone = [[group if number == joint else () for number, group in enumerate(shapes)] for joint in range(robot.dof)]
+    high = [bool(build_solids(groups).lowest(home)[0] > 0.0) for groups in alone]
+    return build_solids([group if above else () for group, above in zip(shapes, high, strict=True)])
+
+
+def _draw_solid_ends(
+    robot: Robot, solids: Solids, depth: float, rng: np.random.Generator
+) -> tuple[Float, Float] | None:
+    """The same for the solids: of the drawn poses the nearest with one so deep in the ground, [m]."""
+    start, around, spread = draw_start(robot, rng), 0.5 * (robot.lower + robot.upper), 0.5
+    for _ in range(ROUNDS):
+        drawn = around + spread * (robot.upper - robot.lower) * rng.uniform(-1.0, 1.0, (POSES, robot.dof))
+        poses = np.clip(drawn, robot.lower, robot.upper)
+        heights = solids.lowest(link_frames(robot.chain, poses))
+        inside = poses[heights < -depth]
+        if len(inside):
+            far = np.linalg.norm((inside - start) / robot.per_radian, axis=1)
+            return start, inside[far.argmin()]
+        around, spread = poses[heights.argmin()], NEARER * spread
+    return None
 
 
 def _periods(robot: Robot, way: Float, period: float) -> Float:
@@ -116,6 +142,8 @@ class Orders(NamedTuple):
     """Motions of the other classes, by class, (steps + 1, episodes, dof)."""
     probes: tuple[Probe, ...]
     """Poses that tell which solids a simulator lacks."""
+    held: dict[str, Held]
+    """What of the arm keeps away from the ground, by class but `CONTACT`."""
 
     @property
     def classes(self) -> dict[str, Float]:
@@ -125,16 +153,16 @@ class Orders(NamedTuple):
 
 
 def draw_orders(setting: Setting) -> Orders:
-    """The same for the same setting.
-
-    Raises:
-        UsageError: Next to every motion of the robot meets the ground.
-    """
+    """The same for the same setting."""
     robot, seed, episodes = setting.robot, setting.seed, setting.episodes
+    simple = replace(robot, joint_shapes=tuple(map(tuple, few_points(robot.joint_shapes))))  # once, as it takes long
+    smooth = smooth_motions(simple, seed, episodes, setting.steps, setting.period)
+    drawn = class_motions(simple, seed, episodes, setting.steps, setting.period)
     return Orders(
         random_poses(robot, seed, episodes),
-        smooth_motions(robot, seed, episodes, setting.steps, setting.period),
-        dive_motions(robot, seed, episodes, setting.period),
-        class_motions(robot, seed, episodes, setting.steps, setting.period),
+        smooth.motions,
+        dive_motions(simple, seed, episodes, setting.period),
+        {name: motions for name, (motions, _) in drawn.items()},
         probes_of(robot),
+        {name: held for name, (_, held) in in_order({SMOOTH: smooth, **drawn}).items()},
     )

@@ -27,7 +27,7 @@ from harness.text import number
 
 from .classes import CONTACT, CREEP, FAST, NEAR, SINGULAR, SLOW, SMOOTH, Told
 from .difference import GRACE, SHORT, Difference, Response
-from .motions import ACCELERATION, SPEED
+from .motions import ACCELERATION, MARGIN, SPEED, Held
 from .parity import Measured, Pair, Parity
 from .track import POSES
 
@@ -55,6 +55,10 @@ NOTE = (
     "Turning: how many times larger the distance of the tips is where joints change their speed than elsewhere. "
     "Contact: from the first one on that either sees, to the end of the dive; no forces are compared."
 )
+NEAR_GROUND: dict[Held, str] = {
+    "solids": f"solids that stand above it at home keep {100 * MARGIN:g} cm, or half of their height",
+    "nothing": "parts of the arm may touch it, as no motion from this home pose is clear of it",
+}
 RESPONSE_NOTE = (
     "Driven tip: largest distance from where it was told to be. Speeds: the largest of a joint, as shares of its "
     f"maximum. Falls short: share of the control periods of all joints in which one is slower than told by over "
@@ -195,8 +199,8 @@ def classes_text(parity: Parity) -> str:
         CONTACT: "from the first contact on in dives to the ground",
     }
     told = [f"{name}: {what[name]}{_reached(name, it)}" for name, it in parity.told.items()]
-    gone = [f"{name}: {NOTHING}, such motions meet the ground" for name in (SINGULAR,) if name not in parity.told]
-    return f"{'; '.join([*told, *gone])}."
+    gone = [f"{name}: {NOTHING}, {reason}" for name, reason in parity.left_out.items()]
+    return f"{'; '.join([*told, *gone])}.{_near_ground(parity)}"
 
 
 def class_grid(parity: Parity, pairs: list[Pair]) -> Grid:
@@ -258,6 +262,15 @@ def _explain(name: str, difference: Difference, first: Measured, second: Measure
     worst = difference.worst
     when = "after the first contact" if name == CONTACT else "into a motion"
     yield f"largest {number(worst.time_s)} s {when}, where {worst.joint} is told {worst.speed_told:.0%} of its speed"
+
+
+def _near_ground(parity: Parity) -> str:
+    """Which motions do not keep their distance from the ground; empty where all do."""
+    names: dict[Held, list[str]] = {}
+    for name, held in parity.near_ground.items():
+        names.setdefault(held, []).append(name)
+    near = [f"{', '.join(names[held])}: {what}" for held, what in NEAR_GROUND.items() if held in names]
+    return f" Near the ground: {'; '.join(near)}." if near else ""
 
 
 def _reached(name: str, told: Told) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 from harness.authoring.commands import Probe
 from harness.simulator import family_of
 
-from .classes import CONTACT, Told, told_by
+from .classes import CONTACT, FAST, SINGULAR, Told, told_by
 from .contenders import Contenders, Missing
 from .difference import (
     CONTACT_KEYS,
@@ -23,13 +23,20 @@ from .difference import (
     difference_between,
     response_of,
 )
-from .orders import DEPTH, Orders, Setting, draw_orders
+from .motions import Held
+from .orders import Orders, Setting, draw_orders
 from .performance import Failure, Performance, attempt, part, perform, time_in_turns
 from .track import Drift, Placement, Track, drift_between, placement_of
 
 FORMAT = 1
 """The version of the JSON."""
-NO_DIVES = f"the arm reaches no point {DEPTH:g} m below the ground"
+NO_DIVES = "no part of the arm was found to get into the ground"
+LEFT_OUT = {
+    FAST: "no such motion was found that is clear of the ground",
+    SINGULAR: "no such motion was found that is clear of the ground",
+    CONTACT: NO_DIVES,
+}
+"""Why there may be no motions of a class."""
 
 
 @dataclass(frozen=True)
@@ -126,6 +133,7 @@ class Parity:
         failed: The others, by name, and why.
         missing: Those that are not installed.
         told: What each class of motions asks of the joints.
+        held: What of the arm keeps away from the ground, by class but contact.
     """
 
     reference: str
@@ -135,6 +143,17 @@ class Parity:
     failed: dict[str, Failure]
     missing: tuple[Missing, ...]
     told: Mapping[str, Told]
+    held: Mapping[str, Held]
+
+    @property
+    def left_out(self) -> dict[str, str]:
+        """The classes without any motions, and why."""
+        return {name: reason for name, reason in LEFT_OUT.items() if name not in self.told}
+
+    @property
+    def near_ground(self) -> dict[str, Held]:
+        """The classes in which less than the whole arm keeps away from the ground, and what does."""
+        return {name: held for name, held in self.held.items() if held != "whole"}
 
     def to_json(self) -> dict[str, Any]:
         """Plain data, finite numbers only."""
@@ -147,6 +166,8 @@ class Parity:
             "seed": self.setting.seed,
             "control_period_s": self.setting.period,
             "classes": {name: told.to_json() for name, told in self.told.items()},
+            "left_out": self.left_out,
+            "near_ground": self.near_ground,
             "simulators": [simulator.to_json() for simulator in self.simulators],
             "failed": [{"name": name, "reason": failure.reason} for name, failure in self.failed.items()],
             "missing": [missing._asdict() for missing in self.missing],
@@ -155,11 +176,7 @@ class Parity:
 
 
 def compare_simulators(contenders: Contenders, setting: Setting) -> Parity:
-    """Place and drive the same arm in each simulator; one that fails costs itself alone.
-
-    Raises:
-        UsageError: Next to every motion of the robot meets the ground.
-    """
+    """Place and drive the same arm in each simulator; one that fails costs itself alone."""
     orders = draw_orders(setting)
     simulators, failed = part(contenders.simulators)
     performed, broken = part(
@@ -176,6 +193,7 @@ def compare_simulators(contenders: Contenders, setting: Setting) -> Parity:
         failed | broken | stopped,
         contenders.missing,
         {name: told_by(setting.robot, motion, setting.period) for name, motion in orders.classes.items()},
+        orders.held,
     )
 
 

@@ -142,7 +142,7 @@ class DmControlSimulation:
         self._substeps, self._duration = Substeps(settings.substeps, control_period), control_period
         self._servo = servo_of(robot) if settings.drive == "servo" else None
         model = settings.build(robot, timestep)
-        self._model, self._renderer = engine.wrapper.MjModel(model), Renderer(model)
+        self._model, self._renderer = engine.wrapper.MjModel(model), Renderer(model, robot)
         self.arms = [self._open_arm(robot, control_period, settings.substeps) for _ in range(num_envs)]
         self._awake = np.ones(num_envs, bool)
         joints = (num_envs, robot.dof)

@@ -72,7 +72,7 @@ class MujocoSimulation:
         self.model = settings.build(robot, timestep)
         self._num_envs = num_envs
         self._substeps = Substeps(settings.substeps, control_period)
-        self._renderer = Renderer(self.model)
+        self._renderer = Renderer(self.model, robot)
         self._arms: OneArm | Batch
         self._feed: RampFeed | ServoFeed
         if settings.drive == "servo":

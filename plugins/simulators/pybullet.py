@@ -39,7 +39,7 @@ class PyBullet:
         "harness_plugins.arms.servo",
     )
     substeps: Annotated[Count, Field(description="physics steps per control period")] = 20
-    iterations: Annotated[Count, Field(description="iterations of the constraint solver per physics step")] = 50
+    iterations: Annotated[Count, Field(description="fewest iterations of the constraint solver per physics step")] = 50
     drive: Annotated[Literal["ideal", "servo"], Field(description="kind of joint drives; see docs/drives.md")] = "ideal"
     self_collision: Annotated[bool, Field(description="whether the arm's links collide with one another")] = False
 

@@ -7,8 +7,9 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from harness.arrays import Float
-from harness.reach import FD100_REACH, Positive, ReachTask, way_to_mount
+from harness.reach import Positive, ReachTask, place_box
 from harness.robot import Robot
+from harness.robot.robot import FD100_REACH
 
 CENTER = np.array([0.75, 0.0, 0.06])
 HALF_EXTENT = np.array([0.15, 0.5, 0.02])
@@ -29,8 +30,9 @@ class Low(ReachTask):
 
     def target_box(self, robot: Robot) -> tuple[Float, Float]:
         """Centre and half edges of the box of targets, (3,) both, [m]."""
+        center, half = place_box(robot, CENTER, HALF_EXTENT)
         scale = robot.reach / FD100_REACH
-        aside = way_to_mount(robot) * [1.0, 1.0, 0.0]  # the ground stays where it is
-        center = scale * CENTER + aside if self.target_center is None else np.array(self.target_center)
-        half = scale * HALF_EXTENT if self.target_half_extent is None else np.array(self.target_half_extent)
+        center[2], half[2] = scale * CENTER[2], scale * HALF_EXTENT[2]  # the ground stays where it is
+        center = center if self.target_center is None else np.array(self.target_center)
+        half = half if self.target_half_extent is None else np.array(self.target_half_extent)
         return center, half

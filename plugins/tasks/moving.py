@@ -1,7 +1,7 @@
 """The reach task with a target that moves."""
 
 from dataclasses import dataclass as plain_dataclass
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import numpy as np
 from pydantic import Field
@@ -25,6 +25,8 @@ class Moving(ReachTask):
     steps_within: Annotated[
         int, Field(gt=0, description="steps in a row for which the end effector has to be within epsilon")
     ] = 10
+
+    lengths: ClassVar[tuple[str, ...]] = ("epsilon", "target_speed")
 
     def goal(self, robot: Robot) -> "MovingGoal":
         """See `harness.task.Task`."""

@@ -34,6 +34,7 @@ class NoisyReach(ReachTask):
     action_noise: ActionNoise = 0.3
 
     later: ClassVar[tuple[str, ...]] = later_than("joint_noise", "speed_noise", "target_noise", "action_noise")
+    lengths: ClassVar[tuple[str, ...]] = ("epsilon", "target_noise")
 
 
 @dataclass(frozen=True)
@@ -56,6 +57,7 @@ class ClutteredReach(ReachTask):
     obstacle_count: ObstacleCount = 3
 
     later: ClassVar[tuple[str, ...]] = later_than("obstacle_count")
+    lengths: ClassVar[tuple[str, ...]] = ("epsilon", "obstacle_size", "obstacle_clearance")
 
 
 @dataclass(frozen=True)

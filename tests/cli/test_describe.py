@@ -98,7 +98,7 @@ def test_robot_of_a_path_is_described(harness, tmp_path):
     shutil.copy(Path(harness_robots.UNITY_ARM, "unity_arm.urdf"), tmp_path / "mine.urdf")
     out = harness("describe", tmp_path / "mine.urdf").out
     assert "robot mine: 5 joints, end effector Axis06Tip" in out
-    assert re.search(r"home: +the simplest pose clear of the ground", out)
+    assert re.search(r"home: +a pose in front of the mount", out)
     assert re.search(r"home: +robot\.toml", harness("describe", "unity-arm").out)
 
 
@@ -120,6 +120,21 @@ def test_an_arm_with_a_jaw_is_described_with_what_to_write(harness, tmp_path):
     answer = harness("run", "--sim", "kinematic", "--algo", "random", "--robot", path, "--dry-run")
     assert note in answer.err
     assert "the end effector, 'jaw', is moved by 'gripper'" in answer.err
+
+
+def test_the_tip_of_an_arm_is_described_with_what_else_might_be_meant(harness, tmp_path):
+    """The link, the joint that cannot move it, the links beside it, and the line for the tool's frame among them."""
+    tool = '<link name="tcp"/><joint name="k" type="fixed"><parent link="tool"/><child link="tcp"/></joint>'
+    (tmp_path / "arm.urdf").write_text(changed(("</robot>", f"{tool}</robot>")))
+    (tmp_path / "robot.toml").write_text('end_effector = "l4"')
+    out = harness("describe", tmp_path / "arm.urdf").out
+    assert (
+        "\n\nTargets are for the origin of link l4.\nIt lies on the axis of j4, which cannot move it.\n"
+        'Links beside it: tcp, tool.\nIf the tool is meant, write into robot.toml: end_effector = "tcp"\n\n'
+    ) in out
+    (tmp_path / "robot.toml").write_text('end_effector = "tcp"')
+    out = harness("describe", tmp_path / "arm.urdf").out
+    assert "Targets are for the origin of link tcp.\nLinks beside it: l4, tool.\n\n" in out
 
 
 def test_speeds_that_are_missing_are_told_whole(harness, tmp_path):

@@ -23,6 +23,7 @@ NEEDS: Mapping[str, str] = MappingProxyType(
         r"(?<!new-plugin )\bmy-(?!results|first)": "the package is not there; `make plugins` tries such ones",
         "cautious|steady|mesh-arm|pinocchio|sbx-sac": "the package is not installed: `make examples` does it",
         "fetch-reach|id=Ant-v5": "takes libraries that are in no lock; tests/experiment/environments has a toy",
+        "airo_models": "a package of arms that is in no lock: `make arms` installs it",
         "slurm|ray:address": "takes a cluster",
         "unity:|unity_player|extra unity": "takes a program and an old protobuf; tests/plugins/unity_player",
         "cells/|CELL": "takes a trained policy; tests/plugins/commands",

@@ -54,6 +54,19 @@ def test_seeds_are_outermost(toys: Registry):
     ]
 
 
+def test_epsilon_of_another_arm_stands_in_the_cell(toys: Registry):
+    """As a number, so that what is planned later from the same file is the same; the FD100's cells keep their ids."""
+    own, other = _plan(toys, seeds=1).cells[0], _plan(toys, seeds=1, robot="unity-arm").cells[0]
+    assert (own.task.label, dict(own.task.params)["epsilon"]) == ("fd100-reach", 0.05)
+    epsilon = dict(other.task.params)["epsilon"]
+    assert other.task.label == f"fd100-reach:epsilon={epsilon}"
+    assert epsilon == pytest.approx(0.05 * load_robot("unity-arm").reach / load_robot("fd100").reach, rel=5e-3)
+    again = _plan(toys, **{**_plan(toys, seeds=1, robot="unity-arm").resolved, "seeds": 1})
+    assert again.cells[0].id == other.id
+    given = _plan(toys, seeds=1, robot="unity-arm", task="fd100-reach:epsilon=0.05").cells[0]
+    assert (given.task.label, dict(given.task.params)["epsilon"]) == ("fd100-reach", 0.05)
+
+
 @pytest.mark.parametrize(
     ("keys", "count"),
     [

@@ -12,6 +12,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import safetensors.numpy
+import trimesh
 
 from harness.experiment.plan import check_experiment, expand, read_experiment
 from harness.files.sealed import seal, unseal
@@ -45,6 +46,7 @@ from tests.fuzz.mutate import (
 )
 from tests.record.dataset.frames import write_frames
 from tests.record.dataset.written import episode, opened, write_lerobot, write_minari
+from tests.robot.test_meshes import CORNERS, collada
 
 Mutate = Callable[[bytes, Random], bytes]
 
@@ -90,11 +92,21 @@ max_speed_deg_s = [80, 100.0]
 max_speed_m_s = [0.25]
 max_acceleration_deg_s2 = [360, 720]
 max_acceleration_m_s2 = [2]
+range_deg = [[-10, 50], [-90, 120]]
+chain = ["base", "mount"]
+fixed = { grip = 0.15 }
+meshes = { arm = "." }
+base = { xyz_m = [0, 0, 0.5], rpy_deg = [0, 0, 10] }
+tool = { xyz_m = [0.1, 0, 0], name = "probe" }
 """
 TRIANGLES = [[0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0], [0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 0, 0]]
 STL = bytes(80) + struct.pack("<I", 2) + b"".join(struct.pack("<12fH", *corners, 0) for corners in TRIANGLES)
 TEXT_STL = b"solid a\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1e0 0\nendloop\nendfacet\n"
 OBJ = b"# points\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1/1/1 2/2/2 -1 3\n"
+DAE = collada(CORNERS, "0.001").encode()
+GLB, PLY = (
+    trimesh.Trimesh(CORNERS.reshape(-1, 3), [[0, 1, 2], [3, 4, 5]]).export(file_type=each) for each in ("glb", "ply")
+)
 CSV = b"""t,beginDistance,prevBest,distance,delta_distance,reward,target x
 0,1.11,1.11,1.11,0,0,1
 1,1.11,0.5,0.5,-0.61,0.915,1
@@ -163,6 +175,9 @@ def readers(registry: Registry, cell: Any, folder: Path) -> dict[str, Reader]:
         ),
         "binary stl": Reader({"a.stl": STL}, {"a.stl": mutate_bytes}, lambda at: read_mesh(at / "a.stl")),
         "text stl": Reader({"b.stl": TEXT_STL}, {"b.stl": mutate_bytes}, lambda at: read_mesh(at / "b.stl")),
+        "collada": Reader({"a.dae": DAE}, {"a.dae": mutate_xml}, lambda at: read_mesh(at / "a.dae")),
+        "glb": Reader({"a.glb": GLB}, {"a.glb": mutate_bytes}, lambda at: read_mesh(at / "a.glb")),
+        "ply": Reader({"a.ply": PLY}, {"a.ply": mutate_bytes}, lambda at: read_mesh(at / "a.ply")),
         "obj": Reader({"a.obj": OBJ}, {"a.obj": mutate_bytes}, lambda at: read_mesh(at / "a.obj")),
         **{f"policy {policy.kind}": _policy(policy, folder) for policy in _policies()},
         **{f"text of {kind}": _text(registry, kind, text) for kind, text in TEXTS.items()},

@@ -1,19 +1,29 @@
 """Each extra alone, and all together: what it brings works, in an environment that has nothing else."""
 
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import NamedTuple
 
 import pytest
 
 from tests.installed.conftest import ROOT, Environment
+from tests.robot.brought_arms import changed
+from tests.robot.test_meshes import CORNERS, collada
 
 pytestmark = pytest.mark.slow
 
 FEW = ("--steps", "60", "--evaluation-episodes", "1", "--seeds", "1", "--jobs", "1", "--out", "out")
 ARM = ("run", "--algo", "ik", "--reward", "dense", *FEW, "--sim")
 KINEMATIC = ("run", "--sim", "kinematic", "--reward", "dense", *FEW, "--algo")
+COLLIDING = changed(
+    (
+        '<link name="l4">',
+        '<link name="l4"><collision><geometry><mesh filename="part.dae"/></geometry></collision>',
+    )
+)
+"""An arm that is read only with its mesh."""
 ENV = ("run", "--algo", "random", *FEW, "--task")
 
 
@@ -23,6 +33,8 @@ class Use(NamedTuple):
     commands: tuple[tuple[str, ...], ...]
     makes: str = "out/report.html"
     """A file that is there afterwards."""
+    needs: Mapping[str, str] = MappingProxyType({})
+    """The content of files that are there before, by name."""
 
 
 USES: dict[str, Use] = {
@@ -43,6 +55,7 @@ USES: dict[str, Use] = {
     "ray": Use(((*KINEMATIC, "ik", "--executor", "ray"),)),
     "slurm": Use((("list", "executors"),), ""),
     "export": Use(((*KINEMATIC, "sac-fast"), ("export", "out/cells", "--onnx", "policy.onnx")), "policy.onnx"),
+    "meshes": Use((("describe", "arm.urdf"),), "part.dae", {"arm.urdf": COLLIDING, "part.dae": collada(CORNERS / 10)}),
     "minari": Use(((*KINEMATIC, "ik"), ("export", "out", "--minari", "sets")), "sets"),
     "report": Use(((*KINEMATIC, "ik"),)),
     "video": Use(((*KINEMATIC, "ik"), ("video", "out", "--episodes", "1", "--out", "film.gif")), "film.gif"),
@@ -77,6 +90,8 @@ def test_every_extra_is_tried():
 
 
 def _use(env: Environment, use: Use, folder: Path) -> None:
+    for name, content in use.needs.items():
+        (folder / name).write_text(content, encoding="utf-8")
     for arguments in use.commands:
         given = [_cell_in(folder) if argument == "out/cells" else argument for argument in arguments]
         status, out, err = env.harness(*given, cwd=folder, MUJOCO_GL="egl")

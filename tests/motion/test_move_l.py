@@ -7,6 +7,7 @@ from harness.errors import UsageError
 from harness.motion import Motion, build_motion
 from harness.robot import Robot
 from harness.robot.kinematics import forward
+from harness.robot.robot import load_robot
 
 COUNT = 30
 UCS = "ucs_origin=0.1x0x0,ucs_x=0.1x2x0,ucs_xy=0.1x1x1"
@@ -78,6 +79,15 @@ def test_it_goes_the_way_it_is_told(driven, directions):
     tips, held = driven
     forward_steps = np.vecdot(np.diff(tips, axis=0), directions(COUNT))
     assert np.where(held[1:], 0.0, forward_steps).min() > -2e-4
+
+
+def test_tip_speed_is_a_share_of_the_reach(fd100: Robot, setting_of):
+    """0.5 m/s for the FD100, the number itself; for another arm as many of its lengths a second."""
+    small = load_robot("unity-arm")
+    for mode in ("movel", "movea"):
+        speeds = [build_motion(mode, setting_of(arm)).follower.tip_speed for arm in (fd100, small)]
+        assert speeds == [0.5, small.scaled(0.5)]
+        assert speeds[1] == pytest.approx(0.5 * small.reach / fd100.reach, rel=5e-3)
 
 
 @pytest.mark.parametrize("parts", [1, 2, 4, 10])

@@ -69,6 +69,16 @@ BROUGHT = {
     "a default namespace": changed(('<robot name="a"', '<robot name="a" xmlns="http://www.ros.org"')),
     "a jaw": JAW,
     "mounted on a table": TABLE_MOUNT,
+    "colours, friction and a name that are none": changed(
+        ('<robot name="a">', "<robot>"),
+        (
+            '<link name="l1">',
+            '<link name="l1"><visual><geometry><sphere radius="0.1"/></geometry><material name="m"><color rgba="red"/>'
+            '</material></visual><visual><geometry><sphere radius="0.1"/></geometry><material name="n">'
+            '<color rgba="1 0 0"/></material></visual>',
+        ),
+        text=in_joint("j2", '<dynamics damping="nan" friction="nan"/>'),
+    ),
 }
 """What has to be read as it stands."""
 

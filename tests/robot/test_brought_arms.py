@@ -24,8 +24,8 @@ from tests.robot.brought_arms import (
     tips_of_pinocchio,
 )
 
-NOT_READ_BY_ROS = {"limits of a fixed joint are empty"}
-"""ROS's parser judges the limits of every joint. The arm is the plain one."""
+NOT_READ_BY_ROS = {"limits of a fixed joint are empty", "colours, friction and a name that are none"}
+"""ROS's parser judges the limits of every joint, and what is only drawn. The arm is the plain one."""
 BESIDE = (
     '<link name="f"/><link name="g"/>'
     '<joint name="jf" type="revolute"><parent link="tool"/><child link="f"/>{}</joint>'
@@ -36,7 +36,7 @@ ALIKE = {
     "a mark of the byte order": "\ufeff" + ARM,
     "blank lines before the declaration": "\n \n" + ARM,
     "no declaration": ARM.partition("\n")[2],
-    "elements with a prefix": changed(('<link name="tool"/>', '<link name="tool"/><a:a b:c="1"><link/></a:a>')),
+    "elements with a prefix": changed(('<link name="tool"/>', '<link name="tool"/><drake:a b:c="1"><link/></drake:a>')),
     "a declared prefix": changed(("<robot", '<robot xmlns:d="http://d"'), ("<limit", '<limit d:acceleration="2"')),
     "an axis with a word of a fixed joint": in_joint("jt", '<axis xyz="a b"/>'),
     "a range the wrong way round of a fixed joint": in_joint(
@@ -65,11 +65,21 @@ REFUSED = {
     "tags in capitals": ('<link name="tool"/>', '<Link name="tool"/>', "links that the URDF does not define: 'tool'"),
     "two roots": ('<link name="tool"/>', '<link name="tool"/><link name="z"/>', "found: 'base', 'z'"),
     "two of a name": ('name="j2"', 'name="j1"', "more than one joint 'j1'"),
-    "a joint that mimics": ('<axis xyz="1 0 0"/>', '<axis xyz="1 0 0"/><mimic joint="j1"/>', "'j4' mimics another"),
+    "a joint that mimics": (
+        '<axis xyz="1 0 0"/>',
+        '<axis xyz="1 0 0"/><mimic joint="j1"/>',
+        "'j4' mimics .* fixed = { \"j4\" = 0 }",
+    ),
+    "a planar joint": (
+        '"j4" type="revolute"',
+        '"j4" type="planar"',
+        "'planar'.*: fixed = { \"j4\" = 0 }",
+    ),
+    "a link like the world": ('"l3"', '"world"', "'j3' carries the link 'world', which engines take for the world"),
     "an axis of no length": ('xyz="1 0 0"', 'xyz="0 0 0"', "Joint 'j4' has an axis of zero length"),
     "a robot with a prefix": ("robot", "u:robot", "The outermost element is <u:robot>"),
     "an attribute twice": ('lower="-2"', 'lower="-2" lower="-1"', "not well-formed XML: duplicate attribute"),
-    "a tree of another kind": ("robot", "machine", "The outermost element is <machine>"),
+    "a tree of another kind": ("robot", "model", "The outermost element is <model>"),
 }
 
 

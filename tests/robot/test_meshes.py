@@ -3,16 +3,18 @@
 import os
 import re
 import struct
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 from hypothesis import given
 from hypothesis.extra.numpy import arrays
 from hypothesis.strategies import integers, sampled_from
 
 from harness.errors import UsageError
-from harness.robot.meshes import distinct, is_readable, locate_mesh, read_mesh
+from harness.robot.meshes import distinct, locate_mesh, needs_extra, read_mesh
 
 CORNERS = np.array([[[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 0, 0], [0, 0, 1], [1, 0, 0]]], dtype=np.float32)
 """Of two triangles with an edge in common."""
@@ -85,7 +87,13 @@ def test_obj_is_its_points_and_polygons(tmp_path_factory: pytest.TempPathFactory
 def test_bad_mesh_is_refused_in_one_line(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
     """The line names the file, what is wrong, and what to do."""
     rows = [
-        ("a.dae", b"<COLLADA/>", "is no STL or OBJ file. Convert it"),
+        ("a.step", b"", "is none of .stl, .obj, .dae, .glb, .gltf, .ply. Convert it to STL"),
+        ("a.dae", b"<COLLADA/>", "cannot be read as a mesh"),
+        ("a.dae", b"<!DOCTYPE a [<!ENTITY b 'c'>]><COLLADA/>", "it has a <!DOCTYPE>, which no mesh needs"),
+        ("a.glb", b"glTF", "cannot be read as a mesh"),
+        ("a.glb", b"version https://git-lfs.github.com/spec/v1\noid sha256:0\n", "is a Git LFS pointer"),
+        ("a.gltf", b'{"accessors": [{"count": 1000000000000}]}', "triangles or more, 200,000 are allowed"),
+        ("a.ply", b"ply\nformat ascii 1.0\nend_header\n", "cannot be read as a mesh"),
         ("a.obj", b"", "it holds no points, or some"),
         ("a.stl", b"", "it holds no points, or some"),
         (
@@ -97,6 +105,8 @@ def test_bad_mesh_is_refused_in_one_line(tmp_path_factory: pytest.TempPathFactor
         ("a.stl", binary_stl(CORNERS)[:-1], "it holds no points, or some"),
         ("a.stl", binary_stl(CORNERS * np.nan), "it holds no points, or some"),
         ("a.stl", text_stl(CORNERS).replace(b"vertex", b"corner", 1), "its last triangle is not complete"),
+        ("a.dae", collada(CORNERS).replace("<p>0", "<p>7").encode(), "cannot be read as a mesh"),
+        ("a.ply", OUTSIDE, "triangles with corners that it does not have"),
         ("a.obj", b"v 1 2\n", "cannot be read as a mesh"),
         ("a.obj", b"v 1 2 x\n", "cannot be read as a mesh"),
         ("a.obj", b"v 1 2 3\nf 1 a 1\n", "cannot be read as a mesh"),
@@ -135,9 +145,103 @@ def test_distinct_points_are_those_of_numpy(points: np.ndarray):
     np.testing.assert_array_equal(found_numbers, numbers.ravel())
 
 
-def test_readable_formats():
-    """Suffixes count in small and capital letters."""
-    assert [is_readable(Path(name)) for name in ("a.stl", "a.OBJ", "a.dae", "a")] == [True, True, False, False]
+OUTSIDE = b"""ply
+format ascii 1.0
+element vertex 3
+property float x
+property float y
+property float z
+element face 1
+property list uchar int vertex_indices
+end_header
+0 0 0
+1 0 0
+0 1 0
+3 0 1 7
+"""
+"""A PLY with a corner that it does not have."""
+COLLADA = """<?xml version="1.0"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><unit name="any" meter="{unit}"/><up_axis>{up}</up_axis></asset>
+<library_geometries><geometry id="part"><mesh>
+  <source id="points"><float_array id="numbers" count="{count}">{numbers}</float_array>
+    <technique_common><accessor source="#numbers" count="{points}" stride="3">
+      <param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/>
+    </accessor></technique_common></source>
+  <vertices id="corners"><input semantic="POSITION" source="#points"/></vertices>
+  <triangles count="{triangles}"><input semantic="VERTEX" source="#corners" offset="0"/><p>{order}</p></triangles>
+</mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="scene"><node>
+  <matrix>{matrix}</matrix><node><translate>0 0 5</translate><instance_geometry url="#part"/></node>
+</node></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#scene"/></scene>
+</COLLADA>"""
+"""A part in a node within a node."""
+TURNED = np.array([[0, -2, 0, 7], [2, 0, 0, 8], [0, 0, 2, 9], [0, 0, 0, 1]])
+MIRRORED = np.diag([1, 1, -1, 1])
+
+
+def collada(corners: np.ndarray, unit: str = "1", up: str = "Z_UP", pose: np.ndarray = TURNED) -> str:
+    """A COLLADA file of triangles, (count, 3, 3)."""
+    points = 3 * len(corners)
+    return COLLADA.format(
+        unit=unit, up=up, count=3 * points, points=points, triangles=len(corners),
+        numbers=" ".join(map(str, corners.ravel())), order=" ".join(map(str, range(points))),
+        matrix=" ".join(map(str, pose.ravel())),
+    )  # fmt: skip
+
+
+def corners_of(path: Path) -> np.ndarray:
+    """Of the triangles in a file, (count, 3, 3)."""
+    mesh = read_mesh(path)
+    return mesh.vertices[mesh.faces]
+
+
+@pytest.mark.parametrize("up", ["X_UP", "Y_UP", "Z_UP"])
+@pytest.mark.parametrize("unit", ["1", "0.0254"])
+def test_collada_has_its_unit_and_its_own_axes(tmp_path: Path, unit: str, up: str):
+    """The file's nodes and its unit move the points; which axis is up turns nothing, as in RViz."""
+    (tmp_path / "a.DAE").write_text(collada(CORNERS, unit, up))
+    x, y, z = np.moveaxis(CORNERS + np.array([0, 0, 5]), -1, 0)
+    expected = np.stack([7 - 2 * y, 8 + 2 * x, 9 + 2 * z], axis=-1) * float(unit)
+    np.testing.assert_allclose(corners_of(tmp_path / "a.DAE"), expected, rtol=1e-6)
+
+
+def test_mirrored_part_is_not_turned_inside_out(tmp_path: Path):
+    """A node that mirrors would leave the corners clockwise."""
+    for name, pose in (("plain", np.eye(4)), ("mirrored", MIRRORED)):
+        (tmp_path / f"{name}.dae").write_text(collada(CORNERS, pose=pose))
+    plain, mirrored = (
+        np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        for corners in (corners_of(tmp_path / "plain.dae"), corners_of(tmp_path / "mirrored.dae"))
+    )
+    np.testing.assert_allclose(mirrored, plain * [1, 1, -1], atol=1e-6)
+
+
+@pytest.mark.parametrize("suffix", ["glb", "gltf", "ply"])
+def test_scene_that_another_library_wrote(tmp_path: Path, suffix: str):
+    """The points are those that it was given, in place; glTF is not turned, though its y axis points up."""
+    part = trimesh.Trimesh(CORNERS.reshape(-1, 3), np.arange(6).reshape(-1, 3), process=False)
+    scene = trimesh.Scene()
+    scene.add_geometry(part, transform=TURNED)
+    path = tmp_path / f"a.{suffix}"
+    data = scene.to_mesh().export(file_type="ply") if suffix == "ply" else scene.export(file_type="glb")
+    if suffix == "gltf":
+        data = trimesh.exchange.gltf.export_gltf(scene, embed_buffers=True)["model.gltf"]
+    path.write_bytes(data)
+    expected = CORNERS @ TURNED[:3, :3].T + TURNED[:3, 3]
+    np.testing.assert_allclose(corners_of(path), expected, rtol=1e-6)
+
+
+@pytest.mark.parametrize("missing", ["trimesh", "collada"])
+def test_format_without_its_reader_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, missing: str):
+    """What is read without it stays readable."""
+    (tmp_path / "a.dae").write_text(collada(CORNERS))
+    monkeypatch.setitem(sys.modules, missing, None)
+    assert "is no STL or OBJ file. To have it read: pip install 'fd100-harness[meshes]'" in refuse(tmp_path / "a.dae")
+    names = ["a.dae", "a.DAE", "a.glb", "a.gltf", "a.ply", "a.stl", "a.obj", "a.step"]
+    expected = [True] * 2 + [missing == "trimesh"] * 3 + [False] * 3
+    assert [needs_extra(Path(name)) for name in names] == expected
 
 
 @pytest.mark.parametrize(

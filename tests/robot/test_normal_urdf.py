@@ -1,5 +1,6 @@
 """The URDF that simulators read: nothing in it is left to guess."""
 
+import sys
 from pathlib import Path
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
@@ -9,8 +10,11 @@ import pytest
 
 from harness.errors import UsageError
 from harness.robot.kinematics import build_chain, forward
-from harness.robot.normal_urdf import normal_urdf
+from harness.robot.normal_urdf import NormalUrdf, named, normal_urdf
+from harness.robot.robot import load_robot
+from harness.robot.shapes import read_shapes
 from harness.robot.urdf import Urdf, parse_urdf, read_chain
+from tests.robot.test_meshes import CORNERS, binary_stl, collada
 
 BODY = '<inertial><mass value="1"/><inertia ixx="1" iyy="2" izz="3" ixy="0" ixz="0" iyz="0"/></inertial>'
 URDF = f"""
@@ -30,7 +34,7 @@ FIXED = URDF.replace('"prismatic"', '"fixed"')
 
 def normal(text: str, folder: Path) -> Urdf:
     """The URDF of an arm of which one joint is driven."""
-    return normal_urdf(parse_urdf(text), ["turn"], folder)
+    return normal_urdf(parse_urdf(text), ["turn"], folder).urdf
 
 
 def finger_pose(urdf: Urdf, *qpos: float) -> np.ndarray:
@@ -51,7 +55,9 @@ def _moments(link: Element) -> list[float]:
 def test_plain_text_stays_as_it_is(tmp_path: Path):
     """Where there is nothing to do, the text is the same to the last blank."""
     given = parse_urdf(FIXED)
-    assert normal_urdf(given, ["turn"], tmp_path) is given
+    plain, warnings = normal_urdf(given, ["turn"], tmp_path)
+    assert plain is given
+    assert warnings == ()
     assert given.text is FIXED
 
 
@@ -59,7 +65,7 @@ def test_text_is_that_of_the_element(tmp_path: Path):
     """What engines read says what the harness reads, and the URDF that was given is left as it was."""
     given = parse_urdf(URDF.replace(BODY, ""))
     before = ElementTree.tostring(given.element)
-    plain = normal_urdf(given, ["turn"], tmp_path)
+    plain, _ = normal_urdf(given, ["turn"], tmp_path)
     assert ElementTree.tostring(ElementTree.fromstring(plain.text)) == ElementTree.tostring(plain.element) != before
     assert ElementTree.tostring(given.element) == before
 
@@ -137,7 +143,7 @@ def test_inertia_that_no_body_has_becomes_a_balls(tmp_path: Path, moments: str, 
 
 def test_meshes_have_full_paths(tmp_path: Path):
     """Of what collides and of what is seen, as they lie beside the URDF; scale and the rest stay."""
-    (tmp_path / "a.stl").touch()
+    (tmp_path / "a.stl").write_bytes(binary_stl(CORNERS))
     shape = '<{0}><geometry><mesh filename="a.stl" scale="1 2 3"/></geometry></{0}>'
     urdf = FIXED.replace(f'"arm">{BODY}', f'"arm">{BODY}{shape.format("visual")}{shape.format("collision")}')
     meshes = list(normal(urdf, tmp_path).element.iter("mesh"))
@@ -157,3 +163,147 @@ def test_bad_numbers_are_refused(tmp_path: Path, old: str, new: str, message: st
     with pytest.raises(UsageError, match=message) as caught:
         normal(URDF.replace(old, new, 1), tmp_path)
     assert "\n" not in str(caught.value)
+
+
+MESH = '<{part}><geometry><mesh filename="{file}"/></geometry></{part}>'
+
+
+def with_mesh(folder: Path, file: str, part: str = "visual", link: str = "arm", more: str = "") -> NormalUrdf:
+    """The arm with a mesh in one of its links."""
+    (folder / "good.stl").write_bytes(binary_stl(CORNERS))
+    (folder / "good.dae").write_text(collada(CORNERS))
+    (folder / "bad.glb").write_bytes(b"glTF")
+    (folder / "none.stl").write_bytes(binary_stl(CORNERS[:0]))
+    (folder / "points.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n")
+    (folder / "line.obj").write_text("v 0 0 0\nv 1 0 0\nv 2 0 0\nv 3 0 0\nf 1 2 3\n")
+    (folder / "one.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    with (folder / "large.stl").open("wb") as sparse:
+        sparse.truncate(2**30)
+    shape = MESH.format(part=part, file=file)
+    text = FIXED.replace(f'"{link}">{BODY}', f'"{link}">{BODY}{shape}{more}')
+    return normal_urdf(parse_urdf(text), ["turn"], folder)
+
+
+def test_drawing_that_can_be_read_stays(tmp_path: Path):
+    """And nothing is told; the counter-example of those that are left out."""
+    for file in ("good.stl", "good.dae"):
+        urdf, warnings = with_mesh(tmp_path, file)
+        assert urdf.element.find("link/visual/geometry/mesh").get("filename") == str(tmp_path / file)
+        assert warnings == ()
+
+
+def test_drawing_that_cannot_be_read_is_left_out(tmp_path: Path, subtests: pytest.Subtests):
+    """No simulator sees it; one line says which link had it, and why. What collides stays."""
+    rows = [
+        ("away.stl", "has the mesh 'away.stl', and there is no file"),
+        ("away.dae", "has the mesh 'away.dae', and there is no file"),
+        ("bad.glb", "bad.glb' cannot be read as a mesh"),
+        ("none.stl", "none.stl' cannot be read as a mesh"),
+        ("points.obj", "points.obj', which has no surface"),
+        ("line.obj", "line.obj', which has no surface"),
+        ("one.obj", "one.obj', which has no surface"),
+        ("large.stl", "1,073,741,824 bytes, 67,108,864 are allowed"),
+        ('good.stl" scale="1 0 1', "'1 0 1' in <mesh scale=...>"),
+        ("http://host/a.stl", "allowed are paths, package://"),
+    ]
+    ball = "<collision><geometry><sphere radius='0.1'/></geometry></collision>"
+    for file, reason in rows:
+        with subtests.test(file=file):
+            urdf, (line,) = with_mesh(tmp_path, file, more=ball)
+            assert urdf.element.find("link/visual") is None
+            assert urdf.element.find("link/collision/geometry/sphere") is not None
+            assert urdf.text == ElementTree.tostring(urdf.element, encoding="unicode")
+            assert line.startswith("1 drawing is left out: Link 'arm' has ")
+            assert reason in line
+            assert "\n" not in line
+
+
+def test_drawings_are_left_out_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Those whose reader is not installed, with the command that installs it; and the first of the others."""
+    monkeypatch.setitem(sys.modules, "trimesh", None)
+    more = "".join(MESH.format(part="visual", file=file) for file in ("bad.glb", "good.dae", "away.stl", "away.obj"))
+    urdf, (line,) = with_mesh(tmp_path, "good.dae", more=more)
+    assert urdf.element.find("link/visual") is None
+    assert line.startswith(
+        "5 drawings are left out: .dae, .glb (pip install 'fd100-harness[meshes]' has them read); "
+        "Link 'arm' has the mesh 'away.stl', and there is no file"
+    )
+    assert line.endswith(" 1 more cannot be read.")
+
+
+@pytest.mark.parametrize("file", ["away.stl", "bad.glb", "none.stl"])
+def test_collision_mesh_that_stands_still_is_left_out(tmp_path: Path, file: str):
+    """It can hit nothing that the arm does not reach for; the same of a link that moves is an error."""
+    urdf, (line,) = with_mesh(tmp_path, file, "collision", "base")
+    assert urdf.element.find("link/collision") is None
+    assert line.startswith("link 'base' without collision meshes, which no joint of the chain moves: Link 'base' has ")
+    with pytest.raises(UsageError, match="Link 'finger' has "):
+        read_shapes(with_mesh(tmp_path, file, "collision", "finger").urdf)
+
+
+def test_collision_mesh_that_moves_says_what_reads_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """A COLLADA file without its reader: as a part of the arm refused, off the arm left out."""
+    shapes = read_shapes(with_mesh(tmp_path, "good.dae", "collision").urdf)
+    assert len(shapes["arm"][0].points) == 4
+    monkeypatch.setitem(sys.modules, "collada", None)
+    with pytest.raises(UsageError, match=r"Link 'arm' has a collision mesh: .* pip install 'fd100-harness\[meshes\]'"):
+        read_shapes(with_mesh(tmp_path, "good.dae", "collision").urdf)
+    _, (line,) = with_mesh(tmp_path, "good.dae", "collision", "base")
+    assert "pip install 'fd100-harness[meshes]'" in line
+
+
+BALL = '<collision><geometry><sphere radius="0.1"/></geometry></collision>'
+
+
+def told_of(folder: Path, *bodies: tuple[str, str]) -> tuple[str, ...]:
+    """What is told of the arm with other parts in some of its links."""
+    text = FIXED
+    for link, body in bodies:
+        text = text.replace(f'"{link}">{BODY}', f'"{link}">{body}')
+    return normal_urdf(parse_urdf(text), ["turn"], folder).warnings
+
+
+def test_links_without_mass_are_told(tmp_path: Path):
+    """Where nothing that moves with them has a mass, and they have a shape: elsewhere it changes nothing."""
+    line = "links 'arm', 'finger' without mass or inertia: 1e-6 kg is taken. Give each its <inertial>"
+    assert told_of(tmp_path, ("arm", BALL), ("finger", BALL)) == (line,)
+    assert told_of(tmp_path, ("arm", BALL), ("finger", "")) == (line.replace("links 'arm', 'finger'", "link 'arm'"),)
+    assert told_of(tmp_path, ("arm", ""), ("finger", "")) == ()
+    assert told_of(tmp_path, ("arm", BALL)) == ()
+    assert told_of(tmp_path, ("base", BALL)) == ()
+
+
+def test_impossible_inertia_is_told_with_its_rule(tmp_path: Path):
+    """Of links that move and have a mass; which becomes a ball's is seen above."""
+    negative, long = (BODY.replace('ixx="1" iyy="2" izz="3"', each) for each in ('ixx="-1"', 'ixx="1" iyy="1" izz="3"'))
+    assert told_of(tmp_path, ("arm", negative), ("finger", long)) == (
+        "an inertia that no body has: link 'arm' with a principal moment of 0 or less; link 'finger' with one larger "
+        "than the two others together. A ball's with the same mean is taken",
+    )
+    assert told_of(tmp_path, ("base", negative)) == ()
+    assert told_of(tmp_path, ("arm", negative.replace('value="1"', 'value="1e-9"'))) == ()
+    nothing = BODY.replace('ixx="1" iyy="2" izz="3"', 'ixx="0" iyy="0" izz="0"')
+    assert told_of(tmp_path, ("arm", nothing)) == ()  # what is fixed to it has enough
+    (line,) = told_of(tmp_path, ("arm", nothing), ("finger", ""))
+    assert line.startswith("an inertia that no body has: link 'arm' with a principal moment of 0 or less.")
+
+
+def test_many_links_are_counted():
+    """Three of them are named."""
+    assert named(["a", "b"]) == "links 'a', 'b'"
+    assert named(list("abcde")) == "links 'a', 'b', 'c' and 2 more"
+
+
+def test_first_inertial_counts(tmp_path: Path):
+    """As in ROS; MuJoCo refuses a second one."""
+    (arm,) = normal(FIXED.replace(f'"arm">{BODY}', f'"arm">{BODY}<inertial/>'), tmp_path).element.iterfind(
+        "link[@name='arm']"
+    )
+    assert len(arm.findall("inertial")) == 1
+    assert float(arm.find("inertial/mass").get("value")) == 1.0
+
+
+@pytest.mark.parametrize("name", ["fd100", "unity-arm"])
+def test_packaged_arms_have_no_warnings(name: str):
+    """Nothing in them is changed."""
+    assert load_robot(name).warnings == ()

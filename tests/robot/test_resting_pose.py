@@ -1,14 +1,17 @@
 """The resting pose of an arm that names none."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given, strategies as st
+from scipy.spatial.transform import Rotation
 
 from harness.errors import UsageError
 from harness.robot.ground_clearance import build_solids
-from harness.robot.joint_limits import choose_home
 from harness.robot.kinematics import Chain, build_chain, end_effector_position, link_frames
+from harness.robot.resting_pose import choose_home
 from harness.robot.shapes import Shape
 from harness.robot.urdf import Joint
 
@@ -34,7 +37,7 @@ def home_of(
 
 def test_middle_is_taken_where_it_is_good():
     """An arm that is bent in the middle of its ranges rests there."""
-    np.testing.assert_allclose(home_of(upright(), [-2, 0, 0.4], [2, 1, 2]), [0.0, 0.5, 1.2])
+    np.testing.assert_allclose(home_of(upright(), [-2, 0.4, 1.5], [2, 0.6, 1.7]), [0.0, 0.5, 1.6])
 
 
 def test_straight_arm_is_bent_forward():
@@ -45,9 +48,73 @@ def test_straight_arm_is_bent_forward():
     assert end_effector_position(upright(), home)[0] > 0.1
 
 
-def test_no_joint_bends_by_more_than_45_degrees():
-    """Half way to the end of a wide range would be far from what is usual."""
-    assert np.abs(home_of(upright(), [-6, -6, -6], [6, 6, 6])).max() == pytest.approx(np.pi / 4)
+def test_no_joint_bends_by_more_than_90_degrees():
+    """Half way to the end of a wide range would be far from what is usual. The first joint stays in the middle."""
+    home = home_of(upright(), [-6, -6, -6], [6, 6, 6])
+    assert np.abs(home).max() <= np.pi / 2
+    assert home[0] == 0.0
+
+
+def test_home_is_agile():
+    """By differences of the tip's position: more than half as agile as the best of a thousand poses anywhere."""
+
+    def agility(qpos: np.ndarray) -> float:
+        steps = 1e-6 * np.eye(3)
+        ways = [
+            end_effector_position(upright(), qpos + it) - end_effector_position(upright(), qpos - it) for it in steps
+        ]
+        return float(np.linalg.svd(np.array(ways) / 2e-6)[1][-1])
+
+    anywhere = np.random.default_rng(0).uniform(-2.0, 2.0, (1000, 3))
+    assert agility(home_of(upright(), [-2, -2, -2], [2, 2, 2])) > 0.55 * max(map(agility, anywhere))
+
+
+def mounted(chain: Chain, mount: np.ndarray) -> Chain:
+    """The chain on another mount."""
+    joints = chain.T_previous_joint.copy()
+    joints[0] = mount @ joints[0]
+    return replace(chain, T_previous_joint=joints, T_world_mount=mount)
+
+
+ROD = ([], [], [Shape("box", (0.02, 0.02, 0.5), np.eye(4))])
+
+
+@given(rotvec=st.tuples(*[st.floats(-3.0, 3.0)] * 3), aside=st.tuples(*[st.floats(-5.0, 5.0)] * 2))
+def test_home_follows_the_mount(rotvec: tuple[float, ...], aside: tuple[float, ...]):
+    """Far above the ground an arm rests as it does on the floor, whichever way it is mounted."""
+    mount = np.eye(4)
+    mount[:3, :3], mount[:3, 3] = Rotation.from_rotvec(rotvec).as_matrix(), (*aside, 9.0)
+    on_floor = home_of(upright(), [-2, -2, -1], [2, 1, 2], ROD)
+    np.testing.assert_array_equal(home_of(mounted(upright(), mount), [-2, -2, -1], [2, 1, 2], ROD), on_floor)
+
+
+def test_home_keeps_away_from_a_ground_that_is_near():
+    """On a wall half a metre above the ground the arm does not rest as it does elsewhere, where it would be in it."""
+    mount = np.eye(4)
+    mount[:3, :3], mount[2, 3] = Rotation.from_euler("y", 90, degrees=True).as_matrix(), 0.35
+    on_floor, chain = home_of(upright(), [-2, -2, -1], [2, 1, 2], ROD), mounted(upright(), mount)
+    assert end_effector_position(chain, on_floor)[2] < 0.09
+    assert end_effector_position(chain, home_of(chain, [-2, -2, -1], [2, 1, 2], ROD))[2] >= 0.09
+
+
+def test_home_is_far_from_the_ground_for_what_random_actions_do():
+    """Of poses that are as agile the one is taken around which fewer are in the ground."""
+    rod = ([], [], [Shape("box", (0.02, 0.02, 1.2), np.eye(4))])
+    home = home_of(upright(), [-2, -2, -2], [2, 2, 2], rod)
+    drifts = np.random.default_rng(0).uniform(-0.9, 0.9, (300, 3))
+    solids, bends = build_solids(rod), (-np.pi / 4, 0.0, np.pi / 4)
+    others = [np.array([0.0, one, other]) for one in bends for other in bends]
+    in_ground = [solids.touch_ground(link_frames(upright(), pose + drifts)).sum() for pose in (home, *others)]
+    assert in_ground[0] <= np.median(in_ground)
+    assert 2 * in_ground[0] < max(in_ground)
+
+
+def test_arm_that_faces_another_way_rests_there():
+    """The first joint stays in the middle of its range: this one looks along +y, and the tip is before it."""
+    home = home_of(upright(), [np.pi / 2 - 1, -2, -2], [np.pi / 2 + 1, 2, 2])
+    x, y, _ = end_effector_position(upright(), home)
+    assert abs(x) < 1e-9
+    assert abs(y) > 0.2
 
 
 def test_home_is_clear_of_the_ground():

@@ -1,6 +1,7 @@
 """Reading a robot's folder."""
 
 import hashlib
+import sys
 from dataclasses import FrozenInstanceError, replace
 from itertools import pairwise
 from pathlib import Path
@@ -11,6 +12,7 @@ import pytest
 from harness.errors import UsageError
 from harness.robot import robot as robot_module
 from harness.robot.robot import read_robot
+from tests.robot.test_meshes import CORNERS, binary_stl, collada
 
 URDF = """
 <robot name="arm">
@@ -53,6 +55,15 @@ def test_the_whole_range_of_a_slide_counts_as_a_full_turn(tmp_path: Path):
     robot = read_robot(_write(tmp_path))
     np.testing.assert_allclose(robot.per_radian, [1.0, 1.0, 0.3 / (2.0 * np.pi)])
     assert robot.per_radian[0] == 1.0  # exactly, so that products with it change nothing
+
+
+def test_a_slide_may_do_half_its_range_a_second(tmp_path: Path):
+    """Where the URDF allows more and robot.toml says nothing, as a turning joint may do half a turn."""
+    toml = TOML.replace("max_speed_m_s = [0.25]\n", "")
+    assert read_robot(_write(tmp_path, toml)).max_speed[2] == pytest.approx(0.15)
+    slower = URDF.replace('velocity="0.5"', 'velocity="0.1"')
+    assert read_robot(_write(tmp_path, toml, slower)).max_speed[2] == 0.1
+    assert read_robot(_write(tmp_path)).max_speed[2] == 0.25
 
 
 def test_robot_is_what_the_folder_says(tmp_path: Path):
@@ -114,8 +125,12 @@ def test_digest_is_by_content_wherever_the_files_lie(tmp_path: Path):
         folder.mkdir()
         named = mesh.replace(".stl", ".obj") if folder.name == "renamed" else mesh
         _write(folder, urdf=URDF.replace('<link name="base"/>', named))
-        content = "another" if folder.name == "edited" else "a hull"
-        (folder / ("hull.obj" if folder.name == "renamed" else "hull.stl")).write_text(content)
+        far = 2 if folder.name == "edited" else 1
+        content = f"v 0 0 0\nv {far} 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n"
+        content += "".join(
+            f"vertex {corner}\n" for corner in ("0 0 0", f"{far} 0 0", "0 1 0", "0 0 0", "1 0 0", "0 0 1")
+        )
+        (folder / ("hull.obj" if folder.name == "renamed" else "hull.stl")).write_text(content)  # either reads it
     here, there, edited, renamed = (read_robot(folder).digest for folder in folders)
     assert here == there
     assert len({here, edited, renamed}) == 3
@@ -172,7 +187,9 @@ def test_urdf_alone_is_a_robot(tmp_path: Path):
     (_write(tmp_path, urdf=urdf) / "robot.toml").unlink()
     robot = read_robot(tmp_path / "arm.urdf")
     assert (robot.name, robot.end_effector_link) == ("arm", "tip")
-    np.testing.assert_allclose(robot.max_speed, [np.pi / 2, np.pi, 0.5])  # 9 rad/s is more than the rule takes
+    np.testing.assert_allclose(
+        robot.max_speed, [np.pi / 2, np.pi, 0.15]
+    )  # 9 rad/s and 0.5 m/s are more than the rule takes
     np.testing.assert_allclose(robot.max_acceleration, 8 * robot.max_speed)
     assert ((robot.lower < robot.home) & (robot.home < robot.upper)).all()
     assert "robot.toml" not in robot.origins.values()
@@ -185,7 +202,7 @@ def test_file_beside_a_urdf_says_what_it_knows(tmp_path: Path):
     assert robot.end_effector_link == "slider"
     np.testing.assert_allclose(np.degrees(robot.home[:2]), [10, 20])
     assert -0.2 < robot.home[2] < 0.1
-    np.testing.assert_allclose(robot.max_speed, [*np.radians([30, 40]), 0.5])
+    np.testing.assert_allclose(robot.max_speed, [*np.radians([30, 40]), 0.15])
     assert robot.origins["end_effector"] == "robot.toml"
     assert robot.origins["home"].startswith("robot.toml, else ")
 
@@ -207,6 +224,38 @@ def test_meshes_start_at_the_folder_of_the_urdf(tmp_path: Path):
         read_robot(tmp_path)
     message = f"{tmp_path}/arm.urdf: Link 'tip' has the mesh 'tip.stl', and there is no file '{tmp_path}/tip.stl'"
     assert str(caught.value).startswith(message)
+
+
+def test_digest_does_not_depend_on_what_is_installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """A drawing in COLLADA is left out of the URDF where nothing reads it, and of the digest everywhere."""
+    shape = '<visual><geometry><mesh filename="seen.dae"/></geometry></visual>'
+    solid = '<collision><geometry><mesh filename="hit.stl"/></geometry></collision>'
+    (tmp_path / "seen.dae").write_text(collada(CORNERS))
+    (tmp_path / "hit.stl").write_bytes(binary_stl(CORNERS))
+    for parts in (shape, shape + solid):
+        _write(tmp_path, urdf=URDF.replace('<link name="tip"/>', f'<link name="tip">{parts}</link>'))
+        seen = read_robot(tmp_path)
+        with monkeypatch.context() as patch:
+            patch.setitem(sys.modules, "trimesh", None)
+            unseen = read_robot(tmp_path)
+        assert seen.digest == unseen.digest
+        assert seen.urdf != unseen.urdf
+
+
+def test_mesh_in_millimetres_is_told(tmp_path: Path):
+    """Drawn it is only strange; where it collides and moves, no pose would be above the ground. Scaled it is right."""
+    (tmp_path / "part.stl").write_bytes(binary_stl(100 * CORNERS))
+    given = 'a mesh 100 m long, and the arm reaches 0.95 m. If the file is in millimetres, give the <mesh> scale="0.001'
+    for part, scale in (("visual", ""), ("visual", 'scale="0.001 0.001 0.001"'), ("collision", "")):
+        shape = f'<{part}><geometry><mesh filename="part.stl" {scale}/></geometry></{part}>'
+        _write(tmp_path, urdf=URDF.replace('<link name="lower"/>', f'<link name="lower">{shape}</link>'))
+        if part == "collision":
+            with pytest.raises(UsageError, match="Link 'lower' has a collision mesh 100 m long, and the arm reaches"):
+                read_robot(tmp_path)
+        else:
+            assert [line for line in read_robot(tmp_path).warnings if "long" in line] == (
+                [] if scale else [f"link 'lower': {given} 0.001 0.001\""]
+            )
 
 
 def test_bad_settings_are_refused_in_one_line(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
@@ -293,7 +342,7 @@ def test_robot_toml_wins_over_a_placeholder(tmp_path_factory: pytest.TempPathFac
                 read_robot(tmp_path / "arm.urdf")
             file, line = str(caught.value).rpartition("Write into ")[2].split(", with the arm's own numbers: ")
             Path(file).write_text(line)
-            assert read_robot(tmp_path / "arm.urdf").max_speed.tolist() == [np.pi / 2, np.pi / 2, 0.5]
+            np.testing.assert_allclose(read_robot(tmp_path / "arm.urdf").max_speed, [np.pi / 2, np.pi / 2, 0.15])
 
 
 def test_robot_toml_wins_over_a_lower_speed_of_the_urdf(tmp_path: Path):

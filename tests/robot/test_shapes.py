@@ -109,7 +109,7 @@ def test_mesh_is_its_points_scaled(tmp_path: Path, arm_text: str):
 @pytest.mark.parametrize(
     ("mesh", "message"),
     [
-        ('<mesh filename="part.dae"/>', "Link 'upper' has a collision mesh: 'part.dae' is no STL or OBJ file. Convert"),
+        ('<mesh filename="part.dae"/>', "Link 'upper' has a collision mesh: 'part.dae' cannot be read as a mesh"),
         ('<mesh filename="none.stl"/>', "'none.stl' cannot be read as a mesh"),
         ('<mesh filename="part.obj" scale="1 1"/>', "'1 1' in <mesh scale=...>, where 3 finite numbers belong"),
         ('<mesh filename="part.obj" scale="1 0 1"/>', "'1 0 1' in <mesh scale=...>. Give factors that are not 0."),

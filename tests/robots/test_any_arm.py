@@ -1,11 +1,13 @@
 """Arms that the harness does not bring: published ones with meshes, and drawn ones with joints that slide."""
 
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
 import mujoco
 import numpy as np
+import pinocchio
 import pybullet
 import pytest
 
@@ -14,11 +16,14 @@ from harness.errors import UsageError
 from harness.registry.registry import load_registry
 from harness.robot import Robot
 from harness.robot.robot import read_robot
+from harness_plugins.bullet_arms import Clients, FreeArm, file_of_arm
 from harness_plugins.kit.simulators.checks import SIMULATOR_CHECKS
 from harness_plugins.kit.simulators.states import frames_show_the_target, render_gives_a_frame_or_says_why_not
 from harness_plugins.mujoco_model import build_model
 from harness_plugins.simulators.kinematic import Kinematic
 from harness_plugins.simulators.mujoco import Mujoco
+from tests.robot.brought_arms import ARM, BODY, changed, read_arm
+from tests.robot.test_meshes import CORNERS, collada
 
 PUBLISHED = {
     "panda": ("franka_panda/panda.urdf", "panda_hand", 7),
@@ -213,13 +218,57 @@ def test_what_mujoco_cannot_read_is_refused_in_one_line(tmp_path: Path):
     assert "\n" not in str(caught.value)
 
 
-def test_visual_mesh_that_nobody_draws_does_no_harm(tmp_path: Path):
-    """What is only seen may be of any format, as long as it is there."""
+ODD = {
+    "base": ("1", (1, 1, 1, 0, 0, 0)),
+    "l1": ("2", (3, 4, 5, 1, -1, 0.5)),
+    "l2": ("2", (1, 1, 9, 0, 0, 0)),
+    "l3": ("2", (0, 0, 0, 0, 0, 0)),
+    "l4": ("0", (1, 1, 1, 0, 0, 0)),
+}
+"""Mass and moments that engines read in different ways, by the link: xx, yy, zz, xy, xz, yz."""
+
+AXES = ("xx", "yy", "zz", "xy", "xz", "yz")
+
+
+def test_engines_have_the_inertia_that_is_told(tmp_path: Path):
+    """The mass matrices of MuJoCo and Bullet are Pinocchio's of the same URDF, of the given one they would not be."""
+    text = ARM
+    for link, (mass, moments) in ODD.items():
+        given = " ".join(f'i{axes}="{moment}"' for axes, moment in zip(AXES, moments, strict=True))
+        inertial = f'<inertial><origin rpy="1 2 3"/><mass value="{mass}"/><inertia {given}/></inertial>'
+        text = changed((f'<link name="{link}">{BODY}', f'<link name="{link}">{inertial}'), text=text)
+    robot, qpos = read_arm(tmp_path, text), np.array([0.3, -0.4, 0.5, 0.6])
+    assert "link 'l3' with a principal moment of 0 or less; link 'l2' with one larger" in "".join(robot.warnings)
+    plain, given = (_inertia_by_pinocchio(urdf, qpos) for urdf in (robot.urdf, text))
+    with closing(Clients(robot)) as clients, file_of_arm(robot) as path:
+        bullet = FreeArm(clients.connect(), robot, path, np.zeros(4)).inertia(list(qpos))
+    model = build_model(robot, 0.01, 20.0)
+    data = mujoco.MjData(model)
+    data.qpos[:] = qpos
+    mujoco.mj_forward(model, data)
+    columns = np.zeros((4, 4))
+    for column, unit in zip(columns, np.eye(4), strict=True):
+        mujoco.mj_mulM(model, data, column, unit)
+    np.testing.assert_allclose(columns - np.diag(model.dof_armature), plain, atol=1e-9)
+    np.testing.assert_allclose(bullet, plain, atol=1e-9)
+    assert np.abs(given - plain).max() > 1.0
+
+
+def _inertia_by_pinocchio(urdf: str, qpos: np.ndarray) -> np.ndarray:
+    model = pinocchio.buildModelFromXML(urdf)
+    upper = np.triu(pinocchio.crba(model, model.createData(), qpos))
+    return upper + np.triu(upper, 1).T
+
+
+@pytest.mark.parametrize("drawing", [None, "<COLLADA/>", collada(CORNERS)], ids=["missing", "broken", "whole"])
+def test_drawing_does_no_harm(tmp_path: Path, drawing: str | None):
+    """Every simulator opens the arm whatever its drawing is. What can be read stays."""
     shape = '<visual><geometry><mesh filename="nice.dae"/></geometry></visual>'
     path = tmp_path / "seen.urdf"
     path.write_text(drawn(SCARA).replace('<link name="l2">', f'<link name="l2">{shape}'))
-    with pytest.raises(UsageError, match=r"seen\.urdf: Link 'l2' has the mesh 'nice\.dae', and there is no file"):
-        read_robot(path)
-    (tmp_path / "nice.dae").write_text("<COLLADA/>")
+    if drawing is not None:
+        (tmp_path / "nice.dae").write_text(drawing)
+    robot = read_robot(path)
+    assert ("drawing is left out" in "".join(robot.warnings)) == (drawing != collada(CORNERS))
     for simulator in SIMULATORS:
-        simulator.open(read_robot(path), 1, 0.1).close()
+        simulator.open(robot, 1, 0.1).close()

@@ -10,7 +10,7 @@ import time
 import traceback
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from importlib.metadata import EntryPoint
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -23,6 +23,7 @@ from harness.authoring.commands import Given, Registry, choose, load_registry, p
 from harness.errors import HarnessError, PluginError, UsageError, one_line
 from harness.hookspecs import KINDS, NOUNS, WORDS
 from harness.robot import Robot
+from harness.task import choose_task
 
 from ..contract import Check, violations
 from ..kits import KITS, Kit
@@ -172,8 +173,12 @@ def _open(registry: Registry, kind: str, asked: Asked, tell: Tell) -> Subject:
         return Subject(Outline(kind, (Finding(TARGET, "error", unfit),)))
     if kind == "commands":
         return Subject(Outline(kind, (Finding(TARGET, "ok"), _command_finding(spec))))
+    if kind == "tasks":
+        chosen, arm = choose_task(registry, asked.name, asked.robot, partial(_robot, registry=registry))
+        return _subject(kind, Finding(TARGET, "ok"), (chosen.build(registry, kind), arm))
     built = choose(registry, kind, asked.name).build(registry, kind)
-    return _subject(kind, Finding(TARGET, "ok"), (built, *_beside(kind, built, asked.robot, registry)))
+    beside = (_robot(asked.robot or DEFAULT_ROBOT, registry),) if kind == "simulators" else ()
+    return _subject(kind, Finding(TARGET, "ok"), (built, *beside))
 
 
 def _open_robot(registry: Registry, name_or_path: str) -> Subject:
@@ -188,13 +193,6 @@ def _subject(kind: str, first: Finding, arguments: tuple[Any, ...]) -> Subject:
     kit = KITS.get(kind, Kit(()))
     planned = (PlannedCheck(check.name, check.fact, kit.seconds_of(check), check in kit.long) for check in kit.checks)
     return Subject(Outline(kind, (first,), tuple(planned)), kit.checks, arguments)
-
-
-def _beside(kind: str, built: Any, robot: str | None, registry: Registry) -> tuple[Robot, ...]:
-    """What the checks of a kind take beside the plugin."""
-    if kind == "simulators":
-        return (_robot(robot or DEFAULT_ROBOT, registry),)
-    return (_robot(robot or built.robot, registry),) if kind == "tasks" else ()
 
 
 def _robot(name_or_path: str, registry: Registry) -> Robot:

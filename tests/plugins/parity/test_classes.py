@@ -15,13 +15,13 @@ from harness_plugins.parity.classes import (
     shares_told,
     told_by,
 )
-from harness_plugins.parity.motions import CLEARANCE, lowest_points, point_heights
+from harness_plugins.parity.motions import CLEARANCE, GroundClearance, lowest_points, point_heights
 
 
 @pytest.fixture(scope="module")
 def motions(each_robot):
     """Two of each class, 60 control periods of 0.1 s."""
-    return class_motions(each_robot, 0, 2, 60, 0.1)
+    return {name: drawn.motions for name, drawn in class_motions(each_robot, 0, 2, 60, 0.1).items()}
 
 
 def test_there_are_three_classes_beside_smooth_ones_and_dives(motions, each_robot):
@@ -68,20 +68,22 @@ def test_a_seed_gives_the_same_motions(robot):
     """Motion n is the same in every batch; another seed gives others."""
     few, many, other = (class_motions(robot, seed, count, 12, 0.1) for seed, count in ((5, 1), (5, 2), (6, 1)))
     for name in few:
-        np.testing.assert_array_equal(few[name], many[name][:, :1])
-        assert not np.isclose(few[name][-1], other[name][-1]).all()
+        np.testing.assert_array_equal(few[name].motions, many[name].motions[:, :1])
+        assert not np.isclose(few[name].motions[-1], other[name].motions[-1]).all()
 
 
 def test_a_fast_motion_that_cannot_go_on_stops(robot):
     """An arm whose every way leads to the ground brakes, and stays where it is."""
     low = point_heights(robot, robot.home[None])[1:].min() / CLEARANCE  # all but the second joint, which stands still
-    motion = draw_fast(_with_reach(robot, 1.5 * low), np.random.default_rng(0), 30, 0.1)
+    larger = _with_reach(robot, 1.5 * low)
+    motion = draw_fast(larger, np.random.default_rng(0), 30, 0.1, GroundClearance(larger))
     np.testing.assert_array_equal(motion[1:], np.tile(motion[0], (30, 1)))
 
 
 def test_near_the_ground_there_is_no_singular_motion(robot):
     """None, not one that meets it."""
-    assert draw_singular(_with_reach(robot, 100.0), np.random.default_rng(0), 5, 0.1) is None
+    larger = _with_reach(robot, 100.0)
+    assert draw_singular(larger, np.random.default_rng(0), 5, 0.1, GroundClearance(larger)) is None
 
 
 def _with_reach(robot, reach):

@@ -13,7 +13,7 @@ from harness_plugins.parity.performance import LONGEST_TURN, TURNS, Failure, Sto
 @pytest.fixture
 def motion(robot):
     """One arm's motion, longer than a turn."""
-    return smooth_motions(robot, 0, 1, LONGEST_TURN + 20, 0.1)[:, 0]
+    return smooth_motions(robot, 0, 1, LONGEST_TURN + 20, 0.1).motions[:, 0]
 
 
 def test_the_median_of_the_drives_is_told(robot, toolbox, motion):

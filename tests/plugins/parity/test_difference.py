@@ -13,7 +13,7 @@ PERIOD = 0.1
 @pytest.fixture(scope="module")
 def told(robot):
     """Two smooth motions."""
-    return smooth_motions(robot, 0, 2, 80, PERIOD)
+    return smooth_motions(robot, 0, 2, 80, PERIOD).motions
 
 
 @pytest.fixture(scope="module")

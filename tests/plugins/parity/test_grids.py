@@ -98,7 +98,7 @@ def test_without_dives_none_are_told(compare, toolbox, robot):
     assert "dives" not in setting_text(found)
     (grid,) = pair_grids(found)
     assert grid.rows[0][-2:] == ("n/a", "n/a")
-    assert grid.notes[0] == "two: the arm reaches no point 0.1 m below the ground."
+    assert grid.notes[0] == "two: no part of the arm was found to get into the ground."
 
 
 def test_the_terminal_shows_it_all(found):

@@ -11,7 +11,7 @@ from harness_plugins.parity.track import follow
 
 def test_the_ideal_arm_follows_exactly(robot):
     """Its track is the motion, the start included."""
-    motion = smooth_motions(robot, 0, 3, 20, 0.1)
+    motion = smooth_motions(robot, 0, 3, 20, 0.1).motions
     track = follow(IdealSimulator().open(robot, 3, 0.1), motion, 0.1)
     np.testing.assert_array_equal(track.qpos, motion)
     np.testing.assert_array_equal(track.tip, robot.end_effector(motion))
@@ -22,7 +22,7 @@ def test_a_number_that_is_not_finite_is_told(robot, toolbox):
     """With its name and the control period."""
     simulation = toolbox.exploding.open(robot, 2, 0.1)
     with pytest.raises(SimulationDiverged, match="qpos is not finite after control period 3"):
-        follow(simulation, smooth_motions(robot, 0, 2, 20, 0.1), 0.1)
+        follow(simulation, smooth_motions(robot, 0, 2, 20, 0.1).motions, 0.1)
 
 
 def test_arrays_that_the_simulation_writes_over_are_copied(robot):
@@ -37,5 +37,5 @@ def test_arrays_that_the_simulation_writes_over_are_copied(robot):
         return held
 
     simulation.state = state
-    motion = smooth_motions(robot, 0, 1, 20, 0.1)
+    motion = smooth_motions(robot, 0, 1, 20, 0.1).motions
     np.testing.assert_array_equal(follow(simulation, motion, 0.1).qpos, motion)

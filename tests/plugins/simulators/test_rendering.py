@@ -167,6 +167,6 @@ def test_macos_and_windows_choose_nothing(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.delenv("MUJOCO_GL", raising=False)
     monkeypatch.setattr(mujoco, "GLContext", fail, raising=False)
     robot = harness.load_robot("fd100")
-    renderer = Renderer(build_model(robot, 0.005, 100.0))
+    renderer = Renderer(build_model(robot, 0.005, 100.0), robot)
     with pytest.raises(UsageError, match=r"this is no Linux\): leave MUJOCO_GL unset"):
         renderer.frame(robot.home, np.zeros(3), 64, 48)
