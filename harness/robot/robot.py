@@ -40,7 +40,7 @@ from harness.robot.urdf import Joint, Urdf, parse_urdf, read_chain
 
 FEWEST_JOINTS, MOST_JOINTS = 3, 8
 SUFFIXES = (".urdf", ".xacro", ".xml", FILE)
-"""Of the names of files that describe robots: the name of no plugin ends so."""
+"""Endings of the names of files that describe robots; the name of no plugin has one."""
 FD100_REACH = 1.5413267497929588
 """Reach of the FD100, [m]. Lengths of tasks and motions were chosen for it."""
 

@@ -237,7 +237,7 @@ def test_robot_toml_wins(tmp_path: Path):
 def test_speeds_are_taken_and_told(tmp_path: Path):
     """MJCF has no place for them, but for the command of a motor that is told speeds: 2 at a gear of 4."""
     robot = read_robot(write_arm(tmp_path))
-    assert robot.max_speed.tolist() == [0.5, np.pi, 1.0, np.pi, np.pi]
+    assert robot.max_speed.tolist() == [0.5, np.pi, 0.125, np.pi, np.pi]
     assert SPEEDS in robot.warnings
 
 
