@@ -217,7 +217,7 @@ def _read_robot(path: Path, registry: Registry | None) -> Robot:
         long = _warn_of_length(urdf, chain, driven)
     limits = read_joint_limits(settings, urdf_path, driven, chain, joint_shapes, described.home)
     return Robot(
-        name=settings.text("name") or urdf_path.stem,
+        name=settings.text("name") or urdf_path.stem.removesuffix(".urdf"),
         urdf=urdf.text,
         folder=source.folder,
         end_effector_link=tip,
