@@ -58,10 +58,11 @@ def choose_home(
 
     Compared are poses in which some joints leave the middle of their ranges half way to either end, turning ones by 45
     or 90 degrees at most. The first joint stays in the middle. Agility is the tip's speed in its slowest direction when
-    the joints, in the best combination, turn with their largest speeds. Taken is the pose with the largest
-    product of agility, a factor for each joint off the middle, and the squared share of poses around it, as far away as
-    random actions lead in an episode, in which the arm is not in the ground. All this is seen in the frame of the mount,
-    whose plane counts as ground: an arm on a wall rests as it does on the floor, if the floor is far enough away.
+    the joints, in the best combination, turn with their largest speeds. The pose with the largest product is taken:
+    agility, a factor for each joint off the middle, and the square of a share. Of poses around it, as far away as
+    random actions lead in an episode, it is the share in which the arm is not in the ground. All this is seen in the
+    frame of the mount, whose plane counts as ground: an arm on a wall rests as it does on the floor, if the ground is
+    far enough away.
 
     Args:
         chain: The arm, dof joints.
