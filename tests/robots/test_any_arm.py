@@ -26,7 +26,7 @@ from tests.robot.brought_arms import ARM, BODY, changed, read_arm
 from tests.robot.test_meshes import CORNERS, collada
 
 PUBLISHED = {
-    "panda": ("franka_panda/panda.urdf", "panda_hand", 7),
+    "panda": ("franka_panda/panda.urdf", "panda_grasptarget", 7),
     "iiwa": ("kuka_iiwa/model.urdf", "lbr_iiwa_link_7", 7),
     "xarm6": ("xarm/xarm6_robot.urdf", "link6", 6),
 }
