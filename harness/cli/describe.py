@@ -36,7 +36,7 @@ def describe(
     from harness.registry.given import read_given
     from harness.registry.names import unknown_name
     from harness.registry.registry import load_registry
-    from harness.robot.robot import is_path
+    from harness.robot.robot import is_folder, is_path
 
     registry = load_registry(given=read_given(plugin))
     if name is None:
@@ -44,7 +44,7 @@ def describe(
             raise UsageError("Nothing to describe: give a name that harness list shows, or --robot and a URDF.")
         say(describe_name(registry, "robots", robot, None))
         return
-    kinds = registry.kinds_of(name.partition(":")[0]) or (["robots"] if is_path(name) else [])
+    kinds = registry.kinds_of(name.partition(":")[0]) or (["robots"] if is_path(name) or is_folder(name) else [])
     if not kinds:
         asked = parse(name)[0]
         raise UsageError(unknown_name("name", asked, registry.all_names()) + registry.not_loaded("rewards", asked))

@@ -44,7 +44,7 @@ def read_toml(path: Path, noun: str, overrides: Mapping[str, Any] = NONE) -> dic
 
 
 def _read(path: Path) -> dict[str, Any]:
-    text = read_text(path, MOST_BYTES)
+    text = read_text(path, MOST_BYTES).removeprefix("\ufeff")  # a mark that some editors write before all else
     too_deep = ValueError(f"its tables are nested too deeply, {MOST_DEPTH} within one another are allowed")
     if _DEEP_KEY.search(text):
         raise too_deep

@@ -40,7 +40,12 @@ def locate(name: str, folder: Path, place: str) -> Path:
     """
     if is_installed(name) and not os.path.exists(folder / name):  # no error, whatever the name
         return find_installed(name, place)
-    return folder / (Path(name).expanduser() if name.startswith("~/") else name)
+    return folder / expanded(name)
+
+
+def expanded(name: str) -> Path:
+    """A path that may begin at the user's home."""
+    return Path(name).expanduser() if name == "~" or name.startswith("~/") else Path(name)
 
 
 def find_installed(name: str, place: str = "") -> Path:

@@ -40,7 +40,7 @@ from harness.robot.urdf import Joint, Urdf, parse_urdf, read_chain
 
 FEWEST_JOINTS, MOST_JOINTS = 3, 8
 SUFFIXES = (".urdf", ".xacro", ".xml", FILE)
-"""Of the names of files that describe robots: the name of no plugin ends so."""
+"""Endings of the files that describe robots; the name of no plugin has one."""
 FD100_REACH = 1.5413267497929588
 """Reach of the FD100, [m]. Lengths of tasks and motions were chosen for it."""
 
@@ -217,7 +217,7 @@ def _read_robot(path: Path, registry: Registry | None) -> Robot:
         long = _warn_of_length(urdf, chain, driven)
     limits = read_joint_limits(settings, urdf_path, driven, chain, joint_shapes, described.home)
     return Robot(
-        name=settings.text("name") or urdf_path.stem,
+        name=settings.text("name") or urdf_path.stem.removesuffix(".urdf"),
         urdf=urdf.text,
         folder=source.folder,
         end_effector_link=tip,
@@ -238,7 +238,7 @@ def _read_robot(path: Path, registry: Registry | None) -> Robot:
             *long,
             *warn_of_speeds(driven, limits.max_speed),
             *_warn_of_lacking_speeds(settings, driven, described),
-            *_warn_of_jaw(settings, given, chain, joints),
+            *_warn_of_jaw(settings, given, joints),
         ),
     )
 
@@ -257,9 +257,10 @@ def _warn_of_lacking_speeds(settings: RobotSettings, driven: Sequence[Joint], de
     return [described.speeds] if described.speeds and None in settings.values("max_speed", driven) else []
 
 
-def _warn_of_jaw(settings: RobotSettings, urdf: Urdf, chain: Chain, joints: Sequence[Joint]) -> list[str]:
-    is_named = {"end_effector", CHAIN, TOOL} & settings.entries.keys()
-    jaw = None if is_named else find_jaw(urdf, chain, joints)
+def _warn_of_jaw(settings: RobotSettings, urdf: Urdf, joints: Sequence[Joint]) -> list[str]:
+    is_named = {"end_effector", CHAIN} & settings.entries.keys()
+    own = joints[:-1] if TOOL in settings.entries else joints  # a tool is fixed to what the URDF alone ends at
+    jaw = None if is_named else find_jaw(urdf, build_chain(own), own)
     return [] if jaw is None else [jaw.warning(settings.to_write)]
 
 
@@ -306,7 +307,7 @@ def load_robot(name_or_path: str | Path, registry: Registry | None = None) -> Ro
     """A registered robot, or the one that a path leads to.
 
     Args:
-        name_or_path: ``fd100``; or a path as `read_robot` takes it.
+        name_or_path: ``fd100``; or a path as `read_robot` takes it, be it the bare name of a folder.
         registry: The plugins; loaded if None.
 
     Raises:
@@ -316,10 +317,18 @@ def load_robot(name_or_path: str | Path, registry: Registry | None = None) -> Ro
     if is_path(name_or_path) and (os.path.exists(text) or is_installed(text)):  # no error, whatever the text
         return read_robot(Path(text), registry)
     plugins = registry or load_registry()
-    if is_path(name_or_path) and "robots" not in plugins.kinds_of(text):  # a qualified name looks like a path
+    is_name = "robots" in plugins.kinds_of(text)  # a qualified name looks like a path
+    if is_folder(text) and not is_name:
+        return read_robot(Path(text), plugins)
+    if is_path(name_or_path) and not is_name:
         raise UsageError(f"No robot at '{text}': name a URDF, a folder that holds robot.toml, or a registered robot")
     folder: Path = plugins.get("robots", text).load()
     return read_robot(folder, registry)
+
+
+def is_folder(robot: str) -> bool:
+    """Whether a text leads to a folder with a robot.toml; one in the working directory has a name without a slash."""
+    return os.path.isfile(os.path.join(robot, FILE))
 
 
 def is_path(robot: str | Path) -> bool:

@@ -12,7 +12,7 @@ from harness.errors import UsageError
 from harness.files.bounded import read_bytes, read_text
 from harness.registry.registry import Registry, load_registry
 from harness.robot.description import Description, read_description
-from harness.robot.packages import find_installed, is_installed, locate
+from harness.robot.packages import expanded, find_installed, is_installed, locate
 from harness.robot.settings import ARGUMENTS, FILE, RobotSettings, read_settings
 
 MOST_BYTES = 4 * 2**20
@@ -104,7 +104,7 @@ def _find_beside(path: Path) -> tuple[RobotSettings, Path]:
     if beside.is_file():
         settings = read_settings(beside)
         named = settings.text("urdf")
-        if named is None or os.path.realpath(beside.parent / named) == os.path.realpath(path):
+        if named is None or os.path.realpath(beside.parent / expanded(named)) == os.path.realpath(path):
             return settings, path
     return RobotSettings(beside), path
 

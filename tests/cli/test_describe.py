@@ -102,6 +102,16 @@ def test_robot_of_a_path_is_described(harness, tmp_path):
     assert re.search(r"home: +robot\.toml", harness("describe", "unity-arm").out)
 
 
+def test_a_folder_beside_needs_no_slash(harness, tmp_path, monkeypatch):
+    """As for `harness run`; a registered robot of that name comes first."""
+    for name in ("my arm", "unity-arm"):
+        shutil.copytree(Path(harness_robots.FD100), tmp_path / name)
+    monkeypatch.chdir(tmp_path)
+    assert "robot fd100: 6 joints" in harness("describe", "my arm").out
+    assert "robot fd100: 6 joints" in harness("describe", "--robot", "my arm").out
+    assert "robot unity-arm: 5 joints" in harness("describe", "unity-arm").out
+
+
 def test_robot_alone_is_described_itself(harness, tmp_path):
     """`--robot FILE` is as good as `FILE`; nothing at all is answered with what to give."""
     shutil.copy(Path(harness_robots.UNITY_ARM, "unity_arm.urdf"), tmp_path / "mine.urdf")
@@ -153,7 +163,8 @@ def test_speeds_that_are_missing_are_told_whole(harness, tmp_path):
     [
         (None, "No robot at"),
         ("<robot", "The URDF is not well-formed XML"),
-        ("<mujoco/>", "The outermost element is <mujoco>, a URDF's is <robot>"),
+        ("<mujoco/>", "Nothing in it turns or slides by a joint. Give the MJCF of an arm"),
+        ("<machine/>", "The outermost element is <machine>, a URDF's is <robot>"),
     ],
 )
 def test_what_is_no_urdf_is_refused(harness, tmp_path, text, message):

@@ -44,6 +44,15 @@ def test_who_names_the_end_effector_is_believed(tmp_path: Path):
     assert read_arm(tmp_path, JAW, 'end_effector = "jaw"').warnings == ()
 
 
+def test_a_tool_at_a_jaw_is_told(tmp_path: Path):
+    """Who adds a tool has not said that the jaw carries it; what the warning says to write moves it to the palm."""
+    tool = 'tool = { xyz_m = [0.05, 0, 0.1], name = "pen" }'
+    (warning,) = read_arm(tmp_path, JAW, tool).warnings
+    assert "'jaw', is moved by 'gripper'" in warning
+    robot = read_arm(tmp_path, JAW, f"{warning.rpartition('robot.toml: ')[2]}\n{tool}")
+    assert (robot.dof, robot.end_effector_link, robot.warnings) == (4, "pen", ())
+
+
 @pytest.mark.parametrize(
     ("joint", "kind", "beside", "palm"),
     [

@@ -216,6 +216,19 @@ def test_file_of_another_urdf_is_not_taken(tmp_path: Path):
         read_robot(tmp_path / "other.urdf")
 
 
+def test_file_that_names_its_urdf_from_home_is_taken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Beside the URDF as from elsewhere."""
+    monkeypatch.setenv("HOME", str(tmp_path.parent))
+    _write(tmp_path, toml=f'urdf = "~/{tmp_path.name}/arm.urdf"\nname = "mine"\n')
+    assert read_robot(tmp_path / "arm.urdf").name == read_robot(tmp_path).name == "mine"
+
+
+def test_file_with_a_mark_of_its_encoding_is_read(tmp_path: Path):
+    """Programs on Windows write one before the first line."""
+    _write(tmp_path, toml='\ufeffname = "mine"\n')
+    assert read_robot(tmp_path / "arm.urdf").name == "mine"
+
+
 def test_meshes_start_at_the_folder_of_the_urdf(tmp_path: Path):
     """A missing mesh is answered with the URDF, the link, the name and the place."""
     mesh = '<collision><geometry><mesh filename="tip.stl"/></geometry></collision>'
