@@ -29,6 +29,7 @@ def file_of_arm(robot: Robot, *, is_drawn: bool = False) -> Iterator[Path]:
         is_drawn: Whether its drawings stay in it.
     """
     urdf = ElementTree.fromstring(robot.urdf)
+    ElementTree.indent(urdf)  # Bullet breaks lines at 8,191 characters, within names too
     with tempfile.TemporaryDirectory() as folder:
         for link in urdf.iter("link"):
             for visual in link.findall("visual"):
