@@ -94,14 +94,15 @@ def _measure(row: Row, arm: Mapping[str, Any], folder: Path) -> Row:
 
 
 def _harness(command: str, options: str, folder: Path, out: Path | None) -> tuple[dict[str, Any], str]:
-    """What a command says in JSON, and the last lines of its errors."""
+    """What a command says in JSON, and what it says went wrong."""
     where = ["--sim", ",".join(SIMULATORS), "--robot", str(folder), *(["--out", str(out), "--quiet"] if out else [])]
     words = [sys.executable, "-m", "harness", command, *options.split(), *where, "--json"]
     done = subprocess.run(words, capture_output=True, text=True, check=False)
-    last = "; ".join(done.stderr.strip().splitlines()[-3:]) if done.returncode else ""
-    if "Traceback" in done.stderr:
-        last = f"TRACEBACK {last}"
-    return (json.loads(done.stdout) if done.stdout.lstrip().startswith("{") else {}), last
+    said = json.loads(done.stdout) if done.stdout.lstrip().startswith("{") else {}
+    wrong = [line.removeprefix("harness: ") for line in done.stderr.splitlines() if line.startswith("harness: ")]
+    wrong += [cell["reason"] for cell in said.get("cells", []) if cell["status"] != "done"]
+    wrong += ["TRACEBACK"] * ("Traceback" in done.stderr)
+    return said, " ".join(wrong) if done.returncode else ""
 
 
 def robot_toml(arm: Mapping[str, Any]) -> str:

@@ -39,7 +39,7 @@ SECTOR = math.cos(math.radians(45.0))
 """It is before the mount if its direction is within 45 degrees of the x axis."""
 DRIFT = 0.9
 """How far random actions take a joint from where an episode starts, in seconds at its largest speed."""
-DRIFTS = 24
+DRIFTS = 48
 """Poses around each one for which it is seen whether the arm is in the ground."""
 STILL = 1e-6
 """An end effector this near to the last joint's axis does not move with it, [m]."""
@@ -58,10 +58,11 @@ def choose_home(
 
     Compared are poses in which some joints leave the middle of their ranges half way to either end, turning ones by 45
     or 90 degrees at most. The first joint stays in the middle. Agility is the tip's speed in its slowest direction when
-    the joints, in the best combination, turn with their largest speeds. A pose's merit is its agility times the share
-    of poses around it, as far away as random actions lead in an episode, in which the arm is not in the ground. Of
-    those nearly as good as the best the simplest is taken. All this is seen in the frame of the mount, whose plane
-    counts as ground: an arm on a wall rests as it does on the floor, if the floor is far enough away.
+    the joints, in the best combination, turn with their largest speeds. The pose with the largest product is taken:
+    agility, a factor for each joint off the middle, and the square of a share. Of poses around it, as far away as
+    random actions lead in an episode, it is the share in which the arm is not in the ground. All this is seen in the
+    frame of the mount, whose plane counts as ground: an arm on a wall rests as it does on the floor, if the ground is
+    far enough away.
 
     Args:
         chain: The arm, dof joints.
@@ -91,7 +92,8 @@ def choose_home(
         needed = [_needed_heights(_heights(it, solids, poses[bent <= 1]), CLEARANCE * length) for it in planes]
         for level in _levels(rank, merit):
             around = _drifted(poses[level], lower, upper, max_speed)
-            safe = (merit[level] * _share_above(planes, rough, around)).round(9)
+            # Squared: an episode passes several such poses, and one in the ground ends it.
+            safe = (merit[level] * _share_above(planes, rough, around) ** 2).round(9)
             best_first = level[np.lexsort((-forward[level], -safe))]
             for start in range(0, len(level), AT_ONCE):
                 few = best_first[start : start + AT_ONCE]

@@ -40,7 +40,7 @@ from harness.robot.urdf import Joint, Urdf, parse_urdf, read_chain
 
 FEWEST_JOINTS, MOST_JOINTS = 3, 8
 SUFFIXES = (".urdf", ".xacro", ".xml", FILE)
-"""Of the names of files that describe robots: the name of no plugin ends so."""
+"""Endings of the files that describe robots; the name of no plugin has one."""
 FD100_REACH = 1.5413267497929588
 """Reach of the FD100, [m]. Lengths of tasks and motions were chosen for it."""
 
@@ -217,7 +217,7 @@ def _read_robot(path: Path, registry: Registry | None) -> Robot:
         long = _warn_of_length(urdf, chain, driven)
     limits = read_joint_limits(settings, urdf_path, driven, chain, joint_shapes, described.home)
     return Robot(
-        name=settings.text("name") or urdf_path.stem,
+        name=settings.text("name") or urdf_path.stem.removesuffix(".urdf"),
         urdf=urdf.text,
         folder=source.folder,
         end_effector_link=tip,

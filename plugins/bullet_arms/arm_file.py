@@ -29,6 +29,7 @@ def file_of_arm(robot: Robot, *, is_drawn: bool = False) -> Iterator[Path]:
         is_drawn: Whether its drawings stay in it.
     """
     urdf = ElementTree.fromstring(robot.urdf)
+    ElementTree.indent(urdf)  # Bullet breaks lines at 8,191 characters, within names too
     with tempfile.TemporaryDirectory() as folder:
         for link in urdf.iter("link"):
             for visual in link.findall("visual"):
@@ -66,6 +67,9 @@ def _write_stl(corners: Float, folder: Path) -> str:
     """Write triangles, (count, 3, 3), [m], as a new binary STL; its path."""
     triangles = np.zeros(len(corners), TRIANGLE)
     triangles["corners"] = corners
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    # Bullet draws what has no normals black.
+    triangles["normal"] = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
     path, count = folder / f"{len(list(folder.iterdir()))}.stl", len(corners).to_bytes(4, "little")
     path.write_bytes(bytes(HEADER - len(count)) + count + triangles.tobytes())
     return str(path)

@@ -26,8 +26,8 @@ from harness.robot.meshes import is_readable
 FASTEST = 100.0
 """The speed of every joint in the URDF, [rad/s] or [m/s]: more than any arm has, as MJCF names none."""
 SPEEDS = (
-    "an MJCF has no place for the largest speeds of joints: 180 deg/s and 1 m/s are taken. Write the arm's own into a "
-    "robot.toml beside it: max_speed_deg_s, max_speed_m_s"
+    "an MJCF has no place for the largest speeds of joints: 180 deg/s is taken, and half its range a second for a "
+    "slide. Write the arm's own into a robot.toml: max_speed_deg_s, max_speed_m_s"
 )
 SITE = re.compile(r"attachment|" + TOOL.pattern, re.IGNORECASE)
 """In the name of a site: it is where a tool is held, or works."""

@@ -91,7 +91,7 @@ def unknown_arguments_are_refused(form: DescriptionFormat, folder: Path) -> None
 
 @check("description-writes-nothing")
 def nothing_is_written(form: DescriptionFormat, folder: Path) -> None:
-    """`read` writes no file."""
+    """`read` leaves the folder of its file as it is: it writes nothing there."""
     path = _example(form, folder)
     before = {file: file.stat().st_mtime_ns for file in folder.rglob("*")}
     _read(form, path)

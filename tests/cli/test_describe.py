@@ -163,7 +163,8 @@ def test_speeds_that_are_missing_are_told_whole(harness, tmp_path):
     [
         (None, "No robot at"),
         ("<robot", "The URDF is not well-formed XML"),
-        ("<scene/>", "The outermost element is <scene>, a URDF's is <robot>"),
+        ("<mujoco/>", "Nothing in it turns or slides by a joint. Give the MJCF of an arm"),
+        ("<machine/>", "The outermost element is <machine>, a URDF's is <robot>"),
     ],
 )
 def test_what_is_no_urdf_is_refused(harness, tmp_path, text, message):

@@ -316,3 +316,24 @@ def test_only_what_is_empty_runs_nothing(harness, quick, tmp_path):
     answer = harness("run", *quick, "--only", "", "--out", "mine")
     assert (answer.status, answer.out, answer.err.count("\n")) == (2, "", 1)
     assert not (tmp_path / "mine").exists()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "base",
+    ["xyz_m = [0, 0, 1.2], rpy_deg = [0, 90, 0]", "xyz_m = [0, 0, 2], rpy_deg = [180, 0, 0]", "xyz_m = [0, 0, 0.75]"],
+    ids=["wall", "ceiling", "table"],
+)
+def test_an_arm_on_its_mount_is_trained_without_another_flag(harness, tmp_path, base, monkeypatch):
+    """By a robot.toml of three lines, in every simulator; from another folder nothing is done again."""
+    (tmp_path / "arm").mkdir()
+    lines = ['name = "iiwa"', 'urdf = "pybullet_data:kuka_iiwa/model.urdf"', f"base = {{ {base} }}"]
+    (tmp_path / "arm" / "robot.toml").write_text("\n".join(lines))
+    flags = ("--sim", "kinematic,mujoco,pybullet", "--algo", "sac", "--steps", "300", "--seeds", "1")
+    assert harness("run", *flags, "--robot", "arm/", "--out", "mine").status == 0
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    answer = harness("run", "../mine/experiment.toml", "--out", "../mine")
+    assert answer.status == 0
+    assert "started" not in answer.err
+    assert len(list((tmp_path / "mine" / "cells").iterdir())) == 6

@@ -347,6 +347,7 @@ def test_robot_is_given_by_its_full_path(toys: Registry, tmp_path: Path, monkeyp
         ("../arm", str(tmp_path / "arm")),
         ("../arm/unity_arm.urdf", str(tmp_path / "arm" / "unity_arm.urdf")),
         ("../linked.urdf", str(tmp_path / "linked.urdf")),
+        ("harness_robots:unity_arm/unity_arm.urdf", "harness_robots:unity_arm/unity_arm.urdf"),
     ]:
         assert _plan(toys, robot=given).cells[0].robot == full
 

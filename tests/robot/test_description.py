@@ -8,7 +8,7 @@ import pytest
 from harness.errors import PluginError, UsageError
 from harness.registry.registry import Registry
 from harness.registry.spec import Spec
-from harness.robot.robot import load_robot, read_robot
+from harness.robot.robot import is_path, load_robot, read_robot
 from tests.contracts.test_description_mutants import Sound
 from tests.robot.brought_arms import ARM, read_arm
 
@@ -109,3 +109,8 @@ def test_a_urdf_takes_no_arguments(tmp_path: Path):
     """They would change nothing, and silently."""
     with pytest.raises(UsageError, match=r"arguments are given, and arm\.urdf is a URDF, which takes none"):
         read_arm(tmp_path, ARM, 'arguments = { a = "1" }\n')
+
+
+def test_a_path_is_known_by_its_ending():
+    """Without a slash too: no plugin is called so."""
+    assert [is_path(name) for name in ("arm.xml", "arm.urdf.xacro", "arm.urdf", "fd100")] == [True, True, True, False]

@@ -26,7 +26,7 @@ from tests.robot.brought_arms import ARM, BODY, changed, read_arm
 from tests.robot.test_meshes import CORNERS, collada
 
 PUBLISHED = {
-    "panda": ("franka_panda/panda.urdf", "panda_hand", 7),
+    "panda": ("franka_panda/panda.urdf", "panda_grasptarget", 7),
     "iiwa": ("kuka_iiwa/model.urdf", "lbr_iiwa_link_7", 7),
     "xarm6": ("xarm/xarm6_robot.urdf", "link6", 6),
 }
@@ -102,7 +102,7 @@ def bullet() -> Iterator[int]:
 
 @pytest.mark.parametrize("name", PUBLISHED)
 def test_end_effector_and_joints_of_a_published_arm(name: str):
-    """The end is the flange, or the hand where fingers begin; fingers are no joints of the arm."""
+    """The end is the flange, or the tool's frame on the hand; fingers are no joints of the arm."""
     robot = published(name)
     assert (robot.end_effector_link, robot.dof) == PUBLISHED[name][1:]
     assert not robot.chain.slides.any()

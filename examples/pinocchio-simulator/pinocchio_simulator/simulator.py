@@ -11,8 +11,7 @@ from pydantic import Field
 from harness.arrays import Float, Mask
 from harness.authoring import GroundContact, Substeps
 from harness.robot import Robot
-from harness.scene.picture import draw_still
-from harness.scene.scene import scene_of
+from harness.scene.picture import StillFrames
 from harness.simulator import State
 
 
@@ -36,7 +35,7 @@ class PinocchioSimulation:
     """See `harness.simulator.Simulation`."""
 
     def __init__(self, settings: Pinocchio, robot: Robot, num_envs: int, control_period: float) -> None:
-        self._robot, self._w = robot, settings.bandwidth
+        self._robot, self._w, self._frames = robot, settings.bandwidth, StillFrames(robot)
         self._substeps = Substeps(settings.substeps, control_period)
         self._model = pinocchio.buildModelFromXML(robot.urdf)
         self._data = self._model.createData()  # holds nothing from one call to the next
@@ -69,7 +68,7 @@ class PinocchioSimulation:
 
     def render(self, env: int, target: Float, width: int, height: int) -> NDArray[np.uint8]:
         """See `harness.simulator.Simulation`; drawn without an engine."""
-        return np.array(draw_still(scene_of(self._robot), self._qpos[env], target, width, height))
+        return self._frames.frame(self._qpos[env], target, width, height)
 
     def close(self) -> None:
         """Does nothing: Python frees what pinocchio holds."""

@@ -237,7 +237,7 @@ def test_robot_toml_wins(tmp_path: Path):
 def test_speeds_are_taken_and_told(tmp_path: Path):
     """MJCF has no place for them, but for the command of a motor that is told speeds: 2 at a gear of 4."""
     robot = read_robot(write_arm(tmp_path))
-    assert robot.max_speed.tolist() == [0.5, np.pi, 1.0, np.pi, np.pi]
+    assert robot.max_speed.tolist() == [0.5, np.pi, 0.125, np.pi, np.pi]
     assert SPEEDS in robot.warnings
 
 
@@ -258,6 +258,17 @@ def test_fixed_objects_are_left_out_too(tmp_path: Path):
             write_arm(tmp_path, SIMPLE.replace('<key name="home" qpos="0.5 0 0.1 1 0 0 0 ', '<key name="home" qpos="'))
         ).urdf
     )
+
+
+def test_objects_that_float_are_left_out_with_their_joints(tmp_path: Path):
+    """A box with a lid is no second arm."""
+    lid = '<body name="lid"><joint/><geom size="0.01"/></body>'
+    text = (
+        ARM[: ARM.index("<keyframe>")].replace('size="0.02 0.02 0.02"/>', f'size="0.02 0.02 0.02"/>{lid}') + "</mujoco>"
+    )
+    robot = read_robot(write_arm(tmp_path, text))
+    assert robot.joint_names[0] == "pan"
+    assert 'name="lid"' not in robot.urdf
 
 
 def test_an_arm_that_floats_is_fixed_where_it_begins(tmp_path: Path):

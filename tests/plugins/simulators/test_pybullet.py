@@ -19,7 +19,7 @@ from harness.robot import Robot
 from harness.robot.normal_urdf import normal_urdf
 from harness.robot.urdf import parse_urdf
 from harness_plugins.bullet_arms import Clients, FreeArm, arm as bullet_arm, exact_timestep, file_of_arm
-from tests.robot.brought_arms import changed, read_arm
+from tests.robot.brought_arms import ARM, changed, read_arm
 
 Call = Callable[..., Any]
 
@@ -272,3 +272,12 @@ def test_simulation_that_nothing_holds_is_closed(open_arms: Call):
     (client,) = simulation._frames.numbers
     del simulation
     assert not pybullet.isConnected(physicsClientId=client)
+
+
+def test_bullet_is_given_short_lines(tmp_path: Path):
+    """It breaks lines at 8,191 characters, within a name too, and then refuses the arm: xacro writes one line."""
+    more = "".join(f'<transmission name="t{number}"><type>simple</type></transmission>' for number in range(200))
+    text = ARM.replace("\n", " ").replace("</robot>", f"{more}</robot>")
+    with file_of_arm(read_arm(tmp_path, text)) as path:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    assert sum(map(len, lines)) > 8191 > max(map(len, lines))

@@ -141,6 +141,17 @@ def test_a_drawing_that_bullet_cannot_read_is_left_out(tmp_path: Path, open_arms
     assert simulation.render(0, np.zeros(3), 32, 24).shape == (24, 32, 3)
 
 
+def test_a_drawing_has_light_and_shade(tmp_path: Path, open_arms: Call):
+    """An STL of which Bullet is told no normals would be black, whatever its colour."""
+    (tmp_path / "text.stl").write_bytes(MESHES["text.stl"])
+    (tmp_path / "big.stl").write_bytes(text_stl(3.0 * CORNERS))
+    red = '<material name="red"><color rgba="1 0 0 1"/></material>'
+    visual = f'<visual><geometry><mesh filename="big.stl"/></geometry>{red}</visual>'
+    frame = open_arms(arm(tmp_path, "text.stl", visual=visual)).render(0, np.full(3, 99.0), 80, 60).astype(int)
+    assert (frame[..., 0] > frame[..., 1] + 60).any()
+    assert not (frame.max(axis=2) < 20).any()
+
+
 def test_a_drawing_in_a_text_stl_is_drawn(tmp_path: Path, open_arms: Call):
     """A frame with the drawing differs from one of the solid alone, which is drawn where a link has no drawing."""
     (tmp_path / "text.stl").write_bytes(MESHES["text.stl"])
