@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import fields
+from functools import lru_cache
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -20,7 +21,7 @@ from harness.motion import Motion, Setting, build_motion
 from harness.reward import LARGEST_FACTOR
 from harness.robot import Robot
 from harness.robot.inverse_kinematics import reach_position
-from harness.robot.kinematics import end_effector_position, in_mount
+from harness.robot.kinematics import end_effector_position, in_mount, read_only
 from harness.robot.robot import FD100_REACH
 from harness.task import LONGEST_EPISODE, Targets, goal_of
 
@@ -40,6 +41,10 @@ NOT_BEFORE = 0.1
 """A home that is nearer to its first joint, seen from above the mount, has no side; as a share of the reach."""
 ABOVE_GROUND = 0.05
 """How far the lowest targets are above the ground at least, as a share of the reach."""
+PROBES, LEAST_REACHED = 64, 0.3
+"""Points of a box that tell how much of it an arm reaches, and the share of them that is enough."""
+NEAR, PLACES, MOST_OF_THEM = 0.25, 1_024, 0.1
+"""Poses near home: within 45 degrees, or a quarter of a slide's range; and the share left out on every side of them."""
 
 START_NOISE = (
     "largest distance of a joint from the robot's home pose at the start, +- [rad]; of a sliding joint as large a "
@@ -117,8 +122,7 @@ class ReachTask(Conditions):
 
     def target_box(self, robot: Robot) -> tuple[Float, Float]:
         """Centre and half edges of the box of targets, (3,) both, [m]."""
-        center, half = place_box(robot, FD100_CENTER, FD100_HALF_EXTENT)
-        center[2] = max(center[2], half[2] + ABOVE_GROUND * robot.reach)
+        center, half = default_box(robot)
         center = center if self.target_center is None else np.array(self.target_center)
         half = half if self.target_half_extent is None else np.array(self.target_half_extent)
         return center, half
@@ -204,6 +208,30 @@ class ReachTask(Conditions):
 def _scaled(length: Any, robot: Robot) -> Any:
     """A length, or several, that were chosen for the FD100, for another arm."""
     return tuple(map(robot.scaled, length)) if isinstance(length, tuple) else robot.scaled(length)
+
+
+@lru_cache(maxsize=16)
+def default_box(robot: Robot) -> tuple[Float, Float]:
+    """The FD100's box for another arm, or a box of its own where it reaches next to nothing of that.
+
+    Returns:
+        Centre and half edges in the world, (3,) both, read-only, [m].
+    """
+    center, half = place_box(robot, FD100_CENTER, FD100_HALF_EXTENT)
+    center[2] = max(center[2], half[2] + ABOVE_GROUND * robot.reach)
+    drawn = center + np.random.default_rng(0).uniform(-1.0, 1.0, (PROBES, 3)) * half
+    _, reached = reach_position(robot, drawn, np.tile(robot.home, (PROBES, 1)))
+    center, half = (center, half) if reached.mean() >= LEAST_REACHED else _box_around_home(robot)
+    return read_only(center), read_only(half)
+
+
+def _box_around_home(robot: Robot) -> tuple[Float, Float]:
+    """The box of most places of the end effector over the ground near home; see `NEAR`."""
+    near = np.where(robot.chain.slides, NEAR * (robot.upper - robot.lower), NEAR * math.pi)
+    poses = robot.home + np.random.default_rng(0).uniform(-1.0, 1.0, (PLACES, robot.dof)) * near
+    tips = robot.end_effector(np.clip(poses, robot.lower, robot.upper))
+    low, high = np.quantile(tips[tips[:, 2] > ABOVE_GROUND * robot.reach], (MOST_OF_THEM, 1.0 - MOST_OF_THEM), axis=0)
+    return (low + high) / 2.0, (high - low) / 2.0
 
 
 def place_box(robot: Robot, center: Float, half_extent: Float) -> tuple[Float, Float]:

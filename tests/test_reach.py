@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 import harness
 from harness.errors import UsageError
-from harness.reach import FD100_MOUNT, ReachTask, way_to_mount
+from harness.reach import FD100_CENTER, FD100_HALF_EXTENT, FD100_MOUNT, ReachTask, place_box, way_to_mount
 from harness.robot import Robot
 from harness.robot.inverse_kinematics import reach_position
 from harness.robot.robot import read_robot
@@ -136,6 +136,33 @@ def test_box_follows_any_mount(rotvec: tuple[float, ...], xyz: tuple[float, ...]
     np.testing.assert_allclose(np.abs(corners @ mount[:3, :3].T).max(axis=0), around, atol=1e-9)
 
 
+TELESCOPE = [
+    '<joint name="lift" type="prismatic"><parent link="base"/><child link="l1"/><origin xyz="0 0 0.2"/>'
+    '<axis xyz="0 0 1"/><limit lower="0" upper="1.1" velocity="0.2" effort="1"/></joint>',
+    '<joint name="arm" type="prismatic"><parent link="l1"/><child link="l2"/><origin xyz="0 -0.2 0"/>'
+    '<axis xyz="0 -1 0"/><limit lower="0" upper="0.5" velocity="0.2" effort="1"/></joint>',
+    '<joint name="wrist" type="revolute"><parent link="l2"/><child link="tip"/><axis xyz="0 0 1"/>'
+    '<limit lower="-1.5" upper="3" velocity="2" effort="1"/></joint>',
+    '<joint name="tool" type="fixed"><parent link="tip"/><child link="grasp"/><origin xyz="0 -0.2 0"/></joint>',
+]
+"""A mast that an arm rises on, which slides out to its side, as of a robot that drives."""
+
+
+def test_an_arm_that_cannot_reach_the_box_has_one_of_its_own(tmp_path: Path):
+    """Its reach is mostly the mast: a box scaled by it lies where it cannot be. Its own lies around its home."""
+    links = "".join(f'<link name="{name}"/>' for name in ("base", "l1", "l2", "tip", "grasp"))
+    (tmp_path / "arm.urdf").write_text(f'<robot name="a">{links}{"".join(TELESCOPE)}</robot>')
+    arm = read_robot(tmp_path / "arm.urdf")
+    draw, half_edges = np.random.default_rng(1), ReachTask().target_box(arm)[1]
+    shares = []
+    for center, half in (place_box(arm, FD100_CENTER, FD100_HALF_EXTENT), ReachTask().target_box(arm)):
+        points = center + draw.uniform(-1.0, 1.0, (200, 3)) * half
+        shares.append(reach_position(arm, points, np.tile(arm.home, (200, 1)))[1].mean())
+    assert shares[0] < 0.3
+    assert shares[1] > 0.8
+    assert half_edges.max() > 0.05 * arm.reach
+
+
 def test_box_is_above_the_ground():
     """Before a wall that the arm hangs on half a metre high, the box would be in the ground."""
     mount = pose(Rotation.from_euler("y", 90, degrees=True), 0.0, 0.0, 0.5)
@@ -150,7 +177,7 @@ def test_box_is_on_the_side_where_the_arm_is_at_home():
         home = ROBOT.home.copy()
         home[0] = math.radians(degrees)
         turn = Rotation.from_euler("z", 90 * quarter, degrees=True).as_matrix()
-        moved, turned_half = ReachTask().target_box(replace(ROBOT, home=home))
+        moved, turned_half = place_box(replace(ROBOT, home=home), FD100_CENTER, FD100_HALF_EXTENT)
         np.testing.assert_allclose(moved, turn @ center, atol=1e-12)
         np.testing.assert_allclose(turned_half, np.abs(turn) @ half, atol=1e-12)
 

@@ -29,6 +29,8 @@ NO_MASS = 1e-6
 """The mass of a link without one, [kg]; what has no more is a frame of somebody's exporter."""
 SMALLEST_MOMENT = 1e-9
 """[kg m^2]."""
+LEAST_MOMENT = 1e-12
+"""A principal moment that is no larger counts as 0, [kg m^2]: MuJoCo takes it for rounding."""
 ROUNDING = 1e-3
 """The rounding of the moments in a URDF, as a share of them."""
 UNUSED = ("limit", "dynamics", "safety_controller", "calibration")
@@ -109,7 +111,7 @@ class _Told:
 
     Attributes:
         massless: Links that move, have a shape, and have no mass, nor have those that are fixed to them.
-        no_moment: Links that move and have a principal moment of inertia of 0 or less.
+        no_moment: Links that move and have a principal moment of inertia of `LEAST_MOMENT` or less.
         no_triangle: Links that move and have one that is larger than the two others together.
         unread: Formats of drawings that are left out, whose reader is not installed; each as often as there are some.
         undrawn: Why each other drawing is left out.
@@ -286,13 +288,13 @@ def _settle_inertia(link: Element, moves: bool, is_on_solid: bool, told: _Told) 
         return
     ixx, iyy, izz, ixy, ixz, iyz = moments
     low, middle, high = np.linalg.eigvalsh([[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]])
-    if low > 0.0 and high <= (low + middle) * (1.0 + ROUNDING):
+    if low > LEAST_MOMENT and high <= (low + middle) * (1.0 + ROUNDING):
         return
     mean = max((ixx + iyy + izz) / 3.0, SMALLEST_MOMENT)
     for name, moment in zip(MOMENTS, [mean, mean, mean, 0.0, 0.0, 0.0], strict=True):
         cast(Element, link.find("inertial/inertia")).set(name, repr(float(moment)))
     if told_of:
-        (told.no_moment if low <= 0.0 else told.no_triangle).append(link.get("name", ""))
+        (told.no_moment if low <= LEAST_MOMENT else told.no_triangle).append(link.get("name", ""))
 
 
 def _number(link: Element, inertial: Element, tag: str, attribute: str) -> float:

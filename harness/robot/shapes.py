@@ -32,6 +32,8 @@ SIZES: Mapping[ShapeKind, tuple[tuple[str, int], ...]] = {
 
 TOO_LONG = 30.0
 """A mesh that is longer than the arm's reach by this factor is in another unit than metres."""
+FLAT, SHEET = 1e-6, 1e-3
+"""Points that are nearer than this to a plane lie in it, and how thick a hull of such points is made, [m]."""
 NO_POINTS = read_only(np.empty((0, 3)))
 
 
@@ -153,6 +155,8 @@ def _read_shape(collision: Element, owner: str) -> Shape:
 def read_points(mesh: Element, owner: str) -> Float:
     """The points of a <mesh> that collides, scaled, (count, 3), [m], read-only; what collides is their convex hull.
 
+    A flat one, such as a marker's plate, gets the thickness `SHEET`: engines need a hull that holds something.
+
     Args:
         mesh: The element, with the path of its file.
         owner: What an error begins with, as ``Link 'hand'``.
@@ -164,7 +168,16 @@ def read_points(mesh: Element, owner: str) -> Float:
         points, _ = distinct(read_mesh(Path(mesh.get("filename", ""))).vertices)
     except UsageError as error:
         raise UsageError(f"{owner} has a collision mesh: {error}") from error
-    return read_only(points * read_scale(mesh, owner))
+    return read_only(_thickened(points * read_scale(mesh, owner)))
+
+
+def _thickened(points: Float) -> Float:
+    """The points, or, where they lie in a plane or on a line, twice as many on both sides of it."""
+    centered = points - points.mean(axis=0)
+    for normal in np.linalg.eigh(centered.T @ centered)[1].T:
+        if np.ptp(centered @ normal) <= FLAT:
+            points = np.concatenate([points + SHEET / 2.0 * normal, points - SHEET / 2.0 * normal])
+    return points
 
 
 def read_scale(mesh: Element, owner: str) -> Float:

@@ -11,6 +11,7 @@ from harness.authoring.substeps import Substeps
 from harness.robot import Robot
 from harness.simulator import State
 
+from .free_arm import scale_masses, share_of
 from .world import (
     BASE,
     LOAD_FLAGS,
@@ -99,12 +100,16 @@ def needed_iterations(client: int, body: int, robot: Robot) -> int:
     by a heavy one, as in arms of a few grams. With too few iterations such an arm is centimetres from its targets.
     """
     drawn = np.random.default_rng(0).uniform(robot.lower, robot.upper, (POSES, robot.dof))
-    left = 0.0
+    share, left = share_of(client, body, np.zeros(robot.dof)), 0.0
+    if share < 1.0:
+        scale_masses(client, body, share)  # which changes no share of an error
     for qpos in (robot.home, *drawn):
         mass = np.array(pybullet.calculateMassMatrix(body, qpos.tolist(), physicsClientId=client))
         response = np.linalg.inv(mass + NO_MASS * np.eye(robot.dof))
         before = np.tril(response)
         left = max(left, float(np.abs(np.linalg.eigvals(np.linalg.solve(before, before - response))).max()))
+    if share < 1.0:
+        scale_masses(client, body, 1.0 / share)
     return min(MOST, math.ceil(math.log(LEFT) / math.log(left))) if 0.0 < left < 1.0 else 1
 
 

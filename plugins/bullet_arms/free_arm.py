@@ -33,10 +33,10 @@ class FreeArm:
         pybullet.setGravity(0.0, 0.0, GRAVITY, physicsClientId=client)
         flags = LOAD_FLAGS | pybullet.URDF_IGNORE_VISUAL_SHAPES
         self._body, self._with_half, self._with_all = (load_body(client, robot, path, flags) for _ in range(3))
-        self._share = _share_of(client, self._body, armature)
+        self._share = share_of(client, self._body, armature)
         if self._share < 1.0:
             for body in (self._body, self._with_half, self._with_all):
-                _lighten(client, body, self._share)
+                scale_masses(client, body, self._share)
         add_armature(client, self._with_half, robot, armature * self._share, 0.5)
         add_armature(client, self._with_all, robot, armature * self._share, 1.0)
         self._still = [0.0] * robot.dof
@@ -63,15 +63,22 @@ class FreeArm:
         return np.array(torque) / self._share
 
 
-def _share_of(client: int, body: int, armature: Float) -> float:
-    """The share of all masses that Bullet computes with, a power of two; 1 where no link is heavy."""
+def share_of(client: int, body: int, armature: Float) -> float:
+    """The share of all masses that Bullet computes with, a power of two; 1 where no link is heavy.
+
+    Args:
+        client: The client.
+        body: The arm in it.
+        armature: What the joints have beside the links, (dof,), [kg m^2] or [kg].
+    """
     links = range(pybullet.getNumJoints(body, physicsClientId=client))
     given = [pybullet.getDynamicsInfo(body, link, physicsClientId=client) for link in links]
     largest = max(max(each[LOCAL_INERTIA]) + each[MASS] * np.dot(each[CENTRE], each[CENTRE]) for each in given)
     return 1.0 if largest <= HEAVY else float(2.0 ** -np.ceil(np.log2(largest + armature.max())))
 
 
-def _lighten(client: int, body: int, share: float) -> None:
+def scale_masses(client: int, body: int, share: float) -> None:
+    """Multiply the mass and the inertia of every link by a power of two, which rounds nothing."""
     for link in range(pybullet.getNumJoints(body, physicsClientId=client)):
         given = pybullet.getDynamicsInfo(body, link, physicsClientId=client)
         moments = [share * moment for moment in given[LOCAL_INERTIA]]  # a change of the mass changes these too

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial import ConvexHull
 
 from harness.errors import UsageError
 from harness.robot.kinematics import transform
@@ -100,10 +101,22 @@ def upper_shapes(arm_text: str, mesh: str) -> tuple[Shape, ...]:
 
 def test_mesh_is_its_points_scaled(tmp_path: Path, arm_text: str):
     """A mesh collides as the points of its file, times the scale, each once; its origin is read as of other shapes."""
-    (tmp_path / "part.obj").write_text("v 1 2 3\nv 0 0 0\nv 1 2 3\nf 1 2 3\n")
+    (tmp_path / "part.obj").write_text("v 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 2 3\nf 1 2 3\n")
     mesh = upper_shapes(arm_text, f'<mesh filename="{tmp_path}/part.obj" scale="0.1 1 -2"/>')[1]
     assert (mesh.kind, mesh.size) == ("mesh", ())
-    np.testing.assert_array_equal(mesh.points, [[0, 0, 0], [0.1, 2, -6]])
+    np.testing.assert_array_equal(mesh.points, [[0, 0, 0], [0, 1, 0], [0.1, 0, 0], [0.1, 2, -6]])
+
+
+@pytest.mark.parametrize("corners", ["v 1 2 3\nv 2 2 3\nv 1 3 4\n", "v 1 2 3\nv 2 4 6\nv 3 6 9\n"])
+def test_a_flat_mesh_is_a_sheet(tmp_path: Path, arm_text: str, corners: str):
+    """A plate or a wire has no hull that an engine can build: it gets a millimetre of thickness, on both sides."""
+    (tmp_path / "part.obj").write_text(f"{corners}f 1 2 3\n")
+    mesh = upper_shapes(arm_text, f'<mesh filename="{tmp_path}/part.obj" scale="0.1 0.1 0.1"/>')[1]
+    given = 0.1 * np.array([line.split()[1:] for line in corners.splitlines()], float)
+    np.testing.assert_allclose(mesh.points.mean(axis=0), given.mean(axis=0))
+    thinnest = np.linalg.svd(mesh.points - mesh.points.mean(axis=0))[2][-1]
+    assert 1e-3 - 1e-9 <= np.ptp(mesh.points @ thinnest) < 1.5e-3
+    assert ConvexHull(mesh.points).volume > 1e-7
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -209,13 +210,25 @@ def test_episodes_of_a_published_arm(subtests: pytest.Subtests):
 
 
 def test_what_mujoco_cannot_read_is_refused_in_one_line(tmp_path: Path):
-    """A collision mesh without volume has no hull; the answer names the robot."""
-    (tmp_path / "flat.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    """The answer names the robot."""
+    (tmp_path / "arm.urdf").write_text(drawn(SCARA))
+    robot = read_robot(tmp_path / "arm.urdf")
+    broken = replace(robot, urdf=robot.urdf.replace('<mass value="', '<mass value="heavy'))
+    with pytest.raises(UsageError, match="MuJoCo cannot load the URDF of robot 'arm': ") as caught:
+        Mujoco().open(broken, 1, 0.1)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("simulator", SIMULATORS, ids=lambda it: type(it).__name__)
+def test_a_flat_mesh_collides(tmp_path: Path, simulator: Any):
+    """A marker's plate, of which MuJoCo alone could build no hull: it is solid in every simulator."""
+    (tmp_path / "flat.obj").write_text("v 0 0 0\nv .2 0 -1\nv 0 .1 -1\nf 1 2 3\n")
     shape = '<collision><geometry><mesh filename="flat.obj"/></geometry></collision>'
     (tmp_path / "flat.urdf").write_text(drawn(SCARA).replace('<link name="l2">', f'<link name="l2">{shape}'))
-    with pytest.raises(UsageError, match="MuJoCo cannot load the URDF of robot 'flat': ") as caught:
-        Mujoco().open(read_robot(tmp_path / "flat.urdf"), 1, 0.1)
-    assert "\n" not in str(caught.value)
+    (tmp_path / "robot.toml").write_text("home_deg = [0, 0]\nhome_m = [0.2]\n")
+    robot = read_robot(tmp_path / "flat.urdf")
+    with closing(simulator.open(robot, 1, 0.1)) as simulation:
+        assert simulation.reset(robot.home[None], np.ones(1, bool)).ground_contact.all()
 
 
 ODD = {

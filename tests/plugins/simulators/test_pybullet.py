@@ -210,6 +210,22 @@ def test_dynamics_of_a_heavy_arm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
             FreeArm(clients.connect(), robot, path, np.zeros(4)).inertia(qpos)
 
 
+def test_a_heavy_arm_is_driven_where_it_is_told(tmp_path: Path):
+    """What its solver needs is asked of a lighter one; its masses are those of the URDF afterwards."""
+    centre, mass, moments = HEAVY[0]
+    robot = read_arm(tmp_path, changed(
+        ('xyz="0 0 0.1"/><mass', f'xyz="{centre}"/><mass'), ('value="1.0"', mass),
+        ('ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"', moments),
+    ))  # fmt: skip
+    simulation = load_registry().get("simulators", "pybullet").load()().open(robot, 1, PERIOD)
+    with closing(simulation):
+        simulation.reset(robot.home[None], np.ones(1, bool))
+        target = robot.home + 0.05
+        assert np.abs(simulation.drive(target[None], PERIOD).qpos - target).max() < 5e-3
+        (arm,) = simulation.arms
+        assert pybullet.getDynamicsInfo(arm.body, 0, physicsClientId=arm.client)[0] == 747.0
+
+
 def test_mesh_is_found_from_the_folder_of_the_robot(tmp_path: Path, open_arms: Call, with_mesh: Call):
     """A mesh whose path starts from the robot's folder reaches the ground."""
     (tmp_path / "long.obj").write_text("v 0 0 0\nv .1 0 0\nv 0 .1 0\nv 0 0 -3\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n")
