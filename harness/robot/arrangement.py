@@ -4,7 +4,7 @@ The mount it stands on, joints that are held, where it begins and ends, its tool
 """
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from copy import deepcopy
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -17,7 +17,7 @@ from harness.robot.chain_end import find_chain_end
 from harness.robot.normal_urdf import fix_joint
 from harness.robot.settings import BASE, CHAIN, FIXED, RANGE_KEYS, TOOL, RobotSettings, motion_of, shown
 from harness.robot.source import naming
-from harness.robot.urdf import WORLD, Urdf, linked, number_of, path_to, quoted, require_link
+from harness.robot.urdf import WORLD, Urdf, free_name, linked, number_of, path_to, quoted, rename_world, require_link
 from harness.text import shortened
 
 END = "end_effector"
@@ -25,8 +25,8 @@ KEYS = {FIXED, CHAIN, TOOL, BASE, *RANGE_KEYS.values()}
 """Those that change anything."""
 POSE = ("xyz_m", "rpy_deg")
 NAME = "name"
-MOUNT, TOOL_LINK = "mount", "tool"
-"""Names of links: of one that was called world, and of a tool's frame without a name."""
+TOOL_LINK = "tool"
+"""What a tool's frame without a name is called."""
 SHOWN = 100
 
 
@@ -185,32 +185,20 @@ def _add_base(urdf: Urdf, settings: RobotSettings) -> None:
     if table is None:
         return
     root = next(name for name in urdf.links if name not in urdf.carriers)
-    if WORLD in urdf.links:  # engines take a link of that name for the world
-        mount = _free(MOUNT, urdf.links)
-        root = mount if root == WORLD else root
-        urdf.links[WORLD].set("name", mount)
-        for end in urdf.element.iterfind(f"joint/*[@link='{WORLD}']"):
-            end.set("link", mount)
+    if root == WORLD:
+        root = rename_world(urdf.element)
     urdf.element.insert(0, Element("link", name=WORLD))
     urdf.element.append(_mount(urdf, table, WORLD, root))
 
 
 def _mount(urdf: Urdf, table: RobotSettings, parent: str, child: str) -> Element:
     """A fixed joint with the pose of a table."""
-    joint = Element("joint", name=_free(f"{parent}_to_{child}", map(_name, urdf.joints)), type="fixed")
+    joint = Element("joint", name=free_name(f"{parent}_to_{child}", map(_name, urdf.joints)), type="fixed")
     ElementTree.SubElement(joint, "parent", link=parent)
     ElementTree.SubElement(joint, "child", link=child)
     xyz, rpy = table.vector(POSE[0]), map(math.radians, table.vector(POSE[1]))
     ElementTree.SubElement(joint, "origin", xyz=" ".join(map(repr, xyz)), rpy=" ".join(map(repr, rpy)))
     return joint
-
-
-def _free(name: str, taken: Iterable[str]) -> str:
-    """A name that nothing has, as near to the wanted one as can be."""
-    known = set(taken)
-    while name in known:
-        name += "_"
-    return name
 
 
 def _name(joint: Element) -> str:

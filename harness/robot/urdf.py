@@ -139,8 +139,8 @@ KINDS = (*get_args(JointKind), "planar", "floating")
 """All that a URDF has; the last two move in several ways at once and cannot be on a chain."""
 Vector = tuple[float, float, float]
 
-WORLD = "world"
-"""The link that engines take for the world, if there is one of that name."""
+WORLD, MOUNT = "world", "mount"
+"""The link that engines take for the world, if there is one of that name; what such a link is called elsewhere."""
 MOST_LINKS = 200
 """The most links of a URDF: an arm has ten, a humanoid with both hands less than 150."""
 SHOWN = 20
@@ -228,11 +228,7 @@ def read_chain(urdf: Urdf, tip: str) -> tuple[Joint, ...]:
         UsageError: There is no such link, or a joint of the chain cannot be computed with.
     """
     require_link(urdf, tip)
-    path = path_to(tip, urdf.carriers)
-    for joint in path:
-        if linked(joint, "child") == WORLD:
-            raise _joint_error(joint, f"carries the link '{WORLD}', which engines take for the world. Rename the link.")
-    chain = tuple(_read_joint(joint) for joint in path)
+    chain = tuple(_read_joint(joint) for joint in path_to(tip, urdf.carriers))
     if all(joint.kind == "fixed" for joint in chain):
         raise UsageError(f"No joint moves between the root link and '{tip}'. Name a tip beyond a joint that moves.")
     return chain
@@ -271,7 +267,28 @@ def parse_urdf(text: str) -> Urdf:
     _check_tree(links, urdf.joints)
     for link in links:
         path_to(link, urdf.carriers)  # raises where joints form a loop
+    if WORLD in urdf.carriers:
+        rename_world(urdf.element)
+        return Urdf(ElementTree.tostring(urdf.element, encoding="unicode"), urdf.element)
     return urdf
+
+
+def rename_world(robot: Element) -> str:
+    """Give the link `world` another name, in place, and return it: engines take `world` for the world itself."""
+    name = free_name(MOUNT, (link.get("name", "") for link in robot.iterfind("link")))
+    for link in robot.iterfind(f"link[@name='{WORLD}']"):
+        link.set("name", name)
+    for end in robot.iterfind(f"joint/*[@link='{WORLD}']"):
+        end.set("link", name)
+    return name
+
+
+def free_name(name: str, taken: Iterable[str]) -> str:
+    """A name that nothing has, as near to the wanted one as can be."""
+    known = set(taken)
+    while name in known:
+        name += "_"
+    return name
 
 
 def _check_unique(what: str, names: Sequence[str]) -> None:

@@ -23,8 +23,6 @@ from harness.robot.shapes import Shape, read_origin, read_scale
 
 GREY = [0.7, 0.7, 0.7, 1.0]
 """Red, green, blue and opacity, 0 to 1, of a surface without a colour."""
-MOUNT = "harness_mount"
-"""What a link `world` is called that is not the root."""
 COLOR = re.compile(r"(\s*(\d+\.?\d*|\.\d+)(?=\s|$)){4}\s*")
 """Matches four numbers with spaces between them."""
 
@@ -47,16 +45,8 @@ class Surface:
 
 
 def without_meshes(urdf: Element) -> str:
-    """The text of a URDF without the shapes that are meshes; the element `urdf` itself is left as it is.
-
-    A link `world` that a joint puts somewhere is called `MOUNT`: MuJoCo would take it for its own world, at the origin.
-    """
+    """The text of a URDF without the shapes that are meshes; the element `urdf` itself is left as it is."""
     robot = deepcopy(urdf)
-    if any(child.get("link") == "world" for child in robot.iterfind("joint/child")):
-        for element, key in [(link, "name") for link in robot.iter("link")] + [
-            (end, "link") for joint in robot.iter("joint") for end in joint if end.tag in {"parent", "child"}
-        ]:
-            element.set(key, MOUNT if element.get(key) == "world" else element.get(key, ""))
     for link in robot.iter("link"):
         for shape in [*link.findall("collision"), *link.findall("visual")]:
             if shape.find("geometry/mesh") is not None:
@@ -75,8 +65,7 @@ def add_meshes(spec: mujoco.MjSpec, urdf: Element, link_shapes: Mapping[str, Seq
     bodies = {body.name: body for body in spec.bodies}
     surfaces = _read_surfaces(urdf)
     for link, shapes in link_shapes.items():
-        # The root link has become the world.
-        body = bodies.get(MOUNT if link == "world" else link, spec.worldbody)
+        body = bodies.get(link, spec.worldbody)  # the root link has become the world
         for shape in (shape for shape in shapes if shape.kind == "mesh"):
             mesh = _new_mesh(spec, f"collision of link {link}", uservert=shape.points.ravel())
             geom = _add_geom(body, mesh, shape.T_link_shape)

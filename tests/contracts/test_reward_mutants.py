@@ -1,5 +1,6 @@
 """Every reward check has a broken reward that fails it, and no other."""
 
+from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import ClassVar
@@ -279,9 +280,9 @@ class KeepsEverySample(NegativeDistance):
 
 
 class KeepsAWord(NegativeDistance):
-    """Of each step it keeps no more than that there was one."""
+    """Of each step it keeps no more than that there was one; a list would have spare room for a while."""
 
-    history: ClassVar[list[bool]] = []
+    history: ClassVar[deque[bool]] = deque()
 
     def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
         self.history.append(True)

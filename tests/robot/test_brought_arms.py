@@ -75,7 +75,6 @@ REFUSED = {
         '"j4" type="planar"',
         "'planar'.*: fixed = { \"j4\" = 0 }",
     ),
-    "a link like the world": ('"l3"', '"world"', "'j3' carries the link 'world', which engines take for the world"),
     "an axis of no length": ('xyz="1 0 0"', 'xyz="0 0 0"', "Joint 'j4' has an axis of zero length"),
     "a robot with a prefix": ("robot", "u:robot", "The outermost element is <u:robot>"),
     "an attribute twice": ('lower="-2"', 'lower="-2" lower="-1"', "not well-formed XML: duplicate attribute"),
