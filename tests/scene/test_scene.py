@@ -79,10 +79,10 @@ def test_of_a_mesh_that_collides_the_hull_stands_in(tmp_path: Path):
     assert (first * np.cross(second, third)).sum() / 6 == pytest.approx(0.1 * 0.05 * 0.2, rel=1e-4)
 
 
-def test_of_a_flat_mesh_that_collides_nothing_is_drawn(tmp_path: Path):
-    """It has no inside; the other links are drawn."""
+def test_a_flat_mesh_that_collides_is_drawn_as_a_sheet(tmp_path: Path):
+    """As thick as engines have it."""
     scene = scene_of(meshed(tmp_path, ("part.stl", "part.stl", "part.dae", "part.stl"), '<mesh filename="flat.stl"/>'))
-    assert {body.joint: len(body.faces) for body in scene.bodies} == {-1: 12, 0: 12, 1: 0, 2: 12}
+    assert {body.joint: len(body.faces) for body in scene.bodies} == {-1: 12, 0: 12, 1: 12, 2: 12}
 
 
 def test_what_collides_stands_in_for_an_empty_mesh(tmp_path: Path):
