@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import pytest
 
+from harness_plugins.descriptions.xacro_file import EXAMPLE
 from tests.installed.conftest import ROOT, Environment
 from tests.robot.brought_arms import changed
 from tests.robot.test_meshes import CORNERS, collada
@@ -56,6 +57,7 @@ USES: dict[str, Use] = {
     "slurm": Use((("list", "executors"),), ""),
     "export": Use(((*KINEMATIC, "sac-fast"), ("export", "out/cells", "--onnx", "policy.onnx")), "policy.onnx"),
     "meshes": Use((("describe", "arm.urdf"),), "part.dae", {"arm.urdf": COLLIDING, "part.dae": collada(CORNERS / 10)}),
+    "xacro": Use((("describe", "arm.urdf.xacro"),), "arm.urdf.xacro", {"arm.urdf.xacro": EXAMPLE}),
     "minari": Use(((*KINEMATIC, "ik"), ("export", "out", "--minari", "sets")), "sets"),
     "report": Use(((*KINEMATIC, "ik"),)),
     "video": Use(((*KINEMATIC, "ik"), ("video", "out", "--episodes", "1", "--out", "film.gif")), "film.gif"),
