@@ -1,0 +1,82 @@
+"""What a search says of one reward: one of four answers, whether it is a knife's edge, and what it rests on."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Literal, TypeAlias
+
+from .behaviour import Searched
+from .world import Shown
+
+FAILING, LOITERING, NOTHING, CANNOT_TELL = (
+    "PAYS FOR FAILING", "PAYS FOR LOITERING", "NOTHING FOUND", "CANNOT TELL"
+)  # fmt: skip
+"""Never "safe": that nothing was found proves nothing."""
+ROBUST, FRAGILE = "ROBUST", "FRAGILE"
+"""Beside an alarm: whether what was found still pays more than doing the task while actions are disturbed."""
+Role: TypeAlias = Literal["failure", "success", "fastest"]
+
+
+@dataclass(frozen=True)
+class Disturbed:
+    """What a behaviour was paid while its actions were disturbed.
+
+    Attributes:
+        role: Which behaviour.
+        noise: The standard deviation of what is added to actions, as a share of half their range; of choices, the
+            chance that another one is taken.
+        paid: The mean over disturbed episodes.
+        success: The share of them that succeeded.
+        episodes: How many.
+    """
+
+    role: Role
+    noise: float
+    paid: float
+    success: float
+    episodes: int
+
+
+@dataclass(frozen=True, eq=False)
+class Finding:
+    """What a search says of one reward in one world.
+
+    Attributes:
+        world: Its name.
+        reward: The label of the reward.
+        gamma: The learner's discount per step.
+        success: What tells success; empty if nothing does.
+        word: The answer, one of the four.
+        strength: `ROBUST` or `FRAGILE` beside an alarm; else empty.
+        lines: The answer in sentences; the first one says the three numbers.
+        alarmed: The starts where the alarm holds.
+        starts: All that were searched.
+        searched: What it rests on.
+        noise: The curve of noise for the shown behaviours.
+        elsewhere: By the name of another simulator, what the shown behaviours are paid there, by role.
+        shown: The three behaviours of one start, the one that tells most; roles that were not found are left out.
+    """
+
+    world: str
+    reward: str
+    gamma: float
+    success: str
+    word: str
+    strength: str
+    lines: tuple[str, ...]
+    alarmed: tuple[int, ...]
+    starts: tuple[int, ...]
+    searched: Searched
+    noise: tuple[Disturbed, ...] = ()
+    elsewhere: Mapping[str, Mapping[Role, float]] = field(default_factory=dict)
+    shown: Mapping[Role, Shown] = field(default_factory=dict)
+
+    @property
+    def is_alarm(self) -> bool:
+        """Whether it says that failing or loitering pays."""
+        return self.word in (FAILING, LOITERING)
+
+
+def words_of(findings: Sequence[Finding]) -> tuple[str, ...]:
+    """The words that ``--fail-on`` may name, of some findings: ``failing``, ``loitering``, ``cannot-tell``."""
+    names = {FAILING: "failing", LOITERING: "loitering", CANNOT_TELL: "cannot-tell"}
+    return tuple(dict.fromkeys(names[it.word] for it in findings if it.word in names))

@@ -1,0 +1,128 @@
+"""Where a search plays: an arm's task or anybody's environment, begun by a seed, moved by actions, paid by one reward.
+
+A search knows nothing else of either. It needs ``reset(seed)`` and ``step`` alone.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Protocol, TypeAlias
+
+import gymnasium
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.arrays import Float, Mask
+
+Whole: TypeAlias = NDArray[np.int64]
+Actions: TypeAlias = NDArray[Any]
+"""Of one episode: (steps, action_size) inside the box, or (steps,) of choices."""
+Act: TypeAlias = Callable[[Any], Any]
+"""A policy: from an observation, as the world gives it, to one action."""
+
+
+@dataclass(frozen=True, eq=False)
+class Outcomes:
+    """What n episodes came to.
+
+    Attributes:
+        steps: Their lengths, (n,).
+        paid: Sums of what they were paid, a task's events included, (n,).
+        discounted: The same times gamma^t, t from 0, (n,).
+        success: Whether they ended in success, (n,); False everywhere if nothing measures it.
+        time: The step from which on an episode was a success until its end, counted from 1, (n,); the world's horizon
+            for a failure. Where success ends an episode, that is its length.
+        share: The share of an episode's steps that were a success, (n,), in [0, 1].
+        near: How near they came to success, (n,): larger is nearer; NaN if nothing tells.
+        measures: By name, the last value of each measure of behaviour, (n,); NaN where it is untold.
+        trails: The observations of each episode, flat, (steps + 1, size); none if `near` tells enough.
+    """
+
+    steps: Whole
+    paid: Float
+    discounted: Float
+    success: Mask
+    time: Whole
+    share: Float
+    near: Float
+    measures: Mapping[str, Float] = field(default_factory=dict)
+    trails: Sequence[Float] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """One episode with everything that a page or a certificate shows.
+
+    Attributes:
+        start: The seed of its reset.
+        actions: Those that were taken, as long as the episode.
+        paid: What each step paid, (steps,).
+        terms: By name, what each term of it paid, (steps,); a task's events are the term ``events``.
+        success: Whether each step was a success, (steps,).
+        measures: By name, the value at each step, (steps,).
+        ended: ``"terminated"``, ``"truncated"``, or ``"cut"`` at the world's horizon.
+    """
+
+    start: int
+    actions: Actions
+    paid: Float
+    terms: Mapping[str, Float]
+    success: Mask
+    measures: Mapping[str, Float]
+    ended: str
+
+
+class World(Protocol):
+    """One reward in one task or environment. Everything that it does is repeated by the same calls."""
+
+    @property
+    def name(self) -> str:
+        """What it is called: ``gymnasium:id=Pendulum-v1``."""
+
+    @property
+    def reward(self) -> str:
+        """The label of the reward."""
+
+    @property
+    def gamma(self) -> float:
+        """The learner's discount per step, in (0, 1]."""
+
+    @property
+    def horizon(self) -> int:
+        """The most steps of an episode."""
+
+    @property
+    def space(self) -> gymnasium.spaces.Box | gymnasium.spaces.Discrete:
+        """Of one action."""
+
+    @property
+    def observes(self) -> gymnasium.Space[Any]:
+        """The space of what policies are given."""
+
+    @property
+    def success(self) -> str:
+        """What tells success, as a user reads it: ``success``, ``height>0.9``; empty if nothing does."""
+
+    @property
+    def is_repeated(self) -> bool:
+        """Whether the same start and actions bring the same steps and the same pay, bit for bit; it was tried."""
+
+    @property
+    def taken(self) -> int:
+        """Steps taken so far; a search's budget is counted in these."""
+
+    def play(self, starts: Whole, actions: Actions) -> Outcomes:
+        """Play n episodes of given actions.
+
+        Args:
+            starts: The seed of each one's reset, (n,).
+            actions: (n, horizon, action_size), or (n, horizon) of choices.
+        """
+
+    def act(self, starts: Whole, policy: Act) -> tuple[Outcomes, list[Actions]]:
+        """Play n episodes of a policy; also returns the actions that it took, of each episode."""
+
+    def show(self, start: int, actions: Actions) -> Shown:
+        """Play one episode and keep everything."""
+
+    def close(self) -> None:
+        """Close what it plays in."""
