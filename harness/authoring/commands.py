@@ -136,6 +136,7 @@ if TYPE_CHECKING:
         require_regular as require_regular,
     )
     from harness.files.parquet import require_room as require_room
+    from harness.files.sealed import read_sealed as read_sealed, seal as seal
     from harness.files.whole_file import (
         files_in as files_in,
         is_partial as is_partial,
@@ -245,7 +246,8 @@ if TYPE_CHECKING:
     from harness.record.scene import Scene as Scene
     from harness.record.store import Store as Store
     from harness.record.trace import TERM as TERM, read_trace as read_trace
-    from harness.recorder.column import made_columns as made_columns
+    from harness.recorder.column import made_columns as made_columns, source_of as source_of
+    from harness.recorder.env_facts import versions_of as versions_of
     from harness.recorder.guard import Guard as Guard
     from harness.recorder.record_rewards import RecordRewards as RecordRewards
     from harness.recorder.recorder import differs as differs
@@ -262,12 +264,14 @@ if TYPE_CHECKING:
         given_from_json as given_from_json,
         given_to_json as given_to_json,
         read_given as read_given,
+        require_given as require_given,
         split_measures as split_measures,
     )
     from harness.registry.libraries import is_met as is_met
     from harness.registry.names import did_you_mean as did_you_mean, unknown_name as unknown_name
     from harness.registry.parameters import build as build, parameters_of as parameters_of
     from harness.registry.registry import Registry as Registry, load_registry as load_registry
+    from harness.registry.sources import source_hash as source_hash
     from harness.registry.spec import OURS as OURS, PLANNED as PLANNED, blamed_on as blamed_on
     from harness.registry.targets import examined as examined
     from harness.registry.toml_file import read_toml as read_toml
