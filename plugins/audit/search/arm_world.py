@@ -235,6 +235,17 @@ def _parts(count: int) -> list[slice]:
 
 def _joined(parts: Sequence[Outcomes]) -> Outcomes:
     """Outcomes one after the other."""
-    fields = ("steps", "paid", "discounted", "success", "time", "share", "near")
-    joined: Any = [np.concatenate([getattr(it, name) for it in parts]) for name in fields]
-    return Outcomes(*joined, {name: np.concatenate([it.measures[name] for it in parts]) for name in parts[0].measures})
+
+    def whole(name: str) -> Any:
+        return np.concatenate([getattr(it, name) for it in parts])
+
+    return Outcomes(
+        whole("steps"),
+        whole("paid"),
+        whole("discounted"),
+        whole("success"),
+        whole("time"),
+        whole("share"),
+        whole("near"),
+        {name: np.concatenate([it.measures[name] for it in parts]) for name in parts[0].measures},
+    )
