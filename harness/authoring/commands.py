@@ -374,6 +374,7 @@ if TYPE_CHECKING:
         draw_arm as draw_arm,
         require_pillow as require_pillow,
     )
+    from harness.scene.scene import scene_of as scene_of
     from harness.score.csv_steps import EVENTS as EVENTS
     from harness.score.installed_reward import InstalledReward as InstalledReward
     from harness.score.places import ArmPlaces as ArmPlaces

@@ -4,7 +4,6 @@ A file holds names and numbers, never code. It may come from a stranger, so that
 """
 
 import math
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -17,6 +16,7 @@ from typing_extensions import TypedDict
 
 from harness.arrays import Float
 from harness.authoring.commands import ChoiceForm, read_sealed, reading, require_form, seal, write_whole
+from harness.text import file_stems
 
 from .finding import FAILING, LOITERING, Disturbed, Role
 from .place import Place
@@ -317,14 +317,11 @@ def read_certificate(path: Path) -> Certificate:
         return Certificate.from_json(data)
 
 
-def file_name(certificate: Certificate) -> str:
-    """The name of its file: those of one reward stand together."""
-    return f"{slug(certificate.place.reward.label)}-{certificate.role}.json"
-
-
-def slug(label: str) -> str:
-    """A label as part of a name of a file, on every system."""
-    return re.sub(r"[^a-z0-9]+", "-", label.lower()).strip("-")[:80] or "reward"
+def file_names(certificates: Sequence[Certificate]) -> list[str]:
+    """The name of the file of each, all different: those of one reward stand together."""
+    labels = list(dict.fromkeys(it.place.reward.label for it in certificates))
+    stems = dict(zip(labels, file_stems(labels), strict=True))
+    return [f"{stems[it.place.reward.label]}-{it.role}.json" for it in certificates]
 
 
 def numbers_of(array: NDArray[Any]) -> dict[str, Any]:

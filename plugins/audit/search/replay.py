@@ -17,8 +17,6 @@ from .finding import Finding, Role
 from .place import Place
 from .world import Shown, World
 
-TWICE = 2
-
 
 @dataclass(frozen=True)
 class Difference:
@@ -115,7 +113,7 @@ def certify(
             shown = finding.shown.get(role)
             if shown is None:
                 continue
-            again = [world.show(shown.start, shown.actions) for _ in range(TWICE)]
+            again = _played_twice(shown, world)
             found = next((it for it in (difference(shown, other) for other in again) if it is not None), None)
             if found is not None:
                 refused.append(f"{finding.reward}, {role}: not certified, it does not repeat. Played again, {found}")
@@ -134,7 +132,7 @@ def replay(certificate: Certificate, world: World, reasons: Sequence[str] = (), 
         elsewhere: The simulator of `world`, if it is another one.
     """
     then = certificate.shown
-    again = [world.show(then.start, then.actions) for _ in range(TWICE)]
+    again = _played_twice(then, world)
     if unsteady := difference(*again):
         return Replayed(certificate, again[0], unsteady, ("It does not repeat itself here.",), elsewhere)
     found = difference(then, again[0])
@@ -185,6 +183,13 @@ def came_to(shown: Shown) -> str:
     """What an episode was paid in how many steps."""
     success = ", with success" if shown.success[-1] else ""
     return f"{number(math.fsum(shown.paid))} in {len(shown.paid)} steps{success}"
+
+
+def _played_twice(shown: Shown, world: World) -> list[Shown]:
+    """An episode of the same actions, twice; where it goes on, the last action is repeated."""
+    rest = max(0, world.horizon - len(shown.actions))
+    actions = np.concatenate([shown.actions, np.repeat(shown.actions[-1:], rest, axis=0)])
+    return [world.show(shown.start, actions) for _ in range(2)]
 
 
 def _terms(then: Shown, now: Shown) -> dict[str, tuple[Float, Float]]:

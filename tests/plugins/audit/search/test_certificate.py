@@ -14,12 +14,13 @@ from hypothesis.extra.numpy import arrays
 
 from harness.authoring.commands import seal
 from harness.errors import NewerFormat, SchemaError
+from harness.files.names import is_plain
 from harness_plugins.audit.search.certificate import (
+    ROLES,
     array_of,
-    file_name,
+    file_names,
     numbers_of,
     read_certificate,
-    slug,
     write_certificate,
 )
 from tests.plugins.audit.search.certified import certificate_of, place_of
@@ -82,10 +83,12 @@ def test_a_measure_that_is_not_told_stays_so(tmp_path: Path):
 
 
 def test_names_of_files_sort_by_reward_and_role():
-    """And are names on every system."""
-    assert file_name(certificate_of()) == "near-failure.json"
-    assert slug("arp:k2=3,k1=1.5/../x") == "arp-k2-3-k1-1-5-x"
-    assert slug("..") == "reward"
+    """And are different names on every system."""
+    labels = ("arp:k2=3", "arp:k2-3", "../..", "near")
+    names = file_names([certificate_of(place=place_of(label), role=role) for label in labels for role in ROLES])
+    assert names[:3] == ["arp-k2-3-failure.json", "arp-k2-3-success.json", "arp-k2-3-fastest.json"]
+    assert len(set(names)) == 12
+    assert all(is_plain(name) and not name.startswith(".") for name in names)
 
 
 def test_the_sums_are_those_of_the_steps():
@@ -118,7 +121,7 @@ def spoiled():
 
     return {
         "a million actions": change("actions", "numbers", to=huge),
-        "a million steps": change("paid", "steps", to=huge),
+        "more steps than there may be": change("paid", "steps", to=[0.0] * 20_001),
         "numbers that do not fill the shape": change("actions", "shape", to=[7, 3]),
         "a shape of nothing": change("actions", "shape", to=[0, 1]),
         "a negative shape": change("actions", "shape", to=[-20, -1]),
