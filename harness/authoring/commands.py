@@ -273,6 +273,7 @@ if TYPE_CHECKING:
         Given as Given,
         given_from_json as given_from_json,
         given_to_json as given_to_json,
+        plugin_flags as plugin_flags,
         read_given as read_given,
         require_given as require_given,
         split_measures as split_measures,

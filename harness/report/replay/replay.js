@@ -92,7 +92,8 @@ function choose(show, episode) {
   part("episode").replaceChildren(...shown.numbers.map((number, index) => new Option(`${number}: ${endings(shown, index)}`, index)));
   part("episode").value = episode;
   const seeds = [...new Set(shown.sides.map((side) => side.seed))];
-  part("told").textContent = `Episode ${shown.numbers[episode]} of the final evaluation, seed ${seeds.join(" | ")}: ${endings(shown, episode)}.`;
+  const evaluated = `Episode ${shown.numbers[episode]} of the final evaluation, seed ${seeds.join(" | ")}`;
+  part("told").textContent = `${shown.told ?? evaluated}: ${endings(shown, episode)}.`;
   part("scrub").max = state.last;
   views.forEach((figure, index) => {
     const side = state.sides[index];

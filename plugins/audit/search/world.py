@@ -60,8 +60,8 @@ class Shown:
         success: Whether each step was a success, (steps,).
         measures: By name, the value at each step, (steps,).
         ended: ``"terminated"``, ``"truncated"``, or ``"cut"`` at the world's horizon.
-        drawn: What an arm is drawn from, at the start and after each step: ``qpos``, (steps + 1, dof), and ``target``,
-            (steps + 1, 3), world frame, [m]; empty of an environment, which draws itself.
+        drawn: What an arm is drawn from, at the start and after each step: ``time``, [s], ``qpos``,
+            ``target``, world frame, [m], and ``distance``, (steps + 1, size); empty of an environment.
     """
 
     start: int
