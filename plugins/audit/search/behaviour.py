@@ -2,9 +2,11 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal, TypeAlias
 
 from .world import Actions, Outcomes
+
+Role: TypeAlias = Literal["failure", "success", "fastest"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +55,13 @@ class Three:
     failure: Behaviour | None
     success: Behaviour | None
     fastest: Behaviour | None
+
+    def by_role(self) -> "dict[Role, Behaviour]":
+        """Those that were found, by what they are."""
+        found: dict[Role, Behaviour | None] = {
+            "failure": self.failure, "success": self.success, "fastest": self.fastest
+        }  # fmt: skip
+        return {role: behaviour for role, behaviour in found.items() if behaviour is not None}
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,9 +2,8 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal, TypeAlias
 
-from .behaviour import Searched
+from .behaviour import Behaviour, Role as Role, Searched, Three
 from .world import Shown
 
 FAILING, LOITERING, NOTHING, CANNOT_TELL = (
@@ -13,7 +12,6 @@ FAILING, LOITERING, NOTHING, CANNOT_TELL = (
 """Never "safe": that nothing was found proves nothing."""
 ROBUST, FRAGILE = "ROBUST", "FRAGILE"
 """Beside an alarm: whether what was found still pays more than doing the task while actions are disturbed."""
-Role: TypeAlias = Literal["failure", "success", "fastest"]
 
 
 @dataclass(frozen=True)
