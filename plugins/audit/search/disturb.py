@@ -21,8 +21,7 @@ def disturb(
 ) -> Outcomes:
     """What `EPISODES` disturbed episodes of a behaviour come to, on its start.
 
-    Where an episode ended before the horizon and a disturbed one does not, it rests: the middle of the box, or the last
-    choice again.
+    Where an episode ended before the horizon and a disturbed one does not, it rests, see `rested`.
 
     Args:
         world: Where.
@@ -56,7 +55,7 @@ def disturbed_actions(
 
 
 def rested(world: World, actions: Actions) -> Actions:
-    """The actions of an episode, (steps, ...), followed by rest until the horizon, (horizon, ...)."""
+    """The actions of an episode, (steps, ...), and until the horizon zeros or the last choice again, (horizon, ...)."""
     missing = world.horizon - len(actions)
     if missing <= 0:
         return actions[: world.horizon]
@@ -82,9 +81,7 @@ def noise_curve(
         rows.append(Disturbed(role, 0.0, behaviour.paid, float(behaviour.success), 1))
         for noise in NOISES:
             outcomes = disturb(world, behaviour, noise, rng, acts.get(role))
-            rows.append(
-                Disturbed(role, noise, float(outcomes.paid.mean()), float(outcomes.success.mean()), EPISODES)
-            )
+            rows.append(Disturbed(role, noise, float(outcomes.paid.mean()), float(outcomes.success.mean()), EPISODES))
     return tuple(rows)
 
 
