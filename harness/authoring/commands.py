@@ -91,7 +91,11 @@ if TYPE_CHECKING:
     from harness.experiment.arm_evaluation import record_evaluation as record_evaluation
     from harness.experiment.changed import changed_cells as changed_cells, refuse_changed as refuse_changed
     from harness.experiment.draft import draft_of as draft_of, leave_record as leave_record
-    from harness.experiment.environments.columns import columns_of as columns_of, weighing as weighing
+    from harness.experiment.environments.columns import (
+        Columns as Columns,
+        columns_of as columns_of,
+        weighing as weighing,
+    )
     from harness.experiment.environments.paid_again import PayAgain as PayAgain
     from harness.experiment.environments.plan import (
         kind_of_task as kind_of_task,
@@ -99,6 +103,12 @@ if TYPE_CHECKING:
         require_known as require_known,
     )
     from harness.experiment.environments.played_again import PlayedAgain as PlayedAgain
+    from harness.experiment.environments.spaces import (
+        Acting as Acting,
+        flat_observation as flat_observation,
+        flat_observations as flat_observations,
+        kind_of_actions as kind_of_actions,
+    )
     from harness.experiment.experiment import DEFAULT_FOLDER as DEFAULT_FOLDER, ExperimentRun as ExperimentRun
     from harness.experiment.plan import (
         DEFAULT_TASK as DEFAULT_TASK,
@@ -245,8 +255,8 @@ if TYPE_CHECKING:
     from harness.record.scene import Scene as Scene
     from harness.record.store import Store as Store
     from harness.record.trace import TERM as TERM, read_trace as read_trace
-    from harness.recorder.column import made_columns as made_columns
-    from harness.recorder.guard import Guard as Guard
+    from harness.recorder.column import Column as Column, made_columns as made_columns
+    from harness.recorder.guard import Guard as Guard, Raised as Raised
     from harness.recorder.record_rewards import RecordRewards as RecordRewards
     from harness.recorder.recorder import differs as differs
     from harness.recorder.sealed import KeepWalks as KeepWalks, Walk as Walk
@@ -330,7 +340,15 @@ if TYPE_CHECKING:
     from harness.results.standing import told_manifests as told_manifests
     from harness.results.table import RANDOM as RANDOM
     from harness.results.verdicts import ENDED as ENDED, with_verdicts as with_verdicts
-    from harness.reward.given import FIELDS as FIELDS, OWN as OWN
+    from harness.reward.given import (
+        FIELDS as FIELDS,
+        OWN as OWN,
+        Before as Before,
+        Now as Now,
+        Untold as Untold,
+        told_under as told_under,
+        zeros_of as zeros_of,
+    )
     from harness.reward.needs import needs_of as needs_of
     from harness.reward.steps import (
         BEFORE as BEFORE,

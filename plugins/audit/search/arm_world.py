@@ -11,8 +11,7 @@ from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
-from harness.authoring.commands import SUCCESS, TERM, ReachVectorEnv
-from harness.authoring.commands import World as Arm
+from harness.authoring.commands import SUCCESS, TERM, ReachVectorEnv, World as Arm
 from harness.errors import UsageError
 
 from .world import Act, Actions, Outcomes, Shown, Whole
@@ -64,8 +63,9 @@ class ArmWorld:
     @property
     def space(self) -> gymnasium.spaces.Box | gymnasium.spaces.Discrete:
         """Of one action."""
-        space: gymnasium.spaces.Box | gymnasium.spaces.Discrete = self._env(1).single_action_space
-        return space
+        space: Any = self._env(1).single_action_space
+        found: gymnasium.spaces.Box | gymnasium.spaces.Discrete = space
+        return found
 
     @property
     def observes(self) -> gymnasium.Space[Any]:
@@ -85,7 +85,7 @@ class ArmWorld:
     def play(self, starts: Whole, actions: Actions) -> Outcomes:
         """Play n episodes of given actions; see `World`."""
         return _joined([
-            self._play(starts[some], lambda step, *_, some=some: actions[some, step])  # type: ignore[misc]
+            self._play(starts[some], lambda step, *_, some=some: actions[some, step])
             for some in _parts(len(starts))
         ])  # fmt: skip
 
@@ -96,7 +96,7 @@ class ArmWorld:
             chosen: list[NDArray[Any]] = []
 
             def choose(step: int, seen: NDArray[Any], running: Mask, chosen: list[NDArray[Any]] = chosen) -> Any:
-                actions = np.zeros((len(seen), *self.space.shape), self.space.dtype)
+                actions = np.zeros((len(seen), *(self.space.shape or ())), self.space.dtype)
                 for k in np.flatnonzero(running):
                     actions[k] = policy(seen[k])
                 chosen.append(actions)
@@ -134,7 +134,7 @@ class ArmWorld:
             start,
             np.asarray(actions[: len(steps)]),
             told[PAID],
-            {**terms, EVENTS: sum(part[name] for name in PRICES)},
+            {**terms, EVENTS: np.sum([part[name] for name in PRICES], axis=0)},
             np.maximum.accumulate(reached) > 0.0,
             {name: values for name, values in measures.items() if name in self._measures},
             ended or "cut",
@@ -235,10 +235,17 @@ def _parts(count: int) -> list[slice]:
 
 def _joined(parts: Sequence[Outcomes]) -> Outcomes:
     """Outcomes one after the other."""
-    fields = ("steps", "paid", "discounted", "success", "time", "share", "near")
-    joined = [np.concatenate([getattr(it, name) for it in parts]) for name in fields]
+
+    def whole(name: str) -> Any:
+        return np.concatenate([getattr(it, name) for it in parts])
+
     return Outcomes(
-        *joined,
+        whole("steps"),
+        whole("paid"),
+        whole("discounted"),
+        whole("success"),
+        whole("time"),
+        whole("share"),
+        whole("near"),
         {name: np.concatenate([it.measures[name] for it in parts]) for name in parts[0].measures},
-        [trail for it in parts for trail in it.trails],
     )
