@@ -97,8 +97,8 @@ RandomFolder = Annotated[
 Success = Annotated[
     str | None,
     typer.Option(
-        help="What says whether a step, or an episode, was a success: of an environment a measure or a key of info, of a "
-        "data set a key, column or attribute; with a threshold where it is a number, 'KEY>0.5'.",
+        help="What says whether a step, or an episode, was a success: of an environment a measure or a key of info, of "
+        "a data set a key, column or attribute; with a threshold where it is a number, 'KEY>0.5'.",
         metavar="KEY[>NUMBER]",
         show_default="a measure that is 0 or 1, success, is_success or next.success",
     ),

@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 from .world import Actions, Outcomes
 
-Role: TypeAlias = Literal["failure", "success", "fastest"]
+if TYPE_CHECKING:
+    from .finding import Role
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,8 +5,8 @@ from collections.abc import Mapping, Sequence
 import gymnasium
 import numpy as np
 
-from .behaviour import Behaviour, Role
-from .finding import FRAGILE, ROBUST, Disturbed
+from .behaviour import Behaviour
+from .finding import FRAGILE, ROBUST, Disturbed, Role
 from .judge import Case
 from .world import Act, Actions, Outcomes, World
 
@@ -33,7 +33,7 @@ def disturb(
     starts = np.full(EPISODES, behaviour.start, np.int64)
     if act is not None:
         return world.act(starts, lambda observation: disturbed_actions(world.space, act(observation), noise, rng))[0]
-    whole = np.broadcast_to(rested(world, behaviour.actions), (EPISODES, world.horizon, *world.space.shape))
+    whole = np.broadcast_to(rested(world, behaviour.actions), (EPISODES, world.horizon, *(world.space.shape or ())))
     return world.play(starts, disturbed_actions(world.space, whole, noise, rng))
 
 
@@ -46,7 +46,8 @@ def disturbed_actions(
     """
     given = np.asarray(actions)
     if isinstance(space, gymnasium.spaces.Discrete):
-        others = (given - space.start + rng.integers(1, max(space.n, 2), given.shape)) % space.n + space.start
+        other = rng.integers(1, max(int(space.n), 2), given.shape)
+        others = (given - space.start + other) % space.n + space.start
         return np.where(rng.random(given.shape) < noise, others, given)
     bounded = np.isfinite(space.low) & np.isfinite(space.high)
     half = np.where(bounded, np.where(bounded, space.high, 1.0) - np.where(bounded, space.low, -1.0), 2.0) / 2.0

@@ -8,10 +8,10 @@ import numpy as np
 
 from harness.text import number
 
-from .behaviour import Behaviour, Role
+from .behaviour import Behaviour
 from .disturb import NOISES, noise_curve, rested, strength_of
-from .finding import FRAGILE, Disturbed, Finding
-from .judge import Case, Judged, judge
+from .finding import FRAGILE, Disturbed, Finding, Role
+from .judge import Case, judge
 from .world import Act, World
 
 SEEDS = (100_000, 1_000_000)

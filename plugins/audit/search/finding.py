@@ -3,9 +3,9 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
-from typing import Any
+from typing import Any, Literal, TypeAlias
 
-from .behaviour import Behaviour, Role as Role, Searched
+from .behaviour import Behaviour, Searched
 from .world import Shown
 
 FAILING, LOITERING, NOTHING, CANNOT_TELL = (
@@ -14,6 +14,7 @@ FAILING, LOITERING, NOTHING, CANNOT_TELL = (
 """Never "safe": that nothing was found proves nothing."""
 ROBUST, FRAGILE = "ROBUST", "FRAGILE"
 """Beside an alarm: whether what was found still pays more than doing the task while actions are disturbed."""
+Role: TypeAlias = Literal["failure", "success", "fastest"]
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from harness.authoring.commands import (
     Choice,
     Columns,
     Registry,
+    World as Arm,
     blamed_on,
     choose,
     columns_of,
@@ -17,7 +18,6 @@ from harness.authoring.commands import (
     usable,
     weighing,
 )
-from harness.authoring.commands import World as Arm
 from harness.environment import AnyEnv, Environment
 from harness.task import choose_task
 
