@@ -1,6 +1,7 @@
 """Whether what a search found is a knife's edge: behaviours again, while their actions are disturbed."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import gymnasium
 import numpy as np
@@ -86,23 +87,45 @@ def noise_curve(
     return tuple(rows)
 
 
+@dataclass(frozen=True)
+class Strength:
+    """Whether an alarm stands while actions are disturbed as much as is tried.
+
+    Attributes:
+        word: `ROBUST` or `FRAGILE`.
+        stands: On so many starts it does.
+        count: Of so many.
+        tempting: What tempts is paid then, on average over these starts.
+        task: What it is compared with is paid, likewise.
+    """
+
+    word: str
+    stands: int
+    count: int
+    tempting: float
+    task: float
+
+
 def strength_of(
     world: World, alarmed: Sequence[tuple[Case, Act | None, Act | None]], rng: np.random.Generator
-) -> tuple[str, int]:
-    """Whether an alarm is `ROBUST` or `FRAGILE`, and on how many of its starts it stands the largest noise.
+) -> Strength:
+    """Whether an alarm is a knife's edge.
 
     Args:
         world: Where.
         alarmed: The cases of an alarm, with the policies of what tempts and of what it is compared with.
         rng: Draws the noise.
     """
-    stands = 0
-    for case, tempts, does in alarmed:
+    paid = []
+    for case, *acts in alarmed:
         roles = case.three.by_role()
-        tempting, task = (
+        both = [
             disturb(world, roles[role], NOISES[-1], rng, act)
-            for role, act in ((case.tempting, tempts), (case.against, does))
-        )
-        one, other = ((of.paid if case.discount == 1.0 else of.discounted).mean() for of in (tempting, task))
-        stands += bool(one > other + case.margin)
-    return ROBUST if 2 * stands >= len(alarmed) else FRAGILE, stands
+            for role, act in zip((case.tempting, case.against), acts, strict=True)
+        ]
+        paid.append([(of.paid if case.discount == 1.0 else of.discounted).mean() for of in both])
+    stands = sum(
+        bool(tempting > task + case.margin) for (tempting, task), (case, *_) in zip(paid, alarmed, strict=True)
+    )
+    word = ROBUST if 2 * stands >= len(alarmed) else FRAGILE
+    return Strength(word, stands, len(alarmed), *np.mean(paid, axis=0).tolist())

@@ -9,8 +9,8 @@ import numpy as np
 from harness.text import number
 
 from .behaviour import Behaviour
-from .disturb import NOISES, noise_curve, rested, strength_of
-from .finding import FRAGILE, Disturbed, Finding, Role
+from .disturb import NOISES, Strength, noise_curve, rested, strength_of
+from .finding import FRAGILE, Finding, Role
 from .judge import Case, judge
 from .world import Act, World
 
@@ -64,11 +64,10 @@ def find_in(world: World, asked: Search, elsewhere: Mapping[str, Callable[[], Wo
     three = judged.shown.three.by_role()
     noise = noise_curve(world, three, _acts_of(three), rng)
     strength, told = "", []
-    if judged.alarmed:
-        cases = [case for case in judged.alarmed if case.word == judged.word]
-        if cases:
-            strength, stands = strength_of(world, [(case, *_both(case)) for case in cases], rng)
-            told.append(_on_strength(strength, stands, len(cases), judged.shown, noise))
+    if cases := [case for case in judged.alarmed if case.word == judged.word]:
+        stood = strength_of(world, [(case, *_both(case)) for case in cases], rng)
+        strength = stood.word
+        told.append(_on_strength(stood, judged.shown))
     paid = {name: _paid_in(make, three) for name, make in (elsewhere or {}).items()}
     told += [_on_elsewhere(name, of) for name, of in paid.items()]
     return Finding(
@@ -113,14 +112,13 @@ def _paid_in(make: Callable[[], World], three: Mapping[Role, Behaviour]) -> dict
         }
 
 
-def _on_strength(strength: str, stands: int, count: int, shown: Case, noise: Sequence[Disturbed]) -> str:
-    most = NOISES[-1]
-    paid = {of.role: of.paid for of in noise if of.noise == most}
-    tempting, task = shown.tempting, shown.against
-    still = "no longer pays more" if strength == FRAGILE else "still pays more"
+def _on_strength(stood: Strength, shown: Case) -> str:
+    fragile = stood.word == FRAGILE
+    on = f"on {stood.count - stood.stands if fragile else stood.stands} of {stood.count} starts"
     return (
-        f"{strength}: with action noise {most:g} it {still} on {count - stands if strength == FRAGILE else stands} of "
-        f"{count} starts; {NAMES[tempting]} earns {number(paid[tempting])} then, {NAMES[task]} {number(paid[task])}."
+        f"{stood.word}: with action noise {NOISES[-1]:g} it {'no longer' if fragile else 'still'} pays more {on}. On "
+        f"average {NAMES[shown.tempting]} then earns {number(stood.tempting)}, {NAMES[shown.against]} "
+        f"{number(stood.task)}."
     )
 
 

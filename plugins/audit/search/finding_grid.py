@@ -12,7 +12,7 @@ from harness.text import number
 from .disturb import NOISES
 from .finding import Finding
 
-ROLES = {"failure": "best-paid failure", "success": "best-paid success", "fastest": "fastest success"}
+ROLES = {"failure": "failure", "success": "success", "fastest": "fastest success"}
 MOST_MEASURES = 2
 """So many measures are shown; JSON has all."""
 
@@ -22,6 +22,8 @@ def finding_parts(finding: Finding) -> Iterator[RenderableType]:
     yield Text(f"What a cheat would do for {finding.reward}", style="bold")
     yield Text()
     if finding.three:
+        start = next(iter(finding.three.values())).start
+        yield Text(f"What is paid most for failing and for succeeding, from start {start}:\n")
         yield from (_grid(finding), Text())
     first, *others = finding.lines
     word = f"{finding.word}, {finding.strength}" if finding.strength else finding.word
@@ -33,10 +35,12 @@ def finding_parts(finding: Finding) -> Iterator[RenderableType]:
 def _grid(finding: Finding) -> Table:
     measures = list(dict.fromkeys(name for of in finding.three.values() for name in of.measures))[:MOST_MEASURES]
     grid = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0))
-    grid.add_column("behaviour", overflow="fold")
-    noises = [f"pay, noise\n{noise:g}" for noise in NOISES]
-    for heading in ("pay", f"pay\ngamma {finding.gamma:g}", "steps", "success\nfrom step", *noises, *measures):
-        grid.add_column(Text(heading), justify="right")
+    grid.add_column("behaviour", no_wrap=True)
+    noises = [f"noise\n{noise:g}" for noise in NOISES]
+    for heading in ("pay", f"pay\n@ {finding.gamma:g}", "steps", "success\nat step", *noises):
+        grid.add_column(Text(heading), justify="right", no_wrap=True)
+    for name in measures:
+        grid.add_column(Text(name), justify="right", overflow="fold")
     paid = {(of.role, of.noise): of.paid for of in finding.noise}
     for role, of in finding.three.items():
         grid.add_row(

@@ -29,6 +29,8 @@ NEAR, SLIGHT = 0.05, 3.0
 """A near miss: all measures within this share of a success's, and no more margins above its pay."""
 FEW = 8
 """So many different successes of a start are too few to know what success can earn."""
+LATEST = 0.9
+"""A success that comes and goes, and came last after this share of an episode, does not tell what holding it pays."""
 TABLE = "table"
 """Searched so, a world was counted out: nothing pays more."""
 
@@ -68,6 +70,7 @@ class Case:
         lead: By how many margins the tempting one is paid more.
         margin: In units of pay.
         discount: The factor per step of the sum that this is by; 1 of the plain sum.
+        is_late: Whether even the fastest success is one that comes and goes, and came again near the end.
     """
 
     three: Three
@@ -77,6 +80,7 @@ class Case:
     lead: float
     margin: float
     discount: float
+    is_late: bool = False
 
     @property
     def is_alarm(self) -> bool:
@@ -159,6 +163,7 @@ def _case_of(three: Three, typical: float, discount: float, facts: Facts, pays: 
     margin = max(MARGIN * (best - typical), tiny, np.finfo(float).tiny)
     if success is None or fastest is None or three.success is None or three.fastest is None:
         return Case(three, CANNOT_TELL, "failure", "success", -np.inf, margin, discount)
+    is_late = _is_passing(three.fastest, facts.horizon)
     is_slow = success > fastest + margin and _is_later(three.success, three.fastest, facts.horizon)
     loiters = is_slow and _gained(three.success, three.fastest, discount, pays) > margin
     against: Role = "fastest" if loiters else "success"
@@ -166,11 +171,17 @@ def _case_of(three: Three, typical: float, discount: float, facts: Facts, pays: 
     if three.failure is not None and failure is not None:
         lead = (failure - reference) / margin
         if lead > 1.0 and _is_worse(three.failure, compared, lead, facts.directions):
-            return Case(three, FAILING, "failure", against, lead, margin, discount)
+            return Case(three, FAILING, "failure", against, lead, margin, discount, is_late)
         if not loiters:
-            return Case(three, NOTHING, "failure", against, min(lead, 1.0), margin, discount)
+            return Case(three, NOTHING, "failure", against, min(lead, 1.0), margin, discount, is_late)
     lead = (success - fastest) / margin
-    return Case(three, LOITERING if loiters else NOTHING, "success", "fastest", lead, margin, discount)
+    return Case(three, LOITERING if loiters else NOTHING, "success", "fastest", lead, margin, discount, is_late)
+
+
+def _is_passing(fastest: Behaviour, horizon: int) -> bool:
+    """Whether even the fastest success of a start begins near its end, after others that did not last."""
+    lasts = fastest.steps - fastest.time + 1
+    return fastest.time > LATEST * horizon and fastest.share * fastest.steps > lasts + 0.5
 
 
 def _is_later(slow: Behaviour, fast: Behaviour, horizon: int) -> bool:
@@ -214,7 +225,7 @@ def _is_worse(failure: Behaviour, success: Behaviour, lead: float, directions: M
 
 
 def _trusted(case: Case, successes: int, climbing: float) -> Case:
-    """The case; of an alarm that a longer search may take back, that it cannot be told.
+    """The case; that it cannot be told where a longer search may take an alarm back, or find what success is.
 
     Args:
         case: Of one start.
@@ -222,7 +233,7 @@ def _trusted(case: Case, successes: int, climbing: float) -> Case:
         climbing: By how many margins the best-paid of them still rose.
     """
     may_rise = case.against == "success" and climbing > case.lead
-    if case.is_alarm and (successes < FEW or may_rise):
+    if case.is_late or (case.is_alarm and (successes < FEW or may_rise)):
         return replace(case, word=CANNOT_TELL)
     return case
 
@@ -336,8 +347,11 @@ def _by_which_sum(both: Sequence[tuple[Case, Case]], decided: Sequence[Case], ga
 
 def _on_unsure(decided: Sequence[Case]) -> list[str]:
     count, missing = len(decided), sum(case.three.success is None for case in decided)
-    few = sum(case.word == CANNOT_TELL and case.three.success is not None for case in decided)
+    late = sum(case.word == CANNOT_TELL and case.is_late for case in decided)
+    few = sum(case.word == CANNOT_TELL and case.three.success is not None and not case.is_late for case in decided)
     told = [f"no success was found on {missing} of {count} starts"] if missing else []
+    if late:
+        told.append(f"no success was held for longer than the last steps on {late} of {count}")
     if few:
         told.append(f"successes were too few, or still rose in pay, on {few} of {count}")
     text = "; ".join(told) or "the starts disagree"

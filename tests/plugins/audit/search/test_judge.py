@@ -173,6 +173,17 @@ def test_few_successes_or_rising_ones_cannot_tell(more):
     assert _word(three, **more, how=("table",)) == FAILING
 
 
+def test_a_success_that_comes_and_goes_tells_nothing():
+    """A pendulum that spins is up at the last step by chance: what standing pays is not known."""
+    spinning = replace(_behaviour([1.0] * 100, 99, ends=False), share=0.2)
+    failure = replace(_behaviour([1.01] * 100), share=0.2)
+    found = judge(_searched(Three(0, failure, spinning, spinning)), PLAIN, _pays)
+    assert found.word == CANNOT_TELL
+    assert found.lines[1] == "No success was held for longer than the last steps on 1 of 1."
+    alive = replace(spinning, share=0.02)
+    assert _word(Three(0, failure, alive, alive)) == NOTHING
+
+
 def test_half_of_the_starts_are_enough():
     """An alarm says on how many it holds."""
     honest = Three(0, _behaviour([0.0] * 100), QUICK, QUICK)
