@@ -28,6 +28,8 @@ from .recorded.pair_grid import (
     pair_grid,
     pair_lines,
 )
+from .search.finding import Finding
+from .search.finding_grid import finding_parts
 
 WIDTH = 100
 COLUMN = (
@@ -114,6 +116,7 @@ class Audit:
         not_asked: Questions that this subject leaves open, and why, a line each.
         notes: What to keep in mind, a line each.
         damaged: What could not be read, a line each.
+        cheats: What a search found of each reward; empty where nothing was searched.
     """
 
     title: str
@@ -130,6 +133,7 @@ class Audit:
     not_asked: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     damaged: tuple[str, ...] = ()
+    cheats: tuple[Finding, ...] = ()
 
     def __str__(self) -> str:
         return table_text(self)
@@ -148,6 +152,7 @@ class Audit:
             "not_asked": list(self.not_asked),
             "notes": list(self.notes),
             "damaged": list(self.damaged),
+            "cheats": [finding.to_json() for finding in self.cheats],
         }
 
 
@@ -165,6 +170,7 @@ def audit_table(audit: Audit) -> RenderableType:
         *map(Text, audit.setting),
         *(Text(f"{line}.") for line in audit.notes),
         Text(),
+        *(part for finding in audit.cheats for part in finding_parts(finding)),
         *(_of_behaviours(audit) if audit.scripts is None else _of_payoffs(audit.scripts)),
         *(Text(line, style="" if number else "bold") for number, line in enumerate(audit.verdict)),
         *([Text()] if audit.verdict else []),

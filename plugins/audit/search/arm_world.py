@@ -140,7 +140,7 @@ class ArmWorld:
             np.maximum.accumulate(reached) > 0.0,
             {name: values for name, values in measures.items() if name in self._measures},
             ended or "cut",
-            rows.drawn(env),
+            drawn=rows.drawn(env),
         )
 
     def close(self) -> None:

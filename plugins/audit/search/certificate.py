@@ -282,7 +282,7 @@ class Certificate:
             np.array(behaviour["success"], bool),
             {name: np.array(values, float) for name, values in behaviour["measures"].items()},
             behaviour["ended"],
-            {name: array_of(it) for name, it in data.get("drawn", {}).items()},
+            drawn={name: array_of(it) for name, it in data.get("drawn", {}).items()},
         )
         _require_lengths(shown)
         return cls(

@@ -1,0 +1,127 @@
+"""From a world to what a cheat would do there: searched, judged, disturbed, tried elsewhere, and shown."""
+
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from harness.text import number
+
+from .behaviour import Behaviour
+from .disturb import NOISES, Strength, noise_curve, rested, strength_of
+from .finding import FRAGILE, Finding, Role
+from .judge import Case, judge
+from .world import Act, World
+
+SEEDS = (100_000, 1_000_000)
+"""Starts are reset with seeds between these; trainings count theirs from 0, and evaluations have larger ones."""
+NAMES: Mapping[Role, str] = {
+    "failure": "the best-paid failure", "success": "the best-paid success", "fastest": "the fastest success"
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Search:
+    """How much is searched.
+
+    Attributes:
+        budget: About so many steps are taken.
+        starts: From so many starts.
+        seed: Of the search and of its starts.
+        beginnings: What it begins from.
+    """
+
+    budget: int
+    starts: int
+    seed: int = 0
+    beginnings: Sequence[object] = field(default=())
+
+    def draw_starts(self) -> tuple[int, ...]:
+        """The seeds of the resets; no evaluation and no training has them."""
+        drawn = np.random.default_rng([self.seed, *SEEDS]).choice(np.arange(*SEEDS), self.starts, replace=False)
+        return tuple(map(int, drawn))
+
+
+ARM, ENVIRONMENT = Search(budget=1_000_000, starts=8), Search(budget=600_000, starts=4)
+"""What is usual: seconds for an arm, whose episodes are played side by side, a minute in an environment."""
+
+
+def find_in(world: World, asked: Search, elsewhere: Mapping[str, Callable[[], World]] | None = None) -> Finding:
+    """What a cheat would do in a world.
+
+    Args:
+        world: Where, and by which reward.
+        asked: How much is searched.
+        elsewhere: By the name of another simulator, makes the same world there; it is closed again.
+    """
+    from .search import search
+
+    starts = asked.draw_starts()
+    searched = search(world, starts, asked.budget, asked.seed, asked.beginnings)
+    judged = judge(searched, world, lambda of: world.show(of.start, of.actions).terms)
+    rng = np.random.default_rng([asked.seed, asked.budget])
+    three = judged.shown.three.by_role()
+    noise = noise_curve(world, three, _acts_of(three), rng)
+    strength, told = "", []
+    if cases := [case for case in judged.alarmed if case.word == judged.word]:
+        stood = strength_of(world, [(case, *_both(case)) for case in cases], rng)
+        strength = stood.word
+        told.append(_on_strength(stood, judged.shown))
+    paid = {name: _paid_in(make, three) for name, make in (elsewhere or {}).items()}
+    told += [_on_elsewhere(name, of) for name, of in paid.items()]
+    return Finding(
+        world=world.name,
+        reward=world.reward,
+        gamma=world.gamma,
+        success=world.success,
+        word=judged.word,
+        strength=strength,
+        lines=(*judged.lines, *told, *world.notes),
+        alarmed=tuple(case.three.start for case in judged.alarmed),
+        starts=starts,
+        searched=searched,
+        noise=noise,
+        elsewhere=paid,
+        shown={role: world.show(of.start, of.actions) for role, of in three.items()},
+        three=three,
+    )
+
+
+def _acts_of(behaviours: Mapping[Role, Behaviour]) -> dict[Role, Act]:
+    """The policies of those behaviours that have one."""
+    return {role: act for role, of in behaviours.items() if (act := _act_of(of)) is not None}
+
+
+def _act_of(behaviour: Behaviour) -> Act | None:
+    return None
+
+
+def _both(case: Case) -> tuple[Act | None, Act | None]:
+    """The policies of what tempts, and of what it is compared with."""
+    roles = case.three.by_role()
+    return _act_of(roles[case.tempting]), _act_of(roles[case.against])
+
+
+def _paid_in(make: Callable[[], World], three: Mapping[Role, Behaviour]) -> dict[Role, float]:
+    """What the same actions are paid in another world."""
+    with closing(make()) as world:
+        return {
+            role: float(world.play(np.array([of.start]), rested(world, of.actions)[np.newaxis]).paid[0])
+            for role, of in three.items()
+        }
+
+
+def _on_strength(stood: Strength, shown: Case) -> str:
+    fragile = stood.word == FRAGILE
+    on = f"on {stood.count - stood.stands if fragile else stood.stands} of {stood.count} starts"
+    return (
+        f"{stood.word}: with action noise {NOISES[-1]:g} it {'no longer' if fragile else 'still'} pays more {on}. On "
+        f"average {NAMES[shown.tempting]} then earns {number(stood.tempting)}, {NAMES[shown.against]} "
+        f"{number(stood.task)}."
+    )
+
+
+def _on_elsewhere(name: str, paid: Mapping[Role, float]) -> str:
+    told = ", ".join(f"{NAMES[role]} {number(value)}" for role, value in paid.items())
+    return f"The same actions in {name} earn: {told}."
