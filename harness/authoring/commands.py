@@ -253,7 +253,7 @@ if TYPE_CHECKING:
         recordings_in as recordings_in,
     )
     from harness.record.returns import mean_return as mean_return
-    from harness.record.scene import Scene as Scene
+    from harness.record.scene import Scene as Scene, read_scene as read_scene, write_scene as write_scene
     from harness.record.store import Store as Store
     from harness.record.trace import TERM as TERM, read_trace as read_trace
     from harness.recorder.column import Column as Column, made_columns as made_columns, source_of as source_of

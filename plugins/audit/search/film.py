@@ -1,5 +1,6 @@
 """Films of behaviours in an environment: pictures that the env draws, side by side in one file."""
 
+import base64
 import io
 import multiprocessing
 import warnings
@@ -7,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import gymnasium
@@ -39,6 +41,7 @@ MOST_BYTES = 230_000
 """The most bytes of a behaviour's pictures: a page of three stays below 1 MB."""
 QUALITIES = (80, 60, 40, 20, 5)
 """Qualities of WebP; the first one that is small enough is taken."""
+SCREEN = "harness doctor says what is missing; without a screen MuJoCo needs MUJOCO_GL=egl"
 PATIENCE = 120.0
 """Seconds in which the pictures of one behaviour have to be drawn."""
 
@@ -54,6 +57,24 @@ class Film(NamedTuple):
     """Width and height of a picture, [px]."""
     strip: bytes = b""
     """All pictures side by side, as WebP."""
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data; `from_json` gives the same back."""
+        return {**self._asdict(), "strip": base64.b64encode(self.strip).decode()}
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> "Film":
+        """What `to_json` told.
+
+        Raises:
+            ValueError: It holds no pictures of these steps.
+        """
+        strip, steps = base64.b64decode(data["strip"], validate=True), tuple(data["steps"])
+        if strip and (strip[:4], strip[8:12]) != (b"RIFF", b"WEBP"):
+            raise ValueError("its pictures are no WebP")
+        if bool(strip) != bool(steps) or any(b <= a for a, b in pairwise(steps)):
+            raise ValueError("its pictures are not of steps in order")
+        return cls(data["reason"], steps, tuple(data["size"]), strip)
 
 
 def films_of(place: Place, registry: Registry, episodes: Sequence[Shown]) -> list[Film]:
@@ -126,10 +147,7 @@ def _draw(env: AnyEnv) -> "Image.Image":
         try:
             drawn: Any = env.render()
         except Exception as error:  # an env of anybody, and the graphics driver under it
-            raise UsageError(
-                f"the env cannot draw here: {one_line_of(str(error))}. Without a screen set MUJOCO_GL=egl, or "
-                "MUJOCO_GL=osmesa; harness doctor says what works"
-            ) from error
+            raise UsageError(f"the env cannot draw here: {one_line_of(str(error))}. {SCREEN}") from error
     if not isinstance(drawn, np.ndarray) or drawn.ndim != 3:
         raise UsageError(f"the env draws no picture: its render() gave {type(drawn).__name__}")
     return Image.fromarray(drawn)

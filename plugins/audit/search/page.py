@@ -25,7 +25,6 @@ from harness.authoring.pages import (
 from harness.text import number, visible
 
 from .certificate import Certificate, file_names
-from .film import Film
 from .finding import CANNOT_TELL, FAILING, LOITERING, Role
 from .world import Shown
 
@@ -41,6 +40,8 @@ COLOURS: Mapping[Role, str] = {"fastest": "baseline", "failure": "proposed", "su
 DASHES: Mapping[Role, str] = {"fastest": "6 3", "failure": "", "success": "2 3"}
 MEASURES = 3
 """So many measures are drawn."""
+LEAST = 1e-100
+"""A smaller range is drawn as none."""
 FRAMES = 150
 """The most frames of an arm's replay."""
 EXPLANATION = (
@@ -58,7 +59,6 @@ class Figure(NamedTuple):
 
 def cheats_page(
     certificates: Sequence[Certificate],
-    films: Mapping[tuple[str, Role], Film] | None = None,
     scene: Scene | None = None,
     remarks: Sequence[str] = (),
     files: bool = True,
@@ -67,7 +67,6 @@ def cheats_page(
 
     Args:
         certificates: Of one world, of any number of rewards.
-        films: Pictures of behaviours in an environment, by reward and role.
         scene: What the arm looks like; None of an environment.
         remarks: Sentences that stand below the title, such as why a behaviour was not certified.
         files: Whether the certificates lie beside the page.
@@ -88,8 +87,7 @@ def cheats_page(
         title=f"What a cheat would do: {', '.join(titles)}",
         remarks=list(remarks),
         groups=[
-            _group(place, reward, group, names if files else {}, films or {})
-            for place, (reward, group, names) in enumerate(groups)
+            _group(place, reward, group, names if files else {}) for place, (reward, group, names) in enumerate(groups)
         ],
         replay=replay_of(shows, EXPLANATION),
     )
@@ -111,7 +109,6 @@ def _group(
     reward: str,
     group: Mapping[Role, Certificate],
     names: Mapping[Role, str],
-    films: Mapping[tuple[str, Role], Film],
 ) -> dict[str, Any]:
     """What is said of one reward."""
     first = next(iter(group.values()))
@@ -127,7 +124,7 @@ def _group(
         "table": _table(shown),
         "terms": _terms(shown),
         "figures": [*_figures(shown)],
-        "films": _films([(title, films.get((reward, it.role))) for title, it in shown.items()]),
+        "films": _films(shown),
         "plugins": plugin_flags(list(first.place.plugins)),
         "files": [(name, NAMES[role]) for role, name in names.items()],
     }
@@ -137,7 +134,7 @@ def _setting(it: Certificate) -> str:
     place, found = it.place, it.found
     told = f"success: {place.success}" if place.success else "nothing measures success"
     return (
-        f"{told}; shown is start {it.shown.start}, of {it.answer.starts}; gamma {place.gamma:g}; a search of "
+        f"{told}; of {it.answer.starts} starts, start {it.shown.start} is shown; gamma {place.gamma:g}; a search of "
         f"{found.steps:,} steps with seed {found.seed}: {', '.join(found.how)}"
     )
 
@@ -148,8 +145,8 @@ def _distinct(group: Mapping[Role, Certificate]) -> dict[str, Certificate]:
     if success and fastest and np.array_equal(success.shown.actions, fastest.shown.actions):
         both = {"fastest and best-paid success": fastest}
         return {**both, **{NAMES[role]: it for role, it in group.items() if role == "failure"}}
-    only = "paid most" if not next(iter(group.values())).place.success else ""
-    return {only or NAMES[role]: it for role, it in group.items()}
+    is_told = bool(next(iter(group.values())).place.success)
+    return {NAMES[role] if is_told or role != "failure" else "paid most": it for role, it in group.items()}
 
 
 def _table(shown: Mapping[str, Certificate]) -> Grid:
@@ -190,15 +187,18 @@ def _figures(shown: Mapping[str, Certificate]) -> Iterator[Figure]:
     yield _over_time("Paid so far", sums, shown, first=0)
     names = dict.fromkeys(name for it in shown.values() for name in it.shown.measures)
     measured = {name: {title: it.shown.measures.get(name, NONE) for title, it in shown.items()} for name in names}
-    for name, values in [it for it in measured.items() if _varies(*it[1].values())][:MEASURES]:
-        yield _over_time(name, values, shown, first=1)
+    count = {name: _count(*values.values()) for name, values in measured.items()}
+    drawn = [name for name in names if count[name] > 2] or [name for name in names if count[name] == 2]
+    for name in drawn[:MEASURES]:
+        yield _over_time(name, measured[name], shown, first=1)
     if any(it.noise for it in shown.values()):
         yield _noise(shown)
 
 
-def _varies(*values: Float) -> bool:
+def _count(*values: Float) -> int:
+    """How many different values there are; two of a flag."""
     told = np.concatenate(values)
-    return len(np.unique(told[np.isfinite(told)])) > 1
+    return len(np.unique(told[np.isfinite(told)]))
 
 
 def _over_time(title: str, curves: Mapping[str, Float], shown: Mapping[str, Certificate], *, first: int) -> Figure:
@@ -238,36 +238,42 @@ def _noise(shown: Mapping[str, Certificate]) -> Figure:
 def _axis(curves: Sequence[Float], title: str) -> Axis:
     told = np.concatenate([[0.0], *curves])
     low, high = float(np.nanmin(told)), float(np.nanmax(told))
-    air = 0.04 * (high - low) or 0.5
+    air = 0.04 * (high - low) if high - low > LEAST else 0.5
     return linear_axis(low - air, high + air, title)
 
 
-def _films(films: Sequence[tuple[str, Film | None]]) -> dict[str, Any] | None:
+def _films(shown: Mapping[str, Certificate]) -> dict[str, Any] | None:
     """The films of one reward, on one clock; None if there are none."""
-    found = [(title, film) for title, film in films if film is not None]
+    found = [(title, it.role, it.film) for title, it in shown.items() if it.film is not None]
     if not found:
         return None
-    reasons = dict.fromkeys(film.reason for _, film in found if film.reason)
-    drawn = [(title, film) for title, film in found if film.strip]
+    reasons = dict.fromkeys(film.reason for *_, film in found if film.reason)
+    drawn = [it for it in found if it[-1].strip]
     return {
         "reasons": list(reasons),
-        "last": max((film.steps[-1] for _, film in drawn), default=0),
+        "last": max((film.steps[-1] for *_, film in drawn), default=0),
         "sides": [
             {
                 "title": title,
+                "colour": COLOURS[role],
                 "steps": ",".join(map(str, film.steps)),
                 "count": len(film.steps),
                 "size": film.size,
                 "picture": f"data:image/webp;base64,{base64.b64encode(film.strip).decode()}",
             }
-            for title, film in drawn
+            for title, role, film in drawn
         ],
     }
 
 
 def _show(group: Mapping[Role, Certificate], scene: Scene) -> Show | None:
     """The behaviours of an arm as a replay shows them."""
-    shown = {title: it for title, it in _distinct(group).items() if it.shown.drawn}
+    sizes = {"qpos": len(scene.joints), "target": 3}
+    shown = {
+        title: it
+        for title, it in _distinct(group).items()
+        if it.shown.drawn and all(it.shown.drawn[name].shape[1] == size for name, size in sizes.items())
+    }
     if not shown:
         return None
     sides = tuple(

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -108,6 +108,7 @@ def certify(
     """
     certificates, refused = list[Certificate](), list[str]()
     with closing(make()) as world:
+        place = replace(place, success=finding.success, horizon=world.horizon)
         for role in ROLES:
             shown = finding.shown.get(role)
             if shown is None:
