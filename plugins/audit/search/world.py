@@ -103,7 +103,15 @@ class World(Protocol):
 
     @property
     def success(self) -> str:
-        """What tells success, as a user reads it: ``success``, ``height>0.9``; empty if nothing does."""
+        """What tells success, as a user types it: ``success``, ``height>0.9``; empty if nothing does."""
+
+    @property
+    def directions(self) -> Mapping[str, int]:
+        """By name, of the measures of which that is known: 1 where more is better, -1 where less is."""
+
+    @property
+    def notes(self) -> Sequence[str]:
+        """Sentences that a reader of the answer has to know: what was taken for success, where episodes are cut."""
 
     @property
     def is_repeated(self) -> bool:
