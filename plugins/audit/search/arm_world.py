@@ -11,8 +11,7 @@ from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
-from harness.authoring.commands import SUCCESS, TERM, ReachVectorEnv
-from harness.authoring.commands import World as Arm
+from harness.authoring.commands import SUCCESS, TERM, ReachVectorEnv, World as Arm
 from harness.errors import UsageError
 
 from .world import Act, Actions, Outcomes, Shown, Whole
