@@ -63,8 +63,9 @@ class ArmWorld:
     @property
     def space(self) -> gymnasium.spaces.Box | gymnasium.spaces.Discrete:
         """Of one action."""
-        space: gymnasium.spaces.Box | gymnasium.spaces.Discrete = self._env(1).single_action_space
-        return space
+        space: Any = self._env(1).single_action_space
+        found: gymnasium.spaces.Box | gymnasium.spaces.Discrete = space
+        return found
 
     @property
     def observes(self) -> gymnasium.Space[Any]:
@@ -84,7 +85,7 @@ class ArmWorld:
     def play(self, starts: Whole, actions: Actions) -> Outcomes:
         """Play n episodes of given actions; see `World`."""
         return _joined([
-            self._play(starts[some], lambda step, *_, some=some: actions[some, step])  # type: ignore[misc]
+            self._play(starts[some], lambda step, *_, some=some: actions[some, step])
             for some in _parts(len(starts))
         ])  # fmt: skip
 
@@ -95,7 +96,7 @@ class ArmWorld:
             chosen: list[NDArray[Any]] = []
 
             def choose(step: int, seen: NDArray[Any], running: Mask, chosen: list[NDArray[Any]] = chosen) -> Any:
-                actions = np.zeros((len(seen), *self.space.shape), self.space.dtype)
+                actions = np.zeros((len(seen), *(self.space.shape or ())), self.space.dtype)
                 for k in np.flatnonzero(running):
                     actions[k] = policy(seen[k])
                 chosen.append(actions)
@@ -133,11 +134,17 @@ class ArmWorld:
             start,
             np.asarray(actions[: len(steps)]),
             told[PAID],
-            {**terms, EVENTS: sum(part[name] for name in PRICES)},
+            {**terms, EVENTS: np.sum([part[name] for name in PRICES], axis=0)},
             np.maximum.accumulate(reached) > 0.0,
             {name: values for name, values in measures.items() if name in self._measures},
             ended or "cut",
         )
+
+    def places(self, starts: Whole) -> tuple[Float, Float]:
+        """Where arms stand at starts: joint positions, (n, dof), and targets, (n, 3) [m] in the world frame."""
+        env = self._env(len(starts))
+        env.reset(seed=_padded(starts, env.num_envs).tolist())
+        return env.simulation.read().qpos[: len(starts)].copy(), env.episodes.target[: len(starts)].copy()
 
     def close(self) -> None:
         """Close the simulators."""
@@ -159,8 +166,7 @@ class ArmWorld:
     def _play(self, starts: Whole, choose: Choose) -> Outcomes:
         """Play at most `TOGETHER` episodes."""
         env, count = self._env(len(starts)), len(starts)
-        seeds, actions = starts.tolist(), np.zeros(0)
-        observations, infos = env.reset(seed=[*seeds, *[seeds[0]] * (env.num_envs - count)])
+        observations, infos = env.reset(seed=_padded(starts, env.num_envs).tolist())
         running = np.arange(env.num_envs) < count
         if count < env.num_envs:
             env.rest(~running)
@@ -169,8 +175,7 @@ class ArmWorld:
         distance, closest, weight = infos[DISTANCE].copy(), infos[DISTANCE].copy(), 1.0
         for step in range(self.horizon):
             actions = choose(step, observations[:count], running[:count])
-            padded = np.concatenate([actions, np.repeat(actions[:1], env.num_envs - count, axis=0)])
-            observations, pay, terminated, truncated, infos = env.step(padded)
+            observations, pay, terminated, truncated, infos = env.step(_padded(actions, env.num_envs))
             pay = np.where(running, pay, 0.0)
             self._require_finite(pay)
             paid += pay
@@ -232,12 +237,24 @@ def _parts(count: int) -> list[slice]:
     return [slice(at, min(at + TOGETHER, count)) for at in range(0, count, TOGETHER)]
 
 
+def _padded(rows: NDArray[Any], count: int) -> NDArray[Any]:
+    """So many rows, of which those that lack are the first."""
+    return np.concatenate([rows, np.repeat(rows[:1], count - len(rows), axis=0)]) if len(rows) < count else rows
+
+
 def _joined(parts: Sequence[Outcomes]) -> Outcomes:
     """Outcomes one after the other."""
-    fields = ("steps", "paid", "discounted", "success", "time", "share", "near")
-    joined = [np.concatenate([getattr(it, name) for it in parts]) for name in fields]
+
+    def whole(name: str) -> Any:
+        return np.concatenate([getattr(it, name) for it in parts])
+
     return Outcomes(
-        *joined,
+        whole("steps"),
+        whole("paid"),
+        whole("discounted"),
+        whole("success"),
+        whole("time"),
+        whole("share"),
+        whole("near"),
         {name: np.concatenate([it.measures[name] for it in parts]) for name in parts[0].measures},
-        [trail for it in parts for trail in it.trails],
     )
