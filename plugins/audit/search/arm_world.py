@@ -146,6 +146,10 @@ class ArmWorld:
         env.reset(seed=_padded(starts, env.num_envs).tolist())
         return env.simulation.read().qpos[: len(starts)].copy(), env.episodes.target[: len(starts)].copy()
 
+    def watch(self, start: int, policy: Act) -> Shown:
+        """Play one episode of a policy and keep everything but what it observed; see `World`."""
+        return self.show(start, self.act(np.array([start]), policy)[1][0])
+
     def close(self) -> None:
         """Close the simulators."""
         for env in self._envs.values():
