@@ -2,7 +2,8 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -29,13 +30,15 @@ class Search:
         budget: About so many steps are taken.
         starts: From so many starts.
         seed: Of the search and of its starts.
-        beginnings: What it begins from.
+        folders: Experiments and recorded trainings that it begins from.
+        policies: Policies that it begins from, ``FILE.py:NAME`` or a folder.
     """
 
     budget: int
     starts: int
     seed: int = 0
-    beginnings: Sequence[object] = field(default=())
+    folders: Sequence[Path] = ()
+    policies: Sequence[str] = ()
 
     def draw_starts(self) -> tuple[int, ...]:
         """The seeds of the resets; no evaluation and no training has them."""
@@ -47,18 +50,32 @@ ARM, ENVIRONMENT = Search(budget=1_000_000, starts=8), Search(budget=600_000, st
 """What is usual: seconds for an arm, whose episodes are played side by side, a minute in an environment."""
 
 
-def find_in(world: World, asked: Search, elsewhere: Mapping[str, Callable[[], World]] | None = None) -> Finding:
+def find_in(
+    world: World,
+    asked: Search,
+    elsewhere: Mapping[str, Callable[[], World]] | None = None,
+    policies: Mapping[str, Act] | None = None,
+) -> Finding:
     """What a cheat would do in a world.
 
     Args:
         world: Where, and by which reward.
         asked: How much is searched.
+        policies: By name, functions of an observation that the search begins from too.
         elsewhere: By the name of another simulator, makes the same world there; it is closed again.
     """
+    from .arm_world import ArmWorld
+    from .beginnings import of_folder, policies_of, policy_named, scripts_of
     from .search import search
 
     starts = asked.draw_starts()
-    searched = search(world, starts, asked.budget, asked.seed, asked.beginnings)
+    begun = [
+        *(scripts_of(world, np.array(starts)) if isinstance(world, ArmWorld) else ()),
+        *policies_of(policies or {}),
+        *(policy_named(world, text) for text in asked.policies),
+        *(beginning for folder in asked.folders for beginning in of_folder(world, folder)),
+    ]
+    searched = search(world, starts, asked.budget, asked.seed, begun)
     judged = judge(searched, world, lambda of: world.show(of.start, of.actions).terms)
     rng = np.random.default_rng([asked.seed, asked.budget])
     three = judged.shown.three.by_role()
