@@ -4,9 +4,14 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from harness.authoring.commands import Columns
+from harness.environment import AnyEnv
+from harness.errors import UsageError
+from harness.reward import Given
 from harness.text import number
 
 from .behaviour import Behaviour
@@ -14,6 +19,9 @@ from .disturb import NOISES, Strength, noise_curve, rested, strength_of
 from .finding import FRAGILE, Finding, Role
 from .judge import Case, judge
 from .world import Act, World
+
+if TYPE_CHECKING:
+    from ..audit import Audit
 
 SEEDS = (100_000, 1_000_000)
 """Starts are reset with seeds between these; trainings count theirs from 0, and evaluations have larger ones."""
@@ -102,6 +110,61 @@ def find_in(
         elsewhere=paid,
         shown={role: world.show(of.start, of.actions) for role, of in three.items()},
         three=three,
+    )
+
+
+def find_cheats(
+    env: AnyEnv | str | Callable[[], AnyEnv],
+    rewards: Mapping[str, Given],
+    *,
+    success: str = "",
+    behaviour: Mapping[str, Given] | None = None,
+    policies: Mapping[str, Act] | None = None,
+    gamma: float = 0.99,
+    budget: int = ENVIRONMENT.budget,
+    starts: int = ENVIRONMENT.starts,
+    seed: int = 0,
+) -> "Audit":
+    """What a cheat would do for each reward in any Gymnasium environment that ``reset(seed)`` makes repeat.
+
+    Args:
+        env: One that was made, which is left open; the id of one; or a function that makes one.
+        rewards: As of `harness.RecordRewards`; what the env pays is ``"own"``.
+        success: What tells success: a measure or a key of info, ``"height>0.9"``; empty to find one.
+        behaviour: Measures of what is done, as of `harness.RecordRewards`; no reward enters them.
+        policies: By name, from an observation to an action: the search begins from them too.
+        gamma: The learner's discount per step, above 0 and at most 1.
+        budget: About so many steps are taken for each reward.
+        starts: From so many starts.
+        seed: Of the search: the same one finds the same.
+
+    Returns:
+        An audit with one `Finding` for each reward in `cheats`; it prints as ``harness audit`` does.
+
+    Raises:
+        UsageError: Something of that cannot be used, or a reward fails in a step.
+    """
+    from ..audit import Audit
+    from .environment_world import of_env
+
+    if not 0.0 < gamma <= 1.0:
+        raise UsageError(f"gamma={gamma:g}: must be above 0 and at most 1")
+    for name, value, least in (("budget", budget, 1), ("starts", starts, 1), ("seed", seed, 0)):
+        if value < least:
+            raise UsageError(f"{name}={value}: must be at least {least}")
+    columns = Columns(dict(rewards), dict(behaviour or {}), ())
+    found = []
+    for reward in rewards:
+        with closing(of_env(env, reward, columns, gamma, success)) as world:
+            found.append(find_in(world, Search(budget, starts, seed), policies=policies))
+    where = found[0].world if found else "nothing"
+    return Audit(
+        title=f"{where}: rewards {', '.join(rewards)}; discount {gamma:g}",
+        facts={"env": where, "gamma": gamma},
+        rewards=tuple(rewards),
+        pairs=(),
+        earned=(),
+        cheats=tuple(found),
     )
 
 
