@@ -46,6 +46,10 @@ if TYPE_CHECKING:
     from harness.cli.terminal import Terminal as Terminal, show as show
     from harness.cli.unexpected import describe_unexpected as describe_unexpected
     from harness.env import ReachVectorEnv as ReachVectorEnv
+    from harness.env.arm_observation import (
+        kinematics_policy as kinematics_policy,
+        why_not_kinematics as why_not_kinematics,
+    )
     from harness.env.ideal import IdealSimulator as IdealSimulator
     from harness.env.make import ReachEnv as ReachEnv, World as World, build_world as build_world
     from harness.env.solid_probes import (
@@ -176,8 +180,10 @@ if TYPE_CHECKING:
         FINISH as FINISH,
         HOLD as HOLD,
         HOVER as HOVER,
+        SCRIPTS as SCRIPTS,
         Rollout as Rollout,
         States as States,
+        plan_actions as plan_actions,
         record_rollouts as record_rollouts,
     )
     from harness.payoff.score import (
@@ -281,6 +287,7 @@ if TYPE_CHECKING:
     from harness.registry.libraries import is_met as is_met
     from harness.registry.names import did_you_mean as did_you_mean, unknown_name as unknown_name
     from harness.registry.parameters import build as build, parameters_of as parameters_of
+    from harness.registry.plugin_module import import_file as import_file
     from harness.registry.registry import Registry as Registry, load_registry as load_registry
     from harness.registry.sources import source_hash as source_hash
     from harness.registry.spec import OURS as OURS, PLANNED as PLANNED, blamed_on as blamed_on

@@ -227,7 +227,13 @@ def _asked(
     for flag, given, least in (("--budget", budget, 0), ("--starts", starts, 1), ("--seed", seed, 0)):
         if given is not None and given < least:
             raise UsageError(f"{flag} {given}: must be at least {least}")
-    return Search(usual.budget if budget is None else budget, usual.starts if starts is None else starts, seed)
+    return Search(
+        usual.budget if budget is None else budget,
+        usual.starts if starts is None else starts,
+        seed,
+        tuple(folders or ()),
+        tuple(policies or ()),
+    )
 
 
 def _searched_on_task(
@@ -373,6 +379,7 @@ def _on_scripts(
     from harness.task import choose_task
 
     from .scripts import audit_reward
+    from .search.disturb import NOISES
 
     episodes, gamma = 100 if episodes is None else episodes, 0.95 if gamma is None else gamma
     if episodes < 1:
@@ -387,6 +394,7 @@ def _on_scripts(
     world = chosen.build(registry, "tasks")
     robot = robot or world.robot
     rollouts = record_rollouts(engine, arm, world, episodes)
+    disturbed = record_rollouts(engine, arm, world, episodes, NOISES[-1])
     *judged, other = (choice.build(registry, "rewards") for choice in (*choices, compared))
     with _named(compared, registry):
         score_rollout(other, rollouts[0])
@@ -395,7 +403,7 @@ def _on_scripts(
     found = []
     for choice, reward in zip(choices, judged, strict=True):
         with _named(choice, registry):
-            audit = audit_reward(reward, other, rollouts, gamma, (choice.label, compared.label), setting)
+            audit = audit_reward(reward, other, rollouts, gamma, (choice.label, compared.label), setting, disturbed)
         found.append(replace(audit, facts={"reward": choice.label, "against": compared.label, **told}))
     return found
 

@@ -143,6 +143,16 @@ class ArmWorld:
             drawn=rows.drawn(env),
         )
 
+    def places(self, starts: Whole) -> tuple[Float, Float]:
+        """Where arms stand at starts: joint positions, (n, dof), and targets, (n, 3) [m] in the world frame."""
+        env = self._env(len(starts))
+        env.reset(seed=_padded(starts, env.num_envs).tolist())
+        return env.simulation.read().qpos[: len(starts)].copy(), env.episodes.target[: len(starts)].copy()
+
+    def watch(self, start: int, policy: Act) -> Shown:
+        """Play one episode of a policy and keep everything but what it observed; see `World`."""
+        return self.show(start, self.act(np.array([start]), policy)[1][0])
+
     def close(self) -> None:
         """Close the simulators."""
         for env in self._envs.values():
@@ -163,8 +173,7 @@ class ArmWorld:
     def _play(self, starts: Whole, choose: Choose) -> Outcomes:
         """Play at most `TOGETHER` episodes."""
         env, count = self._env(len(starts)), len(starts)
-        seeds, actions = starts.tolist(), np.zeros(0)
-        observations, infos = env.reset(seed=[*seeds, *[seeds[0]] * (env.num_envs - count)])
+        observations, infos = env.reset(seed=_padded(starts, env.num_envs).tolist())
         running = np.arange(env.num_envs) < count
         if count < env.num_envs:
             env.rest(~running)
@@ -173,8 +182,7 @@ class ArmWorld:
         distance, closest, weight = infos[DISTANCE].copy(), infos[DISTANCE].copy(), 1.0
         for step in range(self.horizon):
             actions = choose(step, observations[:count], running[:count])
-            padded = np.concatenate([actions, np.repeat(actions[:1], env.num_envs - count, axis=0)])
-            observations, pay, terminated, truncated, infos = env.step(padded)
+            observations, pay, terminated, truncated, infos = env.step(_padded(actions, env.num_envs))
             pay = np.where(running, pay, 0.0)
             self._require_finite(pay)
             paid += pay
@@ -242,6 +250,11 @@ class _Rows:
 
 def _parts(count: int) -> list[slice]:
     return [slice(at, min(at + TOGETHER, count)) for at in range(0, count, TOGETHER)]
+
+
+def _padded(rows: NDArray[Any], count: int) -> NDArray[Any]:
+    """So many rows, of which those that lack are the first."""
+    return np.concatenate([rows, np.repeat(rows[:1], count - len(rows), axis=0)]) if len(rows) < count else rows
 
 
 def _joined(parts: Sequence[Outcomes]) -> Outcomes:

@@ -2,10 +2,16 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from harness.authoring.commands import Columns
+from harness.environment import AnyEnv
+from harness.errors import UsageError
+from harness.reward import Given
 from harness.text import number
 
 from .behaviour import Behaviour
@@ -13,6 +19,9 @@ from .disturb import NOISES, Strength, noise_curve, rested, strength_of
 from .finding import FRAGILE, Finding, Role
 from .judge import Case, judge
 from .world import Act, World
+
+if TYPE_CHECKING:
+    from ..audit import Audit
 
 SEEDS = (100_000, 1_000_000)
 """Starts are reset with seeds between these; trainings count theirs from 0, and evaluations have larger ones."""
@@ -29,13 +38,15 @@ class Search:
         budget: About so many steps are taken.
         starts: From so many starts.
         seed: Of the search and of its starts.
-        beginnings: What it begins from.
+        folders: Experiments and recorded trainings that it begins from.
+        policies: Policies that it begins from, ``FILE.py:NAME`` or a folder.
     """
 
     budget: int
     starts: int
     seed: int = 0
-    beginnings: Sequence[object] = field(default=())
+    folders: Sequence[Path] = ()
+    policies: Sequence[str] = ()
 
     def draw_starts(self) -> tuple[int, ...]:
         """The seeds of the resets; no evaluation and no training has them."""
@@ -47,18 +58,32 @@ ARM, ENVIRONMENT = Search(budget=1_000_000, starts=8), Search(budget=600_000, st
 """What is usual: seconds for an arm, whose episodes are played side by side, a minute in an environment."""
 
 
-def find_in(world: World, asked: Search, elsewhere: Mapping[str, Callable[[], World]] | None = None) -> Finding:
+def find_in(
+    world: World,
+    asked: Search,
+    elsewhere: Mapping[str, Callable[[], World]] | None = None,
+    policies: Mapping[str, Act] | None = None,
+) -> Finding:
     """What a cheat would do in a world.
 
     Args:
         world: Where, and by which reward.
         asked: How much is searched.
+        policies: By name, functions of an observation that the search begins from too.
         elsewhere: By the name of another simulator, makes the same world there; it is closed again.
     """
+    from .arm_world import ArmWorld
+    from .beginnings import of_folder, policies_of, policy_named, scripts_of
     from .search import search
 
     starts = asked.draw_starts()
-    searched = search(world, starts, asked.budget, asked.seed, asked.beginnings)
+    begun = [
+        *(scripts_of(world, np.array(starts)) if isinstance(world, ArmWorld) else ()),
+        *policies_of(policies or {}),
+        *(policy_named(world, text) for text in asked.policies),
+        *(beginning for folder in asked.folders for beginning in of_folder(world, folder)),
+    ]
+    searched = search(world, starts, asked.budget, asked.seed, begun)
     judged = judge(searched, world, lambda of: world.show(of.start, of.actions).terms)
     rng = np.random.default_rng([asked.seed, asked.budget])
     three = judged.shown.three.by_role()
@@ -85,6 +110,61 @@ def find_in(world: World, asked: Search, elsewhere: Mapping[str, Callable[[], Wo
         elsewhere=paid,
         shown={role: world.show(of.start, of.actions) for role, of in three.items()},
         three=three,
+    )
+
+
+def find_cheats(
+    env: AnyEnv | str | Callable[[], AnyEnv],
+    rewards: Mapping[str, Given],
+    *,
+    success: str = "",
+    behaviour: Mapping[str, Given] | None = None,
+    policies: Mapping[str, Act] | None = None,
+    gamma: float = 0.99,
+    budget: int = ENVIRONMENT.budget,
+    starts: int = ENVIRONMENT.starts,
+    seed: int = 0,
+) -> "Audit":
+    """What a cheat would do for each reward in any Gymnasium environment that ``reset(seed)`` makes repeat.
+
+    Args:
+        env: One that was made, which is left open; the id of one; or a function that makes one.
+        rewards: As of `harness.RecordRewards`; what the env pays is ``"own"``.
+        success: What tells success: a measure or a key of info, ``"height>0.9"``; empty to find one.
+        behaviour: Measures of what is done, as of `harness.RecordRewards`; no reward enters them.
+        policies: By name, from an observation to an action: the search begins from them too.
+        gamma: The learner's discount per step, above 0 and at most 1.
+        budget: About so many steps are taken for each reward.
+        starts: From so many starts.
+        seed: Of the search: the same one finds the same.
+
+    Returns:
+        An audit with one `Finding` for each reward in `cheats`; it prints as ``harness audit`` does.
+
+    Raises:
+        UsageError: Something of that cannot be used, or a reward fails in a step.
+    """
+    from ..audit import Audit
+    from .environment_world import of_env
+
+    if not 0.0 < gamma <= 1.0:
+        raise UsageError(f"gamma={gamma:g}: must be above 0 and at most 1")
+    for name, value, least in (("budget", budget, 1), ("starts", starts, 1), ("seed", seed, 0)):
+        if value < least:
+            raise UsageError(f"{name}={value}: must be at least {least}")
+    columns = Columns(dict(rewards), dict(behaviour or {}), ())
+    found = []
+    for reward in rewards:
+        with closing(of_env(env, reward, columns, gamma, success)) as world:
+            found.append(find_in(world, Search(budget, starts, seed), policies=policies))
+    where = found[0].world if found else "nothing"
+    return Audit(
+        title=f"{where}: rewards {', '.join(rewards)}; discount {gamma:g}",
+        facts={"env": where, "gamma": gamma},
+        rewards=tuple(rewards),
+        pairs=(),
+        earned=(),
+        cheats=tuple(found),
     )
 
 

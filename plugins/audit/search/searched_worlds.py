@@ -7,20 +7,17 @@ from typing import Any, TypeAlias
 
 from harness.authoring.commands import (
     Choice,
-    Columns,
     Registry,
     World as Arm,
     blamed_on,
     choose,
-    columns_of,
     look_at,
     split_list,
     usable,
-    weighing,
 )
-from harness.environment import AnyEnv, Environment
 from harness.task import choose_task
 
+from .environment_world import of_environment
 from .find import Search, find_in
 from .finding import Finding
 from .world import World
@@ -104,10 +101,14 @@ def cheats_in_environment(
     asked: Search,
     watched: Watched = nullcontext,
 ) -> tuple[Finding, ...]:
-    """What a cheat would do for each reward of an environment; see `environment_world` and `cheats_on_task`."""
+    """What a cheat would do for each reward of an environment; see `of_environment` and `cheats_on_task`."""
     found = []
     for reward in environment_rewards(task, registry, rewards):
-        with environment_world(registry, task, reward, gamma, success) as world, watched(world):
+        with (
+            blamed_on(registry.get("environments", task.name), "it was searched"),
+            closing(of_environment(task, registry, reward, gamma, success)) as world,
+            watched(world),
+        ):
             found.append(find_in(world, asked))
     return tuple(found)
 
@@ -117,32 +118,3 @@ def environment_rewards(task: Choice, registry: Registry, rewards: str | None) -
     looked = look_at(task, registry)
     names = split_list(rewards) if rewards else looked.rewards
     return tuple(dict.fromkeys(looked.rewards_asked(name, ())[0] for name in names))
-
-
-@contextmanager
-def environment_world(registry: Registry, task: Choice, reward: Choice, gamma: float, success: str) -> Iterator[World]:
-    """The world of one reward in an environment.
-
-    Args:
-        registry: The plugins; functions in files that the user gave are rewards and measures too.
-        task: The environment.
-        reward: One of its rewards.
-        gamma: The learner's discount per step.
-        success: What tells success, ``height>0.9``; empty to find a measure that does.
-
-    Raises:
-        UsageError: It cannot be searched, or there is no such measure.
-        PluginError: The environment raises; says whose it is.
-    """
-    from .environment_world import EnvironmentWorld
-
-    environment: Environment = task.build(registry, "environments")
-
-    def columns(env: AnyEnv) -> Columns:
-        return weighing(columns_of(environment, env, registry), reward.name, reward.label, dict(reward.params))
-
-    with (
-        blamed_on(registry.get("environments", task.name), "it was searched"),
-        closing(EnvironmentWorld(environment.make, columns, task.label, reward.label, gamma, success)) as world,
-    ):
-        yield world
