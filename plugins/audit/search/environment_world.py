@@ -156,17 +156,24 @@ class EnvironmentWorld:
 
     def show(self, start: int, actions: Actions) -> Shown:
         """Play one episode and keep everything; see `World`."""
-        played = self._counted(start, lambda step, _: actions[step])
+        return self._shown(self._counted(start, lambda step, _: actions[step]))
+
+    def watch(self, start: int, policy: Act) -> Shown:
+        """Play one episode of a policy and keep everything; see `World`."""
+        return self._shown(self._counted(start, lambda _, seen: policy(seen)))
+
+    def _shown(self, played: _Played) -> Shown:
         paid, told = np.array(played.paid), np.array(played.told)
         terms = {name: paid[:, 1 + k] for k, name in enumerate(self._asked.terms)}
         return Shown(
-            start,
+            played.start,
             np.array(played.actions, self.space.dtype),
             paid[:, 0],
             terms or {REWARD: paid[:, 0]},
             self._successes(told),
             {name: told[:, k] for k, name in enumerate(self._asked.measures)},
             played.ended,
+            tuple(played.seen),
         )
 
     def close(self) -> None:

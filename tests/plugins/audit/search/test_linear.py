@@ -87,7 +87,7 @@ def test_success_is_found_where_pay_leads_away():
         lambda: Lazy(gymnasium.make("MountainCarContinuous-v0", max_episode_steps=300)),
         lambda after, paid, terminated, info: terminated,
     )
-    _, record = searched(world, 40_000)
+    _, record = searched(world, 60_000)
     assert set(np.array(record.rows)[np.array(record.success)]) == set(STARTS)
 
 
