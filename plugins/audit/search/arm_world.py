@@ -132,7 +132,11 @@ class ArmWorld:
         asked = (PAID, DISTANCE, IS_SUCCESS, GROUND)
         told = {name: np.array([float(info[name][0]) for _, info in steps]) for name in asked}
         reached = told.pop(IS_SUCCESS)
-        measures = {**told, CLOSEST: np.minimum(begun, np.minimum.accumulate(told[DISTANCE])), TARGETS: np.cumsum(reached)}
+        measures = {
+            **told,
+            CLOSEST: np.minimum(begun, np.minimum.accumulate(told[DISTANCE])),
+            TARGETS: np.cumsum(reached),
+        }
         return Shown(
             start,
             np.asarray(actions[: len(steps)]),
