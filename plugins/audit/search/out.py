@@ -22,6 +22,7 @@ from harness.authoring.commands import (
     write_scene,
     write_whole,
 )
+from harness.authoring.pages import write_page
 from harness.errors import SchemaError, UsageError
 from harness.task import choose_task
 
@@ -100,10 +101,7 @@ def write_found(
         UsageError: The folder cannot be written, holds a link, or is that of an experiment.
         StorageError: The disk is full, or fails.
     """
-    make_folder(folder)
-    if Store.is_experiment(folder):
-        raise UsageError(f"--out '{folder}' is the folder of an experiment: name another one")
-    refuse_links(folder)
+    require_free(folder)
     scene, names = scene_for(certificates, registry), file_names(certificates)
     page = cheats_page(certificates, scene, remarks)
     with storage_errors(folder):
@@ -118,6 +116,30 @@ def write_found(
         if scene is not None:
             write_scene(scene, folder)
         write_whole(folder / INDEX, page)
+
+
+def require_free(folder: Path) -> None:
+    """Make the folder, or see that certificates may be written into the one that is there.
+
+    Raises:
+        UsageError: It cannot be written, holds a link, or is that of an experiment.
+    """
+    if Store.is_experiment(folder):
+        raise UsageError(f"--out '{folder}' is the folder of an experiment: name another one")
+    make_folder(folder)
+    refuse_links(folder)
+
+
+def write_found_page(
+    path: Path, certificates: Sequence[Certificate], registry: Registry, remarks: Sequence[str] = ()
+) -> None:
+    """Leave the page alone, without files beside it.
+
+    Raises:
+        UsageError: It cannot be written.
+    """
+    page = cheats_page(certificates, scene_for(certificates, registry), remarks, files=False)
+    write_page(page, path, "The page")
 
 
 def scene_for(certificates: Sequence[Certificate], registry: Registry) -> Scene | None:
