@@ -42,6 +42,7 @@ class ArmWorld:
 
     directions = DIRECTIONS
     notes: Sequence[str] = ()
+    together = TOGETHER
     success = SUCCESS
 
     def __init__(self, arm: Arm, name: str, reward: str, gamma: float) -> None:
