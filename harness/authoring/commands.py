@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from harness.authoring.face import homes_in, lazy_names
 
 if TYPE_CHECKING:
-    from harness.cli.audits import audits_of as audits_of
+    from harness.cli.audits import audits_of as audits_of, pays_of as pays_of
     from harness.cli.commands import hidden_commands as hidden_commands
     from harness.cli.datasets import names_dataset as names_dataset
     from harness.cli.flags.dataset import Partial as Partial, Places as Places
