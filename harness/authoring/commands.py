@@ -111,6 +111,7 @@ if TYPE_CHECKING:
         Acting as Acting,
         flat_observation as flat_observation,
         flat_observations as flat_observations,
+        goal_columns as goal_columns,
         kind_of_actions as kind_of_actions,
     )
     from harness.experiment.experiment import DEFAULT_FOLDER as DEFAULT_FOLDER, ExperimentRun as ExperimentRun

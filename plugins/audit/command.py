@@ -1,7 +1,7 @@
 """``harness audit``: what rewards pay for, whatever there is to pay."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
     from .audit import Audit
     from .dataset.dataset_audit import DatasetAudit
+    from .search.find import Search
+    from .search.world import World
 
 TASK, ENVIRONMENT, EXPERIMENT, RECORDINGS, LOGS, DATASET = (
     "a task", "an environment", "an experiment", "a folder of recorded trainings", "a log", "a data set",
@@ -39,12 +41,15 @@ GOES_WITH: Mapping[str, tuple[str, ...]] = {
     "--against": (TASK, ENVIRONMENT),
     "--episodes": (TASK, ENVIRONMENT),
     "--gamma": (TASK, ENVIRONMENT),
+    "--success": (ENVIRONMENT, DATASET),
+    **dict.fromkeys(("--budget", "--starts", "--seed", "--from", "--policy"), (TASK, ENVIRONMENT)),
     "--random": (RECORDINGS, EXPERIMENT),
     "--as": (LOGS,),
     "--sort": (LOGS,),
 }
 """What a flag goes with; --reward, --plugin and --json go with all, and the flags of data sets with them alone."""
 NEEDS = {
+    "--success": "an ENVIRONMENT or a data set: harness audit gymnasium:id=Pendulum-v1 --success 'NAME>0.9'",
     "--random": "a FOLDER of recorded trainings: harness audit FOLDER --random RANDOM",
     "--as": "a FOLDER of logs that other programs wrote: harness audit FOLDER --as NAME",
     "--sort": "a FOLDER of logs that other programs wrote: harness audit FOLDER --sort TEMPLATE",
@@ -60,6 +65,11 @@ def audit(
     against: flags.Against = None,
     episodes: flags.Episodes = None,
     gamma: flags.Gamma = None,
+    budget: flags.Budget = None,
+    starts: flags.Starts = None,
+    seed: flags.SearchSeed = 0,
+    from_folders: flags.FromFolders = None,
+    policy: flags.PolicyNames = None,
     random: flags.RandomFolder = None,
     log_format: AsFormat = None,
     sort: SortBy = None,
@@ -89,12 +99,13 @@ def audit(
         raise UsageError(f"--task {task} does not go with '{subject}': name one of them")
     named = subject or task
     of_dataset_alone = {
-        "--places": places, "--success": success, "--labels": labels, "--success-above": success_above,
+        "--places": places, "--labels": labels, "--success-above": success_above,
         "--cluster": cluster, "--partial": partial or None, "--beginner": beginner, "--html": html,
     }  # fmt: skip
     others = {
         "--robot": robot, "--sim": sim, "--against": against, "--episodes": episodes, "--gamma": gamma,
-        "--random": random, "--as": log_format, "--sort": sort,
+        "--random": random, "--as": log_format, "--sort": sort, "--success": success, "--budget": budget,
+        "--starts": starts, "--seed": seed or None, "--from": from_folders, "--policy": policy,
     }  # fmt: skip
     if named is not None and names_dataset(named):
         from harness.authoring.commands import split_list
@@ -119,10 +130,13 @@ def audit(
     registry = load_registry(given=read_given(plugin))
     kind = _kind_of(subject, task, registry)
     _refuse_others(kind, named, others, of_dataset_alone)
+    asked = _asked(kind, budget, starts, seed, from_folders, policy)
     if kind == TASK:
         if reward is None:
             raise UsageError("Missing option '--reward'; or name an environment, or a folder of recorded trainings")
         audits = _on_scripts(registry, reward, named, robot, sim, against, episodes, gamma)
+        if asked is not None:
+            audits = _searched_on_task(audits, registry, reward, named, robot, sim, gamma, asked)
     elif kind == ENVIRONMENT:
         from harness.authoring.commands import choose
 
@@ -130,6 +144,8 @@ def audit(
 
         chosen = choose(registry, "environments", str(named))
         audits = [audit_environment(chosen, registry, reward, against, gamma, episodes)]
+        if asked is not None:
+            audits = [_searched_in_environment(audits[0], registry, chosen, reward, gamma, success, asked)]
     else:
         audits = [_of_folder(kind, Path(str(named)), registry, reward, random, log_format, sort)]
     return _show(audits, as_json)
@@ -188,6 +204,99 @@ def _refuse_others(
             if kind == TASK:
                 raise UsageError(f"{flag} needs {NEEDS[flag]}")
             raise UsageError(f"{flag} does not go with {kind}: leave out {flag} or '{named}'")
+
+
+def _asked(
+    kind: str,
+    budget: int | None,
+    starts: int | None,
+    seed: int,
+    folders: Sequence[Path] | None,
+    policies: Sequence[str] | None,
+) -> "Search | None":
+    """How much is searched; None for nothing.
+
+    Raises:
+        UsageError: A number is too small.
+    """
+    if budget == 0 or kind not in (TASK, ENVIRONMENT):
+        return None
+    from .search.find import ARM, ENVIRONMENT as ANY, Search
+
+    usual = ARM if kind == TASK else ANY
+    for flag, given, least in (("--budget", budget, 0), ("--starts", starts, 1), ("--seed", seed, 0)):
+        if given is not None and given < least:
+            raise UsageError(f"{flag} {given}: must be at least {least}")
+    return Search(
+        usual.budget if budget is None else budget,
+        usual.starts if starts is None else starts,
+        seed,
+        tuple(folders or ()),
+        tuple(policies or ()),
+    )
+
+
+def _searched_on_task(
+    audits: "Sequence[Audit]",
+    registry: "Registry",
+    rewards: str,
+    task: str | None,
+    robot: str | None,
+    sim: str | None,
+    gamma: float | None,
+    asked: "Search",
+) -> "list[Audit]":
+    """The audits, each with what a cheat would do for its reward."""
+    from harness.authoring.commands import choose, split_list
+
+    from .search.searched_worlds import cheats_on_task
+
+    choices = [choose(registry, "rewards", name) for name in split_list(rewards)]
+    found = cheats_on_task(
+        registry, choices, task or "fd100-reach", robot, sim, 0.95 if gamma is None else gamma, asked, _watching(asked)
+    )
+    return [replace(of, cheats=(finding,)) for of, finding in zip(audits, found, strict=True)]
+
+
+def _searched_in_environment(
+    audit: "Audit",
+    registry: "Registry",
+    environment: "Choice",
+    rewards: str | None,
+    gamma: float | None,
+    success: str | None,
+    asked: "Search",
+) -> "Audit":
+    """The audit, with what a cheat would do for each reward that is asked for."""
+    from .search.searched_worlds import cheats_in_environment
+    from .transitions.audit_rewards import GAMMA
+
+    found = cheats_in_environment(
+        registry, environment, rewards, GAMMA if gamma is None else gamma, success or "", asked, _watching(asked)
+    )
+    return replace(audit, cheats=found)
+
+
+def _watching(asked: "Search") -> "Callable[[World], AbstractContextManager[None]]":
+    """On a terminal, a line on standard error that says how much of a world was searched."""
+
+    @contextmanager
+    def watching(world: "World") -> "Iterator[None]":
+        from rich.text import Text
+
+        from harness.authoring.commands import Terminal
+
+        class Taken:
+            """The line, anew whenever it is drawn."""
+
+            def __rich__(self) -> Text:
+                return Text(f"{world.reward}: {world.taken:,} steps of about {asked.budget:,}")
+
+        console = Terminal(stderr=True)
+        with console.status(Taken()) if console.is_terminal else nullcontext():
+            yield
+
+    return watching
 
 
 def _show(audits: "Sequence[Audit]", as_json: bool) -> int:
@@ -270,6 +379,7 @@ def _on_scripts(
     from harness.task import choose_task
 
     from .scripts import audit_reward
+    from .search.disturb import NOISES
 
     episodes, gamma = 100 if episodes is None else episodes, 0.95 if gamma is None else gamma
     if episodes < 1:
@@ -284,6 +394,7 @@ def _on_scripts(
     world = chosen.build(registry, "tasks")
     robot = robot or world.robot
     rollouts = record_rollouts(engine, arm, world, episodes)
+    disturbed = record_rollouts(engine, arm, world, episodes, NOISES[-1])
     *judged, other = (choice.build(registry, "rewards") for choice in (*choices, compared))
     with _named(compared, registry):
         score_rollout(other, rollouts[0])
@@ -292,7 +403,7 @@ def _on_scripts(
     found = []
     for choice, reward in zip(choices, judged, strict=True):
         with _named(choice, registry):
-            audit = audit_reward(reward, other, rollouts, gamma, (choice.label, compared.label), setting)
+            audit = audit_reward(reward, other, rollouts, gamma, (choice.label, compared.label), setting, disturbed)
         found.append(replace(audit, facts={"reward": choice.label, "against": compared.label, **told}))
     return found
 

@@ -41,6 +41,7 @@ class ArmWorld:
 
     directions = DIRECTIONS
     notes: Sequence[str] = ()
+    together = TOGETHER
     success = SUCCESS
 
     def __init__(self, arm: Arm, name: str, reward: str, gamma: float) -> None:
@@ -115,7 +116,7 @@ class ArmWorld:
         rows, steps, ended = _Rows(), list[tuple[Float, dict[str, Any]]](), ""
         env.recorder = rows
         try:
-            env.reset(seed=[start])
+            begun = float(env.reset(seed=[start])[1][DISTANCE][0])
             for action in actions[: self.horizon]:
                 _, paid, terminated, truncated, infos = env.step(action[np.newaxis])
                 steps.append((rows.take(), {**infos, PAID: paid, GROUND: env.episodes.flags[:, 0].copy()}))
@@ -131,7 +132,11 @@ class ArmWorld:
         asked = (PAID, DISTANCE, IS_SUCCESS, GROUND)
         told = {name: np.array([float(info[name][0]) for _, info in steps]) for name in asked}
         reached = told.pop(IS_SUCCESS)
-        measures = {**told, CLOSEST: np.minimum.accumulate(told[DISTANCE]), TARGETS: np.cumsum(reached)}
+        measures = {
+            **told,
+            CLOSEST: np.minimum(begun, np.minimum.accumulate(told[DISTANCE])),
+            TARGETS: np.cumsum(reached),
+        }
         return Shown(
             start,
             np.asarray(actions[: len(steps)]),

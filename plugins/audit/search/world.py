@@ -121,6 +121,10 @@ class World(Protocol):
         """Whether the same start and actions bring the same steps and the same pay, bit for bit; it was tried."""
 
     @property
+    def together(self) -> int:
+        """How many episodes are played side by side in hardly more time than one."""
+
+    @property
     def taken(self) -> int:
         """Steps taken so far; a search's budget is counted in these."""
 
