@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from harness.authoring.commands import (
     AsFormat,
     AsJson,
+    FailOn,
     Partial,
     Places,
     PluginFiles,
@@ -81,6 +82,7 @@ def audit(
     partial: Partial = False,
     beginner: flags.Beginner = None,
     html: flags.HtmlFile = None,
+    fail_on: FailOn = None,
     plugin: PluginFiles = None,
     as_json: AsJson = False,
 ) -> int:
@@ -95,6 +97,9 @@ def audit(
 
     Of a data set: whether each reward ranks recorded behaviour as success does.
     """
+    from harness.authoring.commands import named_answers, status_of
+
+    failing = named_answers(fail_on, "pay", "ranking")
     if subject is not None and task is not None:
         raise UsageError(f"--task {task} does not go with '{subject}': name one of them")
     named = subject or task
@@ -124,7 +129,7 @@ def audit(
             partial=partial,
             beginner=beginner,
         )
-        return _show_answer(found, as_json, html)
+        return status_of(failing, found.said, _show_answer(found, as_json, html))
     from harness.authoring.commands import load_registry, read_given
 
     registry = load_registry(given=read_given(plugin))
@@ -148,7 +153,7 @@ def audit(
             audits = [_searched_in_environment(audits[0], registry, chosen, reward, gamma, success, asked)]
     else:
         audits = [_of_folder(kind, Path(str(named)), registry, reward, random, log_format, sort)]
-    return _show(audits, as_json)
+    return status_of(failing, [said for it in audits for said in it.said], _show(audits, as_json))
 
 
 vars(audit)["examples"] = (
@@ -156,6 +161,7 @@ vars(audit)["examples"] = (
     "harness audit --reward arp:k2=3 --against dense",
     "harness audit gymnasium:id=Pendulum-v1 --plugin my_rewards.py",
     "harness audit my-results",
+    "harness audit --reward mine --plugin mine.py --fail-on failing,loitering",
 )
 
 
