@@ -5,7 +5,7 @@ import harness
 
 @harness.hookimpl
 def register_commands(register: harness.Register) -> None:
-    """Announce the built-in commands, and the option of ``harness report`` that writes records."""
+    """Announce the built-in commands, what writes records, and what ``harness watch`` shows beside experiments."""
     register(
         "audit",
         "harness_plugins.audit.command:audit",
@@ -53,6 +53,11 @@ def register_commands(register: harness.Register) -> None:
         "harness_plugins.watch.command:watch",
         summary="Show recorded episodes in the browser. While a run goes on, the page says when more cells have ended.",
         heading="Run and read",
+    )
+    register(
+        "watch--certificates",
+        "harness_plugins.audit.search.out:page_in",
+        summary="Show the certificates of a search in the browser.",
     )
     register(
         "report--summary",

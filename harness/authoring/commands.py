@@ -262,7 +262,7 @@ if TYPE_CHECKING:
         recordings_in as recordings_in,
     )
     from harness.record.returns import mean_return as mean_return
-    from harness.record.scene import Scene as Scene
+    from harness.record.scene import Scene as Scene, read_scene as read_scene, write_scene as write_scene
     from harness.record.store import Store as Store
     from harness.record.trace import TERM as TERM, read_trace as read_trace
     from harness.recorder.column import Column as Column, made_columns as made_columns, source_of as source_of
@@ -282,6 +282,7 @@ if TYPE_CHECKING:
         Given as Given,
         given_from_json as given_from_json,
         given_to_json as given_to_json,
+        plugin_flags as plugin_flags,
         read_given as read_given,
         require_given as require_given,
         split_measures as split_measures,
