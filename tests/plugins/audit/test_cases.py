@@ -118,4 +118,4 @@ def test_audit_tells_the_truth(case: Case, subtests: pytest.Subtests):
     for seed in SEEDS:
         with subtests.test(seed=seed):
             finding, _ = search(case, seed)
-            assert answer_of(case, finding["word"]) in ("right", "cannot tell"), finding
+            assert answer_of(case, finding["answer"]) in ("right", "cannot tell"), finding

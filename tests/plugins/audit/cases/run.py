@@ -22,7 +22,7 @@ def search(case: Case, seed: int) -> tuple[dict[str, Any], float]:
     begin = time.perf_counter()
     answer = subprocess.run(call, capture_output=True, text=True, check=False)
     if not answer.stdout:
-        return {"word": answer.stderr.strip(), "strength": ""}, time.perf_counter() - begin
+        return {"answer": answer.stderr.strip(), "strength": ""}, time.perf_counter() - begin
     (finding,) = json.loads(answer.stdout)["cheats"]
     return finding, time.perf_counter() - begin
 
@@ -42,7 +42,7 @@ def main(parts: list[str]) -> None:
         for case in (*HACKED, *HONEST):
             if not parts or any(part in case.name for part in parts):
                 finding, seconds = search(case, seed)
-                truth, word = "hacked" if case in HACKED else "honest", finding["word"]
+                truth, word = "hacked" if case in HACKED else "honest", finding["answer"]
                 told = answer_of(case, word)
                 writer.writerow((case.name, truth, seed, word, finding["strength"], f"{seconds:.1f}", told))
                 sys.stdout.flush()
