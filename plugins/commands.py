@@ -85,6 +85,16 @@ def register_commands(register: harness.Register) -> None:
 
 
 @harness.hookimpl
+def register_screens(register: harness.Register) -> None:
+    """Announce what these commands say of rewards before they train."""
+    register(
+        "cheats",
+        "harness_plugins.audit.screen:Cheats",
+        summary="What each reward pays a cheat: scripted movements of an arm.",
+    )
+
+
+@harness.hookimpl
 def register_sections(register: harness.Register) -> None:
     """Announce what these commands add to a report."""
     register(

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 from harness.authoring.face import homes_in, lazy_names
 
 if TYPE_CHECKING:
-    from harness.cli.audits import audits_of as audits_of
+    from harness.cli.audits import audits_of as audits_of, pays_of as pays_of
     from harness.cli.commands import hidden_commands as hidden_commands
     from harness.cli.datasets import names_dataset as names_dataset
+    from harness.cli.fail_on import Said as Said, named_answers as named_answers, status_of as status_of
     from harness.cli.flags.dataset import Partial as Partial, Places as Places
     from harness.cli.flags.logs import AsFormat as AsFormat, SortBy as SortBy
     from harness.cli.flags.shared import (
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
         EvaluationEpisodes as EvaluationEpisodes,
         ExecutorName as ExecutorName,
         ExperimentFolder as ExperimentFolder,
+        FailOn as FailOn,
         Jobs as Jobs,
         Measures as Measures,
         PluginFiles as PluginFiles,

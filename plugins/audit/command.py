@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from harness.authoring.commands import (
     AsFormat,
     AsJson,
+    FailOn,
     Partial,
     Places,
     PluginFiles,
@@ -84,6 +85,7 @@ def audit(
     partial: Partial = False,
     beginner: flags.Beginner = None,
     html: flags.HtmlFile = None,
+    fail_on: FailOn = None,
     out: flags.OutFolder = None,
     replay: flags.ReplayFile = None,
     plugin: PluginFiles = None,
@@ -102,6 +104,9 @@ def audit(
     """
     if replay is not None:
         return _replayed(replay, sim, plugin, as_json, subject or task or reward)
+    from harness.authoring.commands import named_answers, status_of
+
+    failing = named_answers(fail_on, "pay", "ranking")
     if subject is not None and task is not None:
         raise UsageError(f"--task {task} does not go with '{subject}': name one of them")
     named = subject or task
@@ -132,7 +137,7 @@ def audit(
             partial=partial,
             beginner=beginner,
         )
-        return _show_answer(found, as_json, html)
+        return status_of(failing, found.said, _show_answer(found, as_json, html))
     from harness.authoring.commands import load_registry, read_given
 
     registry = load_registry(given=read_given(plugin))
@@ -162,7 +167,7 @@ def audit(
         audits = [_of_folder(kind, Path(str(named)), registry, reward, random, log_format, sort)]
     if asked is not None and (out is not None or html is not None):
         _leave([it for of in audits for it in of.cheats], found_at, registry, asked, out, html)
-    return _show(audits, as_json)
+    return status_of(failing, [said for it in audits for said in it.said], _show(audits, as_json))
 
 
 vars(audit)["examples"] = (
@@ -170,6 +175,7 @@ vars(audit)["examples"] = (
     "harness audit --reward arp:k2=3 --against dense",
     "harness audit gymnasium:id=Pendulum-v1 --plugin my_rewards.py",
     "harness audit my-results",
+    "harness audit --reward mine --plugin mine.py --fail-on failing,loitering",
     "harness audit --reward arp --out my-cheats",
     "harness audit --replay my-cheats/arp-failure.json",
 )

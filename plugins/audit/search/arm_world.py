@@ -11,8 +11,9 @@ from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
-from harness.authoring.commands import SUCCESS, TERM, ReachVectorEnv, World as Arm
+from harness.authoring.commands import TERM, ReachVectorEnv, World as Arm
 from harness.errors import UsageError
+from harness.log import SUCCESS
 
 from .world import Act, Actions, Outcomes, Shown, Whole
 
