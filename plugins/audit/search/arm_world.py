@@ -42,6 +42,7 @@ class ArmWorld:
 
     directions = DIRECTIONS
     notes: Sequence[str] = ()
+    together = TOGETHER
     success = SUCCESS
 
     def __init__(self, arm: Arm, name: str, reward: str, gamma: float) -> None:
@@ -242,7 +243,8 @@ class _Rows:
     def drawn(self, env: ReachVectorEnv) -> dict[str, Float]:
         """What the arm is drawn from, at the start and after each step; see `Shown`."""
         rows = np.concatenate(self._drawn)
-        return {name: rows[:, env.episodes.columns(*of)] for name, of in DRAWN.items()}
+        time = np.arange(len(rows), dtype=np.float64) * (env.task.control_period * env.task.decision_period)
+        return {"time": time[:, np.newaxis], **{name: rows[:, env.episodes.columns(*of)] for name, of in DRAWN.items()}}
 
     def take(self) -> Float:
         """Those since the last call, but those of starts, (steps, width)."""

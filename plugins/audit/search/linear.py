@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float
 
-from .world import Act, Actions, Outcomes, Whole, World
+from .table import Keep
+from .world import Act, Outcomes, Whole, World
 
 LINEAR = "linear policy"
 """The kind of such a policy, and what its episodes are said to be made by."""
@@ -38,8 +39,6 @@ SPREAD, SPREAD_AGAIN, SPREAD_LEAST = 1.0, 0.3, 0.05
 FAR = 5.0
 """Scaled numbers are cut here."""
 
-Keep: TypeAlias = Callable[[Whole, Sequence[Actions], Outcomes, str, Sequence[Mapping[str, Any]]], None]
-"""Takes in episodes: their starts as places in the starts of a search, actions, outcomes, what made them, policies."""
 Goal: TypeAlias = Callable[[Outcomes], tuple[NDArray[Any], ...]]
 """What an evolution is after: of each episode, numbers of which more is better, the first one that differs decides."""
 

@@ -5,9 +5,9 @@ Only ``reset(seed)`` and ``step`` are used. A table is believed if whatever was 
 
 import math
 from collections import deque
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from gymnasium.spaces import Discrete
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
 
-from .world import Act, Shown, Whole, World
+from .world import Act, Actions, Outcomes, Shown, Whole, World
 
 MOST_ACTIONS = 32
 MOST_CELLS = 10_000_000
@@ -23,10 +23,20 @@ MOST_CELLS = 10_000_000
 MOST_NEW = 0.8
 """A world whose steps lead to new states more often than this, after `ENOUGH` of them, is no table."""
 ENOUGH = 2_000
+MOST_CHOICES = 2_000
+"""States up to which an episode is also kept as a policy."""
+TABLE = "table"
+"""The kind of such a policy, and what its episodes are said to be made by."""
+TRUE = 1e-6
+"""An episode is paid what a table says if both differ by no more than this."""
 CLOSE = 1e-9
 """Pay is the same if it differs by no more than this, of itself or of 1."""
 SLOWER = 1.1
 """A success is about as fast as the fastest one up to so many times its time."""
+
+
+Keep: TypeAlias = Callable[[Whole, Sequence[Actions], Outcomes, str, Sequence[Mapping[str, Any] | None]], None]
+"""Takes in episodes: their starts as places in the starts of a search, actions, outcomes, what made them, policies."""
 
 
 class NoTableError(Exception):
@@ -42,6 +52,7 @@ class Table:
     """What every action does in every state that can be reached.
 
     Attributes:
+        keys: Of each state, the key of what is observed.
         begins: By start, the state that it begins in.
         next: The state after each action, (states, actions); -1 where the episode ends, or nobody tried.
         paid: What each pays, (states, actions).
@@ -49,6 +60,7 @@ class Table:
         tried: Whether it is known, (states, actions). What is not lies further away than the horizon.
     """
 
+    keys: Sequence[str]
     begins: Mapping[int, int]
     next: Whole
     paid: Float
@@ -56,14 +68,14 @@ class Table:
     tried: Mask
 
 
-def key_of(observed: Any) -> Hashable:
-    """What is observed, as a key: equal for equal bytes of every part."""
+def key_of(observed: Any) -> str:
+    """What is observed, as a key: equal if every part is."""
     if isinstance(observed, Mapping):
-        return tuple((name, key_of(observed[name])) for name in sorted(observed))
+        return ",".join(f"{name}={key_of(observed[name])}" for name in sorted(observed))
     if isinstance(observed, tuple | list):
-        return tuple(map(key_of, observed))
+        return ",".join(map(key_of, observed))
     values = np.asarray(observed)
-    return values.item() if values.ndim == 0 else values.tobytes()
+    return str(values.item()) if values.ndim == 0 else values.tobytes().hex()
 
 
 @dataclass(eq=False)
@@ -72,7 +84,7 @@ class Learner:
 
     Attributes:
         horizon: The most steps of an episode.
-        actions: How many there are.
+        space: Of actions; they are counted from 0 here.
         rng: Draws actions where nothing is left to be tried.
         states: By what is observed, the number of a state.
         leads: Of each state, by action, the next state; -1 where the episode ends. Filled while an episode goes on.
@@ -81,12 +93,17 @@ class Learner:
     """
 
     horizon: int
-    actions: int
+    space: Discrete
     rng: np.random.Generator
-    states: dict[Hashable, int] = field(default_factory=dict)
+    states: dict[str, int] = field(default_factory=dict)
     leads: list[dict[int, int]] = field(default_factory=list)
     known: list[dict[int, tuple[float, bool]]] = field(default_factory=list)
     begins: dict[int, int] = field(default_factory=dict)
+
+    @property
+    def actions(self) -> int:
+        """How many there are."""
+        return int(self.space.n)
 
     def state_of(self, observed: Any) -> int:
         """The number of a state; one that was never met gets the next number."""
@@ -127,7 +144,7 @@ class Learner:
                 is_done = not planned
             taken += 1
             last = state, planned.pop(0) if planned else int(self.rng.integers(self.actions))
-            return last[1]
+            return int(self.space.start) + last[1]
 
         return act
 
@@ -140,7 +157,7 @@ class Learner:
         """
         states = [self.state_of(observed) for observed in shown.observed]
         agrees = self.begins.setdefault(shown.start, states[0]) == states[0]
-        for step, action in enumerate(map(int, shown.actions)):
+        for step, action in enumerate((shown.actions - self.space.start).tolist()):
             state, paid, success = states[step], float(shown.paid[step]), bool(shown.success[step])
             after = -1 if _ends(shown, step, self.horizon) else states[step + 1]
             before = self.known[state].setdefault(action, (paid, success))
@@ -164,7 +181,7 @@ class Learner:
             for action, (pays, succeeds) in known.items():
                 at = state, action
                 after[at], paid[at], success[at], tried[at] = self.leads[state][action], pays, succeeds, True
-        return Table(self.begins, after, paid, success, tried)
+        return Table(list(self.states), self.begins, after, paid, success, tried)
 
 
 def _way(came: Mapping[int, tuple[int, int]], state: int) -> list[int]:
@@ -187,37 +204,37 @@ def learn_tables(world: World, starts: Sequence[int], budget: int, rng: np.rando
     """
     if not isinstance(world.space, Discrete) or world.space.n > MOST_ACTIONS or not world.is_repeated:
         return {}
-    actions, until = int(world.space.n), world.taken + budget
+    learner, until = Learner(world.horizon, world.space, rng), world.taken + budget
     try:
-        return dict.fromkeys(starts, _learn_table(world, starts, actions, until, rng))
+        return dict.fromkeys(starts, _learnt(world, starts, learner, until))
     except ContradictionError:
         pass
     except NoTableError:
         return {}
     try:
-        return {start: _learn_table(world, [start], actions, until, rng) for start in starts}
+        return {start: _learnt(world, [start], Learner(world.horizon, world.space, rng), until) for start in starts}
     except NoTableError:
         return {}
 
 
-def _learn_table(world: World, starts: Sequence[int], actions: int, until: int, rng: np.random.Generator) -> Table:
+def _learnt(world: World, starts: Sequence[int], learner: Learner, until: int) -> Table:
     """The table of some starts. After it is learnt, as many random steps again are asked whether they agree with it.
 
     Raises:
         ContradictionError: They do not.
         NoTableError: It is not learnt before the world has taken `until` steps.
     """
-    learner, begun = Learner(world.horizon, actions, rng), world.taken
+    begun = world.taken
     for start in starts:
         learner.learn(world.watch(start, learner.explore()))
         while learner.plan(learner.begins[start], world.horizon):
             if world.taken > until:
                 raise NoTableError
             learner.learn(world.watch(start, learner.explore()))
-    checked = min(2 * world.taken - begun, until)
+    checked, first = min(2 * world.taken - begun, until), int(learner.space.start)
     while world.taken < checked:
         for start in starts:
-            learner.learn(world.watch(start, lambda observed: int(rng.integers(actions))))
+            learner.learn(world.watch(start, lambda observed: first + int(learner.rng.integers(learner.actions))))
     return learner.table()
 
 
@@ -272,18 +289,23 @@ def best_ways(table: Table, horizon: int, gamma: float, last: Mask, through: Mas
     return Ways(value, choices)
 
 
-def fastest_way(table: Table, begin: int, horizon: int, gamma: float) -> list[int] | None:
-    """Actions of the best-paid success that is about as fast as the fastest one from a state; None if there is none.
+def fastest_way(table: Table, begin: int, lasting: Ways, gamma: float) -> tuple[list[int], float] | None:
+    """The best-paid success that is about as fast as the fastest one from a state: actions and pay; None for none.
 
-    A success that nothing ends begins where it lasts to the horizon: before that step anything may happen.
+    A success that nothing ends begins where it lasts to the horizon; before that step anything may happen.
+
+    Args:
+        table: What actions do.
+        begin: The state.
+        lasting: The ways that are a success at every step.
+        gamma: The discount per step.
     """
-    lasting = best_ways(table, horizon, gamma, table.success, table.success)
     state_of, action_of = np.nonzero(table.next >= 0)
     after, paid = table.next[state_of, action_of], table.paid[state_of, action_of]
     reached, came = np.full(len(table.next), -np.inf), list[Whole]()
     reached[begin] = 0.0
     best, found, limit = -np.inf, None, math.inf
-    for step in range(horizon):
+    for step in range(len(lasting.choices)):
         total = reached + gamma**step * lasting.value[step]
         state = int(total.argmax())
         if step + 1 > limit:
@@ -291,7 +313,7 @@ def fastest_way(table: Table, begin: int, horizon: int, gamma: float) -> list[in
         if total[state] > -np.inf:
             limit = min(limit, SLOWER * (step + 1))
         if total[state] > best:
-            best, found = total[state], (state, step)
+            best, found = float(total[state]), (state, step)
         gained = reached[state_of] + gamma**step * paid
         order = np.argsort(gained, kind="stable")  # of several that lead to one state the best-paid one writes last
         came.append(np.full(len(reached), -1))
@@ -305,13 +327,104 @@ def fastest_way(table: Table, begin: int, horizon: int, gamma: float) -> list[in
     for edges in reversed(came[:step]):
         way.insert(0, int(action_of[edges[state]]))
         state = int(state_of[edges[state]])
-    return way
+    return way, best
 
 
-def best_of(table: Table, start: int, horizon: int, gamma: float) -> list[list[int]]:
-    """Actions of the best-paid failure, of the best-paid success and of the fastest one from a start, if there are."""
-    begin, anyhow = table.begins[start], np.ones_like(table.success)
-    ways = [best_ways(table, horizon, gamma, last, anyhow) for last in (~table.success, table.success)]
-    found = [it.actions(table, begin) for it in ways if it.value[0, begin] > -np.inf]
-    fastest = fastest_way(table, begin, horizon, gamma)
-    return found if fastest is None else [*found, fastest]
+@dataclass(frozen=True, eq=False)
+class Best:
+    """The best-paid episode of one kind from one start.
+
+    Attributes:
+        actions: Counted from 0.
+        paid: Their sum of pay, discounted if that was asked.
+        policy: By what is observed, the action; None if it acts differently in the same state.
+    """
+
+    actions: list[int]
+    paid: float
+    policy: Mapping[str, Any] | None
+
+
+class Solved:
+    """A table and its best ways under one discount."""
+
+    def __init__(self, table: Table, horizon: int, gamma: float, first: int = 0) -> None:
+        """Solve it.
+
+        Args:
+            table: What actions do.
+            horizon: The steps of an episode that nothing ends.
+            gamma: The discount per step.
+            first: The number of the first action, for policies.
+        """
+        anyhow = np.ones_like(table.success)
+        self._table, self._gamma, self._first = table, gamma, first
+        self._failing = best_ways(table, horizon, gamma, ~table.success, anyhow)
+        self._succeeding = best_ways(table, horizon, gamma, table.success, anyhow)
+        self._lasting = best_ways(table, horizon, gamma, table.success, table.success)
+
+    def bests(self, start: int) -> list[Best]:
+        """The best-paid failure, the best-paid success and the fastest one from a start, as far as there are any."""
+        begin = self._table.begins[start]
+        found = [
+            self._best(ways, begin, ways.actions(self._table, begin), float(ways.value[0, begin]))
+            for ways in (self._failing, self._succeeding)
+            if ways.value[0, begin] > -np.inf
+        ]
+        fastest = fastest_way(self._table, begin, self._lasting, self._gamma)
+        return found if fastest is None else [*found, self._best(self._succeeding, begin, *fastest)]
+
+    def _best(self, ways: Ways, state: int, actions: list[int], paid: float) -> Best:
+        """Where states are few, with a policy if the way is one: elsewhere it does what is best in the first step."""
+        if len(self._table.keys) > MOST_CHOICES:
+            return Best(actions, paid, None)
+        chosen: dict[int, int] = {}
+        for action in actions:
+            if chosen.setdefault(state, action) != action:
+                return Best(actions, paid, None)
+            state = int(self._table.next[state, action])
+        choices = ways.choices[0] + self._first
+        choices[[*chosen]] = [self._first + action for action in chosen.values()]
+        return Best(actions, paid, table_policy(self._table.keys, choices))
+
+
+def table_policy(keys: Sequence[str], choices: NDArray[Any]) -> dict[str, Any]:
+    """A policy as plain data: by what is observed, an action."""
+    return {"kind": TABLE, "choices": dict(zip(keys, choices.tolist(), strict=True))}
+
+
+def act_by_table(policy: Mapping[str, Any]) -> Act:
+    """What such a policy does; where it never was, what it does most often."""
+    choices = policy["choices"]
+    usual = max(sorted(set(choices.values())), key=list(choices.values()).count)
+    return lambda observed: choices.get(key_of(observed), usual)
+
+
+def search_tables(world: World, starts: Sequence[int], keep: Keep, budget: int, rng: np.random.Generator) -> bool:
+    """Look for the three numbers of each start in a table; every best episode is played and given to `keep`.
+
+    Args:
+        world: Where.
+        starts: The seeds of the resets.
+        keep: Takes in episodes.
+        budget: About so many steps are taken at most.
+        rng: Draws the random actions that a table is tried by.
+
+    Returns:
+        Whether the numbers are exact: there is a table, and its episodes are paid what it says.
+    """
+    tables = learn_tables(world, starts, budget, rng)
+    first, are_true = int(world.space.start) if isinstance(world.space, Discrete) else 0, bool(tables)
+    for gamma in dict.fromkeys((1.0, world.gamma)) if tables else ():
+        solved = {table: Solved(table, world.horizon, gamma, first) for table in dict.fromkeys(tables.values())}
+        for row, start in enumerate(starts):
+            bests = solved[tables[start]].bests(start)
+            actions = np.full((len(bests), world.horizon), first)
+            for taken, best in zip(actions, bests, strict=True):
+                taken[: len(best.actions)] += best.actions
+            rows = np.full(len(bests), row)
+            outcomes = world.play(np.full(len(bests), start), actions)
+            keep(rows, list(actions), outcomes, TABLE, [best.policy for best in bests])
+            paid = outcomes.paid if gamma == 1.0 else outcomes.discounted
+            are_true &= bool(np.allclose(paid, [best.paid for best in bests], rtol=TRUE, atol=TRUE))
+    return are_true

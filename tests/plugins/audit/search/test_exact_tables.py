@@ -6,7 +6,7 @@ import gymnasium
 import numpy as np
 import pytest
 
-from harness_plugins.audit.search.table import best_of, key_of, learn_tables
+from harness_plugins.audit.search.table import Solved, act_by_table, key_of, learn_tables, search_tables
 from tests.plugins.audit.search.toy_worlds import EnvWorld, Graph, random_graph, told
 
 
@@ -18,6 +18,11 @@ def tables_of(world, starts=(0,), budget=50_000):
 def learnt(world):
     """The table of start 0."""
     return tables_of(world)[0]
+
+
+def best_of(table, start, horizon, gamma):
+    """The actions of the best episodes."""
+    return [best.actions for best in Solved(table, horizon, gamma).bests(start)]
 
 
 def frozen_lake(**options):
@@ -170,3 +175,83 @@ def test_dicts_are_keys():
     one = {"place": np.array([1, 2]), "load": 3}
     assert key_of(one) == key_of({"load": np.int64(3), "place": np.array([1, 2])})
     assert key_of(one) != key_of({"place": np.array([1, 3]), "load": 3})
+
+
+class Kept:
+    """Keeps every episode that a search reports."""
+
+    def __init__(self):
+        self.episodes = []
+
+    def __call__(self, rows, actions, outcomes, made_by, policies):
+        """Take in episodes."""
+        assert made_by == "table"
+        self.episodes += zip(rows, actions, outcomes.paid, outcomes.discounted, outcomes.success, policies, strict=True)
+
+
+@pytest.mark.parametrize("first", [0, 3])
+def test_a_search_keeps_the_best_by_both_sums(first):
+    """Where waiting pays 2 and finishing 5: 20 of ten steps, 23, and by half of each step 4, and 5 at once.
+
+    Also where the first action is number 3.
+    """
+
+    class Shifted(Graph):
+        """Counts actions from `first`."""
+
+        def __init__(self):
+            super().__init__([[(0, 2.0, False, False), (0, 5.0, True, True)]])
+            self.action_space = gymnasium.spaces.Discrete(2, start=first)
+
+        def step(self, action):
+            """Do it."""
+            return super().step(int(action) - first)
+
+    world, kept = EnvWorld(Shifted, told, gamma=0.5, horizon=10), Kept()
+    assert search_tables(world, (7,), kept, 1_000, np.random.default_rng(0))
+    failures, successes = ([it for it in kept.episodes if it[4] == success] for success in (False, True))
+    assert max(it[2] for it in failures) == 20.0
+    assert max(it[2] for it in successes) == 23.0
+    assert max(it[3] for it in failures) == pytest.approx(4 - 2 * 0.5**9)
+    assert max(it[3] for it in successes) == 5.0
+    policies = [it[5] for it in failures]
+    _, (actions,) = world.act([7], act_by_table(policies[0]))
+    assert actions.tolist() == [first] * 10
+    assert [it[5] for it in successes if it[2] == 23.0] == [None]
+
+
+def test_a_memory_that_only_the_best_episode_meets_is_noticed():
+    """A reward that pays nothing more after 6 rounds is met when the table is played, at the latest."""
+
+    class Tired(Graph):
+        """Pays for going round, 6 times in an episode at most."""
+
+        def reset(self, seed=None, options=None):
+            """Begin anew."""
+            self.rounds = 0
+            return super().reset(seed=seed)
+
+        def step(self, action):
+            """Go round."""
+            after, paid, *rest = super().step(action)
+            self.rounds += action == 0
+            return after, paid if self.rounds <= 6 else 0.0, *rest
+
+    edges = [[(0, 2.0, False, False), (0, 5.0, True, True), (0, 1.0, True, True)]]
+    world = EnvWorld(lambda: Tired(edges), told, horizon=10)
+    assert not search_tables(world, (0,), Kept(), 1_000, np.random.default_rng(0))
+
+
+def test_five_hundred_states_and_steps_are_solved_in_seconds():
+    """On a ring of 500 places whose exit is at 250 a step forth pays 1, one back nothing, and leaving 7.
+
+    In 500 steps a success can go forth and back 124 times on its way, and one that takes 276 steps 12 times.
+    """
+    out, shut = (250, 7.0, True, True), lambda at: (at, 0.0, False, False)
+    ring = [
+        [((at + 1) % 500, 1.0, False, False), ((at - 1) % 500, 0.0, False, False), out if at == 250 else shut(at)]
+        for at in range(500)
+    ]
+    table = learnt(EnvWorld(lambda: Graph(ring), told, horizon=500))
+    failure, success, fastest = Solved(table, 500, 1.0).bests(0)
+    assert (failure.paid, success.paid, fastest.paid) == (500.0, 250 + 124 + 7, 250 + 12 + 7)
