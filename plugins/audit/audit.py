@@ -10,7 +10,8 @@ from rich.console import Console, Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from harness.authoring.commands import Auc, Finishing, Payoff
+from harness.authoring.commands import Auc, Finishing, Payoff, Said
+from harness.screen import FAILING, NOTHING
 from harness.text import number
 
 from .dataset.dataset_audit import auc_text
@@ -141,6 +142,15 @@ class Audit:
 
     def __str__(self) -> str:
         return table_text(self)
+
+    @property
+    def said(self) -> tuple[Said, ...]:
+        """The answers that ``--fail-on`` may name; scripts answer where nothing was searched."""
+        found = [Said("pay", f"{it.reward} in {it.world}", it.word) for it in self.cheats]
+        if self.scripts is not None and not found:
+            of = self.scripts.finishing
+            found = [Said("pay", self.rewards[-1], FAILING if of.undiscounted or of.discounted else NOTHING)]
+        return (*found, *(Said("ranking", name, auc.answer) for name, auc in self.rankings.items()))
 
     def to_json(self) -> dict[str, Any]:
         """Plain data, finite numbers only."""

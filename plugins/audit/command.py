@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from harness.authoring.commands import (
     AsFormat,
     AsJson,
+    FailOn,
     Partial,
     Places,
     PluginFiles,
@@ -30,6 +31,8 @@ if TYPE_CHECKING:
     from .audit import Audit
     from .dataset.dataset_audit import DatasetAudit
     from .search.find import Search
+    from .search.finding import Finding
+    from .search.place import Place
     from .search.world import World
 
 TASK, ENVIRONMENT, EXPERIMENT, RECORDINGS, LOGS, DATASET = (
@@ -42,7 +45,8 @@ GOES_WITH: Mapping[str, tuple[str, ...]] = {
     "--episodes": (TASK, ENVIRONMENT),
     "--gamma": (TASK, ENVIRONMENT),
     "--success": (ENVIRONMENT, DATASET),
-    **dict.fromkeys(("--budget", "--starts", "--seed", "--from", "--policy"), (TASK, ENVIRONMENT)),
+    **dict.fromkeys(("--budget", "--starts", "--seed", "--from", "--policy", "--out"), (TASK, ENVIRONMENT)),
+    "--html": (TASK, ENVIRONMENT, DATASET),
     "--random": (RECORDINGS, EXPERIMENT),
     "--as": (LOGS,),
     "--sort": (LOGS,),
@@ -81,6 +85,9 @@ def audit(
     partial: Partial = False,
     beginner: flags.Beginner = None,
     html: flags.HtmlFile = None,
+    fail_on: FailOn = None,
+    out: flags.OutFolder = None,
+    replay: flags.ReplayFile = None,
     plugin: PluginFiles = None,
     as_json: AsJson = False,
 ) -> int:
@@ -95,17 +102,23 @@ def audit(
 
     Of a data set: whether each reward ranks recorded behaviour as success does.
     """
+    if replay is not None:
+        return _replayed(replay, sim, plugin, as_json, subject or task or reward)
+    from harness.authoring.commands import named_answers, status_of
+
+    failing = named_answers(fail_on, "pay", "ranking")
     if subject is not None and task is not None:
         raise UsageError(f"--task {task} does not go with '{subject}': name one of them")
     named = subject or task
     of_dataset_alone = {
         "--places": places, "--labels": labels, "--success-above": success_above,
-        "--cluster": cluster, "--partial": partial or None, "--beginner": beginner, "--html": html,
+        "--cluster": cluster, "--partial": partial or None, "--beginner": beginner,
     }  # fmt: skip
     others = {
         "--robot": robot, "--sim": sim, "--against": against, "--episodes": episodes, "--gamma": gamma,
         "--random": random, "--as": log_format, "--sort": sort, "--success": success, "--budget": budget,
         "--starts": starts, "--seed": seed or None, "--from": from_folders, "--policy": policy,
+        "--out": out, "--html": html,
     }  # fmt: skip
     if named is not None and names_dataset(named):
         from harness.authoring.commands import split_list
@@ -124,19 +137,22 @@ def audit(
             partial=partial,
             beginner=beginner,
         )
-        return _show_answer(found, as_json, html)
+        return status_of(failing, found.said, _show_answer(found, as_json, html))
     from harness.authoring.commands import load_registry, read_given
 
     registry = load_registry(given=read_given(plugin))
     kind = _kind_of(subject, task, registry)
     _refuse_others(kind, named, others, of_dataset_alone)
     asked = _asked(kind, budget, starts, seed, from_folders, policy)
+    _refuse_unsearched(asked, out, html)
+    found_at: Sequence[Place] = ()
     if kind == TASK:
         if reward is None:
             raise UsageError("Missing option '--reward'; or name an environment, or a folder of recorded trainings")
         audits = _on_scripts(registry, reward, named, robot, sim, against, episodes, gamma)
         if asked is not None:
             audits = _searched_on_task(audits, registry, reward, named, robot, sim, gamma, asked)
+            found_at = _places_on_task(registry, reward, named, robot, sim, gamma)
     elif kind == ENVIRONMENT:
         from harness.authoring.commands import choose
 
@@ -146,9 +162,12 @@ def audit(
         audits = [audit_environment(chosen, registry, reward, against, gamma, episodes)]
         if asked is not None:
             audits = [_searched_in_environment(audits[0], registry, chosen, reward, gamma, success, asked)]
+            found_at = _places_in_environment(registry, chosen, reward, gamma)
     else:
         audits = [_of_folder(kind, Path(str(named)), registry, reward, random, log_format, sort)]
-    return _show(audits, as_json)
+    if asked is not None and (out is not None or html is not None):
+        _leave([it for of in audits for it in of.cheats], found_at, registry, asked, out, html)
+    return status_of(failing, [said for it in audits for said in it.said], _show(audits, as_json))
 
 
 vars(audit)["examples"] = (
@@ -156,6 +175,9 @@ vars(audit)["examples"] = (
     "harness audit --reward arp:k2=3 --against dense",
     "harness audit gymnasium:id=Pendulum-v1 --plugin my_rewards.py",
     "harness audit my-results",
+    "harness audit --reward mine --plugin mine.py --fail-on failing,loitering",
+    "harness audit --reward arp --out my-cheats",
+    "harness audit --replay my-cheats/arp-failure.json",
 )
 
 
@@ -275,6 +297,89 @@ def _searched_in_environment(
         registry, environment, rewards, GAMMA if gamma is None else gamma, success or "", asked, _watching(asked)
     )
     return replace(audit, cheats=found)
+
+
+def _refuse_unsearched(asked: "Search | None", out: Path | None, html: Path | None) -> None:
+    """Refuse a place for what a search finds where nothing is searched, or nothing can be written.
+
+    Raises:
+        UsageError: It is so.
+    """
+    for flag, given in (("--out", out), ("--html", html)):
+        if given is not None and asked is None:
+            raise UsageError(f"{flag} needs a search: leave out --budget 0")
+    if out is not None:
+        from .search.out import require_free
+
+        require_free(out)
+
+
+def _places_on_task(
+    registry: "Registry", rewards: str, task: str | None, robot: str | None, sim: str | None, gamma: float | None
+) -> "list[Place]":
+    """Where each reward was searched on a task of an arm."""
+    from harness.authoring.commands import choose, split_list
+
+    from .search.out import place_on_task
+
+    choices = [choose(registry, "rewards", name) for name in split_list(rewards)]
+    discount = 0.95 if gamma is None else gamma
+    return [place_on_task(registry, it, task or "fd100-reach", robot, sim, discount) for it in choices]
+
+
+def _places_in_environment(
+    registry: "Registry", environment: "Choice", rewards: str | None, gamma: float | None
+) -> "list[Place]":
+    """Where each reward was searched in an environment."""
+    from .search.out import place_in_environment
+    from .search.searched_worlds import environment_rewards
+    from .transitions.audit_rewards import GAMMA
+
+    choices, discount = environment_rewards(environment, registry, rewards), GAMMA if gamma is None else gamma
+    return [place_in_environment(registry, environment, it, discount) for it in choices]
+
+
+def _leave(
+    findings: "Sequence[Finding]",
+    places: "Sequence[Place]",
+    registry: "Registry",
+    asked: "Search",
+    out: Path | None,
+    html: Path | None,
+) -> None:
+    """Certify what was found, and leave it in a folder, or its page in a file."""
+    from .search.out import certificates_of, write_found, write_found_page
+
+    certificates, refused = certificates_of(findings, places, registry, seed=asked.seed, budget=asked.budget)
+    for line in refused:
+        complain(line)
+    if out is not None:
+        write_found(out, certificates, registry, refused)
+        say(f"Certificates: {out}, their page: {out / 'index.html'}", err=True)
+    if html is not None:
+        write_found_page(html, certificates, registry, refused)
+        say(f"Page: {html}", err=True)
+
+
+def _replayed(path: Path, sim: str | None, plugin: Sequence[str] | None, as_json: bool, other: str | None) -> int:
+    """Play a certificate again, and say whether it is paid the same; status 1 if it is not.
+
+    Raises:
+        UsageError: Something else is to be audited too.
+    """
+    if other is not None:
+        raise UsageError(f"--replay {path} says itself what is played: leave out '{other}'")
+    from harness.authoring.commands import load_registry, read_given
+
+    from .search.out import replay_file
+
+    found = replay_file(path, load_registry(given=read_given(plugin)), sim)
+    if as_json:
+        say_json(found.to_json())
+    else:
+        for line in found.lines:
+            say(line)
+    return 1 if found.is_refused else 0
 
 
 def _watching(asked: "Search") -> "Callable[[World], AbstractContextManager[None]]":

@@ -134,5 +134,25 @@ Beginner = Annotated[
     ),
 ]
 HtmlFile = Annotated[
-    Path | None, typer.Option(help="Of a data set: write the page with the curves to this file.", metavar="FILE")
+    Path | None,
+    typer.Option(
+        help="Write the page of a search, or of a data set, to this file.", metavar="FILE", show_default=False
+    ),
+]
+OutFolder = Annotated[
+    Path | None,
+    typer.Option(
+        help="Write a certificate of each behaviour that the search shows, and their page, to this folder.",
+        metavar="FOLDER",
+        show_default=False,
+    ),
+]
+ReplayFile = Annotated[
+    Path | None,
+    typer.Option(
+        help="Play a certificate again, and say whether it is paid the same, bit for bit; with --sim in another "
+        "simulator.",
+        metavar="FILE",
+        show_default=False,
+    ),
 ]

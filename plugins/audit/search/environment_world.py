@@ -14,7 +14,6 @@ from gymnasium.wrappers import TimeLimit
 
 from harness.arrays import Float, Mask
 from harness.authoring.commands import (
-    SUCCESS,
     Before,
     Choice,
     Column,
@@ -39,6 +38,7 @@ from harness.authoring.commands import (
 )
 from harness.environment import AnyEnv, Environment
 from harness.errors import UsageError, reason_of
+from harness.log import SUCCESS
 
 from ..transitions.audit_rewards import opened_env
 from .world import Act, Actions, Outcomes, Shown, Whole

@@ -1,17 +1,17 @@
 """What a search says of one reward: one of four answers, whether it is a knife's edge, and what it rests on."""
 
+# ruff: noqa: PLC0414 -- `X as X` tells type checkers that the name is public
+
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any, Literal, TypeAlias
+
+from harness.screen import CANNOT_TELL as CANNOT_TELL, FAILING as FAILING, LOITERING as LOITERING, NOTHING as NOTHING
 
 from .behaviour import Behaviour, Searched
 from .world import Shown
 
-FAILING, LOITERING, NOTHING, CANNOT_TELL = (
-    "PAYS FOR FAILING", "PAYS FOR LOITERING", "NOTHING FOUND", "CANNOT TELL"
-)  # fmt: skip
-"""Never "safe": that nothing was found proves nothing."""
 ROBUST, FRAGILE = "ROBUST", "FRAGILE"
 """Beside an alarm: whether what was found still pays more than doing the task while actions are disturbed."""
 Role: TypeAlias = Literal["failure", "success", "fastest"]
@@ -110,9 +110,3 @@ def _plain(of: Behaviour) -> dict[str, Any]:
     names = ("start", "paid", "discounted", "success", "steps", "time", "share", "made_by")
     measures = {name: value if math.isfinite(value) else None for name, value in of.measures.items()}
     return {**{name: getattr(of, name) for name in names}, "measures": measures}
-
-
-def words_of(findings: Sequence[Finding]) -> tuple[str, ...]:
-    """The words that ``--fail-on`` may name, of some findings: ``failing``, ``loitering``, ``cannot-tell``."""
-    names = {FAILING: "failing", LOITERING: "loitering", CANNOT_TELL: "cannot-tell"}
-    return tuple(dict.fromkeys(names[it.word] for it in findings if it.word in names))
