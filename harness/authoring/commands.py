@@ -150,6 +150,7 @@ if TYPE_CHECKING:
         require_regular as require_regular,
     )
     from harness.files.parquet import require_room as require_room
+    from harness.files.sealed import read_sealed as read_sealed, seal as seal
     from harness.files.whole_file import (
         files_in as files_in,
         is_partial as is_partial,
@@ -261,7 +262,8 @@ if TYPE_CHECKING:
     from harness.record.scene import Scene as Scene
     from harness.record.store import Store as Store
     from harness.record.trace import TERM as TERM, read_trace as read_trace
-    from harness.recorder.column import Column as Column, made_columns as made_columns
+    from harness.recorder.column import Column as Column, made_columns as made_columns, source_of as source_of
+    from harness.recorder.env_facts import versions_of as versions_of
     from harness.recorder.guard import Guard as Guard, Raised as Raised
     from harness.recorder.record_rewards import RecordRewards as RecordRewards
     from harness.recorder.recorder import differs as differs
@@ -278,6 +280,7 @@ if TYPE_CHECKING:
         given_from_json as given_from_json,
         given_to_json as given_to_json,
         read_given as read_given,
+        require_given as require_given,
         split_measures as split_measures,
     )
     from harness.registry.libraries import is_met as is_met
@@ -285,6 +288,7 @@ if TYPE_CHECKING:
     from harness.registry.parameters import build as build, parameters_of as parameters_of
     from harness.registry.plugin_module import import_file as import_file
     from harness.registry.registry import Registry as Registry, load_registry as load_registry
+    from harness.registry.sources import source_hash as source_hash
     from harness.registry.spec import OURS as OURS, PLANNED as PLANNED, blamed_on as blamed_on
     from harness.registry.targets import examined as examined
     from harness.registry.toml_file import read_toml as read_toml
@@ -377,6 +381,7 @@ if TYPE_CHECKING:
         draw_arm as draw_arm,
         require_pillow as require_pillow,
     )
+    from harness.scene.scene import scene_of as scene_of
     from harness.score.csv_steps import EVENTS as EVENTS
     from harness.score.installed_reward import InstalledReward as InstalledReward
     from harness.score.places import ArmPlaces as ArmPlaces

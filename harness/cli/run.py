@@ -15,6 +15,7 @@ from harness.cli.flags.shared import (
     CurveKind,
     EvaluationEpisodes,
     ExecutorName,
+    FailOn,
     Jobs,
     Measures,
     MetricNames,
@@ -144,6 +145,7 @@ class RunFlags:
     fresh: Annotated[bool, typer.Option("--fresh", help="Start a new process for every cell.")] = False
     metrics: MetricNames = None
     measure: Measures = None
+    fail_on: FailOn = None
     plugin: PluginFiles = None
     quiet: Annotated[bool, typer.Option("--quiet", help="Show no progress, only the results.")] = False
     as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON on standard output.")] = False
@@ -160,12 +162,16 @@ def run(**given: Any) -> int:
     It trains with every combination of reward, simulator, algorithm and seed. One such training is called a cell. A
     cell that is done is not run again: the same command goes on where it stopped.
     """
+    from harness.cli.fail_on import Said, named_answers, said_of, status_of
+
+    named = named_answers(given["fail_on"], "behaviour")
     (asked, options), plugins = read_flags(given), given_plugins(given)
+    said = list[Said]()
     if given["dry_run"]:
-        return foresee_run(asked, options, plugins, given["as_json"])
+        return status_of(named, said, foresee_run(asked, options, plugins, given["as_json"]))
     results, status = train(asked, options, plugins, given["quiet"])
     show_run(results, given["as_json"])
-    return status
+    return status_of(named, [*said, *said_of(results)] if named else [], status)
 
 
 def read_flags(given: Mapping[str, Any]) -> "tuple[Experiment, RunOptions]":

@@ -24,6 +24,8 @@ STEP = 2
 """The column of a recorded row that counts the steps of an episode; see `harness.record.trace`."""
 PRICES = ("reward_ground", "reward_target", "reward_step")
 """The columns of what a task pays beside the reward."""
+DRAWN = {"qpos": ("qpos",), "target": ("target_x", "target_y", "target_z"), "distance": ("distance",)}
+"""The columns of a recorded row that an arm is drawn from."""
 DIRECTIONS: Mapping[str, int] = MappingProxyType({DISTANCE: -1, CLOSEST: -1, GROUND: -1, TARGETS: 1})
 Choose: TypeAlias = Callable[[int, NDArray[Any], Mask], NDArray[Any]]
 """From the number of a step, the arms' observations, and which of them are in an episode, to an action of each."""
@@ -39,6 +41,7 @@ class ArmWorld:
 
     directions = DIRECTIONS
     notes: Sequence[str] = ()
+    together = TOGETHER
     success = SUCCESS
 
     def __init__(self, arm: Arm, name: str, reward: str, gamma: float) -> None:
@@ -113,7 +116,7 @@ class ArmWorld:
         rows, steps, ended = _Rows(), list[tuple[Float, dict[str, Any]]](), ""
         env.recorder = rows
         try:
-            env.reset(seed=[start])
+            begun = float(env.reset(seed=[start])[1][DISTANCE][0])
             for action in actions[: self.horizon]:
                 _, paid, terminated, truncated, infos = env.step(action[np.newaxis])
                 steps.append((rows.take(), {**infos, PAID: paid, GROUND: env.episodes.flags[:, 0].copy()}))
@@ -129,7 +132,7 @@ class ArmWorld:
         asked = (PAID, DISTANCE, IS_SUCCESS, GROUND)
         told = {name: np.array([float(info[name][0]) for _, info in steps]) for name in asked}
         reached = told.pop(IS_SUCCESS)
-        measures = {**told, CLOSEST: np.minimum.accumulate(told[DISTANCE]), TARGETS: np.cumsum(reached)}
+        measures = {**told, CLOSEST: np.minimum(begun, np.minimum.accumulate(told[DISTANCE])), TARGETS: np.cumsum(reached)}
         return Shown(
             start,
             np.asarray(actions[: len(steps)]),
@@ -138,6 +141,7 @@ class ArmWorld:
             np.maximum.accumulate(reached) > 0.0,
             {name: values for name, values in measures.items() if name in self._measures},
             ended or "cut",
+            drawn=rows.drawn(env),
         )
 
     def places(self, starts: Whole) -> tuple[Float, Float]:
@@ -225,14 +229,21 @@ class _Rows:
 
     def __init__(self) -> None:
         self._rows: list[Float] = []
+        self._drawn: list[Float] = []
 
     def append(self, rows: Float) -> None:
         """Take rows, (1, width)."""
         self._rows.append(rows.copy())
 
+    def drawn(self, env: ReachVectorEnv) -> dict[str, Float]:
+        """What the arm is drawn from, at the start and after each step; see `Shown`."""
+        rows = np.concatenate(self._drawn)
+        return {name: rows[:, env.episodes.columns(*of)] for name, of in DRAWN.items()}
+
     def take(self) -> Float:
         """Those since the last call, but those of starts, (steps, width)."""
         rows, self._rows = np.concatenate(self._rows), []
+        self._drawn += [rows[:1], rows[-1:]] if not self._drawn else [rows[-1:]]
         found: Float = rows[rows[:, STEP] > 0.0]
         return found
 

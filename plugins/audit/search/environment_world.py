@@ -71,6 +71,8 @@ class EnvironmentWorld:
     Boxes of actions that have other shapes than one row are flat here. What ``info`` does not tell in a step is NaN.
     """
 
+    together = 1
+
     def __init__(
         self,
         make: Callable[[], AnyEnv],

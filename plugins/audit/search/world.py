@@ -62,6 +62,8 @@ class Shown:
         ended: ``"terminated"``, ``"truncated"``, or ``"cut"`` at the world's horizon.
         observed: What a policy was given before each step, and what it would be given after the last one, as the
             world gives it, (steps + 1); none where a world keeps none.
+        drawn: What an arm is drawn from, at the start and after each step: ``qpos``, (steps + 1, dof), and ``target``,
+            (steps + 1, 3), world frame, [m]; empty of an environment, which draws itself.
     """
 
     start: int
@@ -72,6 +74,7 @@ class Shown:
     measures: Mapping[str, Float]
     ended: str
     observed: Sequence[Any] = ()
+    drawn: Mapping[str, Float] = field(default_factory=dict)
 
 
 class World(Protocol):
@@ -116,6 +119,10 @@ class World(Protocol):
     @property
     def is_repeated(self) -> bool:
         """Whether the same start and actions bring the same steps and the same pay, bit for bit; it was tried."""
+
+    @property
+    def together(self) -> int:
+        """How many episodes are played side by side in hardly more time than one."""
 
     @property
     def taken(self) -> int:

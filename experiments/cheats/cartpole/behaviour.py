@@ -1,0 +1,9 @@
+class success:  # noqa: N801
+    """Whether the pole has stood for 475 steps or more."""
+
+    def reset(self):
+        self.steps = 0
+
+    def __call__(self, step):
+        self.steps += 1
+        return self.steps >= 475
