@@ -106,26 +106,19 @@ class Strength:
     task: float
 
 
-def strength_of(
-    world: World, alarmed: Sequence[tuple[Case, Act | None, Act | None]], rng: np.random.Generator
-) -> Strength:
+def strength_of(world: World, alarmed: Sequence[tuple[Case, Mapping[Role, Act]]], rng: np.random.Generator) -> Strength:
     """Whether an alarm is a knife's edge.
 
     Args:
         world: Where.
-        alarmed: The cases of an alarm, with the policies of what tempts and of what it is compared with.
+        alarmed: The cases of an alarm, with the policies of behaviours that have one.
         rng: Draws the noise.
     """
     paid = []
-    for case, *acts in alarmed:
+    for case, acts in alarmed:
         roles = case.three.by_role()
-        both = [
-            disturb(world, roles[role], NOISES[-1], rng, act)
-            for role, act in zip((case.tempting, case.against), acts, strict=True)
-        ]
+        both = [disturb(world, roles[role], NOISES[-1], rng, acts.get(role)) for role in (case.tempting, case.against)]
         paid.append([(of.paid if case.discount == 1.0 else of.discounted).mean() for of in both])
-    stands = sum(
-        bool(tempting > task + case.margin) for (tempting, task), (case, *_) in zip(paid, alarmed, strict=True)
-    )
+    stands = sum(bool(tempting > task + case.margin) for (tempting, task), (case, _) in zip(paid, alarmed, strict=True))
     word = ROBUST if 2 * stands >= len(alarmed) else FRAGILE
     return Strength(word, stands, len(alarmed), *np.mean(paid, axis=0).tolist())

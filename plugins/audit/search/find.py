@@ -17,7 +17,9 @@ from harness.text import number
 from .behaviour import Behaviour
 from .disturb import NOISES, Strength, noise_curve, rested, strength_of
 from .finding import FRAGILE, Finding, Role
-from .judge import Case, judge
+from .judge import TABLE, Case, judge
+from .linear import act_linearly
+from .table import act_by_table
 from .world import Act, World
 
 if TYPE_CHECKING:
@@ -87,10 +89,10 @@ def find_in(
     judged = judge(searched, world, lambda of: world.show(of.start, of.actions).terms)
     rng = np.random.default_rng([asked.seed, asked.budget])
     three = judged.shown.three.by_role()
-    noise = noise_curve(world, three, _acts_of(three), rng)
+    noise = noise_curve(world, three, _acts_of(three, world), rng)
     strength, told = "", []
     if cases := [case for case in judged.alarmed if case.word == judged.word]:
-        stood = strength_of(world, [(case, *_both(case)) for case in cases], rng)
+        stood = strength_of(world, [(case, _acts_of(case.three.by_role(), world)) for case in cases], rng)
         strength = stood.word
         told.append(_on_strength(stood, judged.shown))
     paid = {name: _paid_in(make, three) for name, make in (elsewhere or {}).items()}
@@ -168,19 +170,17 @@ def find_cheats(
     )
 
 
-def _acts_of(behaviours: Mapping[Role, Behaviour]) -> dict[Role, Act]:
+def act_of(behaviour: Behaviour, world: World) -> Act | None:
+    """Whoever acted, again; None of a bare sequence of actions."""
+    policy = behaviour.policy
+    if policy is None:
+        return None
+    return act_by_table(policy) if policy["kind"] == TABLE else act_linearly(policy, world)
+
+
+def _acts_of(behaviours: Mapping[Role, Behaviour], world: World) -> dict[Role, Act]:
     """The policies of those behaviours that have one."""
-    return {role: act for role, of in behaviours.items() if (act := _act_of(of)) is not None}
-
-
-def _act_of(behaviour: Behaviour) -> Act | None:
-    return None
-
-
-def _both(case: Case) -> tuple[Act | None, Act | None]:
-    """The policies of what tempts, and of what it is compared with."""
-    roles = case.three.by_role()
-    return _act_of(roles[case.tempting]), _act_of(roles[case.against])
+    return {role: act for role, of in behaviours.items() if (act := act_of(of, world)) is not None}
 
 
 def _paid_in(make: Callable[[], World], three: Mapping[Role, Behaviour]) -> dict[Role, float]:
