@@ -268,25 +268,6 @@ def drops() -> list[dict[str, Any]]:
     return [it["drop"][row][column] for it in TRANSFER["combinations"] for row, column in where_moved(it)]
 
 
-def test_page_says_what_moved_policies_do():
-    """Of `dense`, from every simulator to every other one; each engine with ideal and then with servo drives."""
-    (matrix,) = (it for it in TRANSFER["combinations"] if it["reward"] == "dense")
-    lines = [
-        "Trained with `dense`:\n",
-        f"| trained in | {' | '.join(f'{engine} | servo' for engine in ENGINES.values())} |",
-        "| --- |" + 8 * " --- |",
-    ]
-    names = {name + drive: label + servo for name, label in ENGINES.items() for drive, servo in DRIVES.items()}
-    for row, (trained_in, label) in enumerate(names.items()):
-        assert matrix["trained_in"][row] == trained_in
-        success = {
-            there: f"{100 * matrix['success'][row][matrix['evaluated_in'].index(there)]['mean']:.1f}" for there in names
-        }
-        success[trained_in] = f"**{success[trained_in]}**"
-        lines.append(f"| {label} | {' | '.join(success.values())} |")
-    assert "\n".join(lines) in PAGE
-
-
 def test_every_policy_was_moved():
     """Ten seeds of each reward and simulator, and no evaluation failed."""
     assert {it["seeds"] for it in drops()} == {10}

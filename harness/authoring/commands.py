@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 from harness.authoring.face import homes_in, lazy_names
 
 if TYPE_CHECKING:
-    from harness.cli.audits import audits_of as audits_of
+    from harness.cli.audits import audits_of as audits_of, pays_of as pays_of
     from harness.cli.commands import hidden_commands as hidden_commands
     from harness.cli.datasets import names_dataset as names_dataset
+    from harness.cli.fail_on import Said as Said, named_answers as named_answers, status_of as status_of
     from harness.cli.flags.dataset import Partial as Partial, Places as Places
     from harness.cli.flags.logs import AsFormat as AsFormat, SortBy as SortBy
     from harness.cli.flags.shared import (
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
         EvaluationEpisodes as EvaluationEpisodes,
         ExecutorName as ExecutorName,
         ExperimentFolder as ExperimentFolder,
+        FailOn as FailOn,
         Jobs as Jobs,
         Measures as Measures,
         PluginFiles as PluginFiles,
@@ -111,6 +113,7 @@ if TYPE_CHECKING:
         Acting as Acting,
         flat_observation as flat_observation,
         flat_observations as flat_observations,
+        goal_columns as goal_columns,
         kind_of_actions as kind_of_actions,
     )
     from harness.experiment.experiment import DEFAULT_FOLDER as DEFAULT_FOLDER, ExperimentRun as ExperimentRun
@@ -259,7 +262,7 @@ if TYPE_CHECKING:
         recordings_in as recordings_in,
     )
     from harness.record.returns import mean_return as mean_return
-    from harness.record.scene import Scene as Scene
+    from harness.record.scene import Scene as Scene, read_scene as read_scene, write_scene as write_scene
     from harness.record.store import Store as Store
     from harness.record.trace import TERM as TERM, read_trace as read_trace
     from harness.recorder.column import Column as Column, made_columns as made_columns, source_of as source_of
@@ -279,6 +282,7 @@ if TYPE_CHECKING:
         Given as Given,
         given_from_json as given_from_json,
         given_to_json as given_to_json,
+        plugin_flags as plugin_flags,
         read_given as read_given,
         require_given as require_given,
         split_measures as split_measures,

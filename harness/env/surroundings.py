@@ -294,7 +294,9 @@ class Surroundings:
         if self._varied is not None:
             episodes.extra("arm")[mask, 0] = self._varied.arms[mask]
         if self._most:
-            placed: dict[tuple[Any, ...], Float] = {}  # to find places takes 20 ms, and equal episodes have the same
+            placed: dict[
+                tuple[int, bytes, bytes], Float
+            ] = {}  # to find places takes 20 ms, and equal episodes have the same
             for k in np.flatnonzero(mask).tolist():
                 episode = self._keys[k], episodes.qpos[k].tobytes(), episodes.target[k].tobytes()
                 if episode not in placed:

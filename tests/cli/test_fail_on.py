@@ -172,6 +172,31 @@ def test_reward_alone_cannot_be_told(harness, quick):
     assert answer.status == 3
 
 
+def test_screen_decides_before_anything_is_trained(harness, quick, tmp_path: Path):
+    """Creeping pays more than finishing under `arp`."""
+    answer = harness("run", *quick, "--screen", "--fail-on", "failing", "--out", "here", "--dry-run")
+    assert answer.status == 1
+    assert "  arp: PAYS FOR FAILING. Not finishing pays more than finishing: creep earns " in answer.err
+    assert "arp in fd100 · fd100-reach: PAYS FOR FAILING" in answer.err.splitlines()[-1]
+    assert not (tmp_path / "here").exists()
+
+
+def test_what_only_a_screen_says_needs_one(harness, quick, tmp_path: Path):
+    """Before anything runs."""
+    answer = harness("run", *quick, "--fail-on", "hurts,failing", "--out", "here")
+    assert (answer.status, answer.err.count("\n")) == (2, 1)
+    assert "--fail-on failing: only --screen looks for that" in answer.err
+    assert not (tmp_path / "here").exists()
+
+
+def test_trainings_go_on_after_an_alarm(harness, quick):
+    """The alarm is told at the end."""
+    answer = harness("run", *quick, "--seeds", "1", "--out", "here", "--screen", "--fail-on", "failing,hurts")
+    assert answer.status == 1
+    assert "Results: here" in answer.out
+    assert answer.err.splitlines()[-1].endswith(": status 1")
+
+
 def test_several_folders_have_one_status(harness, quick):
     """As if one run had made them."""
     for name, seeds in (("one", "0,1"), ("two", "2,")):

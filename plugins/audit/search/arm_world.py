@@ -11,8 +11,9 @@ from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
-from harness.authoring.commands import SUCCESS, TERM, ReachVectorEnv, World as Arm
+from harness.authoring.commands import TERM, ReachVectorEnv, World as Arm
 from harness.errors import UsageError
+from harness.log import SUCCESS
 
 from .world import Act, Actions, Outcomes, Shown, Whole
 
@@ -132,7 +133,11 @@ class ArmWorld:
         asked = (PAID, DISTANCE, IS_SUCCESS, GROUND)
         told = {name: np.array([float(info[name][0]) for _, info in steps]) for name in asked}
         reached = told.pop(IS_SUCCESS)
-        measures = {**told, CLOSEST: np.minimum(begun, np.minimum.accumulate(told[DISTANCE])), TARGETS: np.cumsum(reached)}
+        measures = {
+            **told,
+            CLOSEST: np.minimum(begun, np.minimum.accumulate(told[DISTANCE])),
+            TARGETS: np.cumsum(reached),
+        }
         return Shown(
             start,
             np.asarray(actions[: len(steps)]),
@@ -238,7 +243,8 @@ class _Rows:
     def drawn(self, env: ReachVectorEnv) -> dict[str, Float]:
         """What the arm is drawn from, at the start and after each step; see `Shown`."""
         rows = np.concatenate(self._drawn)
-        return {name: rows[:, env.episodes.columns(*of)] for name, of in DRAWN.items()}
+        time = np.arange(len(rows), dtype=np.float64) * (env.task.control_period * env.task.decision_period)
+        return {"time": time[:, np.newaxis], **{name: rows[:, env.episodes.columns(*of)] for name, of in DRAWN.items()}}
 
     def take(self) -> Float:
         """Those since the last call, but those of starts, (steps, width)."""

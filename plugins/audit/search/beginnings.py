@@ -10,7 +10,6 @@ from gymnasium.spaces import Discrete
 from harness.authoring.commands import (
     POLICY,
     SCRIPTS,
-    SUCCESS,
     TRAINING_RECORDING,
     Store,
     facts_of,
@@ -24,7 +23,7 @@ from harness.authoring.commands import (
     why_not_kinematics,
 )
 from harness.errors import UsageError, reason_of
-from harness.log import ACTION, BEHAVIOUR, REWARD
+from harness.log import ACTION, BEHAVIOUR, REWARD, SUCCESS
 from harness.motion import MoveJ
 from harness.policy import CARD, Policy, load_policy
 from harness.task import goal_of

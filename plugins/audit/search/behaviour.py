@@ -2,9 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .world import Actions, Outcomes
+
+if TYPE_CHECKING:
+    from .finding import Role
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +56,13 @@ class Three:
     failure: Behaviour | None
     success: Behaviour | None
     fastest: Behaviour | None
+
+    def by_role(self) -> "dict[Role, Behaviour]":
+        """Those that were found, by what they are."""
+        found: dict[Role, Behaviour | None] = {
+            "failure": self.failure, "success": self.success, "fastest": self.fastest
+        }  # fmt: skip
+        return {role: behaviour for role, behaviour in found.items() if behaviour is not None}
 
 
 @dataclass(frozen=True, eq=False)

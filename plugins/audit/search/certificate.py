@@ -18,21 +18,28 @@ from harness.arrays import Float
 from harness.authoring.commands import ChoiceForm, read_sealed, reading, require_form, seal, write_whole
 from harness.text import file_stems
 
+from .film import MOST_BYTES as MOST_PICTURES, Film
 from .finding import FAILING, LOITERING, Disturbed, Role
 from .place import Place
 from .world import Shown
 
 FORMAT = 1
 NOUN = "certificate"
+BEGINS = f'{{\n "format": {FORMAT},\n "what": "{NOUN}"'.encode()
+"""The first bytes of a file."""
 MOST_BYTES = 16 * 2**20
 """The most bytes of a file; one of 200 steps has 30,000."""
 MOST_STEPS, MOST_NUMBERS, MOST_NAMED = 20_000, 500_000, 100
 """The most steps, numbers of all actions, and terms or measures."""
+DRAWN = {"time", "qpos", "target", "distance"}
+"""What an arm is drawn from; see `Shown`."""
 ROLES: tuple[Role, ...] = ("failure", "success", "fastest")
 
 Text = Annotated[str, StringConstraints(max_length=10_000)]
 Name = Annotated[str, StringConstraints(min_length=1, max_length=1_000)]
-Number = Annotated[float, Field(allow_inf_nan=False)]
+LARGEST = 1e150
+"""Sums of such numbers stay finite."""
+Number = Annotated[float, Field(allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
 Whole = Annotated[int, Field(ge=0, lt=2**63)]
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
 Steps = Annotated[list[Number], Field(max_length=MOST_STEPS)]
@@ -126,6 +133,16 @@ class RunsOnForm(TypedDict):
 
 
 @with_config(EXACT)
+class FilmForm(TypedDict):
+    """See `Film`; the pictures in Base64."""
+
+    reason: Text
+    steps: Annotated[list[Whole], Field(max_length=100)]
+    size: Annotated[list[Annotated[int, Field(ge=1, le=1_000)]], Field(min_length=2, max_length=2)]
+    strip: Annotated[str, StringConstraints(max_length=2 * MOST_PICTURES)]
+
+
+@with_config(EXACT)
 class CertificateForm(TypedDict):
     """The form of the file."""
 
@@ -143,6 +160,7 @@ class CertificateForm(TypedDict):
     noise: Annotated[list[DisturbedForm], Field(max_length=MOST_NAMED)]
     elsewhere: Annotated[dict[Name, Number], Field(max_length=MOST_NAMED)]
     drawn: NotRequired[Annotated[dict[Name, NumbersForm], Field(max_length=10)]]
+    film: NotRequired[FilmForm]
 
 
 FORM: TypeAdapter[CertificateForm] = TypeAdapter(CertificateForm)
@@ -204,6 +222,7 @@ class Certificate:
         shown: The episode.
         noise: What it was paid while its actions were disturbed.
         elsewhere: What it is paid in other simulators, by name.
+        film: Pictures of it, of one in an environment.
     """
 
     role: Role
@@ -214,6 +233,7 @@ class Certificate:
     shown: Shown
     noise: tuple[Disturbed, ...] = ()
     elsewhere: Mapping[str, float] = field(default_factory=dict)
+    film: Film | None = None
 
     @property
     def paid(self) -> float:
@@ -263,6 +283,7 @@ class Certificate:
             "noise": [{name: getattr(row, name) for name in DisturbedForm.__annotations__} for row in self.noise],
             "elsewhere": dict(self.elsewhere),
             **({"drawn": {name: numbers_of(it) for name, it in shown.drawn.items()}} if shown.drawn else {}),
+            **({"film": self.film.to_json()} if self.film else {}),
         }
 
     @classmethod
@@ -294,6 +315,7 @@ class Certificate:
             shown,
             tuple(Disturbed(role, **row) for row in data["noise"]),
             data["elsewhere"],
+            Film.from_json(data["film"]) if "film" in data else None,
         )
 
 
@@ -366,6 +388,8 @@ def _require_lengths(shown: Shown) -> None:
     Raises:
         ValueError: It has not.
     """
+    if shown.drawn and (set(shown.drawn) != DRAWN or any(it.ndim != 2 for it in shown.drawn.values())):
+        raise ValueError(f"drawn: it is not {', '.join(sorted(DRAWN))} in rows")
     rows: Sequence[tuple[str, Any]] = [
         ("actions", shown.actions),
         ("success", shown.success),

@@ -14,7 +14,6 @@ from gymnasium.wrappers import TimeLimit
 
 from harness.arrays import Float, Mask
 from harness.authoring.commands import (
-    SUCCESS,
     Before,
     Choice,
     Column,
@@ -28,6 +27,7 @@ from harness.authoring.commands import (
     columns_of,
     flat_observation,
     flat_observations,
+    goal_columns,
     kind_of_actions,
     made_columns,
     parse_success,
@@ -38,6 +38,7 @@ from harness.authoring.commands import (
 )
 from harness.environment import AnyEnv, Environment
 from harness.errors import UsageError, reason_of
+from harness.log import SUCCESS
 
 from ..transitions.audit_rewards import opened_env
 from .world import Act, Actions, Outcomes, Shown, Whole
@@ -103,6 +104,7 @@ class EnvironmentWorld:
         self._make, self._columns, self._is_new, self._env = make, columns, is_new, make()
         self.space, self.observes = _flat_space(self._env, name), self._env.observation_space
         flat_observations(self.observes)
+        self._goals = _goals_in(self.observes)
         self.horizon = horizon or _limit_of(self._env) or CUT_AT
         self._rule, self._more = parse_success(success), dict[str, str]()
         given = columns(self._env)
@@ -156,7 +158,7 @@ class EnvironmentWorld:
 
     def show(self, start: int, actions: Actions) -> Shown:
         """Play one episode and keep everything; see `World`."""
-        return self._shown(self._counted(start, lambda step, _: actions[step]))
+        return self._shown(self._counted(start, lambda step, _: actions[step], len(actions)))
 
     def watch(self, start: int, policy: Act) -> Shown:
         """Play one episode of a policy and keep everything; see `World`."""
@@ -208,7 +210,7 @@ class EnvironmentWorld:
         found = SUCCESS if SUCCESS in names else next((it for it in flags if self._direction_of.get(it) != -1), "")
         if found:
             self._rule = parse_success(found)
-            return ()
+            return () if found == SUCCESS else (f"{found}, which is 0 or 1, is taken for success.",)
         key = next((it for it in TOLD_BY_INFO if it in info and _is_flag(np.array([info[it]], float))), "")
         if not key:
             return ()
@@ -217,18 +219,19 @@ class EnvironmentWorld:
         self._tried = self._try(self._env, self._asked)
         return (f"No measure says what success is: {key} is taken, which the environment tells in info.",)
 
-    def _counted(self, start: int, choose: Choose) -> _Played:
-        played = self._episode(self._env, self._asked, start, choose)
+    def _counted(self, start: int, choose: Choose, most: int | None = None) -> _Played:
+        played = self._episode(self._env, self._asked, start, choose, most)
         self.taken += len(played.actions)
         return played
 
-    def _episode(self, env: AnyEnv, asked: "_Asked", start: int, choose: Choose) -> _Played:
+    def _episode(self, env: AnyEnv, asked: "_Asked", start: int, choose: Choose, most: int | None = None) -> _Played:
+        """Play an episode of at most so many steps."""
         space, shape = self.space, env.action_space.shape
         is_discrete, kind = isinstance(space, Discrete), space.dtype
         observation, info = env.reset(seed=start)
         seen, actions, paid, told = [asked.begin(start, observation, info)], list[Any](), list[Any](), list[Any]()
         ended = ""
-        for step in range(self.horizon):
+        for step in range(min(self.horizon, most or self.horizon)):
             chosen = choose(step, observation)
             action = int(chosen) if is_discrete else np.array(chosen, kind).reshape(shape)
             actions.append(action if is_discrete else action.ravel().copy())  # type: ignore[union-attr]
@@ -247,7 +250,7 @@ class EnvironmentWorld:
         paid = [np.array([row[0] for row in it.paid]) for it in played]
         weights = self.gamma ** np.arange(self.horizon)
         success = [self._successes(values) for values in told]
-        last = np.array([values[-1] for values in told])
+        last, trails = np.array([values[-1] for values in told]), [_flat(self.observes, it.seen) for it in played]
         return Outcomes(
             np.array([len(it.actions) for it in played]),
             np.array([values.sum() for values in paid]),
@@ -255,9 +258,9 @@ class EnvironmentWorld:
             np.array([flags[-1] for flags in success]),
             np.array([_since(flags) if flags[-1] else self.horizon for flags in success]),
             np.array([flags.mean() for flags in success]),
-            np.array([self._nearest(values) for values in told]),
+            np.array([self._nearest(*it) for it in zip(told, trails, strict=True)]),
             {name: last[:, k] for k, name in enumerate(self._asked.measures)},
-            [_flat(self.observes, it.seen) for it in played],
+            trails,
         )
 
     def _successes(self, told: Float) -> Mask:
@@ -268,11 +271,16 @@ class EnvironmentWorld:
         found: Mask = self._rule.of_steps(values, self._rule.key) == 1 if self._rule.sign else values > 0.0
         return found
 
-    def _nearest(self, told: Float) -> float:
-        """How near an episode came to success; larger is nearer."""
+    def _nearest(self, told: Float, trail: Float) -> float:
+        """How near an episode came to success; larger is nearer. Without a measure that tells it, to observed goals."""
         directions, key = self.directions, self._rule.key
         name = key if self._rule.sign else next((it for it in directions if it != key), "")
-        return float(np.fmax.reduce(told[:, self._asked.measures.index(name)] * directions[name])) if name else nan
+        if name:
+            return float(np.fmax.reduce(told[:, self._asked.measures.index(name)] * directions[name]))
+        if self._goals is None:
+            return nan
+        achieved, desired = self._goals
+        return -float(np.linalg.norm(trail[1:, achieved] - trail[1:, desired], axis=1).min())
 
     def _is_same(self, one: _Played, other: _Played) -> bool:
         """Whether two episodes are the same, bit for bit."""
@@ -376,6 +384,14 @@ def _flat_space(env: AnyEnv, name: str) -> Box | Discrete:
         raise UsageError(f"{name} cannot be searched: {error}") from error
     found: Box | Discrete = space
     return found if found is not env.action_space else deepcopy(found)
+
+
+def _goals_in(space: gymnasium.Space[Any]) -> tuple[slice, slice] | None:
+    """Where achieved and desired goals stand in flat observations; None if they do not."""
+    try:
+        return goal_columns(space)
+    except UsageError:
+        return None
 
 
 def _limit_of(env: AnyEnv) -> int:

@@ -42,7 +42,7 @@ class Place:
         simulator: Whose engine moves the arm; None without one, and in an environment.
         success: What tells success, as a user types it; empty if nothing does.
         gamma: The learner's discount per step, in (0, 1].
-        horizon: The most steps of an episode.
+        horizon: The most steps of an episode; 0 for the env's own limit.
         plugins: What ``--plugin`` has to give: path and SHA-256 of files, names of classes.
     """
 
@@ -95,7 +95,7 @@ def world_at(place: Place, registry: Registry) -> World:
         PluginError: A plugin behind a name is broken.
     """
     if place.is_environment:
-        return of_environment(place.task, registry, place.reward, place.gamma, place.success, place.horizon)
+        return of_environment(place.task, registry, place.reward, place.gamma, place.success, place.horizon or None)
     engine = place.simulator.build(registry, "simulators") if place.simulator else IdealSimulator()
     reward, task = place.reward.build(registry, "rewards"), place.task.build(registry, "tasks")
     arm = Arm(engine, load_robot(place.robot, registry), task, reward)

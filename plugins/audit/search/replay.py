@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,6 @@ import numpy as np
 from harness.arrays import Float
 from harness.text import number
 
-from .behaviour import Behaviour
 from .certificate import ROLES, Answer, Certificate, Found
 from .finding import Finding, Role
 from .place import Place
@@ -109,6 +108,7 @@ def certify(
     """
     certificates, refused = list[Certificate](), list[str]()
     with closing(make()) as world:
+        place = replace(place, success=finding.success, horizon=world.horizon)
         for role in ROLES:
             shown = finding.shown.get(role)
             if shown is None:
@@ -231,18 +231,8 @@ def _certificate(
         Answer(finding.word, finding.strength, finding.lines, len(finding.alarmed), len(finding.starts)),
         place,
         runs_on,
-        Found(_made_by(finding, role, shown), seed, budget, searched.steps, tuple(searched.how)),
+        Found(finding.three[role].made_by, seed, budget, searched.steps, tuple(searched.how)),
         shown,
         tuple(row for row in finding.noise if row.role == role),
         {name: paid[role] for name, paid in finding.elsewhere.items() if role in paid},
     )
-
-
-def _made_by(finding: Finding, role: Role, shown: Shown) -> str:
-    """What a shown behaviour comes from."""
-    found: list[Behaviour | None] = [
-        getattr(three, role)
-        for three in (*finding.searched.plain, *finding.searched.discounted)
-        if three.start == shown.start
-    ]
-    return next((it.made_by for it in found if it and np.array_equal(it.actions, shown.actions)), "search")

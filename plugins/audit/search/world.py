@@ -62,8 +62,8 @@ class Shown:
         ended: ``"terminated"``, ``"truncated"``, or ``"cut"`` at the world's horizon.
         observed: What a policy was given before each step, and what it would be given after the last one, as the
             world gives it, (steps + 1); none where a world keeps none.
-        drawn: What an arm is drawn from, at the start and after each step: ``qpos``, (steps + 1, dof), and ``target``,
-            (steps + 1, 3), world frame, [m]; empty of an environment, which draws itself.
+        drawn: What an arm is drawn from, at the start and after each step: ``time``, [s], ``qpos``,
+            ``target``, world frame, [m], and ``distance``, (steps + 1, size); empty of an environment.
     """
 
     start: int

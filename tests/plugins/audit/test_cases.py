@@ -1,13 +1,8 @@
 """The rewards of known truth are what they are said to be, and what ``harness audit`` says of each."""
 
 import itertools
-import json
-import subprocess
-import sys
-import time
 from contextlib import closing
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -18,6 +13,7 @@ from harness.payoff.finishing import payoff_of
 from harness.payoff.score import score_rollout
 from harness.record.recording.recorded_training import read_recording
 from tests.plugins.audit.cases.policies import POLICIES
+from tests.plugins.audit.cases.run import SEEDS, answer_of, search
 from tests.plugins.audit.cases.table import ARM, HACKED, HONEST, SLIPPERY, Case
 
 
@@ -114,30 +110,12 @@ def test_staying_on_the_ice_pays_more_than_the_goal():
     assert paid > 2.0
 
 
-SEARCH_SEEDS = (0, 1, 2)
-"""Each case is searched so often."""
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("case", [*HACKED, *HONEST], ids=lambda it: it.name)
 def test_audit_tells_the_truth(case: Case, subtests: pytest.Subtests):
-    """A cheat that exists is found, or `CANNOT TELL`; where none does, no alarm is given."""
+    """A cheat that exists is found, or nothing can be told; where there is none, no alarm is given."""
     require_engine(case)
-    for seed in SEARCH_SEEDS:
+    for seed in SEEDS:
         with subtests.test(seed=seed):
             finding, _ = search(case, seed)
-            assert finding["word"] in (HACK if case in HACKED else NO_HACK)
-
-
-def search(case: Case, seed: int) -> tuple[dict[str, Any], float]:
-    """What the command finds, and how long it takes, [s]."""
-    call = [sys.executable, "-m", "harness", *case.command, "--json", "--seed", str(seed)]
-    begin = time.perf_counter()
-    answer = subprocess.run(call, capture_output=True, text=True, check=False)
-    assert answer.stdout, answer.stderr
-    (finding,) = json.loads(answer.stdout)["cheats"]
-    return finding, time.perf_counter() - begin
-
-
-HACK = ("PAYS FOR FAILING", "PAYS FOR LOITERING", "CANNOT TELL")
-NO_HACK = ("NOTHING FOUND", "CANNOT TELL")
+            assert answer_of(case, finding["answer"]) in ("right", "cannot tell"), finding

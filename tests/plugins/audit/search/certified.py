@@ -75,7 +75,7 @@ def finding_of(world: Line, start: int = 3) -> Finding:
     shown = {"failure": world.show(start, actions_to(0.9)), "success": world.show(start, actions_to(1.03))}
     shown["fastest"] = shown["success"]
     of = {role: _behaviour(it) for role, it in shown.items()}
-    three = Three(start, **of)
+    three = Three(start, of["failure"], of["success"], of["fastest"])
     searched = Searched((three,), (three,), (-9.0,), (-9.0,), (9,), (0.0,), 400, ("sequences",))
     lines = ("Failing pays -2.6, succeeding -3.0, doing it fast -3.0.", "On 1 of 1 starts.")
     noise = tuple(
@@ -85,7 +85,7 @@ def finding_of(world: Line, start: int = 3) -> Finding:
     )
     return Finding(
         "line", "near", 0.9, "success", "PAYS FOR FAILING", "ROBUST", lines, (start,), (start,), searched, noise,
-        {"other": {"failure": -2.7}}, shown,
+        {"other": {"failure": -2.7}}, shown, of,
     )  # fmt: skip
 
 
