@@ -121,7 +121,7 @@ def drawn_of(steps: int, joints: int = 6) -> dict[str, np.ndarray]:
 
 
 def film_of(steps: tuple[int, ...]) -> Film:
-    """Red pictures."""
+    """Red pictures, at least one."""
     file = io.BytesIO()
     Image.new("RGB", (8 * len(steps), 6), "red").save(file, "WEBP")
     return Film("", steps, (8, 6), file.getvalue())
