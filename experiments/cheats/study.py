@@ -55,7 +55,8 @@ def rows(study: str) -> list[dict[str, object]]:
     return [
         {
             "study": study, "reward": reward, "trainings": len(trained(study)[reward]), "success": round(success, 4),
-            "is_worse": success < best - WORSE, "answer": found[reward]["answer"], "strength": found[reward]["strength"],
+            "is_worse": success < best - WORSE, "answer": found[reward]["answer"],
+            "strength": found[reward]["strength"],
         }
         for reward, success in sorted(successes.items(), key=lambda it: -it[1])
     ]  # fmt: skip

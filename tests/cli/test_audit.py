@@ -184,7 +184,8 @@ def test_usage_errors_are_one_line(harness, arguments, text):
 def test_the_command_loads_no_engine():
     """Without --sim neither an engine nor torch is imported."""
     code = (
-        "import sys; from harness.cli.app import _run; _run(['audit', '--reward', 'baseline', '--episodes', '2', '--budget', '0']);"
+        "import sys; from harness.cli.app import _run;"
+        "_run(['audit', '--reward', 'baseline', '--episodes', '2', '--budget', '0']);"
         "assert not {'mujoco', 'pybullet', 'torch', 'stable_baselines3'} & sys.modules.keys()"
     )
     subprocess.run([sys.executable, "-c", code], check=True, capture_output=True)

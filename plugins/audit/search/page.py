@@ -29,7 +29,7 @@ from .finding import CANNOT_TELL, FAILING, LOITERING, Role
 from .world import Shown
 
 TEMPLATE = Path(__file__).parent / "cheats.html.j2"
-BADGES = {FAILING: "hurts", LOITERING: "hurts", CANNOT_TELL: "cannot-tell"}
+BADGES: Mapping[str, str] = {FAILING: "hurts", LOITERING: "hurts", CANNOT_TELL: "cannot-tell"}
 """The colour of each answer; nothing found is none."""
 NAMES: Mapping[Role, str] = {
     "fastest": "fastest success", "failure": "best-paid failure", "success": "best-paid success"

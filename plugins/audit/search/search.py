@@ -13,7 +13,7 @@ from .behaviour import Searched
 from .kept import Kept
 from .linear import search_linear
 from .sequences import Evolution, evolve
-from .table import best_of, learn_tables
+from .table import search_tables
 from .world import World
 
 SEQUENCES, POLICIES, TABLE = "sequences", "linear policies", "table"
@@ -43,7 +43,7 @@ def search(
     paid, discounted = evolution.random(int(np.clip(AT_RANDOM * episodes, FEWEST, ROUNDS)))
     _begin(evolution, beginnings)
     climbing = [0.0] * len(starts)
-    if _solve(world, kept, int(IN_TABLES * budget), rng):
+    if search_tables(world, starts, evolution.take, int(IN_TABLES * budget), rng):
         how: tuple[str, ...] = (TABLE,)
     else:
         how = (SEQUENCES,)
@@ -77,14 +77,3 @@ def _begin(evolution: Evolution, beginnings: Sequence[Beginning]) -> None:
         elif beginning.act is not None:
             outcomes, taken = world.act(starts[rows], beginning.act)
         evolution.take(rows, taken, outcomes, beginning.made_by)
-
-
-def _solve(world: World, kept: Kept, budget: int, rng: np.random.Generator) -> bool:
-    """Whether the world is a table; if so, the best ways through it are kept."""
-    tables = learn_tables(world, kept.starts.tolist(), budget, rng)
-    for row, start in enumerate(kept.starts.tolist() if tables else ()):
-        for gamma in dict.fromkeys((1.0, world.gamma)):
-            for way in best_of(tables[start], start, world.horizon, gamma):
-                actions = np.pad(np.array(way, np.int64), (0, world.horizon - len(way)), mode="edge")[np.newaxis]
-                kept.add(np.array([row]), actions, world.play(kept.starts[[row]], actions), TABLE)
-    return bool(tables)

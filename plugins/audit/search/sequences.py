@@ -124,7 +124,7 @@ class Evolution:
         actions: Sequence[Actions],
         outcomes: Outcomes,
         made_by: str,
-        policies: Sequence[Mapping[str, Any]] = (),
+        policies: Sequence[Mapping[str, Any] | None] = (),
     ) -> None:
         """Keep episodes that others have played, and breed from them; see `Kept.add`."""
         self.kept.add(rows, actions, outcomes, made_by, policies)
