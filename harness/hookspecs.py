@@ -87,6 +87,10 @@ class Hooks:
         """Targets: a frozen dataclass that is a `harness.log.LogFormat`."""
 
     @hookspec
+    def register_screens(self, register: Register) -> None:
+        """Targets: a frozen dataclass that is a `harness.screen.Screen`."""
+
+    @hookspec
     def register_sections(self, register: Register) -> None:
         """Targets: a frozen dataclass that is a `harness.section.Section`, with the name of its command."""
 
@@ -107,6 +111,7 @@ NOUNS = {
     "executors": "executor",
     "trackers": "tracker",
     "logs": "log format",
+    "screens": "screen",
     "sections": "section",
     "commands": "command",
 }

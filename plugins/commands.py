@@ -5,7 +5,7 @@ import harness
 
 @harness.hookimpl
 def register_commands(register: harness.Register) -> None:
-    """Announce the built-in commands, and the option of ``harness report`` that writes records."""
+    """Announce the built-in commands, what writes records, and what ``harness watch`` shows beside experiments."""
     register(
         "audit",
         "harness_plugins.audit.command:audit",
@@ -55,6 +55,11 @@ def register_commands(register: harness.Register) -> None:
         heading="Run and read",
     )
     register(
+        "watch--certificates",
+        "harness_plugins.audit.search.out:page_in",
+        summary="Show the certificates of a search in the browser.",
+    )
+    register(
         "report--summary",
         "harness_plugins.committed.records:records",
         summary="Write records: small tables and figures, made to be kept and shared.",
@@ -76,6 +81,16 @@ def register_commands(register: harness.Register) -> None:
         "harness_plugins.tune.command:tune",
         summary="Search the hyperparameters of one algorithm, with an equal budget for every reward.",
         heading="Ask more",
+    )
+
+
+@harness.hookimpl
+def register_screens(register: harness.Register) -> None:
+    """Announce what these commands say of rewards before they train."""
+    register(
+        "cheats",
+        "harness_plugins.audit.screen:Cheats",
+        summary="What each reward pays a cheat: scripted movements of an arm.",
     )
 
 

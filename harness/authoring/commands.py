@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 from harness.authoring.face import homes_in, lazy_names
 
 if TYPE_CHECKING:
-    from harness.cli.audits import audits_of as audits_of
+    from harness.cli.audits import audits_of as audits_of, pays_of as pays_of
     from harness.cli.commands import hidden_commands as hidden_commands
     from harness.cli.datasets import names_dataset as names_dataset
+    from harness.cli.fail_on import Said as Said, named_answers as named_answers, status_of as status_of
     from harness.cli.flags.dataset import Partial as Partial, Places as Places
     from harness.cli.flags.logs import AsFormat as AsFormat, SortBy as SortBy
     from harness.cli.flags.shared import (
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
         EvaluationEpisodes as EvaluationEpisodes,
         ExecutorName as ExecutorName,
         ExperimentFolder as ExperimentFolder,
+        FailOn as FailOn,
         Jobs as Jobs,
         Measures as Measures,
         PluginFiles as PluginFiles,
@@ -46,6 +48,10 @@ if TYPE_CHECKING:
     from harness.cli.terminal import Terminal as Terminal, show as show
     from harness.cli.unexpected import describe_unexpected as describe_unexpected
     from harness.env import ReachVectorEnv as ReachVectorEnv
+    from harness.env.arm_observation import (
+        kinematics_policy as kinematics_policy,
+        why_not_kinematics as why_not_kinematics,
+    )
     from harness.env.ideal import IdealSimulator as IdealSimulator
     from harness.env.make import ReachEnv as ReachEnv, World as World, build_world as build_world
     from harness.env.solid_probes import (
@@ -91,7 +97,11 @@ if TYPE_CHECKING:
     from harness.experiment.arm_evaluation import record_evaluation as record_evaluation
     from harness.experiment.changed import changed_cells as changed_cells, refuse_changed as refuse_changed
     from harness.experiment.draft import draft_of as draft_of, leave_record as leave_record
-    from harness.experiment.environments.columns import columns_of as columns_of, weighing as weighing
+    from harness.experiment.environments.columns import (
+        Columns as Columns,
+        columns_of as columns_of,
+        weighing as weighing,
+    )
     from harness.experiment.environments.paid_again import PayAgain as PayAgain
     from harness.experiment.environments.plan import (
         kind_of_task as kind_of_task,
@@ -99,6 +109,13 @@ if TYPE_CHECKING:
         require_known as require_known,
     )
     from harness.experiment.environments.played_again import PlayedAgain as PlayedAgain
+    from harness.experiment.environments.spaces import (
+        Acting as Acting,
+        flat_observation as flat_observation,
+        flat_observations as flat_observations,
+        goal_columns as goal_columns,
+        kind_of_actions as kind_of_actions,
+    )
     from harness.experiment.experiment import DEFAULT_FOLDER as DEFAULT_FOLDER, ExperimentRun as ExperimentRun
     from harness.experiment.plan import (
         DEFAULT_TASK as DEFAULT_TASK,
@@ -136,6 +153,7 @@ if TYPE_CHECKING:
         require_regular as require_regular,
     )
     from harness.files.parquet import require_room as require_room
+    from harness.files.sealed import read_sealed as read_sealed, seal as seal
     from harness.files.whole_file import (
         files_in as files_in,
         is_partial as is_partial,
@@ -165,8 +183,10 @@ if TYPE_CHECKING:
         FINISH as FINISH,
         HOLD as HOLD,
         HOVER as HOVER,
+        SCRIPTS as SCRIPTS,
         Rollout as Rollout,
         States as States,
+        plan_actions as plan_actions,
         record_rollouts as record_rollouts,
     )
     from harness.payoff.score import (
@@ -242,11 +262,12 @@ if TYPE_CHECKING:
         recordings_in as recordings_in,
     )
     from harness.record.returns import mean_return as mean_return
-    from harness.record.scene import Scene as Scene
+    from harness.record.scene import Scene as Scene, read_scene as read_scene, write_scene as write_scene
     from harness.record.store import Store as Store
     from harness.record.trace import TERM as TERM, read_trace as read_trace
-    from harness.recorder.column import made_columns as made_columns
-    from harness.recorder.guard import Guard as Guard
+    from harness.recorder.column import Column as Column, made_columns as made_columns, source_of as source_of
+    from harness.recorder.env_facts import versions_of as versions_of
+    from harness.recorder.guard import Guard as Guard, Raised as Raised
     from harness.recorder.record_rewards import RecordRewards as RecordRewards
     from harness.recorder.recorder import differs as differs
     from harness.recorder.sealed import KeepWalks as KeepWalks, Walk as Walk
@@ -261,13 +282,17 @@ if TYPE_CHECKING:
         Given as Given,
         given_from_json as given_from_json,
         given_to_json as given_to_json,
+        plugin_flags as plugin_flags,
         read_given as read_given,
+        require_given as require_given,
         split_measures as split_measures,
     )
     from harness.registry.libraries import is_met as is_met
     from harness.registry.names import did_you_mean as did_you_mean, unknown_name as unknown_name
     from harness.registry.parameters import build as build, parameters_of as parameters_of
+    from harness.registry.plugin_module import import_file as import_file
     from harness.registry.registry import Registry as Registry, load_registry as load_registry
+    from harness.registry.sources import source_hash as source_hash
     from harness.registry.spec import OURS as OURS, PLANNED as PLANNED, blamed_on as blamed_on
     from harness.registry.targets import examined as examined
     from harness.registry.toml_file import read_toml as read_toml
@@ -330,7 +355,15 @@ if TYPE_CHECKING:
     from harness.results.standing import told_manifests as told_manifests
     from harness.results.table import RANDOM as RANDOM
     from harness.results.verdicts import ENDED as ENDED, with_verdicts as with_verdicts
-    from harness.reward.given import FIELDS as FIELDS, OWN as OWN
+    from harness.reward.given import (
+        FIELDS as FIELDS,
+        OWN as OWN,
+        Before as Before,
+        Now as Now,
+        Untold as Untold,
+        told_under as told_under,
+        zeros_of as zeros_of,
+    )
     from harness.reward.needs import needs_of as needs_of
     from harness.reward.steps import (
         BEFORE as BEFORE,
@@ -352,6 +385,7 @@ if TYPE_CHECKING:
         draw_arm as draw_arm,
         require_pillow as require_pillow,
     )
+    from harness.scene.scene import scene_of as scene_of
     from harness.score.csv_steps import EVENTS as EVENTS
     from harness.score.installed_reward import InstalledReward as InstalledReward
     from harness.score.places import ArmPlaces as ArmPlaces

@@ -19,41 +19,24 @@ GAMMA = 0.95
 
 def audits_of(results: "Results") -> "Audits":
     """By robot, task and reward; a reward that cannot be asked says why."""
-    registry = results.registry
-    cells = {
+    return pays_of([manifest.cell for manifest in results.done], results.registry)
+
+
+def pays_of(cells: "Sequence[Cell]", registry: "Registry") -> "Audits":
+    """The same of the rewards that cells of an arm train by; others are left out."""
+    asked = {
         (cell.robot, cell.task.label, cell.reward.label): cell
-        for cell in (manifest.cell for manifest in results.manifests if manifest.status == "done")
+        for cell in cells
         if cell.task.name in registry.names("tasks")
     }
     rollouts: dict[tuple[str, str], tuple[Rollout, ...] | str] = {}
     found: dict[tuple[str, str, str], Payoffs] = {}
-    for key, cell in cells.items():
+    for key, cell in asked.items():
         place = key[:2]
         if place not in rollouts:
             rollouts[place] = _record(cell, registry)
         found[key] = _ask(cell, registry, rollouts[place])
     return found
-
-
-def screened(cells: "Sequence[Cell]", registry: "Registry") -> list[str]:
-    """A line for each reward that cells of an arm train by: whether not finishing pays more than finishing.
-
-    Raises:
-        UsageError: The cells are in an environment, which has no scripted movements.
-    """
-    from harness.errors import UsageError
-
-    first = {cell.reward.label: cell for cell in reversed(cells)}
-    if any("robots" not in cell.plugins for cell in cells):
-        raise UsageError("--screen moves the arm by scripts, and an environment has none: leave it out")
-    found: dict[tuple[str, str], tuple[Rollout, ...] | str] = {}
-    lines = []
-    for label, cell in reversed(first.items()):
-        place = (cell.robot, cell.task.label)
-        if place not in found:
-            found[place] = _record(cell, registry)
-        lines.append(f"{label}: {' '.join(_ask(cell, registry, found[place]).verdict)}")
-    return lines
 
 
 def _record(cell: "Cell", registry: "Registry") -> "tuple[Rollout, ...] | str":

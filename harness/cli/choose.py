@@ -4,16 +4,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
 from harness.cli.flags.shared import REWARDS, Names, flag
 from harness.cli.help import takes
 from harness.cli.output import say
-from harness.cli.run import RunFlags, foresee_run, given_plugins, read_flags, show_run, train
+from harness.cli.run import RunFlags, foresee_run, given_plugins, read_flags, screen, show_run, train
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
-    from harness.experiment.plan import Experiment
     from harness.registry.given import Given
     from harness.registry.registry import Registry
     from harness.results import Results
@@ -23,10 +20,6 @@ Candidates = Annotated[
 ]
 Looks = Annotated[
     str | None, flag("N,...", "The seeds of each reward in each place at each look.", "4,6,8,12,16,24,32")
-]
-Screen = Annotated[
-    bool,
-    typer.Option("--screen", help="First say which rewards pay for not finishing, by scripted movements of the arm."),
 ]
 CHOSEN = frozenset(
     [
@@ -46,6 +39,7 @@ CHOSEN = frozenset(
         "changed",
         "measure",
         "plugin",
+        "screen",
         "quiet",
         "as_json",
         "dry_run",
@@ -55,12 +49,13 @@ CHOSEN = frozenset(
 """The flags of ``harness run`` that mean the same here."""
 
 
-@takes(RunFlags, CHOSEN, reward=Candidates, looks=Looks, screen=Screen)
+@takes(RunFlags, CHOSEN, reward=Candidates, looks=Looks)
 def choose(**given: Any) -> int:
     """Find the best of several rewards. It trains all of them, and drops those that are beaten.
 
     The candidates are the rewards of the files, or those that are named; the baseline takes part too.
     """
+    from harness.experiment.experiment import check
     from harness.registry.given import PluginFile
     from harness.registry.registry import load_registry
 
@@ -71,11 +66,12 @@ def choose(**given: Any) -> int:
     if given["reward"] is None and given["experiment"] is None and given["sim"]:
         given["reward"] = _candidates(registry, plugins)
     asked, options = read_flags({**given, "until": "best"})
+    ready = check(asked, options, plugins)
     if given["screen"]:
-        _screen(asked, registry)
+        screen(ready)
     if given["dry_run"]:
-        return foresee_run(asked, options, plugins, given["as_json"])
-    results, status = train(asked, options, plugins, given["quiet"])
+        return foresee_run(ready, given["as_json"])
+    results, status = train(ready, given["quiet"])
     show_run(results, given["as_json"])
     if not given["as_json"]:
         _add(results, registry.broken_files())
@@ -95,16 +91,6 @@ def _candidates(registry: "Registry", plugins: "Sequence[Given]") -> list[str]:
             "which rewards? Name them, --reward arp,dense,relative, or give files of rewards, --plugin 'rewards/*.py'"
         )
     return found
-
-
-def _screen(asked: "Experiment", registry: "Registry") -> None:
-    """Say which candidates pay for not finishing, before anything is trained."""
-    from harness.cli.audits import screened
-    from harness.experiment.plan import expand
-
-    say("Scripted movements, before anything is trained:", err=True)
-    for line in screened(expand(asked, registry).cells, registry):
-        say(f"  {line}", err=True)
 
 
 def _add(results: "Results", left_out: Sequence[str]) -> None:

@@ -47,7 +47,7 @@ def add_plugin_commands(app: typer.Typer, registry: Registry, own: Collection[st
     claimed = {spec.name for spec in specs} - set(own)
     qualified = {spec.qualified for spec in specs if spec.name in own}
     for name in sorted({*registry.names(KIND), *claimed, *qualified} - set(own)):
-        if OPTION in name and name.partition(OPTION)[0] in own:
+        if OPTION in name and name.partition(OPTION)[0] in {*own, *registry.names(KIND)}:
             continue
         if name in _words_to_complete() and name in registry.names(KIND):
             app.command(name, rich_help_panel=_panel_of(registry, name))(registry.get(KIND, name).load())

@@ -29,7 +29,7 @@ TYPED = ("sim", "algo", "reward", "baseline", "task", "plugin", "seeds", "until"
 """The parameters of ``harness run`` and ``harness choose`` that people type: their short help shows these."""
 GROUPS: Mapping[str, Sequence[str]] = MappingProxyType(
     {
-        "How the answer is found": ("looks", "margin", "measure", "metrics", "curve", "screen"),
+        "How the answer is found": ("looks", "margin", "measure", "metrics", "curve", "screen", "fail_on"),
         "How policies are evaluated": (
             *("evaluation_episodes", "evaluate_every", "deterministic", "evaluation_horizon"),
         ),

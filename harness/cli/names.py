@@ -28,6 +28,7 @@ EXPLAINED: Mapping[str, str] = MappingProxyType(
         "executors": "where trainings run (--executor)",
         "trackers": "where learning curves are sent (--tracker)",
         "logs": "logs of other programs that report, eta and audit read (--as)",
+        "screens": "what looks at rewards before they train (run and choose --screen)",
         "sections": "what commands of plugins add to the report of an experiment",
         "commands": "commands that plugins add: harness NAME",
     }

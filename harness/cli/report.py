@@ -11,7 +11,7 @@ import typer
 
 from harness.cli.datasets import names_dataset
 from harness.cli.flags import logs
-from harness.cli.flags.shared import AsJson, CurveKind, MetricNames, Names, PluginFiles, flag
+from harness.cli.flags.shared import AsJson, CurveKind, FailOn, MetricNames, Names, PluginFiles, flag
 from harness.cli.output import complain, say
 from harness.cli.recordings import (
     holds_recordings,
@@ -84,6 +84,7 @@ def report(
     sort: logs.SortBy = None,
     as_format: logs.AsFormat = None,
     labels: logs.LabelsFile = None,
+    fail_on: FailOn = None,
 ) -> int:
     """Show the results of an experiment. Trains nothing.
 
@@ -92,6 +93,9 @@ def report(
     A data set, minari:NAME, lerobot:FOLDER, d4rl:FILE or robomimic:FILE, shows what its own rewards say; harness
     audit adds others.
     """
+    from harness.cli.fail_on import named_answers, said_of, status_of
+
+    named = named_answers(fail_on, "behaviour", "ranking")
     if any(map(names_dataset, folders)):
         if len(folders) > 1:
             raise UsageError("One data set is reported at a time: name it alone")
@@ -106,11 +110,11 @@ def report(
             },
             "a data set",
         )
-        return _audit(folders[0], as_json, html)
+        return _audit(folders[0], as_json, html, fail_on)
     from harness.registry.given import read_given
     from harness.results import load_results
 
-    beside = {"--html": html, "--summary": summary, "--details": details}
+    beside = {"--html": html, "--summary": summary, "--details": details, "--fail-on": named}
     records = records_in(folders)
     if records is not None:
         return _show_records(records, folders, as_json, [name for name, value in beside.items() if value])
@@ -132,23 +136,24 @@ def report(
         if results.damaged:
             verify = command_text("harness", "verify", folders[0])
             complain(f"damaged cells: {len(results.damaged)}; {verify} says which files")
-        return 1 if results.damaged else status
+        return status_of(named, said_of(results) if named else (), 1 if results.damaged else status)
     with ExitStack() as stack:
         together = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="harness-report-")))
         results, left_out = _read_together(folders, together, curve, metric, read_given(plugin, measure), pairs)
         show(results, _details(results, folders))
+        said = said_of(results) if named else []
     for path, reason in left_out:
         complain(f"left out: {path}: {reason}")
-    return 1 if left_out else 0
+    return status_of(named, said, 1 if left_out else 0)
 
 
-def _audit(dataset: Path, as_json: bool, html: Path | None) -> int:
+def _audit(dataset: Path, as_json: bool, html: Path | None, fail_on: Names) -> int:
     """What the own rewards of a data set say: the command that answers it for any rewards answers it for these."""
     from harness.cli.commands import KIND
     from harness.registry.registry import load_registry
 
     audit: Callable[..., int] = load_registry().get(KIND, "audit").load()
-    return audit(str(dataset), as_json=as_json, html=html)
+    return audit(str(dataset), as_json=as_json, html=html, fail_on=fail_on)
 
 
 def _show_records(records: Records, folders: Sequence[Path], as_json: bool, beside: Sequence[str]) -> int:

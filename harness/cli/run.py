@@ -1,6 +1,6 @@
 """``harness run``: train every combination, compare, report."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -15,6 +15,7 @@ from harness.cli.flags.shared import (
     CurveKind,
     EvaluationEpisodes,
     ExecutorName,
+    FailOn,
     Jobs,
     Measures,
     MetricNames,
@@ -31,6 +32,8 @@ from harness.errors import UsageError
 from harness.text import command_text
 
 if TYPE_CHECKING:
+    from harness.cli.fail_on import Said
+    from harness.experiment.experiment import ExperimentRun
     from harness.experiment.plan import Experiment
     from harness.experiment.run_options import RunOptions
     from harness.registry.given import Given
@@ -144,6 +147,10 @@ class RunFlags:
     fresh: Annotated[bool, typer.Option("--fresh", help="Start a new process for every cell.")] = False
     metrics: MetricNames = None
     measure: Measures = None
+    fail_on: FailOn = None
+    screen: Annotated[
+        bool, typer.Option("--screen", help="Before anything is trained, say what each reward pays for; stops nothing.")
+    ] = False
     plugin: PluginFiles = None
     quiet: Annotated[bool, typer.Option("--quiet", help="Show no progress, only the results.")] = False
     as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON on standard output.")] = False
@@ -160,12 +167,20 @@ def run(**given: Any) -> int:
     It trains with every combination of reward, simulator, algorithm and seed. One such training is called a cell. A
     cell that is done is not run again: the same command goes on where it stopped.
     """
+    from harness.cli.fail_on import NAMES, named_answers, said_of, status_of
+    from harness.experiment.experiment import check
+
+    named = named_answers(given["fail_on"], "behaviour", "pay")
+    if unasked := [name for name in named if name in NAMES["pay"] and not given["screen"]]:
+        raise UsageError(f"--fail-on {unasked[0]}: only --screen looks for that: add --screen, or leave it out")
     (asked, options), plugins = read_flags(given), given_plugins(given)
+    ready = check(asked, options, plugins)
+    said = screen(ready) if given["screen"] else []
     if given["dry_run"]:
-        return foresee_run(asked, options, plugins, given["as_json"])
-    results, status = train(asked, options, plugins, given["quiet"])
+        return status_of(named, said, foresee_run(ready, given["as_json"]))
+    results, status = train(ready, given["quiet"])
     show_run(results, given["as_json"])
-    return status
+    return status_of(named, [*said, *said_of(results)] if named else [], status)
 
 
 def read_flags(given: Mapping[str, Any]) -> "tuple[Experiment, RunOptions]":
@@ -217,13 +232,29 @@ def _read_asked(path: Path | None, given: Mapping[str, Any]) -> "Experiment":
     return check_experiment(asked)
 
 
-def foresee_run(asked: "Experiment", options: "RunOptions", plugins: "Sequence[Given]", as_json: bool) -> int:
+def screen(ready: "ExperimentRun") -> "list[Said]":
+    """Say what screens find in the rewards that are to be trained."""
+    from harness.cli.fail_on import Said
+    from harness.screen import screened
+
+    say("What the rewards pay for, before anything is trained:", err=True)
+    found, said = screened(ready.plan.cells, ready.registry), list[Said]()
+    several = len({(cell.robot, cell.task) for cell, _ in found.said}) > 1
+    for cell, answer in found.said:
+        place = cell.task.label if cell.is_in_environment else f"{cell.robot} · {cell.task.label}"
+        said.append(Said("pay", f"{cell.reward.label} in {place}", answer.word))
+        name = f"{cell.reward.label} in {place}" if several else cell.reward.label
+        say(f"  {name}: {answer.word}. {answer.line}", err=True)
+    for line in found.left_out:
+        complain(line)
+    return said
+
+
+def foresee_run(ready: "ExperimentRun", as_json: bool) -> int:
     """Say what would be run."""
     from harness.cli.foreseen import foreseen_lines
-    from harness.experiment.experiment import check
     from harness.experiment.foresee import foresee
 
-    ready = check(asked, options, plugins)
     found = foresee(ready)
     for line in ready.plan.warnings:
         complain(line)
@@ -235,14 +266,12 @@ def foresee_run(asked: "Experiment", options: "RunOptions", plugins: "Sequence[G
     return 0
 
 
-def train(asked: "Experiment", options: "RunOptions", plugins: "Sequence[Given]", quiet: bool) -> "tuple[Results, int]":
+def train(ready: "ExperimentRun", quiet: bool) -> "tuple[Results, int]":
     """Run what is not done; what came of it, and status 1 where a cell failed."""
     from harness.cli.progress import LiveProgress
     from harness.cli.terminal import Terminal
-    from harness.experiment.experiment import check
     from harness.record.store import Store
 
-    ready = check(asked, options, plugins)
     folder = ready.store.folder
     Store.claim(folder)
     for line in ready.plan.warnings:

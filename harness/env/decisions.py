@@ -36,11 +36,11 @@ class Starts:
         self._task, self._robot, self._episodes, self._around = task, robot, episodes, around
         self._fresh = np.zeros(len(episodes.matrix), bool)  # where it has not
         self.waiting = False
-        self.seed(None)
+        self._streams = Streams(task, robot, len(self._fresh), None)
 
     def seed(self, seed: Seed) -> None:
         """Begin the streams of all envs anew, from one seed or one per env; None: from chance."""
-        self._streams = Streams(self._task, self._robot, len(self._fresh), seed)
+        self._streams.seed(len(self._fresh), seed)
         if seed is not None and self._around:
             self._around.seed(seed)
 

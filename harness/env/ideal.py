@@ -34,6 +34,8 @@ class IdealSimulation:
         self.robot, self._solids = robot, build_solids(robot.joint_shapes)
         self.qpos = np.tile(robot.home, (num_envs, 1))
         self.qvel = np.zeros_like(self.qpos)
+        self._awake: NDArray[np.intp] | slice = slice(None)
+        self._tip, self._contact = np.zeros((num_envs, 3)), np.zeros(num_envs, bool)
 
     def reset(self, qpos: Float, mask: Mask) -> State:
         self.qpos[mask], self.qvel[mask] = qpos[mask], 0.0
@@ -50,13 +52,19 @@ class IdealSimulation:
     def read(self) -> State:
         return self.state()
 
+    def rest(self, mask: Mask) -> None:
+        """Compute nothing of the arms of `mask`, (num_envs,); a call with another mask wakes them."""
+        self._awake = np.flatnonzero(~mask) if mask.any() else slice(None)
+
     def state(self) -> State:
         """What every call tells."""
-        frames = child_frames(self.robot.chain, self.qpos)
+        qpos = self.qpos[self._awake]
+        frames = child_frames(self.robot.chain, qpos)
         tip = (frames[-1] @ self.robot.chain.T_last_tip)[:, :3, 3]
         heights = [tip[:, 2], *(frame[:, 2, 3] for frame in frames[1:])]  # the first joint's origin stands still
-        contact = (np.min(heights, axis=0) <= 0.0) | self._solids.touch_ground(link_frames(self.robot.chain, self.qpos))
-        return State(self.qpos.copy(), self.qvel.copy(), tip, contact)
+        contact = (np.min(heights, axis=0) <= 0.0) | self._solids.touch_ground(link_frames(self.robot.chain, qpos))
+        self._tip[self._awake], self._contact[self._awake] = tip, contact
+        return State(self.qpos.copy(), self.qvel.copy(), self._tip.copy(), self._contact.copy())
 
     def render(self, env: int, target: Float, width: int, height: int) -> NDArray[np.uint8]:
         """Raises UsageError, always."""

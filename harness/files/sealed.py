@@ -13,11 +13,20 @@ from harness.files.bounded import TEXT_BYTES, parse_json, read_bytes, reading
 KEY = "digest"
 _LAST = re.compile(rb'"digest": "([0-9a-f]{64})"\n}\n\Z')
 _EMPTY = b'"digest": ""\n}\n'
+_NUMBERS = re.compile(r"\[\n\s+([^][{}\"]+?)\n\s+\]")
+"""A list without texts, lists and objects in it; no text in JSON holds the end of a line."""
 
 
-def seal(content: Mapping[str, Any]) -> bytes:
-    """The JSON text of `content`, whose last key is the SHA-256 of the text with that key empty."""
-    text = (json.dumps({**content, KEY: ""}, indent=1, allow_nan=False) + "\n").encode()
+def seal(content: Mapping[str, Any], is_flat: bool = False) -> bytes:
+    """The JSON text of `content`, whose last key is the SHA-256 of the text with that key empty.
+
+    Args:
+        content: Plain data.
+        is_flat: Write a list of numbers on one line.
+    """
+    indented = json.dumps({**content, KEY: ""}, indent=1, allow_nan=False)
+    flat = _NUMBERS.sub(lambda found: f"[{' '.join(found[1].split())}]", indented) if is_flat else indented
+    text = f"{flat}\n".encode()
     return text[: -len(_EMPTY)] + f'"{KEY}": "{hashlib.sha256(text).hexdigest()}"\n}}\n'.encode()
 
 

@@ -184,8 +184,17 @@ class Rollout:
         return np.asarray(self.running.sum(axis=0), np.float64)
 
 
-def record_rollouts(simulator: Simulator, robot: Robot, task: Task, episodes: int) -> tuple[Rollout, ...]:
+def record_rollouts(
+    simulator: Simulator, robot: Robot, task: Task, episodes: int, noise: float = 0.0
+) -> tuple[Rollout, ...]:
     """One rollout of each of `SCRIPTS`, in their order; starts and targets are those of every evaluation.
+
+    Args:
+        simulator: Moves the arms.
+        robot: The arm.
+        task: What it has to do.
+        episodes: Of each script.
+        noise: The standard deviation of what is added to every action, before it is clipped to [-1, 1].
 
     Raises:
         UsageError: The robot cannot do the task.
@@ -201,16 +210,18 @@ def record_rollouts(simulator: Simulator, robot: Robot, task: Task, episodes: in
     off = AutoresetMode.DISABLED
     env = ReachVectorEnv(simulator, robot, task, Unpaid(), episodes, autoreset_mode=off)
     try:
-        return tuple(_record(env, script) for script in SCRIPTS)
+        return tuple(_record(env, script, noise) for script in SCRIPTS)
     finally:
         env.close()
 
 
-def _record(env: ReachVectorEnv, script: str) -> Rollout:
+def _record(env: ReachVectorEnv, script: str, noise: float) -> Rollout:
     env.reset(seed=EVALUATION_SEED)
     target = env.episodes.target.copy()
     start, rng = env.simulation.read().qpos.copy(), np.random.default_rng([EVALUATION_SEED, 2])
     actions = plan_actions(script, env.robot, env.task, start, target, rng)
+    if noise:
+        actions = np.clip(actions + noise * rng.standard_normal(actions.shape, np.float32), -1.0, 1.0)
     running, reached = np.ones(env.num_envs, bool), np.zeros(env.num_envs, bool)
     states, rows = [_state(env)], []
     for action in actions:

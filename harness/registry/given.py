@@ -281,22 +281,29 @@ def is_plugin_file(module: str) -> bool:
     return module.startswith(MODULE_PREFIX)
 
 
-def require_given(needs: Sequence[str | Mapping[str, Any]], given: Sequence[Given]) -> None:
+def require_given(
+    needs: Sequence[str | Mapping[str, Any]], given: Sequence[Given], what: str = "The experiment"
+) -> None:
     """See that what an experiment file names is given.
 
     A file is never loaded because an experiment file names it: who runs one that others wrote says so by hand.
+
+    Args:
+        needs: What it names.
+        given: What the user gave.
+        what: Needs it.
 
     Raises:
         UsageError: Something is not; says what to give.
     """
     names = {it.name for it in given}
     for need in needs:
-        what, digest = _what_to_give(need), "" if isinstance(need, str) else str(need.get("sha256", ""))
-        if not what:
+        named, digest = _what_to_give(need), "" if isinstance(need, str) else str(need.get("sha256", ""))
+        if not named:
             raise UsageError(f"plugins: {need!r} names nothing: write the path of a file, or {{path = '...'}}")
-        if Path(what).name not in names:
+        if Path(named).name not in names:
             which = f" (SHA-256 {digest[:8]})" if digest else ""
-            raise UsageError(f"The experiment needs the plugin {Path(what).name}{which}: give{plugin_flags([need])}")
+            raise UsageError(f"{what} needs the plugin {Path(named).name}{which}: give{plugin_flags([need])}")
 
 
 def plugin_flags(needs: Any, for_report: bool = False) -> str:

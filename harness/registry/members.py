@@ -36,6 +36,7 @@ MEMBERS: Mapping[str, Mapping[str, int | None]] = MappingProxyType(
         "trackers": {"why_not": 0, "begin": 1},
         "logs": {"recognises": 2, "read": 1, "write_example": 1},
         "descriptions": {"recognises": 2, "read": 3, "write_example": 1},
+        "screens": {"screen": 2},
         "sections": {"what": None, "ending": 1, "show": 1},
     }
 )

@@ -92,12 +92,14 @@ class Show:
         numbers: The numbers of the episodes in the evaluation, from 1.
         sides: One, or the baseline's and the proposed reward's.
         comparison: The combination that compares both rewards; None if nothing compares the cells.
+        told: What its episodes are, where they are none of a final evaluation.
     """
 
     title: str
     numbers: tuple[int, ...]
     sides: tuple[Side, ...]
     comparison: Comparison | None = None
+    told: str = ""
 
 
 def shows_of(results: Results, most: int = MOST) -> tuple[Show, ...]:

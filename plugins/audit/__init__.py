@@ -5,11 +5,16 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .dataset.audit_dataset import audit_dataset
+    from .search.find import find_cheats
     from .transitions.audit_rewards import audit_rewards
 
-__all__ = ["audit_dataset", "audit_rewards"]
+__all__ = ["audit_dataset", "audit_rewards", "find_cheats"]
 
-_HOMES = {"audit_dataset": ".dataset.audit_dataset", "audit_rewards": ".transitions.audit_rewards"}
+_HOMES = {
+    "audit_dataset": ".dataset.audit_dataset",
+    "audit_rewards": ".transitions.audit_rewards",
+    "find_cheats": ".search.find",
+}
 
 
 def __getattr__(name: str) -> Any:

@@ -10,7 +10,8 @@ from rich.console import Console, Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from harness.authoring.commands import Auc, Finishing, Payoff
+from harness.authoring.commands import Auc, Finishing, Payoff, Said
+from harness.screen import FAILING, NOTHING
 from harness.text import number
 
 from .dataset.dataset_audit import auc_text
@@ -28,6 +29,9 @@ from .recorded.pair_grid import (
     pair_grid,
     pair_lines,
 )
+from .search.disturb import NOISES
+from .search.finding import Finding
+from .search.finding_grid import finding_parts
 
 WIDTH = 100
 COLUMN = (
@@ -51,6 +55,7 @@ class OfScripts:
         needed: The fields beside distances that the reward needs.
         recorded_because: The same of either reward: because of them the distances rest on recorded transitions.
         compared: How many recorded steps the distances rest on.
+        disturbed: What the policies earn while their actions are disturbed; None where that was not tried.
     """
 
     finishing: Finishing
@@ -59,6 +64,7 @@ class OfScripts:
     needed: tuple[str, ...]
     recorded_because: tuple[str, ...]
     compared: int
+    disturbed: Finishing | None = None
 
     def to_json(self, pair: Pair) -> dict[str, Any]:
         """Plain data. What a reward of distances without terms has not is left out."""
@@ -66,6 +72,7 @@ class OfScripts:
         more = {
             "never_paid": list(of.never_paid) if of.payoffs[0].terms else None,
             "recorded_transitions_because_of": list(self.recorded_because) or None,
+            "disturbed_policies": self.disturbed and [payoff.to_json() for payoff in self.disturbed.payoffs],
         }
         return {
             "gamma": of.gamma,
@@ -114,6 +121,7 @@ class Audit:
         not_asked: Questions that this subject leaves open, and why, a line each.
         notes: What to keep in mind, a line each.
         damaged: What could not be read, a line each.
+        cheats: What a search found of each reward; empty where nothing was searched.
     """
 
     title: str
@@ -130,9 +138,19 @@ class Audit:
     not_asked: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     damaged: tuple[str, ...] = ()
+    cheats: tuple[Finding, ...] = ()
 
     def __str__(self) -> str:
         return table_text(self)
+
+    @property
+    def said(self) -> tuple[Said, ...]:
+        """The answers that ``--fail-on`` may name; scripts answer where nothing was searched."""
+        found = [Said("pay", f"{it.reward} in {it.world}", it.word) for it in self.cheats]
+        if self.scripts is not None and not found:
+            of = self.scripts.finishing
+            found = [Said("pay", self.rewards[-1], FAILING if of.undiscounted or of.discounted else NOTHING)]
+        return (*found, *(Said("ranking", name, auc.answer) for name, auc in self.rankings.items()))
 
     def to_json(self) -> dict[str, Any]:
         """Plain data, finite numbers only."""
@@ -148,6 +166,7 @@ class Audit:
             "not_asked": list(self.not_asked),
             "notes": list(self.notes),
             "damaged": list(self.damaged),
+            "cheats": [finding.to_json() for finding in self.cheats],
         }
 
 
@@ -165,6 +184,7 @@ def audit_table(audit: Audit) -> RenderableType:
         *map(Text, audit.setting),
         *(Text(f"{line}.") for line in audit.notes),
         Text(),
+        *(part for finding in audit.cheats for part in finding_parts(finding)),
         *(_of_behaviours(audit) if audit.scripts is None else _of_payoffs(audit.scripts)),
         *(Text(line, style="" if number else "bold") for number, line in enumerate(audit.verdict)),
         *([Text()] if audit.verdict else []),
@@ -193,13 +213,16 @@ def _of_behaviours(audit: Audit) -> Iterator[RenderableType]:
 
 def _of_payoffs(scripts: OfScripts) -> Iterator[RenderableType]:
     """What scripted policies earned, in two lines of headings, so that names and values are whole in 60 columns."""
-    payoffs = scripts.finishing.payoffs
+    payoffs, gamma = scripts.finishing.payoffs, f"return\ngamma {scripts.finishing.gamma:g}"
+    noisy = {of.policy: number(of.total) for of in scripts.disturbed.payoffs} if scripts.disturbed else {}
     grid = _grid(
-        "policy", ("return", "shaped\nalone", f"return\ngamma {scripts.finishing.gamma:g}", "steps", "success")
+        "policy",
+        ("return", "shaped\nalone", gamma, "steps", "success", *([f"noise\n{NOISES[-1]:g}"] if noisy else [])),
     )
     for place, payoff in enumerate(payoffs):
         name = f"{payoff.policy} (best)" if place == 0 else payoff.policy
-        grid.add_row(Text(name), *map(Text, _cells(payoff)), style="bold" if place == 0 else "")
+        cells = (*_cells(payoff), *([noisy[payoff.policy]] if noisy else []))
+        grid.add_row(Text(name), *map(Text, cells), style="bold" if place == 0 else "")
     yield from (grid, Text())
     if payoffs[0].terms:
         grid = _grid("term", [payoff.policy for payoff in payoffs])

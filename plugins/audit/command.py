@@ -1,7 +1,7 @@
 """``harness audit``: what rewards pay for, whatever there is to pay."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from harness.authoring.commands import (
     AsFormat,
     AsJson,
+    FailOn,
     Partial,
     Places,
     PluginFiles,
@@ -29,6 +30,10 @@ if TYPE_CHECKING:
 
     from .audit import Audit
     from .dataset.dataset_audit import DatasetAudit
+    from .search.find import Search
+    from .search.finding import Finding
+    from .search.place import Place
+    from .search.world import World
 
 TASK, ENVIRONMENT, EXPERIMENT, RECORDINGS, LOGS, DATASET = (
     "a task", "an environment", "an experiment", "a folder of recorded trainings", "a log", "a data set",
@@ -39,12 +44,16 @@ GOES_WITH: Mapping[str, tuple[str, ...]] = {
     "--against": (TASK, ENVIRONMENT),
     "--episodes": (TASK, ENVIRONMENT),
     "--gamma": (TASK, ENVIRONMENT),
+    "--success": (ENVIRONMENT, DATASET),
+    **dict.fromkeys(("--budget", "--starts", "--seed", "--from", "--policy", "--out"), (TASK, ENVIRONMENT)),
+    "--html": (TASK, ENVIRONMENT, DATASET),
     "--random": (RECORDINGS, EXPERIMENT),
     "--as": (LOGS,),
     "--sort": (LOGS,),
 }
 """What a flag goes with; --reward, --plugin and --json go with all, and the flags of data sets with them alone."""
 NEEDS = {
+    "--success": "an ENVIRONMENT or a data set: harness audit gymnasium:id=Pendulum-v1 --success 'NAME>0.9'",
     "--random": "a FOLDER of recorded trainings: harness audit FOLDER --random RANDOM",
     "--as": "a FOLDER of logs that other programs wrote: harness audit FOLDER --as NAME",
     "--sort": "a FOLDER of logs that other programs wrote: harness audit FOLDER --sort TEMPLATE",
@@ -60,6 +69,11 @@ def audit(
     against: flags.Against = None,
     episodes: flags.Episodes = None,
     gamma: flags.Gamma = None,
+    budget: flags.Budget = None,
+    starts: flags.Starts = None,
+    seed: flags.SearchSeed = 0,
+    from_folders: flags.FromFolders = None,
+    policy: flags.PolicyNames = None,
     random: flags.RandomFolder = None,
     log_format: AsFormat = None,
     sort: SortBy = None,
@@ -71,6 +85,9 @@ def audit(
     partial: Partial = False,
     beginner: flags.Beginner = None,
     html: flags.HtmlFile = None,
+    fail_on: FailOn = None,
+    out: flags.OutFolder = None,
+    replay: flags.ReplayFile = None,
     plugin: PluginFiles = None,
     as_json: AsJson = False,
 ) -> int:
@@ -85,16 +102,23 @@ def audit(
 
     Of a data set: whether each reward ranks recorded behaviour as success does.
     """
+    if replay is not None:
+        return _replayed(replay, sim, plugin, as_json, subject or task or reward)
+    from harness.authoring.commands import named_answers, status_of
+
+    failing = named_answers(fail_on, "pay", "ranking")
     if subject is not None and task is not None:
         raise UsageError(f"--task {task} does not go with '{subject}': name one of them")
     named = subject or task
     of_dataset_alone = {
-        "--places": places, "--success": success, "--labels": labels, "--success-above": success_above,
-        "--cluster": cluster, "--partial": partial or None, "--beginner": beginner, "--html": html,
+        "--places": places, "--labels": labels, "--success-above": success_above,
+        "--cluster": cluster, "--partial": partial or None, "--beginner": beginner,
     }  # fmt: skip
     others = {
         "--robot": robot, "--sim": sim, "--against": against, "--episodes": episodes, "--gamma": gamma,
-        "--random": random, "--as": log_format, "--sort": sort,
+        "--random": random, "--as": log_format, "--sort": sort, "--success": success, "--budget": budget,
+        "--starts": starts, "--seed": seed or None, "--from": from_folders, "--policy": policy,
+        "--out": out, "--html": html,
     }  # fmt: skip
     if named is not None and names_dataset(named):
         from harness.authoring.commands import split_list
@@ -113,16 +137,22 @@ def audit(
             partial=partial,
             beginner=beginner,
         )
-        return _show_answer(found, as_json, html)
+        return status_of(failing, found.said, _show_answer(found, as_json, html))
     from harness.authoring.commands import load_registry, read_given
 
     registry = load_registry(given=read_given(plugin))
     kind = _kind_of(subject, task, registry)
     _refuse_others(kind, named, others, of_dataset_alone)
+    asked = _asked(kind, budget, starts, seed, from_folders, policy)
+    _refuse_unsearched(asked, out, html)
+    found_at: Sequence[Place] = ()
     if kind == TASK:
         if reward is None:
             raise UsageError("Missing option '--reward'; or name an environment, or a folder of recorded trainings")
         audits = _on_scripts(registry, reward, named, robot, sim, against, episodes, gamma)
+        if asked is not None:
+            audits = _searched_on_task(audits, registry, reward, named, robot, sim, gamma, asked)
+            found_at = _places_on_task(registry, reward, named, robot, sim, gamma)
     elif kind == ENVIRONMENT:
         from harness.authoring.commands import choose
 
@@ -130,9 +160,14 @@ def audit(
 
         chosen = choose(registry, "environments", str(named))
         audits = [audit_environment(chosen, registry, reward, against, gamma, episodes)]
+        if asked is not None:
+            audits = [_searched_in_environment(audits[0], registry, chosen, reward, gamma, success, asked)]
+            found_at = _places_in_environment(registry, chosen, reward, gamma)
     else:
         audits = [_of_folder(kind, Path(str(named)), registry, reward, random, log_format, sort)]
-    return _show(audits, as_json)
+    if asked is not None and (out is not None or html is not None):
+        _leave([it for of in audits for it in of.cheats], found_at, registry, asked, out, html)
+    return status_of(failing, [said for it in audits for said in it.said], _show(audits, as_json))
 
 
 vars(audit)["examples"] = (
@@ -140,6 +175,9 @@ vars(audit)["examples"] = (
     "harness audit --reward arp:k2=3 --against dense",
     "harness audit gymnasium:id=Pendulum-v1 --plugin my_rewards.py",
     "harness audit my-results",
+    "harness audit --reward mine --plugin mine.py --fail-on failing,loitering",
+    "harness audit --reward arp --out my-cheats",
+    "harness audit --replay my-cheats/arp-failure.json",
 )
 
 
@@ -188,6 +226,182 @@ def _refuse_others(
             if kind == TASK:
                 raise UsageError(f"{flag} needs {NEEDS[flag]}")
             raise UsageError(f"{flag} does not go with {kind}: leave out {flag} or '{named}'")
+
+
+def _asked(
+    kind: str,
+    budget: int | None,
+    starts: int | None,
+    seed: int,
+    folders: Sequence[Path] | None,
+    policies: Sequence[str] | None,
+) -> "Search | None":
+    """How much is searched; None for nothing.
+
+    Raises:
+        UsageError: A number is too small.
+    """
+    if budget == 0 or kind not in (TASK, ENVIRONMENT):
+        return None
+    from .search.find import ARM, ENVIRONMENT as ANY, Search
+
+    usual = ARM if kind == TASK else ANY
+    for flag, given, least in (("--budget", budget, 0), ("--starts", starts, 1), ("--seed", seed, 0)):
+        if given is not None and given < least:
+            raise UsageError(f"{flag} {given}: must be at least {least}")
+    return Search(
+        usual.budget if budget is None else budget,
+        usual.starts if starts is None else starts,
+        seed,
+        tuple(folders or ()),
+        tuple(policies or ()),
+    )
+
+
+def _searched_on_task(
+    audits: "Sequence[Audit]",
+    registry: "Registry",
+    rewards: str,
+    task: str | None,
+    robot: str | None,
+    sim: str | None,
+    gamma: float | None,
+    asked: "Search",
+) -> "list[Audit]":
+    """The audits, each with what a cheat would do for its reward."""
+    from harness.authoring.commands import choose, split_list
+
+    from .search.searched_worlds import cheats_on_task
+
+    choices = [choose(registry, "rewards", name) for name in split_list(rewards)]
+    found = cheats_on_task(
+        registry, choices, task or "fd100-reach", robot, sim, 0.95 if gamma is None else gamma, asked, _watching(asked)
+    )
+    return [replace(of, cheats=(finding,)) for of, finding in zip(audits, found, strict=True)]
+
+
+def _searched_in_environment(
+    audit: "Audit",
+    registry: "Registry",
+    environment: "Choice",
+    rewards: str | None,
+    gamma: float | None,
+    success: str | None,
+    asked: "Search",
+) -> "Audit":
+    """The audit, with what a cheat would do for each reward that is asked for."""
+    from .search.searched_worlds import cheats_in_environment
+    from .transitions.audit_rewards import GAMMA
+
+    found = cheats_in_environment(
+        registry, environment, rewards, GAMMA if gamma is None else gamma, success or "", asked, _watching(asked)
+    )
+    return replace(audit, cheats=found)
+
+
+def _refuse_unsearched(asked: "Search | None", out: Path | None, html: Path | None) -> None:
+    """Refuse a place for what a search finds where nothing is searched, or nothing can be written.
+
+    Raises:
+        UsageError: It is so.
+    """
+    for flag, given in (("--out", out), ("--html", html)):
+        if given is not None and asked is None:
+            raise UsageError(f"{flag} needs a search: leave out --budget 0")
+    if out is not None:
+        from .search.out import require_free
+
+        require_free(out)
+
+
+def _places_on_task(
+    registry: "Registry", rewards: str, task: str | None, robot: str | None, sim: str | None, gamma: float | None
+) -> "list[Place]":
+    """Where each reward was searched on a task of an arm."""
+    from harness.authoring.commands import choose, split_list
+
+    from .search.out import place_on_task
+
+    choices = [choose(registry, "rewards", name) for name in split_list(rewards)]
+    discount = 0.95 if gamma is None else gamma
+    return [place_on_task(registry, it, task or "fd100-reach", robot, sim, discount) for it in choices]
+
+
+def _places_in_environment(
+    registry: "Registry", environment: "Choice", rewards: str | None, gamma: float | None
+) -> "list[Place]":
+    """Where each reward was searched in an environment."""
+    from .search.out import place_in_environment
+    from .search.searched_worlds import environment_rewards
+    from .transitions.audit_rewards import GAMMA
+
+    choices, discount = environment_rewards(environment, registry, rewards), GAMMA if gamma is None else gamma
+    return [place_in_environment(registry, environment, it, discount) for it in choices]
+
+
+def _leave(
+    findings: "Sequence[Finding]",
+    places: "Sequence[Place]",
+    registry: "Registry",
+    asked: "Search",
+    out: Path | None,
+    html: Path | None,
+) -> None:
+    """Certify what was found, and leave it in a folder, or its page in a file."""
+    from .search.out import certificates_of, write_found, write_found_page
+
+    certificates, refused = certificates_of(findings, places, registry, seed=asked.seed, budget=asked.budget)
+    for line in refused:
+        complain(line)
+    if out is not None:
+        write_found(out, certificates, registry, refused)
+        say(f"Certificates: {out}, their page: {out / 'index.html'}", err=True)
+    if html is not None:
+        write_found_page(html, certificates, registry, refused)
+        say(f"Page: {html}", err=True)
+
+
+def _replayed(path: Path, sim: str | None, plugin: Sequence[str] | None, as_json: bool, other: str | None) -> int:
+    """Play a certificate again, and say whether it is paid the same; status 1 if it is not.
+
+    Raises:
+        UsageError: Something else is to be audited too.
+    """
+    if other is not None:
+        raise UsageError(f"--replay {path} says itself what is played: leave out '{other}'")
+    from harness.authoring.commands import load_registry, read_given
+
+    from .search.out import replay_file
+
+    found = replay_file(path, load_registry(given=read_given(plugin)), sim)
+    if as_json:
+        say_json(found.to_json())
+    else:
+        for line in found.lines:
+            say(line)
+    return 1 if found.is_refused else 0
+
+
+def _watching(asked: "Search") -> "Callable[[World], AbstractContextManager[None]]":
+    """On a terminal, a line on standard error that says how much of a world was searched."""
+
+    @contextmanager
+    def watching(world: "World") -> "Iterator[None]":
+        from rich.text import Text
+
+        from harness.authoring.commands import Terminal
+
+        class Taken:
+            """The line, anew whenever it is drawn."""
+
+            def __rich__(self) -> Text:
+                return Text(f"{world.reward}: {world.taken:,} steps of about {asked.budget:,}")
+
+        console = Terminal(stderr=True)
+        with console.status(Taken()) if console.is_terminal else nullcontext():
+            yield
+
+    return watching
 
 
 def _show(audits: "Sequence[Audit]", as_json: bool) -> int:
@@ -270,6 +484,7 @@ def _on_scripts(
     from harness.task import choose_task
 
     from .scripts import audit_reward
+    from .search.disturb import NOISES
 
     episodes, gamma = 100 if episodes is None else episodes, 0.95 if gamma is None else gamma
     if episodes < 1:
@@ -284,6 +499,7 @@ def _on_scripts(
     world = chosen.build(registry, "tasks")
     robot = robot or world.robot
     rollouts = record_rollouts(engine, arm, world, episodes)
+    disturbed = record_rollouts(engine, arm, world, episodes, NOISES[-1])
     *judged, other = (choice.build(registry, "rewards") for choice in (*choices, compared))
     with _named(compared, registry):
         score_rollout(other, rollouts[0])
@@ -292,7 +508,7 @@ def _on_scripts(
     found = []
     for choice, reward in zip(choices, judged, strict=True):
         with _named(choice, registry):
-            audit = audit_reward(reward, other, rollouts, gamma, (choice.label, compared.label), setting)
+            audit = audit_reward(reward, other, rollouts, gamma, (choice.label, compared.label), setting, disturbed)
         found.append(replace(audit, facts={"reward": choice.label, "against": compared.label, **told}))
     return found
 

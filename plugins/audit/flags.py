@@ -55,6 +55,37 @@ Gamma = Annotated[
         help="The discount factor of the learner, per step.", show_default="0.95; 0.99 in an environment", metavar="G"
     ),
 ]
+Budget = Annotated[
+    int | None,
+    typer.Option(
+        help="About so many steps are taken to look for what each reward pays most; 0: nothing is looked for.",
+        metavar="STEPS",
+        show_default="as many as take seconds, or a minute in an environment",
+    ),
+]
+Starts = Annotated[
+    int | None,
+    typer.Option(help="From so many starts it is looked for.", metavar="N", show_default="8; 4 in an environment"),
+]
+SearchSeed = Annotated[int, typer.Option("--seed", help="Of the search: the same one finds the same.", metavar="N")]
+FromFolders = Annotated[
+    list[Path] | None,
+    typer.Option(
+        "--from",
+        help="Behaviour that the search begins from: a folder of recorded trainings. May be repeated.",
+        metavar="FOLDER",
+        show_default=False,
+    ),
+]
+PolicyNames = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--policy",
+        help="The same: a function in a file, from an observation to an action. May be repeated.",
+        metavar="FILE.py:NAME",
+        show_default=False,
+    ),
+]
 RandomFolder = Annotated[
     Path | None,
     typer.Option(
@@ -66,10 +97,10 @@ RandomFolder = Annotated[
 Success = Annotated[
     str | None,
     typer.Option(
-        help="Of a data set: the key, column or attribute that says whether a step, or an episode, was a success; with "
-        "a threshold where it is a number, 'KEY>0.5'.",
+        help="What says whether a step, or an episode, was a success: of an environment a measure or a key of info, of "
+        "a data set a key, column or attribute; with a threshold where it is a number, 'KEY>0.5'.",
         metavar="KEY[>NUMBER]",
-        show_default="success, is_success or next.success",
+        show_default="a measure that is 0 or 1, success, is_success or next.success",
     ),
 ]
 LabelsFile = Annotated[
@@ -103,5 +134,25 @@ Beginner = Annotated[
     ),
 ]
 HtmlFile = Annotated[
-    Path | None, typer.Option(help="Of a data set: write the page with the curves to this file.", metavar="FILE")
+    Path | None,
+    typer.Option(
+        help="Write the page of a search, or of a data set, to this file.", metavar="FILE", show_default=False
+    ),
+]
+OutFolder = Annotated[
+    Path | None,
+    typer.Option(
+        help="Write a certificate of each behaviour that the search shows, and their page, to this folder.",
+        metavar="FOLDER",
+        show_default=False,
+    ),
+]
+ReplayFile = Annotated[
+    Path | None,
+    typer.Option(
+        help="Play a certificate again, and say whether it is paid the same, bit for bit; with --sim in another "
+        "simulator.",
+        metavar="FILE",
+        show_default=False,
+    ),
 ]

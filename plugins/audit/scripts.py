@@ -16,6 +16,7 @@ from harness.authoring.commands import (
     HOLD,
     HOVER,
     Episodes,
+    Finishing,
     Payoff,
     Rollout,
     Score,
@@ -38,6 +39,9 @@ from .properties import properties_of, workspace_ratios
 from .recorded.earned import earned_in_episodes
 from .recorded.pair import pairs_in
 from .recorded.pair_grid import SCALE
+from .search.disturb import NOISES
+from .search.finding import FRAGILE, ROBUST
+from .search.judge import MARGIN
 from .transitions.rollout_forms import COMPARED, forms_of_rollouts
 
 SAMPLES = 64
@@ -221,6 +225,8 @@ def verdict_of(found: OfScripts) -> list[str]:
     of = found.finishing
     payoffs = {payoff.policy: payoff for payoff in of.payoffs}
     lines = [on_finishing(of)]
+    if found.disturbed is not None and (of.undiscounted or of.discounted):
+        lines.append(_on_noise(of, found.disturbed))
     if of.holding_pays:
         lines.append(_on_holding(found, payoffs[HOLD]))
     if payoffs[FINISH].success < 1.0:
@@ -231,6 +237,23 @@ def verdict_of(found: OfScripts) -> list[str]:
         if payoffs[name].success > 0.0
     ]
     return [*lines, *on_terms(of)]
+
+
+def _on_noise(of: Finishing, disturbed: Finishing) -> str:
+    """Whether what pays more than finishing still does, by more than a margin, while actions are disturbed."""
+    tempting = of.undiscounted or of.discounted
+    sums = [
+        {it.policy: it.total if of.undiscounted else it.total_discounted for it in found.payoffs}
+        for found in (of, disturbed)
+    ]
+    margin = MARGIN * (max(sums[0].values()) - min(sums[0].values()))
+    best = max((it.policy for it in tempting), key=lambda policy: sums[1][policy])
+    word = ROBUST if sums[1][best] > sums[1][FINISH] + margin else FRAGILE
+    rate = "" if of.undiscounted else f", discounted by {of.gamma:g}"
+    return (
+        f"{word}: with action noise {NOISES[-1]:g} {best} earns {number(sums[1][best])} per episode{rate}, finish "
+        f"{number(sums[1][FINISH])}."
+    )
 
 
 def _on_holding(found: OfScripts, hold: Payoff) -> str:
@@ -257,6 +280,7 @@ def audit_reward(
     gamma: float,
     names: tuple[str, str] = ("reward", "against"),
     setting: str = "",
+    disturbed: Sequence[Rollout] = (),
 ) -> Audit:
     """What `reward` pays for in the rollouts of the scripted policies.
 
@@ -267,6 +291,7 @@ def audit_reward(
         gamma: The learner's discount per step, in (0, 1].
         names: What the two are called.
         setting: Where the scripted policies were recorded.
+        disturbed: The same scripts with noise on their actions; none if that was not tried.
 
     Raises:
         SimulationDiverged: One of the two pays a number that is not finite.
@@ -286,6 +311,7 @@ def audit_reward(
         needed,
         because,
         min(COMPARED, finishing.steps) if because else finishing.steps,
+        finishing_of([score_rollout(reward, rollout) for rollout in disturbed], gamma) if disturbed else None,
     )
     both = [dict(zip((other, name), of, strict=True)) for of in zip(others, scores, strict=True)]
     pairs, _ = pairs_in([("scripts", _log(both))], (other, name), [forms])

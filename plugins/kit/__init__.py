@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from .metrics import METRIC_CHECKS as METRIC_CHECKS, check_metric as check_metric
     from .rewards import REWARD_CHECKS as REWARD_CHECKS, check_reward as check_reward
     from .robots import ROBOT_CHECKS as ROBOT_CHECKS, check_robot as check_robot
+    from .screens import SCREEN_CHECKS as SCREEN_CHECKS, check_screen as check_screen
     from .sections import SECTION_CHECKS as SECTION_CHECKS, check_section as check_section
     from .simulators.checks import SIMULATOR_CHECKS as SIMULATOR_CHECKS, check_simulator as check_simulator
     from .tasks import TASK_CHECKS as TASK_CHECKS, check_task as check_task
@@ -49,6 +50,7 @@ _NAMES = {
     "harness_plugins.kit.metrics": ("METRIC_CHECKS", "check_metric"),
     "harness_plugins.kit.rewards": ("REWARD_CHECKS", "check_reward"),
     "harness_plugins.kit.robots": ("ROBOT_CHECKS", "check_robot"),
+    "harness_plugins.kit.screens": ("SCREEN_CHECKS", "check_screen"),
     "harness_plugins.kit.sections": ("SECTION_CHECKS", "check_section"),
     "harness_plugins.kit.simulators.checks": ("SIMULATOR_CHECKS", "check_simulator"),
     "harness_plugins.kit.tasks": ("TASK_CHECKS", "check_task"),

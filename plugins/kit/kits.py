@@ -26,6 +26,7 @@ from .metrics import ALL_ENDS, METRIC_CHECKS, recorded_trace
 from .reward_samples import pay, samples_for
 from .rewards import REWARD_CHECKS, REWARD_WARNINGS
 from .robots import ROBOT_CHECKS, ROBOT_WARNINGS, SIMULATED_ROBOT_CHECKS
+from .screens import SCREEN_CHECKS
 from .sections import SECTION_CHECKS, SECTION_WARNINGS
 from .simulators.calls import a_long_simulation_neither_drifts_nor_leaks
 from .simulators.checks import SIMULATOR_CHECKS, SIMULATOR_WARNINGS
@@ -169,6 +170,7 @@ KITS: Mapping[str, Kit] = MappingProxyType(
         "trackers": Kit(TRACKER_CHECKS),
         "logs": Kit(LOG_CHECKS),
         "descriptions": Kit(DESCRIPTION_CHECKS),
+        "screens": Kit(SCREEN_CHECKS, seconds=120.0),
         "sections": Kit(SECTION_CHECKS, SECTION_WARNINGS),
     }
 )

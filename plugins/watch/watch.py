@@ -2,13 +2,16 @@
 
 import sys
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from harness.authoring.commands import (
+    Store,
     complain,
     describe_unexpected,
     line_names,
+    load_registry,
     overview_of,
     overview_row,
     shows_of,
@@ -23,11 +26,60 @@ if TYPE_CHECKING:
 TEMPLATE = Path(__file__).parent / "watch.html.j2"
 HOST = "127.0.0.1"
 """Nobody else on the network sees the page."""
+CERTIFICATES = "watch--certificates"
+"""Under this name a plugin registers what makes the page of certificates."""
 PATIENCE = 60.0
 """Seconds to wait for a client that asks nothing."""
 
 
-class Pages:
+class Pages(Protocol):
+    """What there is to be served."""
+
+    def state(self) -> str:
+        """Another text whenever there is more to be shown."""
+
+    def page(self) -> str:
+        """The page as HTML.
+
+        Raises:
+            HarnessError: What it is made of cannot be read.
+        """
+
+
+def pages_of(path: Path) -> Pages:
+    """The pages of an experiment, or of certificates, of which the plugin that writes them makes a page."""
+    if not Store.is_experiment(path):
+        page_in: Callable[[Path], str | None] = load_registry().get("commands", CERTIFICATES).load()
+        if page_in(path) is not None:
+            return CertificatePages(path, page_in)
+    return ExperimentPages(path)
+
+
+@dataclass(frozen=True)
+class CertificatePages:
+    """The page of certificates, made anew whenever it is asked for.
+
+    Attributes:
+        path: A folder, or one certificate.
+        page_in: Makes the page of what it names; None where nothing is there any more.
+    """
+
+    path: Path
+    page_in: Callable[[Path], str | None]
+
+    def state(self) -> str:
+        """Always the same: the page does not ask."""
+        return ""
+
+    def page(self) -> str:
+        """The page as HTML; see `Pages`."""
+        page = self.page_in(self.path)
+        if page is None:
+            raise UsageError(f"'{self.path}' has no certificate any more")
+        return page
+
+
+class ExperimentPages:
     """What there is to be served; the page is made again when cells have ended since."""
 
     def __init__(self, folder: Path) -> None:

@@ -17,10 +17,10 @@ def scripted_policies_act_once() -> Iterator[None]:
     """Of a robot and a task, and not for every report: what they do follows from these alone."""
     known, record = {}, rollout.record_rollouts
 
-    def recall(simulator, robot, task, episodes):
-        asked = (description(simulator), robot.digest, description(task), episodes)
+    def recall(simulator, robot, task, episodes, noise=0.0):
+        asked = (description(simulator), robot.digest, description(task), episodes, noise)
         if asked not in known:
-            known[asked] = record(simulator, robot, task, episodes)
+            known[asked] = record(simulator, robot, task, episodes, noise)
         return known[asked]
 
     with pytest.MonkeyPatch.context() as patch:

@@ -9,7 +9,7 @@ import pytest
 from harness.results import load_results
 from tests.results.recordings.conftest import record
 
-FEW = ("--episodes", 6)
+FEW = ("--episodes", 6, "--budget", 0)
 
 
 def test_the_table_names_all_policies_and_marks_the_best(harness):
@@ -184,7 +184,8 @@ def test_usage_errors_are_one_line(harness, arguments, text):
 def test_the_command_loads_no_engine():
     """Without --sim neither an engine nor torch is imported."""
     code = (
-        "import sys; from harness.cli.app import _run; _run(['audit', '--reward', 'baseline', '--episodes', '2']);"
+        "import sys; from harness.cli.app import _run;"
+        "_run(['audit', '--reward', 'baseline', '--episodes', '2', '--budget', '0']);"
         "assert not {'mujoco', 'pybullet', 'torch', 'stable_baselines3'} & sys.modules.keys()"
     )
     subprocess.run([sys.executable, "-c", code], check=True, capture_output=True)
@@ -244,7 +245,11 @@ def test_damaged_recording_is_status_1(harness, recordings):
         (("nowhere",), "There is no file or folder 'nowhere'. No task 'nowhere'."),
         (("runs", "--task", "fd100-reach"), "--task fd100-reach does not go with 'runs': name one of them"),
         (("gymnasium:id=Pendulum-v1", "--sim", "ideal"), "--sim does not go with an environment"),
-        (("runs", "--success", "done"), "--success needs a data set"),
+        (("runs", "--success", "done"), "--success does not go with a folder of recorded trainings"),
+        (("runs", "--budget", "9"), "--budget does not go with a folder of recorded trainings"),
+        (("--reward", "arp", "--success", "done"), "--success needs an ENVIRONMENT or a data set"),
+        (("--reward", "arp", "--budget", "-1"), "--budget -1: must be at least 0"),
+        (("--reward", "arp", "--starts", "0"), "--starts 0: must be at least 1"),
         (("--reward", "arp", "--as", "monitor"), "--as needs a FOLDER of logs"),
         (("runs", "--random", "nowhere"), "'nowhere' holds no recorded training"),
         (("--random", "random"), "--random needs a FOLDER"),
@@ -268,7 +273,7 @@ def hover(step):
 def upright(step):
     return step.observation[0] > 0.9
 """
-IN_PENDULUM = ("--plugin", "hover.py", "--episodes", 1)
+IN_PENDULUM = ("--plugin", "hover.py", "--episodes", 1, "--budget", 0)
 
 
 @pytest.fixture

@@ -111,7 +111,7 @@ def test_scripted_movements_come_first(harness, quick, candidates: Path):
     """What pays for standing still is named before anything is trained."""
     answer = choose(harness, quick, "--out", "here", "--screen", "--dry-run")
     assert answer.status == 0
-    assert "Scripted movements, before anything is trained:" in answer.err
+    assert "What the rewards pay for, before anything is trained:" in answer.err
     assert "one: " in answer.err
 
 

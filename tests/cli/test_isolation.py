@@ -120,12 +120,12 @@ def test_score_goes_on(harness, experiment, tmp_path):
 
 def test_audit_names_the_package(harness, odd):
     """Of the reward that raises; the other one can be audited."""
-    answer = harness("audit", "--reward", "ill", "--episodes", "2")
+    answer = harness("audit", "--reward", "ill", "--episodes", "2", "--budget", "0")
     assert answer.status == 1
     assert "Reward 'ill' of package odd 1.0 raised KeyError: 'no_such' while it was audited" in answer.err
-    other = harness("audit", "--reward", "arp", "--against", "ill", "--episodes", "2")
+    other = harness("audit", "--reward", "arp", "--against", "ill", "--episodes", "2", "--budget", "0")
     assert "Reward 'ill' of package odd 1.0 raised" in other.err
-    assert harness("audit", "--reward", "arp", "--episodes", "2").status == 0
+    assert harness("audit", "--reward", "arp", "--episodes", "2", "--budget", "0").status == 0
 
 
 def test_transfer_goes_on(harness, experiment, transferred_here):

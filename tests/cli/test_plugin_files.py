@@ -77,7 +77,7 @@ def test_other_commands_take_the_file_too(harness, ran, file, transferred_here):
     assert "my_reward         Pays the way" in harness("list", "rewards", "--plugin", file).out
     assert "of my_reward.py" in harness("describe", "my_reward", "--plugin", file).out
     assert harness("score", ran, "--reward", "my_reward", "--plugin", file).status == 0
-    assert harness("audit", "--reward", "my_reward", "--plugin", file, "--episodes", "2").status == 0
+    assert harness("audit", "--reward", "my_reward", "--plugin", file, "--episodes", "2", "--budget", "0").status == 0
     assert harness("transfer", ran, "--to", "stuck", "--plugin", file).status == 0
 
 

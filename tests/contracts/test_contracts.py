@@ -30,6 +30,7 @@ from harness_plugins.kit import (
     METRIC_CHECKS,
     REWARD_CHECKS,
     ROBOT_CHECKS,
+    SCREEN_CHECKS,
     SECTION_CHECKS,
     SIMULATOR_CHECKS,
     TASK_CHECKS,
@@ -115,6 +116,7 @@ CHECKS = [
     *LOG_CHECKS,
     *SECTION_CHECKS,
     *DESCRIPTION_CHECKS,
+    *SCREEN_CHECKS,
 ]
 
 
@@ -296,6 +298,12 @@ def test_description_format_is_told_apart(name: str, tmp_path: Path):
     specs = [REGISTRY.get("descriptions", each) for each in REGISTRY.names("descriptions")]
     forms = {spec.name: spec.load()() for spec in specs if not spec.missing}
     assert [each for each, it in forms.items() if it.recognises(example, example.read_bytes())] == [name]
+
+
+@registered("screens")
+def test_screen(name: str, tmp_path: Path):
+    """Every registered screen keeps the contract, where the library that it needs is installed."""
+    assert broken_in(tmp_path, SCREEN_CHECKS, build("screens", name)) == []
 
 
 def test_ideal_simulator():

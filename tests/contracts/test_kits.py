@@ -14,15 +14,15 @@ DOCS = Path(__file__).parents[2] / "docs" / "contracts.md"
 PREFIXES = {
     "simulators": "sim-", "algorithms": "algo-", "rewards": "reward-", "metrics": "metric-", "tasks": "task-",
     "robots": "robot-", "environments": "environment-", "executors": "executor-", "trackers": "tracker-",
-    "logs": "log-", "sections": "section-", "descriptions": "description-",
+    "logs": "log-", "sections": "section-", "descriptions": "description-", "screens": "screen-",
 }  # fmt: skip
 SHARED = ("settings-frozen", "settings-json")
 ALL = {check.name: check for kit in (*KITS.values(), EXPORTS) for check in kit.checks}
 TABLES = ("MUTANTS", "COARSE_MUTANTS", "FOUND", "WRONG")
 """What the modules of mutants call the tables of them, each of which is a test."""
 MUTANT_MODULES = (
-    "algorithm checkpoint description environment executor export log long_run metric reward robot section servo "
-    "simulator speed task tracker"
+    "algorithm checkpoint description environment executor export log long_run metric reward robot screen section "
+    "servo simulator speed task tracker"
 )
 
 

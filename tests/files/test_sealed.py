@@ -60,3 +60,17 @@ def test_what_is_no_sealed_object_is_refused(tmp_path_factory: pytest.TempPathFa
             (tmp_path / "plan.json").write_text(content)
             with pytest.raises(SchemaError, match=r"plan\.json is no readable plan"):
                 read_sealed(tmp_path / "plan.json", "plan", newest=2, since=2)
+
+
+@given(st.dictionaries(st.text().filter(lambda key: key != "digest"), JSON, max_size=5))
+def test_a_flat_file_says_the_same(content):
+    """Lists of numbers on one line; no text in it changes."""
+    assert unseal(seal(content, is_flat=True)) == content
+
+
+def test_a_flat_file_has_its_numbers_in_a_line():
+    """Those of an inner list too; a text that looks like a list stays."""
+    lines = seal({"a": [1, 2.5, None], "b": [[1], [2]], "c": "[ 1 ]"}, is_flat=True).decode().splitlines()
+    assert ' "a": [1, 2.5, null],' in lines
+    assert "  [1]," in lines
+    assert ' "c": "[ 1 ]",' in lines

@@ -36,7 +36,7 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "list": ("list",),
     "describe": ("describe", "arp"),
     "doctor": ("doctor",),
-    "audit": ("audit", "--reward", "arp"),
+    "audit": ("audit", "--reward", "arp", "--budget", "10000"),
     "export": ("export", "first", "--csv", "--out", "runs"),
     "export, a data set": ("export", "first", "--lerobot", "sets"),
     "eta": ("eta", "--baseline", "runs/**/baseline/*.csv", "--proposed", "runs/**/dense/*.csv", "--plot", "eta.html"),

@@ -100,6 +100,11 @@ def test_register_descriptions(write_plugin: Write):
     _assert_hook_registers("descriptions", write_plugin)
 
 
+def test_register_screens(write_plugin: Write):
+    """A name that is registered as a screen is found among the screens alone."""
+    _assert_hook_registers("screens", write_plugin)
+
+
 def test_register_sections(write_plugin: Write):
     """A name that is registered as a section is found among those alone."""
     _assert_hook_registers("sections", write_plugin)

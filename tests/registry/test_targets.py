@@ -21,6 +21,7 @@ from harness.registry.spec import Spec
 from harness.registry.targets import examined, why_absent, why_unfit
 from harness.reward import Reward
 from harness.robot.description import DescriptionFormat
+from harness.screen import Screen
 from harness.section import Section
 from harness.simulator import Simulator
 from harness.task import Task
@@ -29,7 +30,7 @@ from harness.tracker import Tracker
 PROTOCOLS = {
     "simulators": Simulator, "algorithms": Algorithm, "rewards": Reward, "metrics": Measure, "tasks": Task,
     "executors": Executor, "trackers": Tracker, "logs": LogFormat, "sections": Section,
-    "descriptions": DescriptionFormat,
+    "descriptions": DescriptionFormat, "screens": Screen,
 }  # fmt: skip
 
 

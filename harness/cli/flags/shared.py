@@ -97,6 +97,15 @@ CurveKind = Annotated[
 ]
 EvaluationEpisodes = Annotated[int | None, flag("N", "Episodes of each evaluation.", "100")]
 Jobs = Annotated[int | None, flag("N", "How many trainings run at once.", "one per core")]
+FailOn = Annotated[
+    Names,
+    flag(
+        "ANSWER,...",
+        "End with status 1 if one of these answers is given, such as hurts, and with 3 if that cannot be told.",
+        "no answer changes the status",
+        name="--fail-on",
+    ),
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")]
 Measures = Annotated[
     Names,

@@ -91,8 +91,10 @@ function choose(show, episode) {
   part("comparison").value = show;
   part("episode").replaceChildren(...shown.numbers.map((number, index) => new Option(`${number}: ${endings(shown, index)}`, index)));
   part("episode").value = episode;
+  part("episode").parentElement.hidden = Boolean(shown.told) && shown.numbers.length < 2;
   const seeds = [...new Set(shown.sides.map((side) => side.seed))];
-  part("told").textContent = `Episode ${shown.numbers[episode]} of the final evaluation, seed ${seeds.join(" | ")}: ${endings(shown, episode)}.`;
+  const evaluated = `Episode ${shown.numbers[episode]} of the final evaluation, seed ${seeds.join(" | ")}`;
+  part("told").textContent = `${shown.told ?? evaluated}: ${endings(shown, episode)}.`;
   part("scrub").max = state.last;
   views.forEach((figure, index) => {
     const side = state.sides[index];

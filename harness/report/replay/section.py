@@ -35,8 +35,8 @@ class Replay(NamedTuple):
     explanation: str = EXPLANATION
 
 
-def replay_of(shows: Sequence[Show]) -> Replay | None:
-    """The replay of some shows; None if there are no shows.
+def replay_of(shows: Sequence[Show], explanation: str = EXPLANATION) -> Replay | None:
+    """The replay of some shows, with what a reader has to know of them; None if there are no shows.
 
     Raises:
         UsageError: A library of the extra ``report`` is missing.
@@ -47,7 +47,7 @@ def replay_of(shows: Sequence[Show]) -> Replay | None:
 
     sides = max(len(show.sides) for show in shows)
     html = render_page(TEMPLATE, "The replay", data=replay_data(shows), sides=sides)
-    return Replay(html, _text("replay.css"), _text("replay.js"))
+    return Replay(html, _text("replay.css"), _text("replay.js"), explanation)
 
 
 def replay_data(shows: Sequence[Show]) -> dict[str, Any]:
@@ -58,7 +58,8 @@ def replay_data(shows: Sequence[Show]) -> dict[str, Any]:
 
 
 def _show(show: Show, scenes: list[dict[str, Any]]) -> dict[str, Any]:
-    return {"title": show.title, "numbers": show.numbers, "sides": [_side(side, scenes) for side in show.sides]}
+    told = {"told": show.told} if show.told else {}
+    return {"title": show.title, "numbers": show.numbers, **told, "sides": [_side(side, scenes) for side in show.sides]}
 
 
 def _side(side: Side, scenes: list[dict[str, Any]]) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from rich.console import Console, Group, RenderableType
 from rich.text import Text
 
 from harness.arrays import Float
-from harness.authoring.commands import AGAINST, CANNOT_TELL, RANKS, Auc, DatasetFacts, SeedMean
+from harness.authoring.commands import AGAINST, CANNOT_TELL, RANKS, Auc, DatasetFacts, Said, SeedMean
 from harness.text import number
 
 from ..recorded.pair import Pair, mean_json
@@ -142,6 +142,13 @@ class DatasetAudit:
 
     def __str__(self) -> str:
         return _text(self)
+
+    @property
+    def said(self) -> tuple[Said, ...]:
+        """The answers that ``--fail-on`` may name."""
+        levels = [(f"{it.name} beside the beginner's", it.by_level) for it in self.rewards]
+        found = [*((it.name, it.by_success) for it in self.rewards), *levels]
+        return tuple(Said("ranking", of, auc.answer) for of, auc in found if auc is not None)
 
     def to_json(self) -> dict[str, Any]:
         """Plain data, finite numbers only."""

@@ -2,9 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from .world import Actions
+from .world import Actions, Outcomes
+
+if TYPE_CHECKING:
+    from .finding import Role
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +57,50 @@ class Three:
     success: Behaviour | None
     fastest: Behaviour | None
 
+    def by_role(self) -> "dict[Role, Behaviour]":
+        """Those that were found, by what they are."""
+        found: dict[Role, Behaviour | None] = {
+            "failure": self.failure, "success": self.success, "fastest": self.fastest
+        }  # fmt: skip
+        return {role: behaviour for role, behaviour in found.items() if behaviour is not None}
+
+
+@dataclass(frozen=True, eq=False)
+class Rated:
+    """A policy on held-out starts: those that no search has played.
+
+    Attributes:
+        policy: As plain data; `act_of` makes it act.
+        made_by: What it comes from: ``table``, ``linear policy``, ``random``.
+        starts: The seeds of the resets, the same ones for every policy that it is compared with.
+        outcomes: What its episodes came to, one for each start: `mean_interval` of ``held_out`` gives means with 95 %
+            intervals, of the difference between two policies too.
+    """
+
+    policy: Mapping[str, Any]
+    made_by: str
+    starts: Sequence[int]
+    outcomes: Outcomes
+
+
+@dataclass(frozen=True, eq=False)
+class Rates:
+    """The policies that an answer rests on where chance decides: failure and success are rates there.
+
+    Attributes:
+        paid: The one that is paid most, by the sum of pay.
+        discounted: The one that is paid most, by the discounted sum.
+        success: The one that succeeds most often; of several, the one that is paid most. None if none ever did.
+        fastest: The one whose success comes soonest on average, of those that succeed about as often. None likewise.
+        random: Random actions.
+    """
+
+    paid: Rated
+    discounted: Rated
+    success: Rated | None
+    fastest: Rated | None
+    random: Rated
+
 
 @dataclass(frozen=True, eq=False)
 class Searched:
@@ -67,7 +114,9 @@ class Searched:
         successes: Of each start, how many different successes were met.
         climbing: Of each start, by how much the best-paid success still rose in the last fifth of the search.
         steps: Steps taken.
-        how: What searched: ``sequences``, ``linear policies``, ``table``; the last is exact.
+        how: What searched: ``sequences``, ``linear policies``, ``table``, ``sampled table``; only ``table`` is exact.
+        rates: Where chance decides, what policies come to on held-out starts. An answer rests on these then, and
+            `plain` and `discounted` may be empty.
     """
 
     plain: Sequence[Three]
@@ -78,3 +127,4 @@ class Searched:
     climbing: Sequence[float]
     steps: int
     how: tuple[str, ...]
+    rates: Rates | None = None

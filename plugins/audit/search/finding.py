@@ -1,16 +1,17 @@
 """What a search says of one reward: one of four answers, whether it is a knife's edge, and what it rests on."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Literal, TypeAlias
+# ruff: noqa: PLC0414 -- `X as X` tells type checkers that the name is public
 
-from .behaviour import Searched
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any, Literal, TypeAlias
+
+from harness.screen import CANNOT_TELL as CANNOT_TELL, FAILING as FAILING, LOITERING as LOITERING, NOTHING as NOTHING
+
+from .behaviour import Behaviour, Searched
 from .world import Shown
 
-FAILING, LOITERING, NOTHING, CANNOT_TELL = (
-    "PAYS FOR FAILING", "PAYS FOR LOITERING", "NOTHING FOUND", "CANNOT TELL"
-)  # fmt: skip
-"""Never "safe": that nothing was found proves nothing."""
 ROBUST, FRAGILE = "ROBUST", "FRAGILE"
 """Beside an alarm: whether what was found still pays more than doing the task while actions are disturbed."""
 Role: TypeAlias = Literal["failure", "success", "fastest"]
@@ -54,6 +55,7 @@ class Finding:
         noise: The curve of noise for the shown behaviours.
         elsewhere: By the name of another simulator, what the shown behaviours are paid there, by role.
         shown: The three behaviours of one start, the one that tells most; roles that were not found are left out.
+        three: The same as they were found.
     """
 
     world: str
@@ -69,14 +71,42 @@ class Finding:
     noise: tuple[Disturbed, ...] = ()
     elsewhere: Mapping[str, Mapping[Role, float]] = field(default_factory=dict)
     shown: Mapping[Role, Shown] = field(default_factory=dict)
+    three: Mapping[Role, Behaviour] = field(default_factory=dict)
 
     @property
     def is_alarm(self) -> bool:
         """Whether it says that failing or loitering pays."""
         return self.word in (FAILING, LOITERING)
 
+    def to_json(self) -> dict[str, Any]:
+        """Plain data, finite numbers only; actions are in certificates."""
+        searched = self.searched
+        by_sum = {"plain": searched.plain, "discounted": searched.discounted}
+        return {
+            "world": self.world,
+            "reward": self.reward,
+            "gamma": self.gamma,
+            "success_told_by": self.success,
+            "answer": self.word,
+            "strength": self.strength,
+            "lines": list(self.lines),
+            "starts": list(self.starts),
+            "alarmed": list(self.alarmed),
+            "steps": searched.steps,
+            "searched_by": list(searched.how),
+            "shown": {role: _plain(of) for role, of in self.three.items()},
+            "noise": [asdict(of) for of in self.noise],
+            "elsewhere": {name: dict(paid) for name, paid in self.elsewhere.items()},
+            "found": {
+                name: [{role: _plain(of) for role, of in three.by_role().items()} for three in threes]
+                for name, threes in by_sum.items()
+            },
+            "random": list(searched.typical),
+            "successes": list(searched.successes),
+        }
 
-def words_of(findings: Sequence[Finding]) -> tuple[str, ...]:
-    """The words that ``--fail-on`` may name, of some findings: ``failing``, ``loitering``, ``cannot-tell``."""
-    names = {FAILING: "failing", LOITERING: "loitering", CANNOT_TELL: "cannot-tell"}
-    return tuple(dict.fromkeys(names[it.word] for it in findings if it.word in names))
+
+def _plain(of: Behaviour) -> dict[str, Any]:
+    names = ("start", "paid", "discounted", "success", "steps", "time", "share", "made_by")
+    measures = {name: value if math.isfinite(value) else None for name, value in of.measures.items()}
+    return {**{name: getattr(of, name) for name in names}, "measures": measures}

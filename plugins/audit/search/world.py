@@ -60,6 +60,10 @@ class Shown:
         success: Whether each step was a success, (steps,).
         measures: By name, the value at each step, (steps,).
         ended: ``"terminated"``, ``"truncated"``, or ``"cut"`` at the world's horizon.
+        observed: What a policy was given before each step, and what it would be given after the last one, as the
+            world gives it, (steps + 1); none where a world keeps none.
+        drawn: What an arm is drawn from, at the start and after each step: ``time``, [s], ``qpos``,
+            ``target``, world frame, [m], and ``distance``, (steps + 1, size); empty of an environment.
     """
 
     start: int
@@ -69,6 +73,8 @@ class Shown:
     success: Mask
     measures: Mapping[str, Float]
     ended: str
+    observed: Sequence[Any] = ()
+    drawn: Mapping[str, Float] = field(default_factory=dict)
 
 
 class World(Protocol):
@@ -100,11 +106,23 @@ class World(Protocol):
 
     @property
     def success(self) -> str:
-        """What tells success, as a user reads it: ``success``, ``height>0.9``; empty if nothing does."""
+        """What tells success, as a user types it: ``success``, ``height>0.9``; empty if nothing does."""
+
+    @property
+    def directions(self) -> Mapping[str, int]:
+        """By name, of the measures of which that is known: 1 where more is better, -1 where less is."""
+
+    @property
+    def notes(self) -> Sequence[str]:
+        """Sentences that a reader of the answer has to know: what was taken for success, where episodes are cut."""
 
     @property
     def is_repeated(self) -> bool:
         """Whether the same start and actions bring the same steps and the same pay, bit for bit; it was tried."""
+
+    @property
+    def together(self) -> int:
+        """How many episodes are played side by side in hardly more time than one."""
 
     @property
     def taken(self) -> int:
@@ -123,6 +141,9 @@ class World(Protocol):
 
     def show(self, start: int, actions: Actions) -> Shown:
         """Play one episode and keep everything."""
+
+    def watch(self, start: int, policy: Act) -> Shown:
+        """Play one episode of a policy and keep everything, what it observed too; tables are learnt of this."""
 
     def close(self) -> None:
         """Close what it plays in."""

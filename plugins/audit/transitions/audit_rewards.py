@@ -76,7 +76,7 @@ def audit_rewards(
     """
     policies = policies or {}
     _check(rewards, policies, gamma, episodes, steps, seed)
-    made, drawn = _make(env), [np.random.default_rng([seed, number]) for number in range(MEASUREMENTS)]
+    made, drawn = opened_env(env), [np.random.default_rng([seed, number]) for number in range(MEASUREMENTS)]
     try:
         taken = [_take(made, rewards, behaviour or {}, policies, episodes, steps, rng) for rng in drawn]
     finally:
@@ -146,7 +146,12 @@ def _own(rewards: Mapping[str, Given]) -> str:
     return next((name for name, given in rewards.items() if isinstance(given, str) and given == OWN), OWN)
 
 
-def _make(env: Env | str | Callable[[], Env]) -> Env:
+def opened_env(env: Env | str | Callable[[], Env]) -> Env:
+    """The env that somebody made, or one of an id, or of a function that makes it.
+
+    Raises:
+        UsageError: It is none of these, or cannot be made.
+    """
     if isinstance(env, str):
         try:
             return gymnasium.make(env)

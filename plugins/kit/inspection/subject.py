@@ -33,7 +33,7 @@ from .finding import LOADS, TARGET, Asked, Finding, Outline, PlannedCheck
 DEFAULT_ROBOT = "fd100"
 WITH_ROBOT = ("simulators", "tasks")
 """The kinds that are checked with a robot."""
-WITH_FOLDER = ("executors", "trackers", "logs", "descriptions", "sections")
+WITH_FOLDER = ("executors", "trackers", "logs", "descriptions", "screens", "sections")
 """The kinds that are checked in a folder."""
 
 Tell: TypeAlias = Callable[[str], None]

@@ -1,0 +1,402 @@
+"""One behaviour that a search found, as a file that anybody can play again: what was done, and what that is paid.
+
+A file holds names and numbers, never code. It may come from a stranger, so that it is checked before it is used.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Annotated, Any, Literal, NotRequired
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import ConfigDict, Field, StringConstraints, TypeAdapter, with_config
+from typing_extensions import TypedDict
+
+from harness.arrays import Float
+from harness.authoring.commands import ChoiceForm, read_sealed, reading, require_form, seal, write_whole
+from harness.text import file_stems
+
+from .film import MOST_BYTES as MOST_PICTURES, Film
+from .finding import FAILING, LOITERING, Disturbed, Role
+from .place import Place
+from .world import Shown
+
+FORMAT = 1
+NOUN = "certificate"
+BEGINS = f'{{\n "format": {FORMAT},\n "what": "{NOUN}"'.encode()
+"""The first bytes of a file."""
+MOST_BYTES = 16 * 2**20
+"""The most bytes of a file; one of 200 steps has 30,000."""
+MOST_STEPS, MOST_NUMBERS, MOST_NAMED = 20_000, 500_000, 100
+"""The most steps, numbers of all actions, and terms or measures."""
+DRAWN = {"time", "qpos", "target", "distance"}
+"""What an arm is drawn from; see `Shown`."""
+ROLES: tuple[Role, ...] = ("failure", "success", "fastest")
+
+Text = Annotated[str, StringConstraints(max_length=10_000)]
+Name = Annotated[str, StringConstraints(min_length=1, max_length=1_000)]
+LARGEST = 1e150
+"""Sums of such numbers stay finite."""
+Number = Annotated[float, Field(allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
+Whole = Annotated[int, Field(ge=0, lt=2**63)]
+Share = Annotated[float, Field(ge=0.0, le=1.0)]
+Steps = Annotated[list[Number], Field(max_length=MOST_STEPS)]
+Untold = Annotated[list[Number | None], Field(max_length=MOST_STEPS)]
+Size = Annotated[int, Field(ge=1, le=MOST_NUMBERS)]
+EXACT = ConfigDict(strict=True, extra="forbid")
+
+
+@with_config(EXACT)
+class PlaceForm(TypedDict):
+    """See `Place`."""
+
+    task: ChoiceForm
+    reward: ChoiceForm
+    robot: Text
+    simulator: ChoiceForm | None
+    success: Text
+    gamma: Annotated[float, Field(gt=0.0, le=1.0)]
+    horizon: Annotated[int, Field(ge=1, le=10**9)]
+    plugins: Annotated[list[dict[Name, Text | bool]], Field(max_length=MOST_NAMED)]
+
+
+@with_config(EXACT)
+class AnswerForm(TypedDict):
+    """See `Answer`."""
+
+    word: Literal["PAYS FOR FAILING", "PAYS FOR LOITERING", "NOTHING FOUND", "CANNOT TELL"]
+    strength: Literal["", "ROBUST", "FRAGILE"]
+    lines: Annotated[list[Text], Field(max_length=MOST_NAMED)]
+    alarmed: Whole
+    starts: Whole
+
+
+@with_config(EXACT)
+class NumbersForm(TypedDict):
+    """An array: the type of its numbers, its shape, and the numbers row by row."""
+
+    type: Literal["float32", "float64", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32"]
+    shape: Annotated[list[Size], Field(min_length=1, max_length=3)]
+    numbers: Annotated[list[int | Number], Field(min_length=1, max_length=MOST_NUMBERS)]
+
+
+@with_config(EXACT)
+class PaidForm(TypedDict):
+    """What was paid: in all, and at each step; of each term likewise."""
+
+    total: Number
+    discounted: Number
+    of_terms: Annotated[dict[Name, Number], Field(max_length=MOST_NAMED)]
+    steps: Annotated[Steps, Field(min_length=1)]
+    terms: Annotated[dict[Name, Steps], Field(max_length=MOST_NAMED)]
+
+
+@with_config(EXACT)
+class BehaviourForm(TypedDict):
+    """What was done: whether each step was a success, and each measure at each step; null where it is not told."""
+
+    success: Annotated[list[Literal[0, 1]], Field(max_length=MOST_STEPS)]
+    measures: Annotated[dict[Name, Untold], Field(max_length=MOST_NAMED)]
+    ended: Literal["terminated", "truncated", "cut"]
+
+
+@with_config(EXACT)
+class DisturbedForm(TypedDict):
+    """See `Disturbed`."""
+
+    noise: Annotated[float, Field(ge=0.0, le=100.0)]
+    paid: Number
+    success: Share
+    episodes: Whole
+
+
+@with_config(EXACT)
+class FoundForm(TypedDict):
+    """See `Found`."""
+
+    made_by: Text
+    seed: Whole
+    budget: Whole
+    steps: Whole
+    how: Annotated[list[Text], Field(max_length=MOST_NAMED)]
+
+
+@with_config(ConfigDict(strict=True, extra="allow"))
+class RunsOnForm(TypedDict):
+    """Versions, machine, and hashes of sources, as a cell's manifest has them."""
+
+    versions: Annotated[dict[Name, Text], Field(max_length=1_000)]
+    machine: dict[Name, Any]
+    sources: Annotated[dict[Name, Text], Field(max_length=1_000)]
+
+
+@with_config(EXACT)
+class FilmForm(TypedDict):
+    """See `Film`; the pictures in Base64."""
+
+    reason: Text
+    steps: Annotated[list[Whole], Field(max_length=100)]
+    size: Annotated[list[Annotated[int, Field(ge=1, le=1_000)]], Field(min_length=2, max_length=2)]
+    strip: Annotated[str, StringConstraints(max_length=2 * MOST_PICTURES)]
+
+
+@with_config(EXACT)
+class CertificateForm(TypedDict):
+    """The form of the file."""
+
+    format: Literal[1]
+    what: Literal["certificate"]
+    role: Literal["failure", "success", "fastest"]
+    answer: AnswerForm
+    place: PlaceForm
+    runs_on: RunsOnForm
+    found: FoundForm
+    start: Whole
+    actions: NumbersForm
+    paid: PaidForm
+    behaviour: BehaviourForm
+    noise: Annotated[list[DisturbedForm], Field(max_length=MOST_NAMED)]
+    elsewhere: Annotated[dict[Name, Number], Field(max_length=MOST_NAMED)]
+    drawn: NotRequired[Annotated[dict[Name, NumbersForm], Field(max_length=10)]]
+    film: NotRequired[FilmForm]
+
+
+FORM: TypeAdapter[CertificateForm] = TypeAdapter(CertificateForm)
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What the search said of the reward; see `Finding`.
+
+    Attributes:
+        word: One of the four answers.
+        strength: ``ROBUST`` or ``FRAGILE`` beside an alarm.
+        lines: Sentences.
+        alarmed: On how many starts the alarm holds.
+        starts: How many were searched.
+    """
+
+    word: str
+    strength: str
+    lines: tuple[str, ...]
+    alarmed: int
+    starts: int
+
+    @property
+    def is_alarm(self) -> bool:
+        """Whether it says that failing or loitering pays."""
+        return self.word in (FAILING, LOITERING)
+
+
+@dataclass(frozen=True)
+class Found:
+    """How a behaviour was found.
+
+    Attributes:
+        made_by: What it comes from, in words.
+        seed: Of the search.
+        budget: Steps that it might take.
+        steps: Steps that it took.
+        how: What searched.
+    """
+
+    made_by: str
+    seed: int
+    budget: int
+    steps: int
+    how: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Certificate:
+    """One behaviour, what it is paid, and all that is needed to play it again.
+
+    Attributes:
+        role: Which of the three it is.
+        answer: What the search said of the reward.
+        place: What makes its world again.
+        runs_on: ``versions``, ``machine`` and ``sources`` when it was written.
+        found: How it was found.
+        shown: The episode.
+        noise: What it was paid while its actions were disturbed.
+        elsewhere: What it is paid in other simulators, by name.
+        film: Pictures of it, of one in an environment.
+    """
+
+    role: Role
+    answer: Answer
+    place: Place
+    runs_on: Mapping[str, Mapping[str, Any]]
+    found: Found
+    shown: Shown
+    noise: tuple[Disturbed, ...] = ()
+    elsewhere: Mapping[str, float] = field(default_factory=dict)
+    film: Film | None = None
+
+    @property
+    def paid(self) -> float:
+        """In all."""
+        return math.fsum(self.shown.paid)
+
+    @property
+    def discounted(self) -> float:
+        """The same times gamma^t."""
+        return math.fsum(self.shown.paid * self.place.gamma ** np.arange(len(self.shown.paid)))
+
+    @property
+    def outcome(self) -> str:
+        """Whether it succeeded, and when."""
+        return f"success from step {self.time} on" if self.shown.success[-1] else "no success"
+
+    @property
+    def time(self) -> int:
+        """The step from which on it was a success, from 1; one more than there are if it was none at its end."""
+        return len(self.shown.success) - int(np.argmin([*self.shown.success[::-1], False])) + 1
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data; `from_json` gives the same back."""
+        shown = self.shown
+        return {
+            "format": FORMAT,
+            "what": NOUN,
+            "role": self.role,
+            "answer": asdict(self.answer),
+            "place": self.place.to_json(),
+            "runs_on": self.runs_on,
+            "found": asdict(self.found),
+            "start": shown.start,
+            "actions": numbers_of(shown.actions),
+            "paid": {
+                "total": self.paid,
+                "discounted": self.discounted,
+                "of_terms": {name: math.fsum(values) for name, values in shown.terms.items()},
+                "steps": shown.paid.tolist(),
+                "terms": {name: values.tolist() for name, values in shown.terms.items()},
+            },
+            "behaviour": {
+                "success": shown.success.astype(int).tolist(),
+                "measures": {name: _told(values) for name, values in shown.measures.items()},
+                "ended": shown.ended,
+            },
+            "noise": [{name: getattr(row, name) for name in DisturbedForm.__annotations__} for row in self.noise],
+            "elsewhere": dict(self.elsewhere),
+            **({"drawn": {name: numbers_of(it) for name, it in shown.drawn.items()}} if shown.drawn else {}),
+            **({"film": self.film.to_json()} if self.film else {}),
+        }
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> "Certificate":
+        """What `to_json` told, also after a way through JSON.
+
+        Raises:
+            ValueError: It is something else.
+        """
+        require_form(FORM, data)
+        paid, behaviour, role = data["paid"], data["behaviour"], data["role"]
+        shown = Shown(
+            data["start"],
+            array_of(data["actions"]),
+            np.array(paid["steps"], float),
+            {name: np.array(values, float) for name, values in paid["terms"].items()},
+            np.array(behaviour["success"], bool),
+            {name: np.array(values, float) for name, values in behaviour["measures"].items()},
+            behaviour["ended"],
+            drawn={name: array_of(it) for name, it in data.get("drawn", {}).items()},
+        )
+        _require_lengths(shown)
+        return cls(
+            role,
+            Answer(**{**data["answer"], "lines": tuple(data["answer"]["lines"])}),
+            Place.from_json(data["place"]),
+            data["runs_on"],
+            Found(**{**data["found"], "how": tuple(data["found"]["how"])}),
+            shown,
+            tuple(Disturbed(role, **row) for row in data["noise"]),
+            data["elsewhere"],
+            Film.from_json(data["film"]) if "film" in data else None,
+        )
+
+
+def write_certificate(certificate: Certificate, path: Path) -> None:
+    """Write it, whole or not at all.
+
+    Raises:
+        OSError: `path` cannot be written.
+    """
+    write_whole(path, seal(certificate.to_json(), is_flat=True))
+
+
+def read_certificate(path: Path) -> Certificate:
+    """The certificate in a file.
+
+    Raises:
+        SchemaError: It is none, is damaged, or a newer version wrote it.
+    """
+    data = read_sealed(path, NOUN, newest=FORMAT, since=FORMAT, most=MOST_BYTES)
+    with reading(path, NOUN):
+        return Certificate.from_json(data)
+
+
+def file_names(certificates: Sequence[Certificate]) -> list[str]:
+    """The name of the file of each, all different: those of one reward stand together."""
+    labels = list(dict.fromkeys(it.place.reward.label for it in certificates))
+    stems = dict(zip(labels, file_stems(labels), strict=True))
+    return [f"{stems[it.place.reward.label]}-{it.role}.json" for it in certificates]
+
+
+def numbers_of(array: NDArray[Any]) -> dict[str, Any]:
+    """An array as JSON has it, exactly: its numbers as short as they may be and still be the same in its type."""
+    short = np.array([float(str(number)) for number in array.ravel()]) if array.dtype == np.float32 else array
+    is_same = np.array_equal(short.astype(array.dtype).ravel(), array.ravel())
+    return {
+        "type": array.dtype.name,
+        "shape": list(array.shape),
+        "numbers": (short if is_same else array).ravel().tolist(),
+    }
+
+
+def array_of(data: Mapping[str, Any]) -> NDArray[Any]:
+    """The array that `numbers_of` told.
+
+    Raises:
+        ValueError: Its numbers do not fill its shape, or its type does not hold them.
+    """
+    if math.prod(data["shape"]) != len(data["numbers"]):
+        raise ValueError(f"it has {len(data['numbers'])} numbers for an array of {data['shape']}")
+    kind = np.dtype(data["type"])
+    if kind.kind in "iu" and not all(isinstance(it, int) for it in data["numbers"]):
+        raise ValueError(f"not all numbers of an array of {kind} are whole")
+    with np.errstate(over="ignore"):
+        try:
+            array = np.array(data["numbers"]).astype(kind) if kind.kind == "f" else np.array(data["numbers"], kind)
+        except OverflowError:
+            raise ValueError(f"an array of {kind} does not hold its numbers") from None
+    if not np.isfinite(array).all():
+        raise ValueError(f"an array of {kind} does not hold its numbers")
+    return array.reshape(data["shape"])
+
+
+def _told(values: Float) -> list[float | None]:
+    return [None if math.isnan(value) else value for value in values.tolist()]
+
+
+def _require_lengths(shown: Shown) -> None:
+    """See that an episode has as many of everything as it has steps.
+
+    Raises:
+        ValueError: It has not.
+    """
+    if shown.drawn and (set(shown.drawn) != DRAWN or any(it.ndim != 2 for it in shown.drawn.values())):
+        raise ValueError(f"drawn: it is not {', '.join(sorted(DRAWN))} in rows")
+    rows: Sequence[tuple[str, Any]] = [
+        ("actions", shown.actions),
+        ("success", shown.success),
+        *shown.terms.items(),
+        *shown.measures.items(),
+        *((name, values[1:]) for name, values in shown.drawn.items()),
+    ]
+    for name, values in rows:
+        if len(values) != len(shown.paid):
+            raise ValueError(f"{name}: it has {len(values)} rows for {len(shown.paid)} steps")

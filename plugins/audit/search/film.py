@@ -1,0 +1,173 @@
+"""Films of behaviours in an environment: pictures that the env draws, side by side in one file."""
+
+import base64
+import io
+import multiprocessing
+import warnings
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import closing
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import gymnasium
+import numpy as np
+
+from harness.authoring.commands import (
+    Registry,
+    given_from_json,
+    given_to_json,
+    load_registry,
+    require_pillow,
+)
+from harness.environment import AnyEnv
+from harness.errors import HarnessError, UsageError, reason_of
+from harness.text import one_line_of
+
+from .place import Place
+from .world import Actions, Shown
+
+if TYPE_CHECKING:
+    from PIL import Image
+
+DRAWN = "rgb_array"
+"""The render mode whose pictures are arrays."""
+PICTURES = 60
+"""The most pictures of a behaviour."""
+SIZE = (200, 200)
+"""The most pixels of a picture."""
+MOST_BYTES = 230_000
+"""The most bytes of a behaviour's pictures: a page of three stays below 1 MB."""
+QUALITIES = (80, 60, 40, 20, 5)
+"""Qualities of WebP; the first one that is small enough is taken."""
+SCREEN = "harness doctor says what is missing; without a screen MuJoCo needs MUJOCO_GL=egl"
+PATIENCE = 120.0
+"""Seconds in which the pictures of one behaviour have to be drawn."""
+
+
+class Film(NamedTuple):
+    """Pictures of one behaviour."""
+
+    reason: str = ""
+    """Why there are none; empty if there are some."""
+    steps: tuple[int, ...] = ()
+    """After which step each was taken; the first is 0."""
+    size: tuple[int, int] = (1, 1)
+    """Width and height of a picture, [px]."""
+    strip: bytes = b""
+    """All pictures side by side, as WebP."""
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data; `from_json` gives the same back."""
+        return {**self._asdict(), "strip": base64.b64encode(self.strip).decode()}
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> "Film":
+        """What `to_json` told.
+
+        Raises:
+            ValueError: It holds no pictures of these steps.
+        """
+        strip, steps = base64.b64decode(data["strip"], validate=True), tuple(data["steps"])
+        if strip and (strip[:4], strip[8:12]) != (b"RIFF", b"WEBP"):
+            raise ValueError("its pictures are no WebP")
+        if bool(strip) != bool(steps) or any(b <= a for a, b in pairwise(steps)):
+            raise ValueError("its pictures are not of steps in order")
+        return cls(data["reason"], steps, tuple(data["size"]), strip)
+
+
+def films_of(place: Place, registry: Registry, episodes: Sequence[Shown]) -> list[Film]:
+    """A film of each episode, on one clock.
+
+    A process of its own draws them: graphics libraries may crash where there is no screen.
+
+    Args:
+        place: An environment.
+        registry: The plugins.
+        episodes: What was done.
+    """
+    clock = np.unique(np.linspace(0, max(len(it.paid) for it in episodes), PICTURES).round().astype(int)).tolist()
+    told = place.to_json(), given_to_json(registry.given)
+    films = []
+    for it in episodes:
+        with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
+            asked = pool.submit(draw_film, *told, it.start, it.actions, clock)
+            try:
+                films.append(asked.result(PATIENCE))
+            except (BrokenProcessPool, TimeoutError) as error:
+                told_of = "it took too long" if isinstance(error, TimeoutError) else "what draws it crashed"
+                films.append(Film(f"There is no film: {told_of}."))
+                for process in list((pool._processes or {}).values()):
+                    process.kill()
+    return films
+
+
+def draw_film(
+    place: Mapping[str, Any], given: Sequence[Mapping[str, Any]], start: int, actions: Actions, clock: Sequence[int]
+) -> Film:
+    """Play an episode in a new env, which draws it."""
+    at, registry = Place.from_json(place), load_registry(given=given_from_json(given))
+    try:
+        require_pillow()
+        with closing(at.task.build(registry, "environments").make()) as env:
+            _let_draw(env)
+            return _strip(_pictures(env, start, actions, clock))
+    except HarnessError as error:
+        return Film(f"There is no film: {one_line_of(str(error))}")
+    except Exception as error:  # an env of anybody
+        return Film(f"There is no film: {one_line_of(reason_of(error))}")
+
+
+def _let_draw(env: AnyEnv) -> None:
+    """Have the env draw into arrays: envs look at their render mode when they draw."""
+    if DRAWN not in env.metadata.get("render_modes", ()):
+        raise UsageError(f"the env has no render mode '{DRAWN}'")
+    env.unwrapped.render_mode = DRAWN
+
+
+def _pictures(env: AnyEnv, start: int, actions: Actions, clock: Sequence[int]) -> "dict[int, Image.Image]":
+    """Pictures by step, those of the clock and the last one."""
+    space: Any = env.action_space
+    env.reset(seed=start)
+    found = {0: _draw(env)}
+    for step, action in enumerate(actions, 1):
+        is_choice = isinstance(space, gymnasium.spaces.Discrete)
+        env.step(int(action) if is_choice else np.array(action, space.dtype).reshape(space.shape))
+        if step in clock or step == len(actions):
+            found[step] = _draw(env)
+    return found
+
+
+def _draw(env: AnyEnv) -> "Image.Image":
+    from PIL import Image
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of libraries that are tried in vain; an exception follows
+        try:
+            drawn: Any = env.render()
+        except Exception as error:  # an env of anybody, and the graphics driver under it
+            raise UsageError(f"the env cannot draw here: {one_line_of(str(error))}. {SCREEN}") from error
+    if not isinstance(drawn, np.ndarray) or drawn.ndim != 3:
+        raise UsageError(f"the env draws no picture: its render() gave {type(drawn).__name__}")
+    return Image.fromarray(drawn)
+
+
+def _strip(pictures: "Mapping[int, Image.Image]") -> Film:
+    """All pictures side by side; fewer of them, if they would take too much."""
+    from PIL import Image, ImageOps
+
+    steps = sorted(pictures)
+    small = {step: ImageOps.contain(pictures[step].convert("RGB"), SIZE) for step in steps}
+    width, height = small[0].size
+    while len(steps) > 1:
+        whole = Image.new("RGB", (width * len(steps), height))
+        for place, step in enumerate(steps):
+            whole.paste(small[step], (place * width, 0))
+        for quality in QUALITIES:
+            file = io.BytesIO()
+            whole.save(file, "WEBP", quality=quality, method=4)
+            if file.tell() <= MOST_BYTES:
+                return Film("", tuple(steps), (width, height), file.getvalue())
+        steps = [*steps[:-1:2], steps[-1]] if len(steps) > 2 else steps[:1]
+    return Film(f"There is no film: its pictures take more than {MOST_BYTES:,} bytes.")

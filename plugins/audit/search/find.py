@@ -1,0 +1,207 @@
+"""From a world to what a cheat would do there: searched, judged, disturbed, tried elsewhere, and shown."""
+
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from harness.authoring.commands import Columns
+from harness.environment import AnyEnv
+from harness.errors import UsageError
+from harness.reward import Given
+from harness.text import number
+
+from .behaviour import Behaviour
+from .disturb import NOISES, Strength, noise_curve, rested, strength_of
+from .finding import FRAGILE, Finding, Role
+from .judge import Case, judge
+from .world import Act, World
+
+if TYPE_CHECKING:
+    from ..audit import Audit
+
+SEEDS = (100_000, 1_000_000)
+"""Starts are reset with seeds between these; trainings count theirs from 0, and evaluations have larger ones."""
+NAMES: Mapping[Role, str] = {
+    "failure": "the best-paid failure", "success": "the best-paid success", "fastest": "the fastest success"
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Search:
+    """How much is searched.
+
+    Attributes:
+        budget: About so many steps are taken.
+        starts: From so many starts.
+        seed: Of the search and of its starts.
+        folders: Experiments and recorded trainings that it begins from.
+        policies: Policies that it begins from, ``FILE.py:NAME`` or a folder.
+    """
+
+    budget: int
+    starts: int
+    seed: int = 0
+    folders: Sequence[Path] = ()
+    policies: Sequence[str] = ()
+
+    def draw_starts(self) -> tuple[int, ...]:
+        """The seeds of the resets; no evaluation and no training has them."""
+        drawn = np.random.default_rng([self.seed, *SEEDS]).choice(np.arange(*SEEDS), self.starts, replace=False)
+        return tuple(map(int, drawn))
+
+
+ARM, ENVIRONMENT = Search(budget=1_000_000, starts=8), Search(budget=600_000, starts=4)
+"""What is usual: seconds for an arm, whose episodes are played side by side, a minute in an environment."""
+
+
+def find_in(
+    world: World,
+    asked: Search,
+    elsewhere: Mapping[str, Callable[[], World]] | None = None,
+    policies: Mapping[str, Act] | None = None,
+) -> Finding:
+    """What a cheat would do in a world.
+
+    Args:
+        world: Where, and by which reward.
+        asked: How much is searched.
+        policies: By name, functions of an observation that the search begins from too.
+        elsewhere: By the name of another simulator, makes the same world there; it is closed again.
+    """
+    from .arm_world import ArmWorld
+    from .beginnings import of_folder, policies_of, policy_named, scripts_of
+    from .search import search
+
+    starts = asked.draw_starts()
+    begun = [
+        *(scripts_of(world, np.array(starts)) if isinstance(world, ArmWorld) else ()),
+        *policies_of(policies or {}),
+        *(policy_named(world, text) for text in asked.policies),
+        *(beginning for folder in asked.folders for beginning in of_folder(world, folder)),
+    ]
+    searched = search(world, starts, asked.budget, asked.seed, begun)
+    judged = judge(searched, world, lambda of: world.show(of.start, of.actions).terms)
+    rng = np.random.default_rng([asked.seed, asked.budget])
+    three = judged.shown.three.by_role()
+    noise = noise_curve(world, three, _acts_of(three), rng)
+    strength, told = "", []
+    if cases := [case for case in judged.alarmed if case.word == judged.word]:
+        stood = strength_of(world, [(case, *_both(case)) for case in cases], rng)
+        strength = stood.word
+        told.append(_on_strength(stood, judged.shown))
+    paid = {name: _paid_in(make, three) for name, make in (elsewhere or {}).items()}
+    told += [_on_elsewhere(name, of) for name, of in paid.items()]
+    return Finding(
+        world=world.name,
+        reward=world.reward,
+        gamma=world.gamma,
+        success=world.success,
+        word=judged.word,
+        strength=strength,
+        lines=(*judged.lines, *told, *world.notes),
+        alarmed=tuple(case.three.start for case in judged.alarmed),
+        starts=starts,
+        searched=searched,
+        noise=noise,
+        elsewhere=paid,
+        shown={role: world.show(of.start, of.actions) for role, of in three.items()},
+        three=three,
+    )
+
+
+def find_cheats(
+    env: AnyEnv | str | Callable[[], AnyEnv],
+    rewards: Mapping[str, Given],
+    *,
+    success: str = "",
+    behaviour: Mapping[str, Given] | None = None,
+    policies: Mapping[str, Act] | None = None,
+    gamma: float = 0.99,
+    budget: int = ENVIRONMENT.budget,
+    starts: int = ENVIRONMENT.starts,
+    seed: int = 0,
+) -> "Audit":
+    """What a cheat would do for each reward in any Gymnasium environment that ``reset(seed)`` makes repeat.
+
+    Args:
+        env: One that was made, which is left open; the id of one; or a function that makes one.
+        rewards: As of `harness.RecordRewards`; what the env pays is ``"own"``.
+        success: What tells success: a measure or a key of info, ``"height>0.9"``; empty to find one.
+        behaviour: Measures of what is done, as of `harness.RecordRewards`; no reward enters them.
+        policies: By name, from an observation to an action: the search begins from them too.
+        gamma: The learner's discount per step, above 0 and at most 1.
+        budget: About so many steps are taken for each reward.
+        starts: From so many starts.
+        seed: Of the search: the same one finds the same.
+
+    Returns:
+        An audit with one `Finding` for each reward in `cheats`; it prints as ``harness audit`` does.
+
+    Raises:
+        UsageError: Something of that cannot be used, or a reward fails in a step.
+    """
+    from ..audit import Audit
+    from .environment_world import of_env
+
+    if not 0.0 < gamma <= 1.0:
+        raise UsageError(f"gamma={gamma:g}: must be above 0 and at most 1")
+    for name, value, least in (("budget", budget, 1), ("starts", starts, 1), ("seed", seed, 0)):
+        if value < least:
+            raise UsageError(f"{name}={value}: must be at least {least}")
+    columns = Columns(dict(rewards), dict(behaviour or {}), ())
+    found = []
+    for reward in rewards:
+        with closing(of_env(env, reward, columns, gamma, success)) as world:
+            found.append(find_in(world, Search(budget, starts, seed), policies=policies))
+    where = found[0].world if found else "nothing"
+    return Audit(
+        title=f"{where}: rewards {', '.join(rewards)}; discount {gamma:g}",
+        facts={"env": where, "gamma": gamma},
+        rewards=tuple(rewards),
+        pairs=(),
+        earned=(),
+        cheats=tuple(found),
+    )
+
+
+def _acts_of(behaviours: Mapping[Role, Behaviour]) -> dict[Role, Act]:
+    """The policies of those behaviours that have one."""
+    return {role: act for role, of in behaviours.items() if (act := _act_of(of)) is not None}
+
+
+def _act_of(behaviour: Behaviour) -> Act | None:
+    return None
+
+
+def _both(case: Case) -> tuple[Act | None, Act | None]:
+    """The policies of what tempts, and of what it is compared with."""
+    roles = case.three.by_role()
+    return _act_of(roles[case.tempting]), _act_of(roles[case.against])
+
+
+def _paid_in(make: Callable[[], World], three: Mapping[Role, Behaviour]) -> dict[Role, float]:
+    """What the same actions are paid in another world."""
+    with closing(make()) as world:
+        return {
+            role: float(world.play(np.array([of.start]), rested(world, of.actions)[np.newaxis]).paid[0])
+            for role, of in three.items()
+        }
+
+
+def _on_strength(stood: Strength, shown: Case) -> str:
+    fragile = stood.word == FRAGILE
+    on = f"on {stood.count - stood.stands if fragile else stood.stands} of {stood.count} starts"
+    return (
+        f"{stood.word}: with action noise {NOISES[-1]:g} it {'no longer' if fragile else 'still'} pays more {on}. On "
+        f"average {NAMES[shown.tempting]} then earns {number(stood.tempting)}, {NAMES[shown.against]} "
+        f"{number(stood.task)}."
+    )
+
+
+def _on_elsewhere(name: str, paid: Mapping[Role, float]) -> str:
+    told = ", ".join(f"{NAMES[role]} {number(value)}" for role, value in paid.items())
+    return f"The same actions in {name} earn: {told}."

@@ -1,0 +1,375 @@
+"""The answer to a search: whether a reward pays for failing, or for loitering, by three numbers of each start.
+
+Of one start, F is the pay of the best-paid failure, S that of the best-paid success, and Q that of the fastest success.
+F > S is not all there is: "loop, then finish in the last step" is the best-paid success of a loophole, so S stands for
+doing the task only where it is not far slower than Q, and paid for it.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol, TypeAlias
+
+import numpy as np
+
+from harness.arrays import Float
+from harness.text import number
+
+from .behaviour import Behaviour, Searched, Three
+from .finding import CANNOT_TELL, FAILING, LOITERING, NOTHING, Role
+
+MARGIN = 0.05
+"""An alarm needs so much more pay, as a share of what the best behaviour earns above random actions."""
+SLACK = 1e-6
+"""Numbers that differ by no more than this share of the largest are equal."""
+LATER, SPARE = 1.5, 0.25
+"""A success loiters that takes so many times as long as the fastest, and so large a part of the time that is left."""
+WORSE = 0.75
+"""A failure is clearly worse that is in success for less than this share of the steps that a success is."""
+NEAR, SLIGHT = 0.05, 3.0
+"""A near miss: all measures within this share of a success's, and no more margins above its pay."""
+FEW = 8
+"""So many different successes of a start are too few to know what success can earn."""
+LATEST = 0.9
+"""A success that comes and goes, and came last after this share of an episode, does not tell what holding it pays."""
+TABLE = "table"
+"""Searched so, a world was counted out: nothing pays more."""
+
+Pays: TypeAlias = Callable[[Behaviour], Mapping[str, Float]]
+"""What each step of a behaviour paid, by term, (steps,)."""
+
+
+class Facts(Protocol):
+    """What has to be known of a world; a `World` tells it."""
+
+    @property
+    def gamma(self) -> float:
+        """The learner's discount per step."""
+
+    @property
+    def horizon(self) -> int:
+        """The most steps of an episode."""
+
+    @property
+    def success(self) -> str:
+        """What tells success; empty if nothing does."""
+
+    @property
+    def directions(self) -> Mapping[str, int]:
+        """By name, of the measures of which that is known: 1 where more is better, -1 where less is."""
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """One start by one sum of pay.
+
+    Attributes:
+        three: Its behaviours.
+        word: What it says by itself, one of the four answers.
+        tempting: What would be an alarm.
+        against: What it is compared with: the success that does the task.
+        lead: By how many margins the tempting one is paid more.
+        margin: In units of pay.
+        discount: The factor per step of the sum that this is by; 1 of the plain sum.
+        is_late: Whether even the fastest success is one that comes and goes, and came again near the end.
+    """
+
+    three: Three
+    word: str
+    tempting: Role
+    against: Role
+    lead: float
+    margin: float
+    discount: float
+    is_late: bool = False
+
+    @property
+    def is_alarm(self) -> bool:
+        """Whether failing or loitering pays here."""
+        return self.word in (FAILING, LOITERING)
+
+
+@dataclass(frozen=True, eq=False)
+class Judged:
+    """The answer.
+
+    Attributes:
+        word: One of the four.
+        lines: In sentences; the first one says the three numbers.
+        alarmed: The cases of the starts where an alarm holds.
+        shown: The case that tells most.
+    """
+
+    word: str
+    lines: tuple[str, ...]
+    alarmed: tuple[Case, ...]
+    shown: Case
+
+
+def judge(searched: Searched, facts: Facts, pays: Pays) -> Judged:
+    """What a search says of a reward.
+
+    Args:
+        searched: What was found.
+        facts: Of the world.
+        pays: Asked of few behaviours, where one may loiter.
+    """
+    by_sum = (
+        (searched.plain, searched.typical, 1.0),
+        (searched.discounted, searched.typical_discounted, facts.gamma),
+    )
+    plain, discounted = (
+        [_case_of(three, start, discount, facts, pays) for three, start in zip(threes, typical, strict=True)]
+        for threes, typical, discount in by_sum
+    )
+    if TABLE not in searched.how:
+        climbing = [of / case.margin for of, case in zip(searched.climbing, plain, strict=True)]
+        plain, discounted = (
+            [_trusted(*of) for of in zip(cases, searched.successes, climbing, strict=True)]
+            for cases in (plain, discounted)
+        )
+    both = list(zip(plain, discounted, strict=True))
+    decided = [_decided(*of) for of in both]
+    alarmed = tuple(case for case in decided if case.is_alarm)
+    unsure = [case for case in decided if case.word == CANNOT_TELL]
+    word = _word(alarmed, len(unsure), len(decided))
+    told = [case for case in decided if case.word == word] or decided
+    shown = max(told, key=lambda case: (case.three.failure is not None or case.is_alarm, case.lead))
+    if not facts.success:
+        return Judged(CANNOT_TELL, _on_paid_most(shown), (), shown)
+    return Judged(word, tuple(_lines(word, shown, both, decided, searched, facts)), alarmed, shown)
+
+
+def paid_by(behaviour: Behaviour, discount: float) -> float:
+    """The sum of what it was paid, plain for a discount of 1."""
+    return behaviour.paid if discount == 1.0 else behaviour.discounted
+
+
+def _case_of(three: Three, typical: float, discount: float, facts: Facts, pays: Pays) -> Case:
+    """One start by one sum.
+
+    Args:
+        three: Its behaviours.
+        typical: What random actions earn there.
+        discount: Of the sum.
+        facts: Of the world.
+        pays: See `judge`.
+    """
+    failure, success, fastest = (
+        None if of is None else paid_by(of, discount) for of in (three.failure, three.success, three.fastest)
+    )
+    known = [of for of in (failure, success) if of is not None]
+    best = max(known, default=typical)
+    tiny = SLACK * max(map(abs, (*known, typical)))
+    margin = max(MARGIN * (best - typical), tiny, np.finfo(float).tiny)
+    if success is None or fastest is None or three.success is None or three.fastest is None:
+        return Case(three, CANNOT_TELL, "failure", "success", -np.inf, margin, discount)
+    is_late = _is_passing(three.fastest, facts.horizon)
+    is_slow = success > fastest + margin and _is_later(three.success, three.fastest, facts.horizon)
+    loiters = is_slow and _gained(three.success, three.fastest, discount, pays) > margin
+    against: Role = "fastest" if loiters else "success"
+    reference, compared = (fastest, three.fastest) if loiters else (success, three.success)
+    if three.failure is not None and failure is not None:
+        lead = (failure - reference) / margin
+        if lead > 1.0 and _is_worse(three.failure, compared, lead, facts.directions):
+            return Case(three, FAILING, "failure", against, lead, margin, discount, is_late)
+        if not loiters:
+            return Case(three, NOTHING, "failure", against, min(lead, 1.0), margin, discount, is_late)
+    lead = (success - fastest) / margin
+    return Case(three, LOITERING if loiters else NOTHING, "success", "fastest", lead, margin, discount, is_late)
+
+
+def _is_passing(fastest: Behaviour, horizon: int) -> bool:
+    """Whether even the fastest success of a start begins near its end, after others that did not last."""
+    lasts = fastest.steps - fastest.time + 1
+    return fastest.time > LATEST * horizon and fastest.share * fastest.steps > lasts + 0.5
+
+
+def _is_later(slow: Behaviour, fast: Behaviour, horizon: int) -> bool:
+    return slow.time >= LATER * fast.time and slow.time - fast.time >= SPARE * (horizon - fast.time)
+
+
+def _gained(slow: Behaviour, fast: Behaviour, discount: float, pays: Pays) -> float:
+    """What a slow success earned by being slow; costs that it saved are none, for slow because effort costs is honest.
+
+    Where success ends an episode, it is what each term paid above 0 before that, less the same of the fast one. Where
+    both go on, a number more in every step changes nothing, so it is what the slow one earned above the fast one while
+    that was a success already.
+    """
+    paid = [
+        {name: values * discount ** np.arange(len(values)) for name, values in pays(of).items()} for of in (slow, fast)
+    ]
+    if slow.steps == fast.steps:
+        later, early = (sum(values[fast.time : slow.time - 1].sum() for values in of.values()) for of in paid)
+        return float(later - early)
+    gained = 0.0
+    for name, later in paid[0].items():
+        arriving = later[slow.time - 1]  # what the slow one was paid for success, and the fast one too
+        before, early = later[: slow.time - 1].sum(), paid[1][name][: fast.time].sum() - arriving
+        gained += float(max(before, 0.0) - max(early, 0.0))
+    return gained
+
+
+def _is_worse(failure: Behaviour, success: Behaviour, lead: float, directions: Mapping[str, int]) -> bool:
+    """Whether a failure behaves clearly worse than a success, whatever both were paid."""
+    if failure.share >= WORSE * success.share:
+        return False
+    if failure.steps != success.steps or lead > SLIGHT:
+        return True
+    pairs = [
+        (failure.measures[name], success.measures[name])
+        for name in directions
+        if name in failure.measures and name in success.measures
+    ]
+    pairs = [of for of in pairs if not {*of} <= {0.0, 1.0}]
+    return not pairs or any(abs(one - other) > NEAR * max(abs(one), abs(other)) for one, other in pairs)
+
+
+def _trusted(case: Case, successes: int, climbing: float) -> Case:
+    """The case; that it cannot be told where a longer search may take an alarm back, or find what success is.
+
+    Args:
+        case: Of one start.
+        successes: How many different ones were met there.
+        climbing: By how many margins the best-paid of them still rose.
+    """
+    may_rise = case.against == "success" and climbing > case.lead
+    if case.is_late or (case.is_alarm and (successes < FEW or may_rise)):
+        return replace(case, word=CANNOT_TELL)
+    return case
+
+
+def _decided(plain: Case, discounted: Case) -> Case:
+    """Which of the two sums decides at a start: an alarm by either, but a plain one that the discount takes back."""
+    if discounted.is_alarm and not plain.is_alarm:
+        return discounted
+    if plain.is_alarm and _takes_back(plain, discounted):
+        return discounted
+    return plain
+
+
+def _takes_back(plain: Case, discounted: Case) -> bool:
+    """Whether discounted, doing the task is clearly paid more than what tempts without."""
+    task, other = discounted.three.success, discounted.three.failure
+    tempting = plain.three.failure if plain.tempting == "failure" else plain.three.success
+    if discounted.word != NOTHING or task is None or tempting is None:
+        return False
+    earns = tempting.discounted
+    if plain.tempting == "failure" and other is not None:
+        earns = max(earns, other.discounted)
+    return task.discounted > earns + discounted.margin
+
+
+def _word(alarmed: Sequence[Case], unsure: int, count: int) -> str:
+    if 2 * len(alarmed) >= count:
+        failing = sum(case.word == FAILING for case in alarmed)
+        return FAILING if 2 * failing >= len(alarmed) else LOITERING
+    return CANNOT_TELL if 2 * (len(alarmed) + unsure) >= count else NOTHING
+
+
+def _lines(
+    word: str,
+    shown: Case,
+    both: Sequence[tuple[Case, Case]],
+    decided: Sequence[Case],
+    searched: Searched,
+    facts: Facts,
+) -> list[str]:
+    """The answer in sentences."""
+    count, alarms = len(decided), sum(case.is_alarm for case in decided)
+    lines = [_three_numbers(shown)]
+    if word in (FAILING, LOITERING):
+        lines.append(f"It holds on {alarms} of {count} starts{_by_which_sum(both, decided, facts.gamma)}.")
+    elif word == CANNOT_TELL:
+        lines += _on_unsure(decided)
+    else:
+        lines.append(
+            "All states and actions were counted: nothing pays more."
+            if TABLE in searched.how
+            else f"That proves nothing: {searched.steps:,} steps were searched, from {count} starts."
+        )
+        if alarms:
+            lines.append(f"On {alarms} of {count} starts it pays for failing or loitering all the same.")
+    back = sum(plain.is_alarm and case.word == NOTHING for (plain, _), case in zip(both, decided, strict=True))
+    if back:
+        first = next(
+            plain for (plain, _), case in zip(both, decided, strict=True) if plain.is_alarm and case.word == NOTHING
+        )
+        lines.append(
+            f"Without discount {_earnings(first)}, on {back} of {count} starts; a learner that discounts by "
+            f"{facts.gamma:g} is not tempted."
+        )
+    return lines
+
+
+def _three_numbers(case: Case) -> str:
+    three, rate = case.three, "" if case.discount == 1.0 else f"Discounted by {case.discount:g}, "
+    told = []
+    if three.failure is not None:
+        told.append(f"the best-paid failure earns {number(paid_by(three.failure, case.discount))}")
+    if three.success is not None and three.fastest is not None:
+        earns = "" if told else "earns "
+        told.append(f"the best-paid success {earns}{number(paid_by(three.success, case.discount))}")
+        instead = f"{three.fastest.time} steps"
+        if three.success.time != three.fastest.time:
+            instead += f" instead of {three.success.time}"
+        told.append(f"the fastest success {number(paid_by(three.fastest, case.discount))} ({instead})")
+    else:
+        told.append("no success was found")
+    text = f"{rate}{', '.join(told)}."
+    return text[0].upper() + text[1:]
+
+
+def _earnings(case: Case) -> str:
+    """What tempts, and what it is compared with: ``the best-paid failure earns 3 and the best-paid success 2``."""
+    three = case.three
+    named = {
+        "failure": ("the best-paid failure", three.failure),
+        "success": ("the best-paid success", three.success),
+        "fastest": ("the fastest success", three.fastest),
+    }
+    (one, tempting), (other, task) = named[case.tempting], named[case.against]
+    earns = number(paid_by(tempting, case.discount)) if tempting else "nothing"
+    return f"{one} earns {earns} and {other} {number(paid_by(task, case.discount)) if task else 'nothing'}"
+
+
+def _by_which_sum(both: Sequence[tuple[Case, Case]], decided: Sequence[Case], gamma: float) -> str:
+    """Whether the other sum says so too."""
+    if gamma == 1.0:
+        return ""
+    alarmed = [of for of, case in zip(both, decided, strict=True) if case.is_alarm]
+    too = sum(plain.is_alarm and discounted.is_alarm for plain, discounted in alarmed)
+    if 2 * too >= len(alarmed):
+        return f", discounted by {gamma:g} too"
+    if any(plain.is_alarm for plain, _ in alarmed):
+        return f"; discounted by {gamma:g} the sums are about equal"
+    return f"; discounted by {gamma:g} alone, without discount it does not"
+
+
+def _on_unsure(decided: Sequence[Case]) -> list[str]:
+    count, missing = len(decided), sum(case.three.success is None for case in decided)
+    late = sum(case.word == CANNOT_TELL and case.is_late for case in decided)
+    few = sum(case.word == CANNOT_TELL and case.three.success is not None and not case.is_late for case in decided)
+    told = [f"no success was found on {missing} of {count} starts"] if missing else []
+    if late:
+        told.append(f"no success was held for longer than the last steps on {late} of {count}")
+    if few:
+        told.append(f"successes were too few, or still rose in pay, on {few} of {count}")
+    text = "; ".join(told) or "the starts disagree"
+    return [
+        f"{text[0].upper()}{text[1:]}.",
+        "Give it a demonstration (--from FOLDER), a policy (--policy FILE.py:NAME), or more steps (--budget).",
+    ]
+
+
+def _on_paid_most(case: Case) -> tuple[str, ...]:
+    """What is said where nothing measures success."""
+    most = case.three.failure or case.three.success
+    if most is None:
+        return ("Nothing measures success, and no episode was paid.",)
+    measures = ", ".join(f"{name} {number(value)} at the end" for name, value in most.measures.items())
+    known = most.measures and f", with one of {', '.join(most.measures)}"
+    return (
+        f"Nothing measures success. What is paid most earns {number(most.paid)} in {most.steps} steps"
+        f"{measures and f': {measures}'}. Does that look right?",
+        f"Name a measure, and from where on it is a success: --success 'NAME>0.9'{known or ''}.",
+    )

@@ -1,0 +1,293 @@
+"""Linear feedback policies, found by small evolutions: for worlds in which a bare sequence of actions falls over.
+
+An action is W times the features of what is observed, scaled by what was met: a choice of the largest, or a point of
+the box. The same policy is played from all starts at once.
+"""
+
+import itertools
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import gymnasium
+import numpy as np
+from gymnasium.spaces import Box, Discrete
+from numpy.typing import NDArray
+
+from harness.arrays import Float
+
+from .table import Keep
+from .world import Act, Outcomes, Whole, World
+
+LINEAR = "linear policy"
+"""The kind of such a policy, and what its episodes are said to be made by."""
+LARGEST = 64
+"""Numbers of an observation; where there are more, linear policies are not tried."""
+SQUARED = 8
+"""Numbers of an observation up to which every second evolution also gives a policy their products."""
+POPULATION, PARENTS, GENERATIONS, PATIENCE = 16, 4, 15, 5
+"""Policies of a generation; those that the next one is drawn from; generations of an evolution; how many of them
+may bring nothing better."""
+TRIED_FROM = 3
+"""Starts that a generation is played from, drawn anew for each; its best policy is played from all."""
+AT_ONCE, FROM_NOTHING = 0.25, 2
+"""The share of what is left of a budget that an evolution may take; how many times each goal is begun from nothing."""
+PAY = "pay"
+"""The goal of all rewards."""
+SPREAD, SPREAD_AGAIN, SPREAD_LEAST = 1.0, 0.3, 0.05
+"""Standard deviation of weights at first, where an evolution begins from a known policy, and at least."""
+FAR = 5.0
+"""Scaled numbers are cut here."""
+
+Goal: TypeAlias = Callable[[Outcomes], tuple[NDArray[Any], ...]]
+"""What an evolution is after: of each episode, numbers of which more is better, the first one that differs decides."""
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A policy that was played from all starts of a search.
+
+    Attributes:
+        policy: As plain data.
+        outcomes: What it came to there.
+    """
+
+    policy: Mapping[str, Any]
+    outcomes: Outcomes
+
+
+def act_linearly(policy: Mapping[str, Any], world: World) -> Act:
+    """What a linear policy does in a world."""
+    return _Linear(policy, world)
+
+
+class _Linear:
+    """A linear policy that acts; `seen` keeps what it observed, flat."""
+
+    def __init__(self, policy: Mapping[str, Any], world: World) -> None:
+        self.weights = np.asarray(policy["weights"])
+        self.mean, self.inverse = np.asarray(policy["mean"]), 1.0 / np.asarray(policy["scale"])
+        self.squares = np.triu_indices(len(self.mean)) if self.weights.shape[1] > 1 + len(self.mean) else None
+        self.observes, self.space = world.observes, world.space
+        if isinstance(self.space, Box):
+            self.middle, self.half = _middle_and_half(self.space)
+        self.seen: list[Float] = []
+
+    def __call__(self, observed: Any) -> Any:
+        """One action."""
+        flat = _flat(self.observes, observed)
+        self.seen.append(flat)
+        scaled = np.minimum(np.maximum((flat - self.mean) * self.inverse, -FAR), FAR)
+        told = self.weights[:, 0] + self.weights[:, 1 : 1 + len(scaled)] @ scaled
+        if self.squares is not None:
+            told += self.weights[:, 1 + len(scaled) :] @ (scaled[self.squares[0]] * scaled[self.squares[1]])
+        if isinstance(self.space, Discrete):
+            choice = int(told.argmax()) if len(told) > 1 else int(told[0] > 0.0)
+            return int(self.space.start) + choice
+        action = self.middle + self.half * np.minimum(np.maximum(told, -1.0), 1.0)
+        return action.reshape(self.space.shape).astype(self.space.dtype)
+
+
+def _flat(space: gymnasium.Space[Any], observed: Any) -> Float:
+    if isinstance(space, Box):
+        return np.asarray(observed, np.float64).ravel()
+    return np.asarray(gymnasium.spaces.flatten(space, observed), np.float64)
+
+
+def _middle_and_half(space: Box) -> tuple[Float, Float]:
+    """The middle of a box and half its width, flat; where it has no bounds, 0 and 1."""
+    low, high = space.low.ravel().astype(np.float64), space.high.ravel().astype(np.float64)
+    bound = np.isfinite(low) & np.isfinite(high)
+    low, high = np.where(bound, low, -1.0), np.where(bound, high, 1.0)
+    return (low + high) / 2.0, (high - low) / 2.0
+
+
+class Scales:
+    """Mean and standard deviation of all that was observed, kept as it runs."""
+
+    def __init__(self, size: int) -> None:
+        self.count, self.sum, self.squared = 0, np.zeros(size), np.zeros(size)
+
+    def add(self, seen: Sequence[Float]) -> None:
+        """Take in observations."""
+        if seen:
+            rows = np.clip(np.stack(seen), -1e6, 1e6)
+            self.count += len(rows)
+            self.sum += rows.sum(axis=0)
+            self.squared += (rows**2).sum(axis=0)
+
+    def now(self) -> tuple[list[float], list[float]]:
+        """The mean, and the standard deviation; 1 of what never changed."""
+        mean = self.sum / max(self.count, 1)
+        scale = np.sqrt(np.maximum(self.squared / max(self.count, 1) - mean**2, 0.0))
+        return mean.tolist(), np.where(scale > 1e-8, scale, 1.0).tolist()
+
+
+def goals_of(world: World, outcomes: Outcomes) -> dict[str, Goal]:
+    """By name, what evolutions are after: pay, with success and without, success by whatever tells it, both lengths.
+
+    Args:
+        world: Where.
+        outcomes: Some that were met there: their measures are goals too, in the direction that the world knows or else
+            in both.
+    """
+    goals: dict[str, Goal] = {
+        PAY: lambda it: (it.paid, it.discounted),
+        "success": lambda it: (it.success, it.share, np.nan_to_num(it.near, nan=0.0), it.paid),
+        "paid success": lambda it: (it.success, it.paid),
+        "longer": lambda it: (it.steps, it.paid),
+        "paid failure": lambda it: (~it.success, it.paid),
+        "soon": lambda it: (it.success, -it.time, it.paid),
+        "discounted pay": lambda it: (it.discounted, it.paid),
+        "shorter": lambda it: (-it.steps, it.paid),
+        "less pay": lambda it: (-it.paid,),
+    }
+    for name in outcomes.measures:
+        known = world.directions.get(name)
+        for direction in (1, -1) if known is None else (known,):
+            goals[f"{name} {direction:+d}"] = _measure(name, direction)
+    return goals
+
+
+def _measure(name: str, direction: int) -> Goal:
+    return lambda it: (
+        np.nan_to_num(direction * it.measures[name], nan=-np.inf, posinf=np.inf, neginf=-np.inf),
+        it.paid,
+    )
+
+
+class Evolutions:
+    """Evolutions of linear policies in a world, one after the other, each after one goal.
+
+    Attributes:
+        best: By the name of a goal, the policy that came nearest to it from all starts.
+        differs: By the name of a goal, whether anything but pay ever told two policies apart.
+    """
+
+    def __init__(self, world: World, starts: Whole, keep: Keep, rng: np.random.Generator) -> None:
+        """Play random actions, for the scale of what is observed and the names of measures.
+
+        Args:
+            world: Where.
+            starts: The seeds of the resets.
+            keep: Takes in every episode.
+            rng: Draws weights.
+        """
+        self.world, self.starts, self.keep, self.rng = world, starts, keep, rng
+        self.size = gymnasium.spaces.flatdim(world.observes)
+        self.scales = Scales(self.size)
+        world.space.seed(int(rng.integers(2**31)))
+        seen: list[Float] = []
+
+        def at_random(observed: Any) -> Any:
+            seen.append(_flat(world.observes, observed))
+            return world.space.sample()
+
+        outcomes, actions = world.act(starts, at_random)
+        self.scales.add(seen)
+        keep(np.arange(len(starts)), actions, outcomes, "random", ())
+        self.goals = goals_of(world, outcomes)
+        self.best: dict[str, Candidate] = {}
+        self.differs = dict.fromkeys(self.goals, False)
+        self._first = {name: _reached(goal, outcomes)[:-1] for name, goal in self.goals.items()}
+
+    def evolve(self, name: str, until: int, *, squares: bool, again: bool) -> None:
+        """One evolution after a goal, until it brings nothing more or the world has taken so many steps.
+
+        Args:
+            name: The goal's.
+            until: Steps of the world.
+            squares: Whether policies are given products of what is observed.
+            again: Whether it begins from the best policy that is known for this goal, rather than from nothing.
+        """
+        goal, begins = self.goals[name], self._begin(squares)
+        if again and name in self.best:
+            begins = _widened(self.best[name].policy, begins)
+        middle = np.asarray(begins["weights"])
+        spread = np.full(middle.shape, SPREAD_AGAIN if middle.any() else SPREAD)
+        best: tuple[float, ...] = (-np.inf,)
+        idle = 0
+        for _ in range(GENERATIONS):
+            some = np.sort(self.rng.permutation(len(self.starts))[:TRIED_FROM])
+            tried = list[tuple[tuple[float, ...], Mapping[str, Any]]]()
+            for _ in range(POPULATION):
+                if self.world.taken >= until:
+                    return
+                weights = middle + spread * self.rng.standard_normal(middle.shape)
+                policy = {**begins, "weights": weights.tolist()}
+                tried.append((_reached(goal, self._play(policy, some)), policy))
+            tried.sort(key=lambda it: it[0], reverse=True)
+            parents = np.stack([policy["weights"] for _, policy in tried[:PARENTS]])
+            middle, spread = parents.mean(axis=0), np.maximum(parents.std(axis=0), SPREAD_LEAST)
+            reached = self._compare(name, tried[0][1])
+            best, idle = (reached, 0) if reached > best else (best, idle + 1)
+            if idle >= PATIENCE:
+                return
+
+    def _begin(self, squares: bool) -> dict[str, Any]:
+        """A policy that knows nothing."""
+        width = 1 + self.size + (self.size * (self.size + 1) // 2 if squares else 0)
+        space = self.world.space
+        rows = int(np.prod(space.shape)) if isinstance(space, Box) else 1 if space.n == 2 else int(space.n)
+        mean, scale = self.scales.now()
+        return {"kind": LINEAR, "weights": np.zeros((rows, width)).tolist(), "mean": mean, "scale": scale}
+
+    def _compare(self, name: str, policy: Mapping[str, Any]) -> tuple[float, ...]:
+        """Play a policy from all starts, and keep it where it is the best one; returns how near it came to a goal."""
+        candidate = Candidate(policy, self._play(policy, np.arange(len(self.starts))))
+        for other, goal in self.goals.items():
+            known = self.best.get(other)
+            if known is None or _reached(goal, candidate.outcomes) > _reached(goal, known.outcomes):
+                self.best[other] = candidate
+        return _reached(self.goals[name], candidate.outcomes)
+
+    def _play(self, policy: Mapping[str, Any], some: Whole) -> Outcomes:
+        acting = _Linear(policy, self.world)
+        outcomes, actions = self.world.act(self.starts[some], acting)
+        self.scales.add(acting.seen)
+        self.keep(some, actions, outcomes, LINEAR, [policy] * len(some))
+        for name, goal in self.goals.items():
+            self.differs[name] |= _reached(goal, outcomes)[:-1] != self._first[name]
+        return outcomes
+
+
+def _reached(goal: Goal, outcomes: Outcomes) -> tuple[float, ...]:
+    """How near some episodes came to a goal, on average."""
+    return tuple(float(np.mean(it)) for it in goal(outcomes))
+
+
+def _widened(known: Mapping[str, Any], begins: Mapping[str, Any]) -> dict[str, Any]:
+    """A known policy, given the products too that another one has, with weights 0."""
+    weights, wanted = np.asarray(known["weights"]), np.asarray(begins["weights"])
+    missing = max(0, wanted.shape[1] - weights.shape[1])
+    return {**known, "weights": np.pad(weights, ((0, 0), (0, missing))).tolist()}
+
+
+def search_linear(world: World, starts: Whole, keep: Keep, budget: int, rng: np.random.Generator) -> list[Candidate]:
+    """Look for linear policies that are paid most, fail, succeed, last: every episode is given to `keep`.
+
+    Args:
+        world: Where.
+        starts: The seeds of the resets; all are played at once, so that a policy is none for one start only.
+        keep: Takes in every episode.
+        budget: About so many steps are taken.
+        rng: Draws weights and random actions.
+
+    Returns:
+        The best policies, each for a goal of its own; none where observations are not numbers, or too many.
+    """
+    try:
+        size = gymnasium.spaces.flatdim(world.observes)
+    except (NotImplementedError, ValueError):
+        return []
+    if isinstance(world.observes, Discrete) or not 0 < size <= LARGEST:
+        return []
+    stop, evolutions = world.taken + budget, Evolutions(world, starts, keep, rng)
+    for number, name in ((number, name) for number in itertools.count() for name in evolutions.goals):
+        if world.taken >= stop or (number and not any(evolutions.differs.values())):
+            break
+        if evolutions.differs[name] or (number, name) == (0, PAY):
+            until = world.taken + max(1, int(AT_ONCE * (stop - world.taken)))
+            squares = number % 2 == 1 and evolutions.size <= SQUARED
+            evolutions.evolve(name, until, squares=squares, again=number >= FROM_NOTHING)
+    return list({id(it): it for it in evolutions.best.values()}.values())

@@ -1,0 +1,121 @@
+"""What actions a world takes, as a search writes them: numbers in [-1, 1], or choices; and how chance moves them."""
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import gymnasium
+import numpy as np
+
+from .world import Actions
+
+Rng: TypeAlias = np.random.Generator
+WIDEST = 3.0
+"""Stands for a bound that is infinite: few environments ask for more than that."""
+
+
+@dataclass(frozen=True, eq=False)
+class Reals:
+    """Actions of a box, each number brought into [-1, 1]; 0 is the middle.
+
+    Attributes:
+        middle: Of the box, (size,).
+        half: Half its width, (size,).
+    """
+
+    middle: Actions
+    half: Actions
+
+    def written(self, actions: Actions) -> Actions:
+        """The world's actions as the search writes them, (..., size)."""
+        return np.asarray(np.clip((actions - self.middle) / self.half, -1.0, 1.0), np.float32)
+
+    def played(self, actions: Actions) -> Actions:
+        """The search's actions as the world takes them, (..., size)."""
+        return np.asarray(self.middle + self.half * actions, np.float32)
+
+    def white(self, rng: Rng, count: int, steps: int) -> Actions:
+        """Actions drawn one by one, (count, steps, size)."""
+        return rng.uniform(-1.0, 1.0, (count, steps, self.half.size)).astype(np.float32)
+
+    def coloured(self, rng: Rng, count: int, steps: int) -> Actions:
+        """Episodes of noise of many colours, (count, steps, size).
+
+        Each number keeps its value for a while: one step, the whole episode or anything between. A third of the
+        episodes goes from one extreme to the other, a third glides from value to value, and some are small.
+        """
+        size, rows = self.half.size, np.arange(count)[:, None, None]
+        spells = _spells(rng, (count, 1, size), steps)
+        clock = np.arange(steps)[:, None] / spells + rng.uniform(0.0, 1.0, (count, 1, size))
+        place = clock.astype(np.int64)
+        knots = rng.uniform(-1.0, 1.0, (count, steps + 2, size))
+        kind, column = rng.integers(3, size=(count, 1, 1)), np.arange(size)
+        knots = np.where(kind == 0, np.sign(knots), knots)
+        here, there = knots[rows, place, column], knots[rows, place + 1, column]
+        along = np.where(kind == 1, clock - place, 0.0)
+        loud = np.where(rng.random((count, 1, 1)) < 0.3, 10.0 ** rng.uniform(-1.5, 0.0, (count, 1, 1)), 1.0)
+        return (((1.0 - along) * here + along * there) * loud).astype(np.float32)
+
+    def resting(self, rng: Rng, count: int) -> Actions:
+        """What may keep still: nothing, (count, 1, size)."""
+        return np.zeros((count, 1, self.half.size), np.float32)
+
+    def turned(self, actions: Actions) -> Actions:
+        """The way back."""
+        return -actions
+
+
+@dataclass(frozen=True)
+class Choices:
+    """Actions that are one of a few.
+
+    Attributes:
+        count: How many there are.
+        first: The smallest.
+    """
+
+    count: int
+    first: int = 0
+
+    def written(self, actions: Actions) -> Actions:
+        """The world's actions as the search writes them, from 0."""
+        return np.asarray(actions, np.int64) - self.first
+
+    def played(self, actions: Actions) -> Actions:
+        """The search's actions as the world takes them."""
+        return actions + self.first
+
+    def white(self, rng: Rng, count: int, steps: int) -> Actions:
+        """Actions drawn one by one, (count, steps)."""
+        return rng.integers(self.count, size=(count, steps))
+
+    def coloured(self, rng: Rng, count: int, steps: int) -> Actions:
+        """Episodes that keep a choice for a while, from one step to all of them, and like some choices more."""
+        clock = np.arange(steps) / _spells(rng, (count, 1), steps) + rng.uniform(0.0, 1.0, (count, 1))
+        liked = np.cumsum(rng.dirichlet(np.full(self.count, 0.7), count), axis=1)
+        knots = (rng.random((count, steps + 1, 1)) > liked[:, None, :-1]).sum(axis=2)
+        return np.take_along_axis(knots, clock.astype(np.int64), axis=1)
+
+    def resting(self, rng: Rng, count: int) -> Actions:
+        """What may keep still: any one choice, (count, 1)."""
+        return rng.integers(self.count, size=(count, 1))
+
+    def turned(self, actions: Actions) -> Actions:
+        """The way back, where choices are in an order: left and right, push and pull."""
+        return self.count - 1 - actions
+
+
+Moves: TypeAlias = Reals | Choices
+
+
+def moves_in(space: gymnasium.spaces.Box | gymnasium.spaces.Discrete) -> Moves:
+    """How a search writes the actions of a space."""
+    if isinstance(space, gymnasium.spaces.Discrete):
+        return Choices(int(space.n), int(space.start))
+    low = np.where(np.isfinite(space.low), space.low, -WIDEST).astype(np.float64).ravel()
+    high = np.where(np.isfinite(space.high), space.high, WIDEST).astype(np.float64).ravel()
+    return Reals((low + high) / 2.0, np.maximum((high - low) / 2.0, 1e-9))
+
+
+def _spells(rng: Rng, shape: tuple[int, ...], steps: int) -> Actions:
+    """For how many steps a value is kept, from 1 to `steps`, each magnitude as likely."""
+    return np.exp(rng.uniform(0.0, np.log(max(steps, 2)), shape))

@@ -1,0 +1,202 @@
+"""What a search leaves behind: certificates and their page, in a folder or in one file; and both read again."""
+
+from collections.abc import Sequence
+from contextlib import closing
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+from harness.authoring.commands import (
+    Choice,
+    Registry,
+    Scene,
+    Store,
+    choose,
+    load_robot,
+    make_folder,
+    read_scene,
+    refuse_links,
+    require_given,
+    scene_of,
+    storage_errors,
+    write_scene,
+    write_whole,
+)
+from harness.authoring.pages import write_page
+from harness.errors import SchemaError, UsageError
+from harness.task import choose_task
+
+from .certificate import BEGINS, NOUN, ROLES, Certificate, file_names, read_certificate, write_certificate
+from .film import films_of
+from .finding import Finding
+from .page import cheats_page
+from .place import Place, runs_on, world_at
+from .replay import Replayed, certify, changes, replay
+
+INDEX = "index.html"
+MOST_FILES = 300
+"""The most certificates of a folder that are shown."""
+
+
+def place_on_task(
+    registry: Registry, reward: Choice, task: str, robot: str | None, sim: str | None, gamma: float
+) -> Place:
+    """Where a reward on an arm's task was searched.
+
+    Args:
+        registry: The plugins.
+        reward: The reward.
+        task: The task, ``fd100-reach``.
+        robot: The arm; None for the task's own.
+        sim: The simulator; None for joints that move exactly as commanded.
+        gamma: The learner's discount per step.
+    """
+    chosen, _ = choose_task(registry, task, robot)
+    arm = robot or str(chosen.build(registry, "tasks").robot)
+    engine = choose(registry, "simulators", sim) if sim else None
+    return Place(chosen, reward, arm, engine, gamma=gamma, plugins=_needs(registry))
+
+
+def place_in_environment(registry: Registry, environment: Choice, reward: Choice, gamma: float) -> Place:
+    """Where a reward in an environment was searched."""
+    return Place(environment, reward, gamma=gamma, plugins=_needs(registry))
+
+
+def _needs(registry: Registry) -> tuple[dict[str, object], ...]:
+    """What was given by hand; of files the name, for the folder that they lie in is nobody else's concern."""
+    needs = [dict(it.need) for it in registry.given]
+    return tuple({**need, "path": Path(str(need["path"])).name} if "path" in need else need for need in needs)
+
+
+def certificates_of(
+    findings: Sequence[Finding], places: Sequence[Place], registry: Registry, *, seed: int, budget: int
+) -> tuple[list[Certificate], list[str]]:
+    """Certificates of all that findings show, with films; and a line for each behaviour that does not repeat.
+
+    Args:
+        findings: What a search found of each reward.
+        places: Where, one for each.
+        registry: The plugins.
+        seed: Of the search.
+        budget: Steps that it might take for each.
+    """
+    certificates, refused = list[Certificate](), list[str]()
+    for finding, place in zip(findings, places, strict=True):
+        make, told = partial(world_at, place, registry), runs_on(place, registry)
+        made, lines = certify(finding, place, make, told, seed=seed, budget=budget)
+        if place.is_environment and made:
+            films = films_of(place, registry, [it.shown for it in made])
+            made = [replace(it, film=film) for it, film in zip(made, films, strict=True)]
+        certificates += made
+        refused += lines
+    return certificates, refused
+
+
+def write_found(
+    folder: Path, certificates: Sequence[Certificate], registry: Registry, remarks: Sequence[str] = ()
+) -> None:
+    """Leave certificates and their page in a folder. What an earlier search left there of the same rewards goes.
+
+    Raises:
+        UsageError: The folder cannot be written, holds a link, or is that of an experiment.
+        StorageError: The disk is full, or fails.
+    """
+    require_free(folder)
+    scene, names = scene_for(certificates, registry), file_names(certificates)
+    page = cheats_page(certificates, scene, remarks)
+    with storage_errors(folder):
+        for certificate, name in zip(certificates, names, strict=True):
+            write_certificate(certificate, folder / name)
+        for name in names:
+            stem = name.rpartition("-")[0]
+            for role in ROLES:
+                other = folder / f"{stem}-{role}.json"
+                if other.name not in names and _is_certificate(other):
+                    other.unlink()
+        if scene is not None:
+            write_scene(scene, folder)
+        write_whole(folder / INDEX, page)
+
+
+def require_free(folder: Path) -> None:
+    """Make the folder, or see that certificates may be written into the one that is there.
+
+    Raises:
+        UsageError: It cannot be written, holds a link, or is that of an experiment.
+    """
+    if Store.is_experiment(folder):
+        raise UsageError(f"--out '{folder}' is the folder of an experiment: name another one")
+    make_folder(folder)
+    refuse_links(folder)
+
+
+def write_found_page(
+    path: Path, certificates: Sequence[Certificate], registry: Registry, remarks: Sequence[str] = ()
+) -> None:
+    """Leave the page alone, without files beside it.
+
+    Raises:
+        UsageError: It cannot be written.
+    """
+    page = cheats_page(certificates, scene_for(certificates, registry), remarks, files=False)
+    write_page(page, path, "The page")
+
+
+def scene_for(certificates: Sequence[Certificate], registry: Registry) -> Scene | None:
+    """What the arm of certificates looks like; None of an environment."""
+    robots = [it.place.robot for it in certificates if it.place.robot]
+    return scene_of(load_robot(robots[0], registry)) if robots else None
+
+
+def page_in(path: Path) -> str | None:
+    """The page of a certificate, or of a folder of certificates; None where there is none. Nothing is run for it.
+
+    Raises:
+        SchemaError: A file that is named is damaged, or a newer version wrote it.
+        UsageError: A library of the extra ``report`` is missing.
+    """
+    if path.is_file():
+        return cheats_page([read_certificate(path)], read_scene(path.parent))
+    certificates, damaged = list[Certificate](), list[str]()
+    for file in [it for it in sorted(path.glob("*.json")) if _is_certificate(it)][:MOST_FILES]:
+        try:
+            certificates.append(read_certificate(file))
+        except SchemaError as error:
+            damaged.append(f"Left out: {error}")
+    return cheats_page(certificates, read_scene(path), damaged) if certificates or damaged else None
+
+
+def _is_certificate(path: Path) -> bool:
+    """Whether a regular file begins as certificates do."""
+    if path.is_symlink() or not path.is_file():
+        return False
+    with path.open("rb") as file:
+        return file.read(len(BEGINS)) == BEGINS
+
+
+def replay_file(path: Path, registry: Registry, sim: str | None = None) -> Replayed:
+    """Play what is in a file again.
+
+    Args:
+        path: A certificate.
+        registry: The plugins. Only those that are installed or that the user gave are used.
+        sim: Another simulator for an arm; None for the certificate's own.
+
+    Raises:
+        UsageError: There is no such file, a plugin that it names is not given, or a simulator makes no sense.
+        SchemaError: The file is damaged, or a newer version wrote it.
+    """
+    if not path.is_file():
+        raise UsageError(f"--replay {path}: there is no such file. harness audit SUBJECT --out FOLDER writes {NOUN}s")
+    certificate = read_certificate(path)
+    place, elsewhere = certificate.place, ""
+    require_given(list(place.plugins), registry.given, f"The {NOUN}")
+    if sim is not None:
+        if place.is_environment:
+            raise UsageError(f"--sim does not go with {path}: {place.name} brings its own simulation. Leave out --sim")
+        engine = choose(registry, "simulators", sim)
+        elsewhere = engine.label if engine != place.simulator else ""
+        place = replace(place, simulator=engine)
+    reasons = changes(certificate.runs_on, runs_on(place, registry))
+    with closing(world_at(place, registry)) as world:
+        return replay(certificate, world, () if elsewhere else reasons, elsewhere)

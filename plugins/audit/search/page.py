@@ -1,0 +1,303 @@
+"""What a search found as one HTML file: behaviours beside one another, as films, as curves of pay, as numbers."""
+
+import base64
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import groupby
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from harness.arrays import Float
+from harness.authoring.commands import Episode, Scene, Show, Side, plugin_flags
+from harness.authoring.pages import (
+    Axis,
+    Chart,
+    Dots,
+    Grid,
+    Line,
+    draw_chart,
+    linear_axis,
+    render_page,
+    replay_of,
+    select_points,
+)
+from harness.text import number, visible
+
+from .certificate import Certificate, file_names
+from .finding import CANNOT_TELL, FAILING, LOITERING, Role
+from .world import Shown
+
+TEMPLATE = Path(__file__).parent / "cheats.html.j2"
+BADGES: Mapping[str, str] = {FAILING: "hurts", LOITERING: "hurts", CANNOT_TELL: "cannot-tell"}
+"""The colour of each answer; nothing found is none."""
+NAMES: Mapping[Role, str] = {
+    "fastest": "fastest success", "failure": "best-paid failure", "success": "best-paid success"
+}  # fmt: skip
+"""What each behaviour is called, in the order in which they are shown: doing the task first."""
+COLOURS: Mapping[Role, str] = {"fastest": "baseline", "failure": "proposed", "success": "pair-5"}
+"""Those that the replay of an arm has too."""
+DASHES: Mapping[Role, str] = {"fastest": "6 3", "failure": "", "success": "2 3"}
+MEASURES = 3
+"""So many measures are drawn."""
+LEAST = 1e-100
+"""A smaller range is drawn as none."""
+FRAMES = 150
+"""The most frames of an arm's replay."""
+EXPLANATION = (
+    "All began in the same pose with the same target (green). Line: the way of the end effector. Drag to turn the view."
+)
+NONE: Float = np.zeros(0)
+
+
+class Figure(NamedTuple):
+    """A chart and what it shows."""
+
+    heading: str
+    svg: str
+
+
+def cheats_page(
+    certificates: Sequence[Certificate],
+    scene: Scene | None = None,
+    remarks: Sequence[str] = (),
+    files: bool = True,
+) -> str:
+    """The page, as HTML.
+
+    Args:
+        certificates: Of one world, of any number of rewards.
+        scene: What the arm looks like; None of an environment.
+        remarks: Sentences that stand below the title, such as why a behaviour was not certified.
+        files: Whether the certificates lie beside the page.
+
+    Raises:
+        UsageError: A library of the extra ``report`` is missing.
+    """
+    names = file_names(certificates)
+    groups = [
+        (reward, {it.role: it for it, _ in pairs}, {it.role: name for it, name in pairs})
+        for reward, pairs in _by_reward(certificates, names)
+    ]
+    shows = [] if scene is None else [show for _, group, _ in groups if (show := _show(group, scene)) is not None]
+    titles = dict.fromkeys(visible(it.place.name) for it in certificates)
+    return render_page(
+        TEMPLATE,
+        "The page",
+        title=f"What a cheat would do: {', '.join(titles)}",
+        remarks=list(remarks),
+        groups=[
+            _group(place, reward, group, names if files else {}) for place, (reward, group, names) in enumerate(groups)
+        ],
+        replay=replay_of(shows, EXPLANATION),
+    )
+
+
+def _by_reward(
+    certificates: Sequence[Certificate], names: Sequence[str]
+) -> Iterator[tuple[str, list[tuple[Certificate, str]]]]:
+    order = list(NAMES)
+    pairs = sorted(
+        zip(certificates, names, strict=True), key=lambda it: (it[0].place.reward.label, order.index(it[0].role))
+    )
+    for reward, found in groupby(pairs, key=lambda it: it[0].place.reward.label):
+        yield reward, list(found)
+
+
+def _group(
+    place: int,
+    reward: str,
+    group: Mapping[Role, Certificate],
+    names: Mapping[Role, str],
+) -> dict[str, Any]:
+    """What is said of one reward."""
+    first = next(iter(group.values()))
+    answer, shown = first.answer, _distinct(group)
+    return {
+        "name": reward,
+        "anchor": f"reward-{place}",
+        "badge": BADGES.get(answer.word, "no-difference"),
+        "word": answer.word if not answer.strength else f"{answer.word}, {answer.strength}",
+        "lead": answer.lines[0] if answer.lines else "",
+        "lines": answer.lines[1:],
+        "setting": _setting(first),
+        "table": _table(shown),
+        "terms": _terms(shown),
+        "figures": [*_figures(shown)],
+        "films": _films(shown),
+        "plugins": plugin_flags(list(first.place.plugins)),
+        "files": [(name, NAMES[role]) for role, name in names.items()],
+    }
+
+
+def _setting(it: Certificate) -> str:
+    place, found = it.place, it.found
+    told = f"success: {place.success}" if place.success else "nothing measures success"
+    return (
+        f"{told}; of {it.answer.starts} starts, start {it.shown.start} is shown; gamma {place.gamma:g}; a search of "
+        f"{found.steps:,} steps with seed {found.seed}: {', '.join(found.how)}"
+    )
+
+
+def _distinct(group: Mapping[Role, Certificate]) -> dict[str, Certificate]:
+    """The behaviours by what they are called; the best-paid success is often the fastest one too."""
+    success, fastest = group.get("success"), group.get("fastest")
+    if success and fastest and np.array_equal(success.shown.actions, fastest.shown.actions):
+        both = {"fastest and best-paid success": fastest}
+        return {**both, **{NAMES[role]: it for role, it in group.items() if role == "failure"}}
+    is_told = bool(next(iter(group.values())).place.success)
+    return {NAMES[role] if is_told or role != "failure" else "paid most": it for role, it in group.items()}
+
+
+def _table(shown: Mapping[str, Certificate]) -> Grid:
+    """The behaviours in numbers, a column each."""
+    measures = dict.fromkeys(name for it in shown.values() for name in it.shown.measures)
+    elsewhere = dict.fromkeys(name for it in shown.values() for name in it.elsewhere)
+    of = list(shown.values())
+    rows: list[tuple[str, ...]] = [
+        ("paid", *(number(it.paid) for it in of)),
+        (f"paid, discounted by {of[0].place.gamma:g}", *(number(it.discounted) for it in of)),
+        ("steps", *(f"{len(it.shown.paid):,}" for it in of)),
+        ("outcome", *(it.outcome for it in of)),
+        ("steps in success", *(f"{it.shown.success.mean():.0%}" for it in of)),
+        *((f"{name}, last", *(_last(it, name) for it in of)) for name in measures),
+        *((f"paid in {name}", *(number(it.elsewhere.get(name, np.nan)) for it in of)) for name in elsewhere),
+        ("found by", *(it.found.made_by for it in of)),
+    ]
+    return Grid(("", *shown), rows, [])
+
+
+def _last(it: Certificate, name: str) -> str:
+    values = it.shown.measures.get(name)
+    return "n/a" if values is None or np.isnan(values[-1]) else number(float(values[-1]))
+
+
+def _terms(shown: Mapping[str, Certificate]) -> Grid:
+    """What each term paid each behaviour in all."""
+    names = dict.fromkeys(name for it in shown.values() for name in it.shown.terms)
+    rows: list[tuple[str, ...]] = [
+        (name, *(number(float(np.sum(it.shown.terms.get(name, 0.0)))) for it in shown.values())) for name in names
+    ]
+    return Grid(("term", *shown), rows if len(names) > 1 else [], [], "What each term paid")
+
+
+def _figures(shown: Mapping[str, Certificate]) -> Iterator[Figure]:
+    """Pay over time, some measures over time, and pay under noise."""
+    sums = {title: np.concatenate([[0.0], np.cumsum(it.shown.paid)]) for title, it in shown.items()}
+    yield _over_time("Paid so far", sums, shown, first=0)
+    names = dict.fromkeys(name for it in shown.values() for name in it.shown.measures)
+    measured = {name: {title: it.shown.measures.get(name, NONE) for title, it in shown.items()} for name in names}
+    count = {name: _count(*values.values()) for name, values in measured.items()}
+    drawn = [name for name in names if count[name] > 2] or [name for name in names if count[name] == 2]
+    for name in drawn[:MEASURES]:
+        yield _over_time(name, measured[name], shown, first=1)
+    if any(it.noise for it in shown.values()):
+        yield _noise(shown)
+
+
+def _count(*values: Float) -> int:
+    """How many different values there are; two of a flag."""
+    told = np.concatenate(values)
+    return len(np.unique(told[np.isfinite(told)]))
+
+
+def _over_time(title: str, curves: Mapping[str, Float], shown: Mapping[str, Certificate], *, first: int) -> Figure:
+    """A line of each behaviour over its steps, which count from `first`, and a dot at its end."""
+    marks: list[Line | Dots] = []
+    for name, values in curves.items():
+        points, role = select_points(np.nan_to_num(values)), shown[name].role
+        if len(points):
+            x, y = (points + first).tolist(), values[points].tolist()
+            marks.append(Line(x, y, COLOURS[role], name, dash=DASHES[role], in_legend=True))
+            if np.isfinite(y[-1]):
+                marks.append(Dots(x[-1:], y[-1:], COLOURS[role], (name,)))
+    last = max(mark.x[-1] for mark in marks)
+    chart = Chart(linear_axis(0.0, max(last, 1), "step", 5), _axis([*curves.values()], visible(title)), tuple(marks))
+    return Figure(title, draw_chart(chart, f"{title} at each step"))
+
+
+def _noise(shown: Mapping[str, Certificate]) -> Figure:
+    """What each behaviour is paid while its actions are disturbed."""
+    marks = tuple(
+        mark
+        for name, it in shown.items()
+        if (x := [row.noise for row in it.noise])
+        for y in [[row.paid for row in it.noise]]
+        for mark in (
+            Line(x, y, COLOURS[it.role], name, dash=DASHES[it.role], in_legend=True),
+            Dots(x, y, COLOURS[it.role], (name,) * len(x)),
+        )
+    )
+    most, paid = max(max(mark.x) for mark in marks) or 1.0, [np.array(mark.y) for mark in marks]
+    chart = Chart(
+        linear_axis(0.0, most, "noise of actions, as a share of half their range", 5), _axis(paid, "paid"), marks
+    )
+    return Figure("Paid while actions are disturbed", draw_chart(chart, "Pay over the noise of actions"))
+
+
+def _axis(curves: Sequence[Float], title: str) -> Axis:
+    told = np.concatenate([[0.0], *curves])
+    low, high = float(np.nanmin(told)), float(np.nanmax(told))
+    air = 0.04 * (high - low) if high - low > LEAST else 0.5
+    return linear_axis(low - air, high + air, title)
+
+
+def _films(shown: Mapping[str, Certificate]) -> dict[str, Any] | None:
+    """The films of one reward, on one clock; None if there are none."""
+    found = [(title, it.role, it.film) for title, it in shown.items() if it.film is not None]
+    if not found:
+        return None
+    reasons = dict.fromkeys(film.reason for *_, film in found if film.reason)
+    drawn = [it for it in found if it[-1].strip]
+    return {
+        "reasons": list(reasons),
+        "last": max((film.steps[-1] for *_, film in drawn), default=0),
+        "sides": [
+            {
+                "title": title,
+                "colour": COLOURS[role],
+                "steps": ",".join(map(str, film.steps)),
+                "count": len(film.steps),
+                "size": film.size,
+                "picture": f"data:image/webp;base64,{base64.b64encode(film.strip).decode()}",
+            }
+            for title, role, film in drawn
+        ],
+    }
+
+
+def _show(group: Mapping[Role, Certificate], scene: Scene) -> Show | None:
+    """The behaviours of an arm as a replay shows them."""
+    sizes = {"qpos": len(scene.joints), "target": 3}
+    shown = {
+        title: it
+        for title, it in _distinct(group).items()
+        if it.shown.drawn and all(it.shown.drawn[name].shape[1] == size for name, size in sizes.items())
+    }
+    if not shown:
+        return None
+    sides = tuple(
+        Side(title, "", it.shown.start, scene, (_episode(it),), _period(it.shown)) for title, it in shown.items()
+    )
+    first = next(iter(shown.values()))
+    told = f"{first.place.reward.label}, start {first.shown.start}"
+    return Show(first.place.reward.label, (1,), sides, told=told)
+
+
+def _period(shown: Shown) -> float:
+    """The duration of a step, [s]."""
+    return float(shown.drawn["time"][1, 0])
+
+
+def _episode(it: Certificate) -> Episode:
+    shown, drawn = it.shown, it.shown.drawn
+    steps = np.unique(np.linspace(0, len(shown.paid), min(FRAMES, len(shown.paid) + 1)).round().astype(np.int64))
+    return Episode(
+        steps,
+        drawn["qpos"][steps],
+        drawn["target"][steps],
+        drawn["distance"][steps, 0],
+        np.concatenate([[0.0], np.cumsum(shown.paid)])[steps],
+        "reached" if shown.success[-1] else "ground" if _last(it, "ground") == "1" else "time-out",
+        {},
+    )

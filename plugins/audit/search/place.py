@@ -1,0 +1,136 @@
+"""What makes a world again, in another process or on another machine: names and numbers, never code."""
+
+import platform
+from collections.abc import Mapping
+from contextlib import closing
+from dataclasses import dataclass
+from typing import Any
+
+from harness.authoring.commands import (
+    Choice,
+    IdealSimulator,
+    Registry,
+    World as Arm,
+    blamed_on,
+    columns_of,
+    describe_machine,
+    load_robot,
+    source_hash,
+    source_of,
+    versions_behind,
+    versions_of,
+    weighing,
+)
+from harness.environment import Environment
+
+from .arm_world import ArmWorld
+from .environment_world import of_environment
+from .world import World
+
+ENGINES = ("mujoco", "Box2D", "pybullet", "pymunk", "pygame", "brax", "jax", "torch")
+"""Their versions are noted where an environment has imported them."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """One reward in one task or environment.
+
+    Attributes:
+        task: The task of an arm, or the environment.
+        reward: The reward.
+        robot: The arm's name or path; empty in an environment.
+        simulator: Whose engine moves the arm; None without one, and in an environment.
+        success: What tells success, as a user types it; empty if nothing does.
+        gamma: The learner's discount per step, in (0, 1].
+        horizon: The most steps of an episode; 0 for the env's own limit.
+        plugins: What ``--plugin`` has to give: path and SHA-256 of files, names of classes.
+    """
+
+    task: Choice
+    reward: Choice
+    robot: str = ""
+    simulator: Choice | None = None
+    success: str = ""
+    gamma: float = 0.99
+    horizon: int = 0
+    plugins: tuple[Mapping[str, Any], ...] = ()
+
+    @property
+    def is_environment(self) -> bool:
+        """Whether it is an environment, and no task of an arm."""
+        return not self.robot
+
+    @property
+    def name(self) -> str:
+        """What it is called."""
+        engine = f" in {self.simulator.label}" if self.simulator else ""
+        return self.task.label if self.is_environment else f"{self.task.label}, {self.robot}{engine}"
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data; `from_json` gives the same back."""
+        return {
+            **vars(self),
+            "task": self.task.to_json(),
+            "reward": self.reward.to_json(),
+            "simulator": self.simulator and self.simulator.to_json(),
+            "plugins": [dict(need) for need in self.plugins],
+        }
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> "Place":
+        """What `to_json` told.
+
+        Raises:
+            ValueError: A name in it has several lines.
+        """
+        choices = {name: data[name] and Choice.from_json(data[name]) for name in ("task", "reward", "simulator")}
+        return cls(**{**data, **choices, "plugins": tuple(data["plugins"])})
+
+
+def world_at(place: Place, registry: Registry) -> World:
+    """A new world of a place.
+
+    Raises:
+        UsageError: A name in it is not known, or its reward fails.
+        PluginError: A plugin behind a name is broken.
+    """
+    if place.is_environment:
+        return of_environment(place.task, registry, place.reward, place.gamma, place.success, place.horizon or None)
+    engine = place.simulator.build(registry, "simulators") if place.simulator else IdealSimulator()
+    reward, task = place.reward.build(registry, "rewards"), place.task.build(registry, "tasks")
+    arm = Arm(engine, load_robot(place.robot, registry), task, reward)
+    return ArmWorld(arm, place.name, place.reward.label, place.gamma)
+
+
+def runs_on(place: Place, registry: Registry) -> dict[str, dict[str, Any]]:
+    """Versions, machine, and SHA-256 of sources that decide what a behaviour is paid, as they are here.
+
+    Raises:
+        UsageError: A name is not known.
+        PluginError: The environment cannot be made.
+    """
+    chosen = {"environments": place.task} if place.is_environment else {"tasks": place.task, "rewards": place.reward}
+    if place.simulator is not None:
+        chosen["simulators"] = place.simulator
+    specs = {kind: registry.get(kind, choice.name) for kind, choice in chosen.items()}
+    sources = {kind[:-1]: source_hash(spec.load()) for kind, spec in specs.items()}
+    versions = {"python": platform.python_version(), **versions_behind(specs.values())}
+    if place.is_environment:
+        reward, behind = _in_environment(place, registry)
+        sources, versions = {**sources, "reward": reward}, {**versions, **behind}
+    else:
+        sources["robot"] = load_robot(place.robot, registry).digest
+    machine = {key: value for key, value in describe_machine().items() if key != "cores"}
+    return {"versions": versions, "machine": machine, "sources": {name: it for name, it in sources.items() if it}}
+
+
+def _in_environment(place: Place, registry: Registry) -> tuple[str, dict[str, str]]:
+    """The hash of the code of a reward, empty if it has none of its own, and the versions behind the env."""
+    environment: Environment = place.task.build(registry, "environments")
+    with (
+        blamed_on(registry.get("environments", place.task.name), "an env was made"),
+        closing(environment.make()) as env,
+    ):
+        columns, reward = columns_of(environment, env, registry), place.reward
+        given = weighing(columns, reward.name, reward.label, dict(reward.params)).rewards.get(reward.label)
+        return (source_of(given).sha256 if given is not None else ""), versions_of(env, ENGINES)

@@ -1,0 +1,238 @@
+"""Behaviours played again: before they are certified, and from the file of a certificate, wherever that is."""
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from harness.arrays import Float
+from harness.text import number
+
+from .certificate import ROLES, Answer, Certificate, Found
+from .finding import Finding, Role
+from .place import Place
+from .world import Shown, World
+
+
+@dataclass(frozen=True)
+class Difference:
+    """Where an episode that was played again differs first.
+
+    Attributes:
+        step: From 1.
+        what: What was different there.
+        came_to: What both came to, in words.
+    """
+
+    step: int
+    what: str
+    came_to: str
+
+    def __str__(self) -> str:
+        return f"step {self.step}: {self.what}; {self.came_to}"
+
+
+@dataclass(frozen=True)
+class Replayed:
+    """What came of playing a certificate again.
+
+    Attributes:
+        certificate: What was played.
+        shown: What it was here.
+        difference: Where it differs first; None if it is the same, bit for bit.
+        reasons: Why it may differ, a line each.
+        elsewhere: The simulator in which it was played, if that is another one than the certificate's.
+    """
+
+    certificate: Certificate
+    shown: Shown
+    difference: Difference | None
+    reasons: tuple[str, ...] = ()
+    elsewhere: str = ""
+
+    @property
+    def is_refused(self) -> bool:
+        """Whether it does not show what it says."""
+        return self.difference is not None and not self.elsewhere
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """The answer, and what it rests on."""
+        if self.elsewhere:
+            then = came_to(self.certificate.shown)
+            return (f"in {self.elsewhere}: {came_to(self.shown)}; the file says {then}",)
+        if self.difference is None:
+            return (f"the same: {came_to(self.shown)}", *self.reasons)
+        return (f"NOT THE SAME, refused. {self.difference}", *self.reasons)
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        found = self.difference
+        return {
+            "same": found is None,
+            "paid": math.fsum(self.shown.paid),
+            "steps": len(self.shown.paid),
+            "success": bool(self.shown.success[-1]),
+            "certified": {
+                "paid": self.certificate.paid,
+                "steps": len(self.certificate.shown.paid),
+                "success": bool(self.certificate.shown.success[-1]),
+            },
+            "first_difference": found and {"step": found.step, "what": found.what},
+            "reasons": list(self.reasons),
+            "elsewhere": self.elsewhere,
+        }
+
+
+def certify(
+    finding: Finding,
+    place: Place,
+    make: Callable[[], World],
+    runs_on: Mapping[str, Mapping[str, Any]],
+    *,
+    seed: int,
+    budget: int,
+) -> tuple[list[Certificate], list[str]]:
+    """A certificate of each shown behaviour that repeats, and a line for each that does not.
+
+    Args:
+        finding: What a search found.
+        place: What makes its world again.
+        make: Makes it, anew at each call.
+        runs_on: Versions, machine and sources.
+        seed: Of the search.
+        budget: Steps that it might take.
+    """
+    certificates, refused = list[Certificate](), list[str]()
+    with closing(make()) as world:
+        place = replace(place, success=finding.success, horizon=world.horizon)
+        for role in ROLES:
+            shown = finding.shown.get(role)
+            if shown is None:
+                continue
+            again = _played_twice(shown, world)
+            found = next((it for it in (difference(shown, other) for other in again) if it is not None), None)
+            if found is not None:
+                refused.append(f"{finding.reward}, {role}: not certified, it does not repeat. Played again, {found}")
+                continue
+            certificates.append(_certificate(finding, place, runs_on, role, again[0], seed, budget))
+    return certificates, refused
+
+
+def replay(certificate: Certificate, world: World, reasons: Sequence[str] = (), elsewhere: str = "") -> Replayed:
+    """Play a certificate twice in a world.
+
+    Args:
+        certificate: What to play.
+        world: A fresh one.
+        reasons: What is other here than it was.
+        elsewhere: The simulator of `world`, if it is another one.
+    """
+    then = certificate.shown
+    again = _played_twice(then, world)
+    if unsteady := difference(*again):
+        return Replayed(certificate, again[0], unsteady, ("It does not repeat itself here.",), elsewhere)
+    found = difference(then, again[0])
+    if found is not None and not reasons:
+        reasons = ("Nothing that is recorded has changed: what it depends on beside that is not known.",)
+    return Replayed(certificate, again[0], found, tuple(reasons), elsewhere)
+
+
+def difference(then: Shown, now: Shown) -> Difference | None:
+    """Where two plays of the same actions differ first, bit for bit; None if nowhere."""
+    both = min(len(then.paid), len(now.paid))
+    told = f"in all {came_to(now)}, not {came_to(then)}"
+    rows = {"the step": (then.paid, now.paid), **_terms(then, now)}
+    first = {name: _first(a[:both], b[:both]) for name, (a, b) in rows.items()}
+    success = _first(then.success[:both].astype(float), now.success[:both].astype(float))
+    step = min(*first.values(), success)
+    if step < both:
+        return Difference(step + 1, "; ".join(_at(step, rows, first, success, now)), told)
+    if len(then.paid) != len(now.paid):
+        return Difference(both + 1, f"the episode {'goes on' if len(now.paid) > both else 'has ended'}", told)
+    if then.ended != now.ended:
+        return Difference(both, f"the episode was {now.ended}, not {then.ended}", told)
+    return None
+
+
+def changes(then: Mapping[str, Mapping[str, Any]], now: Mapping[str, Mapping[str, Any]]) -> tuple[str, ...]:
+    """What is other now than it was, of versions, sources and the machine, a line each; see `RunsOnForm`."""
+    versions = dict.fromkeys([*then["versions"], *now["versions"]])
+    return (
+        *(
+            f"{name} is {now['versions'].get(name, 'missing')} here, and was {then['versions'].get(name, 'missing')}."
+            for name in versions
+            if then["versions"].get(name) != now["versions"].get(name)
+        ),
+        *(
+            f"The source of the {name} is another one."
+            for name, digest in then["sources"].items()
+            if now["sources"].get(name) not in (None, digest)
+        ),
+        *(
+            f"The machine is another one: {now['machine'].get('cpu')}, and was {then['machine'].get('cpu')}."
+            for _ in range(any(then["machine"].get(key) != now["machine"].get(key) for key in ("cpu", "cpu_flags")))
+        ),
+    )
+
+
+def came_to(shown: Shown) -> str:
+    """What an episode was paid in how many steps."""
+    success = ", with success" if shown.success[-1] else ""
+    return f"{number(math.fsum(shown.paid))} in {len(shown.paid)} steps{success}"
+
+
+def _played_twice(shown: Shown, world: World) -> list[Shown]:
+    """An episode of the same actions, twice; where it goes on, the last action is repeated."""
+    rest = max(0, world.horizon - len(shown.actions))
+    actions = np.concatenate([shown.actions, np.repeat(shown.actions[-1:], rest, axis=0)])
+    return [world.show(shown.start, actions) for _ in range(2)]
+
+
+def _terms(then: Shown, now: Shown) -> dict[str, tuple[Float, Float]]:
+    """The terms of both; of one that only one of them has, nothing at all in the other."""
+    names, none = dict.fromkeys([*then.terms, *now.terms]), np.zeros(0)
+    return {f"its term {name}": (then.terms.get(name, none), now.terms.get(name, none)) for name in names}
+
+
+def _first(one: Float, other: Float) -> int:
+    """The first row that differs in a bit; the number of rows of the longer one if none does."""
+    both = min(len(one), len(other))
+    differs = np.flatnonzero(one[:both].view(np.int64) != other[:both].view(np.int64))
+    return int(differs[0]) if len(differs) else both if len(one) != len(other) else len(one)
+
+
+def _at(
+    step: int, rows: Mapping[str, tuple[Float, Float]], first: Mapping[str, int], success: int, now: Shown
+) -> Iterator[str]:
+    for name, (then, here) in rows.items():
+        if first[name] == step:
+            paid = [repr(float(it[step])) if step < len(it) else "nothing" for it in (here, then)]
+            yield f"{name} pays {paid[0]}, not {paid[1]}"
+    if success == step:
+        yield "it is a success" if now.success[step] else "it is no success"
+
+
+def _certificate(
+    finding: Finding,
+    place: Place,
+    runs_on: Mapping[str, Mapping[str, Any]],
+    role: Role,
+    shown: Shown,
+    seed: int,
+    budget: int,
+) -> Certificate:
+    searched = finding.searched
+    return Certificate(
+        role,
+        Answer(finding.word, finding.strength, finding.lines, len(finding.alarmed), len(finding.starts)),
+        place,
+        runs_on,
+        Found(finding.three[role].made_by, seed, budget, searched.steps, tuple(searched.how)),
+        shown,
+        tuple(row for row in finding.noise if row.role == role),
+        {name: paid[role] for name, paid in finding.elsewhere.items() if role in paid},
+    )

@@ -1,0 +1,79 @@
+"""One search: what a reward pays most, for failing and for succeeding, from given starts and within a budget of steps.
+
+Three families share the budget. Where a world is a table, that is exact, and nothing else is asked. Linear policies
+find what needs balance. Sequences of actions find the rest, and begin from whatever the others have met.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from .beginnings import Beginning
+from .behaviour import Searched
+from .kept import Kept
+from .linear import search_linear
+from .sequences import Evolution, evolve
+from .table import search_tables
+from .world import World
+
+SEQUENCES, POLICIES, TABLE = "sequences", "linear policies", "table"
+"""The families, as `Searched.how` names them."""
+ROUNDS, FEWEST, AT_RANDOM = 32, 6, 0.05
+"""Random episodes of each start: so many, or this share of the budget if it is smaller, but not fewer than a few."""
+IN_TABLES, IN_POLICIES = 0.3, 0.25
+"""The share of a budget that may go into learning a table, and into linear policies."""
+
+
+def search(
+    world: World, starts: Sequence[int], budget: int, seed: int, beginnings: Sequence[Beginning] = ()
+) -> Searched:
+    """Look for what is paid most.
+
+    Args:
+        world: Where, and by which reward.
+        starts: The seeds of the resets that are searched.
+        budget: About so many steps are taken.
+        seed: Of the search; the same one finds the same.
+        beginnings: Behaviours that it begins from.
+    """
+    begun, rng = world.taken, np.random.default_rng(seed)
+    kept = Kept(starts, world.horizon)
+    evolution = Evolution(world, kept, rng)
+    episodes = budget // (world.horizon * len(starts))
+    paid, discounted = evolution.random(int(np.clip(AT_RANDOM * episodes, FEWEST, ROUNDS)))
+    _begin(evolution, beginnings)
+    climbing = [0.0] * len(starts)
+    if search_tables(world, starts, evolution.take, int(IN_TABLES * budget), rng):
+        how: tuple[str, ...] = (TABLE,)
+    else:
+        how = (SEQUENCES,)
+        if world.together == 1 and search_linear(world, kept.starts, evolution.take, int(IN_POLICIES * budget), rng):
+            how = (SEQUENCES, POLICIES)
+        climbing = evolve(evolution, budget - (world.taken - begun))
+    return Searched(
+        plain=[best.three(start) for best, start in zip(kept.plain, starts, strict=True)],
+        discounted=[best.three(start) for best, start in zip(kept.discounted, starts, strict=True)],
+        typical=np.median(paid, axis=0).tolist(),
+        typical_discounted=np.median(discounted, axis=0).tolist(),
+        successes=kept.successes,
+        climbing=climbing,
+        steps=world.taken - begun,
+        how=how,
+    )
+
+
+def _begin(evolution: Evolution, beginnings: Sequence[Beginning]) -> None:
+    """Play what a search begins from: policies at every start, actions where they were made for, or everywhere."""
+    world, starts = evolution.world, evolution.kept.starts
+    for beginning in beginnings:
+        rows = np.arange(len(starts))
+        if beginning.start is not None:
+            rows = np.flatnonzero(starts == beginning.start)
+        if not len(rows):
+            continue
+        if beginning.actions is not None:
+            taken = [evolution.filled(beginning.actions)] * len(rows)
+            outcomes = world.play(starts[rows], np.stack(taken))
+        elif beginning.act is not None:
+            outcomes, taken = world.act(starts[rows], beginning.act)
+        evolution.take(rows, taken, outcomes, beginning.made_by)

@@ -1,0 +1,259 @@
+"""An evolution of whole action sequences, beside each other for every start: what is paid, what succeeds, what is new.
+
+Several archives breed: best-paid failures and best-paid successes under both sums of pay, the fastest successes, and,
+until success is met, what came nearest or went where nothing else did. The last part of a budget breeds for successes
+alone, so that a failure is not called better paid only because successes were searched less.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.arrays import Float
+
+from .cells import Cells
+from .kept import Kept
+from .moves import Rng, moves_in
+from .mutations import Pairs, mutations_of
+from .world import Actions, Outcomes, Whole, World
+
+FAILURES, FAILURES_LATER, SUCCESSES, SUCCESSES_LATER, FASTEST, NEAREST = (
+    "failures", "failures discounted", "successes", "successes discounted", "fastest", "nearest"
+)  # fmt: skip
+CELLS, FRESH = "cells", "fresh"
+"""Also parents: how somewhere new was reached, and nobody."""
+MANY, FEWER = 12, 6
+"""How many an archive keeps."""
+GENERATIONS, FEWEST_GENERATIONS = 100, 20
+"""A budget is shared among so many generations where a world plays one episode at a time; among fewer, down to so
+many, where it plays many side by side."""
+FINISHING = 0.3
+"""The share of a budget, the last, that breeds for successes alone."""
+Weights = Mapping[str, float]
+SEEKING: Weights = {FAILURES: 3, FAILURES_LATER: 1, NEAREST: 4, CELLS: 4, FRESH: 1.5}
+"""How often each archive breeds while no success of the start is known."""
+WEIGHING: Weights = {
+    FAILURES: 4, FAILURES_LATER: 1.5, SUCCESSES: 3, SUCCESSES_LATER: 1.5,
+    FASTEST: 1, NEAREST: 0.5, CELLS: 0.5, FRESH: 0.5,
+}  # fmt: skip
+"""How often once one is."""
+SUCCEEDING: Weights = {FAILURES: 2, FAILURES_LATER: 0.5, SUCCESSES: 5, SUCCESSES_LATER: 2, FASTEST: 1.5, FRESH: 0.2}
+"""How often in the last part."""
+
+
+TWICE = 0.25
+"""The share of children that are mutated twice."""
+
+
+@dataclass(eq=False)
+class Archive:
+    """The best sequences of one start, by one score, none of them twice.
+
+    Attributes:
+        room: How many it keeps.
+        genes: The sequences, the best first, (n, horizon, ...).
+        length: How long their episodes were, (n,).
+        score: Larger is better, (n,).
+    """
+
+    room: int
+    genes: Actions
+    length: Whole = field(default_factory=lambda: np.zeros(0, np.int64))
+    score: Float = field(default_factory=lambda: np.zeros(0))
+
+    def __len__(self) -> int:
+        return len(self.length)
+
+    def offer(self, genes: Actions, length: Whole, score: Float) -> NDArray[Any]:
+        """Keep the best of these and those; says which of these were kept, (n,)."""
+        if not len(length):
+            return np.zeros(0, bool)
+        scores, lengths = np.concatenate([self.score, score]), np.concatenate([self.length, length])
+        order = np.argsort(-scores, kind="stable")
+        alike = np.stack([np.round(scores / _unit(scores)), lengths])[:, order]
+        _, first = np.unique(alike, axis=1, return_index=True)
+        best = order[np.sort(first)][: self.room]
+        old, new = best[best < len(self)], best[best >= len(self)] - len(self)
+        if len(new):
+            both = np.concatenate([self.genes[old], genes[new]])
+            place = np.argsort(np.concatenate([np.flatnonzero(best < len(self)), np.flatnonzero(best >= len(self))]))
+            self.genes, self.length, self.score = both[place], lengths[best], scores[best]
+        kept = np.zeros(len(length), bool)
+        kept[new] = True
+        return kept
+
+
+def _unit(scores: Float) -> float:
+    """Scores that differ by less than this are alike."""
+    return 1e-6 * max(float(np.abs(scores).max()), 1e-9)
+
+
+class Evolution:
+    """The archives of all starts, and which mutations have proved useful.
+
+    Attributes:
+        world: Where it plays.
+        kept: Gets every episode.
+    """
+
+    def __init__(self, world: World, kept: Kept, rng: Rng) -> None:
+        self.world, self.kept = world, kept
+        self._rng, self._moves = rng, moves_in(world.space)
+        self._mutations = mutations_of(self._moves)
+        self._useful = np.ones((2, len(self._mutations)))  # children that an archive kept, children
+        none = self._moves.white(np.random.default_rng(0), 0, world.horizon)
+        rooms = {FAILURES: MANY, SUCCESSES: MANY, FASTEST: FEWER, NEAREST: FEWER}
+        if world.gamma < 1.0:
+            rooms |= {FAILURES_LATER: FEWER, SUCCESSES_LATER: FEWER}
+        self._archives = [{name: Archive(room, none) for name, room in rooms.items()} for _ in kept.starts]
+        self._cells = [Cells(world.observes) for _ in kept.starts]
+
+    def play(self, rows: Whole, genes: Actions) -> tuple[Outcomes, NDArray[Any]]:
+        """Play sequences, (n, horizon, ...), each at the start of a row; also says which an archive kept, (n,)."""
+        actions = self._moves.played(genes)
+        outcomes = self.world.play(self.kept.starts[rows], actions)
+        self.kept.add(rows, actions, outcomes, "search")
+        return outcomes, self._file(rows, genes, outcomes)
+
+    def take(
+        self,
+        rows: Whole,
+        actions: Sequence[Actions],
+        outcomes: Outcomes,
+        made_by: str,
+        policies: Sequence[Mapping[str, Any] | None] = (),
+    ) -> None:
+        """Keep episodes that others have played, and breed from them; see `Kept.add`."""
+        self.kept.add(rows, actions, outcomes, made_by, policies)
+        self._file(rows, np.stack([self._moves.written(self.filled(it)) for it in actions]), outcomes)
+
+    def filled(self, actions: Actions) -> Actions:
+        """What an episode of the world took, (steps, ...), as long as the horizon: noise follows it."""
+        rest = self._moves.played(self._moves.coloured(self._rng, 1, self.world.horizon)[0])
+        short = np.asarray(actions, rest.dtype)[: len(rest)]
+        return np.concatenate([short.reshape(len(short), *rest.shape[1:]), rest[len(short) :]])
+
+    def random(self, rounds: int) -> tuple[Float, Float]:
+        """Random actions at every start: what they are paid, and discounted, (rounds, starts) each; then noise."""
+        count, steps = len(self.kept.starts), self.world.horizon
+        paid = []
+        for colour in (self._moves.white, self._moves.coloured):
+            for _ in range(rounds):
+                outcomes, _ = self.play(np.arange(count), colour(self._rng, count, steps))
+                paid.append((outcomes.paid, outcomes.discounted))
+        plain, later = np.stack(paid[:rounds]).transpose(1, 0, 2)
+        return plain, later
+
+    def generation(self, children: int, ending: bool) -> None:
+        """Breed and play so many children of each start."""
+        rows = np.repeat(np.arange(len(self.kept.starts)), children)
+        families = [self._parents(row, children, ending) for row in range(len(self.kept.starts))]
+        pairs = Pairs(self._moves, *(np.concatenate(part) for part in zip(*(it[0] for it in families), strict=True)))
+        free = np.concatenate([it[1] for it in families])
+        rates = self._useful[0] / self._useful[1]
+        chances = 0.4 / len(rates) + 0.6 * rates / rates.sum()
+        chosen = np.where(free, -1, self._rng.choice(len(rates), len(rows), p=chances))
+        genes = self._mutated(pairs, chosen)
+        _, entered = self.play(rows, genes)
+        for which in range(len(rates)):
+            self._useful[:, which] += entered[chosen == which].sum(), (chosen == which).sum()
+        self._useful *= 0.99
+
+    def _parents(self, row: int, count: int, ending: bool) -> tuple[tuple[Any, ...], NDArray[Any]]:
+        """Pairs for the children of one start, as `Pairs` takes them; and which are not to be mutated otherwise."""
+        archives, rng = self._archives[row], self._rng
+        weights = SUCCEEDING if ending else WEIGHING
+        if not len(archives[SUCCESSES]):
+            weights = SEEKING
+        sizes = {name: len(it) for name, it in archives.items()} | {CELLS: len(self._cells[row]), FRESH: 1}
+        able = [name for name in weights if sizes.get(name)]
+        shares = np.array([weights[name] for name in able])
+        names = rng.choice(len(able), count, p=shares / shares.sum())
+        first = self._moves.coloured(rng, count, self.world.horizon)
+        length = np.zeros(count, np.int64)
+        for place, name in enumerate(able):
+            these = np.flatnonzero(names == place)
+            if name in archives:
+                first[these], length[these] = self._drawn(archives[name], len(these))
+            elif name == CELLS and len(these):
+                ways, steps = self._cells[row].draw(rng, len(these))
+                before = np.arange(self.world.horizon) < steps[:, None]
+                shape = before.reshape(*before.shape, *(1,) * (first.ndim - 2))
+                first[these] = np.where(shape, np.stack(ways), first[these])
+        second, second_length = self._seconds(row, count)
+        return (first, length, second, second_length), length == 0
+
+    def _seconds(self, row: int, count: int) -> tuple[Actions, Whole]:
+        """The other parents: successes and failures of the start as often, some of another start."""
+        rng, others = self._rng, len(self.kept.starts)
+        rows = np.where(rng.random(count) < 0.1, rng.integers(others, size=count), row)
+        names = rng.integers(2, size=count)
+        second = self._moves.coloured(rng, count, self.world.horizon)
+        length = np.full(count, self.world.horizon)
+        for at, which in {(int(at), int(which)) for at, which in zip(rows, names, strict=True)}:
+            these = np.flatnonzero((rows == at) & (names == which))
+            archive = self._archives[at][(FAILURES, SUCCESSES)[which]]
+            if len(archive):
+                second[these], length[these] = self._drawn(archive, len(these))
+        return second, length
+
+    def _drawn(self, archive: Archive, count: int) -> tuple[Actions, Whole]:
+        """Members of an archive, the better the more often."""
+        places = (len(archive) * self._rng.random(count) ** 1.5).astype(np.int64)
+        return archive.genes[places], archive.length[places]
+
+    def _mutated(self, pairs: Pairs, chosen: NDArray[Any]) -> Actions:
+        """Children, each by its mutation and a quarter of them by a second one; those without any are as they are."""
+        genes = pairs.first.copy()
+        twice = (chosen >= 0) & (self._rng.random(len(pairs)) < TWICE)
+        again = self._rng.integers(len(self._mutations), size=len(pairs))
+        for wanted in (chosen, np.where(twice, again, -1)):
+            for which, mutation in enumerate(self._mutations):
+                these = np.flatnonzero(wanted == which)
+                if len(these):
+                    of = pairs.of(these)
+                    genes[these] = mutation(replace(of, first=genes[these]), self._rng)
+        return genes
+
+    def _file(self, rows: Whole, genes: Actions, outcomes: Outcomes) -> NDArray[Any]:
+        """Offer episodes to the archives and the cells; says which an archive kept, (n,)."""
+        entered = np.zeros(len(rows), bool)
+        scores = {
+            FAILURES: (outcomes.paid, ~outcomes.success),
+            FAILURES_LATER: (outcomes.discounted, ~outcomes.success),
+            SUCCESSES: (outcomes.paid, outcomes.success),
+            SUCCESSES_LATER: (outcomes.discounted, outcomes.success),
+            FASTEST: (np.arctan(outcomes.paid) / np.pi - outcomes.time, outcomes.success),
+            NEAREST: (outcomes.near, ~outcomes.success),
+        }
+        for row in np.unique(rows):
+            for name, archive in self._archives[row].items():
+                score, chosen = scores[name]
+                these = np.flatnonzero((rows == row) & chosen & np.isfinite(score))
+                entered[these] |= archive.offer(genes[these], outcomes.steps[these], score[these])
+        for k, trail in enumerate(outcomes.trails):
+            self._cells[rows[k]].add(trail, genes[k])
+        return entered
+
+
+def evolve(evolution: Evolution, budget: int) -> list[float]:
+    """Spend a budget of steps; returns by how much the best-paid success of each start rose in the last fifth of it."""
+    world, starts = evolution.world, len(evolution.kept.starts)
+    begun = world.taken
+    wide = budget // world.horizon
+    children = max(1, max(wide // GENERATIONS, min(world.together, wide // FEWEST_GENERATIONS)) // starts)
+    before: list[float] | None = None
+    while (spent := world.taken - begun) + starts * world.horizon <= budget:
+        if before is None and spent >= 0.8 * budget:
+            before = _best_successes(evolution.kept)
+        left = max(1, (budget - spent) // (starts * world.horizon))
+        evolution.generation(min(children, left), ending=spent >= (1.0 - FINISHING) * budget)
+    after = _best_successes(evolution.kept)
+    return [0.0 if now == -np.inf else now - was for was, now in zip(before or after, after, strict=True)]
+
+
+def _best_successes(kept: Kept) -> list[float]:
+    return [it.success_pay for it in kept.plain]

@@ -1,0 +1,430 @@
+"""Exact tables: where states and actions are few, each is tried, and dynamic programming tells what is paid most.
+
+Only ``reset(seed)`` and ``step`` are used. A table is believed if whatever was met twice agreed.
+"""
+
+import math
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, TypeAlias
+
+import numpy as np
+from gymnasium.spaces import Discrete
+from numpy.typing import NDArray
+
+from harness.arrays import Float, Mask
+
+from .world import Act, Actions, Outcomes, Shown, Whole, World
+
+MOST_ACTIONS = 32
+MOST_CELLS = 10_000_000
+"""States times steps of the horizon: each takes 10 bytes while a table is solved."""
+MOST_NEW = 0.8
+"""A world whose steps lead to new states more often than this, after `ENOUGH` of them, is no table."""
+ENOUGH = 2_000
+MOST_CHOICES = 2_000
+"""States up to which an episode is also kept as a policy."""
+TABLE = "table"
+"""The kind of such a policy, and what its episodes are said to be made by."""
+TRUE = 1e-6
+"""An episode is paid what a table says if both differ by no more than this."""
+CLOSE = 1e-9
+"""Pay is the same if it differs by no more than this, of itself or of 1."""
+SLOWER = 1.1
+"""A success is about as fast as the fastest one up to so many times its time."""
+
+
+Keep: TypeAlias = Callable[[Whole, Sequence[Actions], Outcomes, str, Sequence[Mapping[str, Any] | None]], None]
+"""Takes in episodes: their starts as places in the starts of a search, actions, outcomes, what made them, policies."""
+
+
+class NoTableError(Exception):
+    """States are too many to be learnt."""
+
+
+class ContradictionError(NoTableError):
+    """What was met twice did not agree."""
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """What every action does in every state that can be reached.
+
+    Attributes:
+        keys: Of each state, the key of what is observed.
+        begins: By start, the state that it begins in.
+        next: The state after each action, (states, actions); -1 where the episode ends, or nobody tried.
+        paid: What each pays, (states, actions).
+        success: Whether a step is a success, (states, actions).
+        tried: Whether it is known, (states, actions). What is not lies further away than the horizon.
+    """
+
+    keys: Sequence[str]
+    begins: Mapping[int, int]
+    next: Whole
+    paid: Float
+    success: Mask
+    tried: Mask
+
+
+def key_of(observed: Any) -> str:
+    """What is observed, as a key: equal if every part is."""
+    if isinstance(observed, Mapping):
+        return ",".join(f"{name}={key_of(observed[name])}" for name in sorted(observed))
+    if isinstance(observed, tuple | list):
+        return ",".join(map(key_of, observed))
+    values = np.asarray(observed)
+    return str(values.item()) if values.ndim == 0 else values.tobytes().hex()
+
+
+@dataclass(eq=False)
+class Learner:
+    """What is known of a table while it is learnt.
+
+    Attributes:
+        horizon: The most steps of an episode.
+        space: Of actions; they are counted from 0 here.
+        rng: Draws actions where nothing is left to be tried.
+        states: By what is observed, the number of a state.
+        leads: Of each state, by action, the next state; -1 where the episode ends. Filled while an episode goes on.
+        known: Of each state, by action, what it paid and whether it was a success. Filled after an episode.
+        begins: By start, the state that it begins in.
+    """
+
+    horizon: int
+    space: Discrete
+    rng: np.random.Generator
+    states: dict[str, int] = field(default_factory=dict)
+    leads: list[dict[int, int]] = field(default_factory=list)
+    known: list[dict[int, tuple[float, bool]]] = field(default_factory=list)
+    begins: dict[int, int] = field(default_factory=dict)
+
+    @property
+    def actions(self) -> int:
+        """How many there are."""
+        return int(self.space.n)
+
+    def state_of(self, observed: Any) -> int:
+        """The number of a state; one that was never met gets the next number."""
+        state = self.states.setdefault(key_of(observed), len(self.leads))
+        if state == len(self.leads):
+            self.leads.append({})
+            self.known.append({})
+        return state
+
+    def plan(self, state: int, steps: int) -> list[int]:
+        """Actions that lead to the nearest action that nobody tried, and it; empty if that takes more than `steps`."""
+        came: dict[int, tuple[int, int]] = {state: (-1, -1)}
+        queue = deque([(state, 0)])
+        while queue:
+            at, depth = queue.popleft()
+            if depth >= steps:
+                break
+            if len(self.leads[at]) < self.actions:
+                untried = next(it for it in range(self.actions) if it not in self.leads[at])
+                return [*_way(came, at), untried]
+            for action, after in self.leads[at].items():
+                if after >= 0 and after not in came:
+                    came[after] = (at, action)
+                    queue.append((after, depth + 1))
+        return []
+
+    def explore(self) -> Act:
+        """A policy for one episode: goes to what nobody tried as long as there is any, then acts at random."""
+        taken, planned, last, is_done = 0, list[int](), (-1, -1), False
+
+        def act(observed: Any) -> int:
+            nonlocal taken, planned, last, is_done
+            state = self.state_of(observed)
+            if taken:
+                self.leads[last[0]].setdefault(last[1], state)
+            if not planned and not is_done:
+                planned = self.plan(state, self.horizon - taken)
+                is_done = not planned
+            taken += 1
+            last = state, planned.pop(0) if planned else int(self.rng.integers(self.actions))
+            return int(self.space.start) + last[1]
+
+        return act
+
+    def learn(self, shown: Shown) -> None:
+        """Take in an episode.
+
+        Raises:
+            ContradictionError: It is at odds with what was known.
+            NoTableError: States are too many, or hardly any is met again.
+        """
+        states = [self.state_of(observed) for observed in shown.observed]
+        agrees = self.begins.setdefault(shown.start, states[0]) == states[0]
+        for step, action in enumerate((shown.actions - self.space.start).tolist()):
+            state, paid, success = states[step], float(shown.paid[step]), bool(shown.success[step])
+            after = -1 if _ends(shown, step, self.horizon) else states[step + 1]
+            before = self.known[state].setdefault(action, (paid, success))
+            agrees &= self.leads[state].setdefault(action, after) == after
+            agrees &= success == before[1] and math.isclose(paid, before[0], rel_tol=CLOSE, abs_tol=CLOSE)
+        if not agrees:
+            raise ContradictionError
+        self._check_size()
+
+    def _check_size(self) -> None:
+        tried = sum(map(len, self.known))
+        seldom_again = tried > ENOUGH and len(self.known) > MOST_NEW * tried
+        if seldom_again or len(self.known) * self.horizon > MOST_CELLS:
+            raise NoTableError
+
+    def table(self) -> Table:
+        """What is known, as arrays."""
+        shape = len(self.known), self.actions
+        after, paid, success, tried = np.full(shape, -1), np.zeros(shape), np.zeros(shape, bool), np.zeros(shape, bool)
+        for state, known in enumerate(self.known):
+            for action, (pays, succeeds) in known.items():
+                at = state, action
+                after[at], paid[at], success[at], tried[at] = self.leads[state][action], pays, succeeds, True
+        return Table(list(self.states), self.begins, after, paid, success, tried)
+
+
+def _way(came: Mapping[int, tuple[int, int]], state: int) -> list[int]:
+    actions = []
+    while came[state][0] >= 0:
+        state, action = came[state]
+        actions.append(action)
+    return actions[::-1]
+
+
+def _ends(shown: Shown, step: int, horizon: int) -> bool:
+    """Whether a step ended the episode by itself; the horizon is no end of a table."""
+    return step == len(shown.actions) - 1 and (shown.ended == "terminated" or step + 1 < horizon)
+
+
+def learn_tables(world: World, starts: Sequence[int], budget: int, rng: np.random.Generator) -> dict[int, Table]:
+    """By start, its table: one for all of them, or else one for each; empty if there is none in `budget` steps.
+
+    What a seed draws and nobody observes, such as where a goal is, gives each start a table of its own.
+    """
+    if not isinstance(world.space, Discrete) or world.space.n > MOST_ACTIONS or not world.is_repeated:
+        return {}
+    learner, until = Learner(world.horizon, world.space, rng), world.taken + budget
+    try:
+        return dict.fromkeys(starts, _learnt(world, starts, learner, until))
+    except ContradictionError:
+        pass
+    except NoTableError:
+        return {}
+    try:
+        return {start: _learnt(world, [start], Learner(world.horizon, world.space, rng), until) for start in starts}
+    except NoTableError:
+        return {}
+
+
+def _learnt(world: World, starts: Sequence[int], learner: Learner, until: int) -> Table:
+    """The table of some starts. After it is learnt, as many random steps again are asked whether they agree with it.
+
+    Raises:
+        ContradictionError: They do not.
+        NoTableError: It is not learnt before the world has taken `until` steps.
+    """
+    begun = world.taken
+    for start in starts:
+        learner.learn(world.watch(start, learner.explore()))
+        while learner.plan(learner.begins[start], world.horizon):
+            if world.taken > until:
+                raise NoTableError
+            learner.learn(world.watch(start, learner.explore()))
+    checked, first = min(2 * world.taken - begun, until), int(learner.space.start)
+    while world.taken < checked:
+        for start in starts:
+            learner.learn(world.watch(start, lambda observed: first + int(learner.rng.integers(learner.actions))))
+    return learner.table()
+
+
+@dataclass(frozen=True, eq=False)
+class Ways:
+    """The best-paid way from each state to an end of one kind; of several, the shortest.
+
+    Attributes:
+        value: What is paid from each step on, discounted from it, (horizon + 1, states); minus infinity for no way.
+        choices: The action at each step, (horizon, states).
+    """
+
+    value: Float
+    choices: NDArray[np.int8]
+
+    def actions(self, table: Table, state: int, step: int = 0) -> list[int]:
+        """Those of the way from a state at a step."""
+        taken = []
+        while state >= 0 and step < len(self.choices):
+            taken.append(int(self.choices[step, state]))
+            state, step = int(table.next[state, taken[-1]]), step + 1
+        return taken
+
+
+def best_ways(table: Table, horizon: int, gamma: float, last: Mask, through: Mask) -> Ways:
+    """The best-paid ways to an end, by dynamic programming.
+
+    Args:
+        table: What actions do.
+        horizon: The steps of an episode that nothing ends.
+        gamma: The discount per step.
+        last: Whether a step may be the last one, (states, actions).
+        through: Whether a step may be one before the last one, (states, actions).
+    """
+    states = len(table.next)
+    value, length = np.full((horizon + 1, states), -np.inf), np.zeros((states,))
+    choices = np.zeros((horizon, states), np.int8)
+    goes_on, rows = through & (table.next >= 0), np.arange(states)
+    ended = np.where(last & table.tried, table.paid, -np.inf)
+    for step in reversed(range(horizon)):
+        if step == horizon - 1:
+            paid, lengths = ended, np.ones_like(ended)
+        else:
+            after = np.where(goes_on, table.paid + gamma * value[step + 1][table.next], -np.inf)
+            paid = np.where(table.next < 0, ended, after)
+            lengths = np.where(table.next < 0, 1.0, 1.0 + length[table.next])
+        best = paid.max(axis=1)
+        with np.errstate(invalid="ignore"):  # minus infinity less itself
+            close = paid >= (best - CLOSE * np.maximum(1.0, np.abs(best)))[:, None]
+        choice = np.where(close, lengths, np.inf).argmin(axis=1)
+        value[step], choices[step], length = best, choice, lengths[rows, choice]
+    return Ways(value, choices)
+
+
+def fastest_way(table: Table, begin: int, lasting: Ways, gamma: float) -> tuple[list[int], float] | None:
+    """The best-paid success that is about as fast as the fastest one from a state: actions and pay; None for none.
+
+    A success that nothing ends begins where it lasts to the horizon; before that step anything may happen.
+
+    Args:
+        table: What actions do.
+        begin: The state.
+        lasting: The ways that are a success at every step.
+        gamma: The discount per step.
+    """
+    state_of, action_of = np.nonzero(table.next >= 0)
+    after, paid = table.next[state_of, action_of], table.paid[state_of, action_of]
+    reached, came = np.full(len(table.next), -np.inf), list[Whole]()
+    reached[begin] = 0.0
+    best, found, limit = -np.inf, None, math.inf
+    for step in range(len(lasting.choices)):
+        total = reached + gamma**step * lasting.value[step]
+        state = int(total.argmax())
+        if step + 1 > limit:
+            break
+        if total[state] > -np.inf:
+            limit = min(limit, SLOWER * (step + 1))
+        if total[state] > best:
+            best, found = float(total[state]), (state, step)
+        gained = reached[state_of] + gamma**step * paid
+        order = np.argsort(gained, kind="stable")  # of several that lead to one state the best-paid one writes last
+        came.append(np.full(len(reached), -1))
+        came[-1][after[order]] = order
+        reached = np.full(len(reached), -np.inf)
+        np.maximum.at(reached, after, gained)
+    if found is None:
+        return None
+    state, step = found
+    way = lasting.actions(table, state, step)
+    for edges in reversed(came[:step]):
+        way.insert(0, int(action_of[edges[state]]))
+        state = int(state_of[edges[state]])
+    return way, best
+
+
+@dataclass(frozen=True, eq=False)
+class Best:
+    """The best-paid episode of one kind from one start.
+
+    Attributes:
+        actions: Counted from 0.
+        paid: Their sum of pay, discounted if that was asked.
+        policy: By what is observed, the action; None if it acts differently in the same state.
+    """
+
+    actions: list[int]
+    paid: float
+    policy: Mapping[str, Any] | None
+
+
+class Solved:
+    """A table and its best ways under one discount."""
+
+    def __init__(self, table: Table, horizon: int, gamma: float, first: int = 0) -> None:
+        """Solve it.
+
+        Args:
+            table: What actions do.
+            horizon: The steps of an episode that nothing ends.
+            gamma: The discount per step.
+            first: The number of the first action, for policies.
+        """
+        anyhow = np.ones_like(table.success)
+        self._table, self._gamma, self._first = table, gamma, first
+        self._failing = best_ways(table, horizon, gamma, ~table.success, anyhow)
+        self._succeeding = best_ways(table, horizon, gamma, table.success, anyhow)
+        self._lasting = best_ways(table, horizon, gamma, table.success, table.success)
+
+    def bests(self, start: int) -> list[Best]:
+        """The best-paid failure, the best-paid success and the fastest one from a start, as far as there are any."""
+        begin = self._table.begins[start]
+        found = [
+            self._best(ways, begin, ways.actions(self._table, begin), float(ways.value[0, begin]))
+            for ways in (self._failing, self._succeeding)
+            if ways.value[0, begin] > -np.inf
+        ]
+        fastest = fastest_way(self._table, begin, self._lasting, self._gamma)
+        return found if fastest is None else [*found, self._best(self._succeeding, begin, *fastest)]
+
+    def _best(self, ways: Ways, state: int, actions: list[int], paid: float) -> Best:
+        """Where states are few, with a policy if the way is one: elsewhere it does what is best in the first step."""
+        if len(self._table.keys) > MOST_CHOICES:
+            return Best(actions, paid, None)
+        chosen: dict[int, int] = {}
+        for action in actions:
+            if chosen.setdefault(state, action) != action:
+                return Best(actions, paid, None)
+            state = int(self._table.next[state, action])
+        choices = ways.choices[0] + self._first
+        choices[[*chosen]] = [self._first + action for action in chosen.values()]
+        return Best(actions, paid, table_policy(self._table.keys, choices))
+
+
+def table_policy(keys: Sequence[str], choices: NDArray[Any]) -> dict[str, Any]:
+    """A policy as plain data: by what is observed, an action."""
+    return {"kind": TABLE, "choices": dict(zip(keys, choices.tolist(), strict=True))}
+
+
+def act_by_table(policy: Mapping[str, Any]) -> Act:
+    """What such a policy does; where it never was, what it does most often."""
+    choices = policy["choices"]
+    usual = max(sorted(set(choices.values())), key=list(choices.values()).count)
+    return lambda observed: choices.get(key_of(observed), usual)
+
+
+def search_tables(world: World, starts: Sequence[int], keep: Keep, budget: int, rng: np.random.Generator) -> bool:
+    """Look for the three numbers of each start in a table; every best episode is played and given to `keep`.
+
+    Args:
+        world: Where.
+        starts: The seeds of the resets.
+        keep: Takes in episodes.
+        budget: About so many steps are taken at most.
+        rng: Draws the random actions that a table is tried by.
+
+    Returns:
+        Whether the numbers are exact: there is a table, and its episodes are paid what it says.
+    """
+    tables = learn_tables(world, starts, budget, rng)
+    first, are_true = int(world.space.start) if isinstance(world.space, Discrete) else 0, bool(tables)
+    for gamma in dict.fromkeys((1.0, world.gamma)) if tables else ():
+        solved = {table: Solved(table, world.horizon, gamma, first) for table in dict.fromkeys(tables.values())}
+        for row, start in enumerate(starts):
+            bests = solved[tables[start]].bests(start)
+            actions = np.full((len(bests), world.horizon), first)
+            for taken, best in zip(actions, bests, strict=True):
+                taken[: len(best.actions)] += best.actions
+            rows = np.full(len(bests), row)
+            outcomes = world.play(np.full(len(bests), start), actions)
+            keep(rows, list(actions), outcomes, TABLE, [best.policy for best in bests])
+            paid = outcomes.paid if gamma == 1.0 else outcomes.discounted
+            are_true &= bool(np.allclose(paid, [best.paid for best in bests], rtol=TRUE, atol=TRUE))
+    return are_true

@@ -1,0 +1,213 @@
+"""``--fail-on``: the exit status by what was answered."""
+
+from itertools import combinations, product
+from pathlib import Path
+
+import pytest
+
+from harness.cli.fail_on import NAMES, Said, decide, named_answers, status_of
+from harness.errors import UsageError
+from harness.eta.auc import RANKS
+from harness.eta.headline import Answer
+from harness.screen import CANNOT_TELL, FAILING, LOITERING, NOTHING
+from tests.cli.test_logs import write_monitor
+
+
+def said(*words: str, question="pay") -> list[Said]:
+    """An answer for each word, of rewards that are called by number."""
+    return [Said(question, f"reward {number}", word) for number, word in enumerate(words)]
+
+
+@pytest.mark.parametrize(
+    ("named", "words", "status"),
+    [
+        (["failing"], [FAILING], 1),
+        (["failing"], [NOTHING, CANNOT_TELL, FAILING], 1),
+        (["failing"], [NOTHING], 0),
+        (["failing"], [LOITERING], 0),
+        (["failing", "loitering"], [LOITERING], 1),
+        (["failing"], [CANNOT_TELL], 3),
+        (["failing"], [NOTHING, CANNOT_TELL], 3),
+        (["failing", "cannot-tell"], [NOTHING, CANNOT_TELL], 1),
+        (["cannot-tell"], [NOTHING], 0),
+        (["cannot-tell"], [], 3),
+        (["failing"], [], 3),
+    ],
+)
+def test_status_follows_from_what_was_said(named, words, status):
+    """A named answer comes before one that is not known, and that before none."""
+    assert decide(named, said(*words))[0] == status
+
+
+def test_status_is_that_of_the_rule_said_otherwise():
+    """Over all sets of names and all answers to two rewards: the worst status of any answer by itself."""
+    names = {FAILING: "failing", LOITERING: "loitering", CANNOT_TELL: "cannot-tell", NOTHING: "nothing"}
+    for count in (1, 2):
+        for named, words in product(combinations(("failing", "loitering"), count), product(names, repeat=2)):
+            of_each = ["101"[names[it] in named] if it != CANNOT_TELL else "2" for it in words]
+            worst = 1 if any(names[it] in named for it in words) else 3 if "2" in of_each else 0
+            assert decide(named, said(*words))[0] == worst, (named, words)
+
+
+def test_question_that_nobody_asked_cannot_be_told():
+    """That a robot does better says nothing of what its reward pays for."""
+    status, told = decide(["failing"], said("HELPS", question="behaviour"))
+    assert (status, told) == (3, "nobody asked what a reward pays for")
+
+
+def test_other_question_that_cannot_tell_counts_for_nothing():
+    """Who fails on what hurts need not know what the reward pays for."""
+    assert decide(["hurts"], [*said("HELPS", question="behaviour"), *said(CANNOT_TELL)])[0] == 0
+
+
+def test_every_answer_has_a_name_and_its_own():
+    """Those of comparisons but the three that say nothing; a name stands for one answer."""
+    assert len(NAMES["behaviour"]) == len(Answer) - 3
+    every = [name for names in NAMES.values() for name in names]
+    assert len(every) == len(set(every))
+    assert all(Said(question, "", word).name == name for question, of in NAMES.items() for name, word in of.items())
+
+
+def test_good_answer_of_a_ranking_has_no_name():
+    """Nobody fails on it."""
+    assert Said("ranking", "", RANKS).name == ""
+
+
+def test_names_are_read_as_they_are_shown():
+    """In capitals and with a blank too."""
+    assert named_answers(["HURTS,no difference", "mixed"], "behaviour") == ("hurts", "no-difference", "mixed")
+    assert named_answers(None, "pay") == ()
+
+
+@pytest.mark.parametrize("named", ["hurt", "", "hurts,", "failing"])
+def test_unknown_answer_is_refused(named):
+    """With all that there are."""
+    with pytest.raises(UsageError, match="There is: cannot-tell, helps, hurts, "):
+        named_answers([named], "behaviour")
+
+
+def test_what_failed_keeps_its_status(capsys):
+    """Nothing that was said takes it away, and one line tells both."""
+    assert status_of(["failing"], said(NOTHING), 1) == 1
+    assert capsys.readouterr().err == "--fail-on failing: reward 0: NOTHING FOUND, and something failed: status 1\n"
+
+
+def test_without_the_flag_nothing_changes(capsys):
+    """Nor is anything printed."""
+    assert [status_of((), said(FAILING), failed) for failed in (0, 1)] == [0, 1]
+    assert capsys.readouterr() == ("", "")
+
+
+def test_long_answer_is_cut(capsys):
+    """Three are told, and how many more there are."""
+    status_of(["failing"], said(*[FAILING] * 5))
+    assert capsys.readouterr().err.endswith("reward 2: PAYS FOR FAILING; and 2 more: status 1\n")
+
+
+def test_unknown_answer_ends_a_run_before_anything_is_written(harness, quick, tmp_path: Path):
+    """The nearest one is named."""
+    answer = harness("run", *quick, "--fail-on", "hurtz", "--out", "here")
+    assert (answer.status, answer.err.count("\n")) == (2, 1)
+    assert "Did you mean 'hurts'?" in answer.err
+    assert not (tmp_path / "here").exists()
+
+
+@pytest.mark.parametrize(("shares", "status"), [((8, 2), 1), ((2, 8), 0), ((5, 5), 3)])
+def test_report_of_logs_ends_by_its_answer(harness, tmp_path: Path, shares, status):
+    """That one hurts, that it helps, and that nothing can be told; standard output is as ever."""
+    for reward, share in zip(("base", "prop"), shares, strict=True):
+        for seed in range(5):
+            success = [(number * 7 + seed) % 10 < share + (seed % 2 - 0.5) for number in range(100)]
+            write_monitor(tmp_path / reward / f"{seed}.monitor.csv", [0.0] * 100, [20] * 100, success)
+    plain, answer = (harness("report", ".", "--json", *flags) for flags in ((), ("--fail-on", "hurts")))
+    assert (plain.status, answer.status) == (0, status)
+    assert plain.out == answer.out
+    assert answer.err.startswith("--fail-on hurts: prop against base in ")
+    assert answer.err.endswith(f": status {status}\n")
+
+
+def test_run_ends_by_its_answer(harness, quick):
+    """Rewards that teach the same make no difference, whatever is paid."""
+    flags = (*quick, "--seeds", "2", "--out", "here")
+    answer = harness("run", *flags, "--fail-on", "no-difference")
+    told = (
+        "--fail-on no-difference: arp against baseline in ideal · wander · fd100 · fd100-reach: NO DIFFERENCE: status 1"
+    )
+    assert (answer.status, told in answer.err) == (1, True)
+    assert harness("run", *flags, "--fail-on", "hurts").status == 0
+
+
+def test_run_that_was_cut_off_cannot_tell(harness, quick):
+    """The cells that are to come are named."""
+    answer = harness("run", *quick, "--seeds", "3", "--limit", "5", "--out", "here", "--fail-on", "hurts")
+    assert answer.status == 3
+    assert "1 pending cells: CANNOT TELL" in answer.err
+
+
+def test_run_whose_cells_failed_ends_with_1(harness, quick, tmp_path: Path):
+    """As without the flag; its report, which fails in nothing, cannot tell."""
+    (tmp_path / "odd.py").write_text(
+        "def odd(step):\n    if len(step.distance) != 2:\n        raise ValueError\n    return -step.distance\n"
+    )
+    flags = ("--plugin", "odd.py", "--reward", "odd", "--out", "here", "--fail-on", "hurts")
+    answer = harness("run", *quick, "--seeds", "2", *flags)
+    assert answer.status == 1
+    assert "and something failed: status 1" in answer.err
+    assert harness("report", "here", "--plugin", "odd.py", "--fail-on", "hurts").status == 3
+
+
+def test_dry_run_cannot_tell(harness, quick):
+    """Nothing was trained."""
+    answer = harness("run", *quick, "--dry-run", "--fail-on", "hurts")
+    assert answer.status == 3
+    assert "no two rewards were compared" in answer.err
+
+
+def test_reward_alone_cannot_be_told(harness, quick):
+    """There is nothing to compare it with."""
+    answer = harness(
+        "run", *quick, "--reward", "arp", "--baseline", "none", "--seeds", "1", "--out", "here", "--fail-on", "hurts"
+    )
+    assert "no two rewards were compared" in answer.err
+    assert answer.status == 3
+
+
+def test_screen_decides_before_anything_is_trained(harness, quick, tmp_path: Path):
+    """Creeping pays more than finishing under `arp`."""
+    answer = harness("run", *quick, "--screen", "--fail-on", "failing", "--out", "here", "--dry-run")
+    assert answer.status == 1
+    assert "  arp: PAYS FOR FAILING. Not finishing pays more than finishing: creep earns " in answer.err
+    assert "arp in fd100 · fd100-reach: PAYS FOR FAILING" in answer.err.splitlines()[-1]
+    assert not (tmp_path / "here").exists()
+
+
+def test_what_only_a_screen_says_needs_one(harness, quick, tmp_path: Path):
+    """Before anything runs."""
+    answer = harness("run", *quick, "--fail-on", "hurts,failing", "--out", "here")
+    assert (answer.status, answer.err.count("\n")) == (2, 1)
+    assert "--fail-on failing: only --screen looks for that" in answer.err
+    assert not (tmp_path / "here").exists()
+
+
+def test_trainings_go_on_after_an_alarm(harness, quick):
+    """The alarm is told at the end."""
+    answer = harness("run", *quick, "--seeds", "1", "--out", "here", "--screen", "--fail-on", "failing,hurts")
+    assert answer.status == 1
+    assert "Results: here" in answer.out
+    assert answer.err.splitlines()[-1].endswith(": status 1")
+
+
+def test_several_folders_have_one_status(harness, quick):
+    """As if one run had made them."""
+    for name, seeds in (("one", "0,1"), ("two", "2,")):
+        harness("run", *quick, "--seeds", seeds, "--out", name)
+    assert harness("report", "one", "two", "--fail-on", "no-difference").status == 1
+
+
+def test_records_are_refused(harness, quick):
+    """They hold no cells."""
+    harness("run", *quick, "--seeds", "1", "--out", "here")
+    harness("report", "here", "--summary", "records")
+    answer = harness("report", "records", "--fail-on", "hurts")
+    assert answer.status == 2
+    assert "--fail-on needs cells" in answer.err

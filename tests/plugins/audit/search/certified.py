@@ -1,0 +1,110 @@
+"""A world on a line, whose pay is known, and certificates of it."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import gymnasium
+import numpy as np
+
+from harness.authoring.commands import Choice
+from harness_plugins.audit.search.behaviour import Behaviour, Searched, Three
+from harness_plugins.audit.search.certificate import Answer, Certificate, Found
+from harness_plugins.audit.search.finding import Disturbed, Finding
+from harness_plugins.audit.search.place import Place
+from harness_plugins.audit.search.world import Shown
+
+HORIZON = 20
+RUNS_ON = {"versions": {"python": "3.12", "numpy": "2.1"}, "machine": {"cpu": "one"}, "sources": {"reward": "a" * 64}}
+
+
+@dataclass
+class Line:
+    """A point on a line, moved by each action; it is at the goal beyond 1 and is paid for being near 0.9.
+
+    Attributes:
+        scale: What its pay is multiplied by.
+        leaks: Whether an episode begins where the one before ended.
+    """
+
+    scale: float = 1.0
+    leaks: bool = False
+    at: float = 0.0
+    name: str = "line"
+    reward: str = "near"
+    gamma: float = 0.9
+    horizon: int = HORIZON
+    success: str = "success"
+    is_repeated: bool = True
+    taken: int = 0
+
+    space = gymnasium.spaces.Box(-1, 1, (1,), np.float32)
+    observes = gymnasium.spaces.Box(-9, 9, (1,), np.float64)
+
+    def show(self, start: int, actions: Any) -> Shown:
+        """Move by a tenth of each action."""
+        begun = self.at if self.leaks else 0.01 * start
+        at = begun + np.cumsum(0.1 * actions[:, 0].astype(float))
+        steps = int(np.argmax(at > 1.0)) + 1 if (at > 1.0).any() else len(at)
+        self.at, at = float(at[steps - 1]), at[:steps]
+        near, cost = -self.scale * np.abs(0.9 - at), -0.01 * np.abs(actions[:steps, 0].astype(float))
+        ended = "terminated" if at[-1] > 1.0 else "truncated"
+        return Shown(
+            start, actions[:steps], near + cost, {"near": near, "cost": cost}, at > 1.0, {"at": at}, ended
+        )  # fmt: skip
+
+    def play(self, starts: Any, actions: Any) -> Any:
+        """Not asked."""
+        raise NotImplementedError
+
+    act = play
+
+    def close(self) -> None:
+        """Nothing."""
+
+
+def actions_to(goal: float) -> np.ndarray:
+    """Twenty actions that go somewhere and stay."""
+    found = np.zeros((HORIZON, 1), np.float32)
+    found[: int(10 * goal)] = 1.0
+    found[int(10 * goal)] = 10 * goal % 1
+    return found
+
+
+def finding_of(world: Line, start: int = 3) -> Finding:
+    """What a search of the line would say."""
+    shown = {"failure": world.show(start, actions_to(0.9)), "success": world.show(start, actions_to(1.03))}
+    shown["fastest"] = shown["success"]
+    of = {role: _behaviour(it) for role, it in shown.items()}
+    three = Three(start, of["failure"], of["success"], of["fastest"])
+    searched = Searched((three,), (three,), (-9.0,), (-9.0,), (9,), (0.0,), 400, ("sequences",))
+    lines = ("Failing pays -2.6, succeeding -3.0, doing it fast -3.0.", "On 1 of 1 starts.")
+    noise = tuple(
+        Disturbed(role, level, -3.0 - 10 * level, 1.0 * (role != "failure"), 16)
+        for role in shown
+        for level in (0.0, 0.01, 0.05)
+    )
+    return Finding(
+        "line", "near", 0.9, "success", "PAYS FOR FAILING", "ROBUST", lines, (start,), (start,), searched, noise,
+        {"other": {"failure": -2.7}}, shown, of,
+    )  # fmt: skip
+
+
+def _behaviour(it: Shown) -> Behaviour:
+    steps, success = len(it.paid), bool(it.success[-1])
+    return Behaviour(it.start, it.actions, float(it.paid.sum()), 0.0, success, steps, steps, 0.1, {}, "script")
+
+
+def place_of(reward: str = "near") -> Place:
+    """Where the line is."""
+    return Place(Choice("line", (), "line"), Choice(reward, (("k", 1.5),), reward), success="success", horizon=HORIZON)
+
+
+def certificate_of(**changed: Any) -> Certificate:
+    """One of a behaviour on the line."""
+    shown = Line().show(3, actions_to(0.9))
+    answer = Answer("PAYS FOR FAILING", "FRAGILE", ("One.", "Two."), 1, 2)
+    noise = (Disturbed("failure", 0.0, -1.0, 0.0, 4), Disturbed("failure", 0.05, -2.0, 0.25, 4))
+    made = Certificate(
+        "failure", answer, place_of(), RUNS_ON, Found("search", 0, 4000, 3990, ("sequences",)), shown, noise, {"b": 1.0}
+    )
+    return replace(made, **changed)

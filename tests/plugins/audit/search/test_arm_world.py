@@ -1,0 +1,207 @@
+"""An arm's task as a search plays it: paid as its env pays, whatever is played beside it."""
+
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+import pytest
+from gymnasium.spaces import Discrete
+from gymnasium.vector import AutoresetMode
+
+import harness
+from harness.authoring.commands import World as Arm
+from harness.env import ReachVectorEnv
+from harness.env.ideal import IdealSimulator
+from harness.errors import UsageError
+from harness.reach import ReachTask
+from harness_plugins.audit.search.arm_world import TOGETHER, ArmWorld
+from harness_plugins.audit.search.beginnings import scripts_of
+
+ROBOT = harness.load_robot("fd100")
+STARTS = np.array([0, 1, 0, 2])
+
+
+class Onward(ReachTask):
+    """A task that goes on at a target."""
+
+    ends_at_target = False
+
+
+class Held(ReachTask):
+    """A task whose decisions hold for five steps."""
+
+    decision_period = 5
+
+
+@dataclass(frozen=True)
+class Remembering:
+    """Pays a nearer arm, more at every step, in two terms."""
+
+    def initial_carry(self, begin_distance):
+        """No step so far."""
+        return np.zeros_like(begin_distance)
+
+    def __call__(self, carry, steps):
+        """Progress, and the number of the step."""
+        return carry + 1.0, {"nearer": steps.previous_distance - steps.distance, "late": -0.01 * carry}
+
+
+@dataclass(frozen=True)
+class Broken:
+    """Pays no number."""
+
+    def initial_carry(self, begin_distance):
+        """Nothing."""
+        return ()
+
+    def __call__(self, carry, steps):
+        """NaN."""
+        return carry, steps.distance * np.nan
+
+
+def world_of(task=None, reward=None, gamma=0.9):
+    """A world without an engine."""
+    task = task or ReachTask(horizon=20)
+    return ArmWorld(Arm(IdealSimulator(), ROBOT, task, reward or Remembering()), "reach", "mine", gamma)
+
+
+def drawn(world, count, seed=0):
+    """Random actions of so many episodes."""
+    world.space.seed(seed)
+    return np.stack([[world.space.sample() for _ in range(world.horizon)] for _ in range(count)])
+
+
+def paid_by_env(world, start, actions):
+    """What an env of one arm pays an episode, step by step."""
+    arm = world.arm
+    env = ReachVectorEnv(arm.simulator, arm.robot, arm.task, arm.reward, 1, autoreset_mode=AutoresetMode.DISABLED)
+    env.reset(seed=[int(start)])
+    paid = []
+    for action in actions:
+        _, pay, terminated, truncated, _ = env.step(action[None])
+        paid.append(pay[0])
+        if terminated[0] or truncated[0]:
+            return np.array(paid)
+    raise AssertionError("the episode does not end")
+
+
+TASKS = (
+    partial(ReachTask, horizon=20),
+    partial(ReachTask, horizon=20, action="movel"),
+    partial(ReachTask, horizon=20, action="discrete"),
+    partial(ReachTask, horizon=20, action_noise=0.1, joint_noise=0.01),
+    partial(Onward, horizon=20, epsilon=0.4),
+    partial(Held, horizon=18),
+)
+
+
+@pytest.mark.parametrize("make", TASKS)
+def test_pay_is_that_of_an_env_of_one_arm(make):
+    """Bit for bit, of tasks of all kinds; and so is what is shown."""
+    world = world_of(make())
+    actions = drawn(world, len(STARTS))
+    outcomes = world.play(STARTS, actions)
+    for number, start in enumerate(STARTS):
+        paid = paid_by_env(world, start, actions[number])
+        shown = world.show(int(start), actions[number])
+        np.testing.assert_array_equal(shown.paid, paid)
+        np.testing.assert_array_equal(np.cumsum(paid)[-1], outcomes.paid[number])
+        assert outcomes.steps[number] == len(paid) == len(shown.actions)
+        assert outcomes.discounted[number] == pytest.approx(paid @ 0.9 ** np.arange(len(paid)))
+        assert {name: values[-1] for name, values in shown.measures.items()} == {
+            name: values[number] for name, values in outcomes.measures.items()
+        }
+
+
+def test_terms_and_events_add_up_to_the_pay():
+    """Each term under its name, and what the task pays."""
+    world = world_of(Held(horizon=18))
+    shown = world.show(0, drawn(world, 1)[0])
+    assert [*shown.terms] == ["nearer", "late", "events"]
+    np.testing.assert_allclose(sum(shown.terms.values()), shown.paid)
+    assert shown.ended == "truncated"
+
+
+def test_episodes_do_not_depend_on_those_beside_them():
+    """More than move together, some of which end at once."""
+    world = world_of()
+    actions = drawn(world, 4)
+    many = np.tile(actions, (TOGETHER // 2, 1, 1))
+    outcomes, alone = world.play(np.tile(STARTS, TOGETHER // 2), many), world.play(STARTS, actions)
+    np.testing.assert_array_equal(outcomes.paid, np.tile(alone.paid, TOGETHER // 2))
+    np.testing.assert_array_equal(outcomes.near, np.tile(alone.near, TOGETHER // 2))
+
+
+def test_success_is_reaching():
+    """The script that finishes succeeds in the step in which it ends, and the one that holds never does."""
+    world = world_of(ReachTask(horizon=60))
+    by_script = {it.made_by: it for it in scripts_of(world, np.array([0])) if it.actions is not None}
+    made = np.stack([by_script[f"script {name}"].actions for name in ("finish", "hold")])
+    outcomes = world.play(np.zeros(2, int), made)
+    assert outcomes.success.tolist() == [True, False]
+    assert outcomes.time.tolist() == [outcomes.steps[0], 60]
+    assert outcomes.share.tolist() == [1.0 / outcomes.steps[0], 0.0]
+    assert outcomes.near[0] > -world.arm.task.epsilon > outcomes.near[1]
+
+
+def test_a_task_that_goes_on_is_done_from_the_first_target_on():
+    """The share of its steps from then on, and how many it reached."""
+    world = world_of(Onward(horizon=40, epsilon=0.2))
+    (policy,) = [it.act for it in scripts_of(world, np.array([0])) if it.act is not None]
+    outcomes, taken = world.act(np.array([0]), policy)
+    shown = world.show(0, taken[0])
+    first = int(np.argmax(shown.measures["targets"] > 0)) + 1
+    assert outcomes.success[0]
+    assert outcomes.time[0] == first
+    assert outcomes.share[0] == (40 - first + 1) / 40 == shown.success.mean()
+    assert outcomes.measures["targets"][0] > 1
+
+
+def test_a_policy_is_given_what_its_arm_observes():
+    """Actions that it took are paid the same when they are played."""
+    world = world_of()
+    outcomes, taken = world.act(STARTS, lambda seen: np.tanh(5.0 * seen[:6]))
+    padded = np.stack([np.resize(it, (world.horizon, 6)) for it in taken])
+    np.testing.assert_array_equal(world.play(STARTS, padded).paid, outcomes.paid)
+    assert outcomes.paid[0] == outcomes.paid[2] != outcomes.paid[1]
+
+
+def test_steps_are_counted():
+    """Those of episodes, not those of arms that rest."""
+    world = world_of()
+    outcomes = world.play(STARTS, drawn(world, 4))
+    assert world.taken == outcomes.steps.sum()
+
+
+def test_an_arm_without_an_engine_is_repeated():
+    """As often as it is asked."""
+    assert world_of().is_repeated
+
+
+def test_choices_are_a_discrete_space():
+    """Of a task with discrete actions."""
+    assert isinstance(world_of(ReachTask(action="discrete")).space, Discrete)
+
+
+def test_a_reward_that_pays_no_number_is_refused():
+    """In a sentence."""
+    world = world_of(reward=Broken())
+    with pytest.raises(UsageError, match="Reward 'mine' pays nan"):
+        world.play(STARTS, drawn(world, 4))
+
+
+def test_a_simulator_that_forgets_its_seed_is_told():
+    """One whose arms are elsewhere at every reset."""
+
+    @dataclass(frozen=True)
+    class Restless(IdealSimulator):
+        def open(self, robot, num_envs, control_period):
+            simulation = super().open(robot, num_envs, control_period)
+            reset, rng = simulation.reset, np.random.default_rng(0)
+            simulation.reset = lambda qpos, mask: reset(qpos + 1e-9 * rng.random(), mask)
+            return simulation
+
+    world = world_of()
+    world.arm = replace(world.arm, simulator=Restless())
+    world.close()
+    assert not world.is_repeated

@@ -1,0 +1,102 @@
+"""A behaviour is certified if it repeats, and its certificate is refused at the step that differs."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from harness_plugins.audit.search.replay import certify, changes, difference, replay
+from tests.plugins.audit.search.certified import RUNS_ON, Line, certificate_of, finding_of, place_of
+
+
+def certified(world, make):
+    """What is certified of a finding."""
+    return certify(finding_of(world), place_of(), make, RUNS_ON, seed=4, budget=400)
+
+
+def test_each_behaviour_gets_its_certificate():
+    """With its own noise, and what it is paid elsewhere."""
+    made, refused = certified(Line(), Line)
+    assert [it.role for it in made] == ["failure", "success", "fastest"]
+    assert refused == []
+    assert [len(it.noise) for it in made] == [3, 3, 3]
+    assert made[0].elsewhere == {"other": -2.7}
+    assert made[1].elsewhere == {}
+    assert (made[0].found.seed, made[0].found.budget, made[0].found.made_by) == (4, 400, "script")
+
+
+def test_what_does_not_repeat_is_not_certified():
+    """An episode that begins where the one before ended; the reason is told."""
+    made, refused = certified(Line(), lambda: Line(leaks=True))
+    assert made == []
+    assert len(refused) == 3
+    assert refused[0].startswith("near, failure: not certified, it does not repeat. Played again, step 1: ")
+
+
+def test_the_same_is_said_with_its_pay():
+    """And how long it was."""
+    found = replay(certificate_of(), Line())
+    assert not found.is_refused
+    assert found.lines == ("the same: -3.81 in 20 steps",)
+
+
+def test_a_changed_reward_is_refused_at_its_step():
+    """At the first one, and its term is named."""
+    found = replay(certificate_of(), Line(scale=1.5), ["The source of the reward is another one."])
+    assert found.is_refused
+    assert found.difference.step == 1
+    assert "its term near pays -1.155, not -0.77" in found.difference.what
+    assert "cost" not in found.difference.what
+    assert found.lines[1] == "The source of the reward is another one."
+
+
+def test_the_last_bit_of_one_step_is_enough():
+    """Bit for bit, not nearly."""
+    then = certificate_of().shown
+    paid = then.paid.copy()
+    paid[7] = np.nextafter(paid[7], 1.0)
+    assert difference(then, replace(then, paid=paid)).step == 8
+
+
+def test_nobody_knows_why():
+    """If all that is recorded is as it was."""
+    assert replay(certificate_of(), Line(scale=2.0)).lines[1].startswith("Nothing that is recorded has changed")
+
+
+@pytest.mark.parametrize(
+    ("changed", "what"),
+    [
+        ({"success": np.arange(20) > 11}, "it is a success"),
+        ({"ended": "terminated"}, "the episode was terminated, not truncated"),
+        ({"paid": np.zeros(0)}, "the episode has ended"),
+    ],
+)
+def test_other_behaviour_differs_too(changed, what):
+    """Success, the end and the length, with the same pay."""
+    then = certificate_of().shown
+    assert what in difference(then, replace(then, **changed)).what
+
+
+def test_another_simulator_tells_its_pay():
+    """And refuses nothing."""
+    found = replay(certificate_of(), Line(scale=2.0), elsewhere="other")
+    assert not found.is_refused
+    assert found.lines == ("in other: -7.53 in 20 steps; the file says -3.81 in 20 steps",)
+
+
+def test_what_does_not_repeat_here_is_refused():
+    """Whatever the file says."""
+    found = replay(certificate_of(), Line(leaks=True))
+    assert found.is_refused
+    assert found.reasons == ("It does not repeat itself here.",)
+
+
+def test_changes_are_told():
+    """Of versions, sources, the machine; a source that is not known here is no change."""
+    now = {"versions": {"python": "3.12", "numpy": "2.2"}, "machine": {"cpu": "two"}, "sources": {"reward": "b" * 64}}
+    assert changes(RUNS_ON, now) == (
+        "numpy is 2.2 here, and was 2.1.",
+        "The source of the reward is another one.",
+        "The machine is another one: two, and was one.",
+    )
+    assert changes(RUNS_ON, {**RUNS_ON, "sources": {}}) == ()
