@@ -172,7 +172,7 @@ def find_cheats(
 
 
 def _acting(behaviours: Mapping[Role, Behaviour], world: World, rates: Rates | None) -> dict[Role, Acting]:
-    """The policies of those behaviours that have one, from their own starts; from those of rates where chance decides."""
+    """The policies of those behaviours that have one, from their own starts, or those of rates where chance decides."""
     return {
         role: Acting(act_of(of.policy, world), rates.paid.starts if rates else [of.start])
         for role, of in behaviours.items()
