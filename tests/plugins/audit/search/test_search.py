@@ -59,7 +59,7 @@ def test_an_honest_reward_pays_success_most():
 @pytest.fixture
 def no_tables(monkeypatch):
     """Choices on a line are a table; here sequences have to find what pays."""
-    monkeypatch.setattr(searching, "learn_tables", lambda *_: {})
+    monkeypatch.setattr(searching, "search_tables", lambda *_: False)
 
 
 @pytest.mark.usefixtures("no_tables")
