@@ -201,10 +201,11 @@ def _paid_in(make: Callable[[], World], three: Mapping[Role, Behaviour]) -> dict
 
 def _on_strength(stood: Strength, shown: Case) -> str:
     fragile = stood.word == FRAGILE
-    on = f"on {stood.count - stood.stands if fragile else stood.stands} of {stood.count} starts"
+    on = f" on {stood.count - stood.stands if fragile else stood.stands} of {stood.count} starts"
     return (
-        f"{stood.word}: with action noise {NOISES[-1]:g} it {'no longer' if fragile else 'still'} pays more {on}. On "
-        f"average {NAMES[shown.tempting]} then earns {number(stood.tempting)}, {NAMES[shown.against]} "
+        f"{stood.word}: with action noise {NOISES[-1]:g} it {'no longer' if fragile else 'still'} pays more"
+        f"{on if stood.count > 1 else ''}. On average {NAMES[shown.tempting]} then "
+        f"earns {number(stood.tempting)}, {NAMES[shown.against]} "
         f"{number(stood.task)}."
     )
 
