@@ -16,6 +16,7 @@ from harness.text import number
 
 from .behaviour import Behaviour, Rates
 from .disturb import NOISES, Acting, Strength, noise_curve, rested, strength_of
+from .environment_world import since
 from .finding import FRAGILE, Finding, Role
 from .held_out import act_of
 from .judge import Case, Walk, judge
@@ -172,7 +173,7 @@ def find_cheats(
 
 
 def _acting(behaviours: Mapping[Role, Behaviour], world: World, rates: Rates | None) -> dict[Role, Acting]:
-    """The policies of those behaviours that have one, from their own starts, or those of rates where chance decides."""
+    """The policies of those behaviours that have one, and their starts: those of rates where chance decides."""
     return {
         role: Acting(act_of(of.policy, world), rates.paid.starts if rates else [of.start])
         for role, of in behaviours.items()
@@ -186,7 +187,7 @@ def _walks(world: World, behaviour: Behaviour, rates: Rates | None) -> list[Walk
         return [Walk(world.show(behaviour.start, behaviour.actions).terms, behaviour.time)]
     act = act_of(behaviour.policy, world)
     shown = [world.watch(start, act) for start in rates.paid.starts[:WATCHED]]
-    return [Walk(it.terms, len(it.success) - int(np.argmin(it.success[::-1])) + 1) for it in shown if it.success[-1]]
+    return [Walk(it.terms, since(it.success)) for it in shown if it.success[-1]]
 
 
 def _paid_in(make: Callable[[], World], three: Mapping[Role, Behaviour]) -> dict[Role, float]:
@@ -200,10 +201,11 @@ def _paid_in(make: Callable[[], World], three: Mapping[Role, Behaviour]) -> dict
 
 def _on_strength(stood: Strength, shown: Case) -> str:
     fragile = stood.word == FRAGILE
-    on = f"on {stood.count - stood.stands if fragile else stood.stands} of {stood.count} starts"
+    on = f" on {stood.count - stood.stands if fragile else stood.stands} of {stood.count} starts"
     return (
-        f"{stood.word}: with action noise {NOISES[-1]:g} it {'no longer' if fragile else 'still'} pays more {on}. On "
-        f"average {NAMES[shown.tempting]} then earns {number(stood.tempting)}, {NAMES[shown.against]} "
+        f"{stood.word}: with action noise {NOISES[-1]:g} it {'no longer' if fragile else 'still'} pays more"
+        f"{on if stood.count > 1 else ''}. On average {NAMES[shown.tempting]} then "
+        f"earns {number(stood.tempting)}, {NAMES[shown.against]} "
         f"{number(stood.task)}."
     )
 

@@ -306,7 +306,7 @@ def _lines(
         lines.append(
             "All states and actions were counted: nothing pays more."
             if TABLE in searched.how
-            else f"That proves nothing: {searched.steps:,} steps were searched, from {count} starts."
+            else f"That proves nothing: {searched.steps:,} steps were searched."
         )
         if alarms:
             lines.append(f"On {alarms} of {count} starts it pays for failing or loitering all the same.")
