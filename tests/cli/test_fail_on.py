@@ -176,7 +176,8 @@ def test_screen_decides_before_anything_is_trained(harness, quick, tmp_path: Pat
     """Creeping pays more than finishing under `arp`."""
     answer = harness("run", *quick, "--screen", "--fail-on", "failing", "--out", "here", "--dry-run")
     assert answer.status == 1
-    assert "  arp: PAYS FOR FAILING. Not finishing pays more than finishing: creep earns " in answer.err
+    (told,) = (line for line in answer.err.splitlines() if line.startswith("  arp: PAYS FOR FAILING. "))
+    assert ". Not finishing pays more than finishing: creep earns " in told
     assert "arp in fd100 · fd100-reach: PAYS FOR FAILING" in answer.err.splitlines()[-1]
     assert not (tmp_path / "here").exists()
 
