@@ -81,7 +81,8 @@ def certificates_of(
         budget: Steps that it might take for each.
     """
     certificates, refused = list[Certificate](), list[str]()
-    for finding, place in zip(findings, places, strict=True):
+    for finding, asked in zip(findings, places, strict=True):
+        place = replace(asked, success=finding.success)
         make, told = partial(world_at, place, registry), runs_on(place, registry)
         made, lines = certify(finding, place, make, told, seed=seed, budget=budget)
         if place.is_environment and made:

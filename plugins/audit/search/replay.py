@@ -108,7 +108,7 @@ def certify(
     """
     certificates, refused = list[Certificate](), list[str]()
     with closing(make()) as world:
-        place = replace(place, success=finding.success, horizon=world.horizon)
+        place = replace(place, horizon=world.horizon)
         for role in ROLES:
             shown = finding.shown.get(role)
             if shown is None:
