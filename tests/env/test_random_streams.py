@@ -68,3 +68,27 @@ def test_starts_and_targets_do_not_share_a_stream():
     for _ in range(40):
         one.target(0, TIP)
     np.testing.assert_array_equal(one.start(0), other.start(0))
+
+
+def test_equal_seeds_meet_the_same():
+    """What each meets alone: the first 40 targets, whatever the envs beside it drew before."""
+    many, alone = Streams(ReachTask(), ROBOT, 3, [7, 8, 7]), Streams(ReachTask(), ROBOT, 1, [7])
+    first = [many.target(0, TIP)[0] for _ in range(40)]
+    third = [many.target(2, TIP)[0] for _ in range(40)]
+    np.testing.assert_array_equal(first, [alone.target(0, TIP)[0] for _ in range(40)])
+    np.testing.assert_array_equal(first, third)
+
+
+def test_equal_seeds_are_drawn_once():
+    """To see which targets an arm reaches is what takes the time of a start."""
+    drawn = []
+
+    class Counted(ReachTask):
+        def draw_targets(self, robot: Any, rng: Any, count: int) -> Targets:
+            drawn.append(count)
+            return super().draw_targets(robot, rng, count)
+
+    streams = Streams(Counted(), ROBOT, 256, [k % 4 for k in range(256)])
+    for env in range(256):
+        streams.target(env, TIP)
+    assert len(drawn) == 4

@@ -10,7 +10,7 @@ import pytest
 import harness
 from harness.conditions.clearance import Clearance
 from harness.conditions.varied_robot import draw_robot
-from harness.env import ReachVectorEnv
+from harness.env import ReachVectorEnv, surroundings
 from harness.env.arm_observation import ArmObservation
 from harness.reach import ReachTask
 from harness.record.trace import TraceWriter, read_trace
@@ -240,3 +240,18 @@ def test_the_plain_task_leaves_no_more_columns(make: Call, tmp_path: Path):
     trace = recorded(tmp_path / "trace.parquet", make, ReachTask(horizon=9))
     assert not {"arm", "obstacle", "obstacles"} & set(trace.columns)
     assert not trace["obstacle"].any()
+
+
+def test_equal_episodes_have_their_obstacles_placed_once(make: Call, monkeypatch: pytest.MonkeyPatch):
+    """Where each has them alone: to find a place takes 20 ms."""
+    alone = make(1, WORSE)
+    alone.reset(seed=[6])
+    places = []
+    draw = surroundings.draw_clutter
+    monkeypatch.setattr(surroundings, "draw_clutter", lambda *given: places.append(draw(*given)) or places[-1])
+    env = make(5, WORSE)
+    env.reset(seed=[5, 6, 5, 6, 6])
+    assert len(places) == 2
+    np.testing.assert_array_equal(
+        env.episodes.extra("obstacles")[[1, 3, 4]], alone.episodes.extra("obstacles")[[0] * 3]
+    )

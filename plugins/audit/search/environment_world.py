@@ -274,7 +274,7 @@ class EnvironmentWorld:
             np.array([values.sum() for values in paid]),
             np.array([values @ weights[: len(values)] for values in paid]),
             np.array([flags[-1] for flags in success]),
-            np.array([_since(flags) if flags[-1] else self.horizon for flags in success]),
+            np.array([since(flags) if flags[-1] else self.horizon for flags in success]),
             np.array([flags.mean() for flags in success]),
             np.array([self._nearest(*it) for it in zip(told, trails, strict=True)]),
             {name: last[:, k] for k, name in enumerate(self._asked.measures)},
@@ -427,7 +427,7 @@ def _is_flag(values: Float) -> bool:
     return len(told) > 0 and bool(np.isin(told, (0.0, 1.0)).all())
 
 
-def _since(flags: Mask) -> int:
+def since(flags: Mask) -> int:
     """The step, from 1, from which on all are True."""
     return int(len(flags) - np.argmin(flags[::-1]) + 1) if not flags.all() else 1
 

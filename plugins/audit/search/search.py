@@ -55,11 +55,12 @@ def search(
         if world.together == 1 and search_linear(world, kept.starts, evolution.take, int(IN_POLICIES * budget), rng):
             how = (SEQUENCES, POLICIES)
         climbing = evolve(evolution, budget - (world.taken - begun))
+    typical, later = np.median(paid, axis=0).tolist(), np.median(discounted, axis=0).tolist()
     return Searched(
-        plain=[best.three(start) for best, start in zip(kept.plain, starts, strict=True)],
-        discounted=[best.three(start) for best, start in zip(kept.discounted, starts, strict=True)],
-        typical=np.median(paid, axis=0).tolist(),
-        typical_discounted=np.median(discounted, axis=0).tolist(),
+        plain=[best.three(*of) for best, *of in zip(kept.plain, starts, typical, strict=True)],
+        discounted=[best.three(*of) for best, *of in zip(kept.discounted, starts, later, strict=True)],
+        typical=typical,
+        typical_discounted=later,
         successes=kept.successes,
         climbing=climbing,
         steps=world.taken - begun,

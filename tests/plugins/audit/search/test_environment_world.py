@@ -125,7 +125,7 @@ def test_terms_have_their_names():
 
 def test_time_and_share_by_hand():
     """In at once, out again, and in from the fourth step on."""
-    world = world_of()
+    world = world_of(horizon=LENGTH)
     at, _ = Dock().reset(seed=2)
     to, out = -at["at"][0], 1.0
     assert abs(to) < 1.0

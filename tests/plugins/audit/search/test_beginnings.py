@@ -1,0 +1,123 @@
+"""What a search begins from."""
+
+import numpy as np
+import pytest
+
+import harness
+from harness import RecordRewards
+from harness.authoring.commands import Columns, World as Arm
+from harness.env.arm_observation import kinematics_policy
+from harness.env.ideal import IdealSimulator
+from harness.errors import UsageError
+from harness.payoff.rollout import Unpaid
+from harness.reach import ReachTask
+from harness_plugins.audit.search.arm_world import ArmWorld
+from harness_plugins.audit.search.beginnings import of_folder, policies_of, policy_named, scripts_of
+from harness_plugins.audit.search.environment_world import of_env
+from tests.plugins.audit.search.test_environment_world import LENGTH, Dock
+
+ROBOT = harness.load_robot("fd100")
+STARTS = np.array([3, 5])
+
+
+def arm(**options):
+    """A world of an arm that nothing is paid."""
+    return ArmWorld(Arm(IdealSimulator(), ROBOT, ReachTask(**options), Unpaid()), "reach", "none", 0.99)
+
+
+def docks():
+    """A world of ships."""
+    return of_env(Dock, "own", Columns({"own": "own"}, {}, ()), 0.9)
+
+
+def kinds(begun):
+    """What they come from, each once."""
+    return list(dict.fromkeys(it.made_by for it in begun))
+
+
+def test_scripts_are_made_for_each_start():
+    """Five movements; the one that finishes does so from where it was made for, and what kinematics say does too."""
+    world = arm()
+    begun = scripts_of(world, STARTS)
+    names = [f"script {it}" for it in ("finish", "hover", "creep", "oscillate", "hold")]
+    assert kinds(begun) == ["inverse kinematics", *names]
+    finish = [it for it in begun if it.made_by == "script finish"]
+    assert [it.start for it in finish] == STARTS.tolist()
+    assert world.play(STARTS, np.stack([it.actions for it in finish])).success.all()
+    assert world.act(STARTS, begun[0].act)[0].success.all()
+
+
+@pytest.mark.parametrize("action", ["movel", "discrete"])
+def test_other_actions_have_no_scripts(action):
+    """Scripts move joints."""
+    assert scripts_of(arm(action=action), STARTS) == []
+
+
+def test_policies_are_named():
+    """Those of somebody, by name; what cannot be called is refused."""
+    (begun,) = policies_of({"still": lambda seen: np.zeros(1)})
+    assert begun.made_by == "policy still"
+    with pytest.raises(UsageError, match="policies: 'still' is 3"):
+        policies_of({"still": 3})
+
+
+def test_a_function_in_a_file_is_a_policy(tmp_path):
+    """By its name."""
+    file = tmp_path / "cheats.py"
+    file.write_text("def stand(observation):\n    return [0.0]\n")
+    world = docks()
+    begun = policy_named(world, f"{file}:stand")
+    outcomes, taken = world.act(np.array([0]), begun.act)
+    assert (begun.made_by, outcomes.steps[0], taken[0].any()) == ("policy stand", LENGTH, False)
+    with pytest.raises(UsageError, match="has no function 'walk'"):
+        policy_named(world, f"{file}:walk")
+
+
+def test_a_saved_policy_acts(tmp_path):
+    """In the world that it was trained in, and not in another one."""
+    world = arm()
+    kinematics_policy(world.arm.task, ROBOT).save(tmp_path / "mine")
+    begun = policy_named(world, str(tmp_path / "mine"))
+    assert begun.made_by == "policy mine"
+    assert world.act(STARTS, begun.act)[0].success.all()
+    with pytest.raises(UsageError, match="does not act in Dock"):
+        policy_named(docks(), str(tmp_path / "mine"))
+
+
+def test_nothing_is_no_policy():
+    """It says what to write."""
+    with pytest.raises(UsageError, match=r"FILE\.py:NAME"):
+        policy_named(docks(), "nowhere")
+
+
+def test_recorded_trainings_tell_what_was_done(tmp_path):
+    """The best-paid episodes, and the last ones, as they were."""
+    env = RecordRewards(Dock(), tmp_path / "steps", trained_with="own", rewards={"own": "own"})
+    env.action_space.seed(0)
+    done, paid = [], []
+    for episode in range(40):
+        env.reset(seed=episode)
+        done.append(np.array([env.action_space.sample() for _ in range(LENGTH)]))
+        paid.append(sum(float(env.step(action)[1]) for action in done[-1]))
+    env.close()
+    begun = of_folder(docks(), tmp_path)
+    best, latest = np.argsort(-np.array(paid))[:8], np.arange(39, 31, -1)
+    expected = list(dict.fromkeys([*best.tolist(), *latest.tolist()]))
+    assert kinds(begun) == ["recorded training"]
+    np.testing.assert_array_equal([it.actions for it in begun], [done[number] for number in expected])
+
+
+def test_an_empty_folder_is_refused(tmp_path):
+    """With what it should hold."""
+    with pytest.raises(UsageError, match="holds no policy and no recorded actions"):
+        of_folder(docks(), tmp_path)
+
+
+def test_recordings_of_other_actions_are_left_out(tmp_path):
+    """They do not fit."""
+    env = RecordRewards(Dock(), tmp_path / "steps", trained_with="own", rewards={"own": "own"})
+    env.reset(seed=0)
+    env.step(np.zeros(1))
+    env.close()
+    with pytest.raises(UsageError, match="holds no policy"):
+        of_folder(arm(), tmp_path)
