@@ -4,20 +4,17 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from gymnasium.spaces import Discrete
 from numpy.typing import NDArray
 from scipy import stats
 
 from .behaviour import Behaviour, Rated, Rates, Searched, Three
 from .linear import LINEAR, act_linearly, search_linear
 from .sampled_table import sample_tables
-from .table import TABLE, act_by_table, key_of
+from .table import TABLE, TRAINING, act_by_table, decides_by_chance
 from .world import Act, Whole, World
 
-TRAINING, HELD_OUT = (100_000, 1_000_000), (1_000_000, 2_000_000)
-"""Seeds of resets that policies are looked for with, and those that they are rated on."""
-RESETS = 32
-"""So many starts are looked at to find two that begin alike."""
+HELD_OUT = 1_000_000, 2_000_000
+"""Seeds of resets that policies are rated on."""
 SHARES = (0.5, 0.2, 0.3)
 """Parts of a budget: to find policies, to choose among them, and to rate them."""
 FEWEST, MOST = 24, 400
@@ -59,31 +56,6 @@ def share_interval(flags: NDArray[np.bool_]) -> tuple[float, float, float]:
     share = stats.binomtest(int(flags.sum()), len(flags))
     interval = share.proportion_ci(LEVEL, method="wilson")
     return float(flags.mean()), float(interval.low), float(interval.high)
-
-
-def decides_by_chance(world: World, budget: int, rng: np.random.Generator) -> bool:
-    """Whether another seed that begins alike goes on otherwise under the same choices; what seeds hide counts too.
-
-    Args:
-        world: Where.
-        budget: Steps after which no other seed is tried.
-        rng: Draws seeds and choices.
-    """
-    if not world.is_repeated:
-        return True
-    if not isinstance(world.space, Discrete):
-        return False
-    actions, met = world.space.start + rng.integers(world.space.n, size=world.horizon), dict[str, tuple[Any, ...]]()
-    until = world.taken + budget
-    for start in rng.integers(*TRAINING, RESETS).tolist():
-        if world.taken >= until:
-            break
-        rest = iter(actions)
-        shown = world.watch(start, lambda observed, rest=rest: int(next(rest)))  # type: ignore[misc]
-        went = tuple(map(key_of, shown.observed)), shown.paid.tobytes(), shown.ended
-        if met.setdefault(key_of(shown.observed[0]), went) != went:
-            return True
-    return False
 
 
 def search_by_chance(world: World, starts: Whole, budget: int, rng: np.random.Generator) -> Searched | None:

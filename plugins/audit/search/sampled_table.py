@@ -94,16 +94,17 @@ class Counts:
         self.world, self.space, self.rng = world, space, rng
         self.states: dict[str, int] = {}
         self.pairs: dict[tuple[int, int], _Pair] = {}
-        self.news = 0
+        self.news, self._longest = 0, 0
         self._returns = list[float]()
 
     def play(self, start: int, act: Act) -> Shown:
         """Play an episode of a policy, and count it."""
         shown = self.world.watch(start, act)
+        self._longest = max(self._longest, len(shown.actions))
         states = [self.states.setdefault(key_of(it), len(self.states)) for it in shown.observed]
         for step, action in enumerate((shown.actions - self.space.start).tolist()):
             pair, is_success = self.pairs.setdefault((states[step], action), _Pair()), bool(shown.success[step])
-            ends = step == len(shown.actions) - 1 and (shown.ended == "terminated" or step + 1 < self.world.horizon)
+            ends = step == len(shown.actions) - 1 and (shown.ended == "terminated" or step + 1 < self._longest)
             pair.tried += 1
             self.news += pair.tried <= KNOWN
             pair.paid += float(shown.paid[step])
@@ -183,7 +184,7 @@ class Counts:
 
     def policies(self) -> list[Whole]:
         """Choices that are paid most, by several discounts, that succeed most, and that succeed soon; no two alike."""
-        means, horizon = self.means(), self.world.horizon
+        means, horizon = self.means(), self._longest
         allowed = means.tried >= np.minimum(FEWEST, means.tried.max(axis=1, keepdims=True))
         allowed &= means.tried > 0
         patient, soon = 1.0 - 0.1 / horizon, 1.0 - 1.0 / horizon

@@ -10,13 +10,13 @@ from scipy import stats
 from harness_plugins.audit.search.held_out import (
     HELD_OUT,
     act_of,
-    decides_by_chance,
     mean_interval,
     rate_policies,
     search_by_chance,
     share_interval,
     three_of,
 )
+from harness_plugins.audit.search.table import decides_by_chance
 from tests.plugins.audit.search.toy_worlds import EnvWorld, Graph, told
 
 STARTS = np.arange(4)
