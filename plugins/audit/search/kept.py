@@ -12,6 +12,9 @@ from .world import Actions, Outcomes, Whole
 
 AS_FAST = 1.1
 """A success is about as fast as the fastest one if it takes at most so much longer."""
+AS_PAID = 0.01
+"""A success is about as well paid as the best-paid one if it is paid so much less at most, as a share of what lies
+between the best pay and what random actions are paid."""
 
 
 @dataclass(eq=False)
@@ -52,13 +55,19 @@ class Bests:
         """What the best-paid success is paid; minus infinity if none was met."""
         return float(self._success[-1])
 
-    def three(self, start: int) -> Three:
-        """The best-paid failure, the best-paid success, and the best-paid one of the fastest."""
+    def three(self, start: int, typical: float) -> Three:
+        """The best-paid failure, the best-paid success, and the best-paid one of the fastest.
+
+        Of successes that are about as well paid as the best one, the fastest stands for it: that a search has found a
+        slow one that is paid a trifle more says nothing of the reward.
+        """
         times = sorted(self.successes)
         if not times:
             return Three(start, self.failure, None, None)
+        trifle = AS_PAID * max(0.0, self.success_pay - typical, self._failure - typical)
+        as_paid = [at for at in times if self._success[at] >= self.success_pay - trifle]
         as_fast = [at for at in times if at <= AS_FAST * times[0]]
-        return Three(start, self.failure, self.successes[times[-1]], self.successes[as_fast[-1]])
+        return Three(start, self.failure, self.successes[as_paid[0]], self.successes[as_fast[-1]])
 
 
 class Kept:

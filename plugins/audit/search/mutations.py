@@ -57,11 +57,13 @@ Mutation: TypeAlias = Callable[[Pairs, Rng], Actions]
 
 
 def stop_before_the_end(pairs: Pairs, rng: Rng) -> Actions:
-    """The same, but for the last steps: stays where it is, or goes on with the last action."""
+    """The same, but for the last steps: a part of a step, then stays where it is, or goes on with the last action."""
     place = np.maximum(pairs.length - _few(rng, pairs.length), 0)[:, None]
     held = _keep(pairs.first, np.minimum(pairs.clock, np.maximum(place - 1, 0)))
     still = np.broadcast_to(pairs.moves.resting(rng, len(pairs)), held.shape)
-    return _where(pairs.clock < place, pairs.first, _where(_chance(rng, pairs, 0.6), still, held))
+    child = _where(pairs.clock < place, pairs.first, _where(_chance(rng, pairs, 0.6), still, held))
+    partly = np.where(pairs.clock == place, rng.random((len(pairs), 1)), 0.0)
+    return _where(pairs.clock == place, _eased(pairs, pairs.first, partly), child)
 
 
 def hold(pairs: Pairs, rng: Rng) -> Actions:

@@ -37,10 +37,10 @@ SEEKING: Weights = {FAILURES: 3, FAILURES_LATER: 1, NEAREST: 4, CELLS: 4, FRESH:
 """How often each archive breeds while no success of the start is known."""
 WEIGHING: Weights = {
     FAILURES: 4, FAILURES_LATER: 1.5, SUCCESSES: 3, SUCCESSES_LATER: 1.5,
-    FASTEST: 1, NEAREST: 0.5, CELLS: 0.5, FRESH: 0.5,
+    FASTEST: 2, NEAREST: 0.5, CELLS: 0.5, FRESH: 0.5,
 }  # fmt: skip
 """How often once one is."""
-SUCCEEDING: Weights = {FAILURES: 2, FAILURES_LATER: 0.5, SUCCESSES: 5, SUCCESSES_LATER: 2, FASTEST: 1.5, FRESH: 0.2}
+SUCCEEDING: Weights = {FAILURES: 2, FAILURES_LATER: 0.5, SUCCESSES: 5, SUCCESSES_LATER: 2, FASTEST: 2.5, FRESH: 0.2}
 """How often in the last part."""
 
 

@@ -20,7 +20,7 @@ class EnvWorld:
         self.horizon = horizon or self.env.spec.max_episode_steps
         self.space, self.observes = self.env.action_space, self.env.observation_space
         self.is_repeated, self.taken = True, 0
-        self.directions, self.notes = {}, ()
+        self.directions, self.notes, self.together = {}, (), 1
 
     def watch(self, start, policy):
         observed, _ = self.env.reset(seed=int(start))
