@@ -27,7 +27,7 @@ class Cheats:
         starts: From so many starts.
     """
 
-    steps: Annotated[int, Field(gt=0, description="Steps of the search for each reward of an arm.")] = 300_000
+    steps: Annotated[int, Field(gt=0, description="Steps of the search for each reward of an arm.")] = 200_000
     steps_elsewhere: Annotated[int, Field(gt=0, description="The same in an environment.")] = 100_000
     starts: Annotated[int, Field(gt=0, description="Starts that are searched.")] = 4
 

@@ -18,7 +18,7 @@ def survives(observation, action, next_observation, info):
     return bool(abs(next_observation[0]) < 0.5)
 
 
-@pytest.mark.parametrize(("name", "success", "share"), [("Pendulum-v1", stands, 0.4), ("CartPole-v1", survives, 0.1)])
+@pytest.mark.parametrize(("name", "success", "share"), [("Pendulum-v1", stands, 0.3), ("CartPole-v1", survives, 0.1)])
 def test_a_search_costs_little_beside_its_steps(require_speed, amount, name, success, share: float):
     """Rewards and measures are asked in every step, and actions are bred; the environment's own steps cost most."""
     steps = amount(60_000, 2_000)
