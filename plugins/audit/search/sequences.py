@@ -120,7 +120,7 @@ class Evolution:
             rooms |= {FAILURES_LATER: FEWER, SUCCESSES_LATER: FEWER}
         self._archives = [{name: Archive(room, none) for name, room in rooms.items()} for _ in kept.starts]
         self._cells = [Cells(world.observes) for _ in kept.starts]
-        self._spread: Float = np.zeros(0)  # of observations; none where a world keeps none
+        self._spread: Float = np.zeros(0)  # of observations; none where sequences do not hold
         self._proved: list[Feedback] = []
         self._held = np.ones((2, 2))  # the same of children that hold, and of those that do not
 
@@ -159,7 +159,7 @@ class Evolution:
                 outcomes, _ = self.play(np.arange(count), colour(self._rng, count, steps), np.full(count, None))
                 paid.append((outcomes.paid, outcomes.discounted))
                 seen += outcomes.trails
-        if seen and seen[0].shape[1] <= MOST_SEEN:
+        if seen and seen[0].shape[1] <= MOST_SEEN and self.world.together == 1:
             self._spread = np.maximum(np.concatenate(seen).std(axis=0), 1e-3)
         plain, later = np.stack(paid[:rounds]).transpose(1, 0, 2)
         return plain, later
@@ -194,7 +194,7 @@ class Evolution:
         self._held *= 0.99
 
     def _hold(self, row: Whole, genes: Actions, known: Feedback | None, step: int) -> bool:
-        """Play a sequence that holds: as its parent did, changed a little; or from a step on as another one, or anyhow."""
+        """Play a sequence that holds: as its parent did, changed a little; or from a step on as another, or anyhow."""
         rng, chance = self._rng, self._rng.random()
         if known is not None and chance < 0.6:
             held = known.changed(rng, step)
