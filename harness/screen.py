@@ -1,7 +1,7 @@
 """What a screen is: it looks at rewards before anything is trained, and says a word and a line of each."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Literal, NamedTuple, Protocol, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from harness.errors import PluginError, reason_of
 from harness.registry.choice import Choice
@@ -12,16 +12,17 @@ if TYPE_CHECKING:
     from harness.registry.registry import Registry
 
 SCREENS = "screens"
-Word: TypeAlias = Literal["PAYS FOR FAILING", "PAYS FOR LOITERING", "NOTHING FOUND", "CANNOT TELL"]
-WORDS: tuple[Word, Word, Word, Word] = ("PAYS FOR FAILING", "PAYS FOR LOITERING", "NOTHING FOUND", "CANNOT TELL")
-FAILING, LOITERING, NOTHING, CANNOT_TELL = WORDS
+FAILING, LOITERING, NOTHING, CANNOT_TELL = WORDS = (
+    "PAYS FOR FAILING", "PAYS FOR LOITERING", "NOTHING FOUND", "CANNOT TELL"
+)  # fmt: skip
 """What a screen says of a reward. Never "safe": that nothing was found proves nothing."""
 
 
 class Screened(NamedTuple):
     """What a screen says of one reward in one place."""
 
-    word: Word
+    word: str
+    """One of `WORDS`."""
     line: str
     """The answer in sentences, without the name of the reward."""
 

@@ -90,7 +90,7 @@ def register_screens(register: harness.Register) -> None:
     register(
         "cheats",
         "harness_plugins.audit.screen:Cheats",
-        summary="What each reward pays a cheat: scripted movements of an arm.",
+        summary="What each reward pays a cheat: scripted movements of an arm, and a search in any environment.",
     )
 
 

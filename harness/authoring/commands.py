@@ -296,6 +296,7 @@ if TYPE_CHECKING:
     from harness.registry.spec import OURS as OURS, PLANNED as PLANNED, blamed_on as blamed_on
     from harness.registry.targets import examined as examined
     from harness.registry.toml_file import read_toml as read_toml
+    from harness.report.rows.payoff import Payoffs as Payoffs
     from harness.results.alone import Alone as Alone
     from harness.results.cell_results import PAID as PAID
     from harness.results.comparison import (

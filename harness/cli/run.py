@@ -149,7 +149,8 @@ class RunFlags:
     measure: Measures = None
     fail_on: FailOn = None
     screen: Annotated[
-        bool, typer.Option("--screen", help="Before anything is trained, say what each reward pays for; stops nothing.")
+        bool,
+        typer.Option("--screen", help="First say what each reward pays for. It stops nothing."),
     ] = False
     plugin: PluginFiles = None
     quiet: Annotated[bool, typer.Option("--quiet", help="Show no progress, only the results.")] = False

@@ -20,8 +20,8 @@ AHEAD = 16
 """How many targets are drawn at a time, because checking that the arm reaches them is cheap in a batch."""
 
 TRIES = 1000
-DRAWS_KEPT = 64
-"""So many draws are kept for envs whose streams stand where another one's stood: those of equal seeds."""
+DRAWS_KEPT = 256
+"""So many draws are kept for streams that stand where one stood before: those of equal seeds, and of the same reset."""
 
 
 class Streams:

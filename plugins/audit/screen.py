@@ -1,30 +1,71 @@
 """What ``harness run --screen`` says of rewards: the short form of an audit."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from contextlib import closing
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
+
+from pydantic import Field
 
 from harness.authoring.commands import FINISH, pays_of
-from harness.screen import CANNOT_TELL, FAILING, NOTHING, Screened, Word
+from harness.errors import reason_of
+from harness.screen import CANNOT_TELL, FAILING, Screened
 
 if TYPE_CHECKING:
-    from harness.authoring.commands import Cell, Registry
+    from harness.authoring.commands import Cell, Payoffs, Registry
+
+    from .search.finding import Finding
 
 
 @dataclass(frozen=True)
 class Cheats:
-    """A screen that moves arms by scripts."""
+    """Movements of an arm by scripts, then in any task or environment a search, shorter than that of an audit.
+
+    Attributes:
+        steps: About so many steps are taken for each reward of an arm, whose episodes are played side by side.
+        steps_elsewhere: The same in an environment.
+        starts: From so many starts.
+    """
+
+    steps: Annotated[int, Field(gt=0, description="Steps of the search for each reward of an arm.")] = 200_000
+    steps_elsewhere: Annotated[int, Field(gt=0, description="The same in an environment.")] = 100_000
+    starts: Annotated[int, Field(gt=0, description="Starts that are searched.")] = 4
 
     def screen(self, cells: "Sequence[Cell]", registry: "Registry") -> Sequence[Screened | None]:
         """See `harness.screen.Screen`."""
         pays = pays_of(cells, registry)
-        found = [pays.get((cell.robot, cell.task.label, cell.reward.label)) for cell in cells]
-        return [None if it is None else Screened(_word(it.returns, it.success), " ".join(it.verdict)) for it in found]
+        return [
+            self._look(cell, pays.get((cell.robot, cell.task.label, cell.reward.label)), registry) for cell in cells
+        ]
+
+    def _look(self, cell: "Cell", scripted: "Payoffs | None", registry: "Registry") -> Screened:
+        """What the search says of one reward, and then the scripts; their word counts where the search cannot tell."""
+        told = [] if scripted is None else scripted.verdict
+        try:
+            found = self._search(cell, registry)
+        except (Exception, SystemExit) as error:  # whatever a plugin raises
+            word, first = CANNOT_TELL, [f"Not searched: {reason_of(error)}."]
+        else:
+            word, first = found.word, [f"{found.strength}." if found.strength else "", found.lines[0]]
+        if word == CANNOT_TELL and scripted is not None and scripted.returns:
+            word = FAILING if _tempts(scripted) else CANNOT_TELL
+        return Screened(word, " ".join(filter(None, (*first, *told))))
+
+    def _search(self, cell: "Cell", registry: "Registry") -> "Finding":
+        from .search.environment_world import of_environment
+        from .search.find import Search, find_in
+        from .search.searched_worlds import arm_world
+
+        discount = dict(cell.algorithm.params).get("gamma")
+        if cell.is_in_environment:
+            gamma = float(discount or 0.99)
+            with closing(of_environment(cell.task, registry, cell.reward, gamma, "")) as world:
+                return find_in(world, Search(self.steps_elsewhere, self.starts))
+        with arm_world(registry, cell.reward, cell.task.label, cell.robot, None, float(discount or 0.95)) as (world, _):
+            return find_in(world, Search(self.steps, self.starts))
 
 
-def _word(returns: Mapping[str, float], success: Mapping[str, float]) -> Word:
+def _tempts(scripted: "Payoffs") -> bool:
     """Whether a movement that reaches the target less often than ``finish`` is paid more."""
-    if not returns:
-        return CANNOT_TELL
-    tempting = [name for name in returns if success[name] < success[FINISH] and returns[name] > returns[FINISH]]
-    return FAILING if tempting else NOTHING
+    paid, success = scripted.returns, scripted.success
+    return any(success[name] < success[FINISH] and paid[name] > paid[FINISH] for name in paid)

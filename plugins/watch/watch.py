@@ -4,7 +4,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from harness.authoring.commands import (
     Store,
@@ -32,27 +32,14 @@ PATIENCE = 60.0
 """Seconds to wait for a client that asks nothing."""
 
 
-class Pages(Protocol):
-    """What there is to be served."""
-
-    def state(self) -> str:
-        """Another text whenever there is more to be shown."""
-
-    def page(self) -> str:
-        """The page as HTML.
-
-        Raises:
-            HarnessError: What it is made of cannot be read.
-        """
-
-
-def pages_of(path: Path) -> Pages:
+def pages_of(path: Path) -> "Pages | CertificatePages":
     """The pages of an experiment, or of certificates, of which the plugin that writes them makes a page."""
-    if not Store.is_experiment(path):
-        page_in: Callable[[Path], str | None] = load_registry().get("commands", CERTIFICATES).load()
+    registry = load_registry()
+    if not Store.is_experiment(path) and CERTIFICATES in registry.names("commands"):
+        page_in: Callable[[Path], str | None] = registry.get("commands", CERTIFICATES).load()
         if page_in(path) is not None:
             return CertificatePages(path, page_in)
-    return ExperimentPages(path)
+    return Pages(path)
 
 
 @dataclass(frozen=True)
@@ -72,14 +59,18 @@ class CertificatePages:
         return ""
 
     def page(self) -> str:
-        """The page as HTML; see `Pages`."""
+        """The page as HTML.
+
+        Raises:
+            HarnessError: Nothing is there any more, or it cannot be read.
+        """
         page = self.page_in(self.path)
         if page is None:
             raise UsageError(f"'{self.path}' has no certificate any more")
         return page
 
 
-class ExperimentPages:
+class Pages:
     """What there is to be served; the page is made again when cells have ended since."""
 
     def __init__(self, folder: Path) -> None:
@@ -102,7 +93,7 @@ class ExperimentPages:
         return self._made[1]
 
 
-def open_server(pages: Pages, port: int) -> "ThreadingHTTPServer":
+def open_server(pages: Pages | CertificatePages, port: int) -> "ThreadingHTTPServer":
     """A server of `pages` on this machine alone.
 
     Raises:

@@ -3,6 +3,7 @@
 import shutil
 import sys
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import NamedTuple
 
 import pytest
@@ -10,6 +11,10 @@ import pytest
 from harness.cli import main
 from harness.payoff import rollout
 from harness.registry.sources import description
+from harness_plugins.audit.screen import Cheats
+from harness_plugins.audit.search import find
+
+SCREENED = find.Search(Cheats().steps, Cheats().starts)
 
 
 @pytest.fixture(scope="package", autouse=True)
@@ -25,6 +30,20 @@ def scripted_policies_act_once() -> Iterator[None]:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(rollout, "record_rollouts", recall)
+        yield
+
+
+@pytest.fixture(scope="package", autouse=True)
+def screens_search_for_a_moment() -> Iterator[None]:
+    """Whatever ``--screen`` looks for: what it finds then is tested with the screen."""
+    find_in = find.find_in
+
+    def find_quickly(world, asked, *given, **named):
+        short = replace(asked, budget=1_000, starts=1) if asked == SCREENED else asked
+        return find_in(world, short, *given, **named)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(find, "find_in", find_quickly)
         yield
 
 

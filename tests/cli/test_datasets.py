@@ -134,3 +134,23 @@ def test_a_folder_that_is_a_data_set_needs_no_format(call, command: str, folder:
     _, typed, _ = call(command, f"{'minari' if folder == 'm' else 'lerobot'}:{folder}", "--json")
     status, out, _ = call(command, folder, "--json")
     assert (status, json.loads(out)) == (0, json.loads(typed))
+
+
+@pytest.mark.parametrize(("pays", "status"), [(-1.0, 1), (1.0, 0), (0.0, 3)])
+def test_how_a_reward_ranks_can_be_the_status(call, tmp_path: Path, pays: float, status: int):
+    """Against success, as it does, and as a coin would: of an audit, and of a report."""
+    episodes = [episode(6, number, number % 2 == 1) for number in range(12)]
+    for number, one in enumerate(episodes):
+        one["rewards"][:] = pays * (number % 2) + 0.01 * number * (pays != 0.0)
+    write_minari(tmp_path / "paid", episodes)
+    for command in ("audit", "report"):
+        found, _, err = call(command, "minari:paid", "--fail-on", "against")
+        assert found == status
+        assert err.startswith("--fail-on against: recorded: ")
+
+
+def test_what_no_data_set_says_is_refused(call):
+    """Before it is opened."""
+    status, _, err = call("audit", "minari:gone", "--fail-on", "hurts")
+    assert (status, err.count("\n")) == (2, 1)
+    assert "No answer 'hurts'. There is: against, cannot-tell, failing, loitering." in err

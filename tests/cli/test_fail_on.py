@@ -1,5 +1,6 @@
 """``--fail-on``: the exit status by what was answered."""
 
+import json
 from itertools import combinations, product
 from pathlib import Path
 
@@ -176,7 +177,8 @@ def test_screen_decides_before_anything_is_trained(harness, quick, tmp_path: Pat
     """Creeping pays more than finishing under `arp`."""
     answer = harness("run", *quick, "--screen", "--fail-on", "failing", "--out", "here", "--dry-run")
     assert answer.status == 1
-    assert "  arp: PAYS FOR FAILING. Not finishing pays more than finishing: creep earns " in answer.err
+    (told,) = (line for line in answer.err.splitlines() if line.startswith("  arp: PAYS FOR FAILING. "))
+    assert ". Not finishing pays more than finishing: creep earns " in told
     assert "arp in fd100 · fd100-reach: PAYS FOR FAILING" in answer.err.splitlines()[-1]
     assert not (tmp_path / "here").exists()
 
@@ -195,6 +197,28 @@ def test_trainings_go_on_after_an_alarm(harness, quick):
     assert answer.status == 1
     assert "Results: here" in answer.out
     assert answer.err.splitlines()[-1].endswith(": status 1")
+
+
+@pytest.mark.parametrize(("reward", "status"), [("arp", 1), ("dense", 0)])
+def test_audit_without_a_search_ends_by_its_scripts(harness, reward: str, status: int):
+    """Creeping pays more than finishing under one, finishing most under the other."""
+    answer = harness("audit", "--reward", reward, "--episodes", "2", "--budget", "0", "--fail-on", "failing")
+    assert answer.status == status
+    assert answer.err == f"--fail-on failing: {reward}: {(NOTHING, FAILING)[status]}: status {status}\n"
+
+
+def test_audit_ends_by_what_its_search_finds(harness):
+    """Too short a search cannot tell, and the scripts beside it do not answer in its place."""
+    search = ("--budget", "2000", "--starts", "1", "--episodes", "2")
+    answer = harness("audit", "--reward", "arp", *search, "--fail-on", "failing", "--json")
+    assert (answer.status, json.loads(answer.out)["cheats"][0]["answer"]) == (3, CANNOT_TELL)
+    assert answer.err.endswith("--fail-on failing: arp in fd100-reach: CANNOT TELL: status 3\n")
+
+
+def test_audit_of_recordings_was_not_asked_what_a_reward_pays_for(harness, finished):
+    """Its answers are about episodes."""
+    answer = harness("audit", finished(seeds=2), "--fail-on", "failing")
+    assert (answer.status, "nobody asked what a reward pays for" in answer.err) == (3, True)
 
 
 def test_several_folders_have_one_status(harness, quick):

@@ -4,6 +4,7 @@ import io
 import subprocess
 import sys
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -303,7 +304,10 @@ def test_description_format_is_told_apart(name: str, tmp_path: Path):
 @registered("screens")
 def test_screen(name: str, tmp_path: Path):
     """Every registered screen keeps the contract, where the library that it needs is installed."""
-    assert broken_in(tmp_path, SCREEN_CHECKS, build("screens", name)) == []
+    screen = build("screens", name)
+    if name == "cheats":
+        screen = replace(screen, steps=1_000, steps_elsewhere=1_000, starts=1)
+    assert broken_in(tmp_path, SCREEN_CHECKS, screen) == []
 
 
 def test_ideal_simulator():

@@ -130,7 +130,7 @@ MUTANTS: dict[type[Any], Any] = {
     SaysSafe: screens.each_cell_has_an_answer,
     SaysNoMore: screens.each_cell_has_an_answer,
     SaysTwoLines: screens.each_cell_has_an_answer,
-    KnowsNothing: screens.something_is_said,
+    KnowsNothing: screens.each_cell_has_an_answer,
     Counts: screens.screening_twice_is_the_same,
     KnowsTheFirst: screens.screening_twice_is_the_same,
     AlarmsOfErrors: screens.a_reward_that_raises_stops_nothing,

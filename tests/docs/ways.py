@@ -26,6 +26,7 @@ NEEDS: Mapping[str, str] = MappingProxyType(
         "airo_models": "a package of arms that is in no lock: `make arms` installs it",
         "slurm|ray:address": "takes a cluster",
         "unity:|unity_player|extra unity": "takes a program and an old protobuf; tests/plugins/unity_player",
+        "--screen": "takes seconds for each reward; tests/cli/test_choose.py",
         "--fail-on": "its status is the answer; tests/cli/test_fail_on.py",
         "cells/|CELL": "takes a trained policy; tests/plugins/commands",
         "--cells": "names cells of the reader's",

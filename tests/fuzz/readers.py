@@ -35,6 +35,7 @@ from harness.robot.meshes import read_mesh
 from harness.robot.robot import load_robot, read_robot
 from harness.scene.scene import scene_of
 from harness.score.open_steps import open_steps
+from harness_plugins.audit.search.out import page_in
 from harness_plugins.tune.tuning import read_tuning, resolve
 from tests.fuzz.mutate import (
     mutate_bytes,
@@ -44,6 +45,7 @@ from tests.fuzz.mutate import (
     mutate_toml,
     mutate_xml,
 )
+from tests.plugins.audit.search.certified import whole_certificate
 from tests.record.dataset.frames import write_frames
 from tests.record.dataset.written import episode, opened, write_lerobot, write_minari
 from tests.robot.test_meshes import CORNERS, collada
@@ -192,6 +194,9 @@ def readers(registry: Registry, cell: Any, folder: Path) -> dict[str, Reader]:
         **_datasets(folder),
         "recorded training": _recorded_training(folder, "recording-0.json", _mutate_sealed),
         "steps of a recorded training": _recorded_training(folder, "steps-0-00000.parquet", _mutate_parquet),
+        "certificate": Reader(
+            {"c.json": _certificate()}, {"c.json": _mutate_sealed}, lambda at: page_in(at / "c.json")
+        ),
         "scene": Reader({"scene.json": _scene(folder)}, {"scene.json": mutate_json}, read_scene),
         **_sealed("manifest", "m/manifest.json", _manifest(cell, folder), lambda at: read_manifest(at / "m")),
         **_sealed("plan", "p/plan.json", _plan(registry, folder), lambda at: Store.open(at / "p").read_plan()),
@@ -266,6 +271,12 @@ def _mutate_sealed(content: bytes, rng: Random) -> bytes:
         return seal(json.loads(mutate_json(json.dumps(unseal(content)).encode(), rng)))
     except (ValueError, TypeError, RecursionError):  # no JSON object any more, or one too deep to be made
         return mutate_bytes(content, rng)
+
+
+def _certificate() -> Reader:
+    """A certificate that holds all that one may hold, and its page."""
+    content = seal(whole_certificate().to_json())
+    return Reader({"c.json": content}, {"c.json": _mutate_sealed}, lambda at: page_in(at / "c.json"))
 
 
 def _exhaust(path: Path) -> None:

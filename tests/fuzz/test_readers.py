@@ -19,7 +19,7 @@ NAMES = (
     *("csv", "toml", "experiment", "tuning", "urdf", "robot", "binary stl", "collada", "glb", "ply", "text stl", "obj"),
     *("policy squashed-gaussian", "policy greedy", "policy uniform-choice", "policy inverse-kinematics"),
     *("text of rewards", "text of tasks", "text of algorithms", "text of executors"),
-    *("recorded trace", "trace", "scene", "manifest", "sealed manifest", "plan", "sealed plan"),
+    *("recorded trace", "trace", "scene", "certificate", "manifest", "sealed manifest", "plan", "sealed plan"),
     *("recorded training", "steps of a recorded training"),
     *("minari", "facts of minari", "lerobot", "facts of lerobot"),
     *("episodes of lerobot", "lines of lerobot", "labels"),

@@ -75,12 +75,14 @@ class Rated:
         starts: The seeds of the resets, the same ones for every policy that it is compared with.
         outcomes: What its episodes came to, one for each start: `mean_interval` of ``held_out`` gives means with 95 %
             intervals, of the difference between two policies too.
+        actions: Those of its first episode.
     """
 
     policy: Mapping[str, Any]
     made_by: str
     starts: Sequence[int]
     outcomes: Outcomes
+    actions: Actions
 
 
 @dataclass(frozen=True, eq=False)

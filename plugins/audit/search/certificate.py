@@ -14,12 +14,13 @@ from numpy.typing import NDArray
 from pydantic import ConfigDict, Field, StringConstraints, TypeAdapter, with_config
 from typing_extensions import TypedDict
 
-from harness.arrays import Float
+from harness.arrays import Float, Mask
 from harness.authoring.commands import ChoiceForm, read_sealed, reading, require_form, seal, write_whole
-from harness.text import file_stems
+from harness.text import file_stems, number
 
 from .film import MOST_BYTES as MOST_PICTURES, Film
 from .finding import FAILING, LOITERING, Disturbed, Role
+from .held_out import mean_interval
 from .place import Place
 from .world import Shown
 
@@ -133,6 +134,41 @@ class RunsOnForm(TypedDict):
 
 
 @with_config(EXACT)
+class TableForm(TypedDict):
+    """A policy that is a table: by what is observed, a choice; see `table_policy`."""
+
+    kind: Literal["table"]
+    choices: Annotated[dict[Text, int], Field(min_length=1, max_length=100_000)]
+
+
+@with_config(EXACT)
+class LinearForm(TypedDict):
+    """A linear policy; see `act_linearly`."""
+
+    kind: Literal["linear policy"]
+    weights: Annotated[list[Steps], Field(min_length=1, max_length=1_000)]
+    mean: Steps
+    scale: Steps
+
+
+@with_config(EXACT)
+class RandomForm(TypedDict):
+    """Random actions."""
+
+    kind: Literal["random"]
+    seed: Whole
+
+
+@with_config(EXACT)
+class RatingForm(TypedDict):
+    """See `Rating`."""
+
+    starts: Annotated[list[Whole], Field(min_length=2, max_length=10_000)]
+    paid: Annotated[list[Number], Field(max_length=10_000)]
+    success: Annotated[list[Literal[0, 1]], Field(max_length=10_000)]
+
+
+@with_config(EXACT)
 class FilmForm(TypedDict):
     """See `Film`; the pictures in Base64."""
 
@@ -161,6 +197,8 @@ class CertificateForm(TypedDict):
     elsewhere: Annotated[dict[Name, Number], Field(max_length=MOST_NAMED)]
     drawn: NotRequired[Annotated[dict[Name, NumbersForm], Field(max_length=10)]]
     film: NotRequired[FilmForm]
+    policy: NotRequired[TableForm | LinearForm | RandomForm]
+    rating: NotRequired[RatingForm]
 
 
 FORM: TypeAdapter[CertificateForm] = TypeAdapter(CertificateForm)
@@ -210,6 +248,43 @@ class Found:
 
 
 @dataclass(frozen=True, eq=False)
+class Rating:
+    """A policy in episodes on starts that no search has played: what an answer rests on where chance decides.
+
+    Attributes:
+        starts: The seeds of the resets.
+        paid: What each episode was paid, (starts,).
+        success: Whether it succeeded, (starts,).
+    """
+
+    starts: tuple[int, ...]
+    paid: Float
+    success: Mask
+
+    def __str__(self) -> str:
+        mean, low, high = map(number, mean_interval(self.paid))
+        count = len(self.starts)
+        return f"{mean} [{low}, {high}] an episode on {count} held-out starts, success {self.success.mean():.0%}"
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data; `from_json` gives the same back."""
+        return {
+            "starts": list(self.starts), "paid": self.paid.tolist(), "success": self.success.astype(int).tolist()
+        }  # fmt: skip
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> "Rating":
+        """What `to_json` told.
+
+        Raises:
+            ValueError: It has not a number for each start.
+        """
+        if not len(data["starts"]) == len(data["paid"]) == len(data["success"]):
+            raise ValueError("rating: it has not a number for each start")
+        return cls(tuple(data["starts"]), np.array(data["paid"], float), np.array(data["success"], bool))
+
+
+@dataclass(frozen=True, eq=False)
 class Certificate:
     """One behaviour, what it is paid, and all that is needed to play it again.
 
@@ -223,6 +298,8 @@ class Certificate:
         noise: What it was paid while its actions were disturbed.
         elsewhere: What it is paid in other simulators, by name.
         film: Pictures of it, of one in an environment.
+        policy: Who acted, as plain data, where chance decides.
+        rating: What that policy comes to on held-out starts; the episode is then only the first one of these.
     """
 
     role: Role
@@ -234,6 +311,8 @@ class Certificate:
     noise: tuple[Disturbed, ...] = ()
     elsewhere: Mapping[str, float] = field(default_factory=dict)
     film: Film | None = None
+    policy: Mapping[str, Any] | None = None
+    rating: Rating | None = None
 
     @property
     def paid(self) -> float:
@@ -284,6 +363,7 @@ class Certificate:
             "elsewhere": dict(self.elsewhere),
             **({"drawn": {name: numbers_of(it) for name, it in shown.drawn.items()}} if shown.drawn else {}),
             **({"film": self.film.to_json()} if self.film else {}),
+            **({"policy": dict(self.policy), "rating": self.rating.to_json()} if self.policy and self.rating else {}),
         }
 
     @classmethod
@@ -294,6 +374,8 @@ class Certificate:
             ValueError: It is something else.
         """
         require_form(FORM, data)
+        if ("policy" in data) != ("rating" in data):
+            raise ValueError("policy and rating: one of them is missing")
         paid, behaviour, role = data["paid"], data["behaviour"], data["role"]
         shown = Shown(
             data["start"],
@@ -316,6 +398,8 @@ class Certificate:
             tuple(Disturbed(role, **row) for row in data["noise"]),
             data["elsewhere"],
             Film.from_json(data["film"]) if "film" in data else None,
+            data.get("policy"),
+            Rating.from_json(data["rating"]) if "rating" in data else None,
         )
 
 

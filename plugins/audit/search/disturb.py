@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import gymnasium
 import numpy as np
@@ -17,10 +18,17 @@ EPISODES = 32
 """So many disturbed episodes of a behaviour tell its mean pay well enough beside a margin."""
 
 
+class Acting(NamedTuple):
+    """A policy and the starts that it acts from."""
+
+    act: Act
+    starts: Sequence[int]
+
+
 def disturb(
-    world: World, behaviour: Behaviour, noise: float, rng: np.random.Generator, act: Act | None = None
+    world: World, behaviour: Behaviour, noise: float, rng: np.random.Generator, acting: Acting | None = None
 ) -> Outcomes:
-    """What `EPISODES` disturbed episodes of a behaviour come to, on its start.
+    """What `EPISODES` disturbed episodes of a behaviour come to.
 
     Where an episode ended before the horizon and a disturbed one does not, it rests, see `rested`.
 
@@ -29,11 +37,12 @@ def disturb(
         behaviour: Its actions are taken, whatever is observed, unless there is a policy.
         noise: See `NOISES`.
         rng: Draws the noise.
-        act: The policy of the behaviour.
+        acting: The policy of the behaviour, and where it acts; None of a bare sequence, which is played on its start.
     """
-    starts = np.full(EPISODES, behaviour.start, np.int64)
-    if act is not None:
+    if acting is not None:
+        act, starts = acting.act, np.resize(np.array(acting.starts), EPISODES)
         return world.act(starts, lambda observation: disturbed_actions(world.space, act(observation), noise, rng))[0]
+    starts = np.full(EPISODES, behaviour.start, np.int64)
     whole = np.broadcast_to(rested(world, behaviour.actions), (EPISODES, world.horizon, *(world.space.shape or ())))
     return world.play(starts, disturbed_actions(world.space, whole, noise, rng))
 
@@ -68,7 +77,7 @@ def rested(world: World, actions: Actions) -> Actions:
 
 
 def noise_curve(
-    world: World, shown: Mapping[Role, Behaviour], acts: Mapping[Role, Act], rng: np.random.Generator
+    world: World, shown: Mapping[Role, Behaviour], acts: Mapping[Role, Acting], rng: np.random.Generator
 ) -> tuple[Disturbed, ...]:
     """What behaviours are paid at every noise, from none on.
 
@@ -107,25 +116,20 @@ class Strength:
 
 
 def strength_of(
-    world: World, alarmed: Sequence[tuple[Case, Act | None, Act | None]], rng: np.random.Generator
+    world: World, alarmed: Sequence[tuple[Case, Mapping[Role, Acting]]], rng: np.random.Generator
 ) -> Strength:
     """Whether an alarm is a knife's edge.
 
     Args:
         world: Where.
-        alarmed: The cases of an alarm, with the policies of what tempts and of what it is compared with.
+        alarmed: The cases of an alarm, with the policies of behaviours that have one.
         rng: Draws the noise.
     """
     paid = []
-    for case, *acts in alarmed:
+    for case, acts in alarmed:
         roles = case.three.by_role()
-        both = [
-            disturb(world, roles[role], NOISES[-1], rng, act)
-            for role, act in zip((case.tempting, case.against), acts, strict=True)
-        ]
+        both = [disturb(world, roles[role], NOISES[-1], rng, acts.get(role)) for role in (case.tempting, case.against)]
         paid.append([(of.paid if case.discount == 1.0 else of.discounted).mean() for of in both])
-    stands = sum(
-        bool(tempting > task + case.margin) for (tempting, task), (case, *_) in zip(paid, alarmed, strict=True)
-    )
+    stands = sum(bool(tempting > task + case.margin) for (tempting, task), (case, _) in zip(paid, alarmed, strict=True))
     word = ROBUST if 2 * stands >= len(alarmed) else FRAGILE
     return Strength(word, stands, len(alarmed), *np.mean(paid, axis=0).tolist())

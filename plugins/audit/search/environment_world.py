@@ -1,5 +1,6 @@
 """Anybody's environment as a search plays it: begun by ``reset(seed)``, moved by ``step``, paid by one reward."""
 
+import itertools
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import replace
@@ -47,6 +48,8 @@ CUT_AT = 500
 """Steps of an episode that nothing else ends."""
 TOLD_BY_INFO = ("is_success", SUCCESS)
 """Keys under which envs tell success."""
+SAME = 4
+"""So many actions are tried over and over to see whether an env ends episodes by itself."""
 TRIED = 3
 """Episodes of random actions that are played first: to see which measures are flags, and whether they are repeated."""
 REWARD = "reward"
@@ -117,7 +120,22 @@ class EnvironmentWorld:
         self._tried = self._try(self._env, self._asked)
         self.notes: Sequence[str] = self._find_success()
         if not (horizon or _limit_of(self._env)):
-            self.notes = (*self.notes, f"Nothing limits its episodes: they are cut after {CUT_AT} steps.")
+            self.horizon = self._own_limit() or CUT_AT
+            if self.horizon == CUT_AT:
+                self.notes = (*self.notes, f"Nothing limits its episodes: they are cut after {CUT_AT} steps.")
+
+    def _own_limit(self) -> int:
+        """After how many steps an env truncates episodes that says so nowhere; 0 where none tells.
+
+        The longest ones are truncated then, those of random actions or of the same action over and over.
+        """
+        space, played = self.space, list(self._tried)
+        same = space.start + np.arange(space.n)[:SAME] if isinstance(space, Discrete) else [np.zeros(space.shape)]
+        for start, action in itertools.product(range(2), same):
+            played.append(self._episode(self._env, self._asked, start, lambda *_, action=action: action))
+        longest = [it for it in played if len(it.actions) == max(len(it.actions) for it in played)]
+        is_limit = len(longest) > 1 and all(it.ended == "truncated" for it in longest)
+        return len(longest[0].actions) if is_limit else 0
 
     @property
     def success(self) -> str:
@@ -256,7 +274,7 @@ class EnvironmentWorld:
             np.array([values.sum() for values in paid]),
             np.array([values @ weights[: len(values)] for values in paid]),
             np.array([flags[-1] for flags in success]),
-            np.array([_since(flags) if flags[-1] else self.horizon for flags in success]),
+            np.array([since(flags) if flags[-1] else self.horizon for flags in success]),
             np.array([flags.mean() for flags in success]),
             np.array([self._nearest(*it) for it in zip(told, trails, strict=True)]),
             {name: last[:, k] for k, name in enumerate(self._asked.measures)},
@@ -409,7 +427,7 @@ def _is_flag(values: Float) -> bool:
     return len(told) > 0 and bool(np.isin(told, (0.0, 1.0)).all())
 
 
-def _since(flags: Mask) -> int:
+def since(flags: Mask) -> int:
     """The step, from 1, from which on all are True."""
     return int(len(flags) - np.argmin(flags[::-1]) + 1) if not flags.all() else 1
 

@@ -4,10 +4,11 @@ import base64
 import io
 import multiprocessing
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing
+from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -89,18 +90,20 @@ def films_of(place: Place, registry: Registry, episodes: Sequence[Shown]) -> lis
     """
     clock = np.unique(np.linspace(0, max(len(it.paid) for it in episodes), PICTURES).round().astype(int)).tolist()
     told = place.to_json(), given_to_json(registry.given)
-    films = []
-    for it in episodes:
-        with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
-            asked = pool.submit(draw_film, *told, it.start, it.actions, clock)
-            try:
-                films.append(asked.result(PATIENCE))
-            except (BrokenProcessPool, TimeoutError) as error:
-                told_of = "it took too long" if isinstance(error, TimeoutError) else "what draws it crashed"
-                films.append(Film(f"There is no film: {told_of}."))
-                for process in list((pool._processes or {}).values()):
-                    process.kill()
+    with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
+        films = [_drawn(pool, partial(draw_film, *told, it.start, it.actions, clock)) for it in episodes]
+        for process in list((pool._processes or {}).values()):
+            process.kill()  # one that takes too long
     return films
+
+
+def _drawn(pool: ProcessPoolExecutor, draw: Callable[[], Film]) -> Film:
+    try:
+        return pool.submit(draw).result(PATIENCE)
+    except TimeoutError:
+        return Film("There is no film: to draw it took too long.")
+    except BrokenProcessPool:
+        return Film(f"There is no film: the process that draws it ended. {SCREEN}.")
 
 
 def draw_film(

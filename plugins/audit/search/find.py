@@ -14,15 +14,19 @@ from harness.errors import UsageError
 from harness.reward import Given
 from harness.text import number
 
-from .behaviour import Behaviour
-from .disturb import NOISES, Strength, noise_curve, rested, strength_of
+from .behaviour import Behaviour, Rates
+from .disturb import NOISES, Acting, Strength, noise_curve, rested, strength_of
+from .environment_world import since
 from .finding import FRAGILE, Finding, Role
-from .judge import Case, judge
+from .held_out import act_of
+from .judge import Case, Walk, judge
 from .world import Act, World
 
 if TYPE_CHECKING:
     from ..audit import Audit
 
+WATCHED = 16
+"""So many episodes of a policy are looked at where chance decides."""
 SEEDS = (100_000, 1_000_000)
 """Starts are reset with seeds between these; trainings count theirs from 0, and evaluations have larger ones."""
 NAMES: Mapping[Role, str] = {
@@ -84,13 +88,13 @@ def find_in(
         *(beginning for folder in asked.folders for beginning in of_folder(world, folder)),
     ]
     searched = search(world, starts, asked.budget, asked.seed, begun)
-    judged = judge(searched, world, lambda of: world.show(of.start, of.actions).terms)
-    rng = np.random.default_rng([asked.seed, asked.budget])
+    judged = judge(searched, world, lambda of: _walks(world, of, searched.rates))
+    rng, rates = np.random.default_rng([asked.seed, asked.budget]), searched.rates
     three = judged.shown.three.by_role()
-    noise = noise_curve(world, three, _acts_of(three), rng)
+    noise = noise_curve(world, three, _acting(three, world, rates), rng)
     strength, told = "", []
     if cases := [case for case in judged.alarmed if case.word == judged.word]:
-        stood = strength_of(world, [(case, *_both(case)) for case in cases], rng)
+        stood = strength_of(world, [(case, _acting(case.three.by_role(), world, rates)) for case in cases], rng)
         strength = stood.word
         told.append(_on_strength(stood, judged.shown))
     paid = {name: _paid_in(make, three) for name, make in (elsewhere or {}).items()}
@@ -104,7 +108,7 @@ def find_in(
         strength=strength,
         lines=(*judged.lines, *told, *world.notes),
         alarmed=tuple(case.three.start for case in judged.alarmed),
-        starts=starts,
+        starts=tuple(of.start for of in searched.plain),
         searched=searched,
         noise=noise,
         elsewhere=paid,
@@ -168,19 +172,22 @@ def find_cheats(
     )
 
 
-def _acts_of(behaviours: Mapping[Role, Behaviour]) -> dict[Role, Act]:
-    """The policies of those behaviours that have one."""
-    return {role: act for role, of in behaviours.items() if (act := _act_of(of)) is not None}
+def _acting(behaviours: Mapping[Role, Behaviour], world: World, rates: Rates | None) -> dict[Role, Acting]:
+    """The policies of those behaviours that have one, and their starts: those of rates where chance decides."""
+    return {
+        role: Acting(act_of(of.policy, world), rates.paid.starts if rates else [of.start])
+        for role, of in behaviours.items()
+        if of.policy is not None
+    }
 
 
-def _act_of(behaviour: Behaviour) -> Act | None:
-    return None
-
-
-def _both(case: Case) -> tuple[Act | None, Act | None]:
-    """The policies of what tempts, and of what it is compared with."""
-    roles = case.three.by_role()
-    return _act_of(roles[case.tempting]), _act_of(roles[case.against])
+def _walks(world: World, behaviour: Behaviour, rates: Rates | None) -> list[Walk]:
+    """The episodes of a behaviour that succeed: the one that was kept, or those of its policy where chance decides."""
+    if rates is None or behaviour.policy is None:
+        return [Walk(world.show(behaviour.start, behaviour.actions).terms, behaviour.time)]
+    act = act_of(behaviour.policy, world)
+    shown = [world.watch(start, act) for start in rates.paid.starts[:WATCHED]]
+    return [Walk(it.terms, since(it.success)) for it in shown if it.success[-1]]
 
 
 def _paid_in(make: Callable[[], World], three: Mapping[Role, Behaviour]) -> dict[Role, float]:
@@ -194,10 +201,11 @@ def _paid_in(make: Callable[[], World], three: Mapping[Role, Behaviour]) -> dict
 
 def _on_strength(stood: Strength, shown: Case) -> str:
     fragile = stood.word == FRAGILE
-    on = f"on {stood.count - stood.stands if fragile else stood.stands} of {stood.count} starts"
+    on = f" on {stood.count - stood.stands if fragile else stood.stands} of {stood.count} starts"
     return (
-        f"{stood.word}: with action noise {NOISES[-1]:g} it {'no longer' if fragile else 'still'} pays more {on}. On "
-        f"average {NAMES[shown.tempting]} then earns {number(stood.tempting)}, {NAMES[shown.against]} "
+        f"{stood.word}: with action noise {NOISES[-1]:g} it {'no longer' if fragile else 'still'} pays more"
+        f"{on if stood.count > 1 else ''}. On average {NAMES[shown.tempting]} then "
+        f"earns {number(stood.tempting)}, {NAMES[shown.against]} "
         f"{number(stood.task)}."
     )
 

@@ -23,7 +23,8 @@ def finding_parts(finding: Finding) -> Iterator[RenderableType]:
     yield Text()
     if finding.three:
         start = next(iter(finding.three.values())).start
-        yield Text(f"What is paid most for failing and for succeeding, from start {start}:\n")
+        where = "the means of policies" if finding.searched.rates else f"from start {start}"
+        yield Text(f"What is paid most for failing and for succeeding, {where}:\n")
         yield from (_grid(finding), Text())
     first, *others = finding.lines
     word = f"{finding.word}, {finding.strength}" if finding.strength else finding.word

@@ -7,15 +7,16 @@ doing the task only where it is not far slower than Q, and paid for it.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol, TypeAlias
+from typing import NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 
 from harness.arrays import Float
 from harness.text import number
 
-from .behaviour import Behaviour, Searched, Three
+from .behaviour import Behaviour, Rates, Searched, Three
 from .finding import CANNOT_TELL, FAILING, LOITERING, NOTHING, Role
+from .held_out import share_interval
 
 MARGIN = 0.05
 """An alarm needs so much more pay, as a share of what the best behaviour earns above random actions."""
@@ -34,8 +35,18 @@ LATEST = 0.9
 TABLE = "table"
 """Searched so, a world was counted out: nothing pays more."""
 
-Pays: TypeAlias = Callable[[Behaviour], Mapping[str, Float]]
-"""What each step of a behaviour paid, by term, (steps,)."""
+
+class Walk(NamedTuple):
+    """One episode of a behaviour that succeeded."""
+
+    paid: Mapping[str, Float]
+    """What each of its steps paid, by term, (steps,)."""
+    time: int
+    """The step from which on it was a success, from 1."""
+
+
+Walks: TypeAlias = Callable[[Behaviour], Sequence[Walk]]
+"""The episodes of a behaviour: one where nothing is left to chance, else some of those that succeeded."""
 
 
 class Facts(Protocol):
@@ -105,20 +116,20 @@ class Judged:
     shown: Case
 
 
-def judge(searched: Searched, facts: Facts, pays: Pays) -> Judged:
+def judge(searched: Searched, facts: Facts, walks: Walks) -> Judged:
     """What a search says of a reward.
 
     Args:
         searched: What was found.
         facts: Of the world.
-        pays: Asked of few behaviours, where one may loiter.
+        walks: Asked of few behaviours, where one may loiter.
     """
     by_sum = (
         (searched.plain, searched.typical, 1.0),
         (searched.discounted, searched.typical_discounted, facts.gamma),
     )
     plain, discounted = (
-        [_case_of(three, start, discount, facts, pays) for three, start in zip(threes, typical, strict=True)]
+        [_case_of(three, start, discount, facts, walks) for three, start in zip(threes, typical, strict=True)]
         for threes, typical, discount in by_sum
     )
     if TABLE not in searched.how:
@@ -144,7 +155,7 @@ def paid_by(behaviour: Behaviour, discount: float) -> float:
     return behaviour.paid if discount == 1.0 else behaviour.discounted
 
 
-def _case_of(three: Three, typical: float, discount: float, facts: Facts, pays: Pays) -> Case:
+def _case_of(three: Three, typical: float, discount: float, facts: Facts, walks: Walks) -> Case:
     """One start by one sum.
 
     Args:
@@ -152,7 +163,7 @@ def _case_of(three: Three, typical: float, discount: float, facts: Facts, pays: 
         typical: What random actions earn there.
         discount: Of the sum.
         facts: Of the world.
-        pays: See `judge`.
+        walks: See `judge`.
     """
     failure, success, fastest = (
         None if of is None else paid_by(of, discount) for of in (three.failure, three.success, three.fastest)
@@ -165,7 +176,7 @@ def _case_of(three: Three, typical: float, discount: float, facts: Facts, pays: 
         return Case(three, CANNOT_TELL, "failure", "success", -np.inf, margin, discount)
     is_late = _is_passing(three.fastest, facts.horizon)
     is_slow = success > fastest + margin and _is_later(three.success, three.fastest, facts.horizon)
-    loiters = is_slow and _gained(three.success, three.fastest, discount, pays) > margin
+    loiters = is_slow and _gained(walks(three.success), walks(three.fastest), discount) > margin
     against: Role = "fastest" if loiters else "success"
     reference, compared = (fastest, three.fastest) if loiters else (success, three.success)
     if three.failure is not None and failure is not None:
@@ -188,25 +199,32 @@ def _is_later(slow: Behaviour, fast: Behaviour, horizon: int) -> bool:
     return slow.time >= LATER * fast.time and slow.time - fast.time >= SPARE * (horizon - fast.time)
 
 
-def _gained(slow: Behaviour, fast: Behaviour, discount: float, pays: Pays) -> float:
+def _gained(slow: Sequence[Walk], fast: Sequence[Walk], discount: float) -> float:
     """What a slow success earned by being slow; costs that it saved are none, for slow because effort costs is honest.
 
     Where success ends an episode, it is what each term paid above 0 before that, less the same of the fast one. Where
     both go on, a number more in every step changes nothing, so it is what the slow one earned above the fast one while
     that was a success already.
     """
-    paid = [
-        {name: values * discount ** np.arange(len(values)) for name, values in pays(of).items()} for of in (slow, fast)
-    ]
-    if slow.steps == fast.steps:
-        later, early = (sum(values[fast.time : slow.time - 1].sum() for values in of.values()) for of in paid)
+    slow, fast = ([_weighed(walk, discount) for walk in walks] for walks in (slow, fast))
+    if not (slow and fast):
+        return 0.0
+    totals = [[np.sum([*walk.paid.values()], axis=0) for walk in walks] for walks in (slow, fast)]
+    if len({np.shape(values) for of in totals for values in of}) == 1:
+        since, until = (int(np.mean([walk.time for walk in walks])) for walks in (fast, slow))
+        later, early = (np.mean([values[since : until - 1].sum() for values in of]) for of in totals)
         return float(later - early)
     gained = 0.0
-    for name, later in paid[0].items():
-        arriving = later[slow.time - 1]  # what the slow one was paid for success, and the fast one too
-        before, early = later[: slow.time - 1].sum(), paid[1][name][: fast.time].sum() - arriving
+    for name in slow[0].paid:
+        before = np.mean([walk.paid[name][: walk.time - 1].sum() for walk in slow])
+        arriving = np.mean([walk.paid[name][walk.time - 1] for walk in slow])  # success pays the fast one this too
+        early = np.mean([walk.paid[name][: walk.time].sum() for walk in fast]) - arriving
         gained += float(max(before, 0.0) - max(early, 0.0))
     return gained
+
+
+def _weighed(walk: Walk, discount: float) -> Walk:
+    return walk._replace(paid={name: values * discount ** np.arange(len(values)) for name, values in walk.paid.items()})
 
 
 def _is_worse(failure: Behaviour, success: Behaviour, lead: float, directions: Mapping[str, int]) -> bool:
@@ -277,15 +295,18 @@ def _lines(
     """The answer in sentences."""
     count, alarms = len(decided), sum(case.is_alarm for case in decided)
     lines = [_three_numbers(shown)]
+    if searched.rates is not None:
+        lines.append(_on_chance(searched.rates))
     if word in (FAILING, LOITERING):
-        lines.append(f"It holds on {alarms} of {count} starts{_by_which_sum(both, decided, facts.gamma)}.")
+        where = "on average" if searched.rates is not None else f"on {alarms} of {count} starts"
+        lines.append(f"It holds {where}{_by_which_sum(both, decided, facts.gamma)}.")
     elif word == CANNOT_TELL:
         lines += _on_unsure(decided)
     else:
         lines.append(
             "All states and actions were counted: nothing pays more."
             if TABLE in searched.how
-            else f"That proves nothing: {searched.steps:,} steps were searched, from {count} starts."
+            else f"That proves nothing: {searched.steps:,} steps were searched."
         )
         if alarms:
             lines.append(f"On {alarms} of {count} starts it pays for failing or loitering all the same.")
@@ -299,6 +320,21 @@ def _lines(
             f"{facts.gamma:g} is not tempted."
         )
     return lines
+
+
+def _on_chance(rates: Rates) -> str:
+    """How often policies succeed where chance decides."""
+    policies = {"what is paid most": rates.paid, "what succeeds most": rates.success}
+    told = [
+        f"{name} succeeds in {share:.0%} [{low:.0%}, {high:.0%}]"
+        for name, of in policies.items()
+        if of is not None
+        for share, low, high in (share_interval(of.outcomes.success),)
+    ]
+    return (
+        f"Chance decides here: these are means of policies over {len(rates.paid.starts)} starts of their own; "
+        f"{', '.join(told)} of them."
+    )
 
 
 def _three_numbers(case: Case) -> str:

@@ -6,6 +6,9 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
+import gymnasium
+import numpy as np
+
 from harness.authoring.commands import (
     Choice,
     Registry,
@@ -23,7 +26,7 @@ from harness.authoring.commands import (
     write_whole,
 )
 from harness.authoring.pages import write_page
-from harness.errors import SchemaError, UsageError
+from harness.errors import SchemaError, UsageError, one_line
 from harness.task import choose_task
 
 from .certificate import BEGINS, NOUN, ROLES, Certificate, file_names, read_certificate, write_certificate
@@ -32,6 +35,7 @@ from .finding import Finding
 from .page import cheats_page
 from .place import Place, runs_on, world_at
 from .replay import Replayed, certify, changes, replay
+from .world import World
 
 INDEX = "index.html"
 MOST_FILES = 300
@@ -81,7 +85,8 @@ def certificates_of(
         budget: Steps that it might take for each.
     """
     certificates, refused = list[Certificate](), list[str]()
-    for finding, place in zip(findings, places, strict=True):
+    for finding, asked in zip(findings, places, strict=True):
+        place = replace(asked, success=finding.success)
         make, told = partial(world_at, place, registry), runs_on(place, registry)
         made, lines = certify(finding, place, make, told, seed=seed, budget=budget)
         if place.is_environment and made:
@@ -199,4 +204,19 @@ def replay_file(path: Path, registry: Registry, sim: str | None = None) -> Repla
         place = replace(place, simulator=engine)
     reasons = changes(certificate.runs_on, runs_on(place, registry))
     with closing(world_at(place, registry)) as world:
-        return replay(certificate, world, () if elsewhere else reasons, elsewhere)
+        if not _fits(certificate, world):
+            raise SchemaError(f"{path} holds actions that {world.name} does not take")
+        try:
+            return replay(certificate, world, () if elsewhere else reasons, elsewhere)
+        except (ValueError, IndexError, ZeroDivisionError) as error:  # a policy of other sizes
+            raise SchemaError(f"{path} does not fit {world.name}: {one_line(error)}") from error
+
+
+def _fits(certificate: Certificate, world: World) -> bool:
+    """Whether a world takes all actions of a certificate."""
+    actions, space, policy = certificate.shown.actions, world.space, certificate.policy or {}
+    if isinstance(space, gymnasium.spaces.Box):
+        of_box = actions.dtype == space.dtype and actions.shape[1:] == space.shape
+        return of_box and bool(((actions >= space.low) & (actions <= space.high)).all())
+    chosen = [*actions.ravel().tolist(), *policy.get("choices", {}).values()]
+    return actions.ndim == 1 and all(space.contains(np.int64(it)) for it in chosen)

@@ -162,6 +162,7 @@ def _table(shown: Mapping[str, Certificate]) -> Grid:
         ("steps in success", *(f"{it.shown.success.mean():.0%}" for it in of)),
         *((f"{name}, last", *(_last(it, name) for it in of)) for name in measures),
         *((f"paid in {name}", *(number(it.elsewhere.get(name, np.nan)) for it in of)) for name in elsewhere),
+        *([("chance decides", *(str(it.rating or "") for it in of))] if any(it.rating for it in of) else []),
         ("found by", *(it.found.made_by for it in of)),
     ]
     return Grid(("", *shown), rows, [])
@@ -228,9 +229,11 @@ def _noise(shown: Mapping[str, Certificate]) -> Figure:
             Dots(x, y, COLOURS[it.role], (name,) * len(x)),
         )
     )
-    most, paid = max(max(mark.x) for mark in marks) or 1.0, [np.array(mark.y) for mark in marks]
+    most, paid = max(max(mark.x) for mark in marks), [np.array(mark.y) for mark in marks]
     chart = Chart(
-        linear_axis(0.0, most, "noise of actions, as a share of half their range", 5), _axis(paid, "paid"), marks
+        linear_axis(0.0, most if most > LEAST else 1.0, "noise of actions, as a share of half their range", 5),
+        _axis(paid, "paid"),
+        marks,
     )
     return Figure("Paid while actions are disturbed", draw_chart(chart, "Pay over the noise of actions"))
 

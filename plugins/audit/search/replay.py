@@ -7,14 +7,20 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from scipy import stats
 
 from harness.arrays import Float
 from harness.text import number
 
-from .certificate import ROLES, Answer, Certificate, Found
+from .behaviour import Rated
+from .certificate import ROLES, Answer, Certificate, Found, Rating
 from .finding import Finding, Role
+from .held_out import act_of
 from .place import Place
-from .world import Shown, World
+from .world import Outcomes, Shown, World
+
+LEAST_P = 0.05
+"""Pay that differs between two plays of a policy by more than chance would in one of twenty is another pay."""
 
 
 @dataclass(frozen=True)
@@ -45,6 +51,7 @@ class Replayed:
         difference: Where it differs first; None if it is the same, bit for bit.
         reasons: Why it may differ, a line each.
         elsewhere: The simulator in which it was played, if that is another one than the certificate's.
+        rating: What its policy came to here, where chance decides.
     """
 
     certificate: Certificate
@@ -52,18 +59,27 @@ class Replayed:
     difference: Difference | None
     reasons: tuple[str, ...] = ()
     elsewhere: str = ""
+    rating: Rating | None = None
 
     @property
     def is_refused(self) -> bool:
         """Whether it does not show what it says."""
+        then, now = self.certificate.rating, self.rating
+        if then is not None and now is not None:
+            return not agree(then, now)
         return self.difference is not None and not self.elsewhere
 
     @property
     def lines(self) -> tuple[str, ...]:
         """The answer, and what it rests on."""
+        then, now = self.certificate.rating, self.rating
+        if then is not None and now is not None:
+            same = np.array_equal(then.paid, now.paid)
+            word = "the same" if same else "about the same" if agree(then, now) else "NOT THE SAME, refused"
+            return (f"{word}: {now}{'' if same else f'; the file says {then}'}", *(() if same else self.reasons))
         if self.elsewhere:
-            then = came_to(self.certificate.shown)
-            return (f"in {self.elsewhere}: {came_to(self.shown)}; the file says {then}",)
+            told = came_to(self.certificate.shown)
+            return (f"in {self.elsewhere}: {came_to(self.shown)}; the file says {told}",)
         if self.difference is None:
             return (f"the same: {came_to(self.shown)}", *self.reasons)
         return (f"NOT THE SAME, refused. {self.difference}", *self.reasons)
@@ -71,8 +87,10 @@ class Replayed:
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
         found = self.difference
+        rating = {"rating": self.rating.to_json()} if self.rating is not None else {}
         return {
-            "same": found is None,
+            "same": found is None if self.rating is None else not self.is_refused,
+            **rating,
             "paid": math.fsum(self.shown.paid),
             "steps": len(self.shown.paid),
             "success": bool(self.shown.success[-1]),
@@ -85,6 +103,13 @@ class Replayed:
             "reasons": list(self.reasons),
             "elsewhere": self.elsewhere,
         }
+
+
+def agree(then: Rating, now: Rating) -> bool:
+    """Whether two plays of one policy are paid the same but for chance; by Welch's test."""
+    if np.array_equal(then.paid, now.paid) or np.ptp(then.paid) == np.ptp(now.paid) == 0.0:
+        return bool(then.paid[0] == now.paid[0])
+    return bool(stats.ttest_ind(then.paid, now.paid, equal_var=False).pvalue >= LEAST_P)
 
 
 def certify(
@@ -108,10 +133,19 @@ def certify(
     """
     certificates, refused = list[Certificate](), list[str]()
     with closing(make()) as world:
-        place = replace(place, success=finding.success, horizon=world.horizon)
+        place = replace(place, horizon=world.horizon)
         for role in ROLES:
             shown = finding.shown.get(role)
             if shown is None:
+                continue
+            rated = _rated(finding, role)
+            if rated is not None:
+                then, now = rating_of(rated.outcomes, rated.starts), rate(rated.policy, rated.starts, world)
+                if not agree(then, now):
+                    refused.append(f"{finding.reward}, {role}: not certified. Played again, {now}, not {then}")
+                    continue
+                made = _certificate(finding, place, runs_on, role, shown, seed, budget)
+                certificates.append(replace(made, policy=dict(rated.policy), rating=now))
                 continue
             again = _played_twice(shown, world)
             found = next((it for it in (difference(shown, other) for other in again) if it is not None), None)
@@ -132,6 +166,9 @@ def replay(certificate: Certificate, world: World, reasons: Sequence[str] = (), 
         elsewhere: The simulator of `world`, if it is another one.
     """
     then = certificate.shown
+    if certificate.policy is not None and certificate.rating is not None:
+        rating = rate(certificate.policy, certificate.rating.starts, world)
+        return Replayed(certificate, then, None, tuple(reasons), elsewhere, rating)
     again = _played_twice(then, world)
     if unsteady := difference(*again):
         return Replayed(certificate, again[0], unsteady, ("It does not repeat itself here.",), elsewhere)
@@ -139,6 +176,24 @@ def replay(certificate: Certificate, world: World, reasons: Sequence[str] = (), 
     if found is not None and not reasons:
         reasons = ("Nothing that is recorded has changed: what it depends on beside that is not known.",)
     return Replayed(certificate, again[0], found, tuple(reasons), elsewhere)
+
+
+def rate(policy: Mapping[str, Any], starts: Sequence[int], world: World) -> Rating:
+    """What a policy comes to from some starts."""
+    outcomes, _ = world.act(np.array(starts, np.int64), act_of(policy, world))
+    return rating_of(outcomes, starts)
+
+
+def rating_of(outcomes: Outcomes, starts: Sequence[int]) -> Rating:
+    """Some episodes as a certificate has them."""
+    return Rating(tuple(map(int, starts)), outcomes.paid, outcomes.success)
+
+
+def _rated(finding: Finding, role: Role) -> Rated | None:
+    """The held-out episodes of a policy that is shown, where chance decides."""
+    rates, policy = finding.searched.rates, finding.three[role].policy
+    known = [] if rates is None else [rates.paid, rates.discounted, rates.success, rates.fastest]
+    return next((it for it in known if it is not None and it.policy is policy), None)
 
 
 def difference(then: Shown, now: Shown) -> Difference | None:

@@ -1,22 +1,25 @@
 """One search: what a reward pays most, for failing and for succeeding, from given starts and within a budget of steps.
 
-Three families share the budget. Where a world is a table, that is exact, and nothing else is asked. Linear policies
+Three families share the budget. Where a world is a table, that is exact, and nothing else is asked. Where chance
+decides, policies are looked for and rated on other starts, for a sequence knows what chance brings. Linear policies
 find what needs balance. Sequences of actions find the rest, and begin from whatever the others have met.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from .beginnings import Beginning
 from .behaviour import Searched
+from .held_out import search_by_chance
 from .kept import AS_PAID, Kept
 from .linear import search_linear
 from .sequences import Evolution, evolve
-from .table import search_tables
+from .table import TABLE, search_tables
 from .world import World
 
-SEQUENCES, POLICIES, TABLE = "sequences", "linear policies", "table"
+SEQUENCES, POLICIES = "sequences", "linear policies"
 """The families, as `Searched.how` names them."""
 ROUNDS, FEWEST, AT_RANDOM = 32, 6, 0.05
 """Random episodes of each start: so many, or this share of the budget if it is smaller, but not fewer than a few."""
@@ -43,9 +46,11 @@ def search(
     paid, discounted = evolution.random(int(np.clip(AT_RANDOM * episodes, FEWEST, ROUNDS)))
     _begin(evolution, beginnings)
     climbing = [0.0] * len(starts)
-    if search_tables(world, starts, evolution.take, int(IN_TABLES * budget), rng):
-        how: tuple[str, ...] = (TABLE,)
-    else:
+    how: tuple[str, ...] = (TABLE,)
+    if not search_tables(world, list(starts), evolution.take, int(IN_TABLES * budget), rng):
+        by_chance = search_by_chance(world, kept.starts, budget - (world.taken - begun), rng)
+        if by_chance is not None:
+            return replace(by_chance, steps=world.taken - begun)
         how = (SEQUENCES,)
         if world.together == 1 and search_linear(world, kept.starts, evolution.take, int(IN_POLICIES * budget), rng):
             how = (SEQUENCES, POLICIES)

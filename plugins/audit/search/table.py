@@ -31,6 +31,10 @@ TRUE = 1e-6
 """An episode is paid what a table says if both differ by no more than this."""
 CLOSE = 1e-9
 """Pay is the same if it differs by no more than this, of itself or of 1."""
+TRAINING = 100_000, 1_000_000
+"""Seeds of resets that policies are looked for with."""
+RESETS = 32
+"""So many starts are looked at to find two that begin alike."""
 SLOWER = 1.1
 """A success is about as fast as the fastest one up to so many times its time."""
 
@@ -52,7 +56,7 @@ class Table:
     """What every action does in every state that can be reached.
 
     Attributes:
-        keys: Of each state, the key of what is observed.
+        keys: Of each state, the key of what is observed; none if a state is also when.
         begins: By start, the state that it begins in.
         next: The state after each action, (states, actions); -1 where the episode ends, or nobody tried.
         paid: What each pays, (states, actions).
@@ -90,11 +94,13 @@ class Learner:
         leads: Of each state, by action, the next state; -1 where the episode ends. Filled while an episode goes on.
         known: Of each state, by action, what it paid and whether it was a success. Filled after an episode.
         begins: By start, the state that it begins in.
+        is_timed: Whether a state is what is observed and when, rather than what is observed.
     """
 
     horizon: int
     space: Discrete
     rng: np.random.Generator
+    is_timed: bool = False
     states: dict[str, int] = field(default_factory=dict)
     leads: list[dict[int, int]] = field(default_factory=list)
     known: list[dict[int, tuple[float, bool]]] = field(default_factory=list)
@@ -105,9 +111,10 @@ class Learner:
         """How many there are."""
         return int(self.space.n)
 
-    def state_of(self, observed: Any) -> int:
+    def state_of(self, observed: Any, step: int) -> int:
         """The number of a state; one that was never met gets the next number."""
-        state = self.states.setdefault(key_of(observed), len(self.leads))
+        key = f"{step} {key_of(observed)}" if self.is_timed else key_of(observed)
+        state = self.states.setdefault(key, len(self.leads))
         if state == len(self.leads):
             self.leads.append({})
             self.known.append({})
@@ -136,7 +143,7 @@ class Learner:
 
         def act(observed: Any) -> int:
             nonlocal taken, planned, last, is_done
-            state = self.state_of(observed)
+            state = self.state_of(observed, taken)
             if taken:
                 self.leads[last[0]].setdefault(last[1], state)
             if not planned and not is_done:
@@ -155,7 +162,7 @@ class Learner:
             ContradictionError: It is at odds with what was known.
             NoTableError: States are too many, or hardly any is met again.
         """
-        states = [self.state_of(observed) for observed in shown.observed]
+        states = [self.state_of(observed, step) for step, observed in enumerate(shown.observed)]
         agrees = self.begins.setdefault(shown.start, states[0]) == states[0]
         for step, action in enumerate((shown.actions - self.space.start).tolist()):
             state, paid, success = states[step], float(shown.paid[step]), bool(shown.success[step])
@@ -169,7 +176,7 @@ class Learner:
 
     def _check_size(self) -> None:
         tried = sum(map(len, self.known))
-        seldom_again = tried > ENOUGH and len(self.known) > MOST_NEW * tried
+        seldom_again = not self.is_timed and tried > ENOUGH and len(self.known) > MOST_NEW * tried
         if seldom_again or len(self.known) * self.horizon > MOST_CELLS:
             raise NoTableError
 
@@ -181,7 +188,7 @@ class Learner:
             for action, (pays, succeeds) in known.items():
                 at = state, action
                 after[at], paid[at], success[at], tried[at] = self.leads[state][action], pays, succeeds, True
-        return Table(list(self.states), self.begins, after, paid, success, tried)
+        return Table([] if self.is_timed else list(self.states), self.begins, after, paid, success, tried)
 
 
 def _way(came: Mapping[int, tuple[int, int]], state: int) -> list[int]:
@@ -200,21 +207,51 @@ def _ends(shown: Shown, step: int, horizon: int) -> bool:
 def learn_tables(world: World, starts: Sequence[int], budget: int, rng: np.random.Generator) -> dict[int, Table]:
     """By start, its table: one for all of them, or else one for each; empty if there is none in `budget` steps.
 
-    What a seed draws and nobody observes, such as where a goal is, gives each start a table of its own.
+    What a seed draws and nobody observes, such as where a goal is, gives each start a table of its own. Where time
+    matters that nobody observes (a limit on steps, pay that falls), a state is what is observed and when.
     """
     if not isinstance(world.space, Discrete) or world.space.n > MOST_ACTIONS or not world.is_repeated:
         return {}
-    learner, until = Learner(world.horizon, world.space, rng), world.taken + budget
-    try:
-        return dict.fromkeys(starts, _learnt(world, starts, learner, until))
-    except ContradictionError:
-        pass
-    except NoTableError:
-        return {}
-    try:
-        return {start: _learnt(world, [start], Learner(world.horizon, world.space, rng), until) for start in starts}
-    except NoTableError:
-        return {}
+    until = world.taken + budget
+    for is_timed in (False, True):
+        if is_timed and decides_by_chance(world, (until - world.taken) // 4, rng):
+            return {}  # of a seed, even what chance brings is a matter of time
+        for groups in ([starts], [[start] for start in starts]):
+            try:
+                learnt = [
+                    _learnt(world, of, Learner(world.horizon, world.space, rng, is_timed), until) for of in groups
+                ]
+            except ContradictionError:
+                continue
+            except NoTableError:
+                return {}
+            return {start: table for table, of in zip(learnt, groups, strict=True) for start in of}
+    return {}
+
+
+def decides_by_chance(world: World, budget: int, rng: np.random.Generator) -> bool:
+    """Whether another seed that begins alike goes on otherwise under the same choices; what seeds hide counts too.
+
+    Args:
+        world: Where.
+        budget: Steps after which no other seed is tried.
+        rng: Draws seeds and choices.
+    """
+    if not world.is_repeated:
+        return True
+    if not isinstance(world.space, Discrete):
+        return False
+    actions, met = world.space.start + rng.integers(world.space.n, size=world.horizon), dict[str, tuple[Any, ...]]()
+    until = world.taken + budget
+    for start in rng.integers(*TRAINING, RESETS).tolist():
+        if world.taken >= until:
+            break
+        rest = iter(actions)
+        shown = world.watch(start, lambda observed, rest=rest: int(next(rest)))  # type: ignore[misc]
+        went = tuple(map(key_of, shown.observed)), shown.paid.tobytes(), shown.ended
+        if met.setdefault(key_of(shown.observed[0]), went) != went:
+            return True
+    return False
 
 
 def _learnt(world: World, starts: Sequence[int], learner: Learner, until: int) -> Table:
@@ -375,8 +412,8 @@ class Solved:
         return found if fastest is None else [*found, self._best(self._succeeding, begin, *fastest)]
 
     def _best(self, ways: Ways, state: int, actions: list[int], paid: float) -> Best:
-        """Where states are few, with a policy if the way is one: elsewhere it does what is best in the first step."""
-        if len(self._table.keys) > MOST_CHOICES:
+        """Where states are few, with a policy if the way is one: off it, it does what is best in the first step."""
+        if not 0 < len(self._table.keys) <= MOST_CHOICES:
             return Best(actions, paid, None)
         chosen: dict[int, int] = {}
         for action in actions:

@@ -1,14 +1,17 @@
 """A world on a line, whose pay is known, and certificates of it."""
 
+import io
 from dataclasses import dataclass, replace
 from typing import Any
 
 import gymnasium
 import numpy as np
+from PIL import Image
 
 from harness.authoring.commands import Choice
 from harness_plugins.audit.search.behaviour import Behaviour, Searched, Three
-from harness_plugins.audit.search.certificate import Answer, Certificate, Found
+from harness_plugins.audit.search.certificate import Answer, Certificate, Found, Rating
+from harness_plugins.audit.search.film import Film
 from harness_plugins.audit.search.finding import Disturbed, Finding
 from harness_plugins.audit.search.place import Place
 from harness_plugins.audit.search.world import Shown
@@ -108,3 +111,26 @@ def certificate_of(**changed: Any) -> Certificate:
         "failure", answer, place_of(), RUNS_ON, Found("search", 0, 4000, 3990, ("sequences",)), shown, noise, {"b": 1.0}
     )
     return replace(made, **changed)
+
+
+def drawn_of(steps: int, joints: int = 6) -> dict[str, np.ndarray]:
+    """What an arm is drawn from."""
+    time = 0.1 * np.arange(steps + 1.0)[:, np.newaxis]
+    qpos, target = np.tile(np.sin(time), joints), np.tile([0.5, 0.0, 0.5], (steps + 1, 1))
+    return {"time": time, "qpos": qpos, "target": target, "distance": 1.0 - 0.1 * time}
+
+
+def film_of(steps: tuple[int, ...]) -> Film:
+    """Red pictures, at least one."""
+    file = io.BytesIO()
+    Image.new("RGB", (8 * len(steps), 6), "red").save(file, "WEBP")
+    return Film("", steps, (8, 6), file.getvalue())
+
+
+def whole_certificate() -> Certificate:
+    """One that holds all that a certificate may hold."""
+    made = certificate_of()
+    rating = Rating((1, 2, 3), np.array([0.5, 1.0, -1.0]), np.array([True, False, True]))
+    policy = {"kind": "linear policy", "weights": [[0.0, 1.0]], "mean": [0.0], "scale": [1.0]}
+    shown = replace(made.shown, drawn=drawn_of(len(made.shown.paid)))
+    return replace(made, shown=shown, film=film_of((0, 10, 20)), policy=policy, rating=rating)

@@ -255,3 +255,36 @@ def test_five_hundred_states_and_steps_are_solved_in_seconds():
     table = learnt(EnvWorld(lambda: Graph(ring), told, horizon=500))
     failure, success, fastest = Solved(table, 500, 1.0).bests(0)
     assert (failure.paid, success.paid, fastest.paid) == (500.0, 250 + 124 + 7, 250 + 12 + 7)
+
+
+class Hurried(Graph):
+    """A row of three places: going on leads to the exit, which pays the less the later it is; all ends in step 6."""
+
+    def __init__(self):
+        on = [[(at + 1, 0.0, False, False), (at, 0.1, False, False)] for at in range(2)]
+        super().__init__([*on, [(2, 1.0, True, True), (2, 0.1, False, False)]])
+
+    def reset(self, seed=None, options=None):
+        """Begin anew."""
+        self.steps = 0
+        return super().reset(seed=seed)
+
+    def step(self, action):
+        """One step, as a Gymnasium of old: the limit terminates."""
+        after, paid, end, *rest = super().step(action)
+        self.steps += 1
+        return after, paid * (1.0 - 0.1 * self.steps) if end else paid, end or self.steps == 6, *rest
+
+
+@pytest.mark.parametrize("discounted", [False, True])
+def test_where_time_matters_a_state_is_also_when(discounted):
+    """A limit and falling pay that nobody observes: the three numbers are those of all sequences."""
+    world = EnvWorld(Hurried, told, gamma=0.9, horizon=8)
+    table = tables_of(world, (0, 1))[1]
+    assert numbers(world, table, 1, discounted) == pytest.approx(brute(world, 1, discounted))
+    assert [it.policy for it in Solved(table, 8, 1.0).bests(0)] == [None] * 3
+
+
+def test_what_chance_brings_one_seed_is_no_table_of_it():
+    """Seen with the time, slips of one seed are the same again; a plan that knows them would be clairvoyant."""
+    assert tables_of(frozen_lake(is_slippery=True), (3,)) == {}

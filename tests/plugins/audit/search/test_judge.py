@@ -8,7 +8,7 @@ from hypothesis import given, strategies as st
 
 from harness_plugins.audit.search.behaviour import Behaviour, Searched, Three
 from harness_plugins.audit.search.finding import CANNOT_TELL, FAILING, LOITERING, NOTHING
-from harness_plugins.audit.search.judge import judge
+from harness_plugins.audit.search.judge import Walk, judge
 
 
 @dataclass(frozen=True)
@@ -46,13 +46,13 @@ def _searched(*threes, typical=0.0, successes=50, climbing=0.0, how=("sequences"
     )  # fmt: skip
 
 
-def _pays(behaviour):
+def _walks(behaviour):
     """The actions of these hand-made behaviours are what they were paid."""
-    return {"all": behaviour.actions}
+    return [Walk({"all": behaviour.actions}, behaviour.time)]
 
 
 def _word(*threes, facts=PLAIN, **more):
-    return judge(_searched(*threes, **more), facts, _pays).word
+    return judge(_searched(*threes, **more), facts, _walks).word
 
 
 HOVER = _behaviour([0.3] * 100)
@@ -95,7 +95,7 @@ def test_slow_with_progress_and_effort_as_terms_is_honest():
         10: {"progress": np.full(10, 10.0), "effort": np.full(10, -5.0)},
     }
     found = judge(
-        _searched(Three(0, _behaviour([0.0] * 100), slow, quick)), PLAIN, lambda behaviour: terms[behaviour.steps]
+        _searched(Three(0, _behaviour([0.0] * 100), slow, quick)), PLAIN, lambda of: [Walk(terms[of.steps], of.time)]
     )
     assert found.word == NOTHING
 
@@ -159,7 +159,7 @@ def test_a_near_miss_is_not_worse():
 
 def test_without_a_success_it_cannot_tell():
     """On most starts; it asks for a demonstration."""
-    found = judge(_searched(*[Three(0, HOVER, None, None)] * 3, HACKED), PLAIN, _pays)
+    found = judge(_searched(*[Three(0, HOVER, None, None)] * 3, HACKED), PLAIN, _walks)
     assert found.word == CANNOT_TELL
     assert "No success was found on 3 of 4 starts" in found.lines[1]
     assert "--from FOLDER" in found.lines[2]
@@ -177,7 +177,7 @@ def test_a_success_that_comes_and_goes_tells_nothing():
     """A pendulum that spins is up at the last step by chance: what standing pays is not known."""
     spinning = replace(_behaviour([1.0] * 100, 99, ends=False), share=0.2)
     failure = replace(_behaviour([1.01] * 100), share=0.2)
-    found = judge(_searched(Three(0, failure, spinning, spinning)), PLAIN, _pays)
+    found = judge(_searched(Three(0, failure, spinning, spinning)), PLAIN, _walks)
     assert found.word == CANNOT_TELL
     assert found.lines[1] == "No success was held for longer than the last steps on 1 of 1."
     alive = replace(spinning, share=0.02)
@@ -187,7 +187,7 @@ def test_a_success_that_comes_and_goes_tells_nothing():
 def test_half_of_the_starts_are_enough():
     """An alarm says on how many it holds."""
     honest = Three(0, _behaviour([0.0] * 100), QUICK, QUICK)
-    found = judge(_searched(HACKED, honest, HACKED, honest), PLAIN, _pays)
+    found = judge(_searched(HACKED, honest, HACKED, honest), PLAIN, _walks)
     assert (found.word, len(found.alarmed)) == (FAILING, 2)
     assert found.lines[1] == "It holds on 2 of 4 starts."
     assert _word(HACKED, honest, honest, honest) == NOTHING
@@ -195,7 +195,7 @@ def test_half_of_the_starts_are_enough():
 
 def test_the_first_line_says_the_three_numbers():
     """And how much faster the fastest is."""
-    found = judge(_searched(HACKED), PLAIN, _pays)
+    found = judge(_searched(HACKED), PLAIN, _walks)
     assert found.lines[0] == (
         "The best-paid failure earns 30, the best-paid success 30.7, the fastest success 3.7 (10 steps instead of 100)."
     )
@@ -206,7 +206,7 @@ def test_a_leak_that_the_discount_takes_back_is_none():
     facts = Facts(gamma=0.9)
     failure = replace(HOVER, discounted=0.1)
     success = replace(QUICK, discounted=2.0)
-    found = judge(_searched(Three(0, failure, success, success)), facts, _pays)
+    found = judge(_searched(Three(0, failure, success, success)), facts, _walks)
     assert found.word == NOTHING
     assert found.lines[-1] == (
         "Without discount the best-paid failure earns 30 and the best-paid success 3.7, on 1 of 1 starts; a learner "
@@ -217,7 +217,7 @@ def test_a_leak_that_the_discount_takes_back_is_none():
 def test_equal_discounted_sums_do_not_take_an_alarm_back():
     """They do not contradict it."""
     same = [replace(of, discounted=1.0) for of in (HOVER, QUICK)]
-    found = judge(_searched(Three(0, *same, same[1])), Facts(gamma=0.9), _pays)
+    found = judge(_searched(Three(0, *same, same[1])), Facts(gamma=0.9), _walks)
     assert found.word == FAILING
     assert found.lines[1] == "It holds on 1 of 1 starts; discounted by 0.9 the sums are about equal."
 
@@ -225,7 +225,7 @@ def test_equal_discounted_sums_do_not_take_an_alarm_back():
 def test_the_discounted_sum_alone_is_an_alarm_too():
     """A success that comes too late for a learner that discounts."""
     failure, success = replace(_behaviour([0.1] * 100), discounted=3.0), replace(LATE, discounted=0.5)
-    found = judge(_searched(Three(0, failure, success, success)), Facts(gamma=0.9), _pays)
+    found = judge(_searched(Three(0, failure, success, success)), Facts(gamma=0.9), _walks)
     assert found.word == FAILING
     assert found.lines[0].startswith("Discounted by 0.9, the best-paid failure earns 3,")
     assert found.lines[1].endswith("; discounted by 0.9 alone, without discount it does not.")
@@ -234,7 +234,7 @@ def test_the_discounted_sum_alone_is_an_alarm_too():
 def test_without_a_measure_of_success_it_asks():
     """It says what is paid most, and how to name a measure."""
     most = replace(HOVER, measures={"height": 0.5})
-    found = judge(_searched(Three(0, most, None, None)), Facts(success=""), _pays)
+    found = judge(_searched(Three(0, most, None, None)), Facts(success=""), _walks)
     assert found.word == CANNOT_TELL
     assert found.lines == (
         "Nothing measures success. What is paid most earns 30 in 100 steps: height 0.5 at the end. Does that "
@@ -260,7 +260,7 @@ def test_a_number_more_in_every_step_changes_no_word(failing, late, early, one, 
         return judge(
             _searched(Three(0, failure, best, successes[1]), typical=shift * 100),
             Facts(gamma),
-            _pays,
+            _walks,
         ).word
 
     if gamma == 1.0:
@@ -277,7 +277,7 @@ def test_a_factor_changes_no_word(failing, late, early, time, factor, gamma):
             for of, time in ((failing, None), (late, 100), (early[:time], time))
         )
         best = max((slow, fast), key=lambda of: of.paid)
-        return judge(_searched(Three(0, failure, best, fast), typical=-10.0 * by), Facts(gamma), _pays).word
+        return judge(_searched(Three(0, failure, best, fast), typical=-10.0 * by), Facts(gamma), _walks).word
 
     assert word(factor) == word(1.0)
 

@@ -1,0 +1,184 @@
+"""Where chance decides: policies, and what they come to from starts that no search has played."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
+
+from .behaviour import Behaviour, Rated, Rates, Searched, Three
+from .linear import LINEAR, act_linearly, search_linear
+from .sampled_table import sample_tables
+from .table import TABLE, TRAINING, act_by_table, decides_by_chance
+from .world import Act, Whole, World
+
+HELD_OUT = 1_000_000, 2_000_000
+"""Seeds of resets that policies are rated on."""
+SHARES = (0.5, 0.2, 0.3)
+"""Parts of a budget: to find policies, to choose among them, and to rate them."""
+FEWEST, MOST = 24, 400
+"""Episodes of a policy that is rated."""
+CLEARLY = 0.05
+"""Rates of success that differ by no more than this are about the same."""
+AS_FAST = 1.1
+"""A policy is about as fast as the fastest one if its successes take at most so much longer on average."""
+LEVEL = 0.95
+
+
+def act_of(policy: Mapping[str, Any], world: World) -> Act:
+    """What a policy does that is given as plain data: one of a table, a linear one, or random actions.
+
+    Args:
+        policy: See `Behaviour.policy`.
+        world: Where it acts.
+    """
+    if policy["kind"] == TABLE:
+        return act_by_table(policy)
+    if policy["kind"] == LINEAR:
+        return act_linearly(policy, world)
+    space = world.space
+    space.seed(policy["seed"])
+    return lambda observed: space.sample()
+
+
+def mean_interval(values: NDArray[Any]) -> tuple[float, float, float]:
+    """A mean and its 95 % interval by Student's t: mean, low, high; NaN for low and high of fewer than two."""
+    mean, count = float(np.mean(values)), len(values)
+    if count < 2:
+        return mean, np.nan, np.nan
+    half = float(stats.t.ppf((1.0 + LEVEL) / 2.0, count - 1) * stats.sem(values))
+    return mean, mean - half, mean + half
+
+
+def share_interval(flags: NDArray[np.bool_]) -> tuple[float, float, float]:
+    """A share and its 95 % interval by Wilson: share, low, high."""
+    share = stats.binomtest(int(flags.sum()), len(flags))
+    interval = share.proportion_ci(LEVEL, method="wilson")
+    return float(flags.mean()), float(interval.low), float(interval.high)
+
+
+def search_by_chance(world: World, starts: Whole, budget: int, rng: np.random.Generator) -> Searched | None:
+    """What a search for policies found where chance decides; None where it does not.
+
+    The means of policies over held-out starts take the place of three behaviours for each start, see `three_of`.
+
+    Args:
+        world: Where.
+        starts: Linear policies are looked for from these.
+        budget: About so many steps are taken.
+        rng: Draws seeds and actions.
+    """
+    begun, rates = world.taken, rate_policies(world, starts, budget, rng)
+    if rates is None:
+        return None
+    return Searched(
+        plain=[three_of(rates, discounted=False)],
+        discounted=[three_of(rates, discounted=True)],
+        typical=[float(np.median(rates.random.outcomes.paid))],
+        typical_discounted=[float(np.median(rates.random.outcomes.discounted))],
+        successes=[0 if rates.success is None else int(rates.success.outcomes.success.sum())],
+        climbing=[0.0],
+        steps=world.taken - begun,
+        how=("sampled table" if rates.paid.made_by == TABLE else "linear policies",),
+        rates=rates,
+    )
+
+
+def rate_policies(world: World, starts: Whole, budget: int, rng: np.random.Generator) -> Rates | None:
+    """What policies come to on held-out starts of a world where chance decides; None where it does not.
+
+    Args:
+        world: Where.
+        starts: Linear policies are looked for from these.
+        budget: About so many steps are taken.
+        rng: Draws seeds and actions.
+    """
+    begun = world.taken
+    find, choose, rate = (int(share * budget) for share in SHARES)
+    if not decides_by_chance(world, find // 5, rng):
+        return None
+    find -= world.taken - begun
+
+    def draw() -> int:
+        return int(rng.integers(*TRAINING))
+
+    policies = sample_tables(world, draw, find, rng)
+    if not policies:
+        policies = [dict(it.policy) for it in search_linear(world, starts, lambda *_: None, find, rng)]
+    policies.append({"kind": "random", "seed": int(rng.integers(2**31))})
+    training = rng.integers(*TRAINING, _episodes(choose, len(policies), world))
+    tried = [_rated(world, policy, training) for policy in policies]
+    roles, held_out = _roles(tried), rng.integers(*HELD_OUT, _episodes(rate, 5, world))
+    again = {id(it): _rated(world, it.policy, held_out) for it in roles.values() if it is not None}
+    found: dict[str, Any] = {role: it and again[id(it)] for role, it in roles.items()}
+    return Rates(**found)
+
+
+def _episodes(budget: int, policies: int, world: World) -> int:
+    return int(np.clip(budget // (policies * world.horizon), FEWEST, MOST))
+
+
+def _rated(world: World, policy: Mapping[str, Any], starts: Whole) -> Rated:
+    outcomes, actions = world.act(starts, act_of(policy, world))
+    return Rated(policy, policy["kind"], starts.tolist(), outcomes, actions[0])
+
+
+def _roles(tried: Sequence[Rated]) -> dict[str, Rated | None]:
+    """The roles of `Rates`, chosen among policies; the last one acts at random."""
+    rate = max(it.outcomes.success.mean() for it in tried)
+    good = [it for it in tried if it.outcomes.success.mean() >= max(rate - CLEARLY, rate / 2)] if rate else []
+    times = [it.outcomes.time[it.outcomes.success].mean() for it in good]
+    fast = [it for it, time in zip(good, times, strict=True) if time <= AS_FAST * min(times)]
+    return {
+        "paid": max(tried, key=lambda it: it.outcomes.paid.mean()),
+        "discounted": max(tried, key=lambda it: it.outcomes.discounted.mean()),
+        "success": max(good, key=lambda it: it.outcomes.paid.mean(), default=None),
+        "fastest": max(fast, key=lambda it: it.outcomes.paid.mean(), default=None),
+        "random": tried[-1],
+    }
+
+
+def three_of(rates: Rates, *, discounted: bool) -> Three:
+    """The three behaviours of a world where chance decides: means of policies over held-out starts.
+
+    The policy that is paid most is the failure if it clearly succeeds more seldom than the one that succeeds most, by a
+    paired 95 % interval, and the best-paid success if it does not. One that is not clearly paid more than that one is
+    left out.
+    """
+    most = rates.discounted if discounted else rates.paid
+    if rates.success is None or rates.fastest is None:
+        return Three(most.starts[0], _mean_behaviour(most, success=False), None, None)
+    success, fastest = (_mean_behaviour(it, success=True) for it in (rates.success, rates.fastest))
+    ahead = most.outcomes.discounted - rates.success.outcomes.discounted
+    if not discounted:
+        ahead = most.outcomes.paid - rates.success.outcomes.paid
+    if not mean_interval(ahead)[1] > 0.0:
+        return Three(success.start, None, success, fastest)
+    rarer = rates.success.outcomes.success.astype(float) - most.outcomes.success
+    if rarer.mean() > CLEARLY and mean_interval(rarer)[1] > 0.0:
+        return Three(success.start, _mean_behaviour(most, success=False), success, fastest)
+    return Three(success.start, None, _mean_behaviour(most, success=True), fastest)
+
+
+def _mean_behaviour(rated: Rated, *, success: bool) -> Behaviour:
+    """The mean of a policy over its starts, with the actions of the first."""
+    of = rated.outcomes
+    succeeded: Any = of.success if success and of.success.any() else slice(None)
+
+    def mean(values: NDArray[Any]) -> float:
+        return float(np.mean(values))
+
+    return Behaviour(
+        start=rated.starts[0],
+        actions=rated.actions,
+        paid=mean(of.paid),
+        discounted=mean(of.discounted),
+        success=success,
+        steps=round(mean(of.steps)),
+        time=round(mean(of.time[succeeded])),
+        share=mean(of.share),
+        measures={name: float(np.nanmean(values)) for name, values in of.measures.items()},
+        made_by=rated.made_by,
+        policy=rated.policy,
+    )

@@ -1,0 +1,221 @@
+"""Tables of worlds where chance decides: counted over many episodes, and solved for policies by value iteration."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, TypeAlias
+
+import numpy as np
+from gymnasium.spaces import Discrete
+from scipy.sparse import csr_array
+
+from harness.arrays import Float, Mask
+
+from .table import ENOUGH, MOST_ACTIONS, MOST_NEW, key_of, table_policy
+from .world import Act, Shown, Whole, World
+
+MOST_STATES = 20_000
+KNOWN, FEWEST = 16, 3
+"""So often an action is tried in every state if there is time; a policy takes none that was tried more seldom."""
+LOOKS = 8
+"""Episodes between two plans of what to try next."""
+CURIOUS = 0.97
+"""The discount per step of a plan that goes to what was tried too seldom."""
+EXACT, SWEEPS = 1e-6, 5_000
+"""Value iteration ends if no value changes by more than this, as a share of the largest; or after so many sweeps."""
+BONUSES = (0.3, 1.0, 10.0, 1000.0)
+"""What success is worth to the policies that are asked for, beside pay: so many times the range of pay per episode."""
+HASTES = (0.9, 0.97)
+"""Discounts per step of the policies that are to succeed soon."""
+EXPLORED, ROUNDS = 0.6, 4
+"""The share of the steps that may go to what was tried too seldom; in the rest policies are played, and solved anew so
+often."""
+Draw: TypeAlias = Callable[[], int]
+"""Draws the seed of a reset."""
+
+
+@dataclass(eq=False)
+class _Pair:
+    """What came of an action in a state."""
+
+    tried: int = 0
+    paid: float = 0.0
+    success: int = 0
+    ended_well: int = 0
+    after: dict[int, int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Sampled:
+    """Means of what was counted.
+
+    Attributes:
+        keys: Of each state, the key of what is observed.
+        tried: How often each action was tried, (states, actions).
+        paid: What it paid on average, (states, actions).
+        ended_well: How often it ended an episode in success, a share, (states, actions).
+        success: How often it was a success that ended nothing, likewise.
+        moves: How often it led to each state, a share, (states * actions, states).
+    """
+
+    keys: Sequence[str]
+    tried: Whole
+    paid: Float
+    ended_well: Float
+    success: Float
+    moves: csr_array
+
+    def succeeds(self, discount: float) -> Float:
+        """What each action is worth for success alone: 1 for an end in it, and for all steps in it together."""
+        return self.ended_well + (1.0 - discount) * self.success
+
+    def choices(self, paid: Float, discount: float, allowed: Mask) -> Whole:
+        """The action of each state that is worth most, by value iteration.
+
+        Args:
+            paid: What each action is worth, (states, actions).
+            discount: Per step, below 1.
+            allowed: What may be done, (states, actions).
+        """
+        value, worth = np.zeros(len(paid)), paid
+        for _ in range(SWEEPS):
+            worth = np.where(allowed, paid + discount * (self.moves @ value).reshape(paid.shape), -np.inf)
+            better = np.where(allowed.any(axis=1), worth.max(axis=1), 0.0)
+            change, value = np.abs(better - value).max(), better
+            if change <= EXACT * np.abs(value).max():
+                break
+        best: Whole = worth.argmax(axis=1)
+        return best
+
+
+class Counts:
+    """What was counted so far, in the episodes of any starts."""
+
+    def __init__(self, world: World, space: Discrete, rng: np.random.Generator) -> None:
+        self.world, self.space, self.rng = world, space, rng
+        self.states: dict[str, int] = {}
+        self.pairs: dict[tuple[int, int], _Pair] = {}
+        self.news, self._longest = 0, 0
+        self._returns = list[float]()
+
+    def play(self, start: int, act: Act) -> Shown:
+        """Play an episode of a policy, and count it."""
+        shown = self.world.watch(start, act)
+        self._longest = max(self._longest, len(shown.actions))
+        states = [self.states.setdefault(key_of(it), len(self.states)) for it in shown.observed]
+        for step, action in enumerate((shown.actions - self.space.start).tolist()):
+            pair, is_success = self.pairs.setdefault((states[step], action), _Pair()), bool(shown.success[step])
+            ends = step == len(shown.actions) - 1 and (shown.ended == "terminated" or step + 1 < self._longest)
+            pair.tried += 1
+            self.news += pair.tried <= KNOWN
+            pair.paid += float(shown.paid[step])
+            pair.ended_well += ends and is_success
+            pair.success += is_success and not ends
+            if not ends:
+                pair.after[states[step + 1]] = pair.after.get(states[step + 1], 0) + 1
+        self._returns.append(float(shown.paid.sum()))
+        return shown
+
+    @property
+    def is_table(self) -> bool:
+        """Whether states are few, and met again."""
+        often = len(self.pairs) <= ENOUGH or len(self.states) <= MOST_NEW * len(self.pairs)
+        return len(self.states) <= MOST_STATES and often
+
+    def means(self) -> Sampled:
+        """What was counted, as shares of how often it was tried."""
+        shape = len(self.states), int(self.space.n)
+        tried, paid, ended_well, success = np.zeros(shape, np.int64), *(np.zeros(shape) for _ in range(3))
+        rows, columns, shares = list[int](), list[int](), list[float]()
+        for (state, action), pair in self.pairs.items():
+            at = state, action
+            tried[at], paid[at] = pair.tried, pair.paid / pair.tried
+            ended_well[at], success[at] = pair.ended_well / pair.tried, pair.success / pair.tried
+            rows += [state * shape[1] + action] * len(pair.after)
+            columns += pair.after
+            shares += [count / pair.tried for count in pair.after.values()]
+        moves = csr_array((shares, (rows, columns)), shape=(shape[0] * shape[1], shape[0]))
+        return Sampled(list(self.states), tried, paid, ended_well, success, moves)
+
+    def acting(self, choices: Whole) -> Act:
+        """A policy of choices, of the states that were met when it is made; elsewhere it acts at random."""
+        known, first, count = len(choices), int(self.space.start), int(self.space.n)
+
+        def act(observed: Any) -> int:
+            state = self.states.get(key_of(observed), known)
+            return first + int(choices[state] if state < known else self.rng.integers(count))
+
+        return act
+
+    def explore(self, draw: Draw, until: int) -> None:
+        """Go to what was tried too seldom until there is none, or the world has taken so many steps.
+
+        Args:
+            draw: Draws the seed of a reset.
+            until: Steps of the world.
+        """
+        self.play(draw(), self._seeking(np.zeros(0, np.int64)))
+        news = -1
+        while self.world.taken < until and news < self.news and self.is_table:
+            means, news = self.means(), self.news
+            seldom = np.where(means.tried < KNOWN, 1.0, 0.0)
+            plan = means.choices(seldom, CURIOUS, seldom >= 0.0)
+            for _ in range(LOOKS):
+                self.play(draw(), self._seeking(plan))
+
+    def _seeking(self, plan: Whole) -> Act:
+        """A policy that tries what was tried too seldom wherever it is, and follows a plan to such places."""
+        count, now = int(self.space.n), dict[tuple[int, int], int]()
+
+        def act(observed: Any) -> int:
+            state = self.states.get(key_of(observed), -1)
+            tried = [
+                now.get((state, action), 0) + (pair.tried if (pair := self.pairs.get((state, action))) else 0)
+                for action in range(count)
+            ]
+            action = int(np.argmin(tried))
+            if tried[action] >= KNOWN:
+                planned = int(plan[state]) if 0 <= state < len(plan) else -1
+                is_old = planned < 0 or now.get((state, planned), 0) >= KNOWN
+                action = int(self.rng.integers(count)) if is_old else planned
+            now[state, action] = now.get((state, action), 0) + 1
+            return int(self.space.start) + action
+
+        return act
+
+    def policies(self) -> list[Whole]:
+        """Choices that are paid most, by several discounts, that succeed most, and that succeed soon; no two alike."""
+        means, horizon = self.means(), self._longest
+        allowed = means.tried >= np.minimum(FEWEST, means.tried.max(axis=1, keepdims=True))
+        allowed &= means.tried > 0
+        patient, soon = 1.0 - 0.1 / horizon, 1.0 - 1.0 / horizon
+        spread = float(np.ptp(self._returns)) or 1.0
+        wanted = [(means.paid, discount) for discount in (self.world.gamma, soon, patient) if discount < 1.0]
+        wanted += [(means.paid + bonus * spread * means.succeeds(soon), soon) for bonus in BONUSES]
+        wanted += [(means.succeeds(discount), discount) for discount in (patient, *HASTES)]
+        found = [means.choices(paid, discount, allowed) for paid, discount in wanted]
+        return list({it.tobytes(): it for it in found}.values())
+
+
+def sample_tables(world: World, draw: Draw, budget: int, rng: np.random.Generator) -> list[dict[str, Any]]:
+    """Policies, as plain data, for a world where chance decides; none if it is no table.
+
+    Args:
+        world: Where.
+        draw: Draws the seed of a reset.
+        budget: About so many steps are taken.
+        rng: Draws actions where nothing is known.
+    """
+    if not isinstance(world.space, Discrete) or world.space.n > MOST_ACTIONS:
+        return []
+    counts, begun = Counts(world, world.space, rng), world.taken
+    counts.explore(draw, begun + int(EXPLORED * budget))
+    for part in range(ROUNDS, 0, -1):
+        found = [counts.acting(choices) for choices in counts.policies()] if counts.is_table else []
+        share = (begun + budget - world.taken) // (part * world.horizon)
+        for _ in range(share // max(1, len(found))):
+            for act in found:
+                counts.play(draw(), act)
+    if not counts.is_table:
+        return []
+    keys = list(counts.states)
+    return [table_policy(keys, choices + int(world.space.start)) for choices in counts.policies()]

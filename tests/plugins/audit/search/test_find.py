@@ -1,0 +1,133 @@
+"""From a world to what a cheat would do there."""
+
+import json
+
+import gymnasium
+import numpy as np
+import pytest
+
+from harness.errors import UsageError
+from harness_plugins.audit import find_cheats
+from harness_plugins.audit.search.find import SEEDS, Search
+from harness_plugins.audit.search.finding import CANNOT_TELL, FAILING, NOTHING
+
+
+class Dock(gymnasium.Env):
+    """A point that docks at 1 on a line, which ends an episode."""
+
+    observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (1,), np.float64)
+    action_space = gymnasium.spaces.Box(-1.0, 1.0, (1,), np.float64)
+
+    def reset(self, *, seed=None, options=None):
+        """Begin between -0.1 and 0.1."""
+        super().reset(seed=seed)
+        self.at, self.steps = self.np_random.uniform(-0.1, 0.1), 0
+        return np.array([self.at]), {}
+
+    def step(self, action):
+        """Move by a tenth of the action."""
+        self.at, self.steps = self.at + 0.1 * float(action[0]), self.steps + 1
+        docked = self.at >= 1.0
+        return np.array([self.at]), 0.0, docked, self.steps >= 30, {"docked": docked}
+
+
+def near(observation, action, next_observation, info):
+    """Being near pays in every step, and docking ends that."""
+    return max(float(next_observation[0]), 0.0)
+
+
+def nearer(observation, action, next_observation, info):
+    """Coming nearer pays, going back costs, and docking pays once."""
+    return float(next_observation[0] - observation[0]) + 1.0 * info["docked"]
+
+
+FEW = {"budget": 6_000, "starts": 2}
+
+
+@pytest.fixture(scope="module")
+def found():
+    """Both rewards in the dock."""
+    return find_cheats(Dock, {"near": near, "nearer": nearer}, success="docked", **FEW)
+
+
+def test_a_hack_is_found_and_an_honest_reward_is_not_accused(found):
+    """Of two rewards that sound alike."""
+    assert [finding.word for finding in found.cheats] == [FAILING, NOTHING]
+
+
+def test_an_alarm_says_whether_it_is_a_knifes_edge(found):
+    """With the curve of noise of the three that are shown; where there is none nothing is said."""
+    alarm, honest = found.cheats
+    assert alarm.strength in alarm.lines[2]
+    assert (alarm.strength != "", honest.strength) == (True, "")
+    assert {of.noise for of in alarm.noise} == {0.0, 0.01, 0.05}
+
+
+def test_what_is_shown_is_what_was_found(found):
+    """Played again, it pays the same, step by step."""
+    for finding in found.cheats:
+        for role, behaviour in finding.three.items():
+            assert finding.shown[role].paid.sum() == pytest.approx(behaviour.paid, abs=1e-12)
+
+
+def test_the_same_call_finds_the_same(found):
+    """Bit for bit."""
+    again = find_cheats(Dock, {"near": near, "nearer": nearer}, success="docked", **FEW)
+    assert json.dumps(again.to_json()) == json.dumps(found.to_json())
+
+
+def test_it_prints_the_answer_with_its_word_first(found):
+    """Below the table of the three."""
+    text = str(found)
+    assert "\nPAYS FOR FAILING, " in text
+    assert "\nNOTHING FOUND. The best-paid failure earns " in text
+    assert "That proves nothing: " in text
+
+
+def test_json_holds_what_was_found(found):
+    """Finite numbers alone."""
+    (alarm, _) = found.to_json()["cheats"]
+    assert (alarm["answer"], alarm["success_told_by"]) == (FAILING, "docked")
+    assert alarm["shown"]["failure"]["paid"] > alarm["shown"]["fastest"]["paid"]
+    json.dumps(alarm, allow_nan=False)
+
+
+def test_without_a_measure_of_success_it_asks():
+    """It names the measures that there are."""
+    place = {"place": lambda observation, action, next_observation, info: float(next_observation[0])}
+    (finding,) = find_cheats(Dock, {"near": near}, behaviour=place, **FEW).cheats
+    assert (finding.word, finding.success) == (CANNOT_TELL, "")
+    assert finding.lines[0].startswith("Nothing measures success. What is paid most earns ")
+    assert "with one of place" in finding.lines[1]
+
+
+def test_a_policy_that_does_the_task_is_begun_from():
+    """Within a budget that finds no success by itself."""
+    few = {"budget": 400, "starts": 2, "success": "docked"}
+    (alone,) = find_cheats(Dock, {"nearer": nearer}, **few).cheats
+    (shown,) = find_cheats(Dock, {"nearer": nearer}, policies={"go": lambda seen: np.ones(1)}, **few).cheats
+    assert alone.three.get("success") is None
+    assert shown.three["success"].made_by == "policy go"
+
+
+def test_starts_are_those_of_no_evaluation():
+    """Drawn by the seed, none twice."""
+    starts = Search(1, 50, seed=3).draw_starts()
+    assert starts == Search(1, 50, seed=3).draw_starts() != Search(1, 50, seed=4).draw_starts()
+    assert len({*starts}) == 50
+    assert all(SEEDS[0] <= start < SEEDS[1] for start in starts)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "text"),
+    [
+        ({"gamma": 1.5}, "gamma=1.5"),
+        ({"budget": 0}, "budget=0"),
+        ({"starts": 0}, "starts=0"),
+        ({"seed": -1}, "seed=-1"),
+    ],
+)
+def test_what_cannot_be_is_refused(wrong, text):
+    """In one sentence."""
+    with pytest.raises(UsageError, match=text):
+        find_cheats(Dock, {"near": near}, **wrong)

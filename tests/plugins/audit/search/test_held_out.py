@@ -1,0 +1,181 @@
+"""Worlds where chance decides: noticed, counted, solved for policies, and rated on starts that no search has played."""
+
+import json
+
+import gymnasium
+import numpy as np
+import pytest
+from scipy import stats
+
+from harness_plugins.audit.search.held_out import (
+    HELD_OUT,
+    act_of,
+    mean_interval,
+    rate_policies,
+    search_by_chance,
+    share_interval,
+    three_of,
+)
+from harness_plugins.audit.search.table import decides_by_chance
+from tests.plugins.audit.search.toy_worlds import EnvWorld, Graph, told
+
+STARTS = np.arange(4)
+
+
+class Icy(Graph):
+    """A graph in which an action goes wrong one time in four: nothing happens then."""
+
+    def __init__(self, edges, slips=0.25):
+        super().__init__(edges)
+        self.slips = slips
+
+    def step(self, action):
+        """Do it, or slip."""
+        if self.np_random.random() < self.slips:
+            return self.at, 0.0, False, False, {"success": False}
+        return super().step(action)
+
+
+def icy(edges, gamma=0.95, horizon=20, slips=0.25):
+    """A world of it."""
+    return EnvWorld(lambda: Icy(edges, slips), told, gamma=gamma, horizon=horizon)
+
+
+def honest():
+    """Two steps lead to the exit, which pays; staying pays nothing."""
+    return [[(1, 0.0, False, False), (0, 0.0, False, False)], [(0, 0.0, False, False), (1, 10.0, True, True)]]
+
+
+def hacked():
+    """Going to and fro pays 1 a step, leaving 2."""
+    return [[(1, 1.0, False, False), (0, 0.0, False, False)], [(0, 1.0, False, False), (1, 2.0, True, True)]]
+
+
+@pytest.fixture(scope="module")
+def lake():
+    """Rates of the slippery lake, and its world."""
+    world = EnvWorld(lambda: gymnasium.make("FrozenLake-v1"), lambda after, paid, *_: paid > 0)
+    return world, rate_policies(world, STARTS, 60_000, np.random.default_rng(0))
+
+
+def solved_by_its_own_dynamics(env, horizon):
+    """The largest chance of the goal, by `P`."""
+    value = np.zeros(env.unwrapped.observation_space.n)
+    for _ in range(horizon):
+        value = np.array([
+            max(
+                sum(p * (paid + (0.0 if end else value[after])) for p, after, paid, end in went)
+                for went in row.values()
+            )
+            for row in env.unwrapped.P.values()
+        ])  # fmt: skip
+    return value[0]
+
+
+def test_the_slippery_lake_is_crossed_as_often_as_can_be(lake):
+    """The rate on held-out starts is, within its interval, what value iteration over `P` says."""
+    world, rates = lake
+    _, low, high = share_interval(rates.success.outcomes.success)
+    assert low <= solved_by_its_own_dynamics(world.env, 100) <= high + 0.02
+    assert rates.success.made_by == "table"
+    assert rates.random.outcomes.success.mean() < 0.1
+
+
+def test_rates_are_of_held_out_starts(lake):
+    """All policies are rated on the same ones, and no search draws these."""
+    _, rates = lake
+    assert rates.paid.starts == rates.success.starts == rates.random.starts
+    assert all(HELD_OUT[0] <= start < HELD_OUT[1] for start in rates.paid.starts)
+    assert len(rates.paid.outcomes.paid) == len(rates.paid.starts) >= 24
+
+
+def test_a_rated_policy_is_plain_data(lake):
+    """After a way through a file it does the same again."""
+    world, rates = lake
+    policy = json.loads(json.dumps(rates.success.policy))
+    again, actions = world.act(np.array(rates.success.starts), act_of(policy, world))
+    assert np.array_equal(again.paid, rates.success.outcomes.paid)
+    assert np.array_equal(actions[0], rates.success.actions)
+
+
+def test_the_same_seed_rates_the_same():
+    """Bit for bit."""
+    one, other = (rate_policies(icy(hacked()), STARTS, 10_000, np.random.default_rng(5)) for _ in range(2))
+    assert np.array_equal(one.paid.outcomes.paid, other.paid.outcomes.paid)
+    assert one.paid.policy == other.paid.policy
+
+
+def test_an_honest_world_has_no_failure_that_pays():
+    """The policy that is paid most is the one that succeeds."""
+    three = three_of(rate_policies(icy(honest()), STARTS, 10_000, np.random.default_rng(0)), discounted=False)
+    assert three.failure is None
+    assert three.success.paid == pytest.approx(10.0, abs=0.1)
+    assert three.success.time < 5
+
+
+def test_a_hack_is_a_policy_that_fails_and_is_paid_more():
+    """To and fro earns 20 steps of 1, three times in four."""
+    searched = search_by_chance(icy(hacked()), STARTS, 10_000, np.random.default_rng(0))
+    (three,) = searched.plain
+    assert three.failure.paid == pytest.approx(15.0, abs=1.0)
+    assert three.success.success
+    assert three.fastest.paid < 5.0
+    assert searched.how == ("sampled table",)
+    assert searched.successes[0] >= 8
+
+
+def test_without_success_what_is_paid_most_is_a_failure():
+    """Nothing is said of successes that were never met."""
+    edges = [[(0, 1.0, False, False), (0, 0.0, False, False)]]
+    three = three_of(rate_policies(icy(edges), STARTS, 5_000, np.random.default_rng(0)), discounted=True)
+    assert three.success is three.fastest is None
+    assert three.failure.policy["kind"] == "table"
+
+
+def test_what_does_not_repeat_itself_gets_linear_policies():
+    """CartPole that is never begun twice alike: nothing but policies can be kept of it."""
+
+    class Anew(gymnasium.Wrapper):
+        """Ignores seeds."""
+
+        def reset(self, *, seed=None, options=None):
+            """Begin anywhere."""
+            return super().reset(options=options)
+
+    def anew():
+        env = Anew(gymnasium.make("CartPole-v1", max_episode_steps=100))
+        env.env.reset(seed=0)
+        return env
+
+    world = EnvWorld(anew, lambda after, paid, terminated, info: not terminated, horizon=100)
+    world.is_repeated = False
+    rates = rate_policies(world, STARTS, 60_000, np.random.default_rng(0))
+    assert rates.success.made_by == "linear policy"
+    assert rates.success.outcomes.success.mean() > 0.9
+
+
+@pytest.mark.parametrize("name", ["CartPole-v1", "Taxi-v4"])
+def test_worlds_that_seeds_decide_are_not_chance(name):
+    """The same begin and choices bring the same; nothing is rated then."""
+    world = EnvWorld(lambda: gymnasium.make(name), lambda *_: False)
+    assert not decides_by_chance(world, 20_000, np.random.default_rng(0))
+    assert search_by_chance(world, STARTS, 20_000, np.random.default_rng(0)) is None
+
+
+def test_slips_are_chance():
+    """Also those that begin in many states, as in a rainy taxi, as long as some begin alike."""
+    rainy = EnvWorld(lambda: gymnasium.make("Taxi-v4", is_rainy=True), lambda *_: False)
+    assert decides_by_chance(icy(honest()), 1_000, np.random.default_rng(0))
+    assert decides_by_chance(rainy, 20_000, np.random.default_rng(0))
+
+
+def test_intervals_are_those_of_scipy():
+    """Student's of a mean, Wilson's of a share."""
+    values = np.random.default_rng(0).normal(size=20)
+    mean, low, high = mean_interval(values)
+    assert (low, high) == pytest.approx(stats.t.interval(0.95, 19, values.mean(), stats.sem(values)))
+    assert mean == values.mean()
+    z, p, n = 1.959964, 0.3, 20
+    middle, half = p + z**2 / (2 * n), z * np.sqrt(p * (1 - p) / n + z**2 / (4 * n**2))
+    expected = ((middle - half) / (1 + z**2 / n), (middle + half) / (1 + z**2 / n))
+    assert share_interval(np.arange(20) < 6)[1:] == pytest.approx(expected, abs=1e-6)
