@@ -165,9 +165,10 @@ def audit(
             found_at = _places_in_environment(registry, chosen, reward, gamma)
     else:
         audits = [_of_folder(kind, Path(str(named)), registry, reward, random, log_format, sort)]
+    status = _show(audits, as_json)
     if asked is not None and (out is not None or html is not None):
         _leave([it for of in audits for it in of.cheats], found_at, registry, asked, out, html)
-    return status_of(failing, [said for it in audits for said in it.said], _show(audits, as_json))
+    return status_of(failing, [said for it in audits for said in it.said], status)
 
 
 vars(audit)["examples"] = (
