@@ -55,7 +55,12 @@ class Bests:
         """What the best-paid success is paid; minus infinity if none was met."""
         return float(self._success[-1])
 
-    def three(self, start: int, typical: float) -> Three:
+    @property
+    def is_failure_paid_more(self) -> bool:
+        """Whether the best-paid failure is paid more than every success."""
+        return bool(self._failure > self._success[-1])
+
+    def three(self, start: int, typical: float, alike: float = AS_PAID) -> Three:
         """The best-paid failure, the best-paid success, and the best-paid one of the fastest.
 
         Of successes that are about as well paid as the best one, the fastest stands for it: that a search has found a
@@ -64,10 +69,10 @@ class Bests:
         times = sorted(self.successes)
         if not times:
             return Three(start, self.failure, None, None)
-        trifle = AS_PAID * max(0.0, self.success_pay - typical, self._failure - typical)
-        as_paid = [at for at in times if self._success[at] >= self.success_pay - trifle]
-        as_fast = [at for at in times if at <= AS_FAST * times[0]]
-        return Three(start, self.failure, self.successes[as_paid[0]], self.successes[as_fast[-1]])
+        trifle = alike * max(0.0, self.success_pay - typical, self._failure - typical)
+        as_paid = next(at for at in times if self._success[at] >= self.success_pay - trifle)
+        as_fast = max(at for at in times if at <= AS_FAST * times[0])
+        return Three(start, self.failure, self.successes[max(as_paid, as_fast)], self.successes[as_fast])
 
 
 class Kept:

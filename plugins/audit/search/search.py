@@ -1,7 +1,6 @@
 """One search: what a reward pays most, for failing and for succeeding, from given starts and within a budget of steps.
 
-Three families share the budget. Where a world is a table, that is exact, and nothing else is asked. Where chance
-decides, policies are looked for and rated on other starts, for a sequence knows what chance brings. Linear policies
+Three families share the budget. Where a world is a table, that is exact, and nothing else is asked. Linear policies
 find what needs balance. Sequences of actions find the rest, and begin from whatever the others have met.
 """
 
@@ -13,7 +12,7 @@ import numpy as np
 from .beginnings import Beginning
 from .behaviour import Searched
 from .held_out import search_by_chance
-from .kept import Kept
+from .kept import AS_PAID, Kept
 from .linear import search_linear
 from .sequences import Evolution, evolve
 from .table import TABLE, search_tables
@@ -55,10 +54,13 @@ def search(
         if world.together == 1 and search_linear(world, kept.starts, evolution.take, int(IN_POLICIES * budget), rng):
             how = (SEQUENCES, POLICIES)
         climbing = evolve(evolution, budget - (world.taken - begun))
+    alike = 0.0 if how == (TABLE,) else AS_PAID
     typical, later = np.median(paid, axis=0).tolist(), np.median(discounted, axis=0).tolist()
     return Searched(
-        plain=[best.three(*of) for best, *of in zip(kept.plain, starts, typical, strict=True)],
-        discounted=[best.three(*of) for best, *of in zip(kept.discounted, starts, later, strict=True)],
+        plain=[of.three(*it, alike) for of, it in zip(kept.plain, zip(starts, typical, strict=True), strict=True)],
+        discounted=[
+            of.three(*it, alike) for of, it in zip(kept.discounted, zip(starts, later, strict=True), strict=True)
+        ],
         typical=typical,
         typical_discounted=later,
         successes=kept.successes,

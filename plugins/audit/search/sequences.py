@@ -7,14 +7,17 @@ alone, so that a failure is not called better paid only because successes were s
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float
+from harness.authoring.commands import flat_observation
 
 from .cells import Cells
+from .feedback import Feedback, draw_feedback
 from .kept import Kept
 from .moves import Rng, moves_in
 from .mutations import Pairs, mutations_of
@@ -37,13 +40,17 @@ SEEKING: Weights = {FAILURES: 3, FAILURES_LATER: 1, NEAREST: 4, CELLS: 4, FRESH:
 """How often each archive breeds while no success of the start is known."""
 WEIGHING: Weights = {
     FAILURES: 4, FAILURES_LATER: 1.5, SUCCESSES: 3, SUCCESSES_LATER: 1.5,
-    FASTEST: 2, NEAREST: 0.5, CELLS: 0.5, FRESH: 0.5,
+    FASTEST: 2, NEAREST: 0.5, CELLS: 1, FRESH: 0.5,
 }  # fmt: skip
 """How often once one is."""
 SUCCEEDING: Weights = {FAILURES: 2, FAILURES_LATER: 0.5, SUCCESSES: 5, SUCCESSES_LATER: 2, FASTEST: 2.5, FRESH: 0.2}
 """How often in the last part."""
 
 
+MOST_SEEN = 64
+"""Numbers of an observation; where there are more, no sequence holds by them."""
+PROVED = 40
+"""So many of the latest feedbacks that an archive kept are tried again, at other starts too."""
 TWICE = 0.25
 """The share of children that are mutated twice."""
 
@@ -57,17 +64,19 @@ class Archive:
         genes: The sequences, the best first, (n, horizon, ...).
         length: How long their episodes were, (n,).
         score: Larger is better, (n,).
+        holds: By what each of them held, if it did, (n,).
     """
 
     room: int
     genes: Actions
     length: Whole = field(default_factory=lambda: np.zeros(0, np.int64))
     score: Float = field(default_factory=lambda: np.zeros(0))
+    holds: NDArray[np.object_] = field(default_factory=lambda: np.zeros(0, object))
 
     def __len__(self) -> int:
         return len(self.length)
 
-    def offer(self, genes: Actions, length: Whole, score: Float) -> NDArray[Any]:
+    def offer(self, genes: Actions, length: Whole, score: Float, holds: NDArray[np.object_]) -> NDArray[Any]:
         """Keep the best of these and those; says which of these were kept, (n,)."""
         if not len(length):
             return np.zeros(0, bool)
@@ -81,6 +90,7 @@ class Archive:
             both = np.concatenate([self.genes[old], genes[new]])
             place = np.argsort(np.concatenate([np.flatnonzero(best < len(self)), np.flatnonzero(best >= len(self))]))
             self.genes, self.length, self.score = both[place], lengths[best], scores[best]
+            self.holds = np.concatenate([self.holds, holds])[best]
         kept = np.zeros(len(length), bool)
         kept[new] = True
         return kept
@@ -110,13 +120,16 @@ class Evolution:
             rooms |= {FAILURES_LATER: FEWER, SUCCESSES_LATER: FEWER}
         self._archives = [{name: Archive(room, none) for name, room in rooms.items()} for _ in kept.starts]
         self._cells = [Cells(world.observes) for _ in kept.starts]
+        self._spread: Float = np.zeros(0)  # of observations; none where sequences do not hold
+        self._proved: list[Feedback] = []
+        self._held = np.ones((2, 2))  # the same of children that hold, and of those that do not
 
-    def play(self, rows: Whole, genes: Actions) -> tuple[Outcomes, NDArray[Any]]:
+    def play(self, rows: Whole, genes: Actions, holds: NDArray[np.object_]) -> tuple[Outcomes, NDArray[Any]]:
         """Play sequences, (n, horizon, ...), each at the start of a row; also says which an archive kept, (n,)."""
         actions = self._moves.played(genes)
         outcomes = self.world.play(self.kept.starts[rows], actions)
         self.kept.add(rows, actions, outcomes, "search")
-        return outcomes, self._file(rows, genes, outcomes)
+        return outcomes, self._file(rows, genes, outcomes, holds)
 
     def take(
         self,
@@ -128,7 +141,8 @@ class Evolution:
     ) -> None:
         """Keep episodes that others have played, and breed from them; see `Kept.add`."""
         self.kept.add(rows, actions, outcomes, made_by, policies)
-        self._file(rows, np.stack([self._moves.written(self.filled(it)) for it in actions]), outcomes)
+        genes = np.stack([self._moves.written(self.filled(it)) for it in actions])
+        self._file(rows, genes, outcomes, np.full(len(rows), None))
 
     def filled(self, actions: Actions) -> Actions:
         """What an episode of the world took, (steps, ...), as long as the horizon: noise follows it."""
@@ -139,11 +153,14 @@ class Evolution:
     def random(self, rounds: int) -> tuple[Float, Float]:
         """Random actions at every start: what they are paid, and discounted, (rounds, starts) each; then noise."""
         count, steps = len(self.kept.starts), self.world.horizon
-        paid = []
+        paid, seen = [], list[Float]()
         for colour in (self._moves.white, self._moves.coloured):
             for _ in range(rounds):
-                outcomes, _ = self.play(np.arange(count), colour(self._rng, count, steps))
+                outcomes, _ = self.play(np.arange(count), colour(self._rng, count, steps), np.full(count, None))
                 paid.append((outcomes.paid, outcomes.discounted))
+                seen += outcomes.trails
+        if seen and seen[0].shape[1] <= MOST_SEEN and self.world.together == 1:
+            self._spread = np.maximum(np.concatenate(seen).std(axis=0), 1e-3)
         plain, later = np.stack(paid[:rounds]).transpose(1, 0, 2)
         return plain, later
 
@@ -152,18 +169,50 @@ class Evolution:
         rows = np.repeat(np.arange(len(self.kept.starts)), children)
         families = [self._parents(row, children, ending) for row in range(len(self.kept.starts))]
         pairs = Pairs(self._moves, *(np.concatenate(part) for part in zip(*(it[0] for it in families), strict=True)))
-        free = np.concatenate([it[1] for it in families])
+        free, holds = (np.concatenate([it[which] for it in families]) for which in (1, 2))
         rates = self._useful[0] / self._useful[1]
         chances = 0.4 / len(rates) + 0.6 * rates / rates.sum()
         chosen = np.where(free, -1, self._rng.choice(len(rates), len(rows), p=chances))
         genes = self._mutated(pairs, chosen)
-        _, entered = self.play(rows, genes)
-        for which in range(len(rates)):
-            self._useful[:, which] += entered[chosen == which].sum(), (chosen == which).sum()
+        rates = self._held[0] / self._held[1]
+        share = float(np.clip(rates[0] / rates.sum(), 0.1, 0.6)) if len(self._spread) else 0.0
+        holding = self._rng.random(len(rows)) < share
+        entered = np.zeros(len(rows), bool)
+        if not holding.all():
+            _, entered[~holding] = self.play(rows[~holding], genes[~holding], holds[~holding])
+        for k in np.flatnonzero(holding):
+            length = max(1, int(pairs.length[k]))
+            entered[k] = self._hold(
+                rows[[k]], genes[k], holds[k], length if free[k] else int(self._rng.integers(length))
+            )
+        for which in range(len(chances)):
+            these = (chosen == which) & ~holding
+            self._useful[:, which] += entered[these].sum(), these.sum()
+        for which, these in enumerate((holding, ~holding)):
+            self._held[:, which] += entered[these].sum(), these.sum()
         self._useful *= 0.99
+        self._held *= 0.99
 
-    def _parents(self, row: int, count: int, ending: bool) -> tuple[tuple[Any, ...], NDArray[Any]]:
-        """Pairs for the children of one start, as `Pairs` takes them; and which are not to be mutated otherwise."""
+    def _hold(self, row: Whole, genes: Actions, known: Feedback | None, step: int) -> bool:
+        """Play a sequence that holds: as its parent did, changed a little; or from a step on as another, or anyhow."""
+        rng, chance = self._rng, self._rng.random()
+        if known is not None and chance < 0.6:
+            held = known.changed(rng, step)
+        elif self._proved and chance < 0.85:
+            held = replace(self._proved[rng.integers(len(self._proved))], step=step)
+        else:
+            held = draw_feedback(rng, self._moves, self._spread, step)
+        policy = held.after(self._moves.played(genes), self._moves, partial(flat_observation, self.world.observes))
+        outcomes, taken = self.world.act(self.kept.starts[row], policy)
+        self.kept.add(row, taken, outcomes, "search")
+        filled = self._moves.written(self.filled(taken[0]))[np.newaxis]
+        is_kept = bool(self._file(row, filled, outcomes, np.array([held], object))[0])
+        if is_kept:
+            self._proved = [*self._proved[1 - PROVED :], held]
+        return is_kept
+
+    def _parents(self, row: int, count: int, ending: bool) -> tuple[tuple[Any, ...], NDArray[Any], NDArray[Any]]:
+        """Pairs for the children of one start, as `Pairs` takes them; which are to be left; what the first held."""
         archives, rng = self._archives[row], self._rng
         weights = SUCCEEDING if ending else WEIGHING
         if not len(archives[SUCCESSES]):
@@ -171,20 +220,23 @@ class Evolution:
         sizes = {name: len(it) for name, it in archives.items()} | {CELLS: len(self._cells[row]), FRESH: 1}
         able = [name for name in weights if sizes.get(name)]
         shares = np.array([weights[name] for name in able])
+        if ending and self.kept.plain[row].is_failure_paid_more:
+            shares[able.index(FAILURES)] *= 3.0
         names = rng.choice(len(able), count, p=shares / shares.sum())
         first = self._moves.coloured(rng, count, self.world.horizon)
-        length = np.zeros(count, np.int64)
+        length, holds = np.zeros(count, np.int64), np.full(count, None)
         for place, name in enumerate(able):
             these = np.flatnonzero(names == place)
             if name in archives:
-                first[these], length[these] = self._drawn(archives[name], len(these))
+                first[these], length[these], holds[these] = self._drawn(archives[name], len(these))
             elif name == CELLS and len(these):
                 ways, steps = self._cells[row].draw(rng, len(these))
                 before = np.arange(self.world.horizon) < steps[:, None]
                 shape = before.reshape(*before.shape, *(1,) * (first.ndim - 2))
-                first[these] = np.where(shape, np.stack(ways), first[these])
+                first[these], length[these] = np.where(shape, np.stack(ways), first[these]), steps
         second, second_length = self._seconds(row, count)
-        return (first, length, second, second_length), length == 0
+        is_free = np.isin(names, [place for place, name in enumerate(able) if name in (CELLS, FRESH)])
+        return (first, length, second, second_length), is_free, holds
 
     def _seconds(self, row: int, count: int) -> tuple[Actions, Whole]:
         """The other parents: successes and failures of the start as often, some of another start."""
@@ -197,13 +249,13 @@ class Evolution:
             these = np.flatnonzero((rows == at) & (names == which))
             archive = self._archives[at][(FAILURES, SUCCESSES)[which]]
             if len(archive):
-                second[these], length[these] = self._drawn(archive, len(these))
+                second[these], length[these], _ = self._drawn(archive, len(these))
         return second, length
 
-    def _drawn(self, archive: Archive, count: int) -> tuple[Actions, Whole]:
+    def _drawn(self, archive: Archive, count: int) -> tuple[Actions, Whole, NDArray[np.object_]]:
         """Members of an archive, the better the more often."""
         places = (len(archive) * self._rng.random(count) ** 1.5).astype(np.int64)
-        return archive.genes[places], archive.length[places]
+        return archive.genes[places], archive.length[places], archive.holds[places]
 
     def _mutated(self, pairs: Pairs, chosen: NDArray[Any]) -> Actions:
         """Children, each by its mutation and a quarter of them by a second one; those without any are as they are."""
@@ -218,7 +270,7 @@ class Evolution:
                     genes[these] = mutation(replace(of, first=genes[these]), self._rng)
         return genes
 
-    def _file(self, rows: Whole, genes: Actions, outcomes: Outcomes) -> NDArray[Any]:
+    def _file(self, rows: Whole, genes: Actions, outcomes: Outcomes, holds: NDArray[np.object_]) -> NDArray[Any]:
         """Offer episodes to the archives and the cells; says which an archive kept, (n,)."""
         entered = np.zeros(len(rows), bool)
         scores = {
@@ -233,7 +285,7 @@ class Evolution:
             for name, archive in self._archives[row].items():
                 score, chosen = scores[name]
                 these = np.flatnonzero((rows == row) & chosen & np.isfinite(score))
-                entered[these] |= archive.offer(genes[these], outcomes.steps[these], score[these])
+                entered[these] |= archive.offer(genes[these], outcomes.steps[these], score[these], holds[these])
         for k, trail in enumerate(outcomes.trails):
             self._cells[rows[k]].add(trail, genes[k])
         return entered
