@@ -1,6 +1,7 @@
 """A simulator without an engine: joints are where they are told to be, exactly."""
 
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,11 +35,12 @@ class IdealSimulation:
         self.robot, self._solids = robot, build_solids(robot.joint_shapes)
         self.qpos = np.tile(robot.home, (num_envs, 1))
         self.qvel = np.zeros_like(self.qpos)
-        self._awake: NDArray[np.intp] | slice = slice(None)
+        self._asleep, self._awake = np.zeros(num_envs, bool), cast(NDArray[np.intp] | slice, slice(None))
         self._tip, self._contact = np.zeros((num_envs, 3)), np.zeros(num_envs, bool)
 
     def reset(self, qpos: Float, mask: Mask) -> State:
         self.qpos[mask], self.qvel[mask] = qpos[mask], 0.0
+        self.rest(self._asleep & ~mask)
         return self.state()
 
     def drive(self, qpos: Float, duration: float) -> State:
@@ -47,14 +49,15 @@ class IdealSimulation:
         return self.state()
 
     def place(self, qpos: Float) -> State:
-        return self.reset(qpos, np.ones(len(qpos), bool))
+        self.qpos[:], self.qvel[:] = qpos, 0.0
+        return self.state()
 
     def read(self) -> State:
         return self.state()
 
     def rest(self, mask: Mask) -> None:
-        """Compute nothing of the arms of `mask`, (num_envs,); a call with another mask wakes them."""
-        self._awake = np.flatnonzero(~mask) if mask.any() else slice(None)
+        """Compute nothing of the arms of `mask`, (num_envs,), until they are reset or another mask is given."""
+        self._asleep, self._awake = mask.copy(), np.flatnonzero(~mask) if mask.any() else slice(None)
 
     def state(self) -> State:
         """What every call tells."""

@@ -93,9 +93,9 @@ def audit(
 ) -> int:
     """Say what rewards pay for. Trains nothing.
 
-    Of a TASK of an arm: what the reward and its terms pay scripted movements and made-up episodes.
+    Of a TASK of an arm: what a cheat would do, and what the reward pays scripted movements and made-up episodes.
 
-    Of an ENVIRONMENT: how far apart rewards are in the steps of random actions, potential shaping left out too.
+    Of an ENVIRONMENT: what a cheat would do, and how far apart rewards are in the steps of random actions.
 
     Of a FOLDER of trainings, of an experiment, or of logs: what each behaviour was like, what it earned under each
     reward, and how far apart the rewards are on the recorded steps.

@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -25,6 +26,37 @@ def test_the_verdict_is_in_plain_words(harness):
     """The baseline is said to pay for not finishing."""
     out = harness("audit", "--reward", "baseline", *FEW).out
     assert "Not finishing pays more than finishing: creep earns" in out
+
+
+def test_noise_on_actions_tells_a_knifes_edge(harness):
+    """Creeping earns many times what finishing does, and less than that where actions are disturbed."""
+    data = json.loads(harness("audit", "--reward", "baseline", "--json", *FEW).out)
+    assert data["verdict"][1].startswith("FRAGILE: with action noise 0.05 ")
+    still, noisy = ({row["policy"]: row["total"] for row in data[key]} for key in ("policies", "disturbed_policies"))
+    assert still["creep"] > 10.0 * still["finish"]
+    assert noisy["creep"] < 0.2 * still["creep"]
+    assert noisy["finish"] == pytest.approx(still["finish"], rel=0.1)
+
+
+def test_an_arm_is_searched_beside_its_scripts(harness):
+    """The search begins from them: what creeping earns is found at once; and it is tried in another simulator."""
+    answer = harness("audit", "--reward", "baseline", "--json", "--episodes", 2, "--budget", 5_000, "--starts", 1)
+    (found,) = json.loads(answer.out)["cheats"]
+    assert found["answer"] == "PAYS FOR FAILING"
+    assert (found["success_told_by"], len(found["starts"]), len(found["elsewhere"])) == ("success", 1, 1)
+    assert found["lines"][0].startswith("The best-paid failure earns ")
+
+
+def test_an_environment_is_searched_for_each_reward_that_is_named(harness, hover):
+    """By a measure with a threshold that is named; the answer's word stands first in its line."""
+    Path("behaviour.py").write_text("def place(step):\n    return step.observation[..., 0]\n")
+    call = ("gymnasium:id=CartPole-v1", "--reward", "own,hover", *IN_PENDULUM[:-1], 3_000, "--starts", 1)
+    out = harness("audit", *call, "--plugin", "behaviour.py", "--success", "place>-9").out
+    assert out.count("\nNOTHING FOUND. The best-paid success earns ") == 2
+    assert out.index("What a cheat would do for own") < out.index("What a cheat would do for hover")
+    refused = harness("audit", *call, "--success", "plaice>-9")
+    assert (refused.status, refused.out) == (2, "")
+    assert "No measure 'plaice'" in refused.err
 
 
 def test_it_says_that_no_engine_was_used(harness):

@@ -5,7 +5,9 @@ from http.client import HTTPConnection
 import pytest
 
 from harness.errors import UsageError
-from harness_plugins.watch.watch import HOST, Pages, open_server
+from harness_plugins.audit.search.certificate import write_certificate
+from harness_plugins.watch.watch import HOST, Pages, open_server, pages_of
+from tests.plugins.audit.search.certified import certificate_of
 
 
 @pytest.fixture
@@ -105,3 +107,37 @@ def test_a_folder_that_is_gone_is_called_gone(get, experiment):
     assert status == 500
     assert "No folder" in text
     assert get("/state") == (200, "0")
+
+
+def test_certificates_are_shown(certificates):
+    """Of a folder and of one file; no file of the folder is served, whatever it is called."""
+    (certificates / "index.html").write_text("forged")
+    for path in (certificates, certificates / "near-failure.json"):
+        pages = pages_of(path)
+        assert "What a cheat would do: line" in pages.page()
+        assert "forged" not in pages.page()
+        assert pages.state() == ""
+
+
+def test_certificates_that_are_gone_are_told(certificates):
+    """In a line."""
+    pages = pages_of(certificates)
+    (certificates / "near-failure.json").unlink()
+    with pytest.raises(UsageError, match="has no certificate any more"):
+        pages.page()
+
+
+def test_a_damaged_certificate_is_one_line(harness, certificates):
+    """As any damaged file is."""
+    (certificates / "near-failure.json").write_text("{}")
+    answer = harness("watch", certificates / "near-failure.json", "--no-browser")
+    assert answer.status == 1
+    assert len(answer.err.splitlines()) == 1
+
+
+@pytest.fixture
+def certificates(tmp_path):
+    """A folder with one."""
+    (tmp_path / "cheats").mkdir()
+    write_certificate(certificate_of(), tmp_path / "cheats/near-failure.json")
+    return tmp_path / "cheats"

@@ -66,7 +66,7 @@ class ArmWorld:
 
     @property
     def space(self) -> gymnasium.spaces.Box | gymnasium.spaces.Discrete:
-        """Of one action."""
+        """The space of one action."""
         space: Any = self._env(1).single_action_space
         found: gymnasium.spaces.Box | gymnasium.spaces.Discrete = space
         return found

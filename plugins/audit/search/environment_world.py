@@ -125,16 +125,22 @@ class EnvironmentWorld:
                 self.notes = (*self.notes, f"Nothing limits its episodes: they are cut after {CUT_AT} steps.")
 
     def _own_limit(self) -> int:
-        """After how many steps an env truncates episodes that says so nowhere; 0 where none tells.
+        """After how many steps an env ends episodes that says so nowhere; 0 where none tells.
 
-        The longest ones are truncated then, those of random actions or of the same action over and over.
+        The longest ones, of random actions or of the same action over and over, are truncated then. Or, as envs say
+        ``terminated`` there too, most are as long as the longest.
         """
         space, played = self.space, list(self._tried)
-        same = space.start + np.arange(space.n)[:SAME] if isinstance(space, Discrete) else [np.zeros(space.shape)]
+        same = (
+            space.start + np.arange(space.n)[:SAME]
+            if isinstance(space, Discrete)
+            else [np.clip(np.zeros(space.shape), space.low, space.high)]
+        )
         for start, action in itertools.product(range(2), same):
             played.append(self._episode(self._env, self._asked, start, lambda *_, action=action: action))
         longest = [it for it in played if len(it.actions) == max(len(it.actions) for it in played)]
-        is_limit = len(longest) > 1 and all(it.ended == "truncated" for it in longest)
+        is_truncated = len(longest) > 1 and all(it.ended == "truncated" for it in longest)
+        is_limit = is_truncated or len(longest) > max(2, len(played) / 2)
         return len(longest[0].actions) if is_limit else 0
 
     @property

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
+from scipy.special import ndtri, stdtrit
 
 from .behaviour import Behaviour, Rated, Rates, Searched, Three
 from .linear import LINEAR, act_linearly, search_linear
@@ -17,13 +17,14 @@ HELD_OUT = 1_000_000, 2_000_000
 """Seeds of resets that policies are rated on."""
 SHARES = (0.5, 0.2, 0.3)
 """Parts of a budget: to find policies, to choose among them, and to rate them."""
-FEWEST, MOST = 24, 400
+FEWEST, MOST = 24, 200
 """Episodes of a policy that is rated."""
 CLEARLY = 0.05
 """Rates of success that differ by no more than this are about the same."""
 AS_FAST = 1.1
 """A policy is about as fast as the fastest one if its successes take at most so much longer on average."""
-LEVEL = 0.95
+UPPER = 0.975
+"""Intervals leave 2.5 % out on each side."""
 
 
 def act_of(policy: Mapping[str, Any], world: World) -> Act:
@@ -47,15 +48,17 @@ def mean_interval(values: NDArray[Any]) -> tuple[float, float, float]:
     mean, count = float(np.mean(values)), len(values)
     if count < 2:
         return mean, np.nan, np.nan
-    half = float(stats.t.ppf((1.0 + LEVEL) / 2.0, count - 1) * stats.sem(values))
+    half = float(stdtrit(count - 1, UPPER) * np.std(values, ddof=1) / np.sqrt(count))
     return mean, mean - half, mean + half
 
 
 def share_interval(flags: NDArray[np.bool_]) -> tuple[float, float, float]:
-    """A share and its 95 % interval by Wilson: share, low, high."""
-    share = stats.binomtest(int(flags.sum()), len(flags))
-    interval = share.proportion_ci(LEVEL, method="wilson")
-    return float(flags.mean()), float(interval.low), float(interval.high)
+    """A share and its 95 % interval by Wilson (1927): share, low, high."""
+    share, count, z = float(np.mean(flags)), len(flags), float(ndtri(UPPER))
+    weight = z**2 / count
+    middle = (share + weight / 2.0) / (1.0 + weight)
+    half = z * np.sqrt(share * (1.0 - share) / count + weight / (4.0 * count)) / (1.0 + weight)
+    return share, middle - half, middle + half
 
 
 def search_by_chance(world: World, starts: Whole, budget: int, rng: np.random.Generator) -> Searched | None:

@@ -26,9 +26,9 @@ BONUSES = (0.3, 1.0, 10.0, 1000.0)
 """What success is worth to the policies that are asked for, beside pay: so many times the range of pay per episode."""
 HASTES = (0.9, 0.97)
 """Discounts per step of the policies that are to succeed soon."""
-EXPLORED, ROUNDS = 0.6, 4
-"""The share of the steps that may go to what was tried too seldom; in the rest policies are played, and solved anew so
-often."""
+EXPLORED, ROUNDS, EACH = 0.6, 4, 25
+"""The share of the steps that may go to what was tried too seldom; in the rest policies are solved anew so often, and
+played in so many episodes each at most."""
 Draw: TypeAlias = Callable[[], int]
 """Draws the seed of a reset."""
 
@@ -212,7 +212,7 @@ def sample_tables(world: World, draw: Draw, budget: int, rng: np.random.Generato
     for part in range(ROUNDS, 0, -1):
         found = [counts.acting(choices) for choices in counts.policies()] if counts.is_table else []
         share = (begun + budget - world.taken) // (part * world.horizon)
-        for _ in range(share // max(1, len(found))):
+        for _ in range(min(EACH, share // max(1, len(found)))):
             for act in found:
                 counts.play(draw(), act)
     if not counts.is_table:

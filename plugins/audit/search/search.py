@@ -1,7 +1,6 @@
 """One search: what a reward pays most, for failing and for succeeding, from given starts and within a budget of steps.
 
-Three families share the budget. Where a world is a table, that is exact, and nothing else is asked. Where chance
-decides, policies are looked for and rated on other starts, for a sequence knows what chance brings. Linear policies
+Three families share the budget. Where a world is a table, that is exact, and nothing else is asked. Linear policies
 find what needs balance. Sequences of actions find the rest, and begin from whatever the others have met.
 """
 

@@ -15,7 +15,7 @@ from harness.arrays import Float, Mask
 
 Whole: TypeAlias = NDArray[np.int64]
 Actions: TypeAlias = NDArray[Any]
-"""Of one episode: (steps, action_size) inside the box, or (steps,) of choices."""
+"""Those of one episode: (steps, action_size) inside the box, or (steps,) of choices."""
 Act: TypeAlias = Callable[[Any], Any]
 """A policy: from an observation, as the world gives it, to one action."""
 
@@ -98,7 +98,7 @@ class World(Protocol):
 
     @property
     def space(self) -> gymnasium.spaces.Box | gymnasium.spaces.Discrete:
-        """Of one action."""
+        """The space of one action."""
 
     @property
     def observes(self) -> gymnasium.Space[Any]:

@@ -3,7 +3,7 @@
 import gymnasium
 import numpy as np
 
-from harness_plugins.audit.search.world import Outcomes
+from harness_plugins.audit.search.world import Outcomes, Shown
 
 
 class Dock:
@@ -49,6 +49,14 @@ class Dock:
             measures={"place": at},
             trails=[] if self.tells else [row[: k + 1, None] for row, k in zip(walked, steps, strict=True)],
         )
+
+    def watch(self, start, policy):
+        """What it observes does not matter to who asks whether it is a table, or chance."""
+        actions = np.array([policy(np.zeros(1)) for _ in range(self.horizon)])
+        of = self.play(np.array([start]), actions[np.newaxis])
+        steps = int(of.steps[0])
+        seen = tuple(np.array([start, step]) for step in range(steps + 1))
+        return Shown(start, actions[:steps], np.zeros(steps), {}, np.zeros(steps, bool), {}, "truncated", seen)
 
 
 def sparse(before, moved, after, docked):

@@ -275,6 +275,31 @@ def test_the_horizon_is_the_limit_of_the_env(limit):
     assert made.horizon == (7 if limit else 200)
 
 
+@pytest.mark.parametrize("flags", [(False, True), (True, False)])
+def test_an_env_that_counts_steps_itself_is_asked_for_its_limit(flags):
+    """Whether it calls the end of time a truncation or a termination."""
+
+    class Counting(Dock):
+        def step(self, action):
+            seen, paid, *_, info = super().step(action)
+            ended = self.count == self.length
+            return seen, paid, ended and flags[0], ended and flags[1], info
+
+    world = world_of(Counting)
+    assert (world.horizon, world.notes[1:]) == (LENGTH, ())
+
+
+def test_ends_that_behaviour_brings_are_no_limit():
+    """As falling over."""
+
+    class Falling(Dock):
+        def step(self, action):
+            seen, paid, _, ended, info = super().step(action)
+            return seen, paid, abs(self.at) > 2.5, ended, info
+
+    assert world_of(lambda: Falling(length=10_000)).horizon == CUT_AT
+
+
 def test_flat_actions_of_a_matrix():
     """An action of two rows is four numbers."""
     world = world_of(lambda: Dock(Box(-1.0, 1.0, (2, 2), np.float32)))
