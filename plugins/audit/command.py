@@ -103,7 +103,7 @@ def audit(
     Of a data set: whether each reward ranks recorded behaviour as success does.
     """
     if replay is not None:
-        return _replayed(replay, sim, plugin, as_json, subject or task or reward)
+        return _replayed(replay, sim, plugin, as_json, subject or task or reward or ("--fail-on" if fail_on else None))
     from harness.authoring.commands import named_answers, status_of
 
     failing = named_answers(fail_on, "pay", "ranking")
