@@ -1,14 +1,14 @@
 """From a world to what a cheat would do there: searched, judged, disturbed, tried elsewhere, and shown."""
 
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import closing
+from contextlib import AbstractContextManager, closing, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from harness.authoring.commands import Columns
+from harness.authoring.commands import Columns, Registry
 from harness.environment import AnyEnv
 from harness.errors import UsageError
 from harness.reward import Given
@@ -20,6 +20,7 @@ from .environment_world import since
 from .finding import FRAGILE, Finding, Role
 from .held_out import act_of
 from .judge import Case, Walk, judge
+from .place import Place, blamed_at, elsewhere_of, world_at
 from .world import Act, World
 
 if TYPE_CHECKING:
@@ -115,6 +116,31 @@ def find_in(
         shown={role: world.show(of.start, of.actions) for role, of in three.items()},
         three=three,
     )
+
+
+def cheats_at(
+    places: Sequence[Place],
+    registry: Registry,
+    asked: Search,
+    watched: Callable[[World], AbstractContextManager[Any]] = nullcontext,
+) -> tuple[Finding, ...]:
+    """What a cheat would do at each place, one after the other.
+
+    Args:
+        places: Each with its reward.
+        registry: The plugins.
+        asked: How much is searched.
+        watched: Around each search, told its world.
+
+    Raises:
+        UsageError: A reward is not known, or fails in a step.
+        PluginError: An environment, or the reward of an arm, raises; says whose it is.
+    """
+    found = []
+    for place in places:
+        with blamed_at(place, registry), closing(world_at(place, registry)) as world, watched(world):
+            found.append(find_in(world, asked, elsewhere_of(place, registry)))
+    return tuple(found)
 
 
 def find_cheats(
