@@ -91,11 +91,13 @@ def find_in(
     searched = search(world, starts, asked.budget, asked.seed, begun)
     judged = judge(searched, world, lambda of: _walks(world, of, searched.rates))
     rng, rates = np.random.default_rng([asked.seed, asked.budget]), searched.rates
+    given = {it.made_by: it.act for it in begun if it.act is not None}
     three = judged.shown.three.by_role()
-    noise = noise_curve(world, three, _acting(three, world, rates), rng)
+    noise = noise_curve(world, three, _acting(three, world, rates, given), rng)
     strength, told = "", []
     if cases := [case for case in judged.alarmed if case.word == judged.word]:
-        stood = strength_of(world, [(case, _acting(case.three.by_role(), world, rates)) for case in cases], rng)
+        acting = [_acting(case.three.by_role(), world, rates, given) for case in cases]
+        stood = strength_of(world, list(zip(cases, acting, strict=True)), rng)
         strength = stood.word
         told.append(_on_strength(stood, judged.shown))
     paid = {name: _paid_in(make, three) for name, make in (elsewhere or {}).items()}
@@ -198,12 +200,25 @@ def find_cheats(
     )
 
 
-def _acting(behaviours: Mapping[Role, Behaviour], world: World, rates: Rates | None) -> dict[Role, Acting]:
-    """The policies of those behaviours that have one, and their starts: those of rates where chance decides."""
-    return {
-        role: Acting(act_of(of.policy, world), rates.paid.starts if rates else [of.start])
+def _acting(
+    behaviours: Mapping[Role, Behaviour], world: World, rates: Rates | None, given: Mapping[str, Act]
+) -> dict[Role, Acting]:
+    """The policies of behaviours that have one, found or given, and their starts: those of rates where chance decides.
+
+    Args:
+        behaviours: By role.
+        world: Where.
+        rates: What chance decides, if it does.
+        given: By what their behaviours are said to be made by, the policies that the search began from.
+    """
+    acts = {
+        role: given.get(of.made_by) if of.policy is None else act_of(of.policy, world)
         for role, of in behaviours.items()
-        if of.policy is not None
+    }
+    return {
+        role: Acting(act, rates.paid.starts if rates else [behaviours[role].start])
+        for role, act in acts.items()
+        if act is not None
     }
 
 
