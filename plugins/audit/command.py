@@ -10,6 +10,7 @@ from harness.authoring.commands import (
     AsFormat,
     AsJson,
     FailOn,
+    Measures,
     Partial,
     Places,
     PluginFiles,
@@ -45,6 +46,7 @@ GOES_WITH: Mapping[str, tuple[str, ...]] = {
     "--episodes": (TASK, ENVIRONMENT),
     "--gamma": (TASK, ENVIRONMENT),
     "--success": (ENVIRONMENT, DATASET),
+    "--measure": (ENVIRONMENT,),
     **dict.fromkeys(("--budget", "--starts", "--seed", "--from", "--policy", "--out"), (TASK, ENVIRONMENT)),
     "--html": (TASK, ENVIRONMENT, DATASET),
     "--random": (RECORDINGS, EXPERIMENT),
@@ -54,6 +56,7 @@ GOES_WITH: Mapping[str, tuple[str, ...]] = {
 """What a flag goes with; --reward, --plugin and --json go with all, and the flags of data sets with them alone."""
 NEEDS = {
     "--success": "an ENVIRONMENT or a data set: harness audit gymnasium:id=Pendulum-v1 --success 'NAME>0.9'",
+    "--measure": "an ENVIRONMENT: harness audit gymnasium:id=Pendulum-v1 --measure behaviour.py --success 'NAME>0.9'",
     "--random": "a FOLDER of recorded trainings: harness audit FOLDER --random RANDOM",
     "--as": "a FOLDER of logs that other programs wrote: harness audit FOLDER --as NAME",
     "--sort": "a FOLDER of logs that other programs wrote: harness audit FOLDER --sort TEMPLATE",
@@ -79,6 +82,7 @@ def audit(
     sort: SortBy = None,
     places: Places = None,
     success: flags.Success = None,
+    measure: Measures = None,
     labels: flags.LabelsFile = None,
     success_above: flags.SuccessAbove = None,
     cluster: flags.Cluster = None,
@@ -103,7 +107,8 @@ def audit(
     Of a data set: whether each reward ranks recorded behaviour as success does.
     """
     if replay is not None:
-        return _replayed(replay, sim, plugin, as_json, subject or task or reward)
+        beside = subject or task or reward or ("--fail-on" if fail_on else None)
+        return _replayed(replay, sim, plugin, measure, as_json, beside)
     from harness.authoring.commands import named_answers, status_of
 
     failing = named_answers(fail_on, "pay", "ranking")
@@ -116,8 +121,8 @@ def audit(
     }  # fmt: skip
     others = {
         "--robot": robot, "--sim": sim, "--against": against, "--episodes": episodes, "--gamma": gamma,
-        "--random": random, "--as": log_format, "--sort": sort, "--success": success, "--budget": budget,
-        "--starts": starts, "--seed": seed or None, "--from": from_folders, "--policy": policy,
+        "--random": random, "--as": log_format, "--sort": sort, "--success": success, "--measure": measure,
+        "--budget": budget, "--starts": starts, "--seed": seed or None, "--from": from_folders, "--policy": policy,
         "--out": out, "--html": html,
     }  # fmt: skip
     if named is not None and names_dataset(named):
@@ -138,11 +143,13 @@ def audit(
             beginner=beginner,
         )
         return status_of(failing, found.said, _show_answer(found, as_json, html))
-    from harness.authoring.commands import load_registry, read_given
+    from harness.authoring.commands import load_registry, read_given, split_measures
 
-    registry = load_registry(given=read_given(plugin))
+    measures, files = split_measures(measure or ())
+    registry = load_registry(given=read_given(plugin, files))
     kind = _kind_of(subject, task, registry)
     _refuse_others(kind, named, others, of_dataset_alone)
+    success = _told_by(success, measures)
     asked = _asked(kind, budget, starts, seed, from_folders, policy)
     _refuse_unsearched(asked, out, html)
     found_at: Sequence[Place] = ()
@@ -165,9 +172,10 @@ def audit(
             found_at = _places_in_environment(registry, chosen, reward, gamma)
     else:
         audits = [_of_folder(kind, Path(str(named)), registry, reward, random, log_format, sort)]
+    status = _show(audits, as_json)
     if asked is not None and (out is not None or html is not None):
         _leave([it for of in audits for it in of.cheats], found_at, registry, asked, out, html)
-    return status_of(failing, [said for it in audits for said in it.said], _show(audits, as_json))
+    return status_of(failing, [said for it in audits for said in it.said], status)
 
 
 vars(audit)["examples"] = (
@@ -226,6 +234,18 @@ def _refuse_others(
             if kind == TASK:
                 raise UsageError(f"{flag} needs {NEEDS[flag]}")
             raise UsageError(f"{flag} does not go with {kind}: leave out {flag} or '{named}'")
+
+
+def _told_by(success: str | None, measures: Sequence[str]) -> str | None:
+    """What tells success: what ``--success`` says, or the measure that ``--measure`` names.
+
+    Raises:
+        UsageError: Several are named.
+    """
+    told = [success] * (success is not None) + [*measures]
+    if len(told) > 1:
+        raise UsageError(f"'{told[0]}' and '{told[1]}' cannot both tell success: leave out one of --success, --measure")
+    return told[0] if told else None
 
 
 def _asked(
@@ -361,7 +381,14 @@ def _leave(
         say(f"Page: {html}", err=True)
 
 
-def _replayed(path: Path, sim: str | None, plugin: Sequence[str] | None, as_json: bool, other: str | None) -> int:
+def _replayed(
+    path: Path,
+    sim: str | None,
+    plugin: Sequence[str] | None,
+    measure: Sequence[str] | None,
+    as_json: bool,
+    other: str | None,
+) -> int:
     """Play a certificate again, and say whether it is paid the same; status 1 if it is not.
 
     Raises:
@@ -369,11 +396,11 @@ def _replayed(path: Path, sim: str | None, plugin: Sequence[str] | None, as_json
     """
     if other is not None:
         raise UsageError(f"--replay {path} says itself what is played: leave out '{other}'")
-    from harness.authoring.commands import load_registry, read_given
+    from harness.authoring.commands import load_registry, read_given, split_measures
 
     from .search.out import replay_file
 
-    found = replay_file(path, load_registry(given=read_given(plugin)), sim)
+    found = replay_file(path, load_registry(given=read_given(plugin, split_measures(measure or ())[1])), sim)
     if as_json:
         say_json(found.to_json())
     else:

@@ -92,7 +92,7 @@ class Kept:
 
     @property
     def successes(self) -> list[int]:
-        """Of each start, how many different successes were met."""
+        """How many different successes were met, of each start."""
         return [len(met) for met in self._met]
 
     def add(

@@ -60,6 +60,7 @@ def test_an_honest_reward_pays_success_most():
 def no_tables(monkeypatch):
     """Choices on a line are a table; here sequences have to find what pays."""
     monkeypatch.setattr(searching, "search_tables", lambda *_: False)
+    monkeypatch.setattr(searching, "search_by_chance", lambda *_: None)
 
 
 @pytest.mark.usefixtures("no_tables")
