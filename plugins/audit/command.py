@@ -109,7 +109,7 @@ def audit(
     if replay is not None:
         beside = subject or task or reward or ("--fail-on" if fail_on else None)
         return _replayed(replay, sim, plugin, measure, as_json, beside)
-    from harness.authoring.commands import named_answers, status_of
+    from harness.authoring.commands import named_answers, split_list, status_of
 
     failing = named_answers(fail_on, "pay", "ranking")
     if subject is not None and task is not None:
@@ -126,8 +126,6 @@ def audit(
         "--out": out, "--html": html,
     }  # fmt: skip
     if named is not None and names_dataset(named):
-        from harness.authoring.commands import split_list
-
         _refuse_others(DATASET, named, others, {})
         found = _on_dataset(
             named,
@@ -143,7 +141,9 @@ def audit(
             beginner=beginner,
         )
         return status_of(failing, found.said, _show_answer(found, as_json, html))
-    from harness.authoring.commands import load_registry, read_given, split_measures
+    from harness.authoring.commands import choose, load_registry, read_given, split_measures
+
+    from .search.place import places_in_environment, places_on_task
 
     measures, files = split_measures(measure or ())
     registry = load_registry(given=read_given(plugin, files))
@@ -156,22 +156,24 @@ def audit(
     if kind == TASK:
         if reward is None:
             raise UsageError("Missing option '--reward'; or name an environment, or a folder of recorded trainings")
+        gamma = 0.95 if gamma is None else gamma
         audits = _on_scripts(registry, reward, named, robot, sim, against, episodes, gamma)
         if asked is not None:
-            audits = _searched_on_task(audits, registry, reward, named, robot, sim, gamma, asked)
-            found_at = _places_on_task(registry, reward, named, robot, sim, gamma)
+            choices = [choose(registry, "rewards", name) for name in split_list(reward)]
+            found_at = places_on_task(registry, choices, named or "fd100-reach", robot, sim, gamma)
     elif kind == ENVIRONMENT:
-        from harness.authoring.commands import choose
-
+        from .transitions.audit_rewards import GAMMA
         from .transitions.environment import audit_environment
 
         chosen = choose(registry, "environments", str(named))
         audits = [audit_environment(chosen, registry, reward, against, gamma, episodes)]
         if asked is not None:
-            audits = [_searched_in_environment(audits[0], registry, chosen, reward, gamma, success, asked)]
-            found_at = _places_in_environment(registry, chosen, reward, gamma)
+            discount = GAMMA if gamma is None else gamma
+            found_at = places_in_environment(registry, chosen, reward, discount, success or "")
     else:
         audits = [_of_folder(kind, Path(str(named)), registry, reward, random, log_format, sort)]
+    if asked is not None:
+        audits = _searched(audits, found_at, registry, asked)
     status = _show(audits, as_json)
     if asked is not None and (out is not None or html is not None):
         _leave([it for of in audits for it in of.cheats], found_at, registry, asked, out, html)
@@ -278,45 +280,16 @@ def _asked(
     )
 
 
-def _searched_on_task(
-    audits: "Sequence[Audit]",
-    registry: "Registry",
-    rewards: str,
-    task: str | None,
-    robot: str | None,
-    sim: str | None,
-    gamma: float | None,
-    asked: "Search",
+def _searched(
+    audits: "Sequence[Audit]", places: "Sequence[Place]", registry: "Registry", asked: "Search"
 ) -> "list[Audit]":
-    """The audits, each with what a cheat would do for its reward."""
-    from harness.authoring.commands import choose, split_list
+    """The audits with what a cheat would do: of a task there is one for each reward, of an environment one for all."""
+    from .search.find import cheats_at
 
-    from .search.searched_worlds import cheats_on_task
-
-    choices = [choose(registry, "rewards", name) for name in split_list(rewards)]
-    found = cheats_on_task(
-        registry, choices, task or "fd100-reach", robot, sim, 0.95 if gamma is None else gamma, asked, _watching(asked)
-    )
+    found = cheats_at(places, registry, asked, _watching(asked))
+    if len(audits) == 1:
+        return [replace(audits[0], cheats=found)]
     return [replace(of, cheats=(finding,)) for of, finding in zip(audits, found, strict=True)]
-
-
-def _searched_in_environment(
-    audit: "Audit",
-    registry: "Registry",
-    environment: "Choice",
-    rewards: str | None,
-    gamma: float | None,
-    success: str | None,
-    asked: "Search",
-) -> "Audit":
-    """The audit, with what a cheat would do for each reward that is asked for."""
-    from .search.searched_worlds import cheats_in_environment
-    from .transitions.audit_rewards import GAMMA
-
-    found = cheats_in_environment(
-        registry, environment, rewards, GAMMA if gamma is None else gamma, success or "", asked, _watching(asked)
-    )
-    return replace(audit, cheats=found)
 
 
 def _refuse_unsearched(asked: "Search | None", out: Path | None, html: Path | None) -> None:
@@ -332,31 +305,6 @@ def _refuse_unsearched(asked: "Search | None", out: Path | None, html: Path | No
         from .search.out import require_free
 
         require_free(out)
-
-
-def _places_on_task(
-    registry: "Registry", rewards: str, task: str | None, robot: str | None, sim: str | None, gamma: float | None
-) -> "list[Place]":
-    """Where each reward was searched on a task of an arm."""
-    from harness.authoring.commands import choose, split_list
-
-    from .search.out import place_on_task
-
-    choices = [choose(registry, "rewards", name) for name in split_list(rewards)]
-    discount = 0.95 if gamma is None else gamma
-    return [place_on_task(registry, it, task or "fd100-reach", robot, sim, discount) for it in choices]
-
-
-def _places_in_environment(
-    registry: "Registry", environment: "Choice", rewards: str | None, gamma: float | None
-) -> "list[Place]":
-    """Where each reward was searched in an environment."""
-    from .search.out import place_in_environment
-    from .search.searched_worlds import environment_rewards
-    from .transitions.audit_rewards import GAMMA
-
-    choices, discount = environment_rewards(environment, registry, rewards), GAMMA if gamma is None else gamma
-    return [place_in_environment(registry, environment, it, discount) for it in choices]
 
 
 def _leave(
@@ -498,7 +446,7 @@ def _on_scripts(
     sim: str | None,
     against: str | None,
     episodes: int | None,
-    gamma: float | None,
+    gamma: float,
 ) -> "list[Audit]":
     """An audit of each reward."""
     from harness.authoring.commands import (
@@ -513,7 +461,7 @@ def _on_scripts(
     from .scripts import audit_reward
     from .search.disturb import NOISES
 
-    episodes, gamma = 100 if episodes is None else episodes, 0.95 if gamma is None else gamma
+    episodes = 100 if episodes is None else episodes
     if episodes < 1:
         raise UsageError(f"--episodes {episodes}: must be at least 1")
     if not 0.0 < gamma <= 1.0:

@@ -1,8 +1,8 @@
 """One search: what a reward pays most, for failing and for succeeding, from given starts and within a budget of steps.
 
-Three families share the budget. Where a world is a table, that is exact, and nothing else is asked, unless a few sequences
-are paid more than it says: what nobody observes, such as what a reward remembers, is no state of it. Linear policies
-find what needs balance. Sequences of actions find the rest, and begin from whatever the others have met.
+Three families share the budget. Where a world is a table, that is exact, and nothing else is asked, unless a few
+sequences are paid more than it says: what nobody observes, such as what a reward remembers, is no state of it. Linear
+policies find what needs balance. Sequences of actions find the rest, and begin from whatever the others have met.
 """
 
 from collections.abc import Sequence
