@@ -16,10 +16,10 @@ ROWS = study.read()
 
 
 def test_every_trained_reward_was_asked():
-    """More than thirty, with the success of their trainings."""
+    """Thirty, with the success of their trainings."""
     trained = [row for name in study.STUDIES for row in study.trained(name)]
     assert [{name: row[name] for name in trained[0]} for row in ROWS] == trained
-    assert len(ROWS) > 30
+    assert len(ROWS) == 30
 
 
 def test_the_page_has_both_tables():
@@ -28,15 +28,17 @@ def test_the_page_has_both_tables():
     assert study.by_record(ROWS) in PAGE
 
 
-def test_the_page_says_how_often_an_alarm_was_right():
-    """Right is an alarm for a reward that is worse than the best, and none for one that is not."""
-    alarms = [row for row in ROWS if row["answer"] in study.ALARMS]
-    quiet = [row for row in ROWS if row["answer"] == "NOTHING FOUND"]
-    worse, close = sum(row["is_worse"] for row in alarms), sum(not row["is_worse"] for row in quiet)
-    prose = " ".join(PAGE.split())
-    assert f"Of {len(alarms)} alarms {worse} were right" in prose
-    assert f"of {len(quiet)} rewards without one {close}" in prose
-    assert f"{(worse + close) / (len(alarms) + len(quiet)):.0%} of what it said" in prose
+def test_the_page_says_how_often_an_answer_was_right():
+    """In the words of the command."""
+    assert study.in_words(ROWS) in " ".join(PAGE.split())
+
+
+def test_right_is_an_alarm_for_a_worse_reward_and_none_for_a_close_one():
+    """Two of three: the second alarm is for the best. What could not be told does not count."""
+    said = [("PAYS FOR FAILING", True), ("PAYS FOR LOITERING", False), ("NOTHING FOUND", False)]
+    rows = [{"answer": answer, "is_worse": is_worse} for answer, is_worse in (*said, ("CANNOT TELL", True))]
+    assert "Of 2 alarms 1 were right. Of 1 rewards" in study.in_words(rows)
+    assert "67%" in study.in_words(rows)
 
 
 @pytest.mark.parametrize("success", [0.79, 0.81])

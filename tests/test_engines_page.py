@@ -94,15 +94,6 @@ def pairs_of_engines() -> list[tuple[str, str]]:
     return [(it["a"], it["b"]) for it in PARITY["pairs"] if SERVO not in it["a"] + it["b"]]
 
 
-def test_page_says_how_far_two_engines_are_apart(subtests: pytest.Subtests):
-    """In every class of motions, with ideal and with servo drives."""
-    for pair in pairs_of_engines():
-        with subtests.test(pair=pair):
-            one, other = pair
-            found = [*apart(one, other), *apart(one + SERVO, other + SERVO)]
-            assert f"| `{one}`, `{other}` | {' | '.join(map(millimetres, found))} |" in PAGE
-
-
 def test_slow_motions_are_within_what_the_page_says():
     """With ideal and with servo drives."""
     slow = [apart(one + drive, other + drive)[0] for one, other in pairs_of_engines() for drive in ("", SERVO)]

@@ -19,7 +19,6 @@ RECORD = REFERENCE / "cheats" / "cheats.csv"
 STUDIES: Mapping[str, Sequence[str]] = {
     "race/arm": ("fd100-small-target:epsilon=0.025",),
     "fd100": ("fd100-reach",),
-    "arp-2021": ("arp-2021",),
     "race/pendulum": ("gymnasium:id=Pendulum-v1", "experiments/race/pendulum"),
     "cheats/reacher": ("gymnasium:id=Reacher-v5", "experiments/cheats/reacher"),
     "cheats/cartpole": ("gymnasium:id=CartPole-v1", "experiments/cheats/cartpole"),
@@ -32,12 +31,11 @@ Row: TypeAlias = Mapping[str, Any]
 
 
 def successes(study: str) -> dict[str, list[float]]:
-    """By reward, the success of each training; of the two algorithms of the published record, that which learns."""
+    """By reward, the success of each training of a record."""
     found: dict[str, list[float]] = {}
     with (REFERENCE / study / "cells.csv").open(newline="", encoding="utf-8") as file:
         for cell in csv.DictReader(file):
-            success = cell.get("success_rate") or cell.get("behaviour_success")
-            if success and not (study == "arp-2021" and cell["algorithm"] != "sac-fast"):
+            if success := cell.get("success_rate") or cell.get("behaviour_success"):
                 found.setdefault(cell["reward"], []).append(float(success))
     return found
 
@@ -100,15 +98,30 @@ def _order(row: Row) -> tuple[int, str]:
 
 
 def by_record(rows: Sequence[Row]) -> str:
-    """The rewards of each record with their success, those with an alarm and the others."""
-    lines = ["| record | alarm | no alarm |", "| --- | --- | --- |"]
+    """The rewards of each record with their success, by what was said of them."""
+    lines = ["| record | alarm | nothing found | cannot tell |", "| --- | --- | --- | --- |"]
     for study in dict.fromkeys(row["study"] for row in rows):
-        cells = []
-        for is_alarm in (True, False):
-            those = [row for row in rows if row["study"] == study and (row["answer"] in ALARMS) == is_alarm]
-            cells.append(", ".join(f"{row['reward']} {row['success']:.0%}" for row in those))
-        lines.append(f"| {study} | {cells[0]} | {cells[1]} |".replace("|  |", "| |"))
-    return "\n".join(lines)
+        cells = [
+            ", ".join(
+                f"{row['reward']} {row['success']:.0%}"
+                for row in rows
+                if row["study"] == study and row["answer"] in answers
+            )
+            for answers in (ALARMS, ("NOTHING FOUND",), ("CANNOT TELL",))
+        ]
+        lines.append("| " + " | ".join((study, *cells)).replace("|  ", "| ") + " |")
+    return "\n".join(line.replace("|  |", "| |").replace("|  |", "| |") for line in lines)
+
+
+def in_words(rows: Sequence[Row]) -> str:
+    """How often an alarm was right, and how often a reward without one was close to the best."""
+    alarms = [row["is_worse"] for row in rows if row["answer"] in ALARMS]
+    quiet = [not row["is_worse"] for row in rows if row["answer"] == "NOTHING FOUND"]
+    share = (sum(alarms) + sum(quiet)) / (len(alarms) + len(quiet))
+    return (
+        f"Of {len(alarms)} alarms {sum(alarms)} were right. Of {len(quiet)} rewards of which nothing was found "
+        f"{sum(quiet)} were close to the best: {share:.0%} of what was said is right."
+    )
 
 
 def main() -> None:
@@ -118,7 +131,7 @@ def main() -> None:
         writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
         writer.writeheader()
         writer.writerows(rows)
-    sys.stdout.write(f"{counts(rows)}\n\n{by_record(rows)}\n")
+    sys.stdout.write(f"{in_words(rows)}\n\n{counts(rows)}\n\n{by_record(rows)}\n")
 
 
 if __name__ == "__main__":

@@ -236,13 +236,15 @@ def _read_asked(path: Path | None, given: Mapping[str, Any]) -> "Experiment":
 def screen(ready: "ExperimentRun") -> "list[Said]":
     """Say what screens find in the rewards that are to be trained."""
     from harness.cli.fail_on import Said
+    from harness.results.comparison import Group
     from harness.screen import screened
 
     say("What the rewards pay for, before anything is trained:", err=True)
     found, said = screened(ready.plan.cells, ready.registry), list[Said]()
     several = len({(cell.robot, cell.task) for cell, _ in found.said}) > 1
     for cell, answer in found.said:
-        place = cell.task.label if cell.is_in_environment else f"{cell.robot} · {cell.task.label}"
+        labels = Group.of(cell).labels
+        place = " · ".join(labels[kind] for kind in ("robot", "task") if kind in labels)
         said.append(Said("pay", f"{cell.reward.label} in {place}", answer.word))
         name = f"{cell.reward.label} in {place}" if several else cell.reward.label
         say(f"  {name}: {answer.word}. {answer.line}", err=True)

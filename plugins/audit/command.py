@@ -10,6 +10,7 @@ from harness.authoring.commands import (
     AsFormat,
     AsJson,
     FailOn,
+    Measures,
     Partial,
     Places,
     PluginFiles,
@@ -45,6 +46,7 @@ GOES_WITH: Mapping[str, tuple[str, ...]] = {
     "--episodes": (TASK, ENVIRONMENT),
     "--gamma": (TASK, ENVIRONMENT),
     "--success": (ENVIRONMENT, DATASET),
+    "--measure": (ENVIRONMENT,),
     **dict.fromkeys(("--budget", "--starts", "--seed", "--from", "--policy", "--out"), (TASK, ENVIRONMENT)),
     "--html": (TASK, ENVIRONMENT, DATASET),
     "--random": (RECORDINGS, EXPERIMENT),
@@ -54,6 +56,7 @@ GOES_WITH: Mapping[str, tuple[str, ...]] = {
 """What a flag goes with; --reward, --plugin and --json go with all, and the flags of data sets with them alone."""
 NEEDS = {
     "--success": "an ENVIRONMENT or a data set: harness audit gymnasium:id=Pendulum-v1 --success 'NAME>0.9'",
+    "--measure": "an ENVIRONMENT: harness audit gymnasium:id=Pendulum-v1 --measure behaviour.py --success 'NAME>0.9'",
     "--random": "a FOLDER of recorded trainings: harness audit FOLDER --random RANDOM",
     "--as": "a FOLDER of logs that other programs wrote: harness audit FOLDER --as NAME",
     "--sort": "a FOLDER of logs that other programs wrote: harness audit FOLDER --sort TEMPLATE",
@@ -79,6 +82,7 @@ def audit(
     sort: SortBy = None,
     places: Places = None,
     success: flags.Success = None,
+    measure: Measures = None,
     labels: flags.LabelsFile = None,
     success_above: flags.SuccessAbove = None,
     cluster: flags.Cluster = None,
@@ -103,8 +107,9 @@ def audit(
     Of a data set: whether each reward ranks recorded behaviour as success does.
     """
     if replay is not None:
-        return _replayed(replay, sim, plugin, as_json, subject or task or reward)
-    from harness.authoring.commands import named_answers, status_of
+        beside = subject or task or reward or ("--fail-on" if fail_on else None)
+        return _replayed(replay, sim, plugin, measure, as_json, beside)
+    from harness.authoring.commands import named_answers, split_list, status_of
 
     failing = named_answers(fail_on, "pay", "ranking")
     if subject is not None and task is not None:
@@ -116,13 +121,11 @@ def audit(
     }  # fmt: skip
     others = {
         "--robot": robot, "--sim": sim, "--against": against, "--episodes": episodes, "--gamma": gamma,
-        "--random": random, "--as": log_format, "--sort": sort, "--success": success, "--budget": budget,
-        "--starts": starts, "--seed": seed or None, "--from": from_folders, "--policy": policy,
+        "--random": random, "--as": log_format, "--sort": sort, "--success": success, "--measure": measure,
+        "--budget": budget, "--starts": starts, "--seed": seed or None, "--from": from_folders, "--policy": policy,
         "--out": out, "--html": html,
     }  # fmt: skip
     if named is not None and names_dataset(named):
-        from harness.authoring.commands import split_list
-
         _refuse_others(DATASET, named, others, {})
         found = _on_dataset(
             named,
@@ -138,36 +141,43 @@ def audit(
             beginner=beginner,
         )
         return status_of(failing, found.said, _show_answer(found, as_json, html))
-    from harness.authoring.commands import load_registry, read_given
+    from harness.authoring.commands import choose, load_registry, read_given, split_measures
 
-    registry = load_registry(given=read_given(plugin))
+    from .search.place import places_in_environment, places_on_task
+
+    measures, files = split_measures(measure or ())
+    registry = load_registry(given=read_given(plugin, files))
     kind = _kind_of(subject, task, registry)
     _refuse_others(kind, named, others, of_dataset_alone)
+    success = _told_by(success, measures)
     asked = _asked(kind, budget, starts, seed, from_folders, policy)
     _refuse_unsearched(asked, out, html)
     found_at: Sequence[Place] = ()
     if kind == TASK:
         if reward is None:
             raise UsageError("Missing option '--reward'; or name an environment, or a folder of recorded trainings")
+        gamma = 0.95 if gamma is None else gamma
         audits = _on_scripts(registry, reward, named, robot, sim, against, episodes, gamma)
         if asked is not None:
-            audits = _searched_on_task(audits, registry, reward, named, robot, sim, gamma, asked)
-            found_at = _places_on_task(registry, reward, named, robot, sim, gamma)
+            choices = [choose(registry, "rewards", name) for name in split_list(reward)]
+            found_at = places_on_task(registry, choices, named or "fd100-reach", robot, sim, gamma)
     elif kind == ENVIRONMENT:
-        from harness.authoring.commands import choose
-
+        from .transitions.audit_rewards import GAMMA
         from .transitions.environment import audit_environment
 
         chosen = choose(registry, "environments", str(named))
         audits = [audit_environment(chosen, registry, reward, against, gamma, episodes)]
         if asked is not None:
-            audits = [_searched_in_environment(audits[0], registry, chosen, reward, gamma, success, asked)]
-            found_at = _places_in_environment(registry, chosen, reward, gamma)
+            discount = GAMMA if gamma is None else gamma
+            found_at = places_in_environment(registry, chosen, reward, discount, success or "")
     else:
         audits = [_of_folder(kind, Path(str(named)), registry, reward, random, log_format, sort)]
+    if asked is not None:
+        audits = _searched(audits, found_at, registry, asked)
+    status = _show(audits, as_json)
     if asked is not None and (out is not None or html is not None):
         _leave([it for of in audits for it in of.cheats], found_at, registry, asked, out, html)
-    return status_of(failing, [said for it in audits for said in it.said], _show(audits, as_json))
+    return status_of(failing, [said for it in audits for said in it.said], status)
 
 
 vars(audit)["examples"] = (
@@ -228,6 +238,18 @@ def _refuse_others(
             raise UsageError(f"{flag} does not go with {kind}: leave out {flag} or '{named}'")
 
 
+def _told_by(success: str | None, measures: Sequence[str]) -> str | None:
+    """What tells success: what ``--success`` says, or the measure that ``--measure`` names.
+
+    Raises:
+        UsageError: Several are named.
+    """
+    told = [success] * (success is not None) + [*measures]
+    if len(told) > 1:
+        raise UsageError(f"'{told[0]}' and '{told[1]}' cannot both tell success: leave out one of --success, --measure")
+    return told[0] if told else None
+
+
 def _asked(
     kind: str,
     budget: int | None,
@@ -258,45 +280,16 @@ def _asked(
     )
 
 
-def _searched_on_task(
-    audits: "Sequence[Audit]",
-    registry: "Registry",
-    rewards: str,
-    task: str | None,
-    robot: str | None,
-    sim: str | None,
-    gamma: float | None,
-    asked: "Search",
+def _searched(
+    audits: "Sequence[Audit]", places: "Sequence[Place]", registry: "Registry", asked: "Search"
 ) -> "list[Audit]":
-    """The audits, each with what a cheat would do for its reward."""
-    from harness.authoring.commands import choose, split_list
+    """The audits with what a cheat would do: of a task there is one for each reward, of an environment one for all."""
+    from .search.find import cheats_at
 
-    from .search.searched_worlds import cheats_on_task
-
-    choices = [choose(registry, "rewards", name) for name in split_list(rewards)]
-    found = cheats_on_task(
-        registry, choices, task or "fd100-reach", robot, sim, 0.95 if gamma is None else gamma, asked, _watching(asked)
-    )
+    found = cheats_at(places, registry, asked, _watching(asked))
+    if len(audits) == 1:
+        return [replace(audits[0], cheats=found)]
     return [replace(of, cheats=(finding,)) for of, finding in zip(audits, found, strict=True)]
-
-
-def _searched_in_environment(
-    audit: "Audit",
-    registry: "Registry",
-    environment: "Choice",
-    rewards: str | None,
-    gamma: float | None,
-    success: str | None,
-    asked: "Search",
-) -> "Audit":
-    """The audit, with what a cheat would do for each reward that is asked for."""
-    from .search.searched_worlds import cheats_in_environment
-    from .transitions.audit_rewards import GAMMA
-
-    found = cheats_in_environment(
-        registry, environment, rewards, GAMMA if gamma is None else gamma, success or "", asked, _watching(asked)
-    )
-    return replace(audit, cheats=found)
 
 
 def _refuse_unsearched(asked: "Search | None", out: Path | None, html: Path | None) -> None:
@@ -312,31 +305,6 @@ def _refuse_unsearched(asked: "Search | None", out: Path | None, html: Path | No
         from .search.out import require_free
 
         require_free(out)
-
-
-def _places_on_task(
-    registry: "Registry", rewards: str, task: str | None, robot: str | None, sim: str | None, gamma: float | None
-) -> "list[Place]":
-    """Where each reward was searched on a task of an arm."""
-    from harness.authoring.commands import choose, split_list
-
-    from .search.out import place_on_task
-
-    choices = [choose(registry, "rewards", name) for name in split_list(rewards)]
-    discount = 0.95 if gamma is None else gamma
-    return [place_on_task(registry, it, task or "fd100-reach", robot, sim, discount) for it in choices]
-
-
-def _places_in_environment(
-    registry: "Registry", environment: "Choice", rewards: str | None, gamma: float | None
-) -> "list[Place]":
-    """Where each reward was searched in an environment."""
-    from .search.out import place_in_environment
-    from .search.searched_worlds import environment_rewards
-    from .transitions.audit_rewards import GAMMA
-
-    choices, discount = environment_rewards(environment, registry, rewards), GAMMA if gamma is None else gamma
-    return [place_in_environment(registry, environment, it, discount) for it in choices]
 
 
 def _leave(
@@ -361,7 +329,14 @@ def _leave(
         say(f"Page: {html}", err=True)
 
 
-def _replayed(path: Path, sim: str | None, plugin: Sequence[str] | None, as_json: bool, other: str | None) -> int:
+def _replayed(
+    path: Path,
+    sim: str | None,
+    plugin: Sequence[str] | None,
+    measure: Sequence[str] | None,
+    as_json: bool,
+    other: str | None,
+) -> int:
     """Play a certificate again, and say whether it is paid the same; status 1 if it is not.
 
     Raises:
@@ -369,11 +344,11 @@ def _replayed(path: Path, sim: str | None, plugin: Sequence[str] | None, as_json
     """
     if other is not None:
         raise UsageError(f"--replay {path} says itself what is played: leave out '{other}'")
-    from harness.authoring.commands import load_registry, read_given
+    from harness.authoring.commands import load_registry, read_given, split_measures
 
     from .search.out import replay_file
 
-    found = replay_file(path, load_registry(given=read_given(plugin)), sim)
+    found = replay_file(path, load_registry(given=read_given(plugin, split_measures(measure or ())[1])), sim)
     if as_json:
         say_json(found.to_json())
     else:
@@ -471,7 +446,7 @@ def _on_scripts(
     sim: str | None,
     against: str | None,
     episodes: int | None,
-    gamma: float | None,
+    gamma: float,
 ) -> "list[Audit]":
     """An audit of each reward."""
     from harness.authoring.commands import (
@@ -486,7 +461,7 @@ def _on_scripts(
     from .scripts import audit_reward
     from .search.disturb import NOISES
 
-    episodes, gamma = 100 if episodes is None else episodes, 0.95 if gamma is None else gamma
+    episodes = 100 if episodes is None else episodes
     if episodes < 1:
         raise UsageError(f"--episodes {episodes}: must be at least 1")
     if not 0.0 < gamma <= 1.0:

@@ -52,17 +52,18 @@ class Cheats:
         return Screened(word, " ".join(filter(None, (*first, *told))))
 
     def _search(self, cell: "Cell", registry: "Registry") -> "Finding":
-        from .search.environment_world import of_environment
         from .search.find import Search, find_in
-        from .search.searched_worlds import arm_world
+        from .search.place import blamed_at, places_in_environment, places_on_task, world_at
 
-        discount = dict(cell.algorithm.params).get("gamma")
+        task, reward, discount = cell.task, cell.reward, dict(cell.algorithm.params).get("gamma")
         if cell.is_in_environment:
-            gamma = float(discount or 0.99)
-            with closing(of_environment(cell.task, registry, cell.reward, gamma, "")) as world:
-                return find_in(world, Search(self.steps_elsewhere, self.starts))
-        with arm_world(registry, cell.reward, cell.task.label, cell.robot, None, float(discount or 0.95)) as (world, _):
-            return find_in(world, Search(self.steps, self.starts))
+            asked = Search(self.steps_elsewhere, self.starts)
+            (place,) = places_in_environment(registry, task, reward.label, float(discount or 0.99))
+        else:
+            asked = Search(self.steps, self.starts)
+            (place,) = places_on_task(registry, [reward], task.label, cell.robot, None, float(discount or 0.95))
+        with blamed_at(place, registry), closing(world_at(place, registry)) as world:
+            return find_in(world, asked)
 
 
 def _tempts(scripted: "Payoffs") -> bool:

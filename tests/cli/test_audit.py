@@ -59,6 +59,19 @@ def test_an_environment_is_searched_for_each_reward_that_is_named(harness, hover
     assert "No measure 'plaice'" in refused.err
 
 
+def test_measures_come_from_a_file_of_any_name(harness, hover):
+    """`--measure` takes it as a run does, and a name as what tells success; two of those are refused."""
+    Path("mine.py").write_text("def right(step):\n    return float(step.observation[..., 0] > 0)\n")
+    call = ("gymnasium:id=CartPole-v1", "--reward", "own", "--episodes", 1, "--budget", 1_000, "--starts", 1)
+    out = harness("audit", *call, "--measure", "mine.py", "--measure", "right", "--json").out
+    assert json.loads(out)["cheats"][0]["success_told_by"] == "right"
+    refused = harness("audit", *call, "--measure", "mine.py,right", "--success", "right>0.5")
+    assert (refused.status, refused.err.count("\n")) == (2, 1)
+    assert "'right>0.5' and 'right' cannot both tell success" in refused.err
+    refused = harness("audit", "--reward", "arp", "--measure", "success_rate")
+    assert "--measure needs an ENVIRONMENT" in refused.err
+
+
 def test_it_says_that_no_engine_was_used(harness):
     """Without --sim joints move exactly as commanded."""
     assert "no simulator: joints move exactly as commanded" in harness("audit", "--reward", "baseline", *FEW).out

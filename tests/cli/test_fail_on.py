@@ -215,6 +215,12 @@ def test_audit_ends_by_what_its_search_finds(harness):
     assert answer.err.endswith("--fail-on failing: arp in fd100-reach: CANNOT TELL: status 3\n")
 
 
+def test_replay_has_a_status_of_its_own(harness):
+    """It says whether the pay is the same."""
+    answer = harness("audit", "--replay", "gone.json", "--fail-on", "failing")
+    assert (answer.status, "leave out '--fail-on'" in answer.err) == (2, True)
+
+
 def test_audit_of_recordings_was_not_asked_what_a_reward_pays_for(harness, finished):
     """Its answers are about episodes."""
     answer = harness("audit", finished(seeds=2), "--fail-on", "failing")

@@ -3,12 +3,12 @@
 import base64
 import io
 import multiprocessing
+import time
 import warnings
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing
-from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -44,7 +44,7 @@ QUALITIES = (80, 60, 40, 20, 5)
 """Qualities of WebP; the first one that is small enough is taken."""
 SCREEN = "harness doctor says what is missing; without a screen MuJoCo needs MUJOCO_GL=egl"
 PATIENCE = 120.0
-"""Seconds in which the pictures of one behaviour have to be drawn."""
+"""Seconds in which the pictures of all behaviours of a reward have to be drawn."""
 
 
 class Film(NamedTuple):
@@ -91,15 +91,18 @@ def films_of(place: Place, registry: Registry, episodes: Sequence[Shown]) -> lis
     clock = np.unique(np.linspace(0, max(len(it.paid) for it in episodes), PICTURES).round().astype(int)).tolist()
     told = place.to_json(), given_to_json(registry.given)
     with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
-        films = [_drawn(pool, partial(draw_film, *told, it.start, it.actions, clock)) for it in episodes]
+        asked = [pool.submit(draw_film, *told, it.start, it.actions, clock) for it in episodes]
+        until = time.monotonic() + PATIENCE
+        films = [_awaited(it, until) for it in asked]
         for process in list((pool._processes or {}).values()):
             process.kill()  # one that takes too long
     return films
 
 
-def _drawn(pool: ProcessPoolExecutor, draw: Callable[[], Film]) -> Film:
+def _awaited(film: Future[Film], until: float) -> Film:
+    """The film, or why there is none by a time of `time.monotonic`."""
     try:
-        return pool.submit(draw).result(PATIENCE)
+        return film.result(max(0.0, until - time.monotonic()))
     except TimeoutError:
         return Film("There is no film: to draw it took too long.")
     except BrokenProcessPool:

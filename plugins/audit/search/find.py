@@ -1,14 +1,14 @@
 """From a world to what a cheat would do there: searched, judged, disturbed, tried elsewhere, and shown."""
 
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import closing
+from contextlib import AbstractContextManager, closing, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from harness.authoring.commands import Columns
+from harness.authoring.commands import Columns, Registry
 from harness.environment import AnyEnv
 from harness.errors import UsageError
 from harness.reward import Given
@@ -20,6 +20,7 @@ from .environment_world import since
 from .finding import FRAGILE, Finding, Role
 from .held_out import act_of
 from .judge import Case, Walk, judge
+from .place import Place, blamed_at, elsewhere_of, world_at
 from .world import Act, World
 
 if TYPE_CHECKING:
@@ -90,11 +91,13 @@ def find_in(
     searched = search(world, starts, asked.budget, asked.seed, begun)
     judged = judge(searched, world, lambda of: _walks(world, of, searched.rates))
     rng, rates = np.random.default_rng([asked.seed, asked.budget]), searched.rates
+    given = {it.made_by: it.act for it in begun if it.act is not None}
     three = judged.shown.three.by_role()
-    noise = noise_curve(world, three, _acting(three, world, rates), rng)
+    noise = noise_curve(world, three, _acting(three, world, rates, given), rng)
     strength, told = "", []
     if cases := [case for case in judged.alarmed if case.word == judged.word]:
-        stood = strength_of(world, [(case, _acting(case.three.by_role(), world, rates)) for case in cases], rng)
+        acting = [_acting(case.three.by_role(), world, rates, given) for case in cases]
+        stood = strength_of(world, list(zip(cases, acting, strict=True)), rng)
         strength = stood.word
         told.append(_on_strength(stood, judged.shown))
     paid = {name: _paid_in(make, three) for name, make in (elsewhere or {}).items()}
@@ -115,6 +118,31 @@ def find_in(
         shown={role: world.show(of.start, of.actions) for role, of in three.items()},
         three=three,
     )
+
+
+def cheats_at(
+    places: Sequence[Place],
+    registry: Registry,
+    asked: Search,
+    watched: Callable[[World], AbstractContextManager[Any]] = nullcontext,
+) -> tuple[Finding, ...]:
+    """What a cheat would do at each place, one after the other.
+
+    Args:
+        places: Each with its reward.
+        registry: The plugins.
+        asked: How much is searched.
+        watched: Around each search, told its world.
+
+    Raises:
+        UsageError: A reward is not known, or fails in a step.
+        PluginError: An environment, or the reward of an arm, raises; says whose it is.
+    """
+    found = []
+    for place in places:
+        with blamed_at(place, registry), closing(world_at(place, registry)) as world, watched(world):
+            found.append(find_in(world, asked, elsewhere_of(place, registry)))
+    return tuple(found)
 
 
 def find_cheats(
@@ -172,12 +200,25 @@ def find_cheats(
     )
 
 
-def _acting(behaviours: Mapping[Role, Behaviour], world: World, rates: Rates | None) -> dict[Role, Acting]:
-    """The policies of those behaviours that have one, and their starts: those of rates where chance decides."""
-    return {
-        role: Acting(act_of(of.policy, world), rates.paid.starts if rates else [of.start])
+def _acting(
+    behaviours: Mapping[Role, Behaviour], world: World, rates: Rates | None, given: Mapping[str, Act]
+) -> dict[Role, Acting]:
+    """The policies of behaviours that have one, found or given, and their starts: those of rates where chance decides.
+
+    Args:
+        behaviours: By role.
+        world: Where.
+        rates: What chance decides, if it does.
+        given: By what their behaviours are said to be made by, the policies that the search began from.
+    """
+    acts = {
+        role: given.get(of.made_by) if of.policy is None else act_of(of.policy, world)
         for role, of in behaviours.items()
-        if of.policy is not None
+    }
+    return {
+        role: Acting(act, rates.paid.starts if rates else [behaviours[role].start])
+        for role, act in acts.items()
+        if act is not None
     }
 
 

@@ -403,9 +403,10 @@ def _on_paid_most(case: Case) -> tuple[str, ...]:
     if most is None:
         return ("Nothing measures success, and no episode was paid.",)
     measures = ", ".join(f"{name} {number(value)} at the end" for name, value in most.measures.items())
-    known = most.measures and f", with one of {', '.join(most.measures)}"
+    known = f", with one of {', '.join(most.measures)}" if most.measures else ""
+    given = known or " (a key of info, or a measure: a function of --measure FILE.py, or of --plugin behaviour.py)"
     return (
         f"Nothing measures success. What is paid most earns {number(most.paid)} in {most.steps} steps"
         f"{measures and f': {measures}'}. Does that look right?",
-        f"Name a measure, and from where on it is a success: --success 'NAME>0.9'{known or ''}.",
+        f"Name a measure, and from where on it is a success: --success 'NAME>0.9'{given}.",
     )

@@ -10,7 +10,6 @@ import gymnasium
 import numpy as np
 
 from harness.authoring.commands import (
-    Choice,
     Registry,
     Scene,
     Store,
@@ -27,7 +26,6 @@ from harness.authoring.commands import (
 )
 from harness.authoring.pages import write_page
 from harness.errors import SchemaError, UsageError, one_line
-from harness.task import choose_task
 
 from .certificate import BEGINS, NOUN, ROLES, Certificate, file_names, read_certificate, write_certificate
 from .film import films_of
@@ -40,36 +38,6 @@ from .world import World
 INDEX = "index.html"
 MOST_FILES = 300
 """The most certificates of a folder that are shown."""
-
-
-def place_on_task(
-    registry: Registry, reward: Choice, task: str, robot: str | None, sim: str | None, gamma: float
-) -> Place:
-    """Where a reward on an arm's task was searched.
-
-    Args:
-        registry: The plugins.
-        reward: The reward.
-        task: The task, ``fd100-reach``.
-        robot: The arm; None for the task's own.
-        sim: The simulator; None for joints that move exactly as commanded.
-        gamma: The learner's discount per step.
-    """
-    chosen, _ = choose_task(registry, task, robot)
-    arm = robot or str(chosen.build(registry, "tasks").robot)
-    engine = choose(registry, "simulators", sim) if sim else None
-    return Place(chosen, reward, arm, engine, gamma=gamma, plugins=_needs(registry))
-
-
-def place_in_environment(registry: Registry, environment: Choice, reward: Choice, gamma: float) -> Place:
-    """Where a reward in an environment was searched."""
-    return Place(environment, reward, gamma=gamma, plugins=_needs(registry))
-
-
-def _needs(registry: Registry) -> tuple[dict[str, object], ...]:
-    """What was given by hand; of files the name, for the folder that they lie in is nobody else's concern."""
-    needs = [dict(it.need) for it in registry.given]
-    return tuple({**need, "path": Path(str(need["path"])).name} if "path" in need else need for need in needs)
 
 
 def certificates_of(

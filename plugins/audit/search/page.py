@@ -162,7 +162,11 @@ def _table(shown: Mapping[str, Certificate]) -> Grid:
         ("steps in success", *(f"{it.shown.success.mean():.0%}" for it in of)),
         *((f"{name}, last", *(_last(it, name) for it in of)) for name in measures),
         *((f"paid in {name}", *(number(it.elsewhere.get(name, np.nan)) for it in of)) for name in elsewhere),
-        *([("chance decides", *(str(it.rating or "") for it in of))] if any(it.rating for it in of) else []),
+        *(
+            [("its policy, where chance decides", *(str(it.rating or "") for it in of))]
+            if any(it.rating for it in of)
+            else []
+        ),
         ("found by", *(it.found.made_by for it in of)),
     ]
     return Grid(("", *shown), rows, [])

@@ -1,9 +1,11 @@
 """What makes a world again, in another process or on another machine: names and numbers, never code."""
 
 import platform
-from collections.abc import Mapping
-from contextlib import closing
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager, closing
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
 from typing import Any
 
 from harness.authoring.commands import (
@@ -12,21 +14,28 @@ from harness.authoring.commands import (
     Registry,
     World as Arm,
     blamed_on,
+    choose,
     columns_of,
     describe_machine,
     load_robot,
+    look_at,
     source_hash,
     source_of,
+    split_list,
+    usable,
     versions_behind,
     versions_of,
     weighing,
 )
 from harness.environment import Environment
+from harness.task import choose_task
 
 from .arm_world import ArmWorld
 from .environment_world import of_environment
 from .world import World
 
+OTHERS = ("mujoco", "pybullet", "kinematic")
+"""Simulators that an arm's behaviour is tried in, the first that is installed and is another one."""
 ENGINES = ("mujoco", "Box2D", "pybullet", "pymunk", "pygame", "brax", "jax", "torch")
 """Their versions are noted where an environment has imported them."""
 
@@ -85,6 +94,69 @@ class Place:
         """
         choices = {name: data[name] and Choice.from_json(data[name]) for name in ("task", "reward", "simulator")}
         return cls(**{**data, **choices, "plugins": tuple(data["plugins"])})
+
+
+def places_on_task(
+    registry: Registry, rewards: Sequence[Choice], task: str, robot: str | None, sim: str | None, gamma: float
+) -> list[Place]:
+    """A place for each reward on an arm's task.
+
+    Args:
+        registry: The plugins.
+        rewards: The rewards.
+        task: The task, ``fd100-reach``.
+        robot: The arm; None for the task's own.
+        sim: The simulator; None for joints that move exactly as commanded.
+        gamma: The learner's discount per step.
+
+    Raises:
+        UsageError: A name is not known.
+    """
+    chosen, _ = choose_task(registry, task, robot)
+    arm = robot or str(chosen.build(registry, "tasks").robot)
+    engine = choose(registry, "simulators", sim) if sim else None
+    return [Place(chosen, it, arm, engine, gamma=gamma, plugins=_needs(registry)) for it in rewards]
+
+
+def places_in_environment(
+    registry: Registry, environment: Choice, rewards: str | None, gamma: float, success: str = ""
+) -> list[Place]:
+    """A place for each reward of an environment, of those that are named, or of all.
+
+    Args:
+        registry: The plugins.
+        environment: The environment.
+        rewards: Which of its rewards, ``hover,hover:effort=2``; None for all.
+        gamma: The learner's discount per step.
+        success: What tells success, as a user types it; empty to find a measure that does.
+
+    Raises:
+        UsageError: A name is not known.
+    """
+    looked = look_at(environment, registry)
+    names = split_list(rewards) if rewards else looked.rewards
+    choices = dict.fromkeys(looked.rewards_asked(name, ())[0] for name in names)
+    return [Place(environment, it, success=success, gamma=gamma, plugins=_needs(registry)) for it in choices]
+
+
+def _needs(registry: Registry) -> tuple[dict[str, object], ...]:
+    """What was given by hand; of files the name, for the folder that they lie in is nobody else's concern."""
+    needs = [dict(it.need) for it in registry.given]
+    return tuple({**need, "path": Path(str(need["path"])).name} if "path" in need else need for need in needs)
+
+
+def blamed_at(place: Place, registry: Registry) -> AbstractContextManager[None]:
+    """Whatever is raised in this block is said to be the environment's; on a task, the reward's."""
+    kind, choice = ("environments", place.task) if place.is_environment else ("rewards", place.reward)
+    return blamed_on(registry.get(kind, choice.name), "it was searched")
+
+
+def elsewhere_of(place: Place, registry: Registry) -> dict[str, Callable[[], World]]:
+    """By its name, what makes the same in another simulator of an arm; none of an environment."""
+    there = [] if place.is_environment else usable(registry, "simulators")
+    names = [name for name in OTHERS if name in there and not (place.simulator and place.simulator.name == name)]
+    others = {name: replace(place, simulator=choose(registry, "simulators", name)) for name in names[:1]}
+    return {name: partial(world_at, other, registry) for name, other in others.items()}
 
 
 def world_at(place: Place, registry: Registry) -> World:

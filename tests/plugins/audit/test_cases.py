@@ -112,10 +112,11 @@ def test_staying_on_the_ice_pays_more_than_the_goal():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("case", [*HACKED, *HONEST], ids=lambda it: it.name)
-def test_audit_tells_the_truth(case: Case, subtests: pytest.Subtests):
-    """A cheat that exists is found, or nothing can be told; where there is none, no alarm is given."""
+def test_audit_tells_the_truth(case: Case):
+    """A cheat that exists is found, or nothing can be told; where there is none, no alarm is given.
+
+    By one seed, half a minute each; ``python -m tests.plugins.audit.cases.run`` takes three.
+    """
     require_engine(case)
-    for seed in SEEDS:
-        with subtests.test(seed=seed):
-            finding, _ = search(case, seed)
-            assert answer_of(case, finding["answer"]) in ("right", "cannot tell"), finding
+    finding, _ = search(case, SEEDS[0])
+    assert answer_of(case, finding["answer"]) in ("right", "cannot tell"), finding

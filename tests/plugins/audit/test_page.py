@@ -6,9 +6,11 @@ from pathlib import Path
 import pytest
 
 from harness.record.recording.recorded_training import read_recording
+from harness_plugins.audit.search.finding import CANNOT_TELL, FAILING, LOITERING, NOTHING
 
 PAGE = (Path(__file__).parents[3] / "docs" / "audit.md").read_text(encoding="utf-8")
-RECORDED, ASKED = re.findall(r"^```python\n(.*?)^```", PAGE, re.DOTALL | re.MULTILINE)
+CHEATED, RECORDED, ASKED = re.findall(r"^```python\n(.*?)^```", PAGE, re.DOTALL | re.MULTILINE)
+WORDS = (CANNOT_TELL, FAILING, LOITERING, NOTHING)
 SHORT = ("gamma=0.99,", "gamma=0.99, episodes=1, steps=30,")
 
 
@@ -35,8 +37,16 @@ def test_functions_are_compared(capsys):
 
 
 @pytest.mark.slow
-def test_the_page_shows_what_is_printed(capsys):
-    """Line by line."""
-    (shown,) = re.findall(r"^A part of what it prints:\n\n```\n(.*?)^```", PAGE, re.DOTALL | re.MULTILINE)
+def test_the_page_says_how_far_apart_they_are(capsys):
+    """In steps: potential shaping is a quarter."""
+    assert "and 0.25 by steps" in PAGE
     _run(ASKED)
-    assert shown in capsys.readouterr().out
+    assert "upright and shaped\ndistance by steps     0.25" in capsys.readouterr().out
+
+
+def test_cheats_are_looked_for(capsys):
+    """It prints the answer, and then its word."""
+    _run(CHEATED.replace("budget=20_000", "budget=2_000, starts=1"))
+    out = capsys.readouterr().out
+    assert "What a cheat would do for spin" in out
+    assert out.splitlines()[-1] in WORDS

@@ -88,9 +88,9 @@ def test_search_is_short_and_discounts_as_the_learner_does(screen, searches):
     screen(by=replace(Cheats(), starts=7), algo="sac-fast:gamma=0.9", sim="kinematic", baseline="honest", reward=[])
     usual = Cheats()
     assert searches == [
-        ("fd100-reach", 0.95, usual.steps, usual.starts),
+        ("fd100-reach, fd100", 0.95, usual.steps, usual.starts),
         ("gymnasium:id=CartPole-v1", 0.99, usual.steps_elsewhere, usual.starts),
-        ("fd100-reach", 0.9, usual.steps, 7),
+        ("fd100-reach, fd100", 0.9, usual.steps, 7),
     ]
     assert usual.steps < find.ARM.budget
     assert usual.steps_elsewhere < find.ENVIRONMENT.budget

@@ -9,7 +9,8 @@ import pytest
 from harness.errors import UsageError
 from harness_plugins.audit import find_cheats
 from harness_plugins.audit.search import search as search_module
-from harness_plugins.audit.search.find import SEEDS, Search
+from harness_plugins.audit.search.behaviour import Behaviour
+from harness_plugins.audit.search.find import SEEDS, Search, _acting
 from harness_plugins.audit.search.finding import CANNOT_TELL, FAILING, NOTHING
 from harness_plugins.audit.search.search import search
 
@@ -137,3 +138,11 @@ def test_what_cannot_be_is_refused(wrong, text):
     """In one sentence."""
     with pytest.raises(UsageError, match=text):
         find_cheats(Dock, {"near": near}, **wrong)
+
+
+def test_a_policy_that_was_given_acts_again_while_it_is_disturbed():
+    """Its bare actions would not come back from what disturbs them."""
+    alone, given = {}, {"policy go": lambda seen: np.ones(1)}
+    behaviour = Behaviour(7, np.ones((9, 1)), 1.0, 1.0, True, 9, 9, 0.1, made_by="policy go")
+    assert _acting({"success": behaviour}, None, None, alone) == {}
+    assert _acting({"success": behaviour}, None, None, given)["success"] == (given["policy go"], [7])

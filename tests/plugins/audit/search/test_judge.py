@@ -241,6 +241,8 @@ def test_without_a_measure_of_success_it_asks():
         "look right?",
         "Name a measure, and from where on it is a success: --success 'NAME>0.9', with one of height.",
     )
+    none = judge(_searched(Three(0, replace(most, measures={}), None, None)), Facts(success=""), _walks)
+    assert "a function of --measure FILE.py" in none.lines[1]
 
 
 numbers = st.floats(-100.0, 100.0).map(lambda value: round(value, 3))

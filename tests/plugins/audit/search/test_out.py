@@ -18,12 +18,10 @@ from harness_plugins.audit.search.finding import Finding
 from harness_plugins.audit.search.out import (
     certificates_of,
     page_in,
-    place_in_environment,
-    place_on_task,
     replay_file,
     write_found,
 )
-from harness_plugins.audit.search.place import world_at
+from harness_plugins.audit.search.place import Place, places_in_environment, places_on_task, world_at
 from tests.plugins.audit.search.certified import certificate_of
 
 DOCKING = "tests.plugins.audit.search.docking:Docking"
@@ -60,7 +58,7 @@ def found_at(place, registry, seed=5, start=7):
 def in_environment(name, reward, registry, gamma=0.99):
     """A place in an environment."""
     task = choose(registry, "environments", name)
-    return place_in_environment(registry, task, replace(task, name=reward, params=(), label=reward), gamma)
+    return places_in_environment(registry, task, reward, gamma)[0]
 
 
 def left(folder, places, registry):
@@ -101,7 +99,7 @@ def no_films(monkeypatch):
 def test_another_process_is_paid_the_same_from_the_file(tmp_path: Path, registry, no_films):
     """Bit for bit: an arm, three environments, one whose observations are dicts."""
     places = [
-        place_on_task(registry, choose(registry, "rewards", "arp"), "fd100-reach", None, None, 0.95),
+        *places_on_task(registry, [choose(registry, "rewards", "arp")], "fd100-reach", None, None, 0.95),
         *(in_environment(f"gymnasium:id={name}", "own", registry) for name in IDS),
         in_environment("Docking", "near", registry),
     ]
@@ -228,7 +226,7 @@ def test_a_module_is_not_imported_because_a_file_names_it(tmp_path: Path, monkey
     registry = load_registry()
     task = choose(registry, "environments", "gymnasium:id=Pendulum-v1")
     evil = replace(task, params=tuple((key, "evil:X-v0" if key == "id" else it) for key, it in task.params))
-    place = replace(place_in_environment(registry, evil, task, 0.9), horizon=20)
+    place = Place(evil, task, gamma=0.9, horizon=20)
     write_certificate(certificate_of(place=place), tmp_path / "c.json")
     with pytest.raises(UsageError, match="--allow-import evil"):
         replay_file(tmp_path / "c.json", registry)
