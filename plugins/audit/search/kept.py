@@ -18,6 +18,9 @@ between the best pay and what random actions are paid."""
 
 EQUAL = 1e-6
 """Sums of pay are the same that differ by no more than this, of themselves or of 1."""
+OF_GAIN, OF_LEAD = 0.2, 0.5
+"""Or if it is paid less by this share of what the best-paid success gains over the fastest one, but not by more than
+this share of its lead over failures: where pay grows with time as a loop's does, the rest is still late."""
 
 
 @dataclass(eq=False)
@@ -68,7 +71,7 @@ class Bests:
         """Whether the best-paid failure is paid more than every success."""
         return bool(self._failure > self._success[-1])
 
-    def three(self, start: int, typical: float, alike: float = AS_PAID) -> Three:
+    def three(self, start: int, typical: float, is_searched: bool = True) -> Three:
         """The best-paid failure, the best-paid success, and the best-paid one of the fastest.
 
         Of successes that are about as well paid as the best one, the fastest stands for it: that a search has found a
@@ -77,9 +80,11 @@ class Bests:
         times = sorted(self.successes)
         if not times:
             return Three(start, self.failure, None, None)
-        trifle = alike * max(0.0, self.success_pay - typical, self._failure - typical)
-        as_paid = next(at for at in times if self._success[at] >= self.success_pay - trifle)
-        as_fast = max(at for at in times if at <= AS_FAST * times[0])
+        best, as_fast = self.success_pay, max(at for at in times if at <= AS_FAST * times[0])
+        trifle = AS_PAID * max(0.0, best - typical, self._failure - typical)
+        saved = min(OF_GAIN * (best - self._success[as_fast]), OF_LEAD * (best - self._failure))
+        less = max(trifle, saved) if is_searched else 0.0
+        as_paid = next(at for at in times if self._success[at] >= best - less)
         return Three(start, self.failure, self.successes[max(as_paid, as_fast)], self.successes[as_fast])
 
 

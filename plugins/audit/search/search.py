@@ -14,7 +14,7 @@ import numpy as np
 from .beginnings import Beginning
 from .behaviour import Searched
 from .held_out import search_by_chance
-from .kept import AS_PAID, Kept
+from .kept import Kept
 from .linear import search_linear
 from .sequences import Evolution, evolve
 from .table import TABLE, search_tables
@@ -64,12 +64,12 @@ def search(
         if world.together == 1 and search_linear(world, kept.starts, evolution.take, int(IN_POLICIES * budget), rng):
             how = (SEQUENCES, POLICIES)
         climbing = evolve(evolution, budget - (world.taken - begun))
-    alike = 0.0 if how == (TABLE,) else AS_PAID
+    searched = how != (TABLE,)
     typical, later = np.median(paid, axis=0).tolist(), np.median(discounted, axis=0).tolist()
     return Searched(
-        plain=[of.three(*it, alike) for of, it in zip(kept.plain, zip(starts, typical, strict=True), strict=True)],
+        plain=[of.three(*it, searched) for of, it in zip(kept.plain, zip(starts, typical, strict=True), strict=True)],
         discounted=[
-            of.three(*it, alike) for of, it in zip(kept.discounted, zip(starts, later, strict=True), strict=True)
+            of.three(*it, searched) for of, it in zip(kept.discounted, zip(starts, later, strict=True), strict=True)
         ],
         typical=typical,
         typical_discounted=later,

@@ -41,7 +41,7 @@ class Case:
     def name(self) -> str:
         """Short, for tables."""
         _, _, rest = self.subject.partition("id=")
-        return f"{(rest.split(',')[0] if rest else self.subject)} {self.reward}"
+        return f"{rest.replace('made_with=', '').replace(',', ' ') or self.subject} {self.reward}"
 
     @property
     def files(self) -> list[str]:

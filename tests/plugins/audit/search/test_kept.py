@@ -39,7 +39,7 @@ def test_the_three_are_those_of_all_episodes(seed, count):
     for of, name in ((kept.plain, "paid"), (kept.discounted, "discounted")):
         pays = np.concatenate([getattr(it, name) for it in parts])
         for row in (0, 1):
-            three = of[row].three(row, 0.0, 0.0)
+            three = of[row].three(row, 0.0, False)
             failures, done = (at == row) & ~success, (at == row) & success
             assert (three.failure is None) == (not failures.any())
             if failures.any():
@@ -62,7 +62,7 @@ def test_a_trifle_more_is_no_reason_to_be_slow():
         "search",
     )
     assert kept.plain[0].three(0, 0.0).success.time == 30
-    assert kept.plain[0].three(0, 0.0, 0.0).success.time == 40
+    assert kept.plain[0].three(0, 0.0, False).success.time == 40
     assert kept.plain[0].three(0, 0.0).fastest.time == 10
 
 
@@ -75,3 +75,15 @@ def test_different_successes_are_counted_once():
     for _ in range(2):
         kept.add(np.zeros(4, int), actions, Outcomes(steps, pays, pays, success, steps, pays, pays), "search")
     assert kept.successes == [2]
+
+
+@pytest.mark.parametrize(
+    ("failure", "time"), [(-1.0, 12), (9.9, 40)], ids=["failures are far behind", "a failure is nearly as well paid"]
+)
+def test_where_most_is_gained_soon_that_success_stands_for_the_best(failure, time):
+    """Pay that saturates with time is no loop; but what stands for the best is paid more than failures are."""
+    kept, times = Kept([0], HORIZON), np.array([4, 12, 40, 40])
+    pays, success = np.array([5.0, 9.2, 10.0, failure]), np.array([True, True, True, False])
+    outcomes = Outcomes(times, pays, pays, success, times, success / times, np.full(4, np.nan))
+    kept.add(np.zeros(4, int), [np.zeros((HORIZON, 1))] * 4, outcomes, "search")
+    assert kept.plain[0].three(0, 4.0).success.time == time
