@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from gymnasium.spaces import Discrete
@@ -70,7 +71,7 @@ def scripts_of(world: ArmWorld, starts: Whole) -> list[Beginning]:
     return found
 
 
-def policies_of(policies: Mapping[str, Act]) -> list[Beginning]:
+def policies_of(world: World, policies: Mapping[str, Act]) -> list[Beginning]:
     """Policies that somebody wrote, by name: from an observation, as the env gives it, to an action.
 
     Raises:
@@ -79,7 +80,10 @@ def policies_of(policies: Mapping[str, Act]) -> list[Beginning]:
     for name, policy in policies.items():
         if not callable(policy):
             raise UsageError(f"policies: {name!r} is {policy!r}: give a function from an observation to an action")
-    return [Beginning(f"policy {name}", act=policy) for name, policy in policies.items()]
+    return [
+        Beginning(f"policy {name}", act=_checked(world, policy, f"policies: {name!r}"))
+        for name, policy in policies.items()
+    ]
 
 
 def policy_named(world: World, text: str) -> Beginning:
@@ -94,7 +98,7 @@ def policy_named(world: World, text: str) -> Beginning:
         function = getattr(import_file(file), name, None)  # type: ignore[arg-type] # a file was read
         if not callable(function):
             raise UsageError(f"--policy {text}: '{path}' has no function '{name}'")
-        return Beginning(f"policy {name}", act=function)
+        return Beginning(f"policy {name}", act=_checked(world, function, f"--policy {text}"))
     folder = next((it for it in (Path(text), Path(text) / POLICY) if (it / CARD).is_file()), None)
     if folder is None:
         raise UsageError(
@@ -136,6 +140,24 @@ def of_folder(world: World, folder: Path) -> list[Beginning]:
 def acting(world: World, policy: Policy) -> Act:
     """A saved policy as a function of one observation: the one action of each."""
     return lambda seen: policy.act(flat_observation(world.observes, seen)[np.newaxis])[0]
+
+
+def _checked(world: World, policy: Act, noun: str) -> Act:
+    """A policy that somebody wrote; what it does wrong is said to be its fault, and not the environment's."""
+    space = world.space
+
+    def act(observed: Any) -> Any:
+        try:
+            action = policy(observed)
+        except Exception as error:  # whatever functions of users raise
+            raise UsageError(f"{noun} fails: {reason_of(error)}") from error
+        numbers = np.asarray(action)
+        fits = numbers.dtype.kind in "biuf" and numbers.size == np.prod(space.shape or ())
+        if not fits or (isinstance(space, Discrete) and not space.contains(int(numbers.item()))):
+            raise UsageError(f"{noun} gives {action!r}, which is no action of {world.name}: {space}")
+        return action
+
+    return act
 
 
 def _why_not(world: World, act: Act) -> str:

@@ -84,7 +84,7 @@ def find_in(
     starts = asked.draw_starts()
     begun = [
         *(scripts_of(world, np.array(starts)) if isinstance(world, ArmWorld) else ()),
-        *policies_of(policies or {}),
+        *policies_of(world, policies or {}),
         *(policy_named(world, text) for text in asked.policies),
         *(beginning for folder in asked.folders for beginning in of_folder(world, folder)),
     ]

@@ -15,12 +15,11 @@ AS_FAST = 1.1
 AS_PAID = 0.01
 """A success is about as well paid as the best-paid one if it is paid so much less at most, as a share of what lies
 between the best pay and what random actions are paid."""
-
-EQUAL = 1e-6
-"""Sums of pay are the same that differ by no more than this, of themselves or of 1."""
 OF_GAIN, OF_LEAD = 0.2, 0.5
 """Or if it is paid less by this share of what the best-paid success gains over the fastest one, but not by more than
 this share of its lead over failures: where pay grows with time as a loop's does, the rest is still late."""
+EQUAL = 1e-6
+"""Sums of pay are the same that differ by no more than this, of themselves or of 1."""
 
 
 @dataclass(eq=False)

@@ -55,10 +55,10 @@ def test_other_actions_have_no_scripts(action):
 
 def test_policies_are_named():
     """Those of somebody, by name; what cannot be called is refused."""
-    (begun,) = policies_of({"still": lambda seen: np.zeros(1)})
+    (begun,) = policies_of(docks(), {"still": lambda seen: np.zeros(1)})
     assert begun.made_by == "policy still"
     with pytest.raises(UsageError, match="policies: 'still' is 3"):
-        policies_of({"still": 3})
+        policies_of(docks(), {"still": 3})
 
 
 def test_a_function_in_a_file_is_a_policy(tmp_path):
@@ -71,6 +71,22 @@ def test_a_function_in_a_file_is_a_policy(tmp_path):
     assert (begun.made_by, outcomes.steps[0], taken[0].any()) == ("policy stand", LENGTH, False)
     with pytest.raises(UsageError, match="has no function 'walk'"):
         policy_named(world, f"{file}:walk")
+
+
+@pytest.mark.parametrize(
+    ("body", "text"),
+    [
+        ("raise KeyError('knee')", "cheats.py:walk fails: KeyError: 'knee'"),
+        ("return [0.0, 1.0]", r"cheats.py:walk gives \[0.0, 1.0\], which is no action of Dock"),
+        ("return 'left'", "cheats.py:walk gives 'left', which is no action of Dock"),
+    ],
+)
+def test_what_a_policy_does_wrong_is_its_own_fault(tmp_path, body, text):
+    """And not the environment's."""
+    (tmp_path / "cheats.py").write_text(f"def walk(observation):\n    {body}\n")
+    world = docks()
+    with pytest.raises(UsageError, match=text):
+        world.act(np.array([0]), policy_named(world, f"{tmp_path / 'cheats.py'}:walk").act)
 
 
 def test_a_saved_policy_acts(tmp_path):
