@@ -16,6 +16,8 @@ AS_PAID = 0.01
 """A success is about as well paid as the best-paid one if it is paid so much less at most, as a share of what lies
 between the best pay and what random actions are paid."""
 
+EQUAL = 1e-6
+"""Sums of pay are the same that differ by no more than this, of themselves or of 1."""
 OF_GAIN, OF_LEAD = 0.2, 0.5
 """Or if it is paid less by this share of what the best-paid success gains over the fastest one, but not by more than
 this share of its lead over failures: where pay grows with time as a loop's does, the rest is still late."""
@@ -60,6 +62,11 @@ class Bests:
         return float(self._success[-1])
 
     @property
+    def failure_pay(self) -> float:
+        """What the best-paid failure is paid; minus infinity if none was met."""
+        return float(self._failure)
+
+    @property
     def is_failure_paid_more(self) -> bool:
         """Whether the best-paid failure is paid more than every success."""
         return bool(self._failure > self._success[-1])
@@ -100,6 +107,13 @@ class Kept:
     def successes(self) -> list[int]:
         """How many different successes were met, of each start."""
         return [len(met) for met in self._met]
+
+    def is_paid_more_than(self, other: "Kept") -> bool:
+        """Whether a failure or a success of any start is paid more here, or is known here alone."""
+        here, there = (
+            np.array([[it.failure_pay, it.success_pay] for it in (*of.plain, *of.discounted)]) for of in (self, other)
+        )
+        return bool(((here > there) & ~np.isclose(here, there, rtol=EQUAL, atol=EQUAL)).any())
 
     def add(
         self,

@@ -1,10 +1,12 @@
 """One search: what a reward pays most, for failing and for succeeding, from given starts and within a budget of steps.
 
-Three families share the budget. Where a world is a table, that is exact, and nothing else is asked. Linear policies
-find what needs balance. Sequences of actions find the rest, and begin from whatever the others have met.
+Three families share the budget. Where a world is a table, that is exact, and nothing else is asked, unless a few
+sequences are paid more than it says: what nobody observes, such as what a reward remembers, is no state of it. Linear
+policies find what needs balance. Sequences of actions find the rest, and begin from whatever the others have met.
 """
 
 from collections.abc import Sequence
+from copy import deepcopy
 from dataclasses import replace
 
 import numpy as np
@@ -24,6 +26,8 @@ ROUNDS, FEWEST, AT_RANDOM = 32, 6, 0.05
 """Random episodes of each start: so many, or this share of the budget if it is smaller, but not fewer than a few."""
 IN_TABLES, IN_POLICIES = 0.3, 0.25
 """The share of a budget that may go into learning a table, and into linear policies."""
+IN_DOUBT = 0.02
+"""The share that goes into sequences that are paid more than a table says."""
 
 
 def search(
@@ -46,7 +50,13 @@ def search(
     _begin(evolution, beginnings)
     climbing = [0.0] * len(starts)
     how: tuple[str, ...] = (TABLE,)
-    if not search_tables(world, list(starts), evolution.take, int(IN_TABLES * budget), rng):
+    is_table = search_tables(world, list(starts), evolution.take, int(IN_TABLES * budget), rng)
+    if is_table:
+        counted = deepcopy(kept)
+        evolve(evolution, int(IN_DOUBT * budget))
+        is_table = not kept.is_paid_more_than(counted)
+        kept = counted if is_table else kept
+    if not is_table:
         by_chance = search_by_chance(world, kept.starts, budget - (world.taken - begun), rng)
         if by_chance is not None:
             return replace(by_chance, steps=world.taken - begun)

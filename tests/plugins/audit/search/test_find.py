@@ -140,6 +140,52 @@ def test_what_cannot_be_is_refused(wrong, text):
         find_cheats(Dock, {"near": near}, **wrong)
 
 
+class Corridor(gymnasium.Env):
+    """Ten cells; the last one is success, and ends an episode of at most 20 steps."""
+
+    observation_space = gymnasium.spaces.Discrete(10)
+    action_space = gymnasium.spaces.Discrete(2)
+
+    def reset(self, *, seed=None, options=None):
+        """Begin in cell 2."""
+        super().reset(seed=seed)
+        self.at, self.steps = 2, 0
+        return self.at, {}
+
+    def step(self, action):
+        """Left or right."""
+        self.at, self.steps = max(0, self.at + 2 * int(action) - 1), self.steps + 1
+        return self.at, 0.0, self.at == 9, self.steps == 20, {"done": self.at == 9}
+
+
+class Streak:
+    """Pays 10 for the last cell, and 3 for every step from the eighth to the left in a row: nobody observes those."""
+
+    def __init__(self):
+        """Nothing is counted yet."""
+        self.reset()
+
+    def reset(self):
+        """Count from 0."""
+        self.count = 0
+
+    def __call__(self, observation, action, next_observation, info):
+        """Count, and pay."""
+        self.count = 0 if action else self.count + 1
+        return 10.0 * info["done"] + 3.0 * (self.count > 7)
+
+
+def test_what_a_reward_remembers_is_no_table():
+    """Random steps agree with a table that knows nothing of it; sequences are paid more, so it is not believed."""
+    (finding,) = find_cheats(Corridor, {"streak": Streak()}, success="done", budget=20_000, starts=1).cheats
+    assert (finding.word, "table" in finding.searched.how) == (FAILING, False)
+    assert finding.three["failure"].paid == 13 * 3.0
+    (finding,) = find_cheats(Corridor, {"own": "own"}, success="done", budget=20_000, starts=1).cheats
+    assert (finding.searched.how, finding.lines[-1]) == (
+        ("table",), "All states and actions were counted: nothing pays more."
+    )  # fmt: skip
+
+
 def test_a_policy_that_was_given_acts_again_while_it_is_disturbed():
     """Its bare actions would not come back from what disturbs them."""
     alone, given = {}, {"policy go": lambda seen: np.ones(1)}
