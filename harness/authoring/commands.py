@@ -184,6 +184,7 @@ if TYPE_CHECKING:
         HOLD as HOLD,
         HOVER as HOVER,
         SCRIPTS as SCRIPTS,
+        NoScriptsError as NoScriptsError,
         Rollout as Rollout,
         States as States,
         plan_actions as plan_actions,

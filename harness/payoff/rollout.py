@@ -34,6 +34,10 @@ it comes nearer at every step and never arrives.
 """
 
 
+class NoScriptsError(UsageError):
+    """The scripted policies cannot do a task; the message says why, and what to ask instead."""
+
+
 @dataclass(frozen=True, eq=False)
 class JointPath:
     """Straight in joint space from a start (0) to a goal (1), for n arms at once.
@@ -85,11 +89,11 @@ def plan_actions(
         Joint speeds as fractions of their maxima, (horizon, n, dof), in [-1, 1].
 
     Raises:
-        UsageError: The task's actions are no joint speeds.
+        NoScriptsError: The task's actions are no joint speeds.
     """
     motion = task.motion(robot)
     if not isinstance(motion, MoveJ):
-        raise UsageError("The scripted policies of an audit move joints: name a task with action=movej")
+        raise NoScriptsError("The scripted policies of an audit move joints: name a task with action=movej")
     if script == RANDOM:
         return rng.uniform(-1.0, 1.0, (task.horizon, *start.shape)).astype(np.float32)
     path = JointPath(robot, start, _pose_at(robot, target, start) - start, target)
@@ -197,13 +201,13 @@ def record_rollouts(
         noise: The standard deviation of what is added to every action, before it is clipped to [-1, 1].
 
     Raises:
-        UsageError: The robot cannot do the task.
+        UsageError: The robot cannot do the task; a `NoScriptsError` if only the scripts cannot.
         SimulationDiverged: The engine left the finite numbers.
     """
     task.check(robot)
     goal = goal_of(task, robot)
     if goal is not None:
-        raise UsageError(
+        raise NoScriptsError(
             "The scripted policies of an audit go to points that do not move, and this task asks for more (its error: "
             f"{goal.error}). Audit the reward on fd100-reach, whose steps have the same fields"
         )

@@ -143,7 +143,7 @@ def audit(
         return status_of(failing, found.said, _show_answer(found, as_json, html))
     from harness.authoring.commands import choose, load_registry, read_given, split_measures
 
-    from .search.place import places_in_environment, places_on_task
+    from .search.place import places_in_environment
 
     measures, files = split_measures(measure or ())
     registry = load_registry(given=read_given(plugin, files))
@@ -154,22 +154,15 @@ def audit(
     _refuse_unsearched(asked, out, html)
     found_at: Sequence[Place] = ()
     if kind == TASK:
-        if reward is None:
-            raise UsageError("Missing option '--reward'; or name an environment, or a folder of recorded trainings")
-        gamma = 0.95 if gamma is None else gamma
-        audits = _on_scripts(registry, reward, named, robot, sim, against, episodes, gamma)
-        if asked is not None:
-            choices = [choose(registry, "rewards", name) for name in split_list(reward)]
-            found_at = places_on_task(registry, choices, named or "fd100-reach", robot, sim, gamma)
+        discount = 0.95 if gamma is None else gamma
+        audits, found_at = _of_task(registry, reward, named, robot, sim, against, episodes, discount, asked is None)
     elif kind == ENVIRONMENT:
-        from .transitions.audit_rewards import GAMMA
         from .transitions.environment import audit_environment
 
         chosen = choose(registry, "environments", str(named))
         audits = [audit_environment(chosen, registry, reward, against, gamma, episodes)]
-        if asked is not None:
-            discount = GAMMA if gamma is None else gamma
-            found_at = places_in_environment(registry, chosen, reward, discount, success or "")
+        discount = 0.99 if gamma is None else gamma
+        found_at = places_in_environment(registry, chosen, reward, discount, success or "")
     else:
         audits = [_of_folder(kind, Path(str(named)), registry, reward, random, log_format, sort)]
     if asked is not None:
@@ -438,6 +431,34 @@ def _of_folder(
     return audit_recordings(folder, random, only)
 
 
+def _of_task(
+    registry: "Registry",
+    rewards: str | None,
+    task: str | None,
+    robot: str | None,
+    sim: str | None,
+    against: str | None,
+    episodes: int | None,
+    gamma: float,
+    needs_scripts: bool,
+) -> "tuple[list[Audit], list[Place]]":
+    """An audit of each reward by scripts, where they can do the task, and where a search looks."""
+    from harness.authoring.commands import NoScriptsError, choose, split_list
+
+    from .search.place import places_on_task
+
+    if rewards is None:
+        raise UsageError("Missing option '--reward'; or name an environment, or a folder of recorded trainings")
+    choices = [choose(registry, "rewards", name) for name in split_list(rewards)]
+    try:
+        audits = _on_scripts(registry, rewards, task, robot, sim, against, episodes, gamma)
+    except NoScriptsError as error:
+        if needs_scripts:
+            raise
+        audits = [_without_scripts(choice, str(task), str(error)) for choice in choices]
+    return audits, places_on_task(registry, choices, task or "fd100-reach", robot, sim, gamma)
+
+
 def _on_scripts(
     registry: "Registry",
     rewards: str,
@@ -486,6 +507,20 @@ def _on_scripts(
             audit = audit_reward(reward, other, rollouts, gamma, (choice.label, compared.label), setting, disturbed)
         found.append(replace(audit, facts={"reward": choice.label, "against": compared.label, **told}))
     return found
+
+
+def _without_scripts(reward: "Choice", task: str, reason: str) -> "Audit":
+    """The audit of a reward on a task that the scripts cannot do: what a search finds comes to it."""
+    from .audit import Audit
+
+    return Audit(
+        title=reward.label,
+        facts={"reward": reward.label, "task": task},
+        rewards=(reward.label,),
+        pairs=(),
+        earned=(),
+        not_asked=(f"Not asked of scripts: {reason}.",),
+    )
 
 
 @contextmanager

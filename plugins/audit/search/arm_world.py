@@ -155,6 +155,13 @@ class ArmWorld:
         env.reset(seed=_padded(starts, env.num_envs).tolist())
         return env.simulation.read().qpos[: len(starts)].copy(), env.episodes.target[: len(starts)].copy()
 
+    def distinct(self, starts: Sequence[int]) -> tuple[int, ...]:
+        """Those starts that differ: a task may begin all its episodes alike."""
+        found: dict[bytes, int] = {}
+        for start, qpos, target in zip(starts, *self.places(np.array(starts)), strict=True):
+            found.setdefault(qpos.tobytes() + target.tobytes(), start)
+        return tuple(found.values())
+
     def watch(self, start: int, policy: Act) -> Shown:
         """Play one episode of a policy and keep everything but what it observed; see `World`."""
         return self.show(start, self.act(np.array([start]), policy)[1][0])

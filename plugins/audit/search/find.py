@@ -78,12 +78,15 @@ def find_in(
         elsewhere: By the name of another simulator, makes the same world there; it is closed again.
     """
     from .arm_world import ArmWorld
-    from .beginnings import of_folder, policies_of, policy_named, scripts_of
+    from .beginnings import Beginning, of_folder, policies_of, policy_named, scripts_of
     from .search import search
 
-    starts = asked.draw_starts()
+    starts, scripts = asked.draw_starts(), list[Beginning]()
+    if isinstance(world, ArmWorld):
+        starts = world.distinct(starts)
+        scripts = scripts_of(world, np.array(starts))
     begun = [
-        *(scripts_of(world, np.array(starts)) if isinstance(world, ArmWorld) else ()),
+        *scripts,
         *policies_of(world, policies or {}),
         *(policy_named(world, text) for text in asked.policies),
         *(beginning for folder in asked.folders for beginning in of_folder(world, folder)),

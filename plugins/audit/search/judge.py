@@ -30,8 +30,10 @@ NEAR, SLIGHT = 0.05, 3.0
 """A near miss: all measures within this share of a success's, and no more margins above its pay."""
 FEW = 8
 """So many different successes of a start are too few to know what success can earn."""
-LATEST = 0.9
-"""A success that comes and goes, and came last after this share of an episode, does not tell what holding it pays."""
+LATEST, LATE = 0.9, (0.8, 0.95)
+"""A success that comes and goes, and came last after the first share of an episode, does not tell what holding it pays.
+Nor does one that comes within the other two, whether it lasts or not, where failing is paid as much; what comes later
+still, such as having survived, could not come sooner."""
 TABLE = "table"
 """Searched so, a world was counted out: nothing pays more."""
 
@@ -81,7 +83,8 @@ class Case:
         lead: By how many margins the tempting one is paid more.
         margin: In units of pay.
         discount: The factor per step of the sum that this is by; 1 of the plain sum.
-        is_late: Whether even the fastest success is one that comes and goes, and came again near the end.
+        is_late: Whether even the fastest success tells little of what doing the task pays: it comes and goes, and came
+            again near the end, or it begins late where failing is paid as much.
     """
 
     three: Three
@@ -174,7 +177,8 @@ def _case_of(three: Three, typical: float, discount: float, facts: Facts, walks:
     margin = max(MARGIN * (best - typical), tiny, np.finfo(float).tiny)
     if success is None or fastest is None or three.success is None or three.fastest is None:
         return Case(three, CANNOT_TELL, "failure", "success", -np.inf, margin, discount)
-    is_late = _is_passing(three.fastest, facts.horizon)
+    as_much = failure is not None and failure >= success - margin
+    is_late = _is_passing(three.fastest, facts.horizon) or (as_much and _comes_late(three.fastest, facts.horizon))
     is_slow = success > fastest + margin and _is_later(three.success, three.fastest, facts.horizon)
     loiters = is_slow and _gained(walks(three.success), walks(three.fastest), discount) > margin
     against: Role = "fastest" if loiters else "success"
@@ -193,6 +197,11 @@ def _is_passing(fastest: Behaviour, horizon: int) -> bool:
     """Whether even the fastest success of a start begins near its end, after others that did not last."""
     lasts = fastest.steps - fastest.time + 1
     return fastest.time > LATEST * horizon and fastest.share * fastest.steps > lasts + 0.5
+
+
+def _comes_late(fastest: Behaviour, horizon: int) -> bool:
+    """Whether even the fastest success of a start begins late, in an episode that goes on until the horizon."""
+    return fastest.steps == horizon and LATE[0] * horizon < fastest.time <= LATE[1] * horizon
 
 
 def _is_later(slow: Behaviour, fast: Behaviour, horizon: int) -> bool:

@@ -113,4 +113,8 @@ def test_scripts_answer_where_a_search_fails(screen, fails):
 def test_environment_where_the_search_fails_cannot_be_told(screen, fails):
     """No script moves there."""
     (answer,) = screen(**ENVIRONMENT).values()
-    assert answer == (CANNOT_TELL, "Not searched: ZeroDivisionError: no search today.")
+    assert answer == (
+        CANNOT_TELL,
+        "Not searched: Environment 'gymnasium' of package fd100-harness 0.2.0 raised ZeroDivisionError: no search "
+        "today while it was searched.",
+    )

@@ -184,6 +184,15 @@ def test_a_success_that_comes_and_goes_tells_nothing():
     assert _word(Three(0, failure, alive, alive)) == NOTHING
 
 
+def test_a_success_that_comes_late_tells_nothing_where_failing_pays_as_much():
+    """Sooner ones may be paid less, and a search that knows none cannot say so; one of survival cannot come sooner."""
+    failure, late = _behaviour([1.0] * 100), _behaviour([1.0] * 100, 90, ends=False)
+    assert _word(Three(0, failure, late, late)) == CANNOT_TELL
+    assert _word(Three(0, _behaviour([0.5] * 100), late, late)) == NOTHING
+    survived = _behaviour([1.0] * 100, 99, ends=False)
+    assert _word(Three(0, failure, survived, survived)) == NOTHING
+
+
 def test_half_of_the_starts_are_enough():
     """An alarm says on how many it holds."""
     honest = Three(0, _behaviour([0.0] * 100), QUICK, QUICK)
