@@ -317,6 +317,7 @@ def _lines(
             if TABLE in searched.how
             else f"That proves nothing: {searched.steps:,} steps were searched."
         )
+        lines += _on_slight(shown)
         if alarms:
             lines.append(f"On {alarms} of {count} starts it pays for failing or loitering all the same.")
     back = sum(plain.is_alarm and case.word == NOTHING for (plain, _), case in zip(both, decided, strict=True))
@@ -329,6 +330,22 @@ def _lines(
             f"{facts.gamma:g} is not tempted."
         )
     return lines
+
+
+def _on_slight(shown: Case) -> list[str]:
+    """Why a failure that is paid more than a success is no alarm; empty if none is."""
+    failure, success = shown.three.failure, shown.three.success
+    if failure is None or success is None:
+        return []
+    more = paid_by(failure, shown.discount) - paid_by(success, shown.discount)
+    if more <= SLACK * abs(paid_by(success, shown.discount)):
+        return []
+    if more <= shown.margin:
+        return [
+            f"The failure's {number(more)} more are no alarm: less than {number(shown.margin)}, {MARGIN:.0%} of what "
+            "the best behaviour earns above random actions."
+        ]
+    return [f"The failure's {number(more)} more are no alarm: it behaves nearly as the success does."]
 
 
 def _on_chance(rates: Rates) -> str:

@@ -157,6 +157,20 @@ def test_a_near_miss_is_not_worse():
     assert _word(Three(0, low, success, success), facts=facts) == FAILING
 
 
+def test_a_failure_that_is_paid_a_little_more_is_told_why_it_is_no_alarm():
+    """By the margin, or by what it does; nothing is said where success is paid more."""
+
+    def third(failure, success):
+        return judge(_searched(Three(0, failure, success, success)), PLAIN, _walks).lines[2:]
+
+    success = _behaviour([0.96] * 100, 100)
+    (line,) = third(_behaviour([1.0] * 100), success)
+    assert line.startswith("The failure's 4 more are no alarm: less than 5, 5% of what ")
+    (line,) = third(replace(_behaviour([1.1] * 100), share=0.9), _behaviour([1.0] * 100, 1, ends=False))
+    assert line == "The failure's 10 more are no alarm: it behaves nearly as the success does."
+    assert third(_behaviour([0.9] * 100), success) == ()
+
+
 def test_without_a_success_it_cannot_tell():
     """On most starts; it asks for a demonstration."""
     found = judge(_searched(*[Three(0, HOVER, None, None)] * 3, HACKED), PLAIN, _walks)
