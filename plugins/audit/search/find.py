@@ -182,6 +182,8 @@ def find_cheats(
     from ..audit import Audit
     from .environment_world import of_env
 
+    if not rewards:
+        raise UsageError("rewards={}: name at least one, such as {'own': 'own'}, what the env pays")
     if not 0.0 < gamma <= 1.0:
         raise UsageError(f"gamma={gamma:g}: must be above 0 and at most 1")
     for name, value, least in (("budget", budget, 1), ("starts", starts, 1), ("seed", seed, 0)):
@@ -192,7 +194,7 @@ def find_cheats(
     for reward in rewards:
         with closing(of_env(env, reward, columns, gamma, success)) as world:
             found.append(find_in(world, Search(budget, starts, seed), policies=policies))
-    where = found[0].world if found else "nothing"
+    where = found[0].world
     return Audit(
         title=f"{where}: rewards {', '.join(rewards)}; discount {gamma:g}",
         facts={"env": where, "gamma": gamma},

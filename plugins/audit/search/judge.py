@@ -310,7 +310,7 @@ def _lines(
         where = "on average" if searched.rates is not None else f"on {alarms} of {count} starts"
         lines.append(f"It holds {where}{_by_which_sum(both, decided, facts.gamma)}.")
     elif word == CANNOT_TELL:
-        lines += _on_unsure(decided)
+        lines += _on_unsure(decided, facts.success, is_counted=TABLE in searched.how)
     else:
         lines.append(
             "All states and actions were counted: nothing pays more."
@@ -371,7 +371,7 @@ def _three_numbers(case: Case) -> str:
     if three.success is not None and three.fastest is not None:
         earns = "" if told else "earns "
         told.append(f"the best-paid success {earns}{number(paid_by(three.success, case.discount))}")
-        instead = f"{three.fastest.time} steps"
+        instead = f"{three.fastest.time} step{'s' if three.fastest.time > 1 else ''}"
         if three.success.time != three.fastest.time:
             instead += f" instead of {three.success.time}"
         told.append(f"the fastest success {number(paid_by(three.fastest, case.discount))} ({instead})")
@@ -407,8 +407,13 @@ def _by_which_sum(both: Sequence[tuple[Case, Case]], decided: Sequence[Case], ga
     return f"; discounted by {gamma:g} alone, without discount it does not"
 
 
-def _on_unsure(decided: Sequence[Case]) -> list[str]:
+def _on_unsure(decided: Sequence[Case], success: str, is_counted: bool) -> list[str]:
     count, missing = len(decided), sum(case.three.success is None for case in decided)
+    if is_counted:
+        return [
+            f"All states and actions were counted: none is a success on {missing} of {count} starts.",
+            f"Is '{success}' what tells success (--success)?",
+        ]
     late = sum(case.word == CANNOT_TELL and case.is_late for case in decided)
     few = sum(case.word == CANNOT_TELL and case.three.success is not None and not case.is_late for case in decided)
     told = [f"no success was found on {missing} of {count} starts"] if missing else []

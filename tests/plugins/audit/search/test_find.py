@@ -138,6 +138,8 @@ def test_what_cannot_be_is_refused(wrong, text):
     """In one sentence."""
     with pytest.raises(UsageError, match=text):
         find_cheats(Dock, {"near": near}, **wrong)
+    with pytest.raises(UsageError, match="name at least one"):
+        find_cheats(Dock, {})
 
 
 class Corridor(gymnasium.Env):

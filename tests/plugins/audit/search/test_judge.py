@@ -179,6 +179,16 @@ def test_without_a_success_it_cannot_tell():
     assert "--from FOLDER" in found.lines[2]
 
 
+def test_where_all_was_counted_more_steps_are_no_help():
+    """A success that cannot be reached is a matter of what tells success."""
+    found = judge(_searched(Three(0, HOVER, None, None), how=("table",)), Facts(success="docked>5"), _walks)
+    assert found.word == CANNOT_TELL
+    assert found.lines[1:] == (
+        "All states and actions were counted: none is a success on 1 of 1 starts.",
+        "Is 'docked>5' what tells success (--success)?",
+    )
+
+
 @pytest.mark.parametrize("more", [{"successes": 3}, {"climbing": 40.0}])
 def test_few_successes_or_rising_ones_cannot_tell(more):
     """What they are paid may still rise above the failure's pay; in a table it may not."""
