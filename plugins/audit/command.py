@@ -294,6 +294,8 @@ def _refuse_unsearched(asked: "Search | None", out: Path | None, html: Path | No
     for flag, given in (("--out", out), ("--html", html)):
         if given is not None and asked is None:
             raise UsageError(f"{flag} needs a search: leave out --budget 0")
+    if html is not None and (html.is_dir() or not html.parent.is_dir()):
+        raise UsageError(f"--html '{html}': name a file in a folder that exists, such as page.html")
     if out is not None:
         from .search.out import require_free
 

@@ -39,6 +39,10 @@ def test_a_search_leaves_certificates_and_their_page(cheats, harness):
         (("--replay", "none.json", "--reward", "arp"), "says itself what is played: leave out 'arp'"),
         (("--reward", "arp", "--budget", "0", "--out", "x"), "--out needs a search: leave out --budget 0"),
         (("--reward", "arp", "--out", "file"), "--out 'file'"),
+        (
+            ("--reward", "arp", "--html", "none/page.html"),
+            "--html 'none/page.html': name a file in a folder that exists",
+        ),
     ],
 )
 def test_what_makes_no_sense_is_said_in_a_line(harness, tmp_path, flags, told):
