@@ -25,7 +25,7 @@ SLACK = 1e-6
 LATER, SPARE = 1.5, 0.25
 """A success loiters that takes so many times as long as the fastest, and so large a part of the time that is left."""
 REACH = 3.0
-"""Of 1 / (1 - gamma) steps, after which a learner that discounts by gamma counts almost nothing: exp(-3) is 5 %."""
+"""A learner that discounts by gamma counts almost nothing after so many times 1 / (1 - gamma) steps: exp(-3) is 5 %."""
 WORSE = 0.75
 """A failure is clearly worse that is in success for less than this share of the steps that a success is."""
 NEAR, SLIGHT = 0.05, 3.0
