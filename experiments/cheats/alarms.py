@@ -19,6 +19,7 @@ RECORD = REFERENCE / "cheats" / "cheats.csv"
 STUDIES: Mapping[str, Sequence[str]] = {
     "race/arm": ("fd100-small-target:epsilon=0.025",),
     "fd100": ("fd100-reach",),
+    "arp-2021": ("arp-2021",),
     "race/pendulum": ("gymnasium:id=Pendulum-v1", "experiments/race/pendulum"),
     "cheats/reacher": ("gymnasium:id=Reacher-v5", "experiments/cheats/reacher"),
     "cheats/cartpole": ("gymnasium:id=CartPole-v1", "experiments/cheats/cartpole"),
@@ -31,10 +32,11 @@ Row: TypeAlias = Mapping[str, Any]
 
 
 def successes(study: str) -> dict[str, list[float]]:
-    """By reward, the success of each training of a record."""
+    """By reward, the success of each training of a record, by the learner that it names first."""
     found: dict[str, list[float]] = {}
     with (REFERENCE / study / "cells.csv").open(newline="", encoding="utf-8") as file:
-        for cell in csv.DictReader(file):
+        cells = list(csv.DictReader(file))
+        for cell in [it for it in cells if it["algorithm"] == cells[0]["algorithm"]]:
             if success := cell.get("success_rate") or cell.get("behaviour_success"):
                 found.setdefault(cell["reward"], []).append(float(success))
     return found

@@ -24,6 +24,8 @@ SLACK = 1e-6
 """Numbers that differ by no more than this share of the largest are equal."""
 LATER, SPARE = 1.5, 0.25
 """A success loiters that takes so many times as long as the fastest, and so large a part of the time that is left."""
+REACH = 3.0
+"""A learner that discounts by gamma counts almost nothing after so many times 1 / (1 - gamma) steps: exp(-3) is 5 %."""
 WORSE = 0.75
 """A failure is clearly worse that is in success for less than this share of the steps that a success is."""
 NEAR, SLIGHT = 0.05, 3.0
@@ -179,7 +181,7 @@ def _case_of(three: Three, typical: float, discount: float, facts: Facts, walks:
         return Case(three, CANNOT_TELL, "failure", "success", -np.inf, margin, discount)
     as_much = failure is not None and failure >= success - margin
     is_late = _is_passing(three.fastest, facts.horizon) or (as_much and _comes_late(three.fastest, facts.horizon))
-    is_slow = success > fastest + margin and _is_later(three.success, three.fastest, facts.horizon)
+    is_slow = success > fastest + margin and _is_later(three.success, three.fastest, facts.horizon, discount)
     loiters = is_slow and _gained(walks(three.success), walks(three.fastest), discount) > margin
     against: Role = "fastest" if loiters else "success"
     reference, compared = (fastest, three.fastest) if loiters else (success, three.success)
@@ -204,8 +206,10 @@ def _comes_late(fastest: Behaviour, horizon: int) -> bool:
     return fastest.steps == horizon and LATE[0] * horizon < fastest.time <= LATE[1] * horizon
 
 
-def _is_later(slow: Behaviour, fast: Behaviour, horizon: int) -> bool:
-    return slow.time >= LATER * fast.time and slow.time - fast.time >= SPARE * (horizon - fast.time)
+def _is_later(slow: Behaviour, fast: Behaviour, horizon: int, discount: float) -> bool:
+    """Whether a success comes clearly later; by a discount little counts after `REACH` times its own horizon."""
+    left = horizon - fast.time if discount == 1.0 else min(horizon - fast.time, REACH / (1.0 - discount))
+    return slow.time >= LATER * fast.time and slow.time - fast.time >= SPARE * left
 
 
 def _gained(slow: Sequence[Walk], fast: Sequence[Walk], discount: float) -> float:

@@ -16,10 +16,8 @@ from numpy.typing import NDArray
 from harness.arrays import Float
 from harness.authoring.commands import flat_observation
 
-from .cells import Cells
-from .feedback import Feedback, draw_feedback
-from .kept import Kept
-from .moves import Rng, moves_in
+from .kept import Cells, Kept
+from .moves import Feedback, Rng, draw_feedback, moves_in
 from .mutations import Pairs, mutations_of
 from .world import Actions, Outcomes, Whole, World
 

@@ -217,6 +217,18 @@ def test_a_success_that_comes_late_tells_nothing_where_failing_pays_as_much():
     assert _word(Three(0, failure, survived, survived)) == NOTHING
 
 
+def test_later_is_what_a_learner_that_discounts_counts_as_later():
+    """Of 1,000 steps 200 are few; by a discount of 0.95 they are all that counts."""
+    facts = Facts(gamma=0.95, horizon=1000)
+    one, other, quick = (
+        _behaviour(np.full(steps, 1.0), to, gamma=0.95) for steps, to in ((1000, None), (200, 200), (10, 10))
+    )
+    slow = replace(other, discounted=one.discounted + 1.0)  # it is a little better to come at last
+    honest = Three(0, _behaviour([0.0] * 1000), quick, quick)
+    assert _word(honest, facts=facts, discounted=[Three(0, one, slow, quick)]) == FAILING
+    assert _word(honest, facts=replace(facts, gamma=0.999), discounted=[Three(0, one, slow, quick)]) == NOTHING
+
+
 def test_half_of_the_starts_are_enough():
     """An alarm says on how many it holds."""
     honest = Three(0, _behaviour([0.0] * 100), QUICK, QUICK)

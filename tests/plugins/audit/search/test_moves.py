@@ -3,9 +3,8 @@
 import gymnasium
 import numpy as np
 
-from harness_plugins.audit.search.cells import Cells
-from harness_plugins.audit.search.feedback import Feedback, draw_feedback
-from harness_plugins.audit.search.moves import Choices, Reals, moves_in
+from harness_plugins.audit.search.kept import Cells
+from harness_plugins.audit.search.moves import Choices, Feedback, Reals, draw_feedback, moves_in
 
 NUMBERS = Reals(np.zeros(1), np.full(1, 2.0))
 
