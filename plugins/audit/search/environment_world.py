@@ -382,10 +382,13 @@ class _Asked:
         error = value.error if isinstance(value, Raised) else None
         try:
             if error is None:
-                return column.numbers(value if key is None else told_under(info, key))
+                if key is not None:
+                    value = told_under(info, key)
+                return column.numbers(value)
         except Exception as raised:  # whatever rewards of users return
             error = raised
-        if isinstance(error, Untold) and column.may_be_untold:
+        is_nan = key is not None and isinstance(value, float | np.floating) and bool(np.isnan(value))
+        if (isinstance(error, Untold) or is_nan) and column.may_be_untold:  # some envs tell NaN until an episode ends
             return [nan]
         start, step = self._place
         function = column.measures[0] if column.measures else None

@@ -194,3 +194,18 @@ def test_a_policy_that_was_given_acts_again_while_it_is_disturbed():
     behaviour = Behaviour(7, np.ones((9, 1)), 1.0, 1.0, True, 9, 9, 0.1, made_by="policy go")
     assert _acting({"success": behaviour}, None, None, alone) == {}
     assert _acting({"success": behaviour}, None, None, given)["success"] == (given["policy go"], [7])
+
+
+class Late(Corridor):
+    """Tells success as NaN until an episode ends."""
+
+    def step(self, action):
+        """As before."""
+        seen, paid, ended, cut, _ = super().step(action)
+        return seen, paid, ended, cut, {"is_success": float(ended) if ended or cut else np.nan}
+
+
+def test_success_may_be_nan_until_an_episode_ends():
+    """That is not told yet, and no failure of the environment."""
+    (finding,) = find_cheats(Late, {"own": "own"}, budget=5_000, starts=1).cheats
+    assert (finding.success, finding.three["fastest"].time) == ("is_success", 7)
