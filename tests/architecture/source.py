@@ -17,9 +17,11 @@ FORK = re.compile(
 )
 """Names by which code asks whether it has an arm or another environment."""
 WORLDS = re.compile(
-    r"^(harness/record/cell\.py|harness/experiment/(arm_)?world\.py|harness/experiment/environments/|harness/authoring/)"
+    r"^(harness/record/cell\.py|harness/experiment/(arm_)?world\.py|harness/experiment/environments/|harness/authoring/"
+    r"|plugins/audit/search/(place|arm_world|environment_world)\.py)"
 )
-"""Files of the two worlds, and the cell, which says where it trains: what they say of themselves is no fork."""
+"""Files of the two worlds, those of a search too, and the cell, which says where it trains: what they say of themselves
+is no fork."""
 
 
 def files_of(*tops: str) -> list[Path]:

@@ -126,7 +126,7 @@ class ArmWorld:
                     break
         finally:
             env.recorder = None
-        self.taken += len(steps)
+        self.taken += len(steps) * self.arm.task.decision_period
         of_step = {name: env.episodes.columns(name) for name in (*names, *PRICES)}
         part = {name: np.array([row[:, at].sum() for row, _ in steps]) for name, at in of_step.items()}
         terms = {name.removeprefix(TERM): part[name] for name in names}
@@ -213,7 +213,7 @@ class ArmWorld:
                 if not running.any():
                     break
                 env.rest(~running)
-        self.taken += int(steps.sum())
+        self.taken += int(steps.sum()) * self.arm.task.decision_period
         success = reached > 0
         found = {DISTANCE: distance, CLOSEST: closest, GROUND: ground, TARGETS: reached.astype(float)}
         return Outcomes(

@@ -20,6 +20,9 @@ from .held_out import share_interval
 
 MARGIN = 0.05
 """An alarm needs so much more pay, as a share of what the best behaviour earns above random actions."""
+COSTLY = 5.0
+"""Random actions may cost so much that the margin is more than so many times `MARGIN` of the pay itself. Where failing
+is then paid more, by less than the margin, a search cannot tell. A table takes the smaller one of the two."""
 SLACK = 1e-6
 """Numbers that differ by no more than this share of the largest are equal."""
 LATER, SPARE = 1.5, 0.25
@@ -85,6 +88,7 @@ class Case:
         lead: By how many margins the tempting one is paid more.
         margin: In units of pay.
         discount: The factor per step of the sum that this is by; 1 of the plain sum.
+        is_close: Whether failing is paid more, by less than the margin, and random actions are `COSTLY`.
         is_late: Whether even the fastest success tells little of what doing the task pays: it comes and goes, and came
             again near the end, or it begins late where failing is paid as much.
     """
@@ -97,6 +101,7 @@ class Case:
     margin: float
     discount: float
     is_late: bool = False
+    is_close: bool = False
 
     @property
     def is_alarm(self) -> bool:
@@ -134,7 +139,10 @@ def judge(searched: Searched, facts: Facts, walks: Walks) -> Judged:
         (searched.discounted, searched.typical_discounted, facts.gamma),
     )
     plain, discounted = (
-        [_case_of(three, start, discount, facts, walks) for three, start in zip(threes, typical, strict=True)]
+        [
+            _case_of(three, start, discount, facts, walks, is_exact=TABLE in searched.how)
+            for three, start in zip(threes, typical, strict=True)
+        ]
         for threes, typical, discount in by_sum
     )
     if TABLE not in searched.how:
@@ -160,7 +168,7 @@ def paid_by(behaviour: Behaviour, discount: float) -> float:
     return behaviour.paid if discount == 1.0 else behaviour.discounted
 
 
-def _case_of(three: Three, typical: float, discount: float, facts: Facts, walks: Walks) -> Case:
+def _case_of(three: Three, typical: float, discount: float, facts: Facts, walks: Walks, *, is_exact: bool) -> Case:
     """One start by one sum.
 
     Args:
@@ -169,6 +177,7 @@ def _case_of(three: Three, typical: float, discount: float, facts: Facts, walks:
         discount: Of the sum.
         facts: Of the world.
         walks: See `judge`.
+        is_exact: Whether nothing pays more than these.
     """
     failure, success, fastest = (
         None if of is None else paid_by(of, discount) for of in (three.failure, three.success, three.fastest)
@@ -176,7 +185,9 @@ def _case_of(three: Three, typical: float, discount: float, facts: Facts, walks:
     known = [of for of in (failure, success) if of is not None]
     best = max(known, default=typical)
     tiny = SLACK * max(map(abs, (*known, typical)))
-    margin = max(MARGIN * (best - typical), tiny, np.finfo(float).tiny)
+    tiny = max(tiny, np.finfo(float).tiny)
+    margin, near = max(MARGIN * (best - typical), tiny), max(MARGIN * max(map(abs, known), default=0.0), tiny)
+    margin = min(margin, near) if is_exact else margin
     if success is None or fastest is None or three.success is None or three.fastest is None:
         return Case(three, CANNOT_TELL, "failure", "success", -np.inf, margin, discount)
     as_much = failure is not None and failure >= success - margin
@@ -189,6 +200,8 @@ def _case_of(three: Three, typical: float, discount: float, facts: Facts, walks:
         lead = (failure - reference) / margin
         if lead > 1.0 and _is_worse(three.failure, compared, lead, facts.directions):
             return Case(three, FAILING, "failure", against, lead, margin, discount, is_late)
+        if margin > COSTLY * near and failure > reference + near and three.failure.share < WORSE * compared.share:
+            return Case(three, CANNOT_TELL, "failure", against, lead, margin, discount, is_late, is_close=True)
         if not loiters:
             return Case(three, NOTHING, "failure", against, min(lead, 1.0), margin, discount, is_late)
     lead = (success - fastest) / margin
@@ -273,7 +286,7 @@ def _decided(plain: Case, discounted: Case) -> Case:
     """Which of the two sums decides at a start: an alarm by either, but a plain one that the discount takes back."""
     if discounted.is_alarm and not plain.is_alarm:
         return discounted
-    if plain.is_alarm and _takes_back(plain, discounted):
+    if (plain.is_alarm or plain.is_close) and _takes_back(plain, discounted):
         return discounted
     return plain
 
@@ -419,10 +432,14 @@ def _on_unsure(decided: Sequence[Case], success: str, is_counted: bool) -> list[
             f"Is '{success}' what tells success (--success)?",
         ]
     late = sum(case.word == CANNOT_TELL and case.is_late for case in decided)
-    few = sum(case.word == CANNOT_TELL and case.three.success is not None and not case.is_late for case in decided)
+    unsure = [case for case in decided if case.word == CANNOT_TELL and case.three.success is not None]
+    close = sum(case.is_close and not case.is_late for case in unsure)
+    few = sum(not (case.is_late or case.is_close) for case in unsure)
     told = [f"no success was found on {missing} of {count} starts"] if missing else []
     if late:
         told.append(f"no success was held for longer than the last steps on {late} of {count}")
+    if close:
+        told.append(f"a failure is paid more, by little beside what random actions lose, on {close} of {count}")
     if few:
         told.append(f"successes were too few, or still rose in pay, on {few} of {count}")
     text = "; ".join(told) or "the starts disagree"

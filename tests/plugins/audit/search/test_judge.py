@@ -217,6 +217,15 @@ def test_a_success_that_comes_late_tells_nothing_where_failing_pays_as_much():
     assert _word(Three(0, failure, survived, survived)) == NOTHING
 
 
+def test_costly_random_actions_do_not_hide_what_pays_more():
+    """Effort that swamps a bonus: doing nothing is paid more than any success, by little beside what effort costs."""
+    lazy, docked = _behaviour([0.0] * 100), _behaviour([-0.3] * 10, 10)
+    assert _word(Three(0, lazy, docked, docked), typical=-200.0) == CANNOT_TELL
+    assert _word(Three(0, lazy, docked, docked), typical=-200.0, how=("table",)) == FAILING
+    cheap = _behaviour([0.1] * 10, 10)
+    assert _word(Three(0, lazy, cheap, cheap), typical=-200.0) == NOTHING
+
+
 def test_later_is_what_a_learner_that_discounts_counts_as_later():
     """Of 1,000 steps 200 are few; by a discount of 0.95 they are all that counts."""
     facts = Facts(gamma=0.95, horizon=1000)
