@@ -168,20 +168,36 @@ def run(**given: Any) -> int:
     It trains with every combination of reward, simulator, algorithm and seed. One such training is called a cell. A
     cell that is done is not run again: the same command goes on where it stopped.
     """
-    from harness.cli.fail_on import NAMES, named_answers, said_of, status_of
     from harness.experiment.experiment import check
 
-    named = named_answers(given["fail_on"], "behaviour", "pay")
-    if unasked := [name for name in named if name in NAMES["pay"] and not given["screen"]]:
-        raise UsageError(f"--fail-on {unasked[0]}: only --screen looks for that: add --screen, or leave it out")
+    named = _named(given) if given["fail_on"] else ()
     (asked, options), plugins = read_flags(given), given_plugins(given)
     ready = check(asked, options, plugins)
     said = screen(ready) if given["screen"] else []
     if given["dry_run"]:
-        return status_of(named, said, foresee_run(ready, given["as_json"]))
-    results, status = train(ready, given["quiet"])
-    show_run(results, given["as_json"])
-    return status_of(named, [*said, *said_of(results)] if named else [], status)
+        results, status = None, foresee_run(ready, given["as_json"])
+    else:
+        results, status = train(ready, given["quiet"])
+        show_run(results, given["as_json"])
+    if not named:
+        return status
+    from harness.cli.fail_on import said_of, status_of
+
+    return status_of(named, [*said, *(said_of(results) if results else [])], status)
+
+
+def _named(given: Mapping[str, Any]) -> tuple[str, ...]:
+    """The answers that ``--fail-on`` names.
+
+    Raises:
+        UsageError: There is no such answer, or nothing looks for it.
+    """
+    from harness.cli.fail_on import NAMES, named_answers
+
+    named = named_answers(given["fail_on"], "behaviour", "pay")
+    if unasked := [name for name in named if name in NAMES["pay"] and not given["screen"]]:
+        raise UsageError(f"--fail-on {unasked[0]}: only --screen looks for that: add --screen, or leave it out")
+    return named
 
 
 def read_flags(given: Mapping[str, Any]) -> "tuple[Experiment, RunOptions]":

@@ -212,7 +212,7 @@ def test_audit_ends_by_what_its_search_finds(harness):
     search = ("--budget", "2000", "--starts", "1", "--episodes", "2")
     answer = harness("audit", "--reward", "arp", *search, "--fail-on", "failing", "--json")
     assert (answer.status, json.loads(answer.out)["cheats"][0]["answer"]) == (3, CANNOT_TELL)
-    assert answer.err.endswith("--fail-on failing: arp in fd100-reach: CANNOT TELL: status 3\n")
+    assert answer.err.endswith("--fail-on failing: arp in fd100-reach, fd100: CANNOT TELL: status 3\n")
 
 
 def test_replay_has_a_status_of_its_own(harness):
