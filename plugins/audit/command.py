@@ -109,9 +109,9 @@ def audit(
     if replay is not None:
         beside = subject or task or reward or ("--fail-on" if fail_on else None)
         return _replayed(replay, sim, plugin, measure, as_json, beside)
-    from harness.authoring.commands import named_answers, split_list, status_of
+    from harness.authoring.commands import split_list
 
-    failing = named_answers(fail_on, "pay", "ranking")
+    failing = _named_answers(fail_on)
     if subject is not None and task is not None:
         raise UsageError(f"--task {task} does not go with '{subject}': name one of them")
     named = subject or task
@@ -140,7 +140,7 @@ def audit(
             partial=partial,
             beginner=beginner,
         )
-        return status_of(failing, found.said, _show_answer(found, as_json, html))
+        return _ended(failing, [found], _show_answer(found, as_json, html))
     from harness.authoring.commands import choose, load_registry, read_given, split_measures
 
     from .search.place import places_in_environment
@@ -170,7 +170,7 @@ def audit(
     status = _show(audits, as_json)
     if asked is not None and (out is not None or html is not None):
         _leave([it for of in audits for it in of.cheats], found_at, registry, asked, out, html)
-    return status_of(failing, [said for it in audits for said in it.said], status)
+    return _ended(failing, audits, status)
 
 
 vars(audit)["examples"] = (
@@ -182,6 +182,24 @@ vars(audit)["examples"] = (
     "harness audit --reward arp --out my-cheats",
     "harness audit --replay my-cheats/arp-failure.json",
 )
+
+
+def _named_answers(fail_on: Sequence[str] | None) -> tuple[str, ...]:
+    """The answers that ``--fail-on`` names; what decides is loaded where the flag is given."""
+    if not fail_on:
+        return ()
+    from harness.authoring.commands import named_answers
+
+    return named_answers(fail_on, "pay", "ranking")
+
+
+def _ended(failing: Sequence[str], found: "Sequence[Audit | DatasetAudit]", status: int) -> int:
+    """The exit status by what was answered."""
+    if not failing:
+        return status
+    from harness.authoring.commands import status_of
+
+    return status_of(failing, [said for it in found for said in it.said], status)
 
 
 def _kind_of(subject: str | None, task: str | None, registry: "Registry") -> str:

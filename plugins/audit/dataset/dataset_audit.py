@@ -3,17 +3,20 @@
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from io import StringIO
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console, Group, RenderableType
 from rich.text import Text
 
 from harness.arrays import Float
-from harness.authoring.commands import AGAINST, CANNOT_TELL, RANKS, Auc, DatasetFacts, Said, SeedMean
+from harness.authoring.commands import AGAINST, CANNOT_TELL, RANKS, Auc, DatasetFacts, SeedMean
 from harness.text import number
 
 from ..recorded.pair import Pair, mean_json
 from ..recorded.pair_grid import MISSING, add_answer, answer_grid, pair_grid, pair_lines, share_text
+
+if TYPE_CHECKING:
+    from harness.authoring.commands import Said
 
 SCALE = "1: every success is paid more than every failure; 0.5: no better than a coin; 0: every failure is paid more"
 PROMISE = (
@@ -144,8 +147,10 @@ class DatasetAudit:
         return _text(self)
 
     @property
-    def said(self) -> tuple[Said, ...]:
+    def said(self) -> "tuple[Said, ...]":
         """The answers that ``--fail-on`` may name."""
+        from harness.authoring.commands import Said
+
         levels = [(f"{it.name} beside the beginner's", it.by_level) for it in self.rewards]
         found = [*((it.name, it.by_success) for it in self.rewards), *levels]
         return tuple(Said("ranking", of, auc.answer) for of, auc in found if auc is not None)
