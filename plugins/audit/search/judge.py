@@ -216,7 +216,7 @@ def _is_passing(fastest: Behaviour, horizon: int) -> bool:
 
 def _comes_late(fastest: Behaviour, horizon: int) -> bool:
     """Whether even the fastest success of a start begins late, in an episode that goes on until the horizon."""
-    return fastest.steps == horizon and LATE[0] * horizon < fastest.time <= LATE[1] * horizon
+    return fastest.steps == horizon and LATE[0] * horizon < fastest.time < LATE[1] * horizon
 
 
 def _is_later(slow: Behaviour, fast: Behaviour, horizon: int, discount: float) -> bool:
