@@ -40,7 +40,7 @@ class IdealSimulation:
 
     def reset(self, qpos: Float, mask: Mask) -> State:
         self.qpos[mask], self.qvel[mask] = qpos[mask], 0.0
-        self.rest(self._asleep & ~mask)
+        self._let_sleep(self._asleep & ~mask)
         return self.state()
 
     def drive(self, qpos: Float, duration: float) -> State:
@@ -57,6 +57,9 @@ class IdealSimulation:
 
     def rest(self, mask: Mask) -> None:
         """Compute nothing of the arms of `mask`, (num_envs,), until they are reset or another mask is given."""
+        self._let_sleep(mask)
+
+    def _let_sleep(self, mask: Mask) -> None:
         self._asleep, self._awake = mask.copy(), np.flatnonzero(~mask) if mask.any() else slice(None)
 
     def state(self) -> State:

@@ -71,7 +71,7 @@ def a_reward_that_raises_stops_nothing(screen: Screen, folder: Path) -> None:
 
 @check("screen-writes-nothing")
 def nothing_is_written(screen: Screen, folder: Path) -> None:
-    """`screen` writes no file where it is run."""
+    """`screen` writes no file into the folder where it is run."""
     with chdir(folder):
         _asked(screen, ARM, load_registry())
     require(not any(folder.iterdir()), "it writes into the folder")

@@ -194,9 +194,7 @@ def readers(registry: Registry, cell: Any, folder: Path) -> dict[str, Reader]:
         **_datasets(folder),
         "recorded training": _recorded_training(folder, "recording-0.json", _mutate_sealed),
         "steps of a recorded training": _recorded_training(folder, "steps-0-00000.parquet", _mutate_parquet),
-        "certificate": Reader(
-            {"c.json": _certificate()}, {"c.json": _mutate_sealed}, lambda at: page_in(at / "c.json")
-        ),
+        "certificate": _certificate(),
         "scene": Reader({"scene.json": _scene(folder)}, {"scene.json": mutate_json}, read_scene),
         **_sealed("manifest", "m/manifest.json", _manifest(cell, folder), lambda at: read_manifest(at / "m")),
         **_sealed("plan", "p/plan.json", _plan(registry, folder), lambda at: Store.open(at / "p").read_plan()),
