@@ -143,7 +143,7 @@ def audit(
         return _ended(failing, [found], _show_answer(found, as_json, html))
     from harness.authoring.commands import choose, load_registry, read_given, split_measures
 
-    from .search.place import places_in_environment
+    from .search.place import GAMMA_OF_ARM, places_in_environment
 
     measures, files = split_measures(measure or ())
     registry = load_registry(given=read_given(plugin, files))
@@ -154,14 +154,15 @@ def audit(
     _refuse_unsearched(asked, out, html)
     found_at: Sequence[Place] = ()
     if kind == TASK:
-        discount = 0.95 if gamma is None else gamma
+        discount = GAMMA_OF_ARM if gamma is None else gamma
         audits, found_at = _of_task(registry, reward, named, robot, sim, against, episodes, discount, asked is None)
     elif kind == ENVIRONMENT:
+        from .transitions.audit_rewards import GAMMA
         from .transitions.environment import audit_environment
 
         chosen = choose(registry, "environments", str(named))
         audits = [audit_environment(chosen, registry, reward, against, gamma, episodes)]
-        discount = 0.99 if gamma is None else gamma
+        discount = GAMMA if gamma is None else gamma
         found_at = places_in_environment(registry, chosen, reward, discount, success or "")
     else:
         audits = [_of_folder(kind, Path(str(named)), registry, reward, random, log_format, sort)]

@@ -53,15 +53,16 @@ class Cheats:
 
     def _search(self, cell: "Cell", registry: "Registry") -> "Finding":
         from .search.find import Search, find_in
-        from .search.place import blamed_at, places_in_environment, places_on_task, world_at
+        from .search.place import GAMMA_OF_ARM, blamed_at, places_in_environment, places_on_task, world_at
+        from .transitions.audit_rewards import GAMMA
 
         task, reward, discount = cell.task, cell.reward, dict(cell.algorithm.params).get("gamma")
         if cell.is_in_environment:
             asked = Search(self.steps_elsewhere, self.starts)
-            (place,) = places_in_environment(registry, task, reward.label, float(discount or 0.99))
+            (place,) = places_in_environment(registry, task, reward.label, float(discount or GAMMA))
         else:
             asked = Search(self.steps, self.starts)
-            (place,) = places_on_task(registry, [reward], task.label, cell.robot, None, float(discount or 0.95))
+            (place,) = places_on_task(registry, [reward], task.label, cell.robot, None, float(discount or GAMMA_OF_ARM))
         with blamed_at(place, registry), closing(world_at(place, registry)) as world:
             return find_in(world, asked)
 

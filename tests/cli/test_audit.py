@@ -47,6 +47,18 @@ def test_an_arm_is_searched_beside_its_scripts(harness):
     assert found["lines"][0].startswith("The best-paid failure earns ")
 
 
+def test_a_task_that_scripts_cannot_do_is_searched_without_them(harness):
+    """They move joints, and these actions move the tip; with nothing to search it is refused."""
+    call = ("audit", "--task", "fd100-reach:action=movel", "--reward", "dense")
+    answer = harness(*call, "--budget", "500", "--starts", "1")
+    assert answer.status == 0
+    assert "What a cheat would do for dense" in answer.out
+    assert "Not asked of scripts: The scripted policies of an audit move joints" in answer.out
+    refused = harness(*call, "--budget", "0")
+    assert refused.status == 2
+    assert refused.err.startswith("harness: The scripted policies of an audit move joints")
+
+
 def test_an_environment_is_searched_for_each_reward_that_is_named(harness, hover):
     """By a measure with a threshold that is named; the answer's word stands first in its line."""
     Path("behaviour.py").write_text("def place(step):\n    return step.observation[..., 0]\n")

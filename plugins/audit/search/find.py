@@ -14,10 +14,11 @@ from harness.errors import UsageError
 from harness.reward import Given
 from harness.text import number
 
+from ..transitions.audit_rewards import GAMMA
 from .behaviour import Behaviour, Rates
 from .disturb import NOISES, Acting, Strength, noise_curve, rested, strength_of
 from .environment_world import since
-from .finding import FRAGILE, Finding, Role
+from .finding import FRAGILE, NAMES, Finding, Role
 from .held_out import act_of
 from .judge import Case, Walk, judge
 from .place import Place, blamed_at, elsewhere_of, world_at
@@ -30,9 +31,6 @@ WATCHED = 16
 """So many episodes of a policy are looked at where chance decides."""
 SEEDS = (100_000, 1_000_000)
 """Starts are reset with seeds between these; trainings count theirs from 0, and evaluations have larger ones."""
-NAMES: Mapping[Role, str] = {
-    "failure": "the best-paid failure", "success": "the best-paid success", "fastest": "the fastest success"
-}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -155,7 +153,7 @@ def find_cheats(
     success: str = "",
     behaviour: Mapping[str, Given] | None = None,
     policies: Mapping[str, Act] | None = None,
-    gamma: float = 0.99,
+    gamma: float = GAMMA,
     budget: int = ENVIRONMENT.budget,
     starts: int = ENVIRONMENT.starts,
     seed: int = 0,
@@ -250,12 +248,12 @@ def _on_strength(stood: Strength, shown: Case) -> str:
     on = f" on {stood.count - stood.stands if fragile else stood.stands} of {stood.count} starts"
     return (
         f"{stood.word}: with action noise {NOISES[-1]:g} it {'no longer' if fragile else 'still'} pays more"
-        f"{on if stood.count > 1 else ''}. On average {NAMES[shown.tempting]} then "
-        f"earns {number(stood.tempting)}, {NAMES[shown.against]} "
+        f"{on if stood.count > 1 else ''}. On average the {NAMES[shown.tempting]} then "
+        f"earns {number(stood.tempting)}, the {NAMES[shown.against]} "
         f"{number(stood.task)}."
     )
 
 
 def _on_elsewhere(name: str, paid: Mapping[Role, float]) -> str:
-    told = ", ".join(f"{NAMES[role]} {number(value)}" for role, value in paid.items())
+    told = ", ".join(f"the {NAMES[role]} {number(value)}" for role, value in paid.items())
     return f"The same actions in {name} earn: {told}."

@@ -15,6 +15,10 @@ from .world import Shown
 ROBUST, FRAGILE = "ROBUST", "FRAGILE"
 """Beside an alarm: whether what was found still pays more than doing the task while actions are disturbed."""
 Role: TypeAlias = Literal["failure", "success", "fastest"]
+NAMES: Mapping[Role, str] = {
+    "fastest": "fastest success", "failure": "best-paid failure", "success": "best-paid success"
+}  # fmt: skip
+"""What each behaviour is called, in the order in which they are shown: doing the task first."""
 
 
 @dataclass(frozen=True)

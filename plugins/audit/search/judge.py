@@ -15,7 +15,7 @@ from harness.arrays import Float
 from harness.text import number
 
 from .behaviour import Behaviour, Rates, Searched, Three
-from .finding import CANNOT_TELL, FAILING, LOITERING, NOTHING, Role
+from .finding import CANNOT_TELL, FAILING, LOITERING, NAMES, NOTHING, Role
 from .held_out import share_interval
 
 MARGIN = 0.05
@@ -400,15 +400,9 @@ def _three_numbers(case: Case) -> str:
 
 def _earnings(case: Case) -> str:
     """What tempts, and what it is compared with: ``the best-paid failure earns 3 and the best-paid success 2``."""
-    three = case.three
-    named = {
-        "failure": ("the best-paid failure", three.failure),
-        "success": ("the best-paid success", three.success),
-        "fastest": ("the fastest success", three.fastest),
-    }
-    (one, tempting), (other, task) = named[case.tempting], named[case.against]
-    earns = number(paid_by(tempting, case.discount)) if tempting else "nothing"
-    return f"{one} earns {earns} and {other} {number(paid_by(task, case.discount)) if task else 'nothing'}"
+    found = case.three.by_role()
+    one, other = (number(paid_by(found[role], case.discount)) for role in (case.tempting, case.against))
+    return f"the {NAMES[case.tempting]} earns {one} and the {NAMES[case.against]} {other}"
 
 
 def _by_which_sum(both: Sequence[tuple[Case, Case]], decided: Sequence[Case], gamma: float) -> str:

@@ -25,16 +25,12 @@ from harness.authoring.pages import (
 from harness.text import number, visible
 
 from .certificate import Certificate, file_names
-from .finding import CANNOT_TELL, FAILING, LOITERING, Role
+from .finding import CANNOT_TELL, FAILING, LOITERING, NAMES, Role
 from .world import Shown
 
 TEMPLATE = Path(__file__).parent / "cheats.html.j2"
 BADGES: Mapping[str, str] = {FAILING: "hurts", LOITERING: "hurts", CANNOT_TELL: "cannot-tell"}
 """The colour of each answer; nothing found is none."""
-NAMES: Mapping[Role, str] = {
-    "fastest": "fastest success", "failure": "best-paid failure", "success": "best-paid success"
-}  # fmt: skip
-"""What each behaviour is called, in the order in which they are shown: doing the task first."""
 COLOURS: Mapping[Role, str] = {"fastest": "baseline", "failure": "proposed", "success": "pair-5"}
 """Those that the replay of an arm has too."""
 DASHES: Mapping[Role, str] = {"fastest": "6 3", "failure": "", "success": "2 3"}

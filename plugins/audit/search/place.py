@@ -30,10 +30,13 @@ from harness.authoring.commands import (
 from harness.environment import Environment
 from harness.task import choose_task
 
+from ..transitions.audit_rewards import GAMMA
 from .arm_world import ArmWorld
 from .environment_world import of_environment
 from .world import World
 
+GAMMA_OF_ARM = 0.95
+"""The discount of a learner on a task of an arm, where nobody says it; elsewhere it is `GAMMA`."""
 OTHERS = ("mujoco", "pybullet", "kinematic")
 """Simulators that an arm's behaviour is tried in, the first that is installed and is another one."""
 ENGINES = ("mujoco", "Box2D", "pybullet", "pymunk", "pygame", "brax", "jax", "torch")
@@ -60,7 +63,7 @@ class Place:
     robot: str = ""
     simulator: Choice | None = None
     success: str = ""
-    gamma: float = 0.99
+    gamma: float = GAMMA
     horizon: int = 0
     plugins: tuple[Mapping[str, Any], ...] = ()
 

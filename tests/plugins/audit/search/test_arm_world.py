@@ -9,13 +9,14 @@ from gymnasium.spaces import Discrete
 from gymnasium.vector import AutoresetMode
 
 import harness
-from harness.authoring.commands import World as Arm
+from harness.authoring.commands import World as Arm, choose, load_registry
 from harness.env import ReachVectorEnv
 from harness.env.ideal import IdealSimulator
 from harness.errors import UsageError
 from harness.reach import ReachTask
 from harness_plugins.audit.search.arm_world import TOGETHER, ArmWorld
 from harness_plugins.audit.search.beginnings import scripts_of
+from harness_plugins.audit.search.place import places_on_task, world_at
 
 ROBOT = harness.load_robot("fd100")
 STARTS = np.array([0, 1, 0, 2])
@@ -205,3 +206,25 @@ def test_a_simulator_that_forgets_its_seed_is_told():
     world.arm = replace(world.arm, simulator=Restless())
     world.close()
     assert not world.is_repeated
+
+
+def test_starts_that_are_alike_are_searched_once():
+    """The published task begins all its episodes in one pose with one target."""
+    registry = load_registry()
+    arp = [choose(registry, "rewards", "arp")]
+    for task, count in (("arp-2021", 1), ("fd100-reach", 3)):
+        (place,) = places_on_task(registry, arp, task, None, None, 0.95)
+        world = world_at(place, registry)
+        assert len(world.distinct([5, 6, 7])) == count
+        world.close()
+
+
+def test_a_decision_of_five_steps_counts_five():
+    """Played, and shown."""
+    world = ArmWorld(Arm(IdealSimulator(), ROBOT, Held(horizon=20), Remembering()), "held", "reward", 0.95)
+    still = np.zeros((1, world.horizon, ROBOT.dof), np.float32)
+    played = world.play(np.array([0]), still)
+    assert (played.steps.tolist(), world.taken) == ([4], 20)
+    world.show(0, still[0])
+    assert world.taken == 40
+    world.close()
