@@ -78,7 +78,7 @@ class RunFlags:
         float | None,
         flag("SHARE", "With --until: a difference of success below this, as a share, ends the training.", "0.10"),
     ] = None
-    steps: Annotated[int | None, flag("N", "Environment steps of each training.", "5000")] = None
+    steps: Annotated[int | None, flag("N", "Environment steps of each training.", "10000")] = None
     evaluation_episodes: EvaluationEpisodes = None
     evaluate_every: Annotated[
         int | None, flag("N", "Environment steps from one evaluation to the next.", "only at the end")
