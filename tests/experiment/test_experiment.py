@@ -21,7 +21,14 @@ from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.results import Results
 
-QUICK: dict[str, Any] = {"sim": "ideal", "algo": "wander", "seeds": 1, "steps": 6, "evaluation_episodes": 2}
+QUICK: dict[str, Any] = {
+    "sim": "ideal",
+    "algo": "wander",
+    "reward": "arp",
+    "seeds": 1,
+    "steps": 6,
+    "evaluation_episodes": 2,
+}
 TASK = "fd100-reach:horizon=5"
 
 

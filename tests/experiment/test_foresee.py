@@ -8,7 +8,7 @@ from harness.experiment.foresee import foresee
 from harness.experiment.plan import check_experiment
 from harness.experiment.run_options import RunOptions
 
-ASKED = {"sim": "ideal", "algo": "wander", "seeds": 2, "steps": 12, "evaluation_episodes": 2}
+ASKED = {"sim": "ideal", "algo": "wander", "reward": "arp", "seeds": 2, "steps": 12, "evaluation_episodes": 2}
 
 
 def ready(out, asked=ASKED, **options):

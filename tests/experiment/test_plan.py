@@ -18,7 +18,7 @@ from harness.registry.choice import choose
 from harness.registry.registry import Registry, load_registry
 from harness.robot.robot import load_robot
 
-BASE = {"sim": ["ideal"], "algo": ["wander"]}
+BASE = {"sim": ["ideal"], "algo": ["wander"], "reward": ["arp"]}
 
 
 def _plan(registry: Registry, **keys: Any) -> Plan:
