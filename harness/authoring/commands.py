@@ -201,6 +201,7 @@ if TYPE_CHECKING:
     from harness.policy.continuous import ContinuousNetwork as ContinuousNetwork
     from harness.policy.folder import read_folder as read_folder
     from harness.policy.network import MEAN as MEAN, STD as STD
+    from harness.record.blocks import Block as Block
     from harness.record.cell import BROUGHT as BROUGHT, Cell as Cell
     from harness.record.cell_folder import require_files as require_files
     from harness.record.dataset.labels import (
