@@ -299,7 +299,13 @@ def train(ready: "ExperimentRun", quiet: bool) -> "tuple[Results, int]":
     with (
         kept_when_interrupted("finished cells are kept", folder),
         ready.begin(lambda: complain(f"waiting for another run in '{folder}' to end")) as begun,
-        LiveProgress((*begun.spared, *begun.waiting), begun.spared, console, ready.store.log_of) as progress,
+        LiveProgress(
+            (*begun.spared, *begun.waiting),
+            begun.spared,
+            console,
+            ready.store.log_of,
+            at_most=bool(ready.plan.terms.looks),
+        ) as progress,
     ):
         results = begun.run(progress, progress.warn)
     if results.failed:
