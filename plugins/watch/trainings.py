@@ -155,7 +155,7 @@ class ExperimentSource:
         return made
 
     def _arm(self, plain: Training, folder: Path) -> Training:
-        """Of an arm: what its cell tells while it trains, afterwards its trace."""
+        """The training of an arm, by what its cell tells while it trains, and afterwards by its trace."""
         plain = replace(plain, measure="success", is_share=True)
         try:
             blocks = blocks_of_trace(folder / TRACE) if plain.state == "done" else read_blocks(folder)
