@@ -1,7 +1,7 @@
 """Takes the pictures of the README and of the tutorial, from the pages of the two experiments that these make.
 
     harness demo --out my-first
-    harness run --sim mujoco --algo sac-fast --reward arp,dense --steps 10000 --out first
+    harness run --sim mujoco --algo sac --out first
     python docs/pictures/take.py my-first first --chromium /usr/bin/chromium
 
 It needs Playwright and Pillow, of the extras dev and video, and a Chromium. The films, `reach.gif` and those of the
