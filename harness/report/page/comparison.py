@@ -29,7 +29,7 @@ from harness.report.figures.split_rows import describe_split
 from harness.report.figures.sum_split import describe_sum, draw_sum
 from harness.report.figures.trajectories import VIEWS, describe_trajectories, draw_trajectories
 from harness.report.page.answer import Card, card_of
-from harness.report.replay.links import BASELINE, PROPOSED, EpisodeLinks, Link
+from harness.report.replay.links import BASELINE, PROPOSED, EpisodeLinks, Link, Still
 from harness.report.rows.alone import alone_grid, setting_of, story
 from harness.report.rows.behaviour import (
     along_grid,
@@ -179,8 +179,7 @@ class Section:
     card: Card
     place: int = 1
     """Its number on the page."""
-    show: int | None = None
-    """The number of its show in the replay, from 0."""
+    still: Still | None = None
     full: Sequence[str] = ()
     returns: Grid | None = None
     mixtures: Sequence[str] = ()
@@ -222,7 +221,7 @@ def comparison_section(
     return Section(
         title=title,
         card=card_of(comparison, title),
-        show=links.place - 1 if links else None,
+        still=links.still if links else None,
         full=[text for text in full if text],
         returns=returned._replace(title="") if returned.rows or returned.notes else None,
         mixtures=[mixture.text for mixture in comparison.measured.mixtures],
@@ -231,7 +230,7 @@ def comparison_section(
         behaviour=grids[0] if grids else None,
         strips=[draw_strip(change) for change in changes],
         outcomes=bars,
-        episodes=links.all if links else [],
+        episodes=links.kinds if links else [],
         endings=_endings(links, bars),
         frames=frames_of(results, comparison),
         showing=[
