@@ -89,23 +89,28 @@ def kind_of(first: bool, second: bool) -> int:
 
 
 def cells_by_seed(results: Results, comparison: Comparison) -> tuple[tuple[Cell, ...], tuple[Cell, ...]]:
-    """The cells of both rewards, of the seeds that both have."""
+    """The cells of both rewards, of the seeds that both have; none where one of them is not done."""
     found = {(Group.of(cell), cell.reward.label, cell.seed): cell for cell in results.done_cells}
     baseline, proposed = (
-        tuple(found[comparison.group, reward, seed] for seed in comparison.seeds)
+        tuple(found.get((comparison.group, reward, seed)) for seed in comparison.seeds)
         for reward in (comparison.baseline, comparison.proposed)
     )
-    return baseline, proposed
+    known = [(one, other) for one, other in zip(baseline, proposed, strict=True) if one and other]
+    if len(known) < len(comparison.seeds):
+        return (), ()
+    return tuple(one for one, _ in known), tuple(other for _, other in known)
 
 
 def environment_pairs(results: Results, comparison: Comparison) -> Pairs | None:
-    """The pairs of a comparison in an environment; None where nothing tells how an episode came out.
+    """The pairs of a comparison in an environment; None where no policy was evaluated, or nothing tells how.
 
     Where no measure is a success, the first one that decides tells which of both was better.
 
     Raises:
         SchemaError: A file is damaged or written by a newer version.
     """
+    if not results.is_experiment:
+        return None
     sides = [[_recorded(results, cell) for cell in cells] for cells in cells_by_seed(results, comparison)]
     wanted = (SUCCESS, *comparison.measured.deciding)
     name = next((it for it in wanted if all(it in log.measures for logs in sides for log in logs)), None)
@@ -121,6 +126,38 @@ def environment_pairs(results: Results, comparison: Comparison) -> Pairs | None:
     words = (f"the same {told} under both", f"the baseline has the better {told}", f"{proposed} has the better {told}")
     kinds = kinds_of("succeed", proposed) if name == SUCCESS else words
     return Pairs(kinds, tuple(met)) if met else None
+
+
+class ShownPair(NamedTuple):
+    """The pair of an environment that stands for a comparison: typical, where the pairs can be told apart."""
+
+    cells: tuple[Cell, Cell]
+    number: int
+    """Of the episode, from 0."""
+    pairs: Pairs | None
+
+
+def shown_pair(results: Results, comparison: Comparison) -> ShownPair | None:
+    """The typical pair of the most frequent kind; the first one where nothing tells how an episode came out.
+
+    None where a cell is not done.
+
+    Args:
+        results: The experiment.
+        comparison: In an environment, with a seed that both rewards have.
+
+    Raises:
+        SchemaError: A file is damaged or written by a newer version.
+    """
+    baseline, proposed = cells_by_seed(results, comparison)
+    if not baseline:
+        return None
+    pairs = environment_pairs(results, comparison)
+    if pairs is None:
+        return ShownPair((baseline[0], proposed[0]), 0, None)
+    it = pairs.met[pairs.typical(pairs.usual)]
+    at = comparison.seeds.index(it.seed)
+    return ShownPair((baseline[at], proposed[at]), it.number, pairs)
 
 
 def _recorded(results: Results, cell: Cell) -> Log:

@@ -26,8 +26,8 @@ FIRST, DIFFERENT, MOST = 1, 3, 6
 """The most episodes of a show: first ones, episodes that end differently, and all together."""
 FRAMES = 150
 """The most frames of an episode. Of a longer episode, every n-th row is shown."""
-ROOM = 8_000
-"""About how many frames a page has room for, in all of its shows: some 350 kB."""
+ROOM = 16_000
+"""About how many frames a page has room for, in all of its shows: some 700 kB."""
 AXES = "xyz"
 PAID = ("reward", "reward_ground", "reward_target", "reward_step")
 SHOWN, LARGEST = ("qpos", "distance", *PAID, *(f"target_{axis}" for axis in AXES)), 1e9
@@ -359,7 +359,7 @@ def _within(met: Sequence[tuple[Way, ...]], chosen: Sequence[int], most: int, ro
 
 
 def _read(path: Path, scene: Scene) -> Log:
-    trace = read_trace(path)
+    trace = read_trace(path).load()  # at once: a file is opened for each column that is asked for alone
     shown = (*SHOWN, OBSTACLES) if OBSTACLES in trace else SHOWN
     if max(float(np.abs(trace[name]).max(initial=0.0)) for name in shown) > LARGEST:
         raise SchemaError(f"{path} holds numbers beyond {LARGEST:g}, which cannot be shown")
