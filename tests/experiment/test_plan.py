@@ -33,7 +33,7 @@ def _write(folder: Path, keys: dict[str, Any]) -> Path:
 
 def test_defaults_compare_two_rewards_with_the_baseline(toys: Registry):
     """With a simulator and an algorithm alone: six seeds, 10,000 steps, 100 episodes of evaluation."""
-    plan = _plan(toys, reward=None)
+    plan = expand(check_experiment({"sim": "ideal", "algo": "wander"}), toys)
     assert plan.baseline == "baseline"
     assert [(cell.reward.label, cell.seed) for cell in plan.cells] == [
         (reward, seed) for seed in range(6) for reward in ("baseline", "arp", "dense")

@@ -427,7 +427,7 @@ def test_short_name_means_the_registered_one(write_plugin: Write):
     assert registry.short_names("rewards") == {"quick": "quick-one"}
     assert [spec.name for spec in registry.all_specs()] == ["quick-one"]
     assert registry.kinds_of("quick") == ["rewards"]
-    with pytest.raises(UsageError, match="There is: quick, quick-one. Did you mean 'quick'"):
+    with pytest.raises(UsageError, match=r"There is: quick, quick-one\. Did you mean 'quick'"):
         registry.get("rewards", "quik")
 
 
@@ -438,7 +438,8 @@ def test_our_short_name_stays_ours(write_plugin: Write):
     assert registry.get("rewards", "other-algo/quick").distribution == "other-algo"
     assert registry.names("rewards") == ["other-algo/quick", "quick-one"]
     assert registry.conflicts() == [
-        "Reward 'quick' is the built-in one. It is claimed by package other-algo 1.0 too: write other-algo/quick for that"
+        "Reward 'quick' is the built-in one. It is claimed by package other-algo 1.0 too: "
+        "write other-algo/quick for that"
     ]
 
 
