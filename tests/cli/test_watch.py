@@ -178,3 +178,23 @@ def certificates(tmp_path):
     (tmp_path / "cheats").mkdir()
     write_certificate(certificate_of(), tmp_path / "cheats/near-failure.json")
     return tmp_path / "cheats"
+
+
+def test_a_run_serves_its_page(harness, quick, monkeypatch, tmp_path):
+    """As long as it goes on; it opens the page, and says how to see it again."""
+    seen = []
+
+    def look(address):
+        connection = HTTPConnection(HOST, int(address.rstrip("/").rpartition(":")[2]), timeout=60)
+        connection.request("GET", "/live")
+        seen.append(json.loads(connection.getresponse().read()))
+        connection.close()
+
+    monkeypatch.setattr("webbrowser.open", look)
+    answer = harness("run", *quick, "--seeds", 1, "--out", "watched", "--watch")
+    assert answer.status == 0
+    assert seen[0]["news"].startswith("0 of 3 trainings done, 3 waiting.")
+    assert "Live page: http://127.0.0.1:" in answer.err
+    assert "harness watch watched" in answer.err
+    with pytest.raises(ConnectionRefusedError):
+        look(answer.err.partition("Live page: ")[2].partition("\n")[0])
