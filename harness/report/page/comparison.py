@@ -192,6 +192,8 @@ class Section:
     summary: str = ""
     behaviour: Grid | None = None
     strips: Sequence[str] = ()
+    meanings: Sequence[str] = ()
+    """What each measure of `behaviour` is, in half a sentence; empty where its plugin does not say."""
     showing: Sequence[Mapping[str, Link | None]] = ()
     outcomes: Sequence[Bar] = ()
     endings: Sequence[Sequence[Link | None]] = ()
@@ -234,6 +236,7 @@ def comparison_section(
         summary=describe_comparison(comparison),
         behaviour=grids[0] if grids else None,
         strips=[draw_strip(change) for change in changes],
+        meanings=[_meaning(results, change.name) for change in changes],
         outcomes=bars,
         episodes=links.kinds if links else [],
         endings=_endings(links, bars),
@@ -257,6 +260,12 @@ def comparison_section(
         symbol=symbol_of(headline.answer),
         trajectories=_trajectory_panels(results, comparison),
     )
+
+
+def _meaning(results: Results, name: str) -> str:
+    """What a measure is, as its plugin tells in ``harness list metrics``; empty where nobody registered it."""
+    metric = name.partition(":")[0]
+    return results.registry.get("metrics", metric).summary if metric in results.registry.names("metrics") else ""
 
 
 def alone_section(results: Results, alone: Alone) -> dict[str, Any]:
