@@ -39,7 +39,7 @@ GROUPS: Mapping[str, Sequence[str]] = MappingProxyType(
         "Where they run, and within which limits": (
             *("executor", "fresh", "checkpoint_every", "stall_after", "cell_time", "cell_memory"),
         ),
-        "What is shown": ("tracker", "quiet", "as_json"),
+        "What is shown": ("watch", "tracker", "quiet", "as_json"),
     }
 )
 """All other parameters of these two, by the heading that they stand under with ``--help-all``."""

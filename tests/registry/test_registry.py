@@ -151,7 +151,7 @@ def test_built_in_names_that_take_a_library_name_an_extra_that_exists():
     """What `pip install 'fd100-harness[extra]'` asks for is an extra of this distribution."""
     ours = [spec for specs in load_registry().specs.values() for spec in specs if spec.distribution == "fd100-harness"]
     extras = {spec.name: spec.extra for spec in ours if spec.requires}
-    assert {"sac": "sb3", "mujoco": "mujoco"}.items() <= extras.items()
+    assert {"sb3-sac": "sb3", "mujoco": "mujoco"}.items() <= extras.items()
     assert set(extras.values()) <= set(metadata("fd100-harness").get_all("Provides-Extra"))
 
 

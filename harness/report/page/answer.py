@@ -114,6 +114,8 @@ def _sure(
     if answer is Answer.CANNOT_TELL:
         needed = needed_text(needed_of(changes, ruling), where, "of each reward")
         return " ".join(filter(None, [*reasons(names, changes, ruling, where), needed]))
+    if answer is Answer.NEITHER_LEARNS and ruling.is_decided:
+        return _luck(ruling.corrected or 0.0)
     return reserve_text(names, changes, ruling)
 
 
