@@ -10,6 +10,9 @@ from harness_plugins.audit.search.certificate import write_certificate
 from harness_plugins.watch.watch import HOST, Pages, open_server, pages_of
 from tests.plugins.audit.search.certified import certificate_of
 
+ALL = 2
+"""Trainings of an experiment with one seed."""
+
 
 @pytest.fixture
 def experiment(finished, tmp_path):
@@ -42,7 +45,7 @@ def test_the_page_shows_the_episodes(get):
     status, text = get("/")
     assert status == 200
     assert 'id="replay-player"' in text
-    assert "3 of 3 trainings done." in text
+    assert f"{ALL} of {ALL} trainings done." in text
 
 
 def test_the_page_tells_when_more_cells_ended(get, experiment):
@@ -51,9 +54,9 @@ def test_the_page_tells_when_more_cells_ended(get, experiment):
     gone = next((experiment / "cells").iterdir())
     shutil.rmtree(gone)
     after = json.loads(get("/live")[1])
-    assert (before["done"], after["done"]) == (3, 2)
-    assert "2 of 3 trainings done, 1 waiting." in after["news"]
-    assert "2 of 3 trainings done" in get("/")[1]
+    assert (before["done"], after["done"]) == (ALL, ALL - 1)
+    assert f"{ALL - 1} of {ALL} trainings done, 1 waiting." in after["news"]
+    assert f"{ALL - 1} of {ALL} trainings done" in get("/")[1]
 
 
 def test_results_are_asked_for_when_trainings_ended(get):
@@ -83,7 +86,7 @@ def test_the_page_is_a_file(harness, experiment, tmp_path):
     answer = harness("watch", experiment, "--html", tmp_path / "page.html")
     assert answer.status == 0
     text = (tmp_path / "page.html").read_text()
-    assert "3 of 3 trainings done." in text
+    assert f"{ALL} of {ALL} trainings done." in text
     assert 'id="replay-player"' in text
     assert "fetch(" not in text
 
@@ -191,9 +194,9 @@ def test_a_run_serves_its_page(harness, quick, monkeypatch, tmp_path):
         connection.close()
 
     monkeypatch.setattr("webbrowser.open", look)
-    answer = harness("run", *quick, "--seeds", 1, "--out", "watched", "--watch")
+    answer = harness("run", *quick, "--reward", "arp", "--seeds", 1, "--out", "watched", "--watch")
     assert answer.status == 0
-    assert seen[0]["news"].startswith("0 of 3 trainings done, 3 waiting.")
+    assert seen[0]["news"].startswith(f"0 of {ALL} trainings done, {ALL} waiting.")
     assert "Live page: http://127.0.0.1:" in answer.err
     assert "harness watch watched" in answer.err
     with pytest.raises(ConnectionRefusedError):
