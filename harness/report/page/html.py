@@ -34,12 +34,13 @@ from harness.report.rows.comparison import (
     until_decided,
     what_decides,
 )
+from harness.report.rows.numbers import INDICES
 from harness.report.rows.payoff import EXPLANATION as PAYOFFS, TITLE as PAYOFF_TITLE, Audits
 from harness.report.rows.pools import POOLED, grown_text, joined_text
 from harness.report.rows.race import RACE, RACE_TITLE, race_told
 from harness.report.rows.ranking import AGREEMENT, CHOICE, EXPLANATION as RANKING, TITLE as RANKING_TITLE, task_rows
 from harness.report.rows.ratios import PATHS, SPLIT, TOTAL
-from harness.report.rows.returns import EXPLANATION as RETURNS, MEAN, TITLE as RETURN_TITLE, matrix_title, return_grid
+from harness.report.rows.returns import EXPLANATION as RETURNS, PAY, TITLE as RETURN_TITLE, matrix_title, return_grid
 from harness.report.rows.terms import EXPLANATION as TERMS, TITLE as TERMS_TITLE, never_texts
 from harness.results import Results
 from harness.results.comparison import Comparison, still_to_come
@@ -87,7 +88,8 @@ SHARED: Mapping[str, str] = MappingProxyType(
         "forest": FOREST,
         "payoffs": PAYOFFS,
         "payoff_title": PAYOFF_TITLE,
-        "returns": MEAN,
+        "returns": PAY,
+        "indices": INDICES,
         "legend": LEGEND,
         "terms": TERMS,
         "alone": ALONE,
