@@ -100,7 +100,7 @@ SHARED: Mapping[str, str] = MappingProxyType(
     }
 )
 """Texts of the template."""
-PROMISE = "of 20 pages like this one, at most 1 says falsely that something is better or worse"
+PROMISE = "if nothing differed, about 5 % of reports would raise a false alarm"
 BARS = (
     "Dot and thin bar: the difference and its 95 % interval; right of the line is better. Thick bars are pay: right of "
     "the line is more pay, which is neither better nor worse. A training failed if its policy succeeds in less "
