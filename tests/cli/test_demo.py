@@ -10,7 +10,7 @@ from harness.results.replay import shows_of
 
 
 def test_the_number_grows_and_the_arm_moves_the_same(harness, tmp_path):
-    """Every recorded step is alike, pay grows 1.5 times, all by the ruler; the experiment stays where it was told to."""
+    """Every recorded step is alike, pay grows 1.5 times, all by the ruler; the experiment stays where it was put."""
     answer = harness("demo", "--out", "mine")
     assert (answer.status, answer.err) == (0, "")
     told = " ".join(answer.out.split())

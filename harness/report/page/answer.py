@@ -143,7 +143,7 @@ def _luck(p: float) -> str:
     return f"If the rewards did not differ, {count} of 1,000 experiments would show such a difference."
 
 
-NOTES = {"ruler": "rescaling alone: same episodes, other reward", "behaviour": "other episodes, same reward"}
+NOTES = {"ruler": "same episodes, other reward", "behaviour": "other episodes, same reward"}
 """What the parts of the pay are."""
 AGAINST = {(Answer.HURTS, True): ", for worse behaviour", (Answer.HELPS, False): ", for better behaviour"}
 """What is added where the pay goes the other way than the behaviour."""
