@@ -191,7 +191,7 @@ def test_a_run_serves_its_page(harness, quick, monkeypatch, tmp_path):
         connection.close()
 
     monkeypatch.setattr("webbrowser.open", look)
-    answer = harness("run", *quick, "--seeds", 1, "--out", "watched", "--watch")
+    answer = harness("run", *quick, "--reward", "arp", "--seeds", 1, "--out", "watched", "--watch")
     assert answer.status == 0
     assert seen[0]["news"].startswith("0 of 3 trainings done, 3 waiting.")
     assert "Live page: http://127.0.0.1:" in answer.err
