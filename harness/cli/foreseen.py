@@ -31,9 +31,9 @@ def foreseen_lines(found: "Foreseen") -> Iterator[str]:
     yield from (f"done: {line}" for line in _by_combination(found.done, lists_seeds=not found.looks))
     yield from (f"to do: {line}" for line in _by_combination(found.to_do, lists_seeds=not found.looks))
     if found.to_do:
-        yield from _evaluations(found.to_do[0])
+        yield from _evaluations(found.to_do[0], found.horizon)
         yield f"Time: {_time(found)}"
-        yield f"Disk: {_size(found.cost.bytes) if found.cost else f'not known: {found.unknown}'}"
+        yield f"Disk: {f'not known: {found.unknown}' if found.bytes is None else _size(found.bytes)}"
     yield "Nothing is written."
 
 
@@ -58,28 +58,46 @@ def _by_combination(cells: Sequence["Cell"], *, lists_seeds: bool) -> Iterator[s
         yield f"{title}: {'seed' if len(these) == 1 else f'{len(these)} seeds:'} {shown}"
 
 
-def _evaluations(cell: "Cell") -> Iterator[str]:
+def _evaluations(cell: "Cell", horizon: int) -> Iterator[str]:
     """How long episodes may be where nothing but an environment ends them: every cell of a run has the same horizon."""
     if cell.cut_after is not None:
         episodes = f"{cell.evaluation_episodes:,} episodes of each policy"
-        yield f"Evaluations: {episodes}, each cut after {cell.cut_after:,} steps if it goes on so long"
+        is_own = 0 < horizon <= cell.cut_after
+        most = (
+            f"of at most {horizon:,} steps" if is_own else f"cut after {cell.cut_after:,} steps if it goes on so long"
+        )
+        yield f"Evaluations: {episodes}, each {most}"
 
 
 def _time(found: "Foreseen") -> str:
     if found.seconds is None:
         return f"not known: {found.unknown}"
     most = "at most " if found.looks else ""
-    return (
-        f"{most}{about(found.seconds)}, {min(found.at_once, len(found.to_do))} at once, estimated from the done cells"
-    )
+    return f"{most}{about(found.seconds)}, {min(found.at_once, len(found.to_do))} at once, {found.basis}"
 
 
 def about(seconds: float) -> str:
-    """A duration as text, ``about 12 min``."""
-    for size, unit in ((3600, "h"), (60, "min")):
-        if seconds >= 2 * size:
-            return f"about {seconds / size:.0f} {unit}"
-    return f"about {seconds:.0f} s"
+    """A duration as text: ``about 40 s``, ``about 3 min``, ``about 2 h 10 min``."""
+    return f"about {_rounded(seconds)}"
+
+
+def left_text(seconds: float, *, at_most: bool = False) -> str:
+    """The time that is left as text, ``about 3 min left``; where less may do, ``at most 3 min left``."""
+    return f"{'at most' if at_most else 'about'} {_rounded(seconds)} left"
+
+
+def _rounded(seconds: float) -> str:
+    """To 5 seconds below 100 seconds, to minutes below 100 minutes, to 10 minutes below 10 hours."""
+    if seconds < 9.5:
+        return f"{max(round(seconds), 1)} s"
+    if seconds < 97.5:
+        return f"{5 * round(seconds / 5)} s"
+    if seconds < 97.5 * 60:
+        return f"{round(seconds / 60)} min"
+    hours, tens = divmod(round(seconds / 600), 6)
+    if hours >= 10:
+        return f"{round(seconds / 3600)} h"
+    return f"{hours} h {10 * tens} min" if tens else f"{hours} h"
 
 
 def _size(count: float) -> str:

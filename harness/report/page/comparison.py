@@ -29,7 +29,7 @@ from harness.report.figures.split_rows import describe_split
 from harness.report.figures.sum_split import describe_sum, draw_sum
 from harness.report.figures.trajectories import VIEWS, describe_trajectories, draw_trajectories
 from harness.report.page.answer import Card, card_of
-from harness.report.replay.links import BASELINE, PROPOSED, EpisodeLinks, Link
+from harness.report.replay.links import BASELINE, PROPOSED, EpisodeLinks, Link, Still
 from harness.report.rows.alone import alone_grid, setting_of, story
 from harness.report.rows.behaviour import (
     along_grid,
@@ -49,7 +49,8 @@ from harness.report.rows.returns import READING, returns_grid
 from harness.report.rows.terms import changed_text, terms_grid, terms_of
 from harness.results import Results
 from harness.results.alone import Alone, Stages
-from harness.results.comparison import Comparison, Group
+from harness.results.comparison import Comparison
+from harness.results.pairs import shown_pair
 from harness.results.trajectories import trajectories_of
 
 TIMEOUTS, OBSTACLES = "timeouts", "obstacle_hits"
@@ -129,24 +130,28 @@ class Strips(NamedTuple):
 
     title: str
     sides: tuple[Side, ...]
+    shares: tuple[str, ...] = ()
+    """How often pairs end so, and otherwise, the most frequent way first; empty where nothing tells."""
 
 
 def frames_of(results: Results, comparison: Comparison) -> Strips | None:
-    """The pictures of a comparison's first seed; None for the null control, and where an arm has a replay."""
-    if not comparison.seeds or comparison.is_control:
+    """The pictures of a comparison's typical pair; None for the null control, and where an arm has a replay."""
+    if not comparison.seeds or comparison.is_control or not results.in_environment:
         return None
-    seed = comparison.seeds[0]
-    cells = {it.reward.label: it for it in results.done_cells if it.seed == seed and Group.of(it) == comparison.group}
-    rewards = {"Baseline": comparison.baseline, "Proposed": comparison.proposed}
-    if any(reward not in cells for reward in rewards.values()):
+    shown = shown_pair(results, comparison)
+    if shown is None:
         return None
-    sides = [_side(results, cells[reward], who, reward) for who, reward in rewards.items()]
+    cells, number, pairs = shown
+    sides = [_side(results, cell, number, who) for cell, who in zip(cells, ("Baseline", "Proposed"), strict=True)]
+    title = f"Episode {number + 1} of the evaluation of seed {cells[0].seed}, in pictures"
+    shares = () if pairs is None else tuple(map(pairs.share, pairs.counts))
     found = tuple(side for side in sides if side is not None)
-    return Strips(f"The first episode of the evaluation of seed {seed}, in pictures", found) if found else None
+    return Strips(title, found, shares) if found else None
 
 
-def _side(results: Results, cell: Cell, who: str, reward: str) -> Side | None:
-    found, title = results.frames(cell), f"{who}: {reward}"
+def _side(results: Results, cell: Cell, number: int, who: str) -> Side | None:
+    found, reward = results.frames(cell, number), cell.reward.label
+    title = f"{who}: {reward}"
     if found is None:
         return None
     if found.reason:
@@ -179,8 +184,7 @@ class Section:
     card: Card
     place: int = 1
     """Its number on the page."""
-    show: int | None = None
-    """The number of its show in the replay, from 0."""
+    still: Still | None = None
     full: Sequence[str] = ()
     returns: Grid | None = None
     mixtures: Sequence[str] = ()
@@ -188,6 +192,8 @@ class Section:
     summary: str = ""
     behaviour: Grid | None = None
     strips: Sequence[str] = ()
+    meanings: Sequence[str] = ()
+    """What each measure of `behaviour` is, in half a sentence; empty where its plugin does not say."""
     showing: Sequence[Mapping[str, Link | None]] = ()
     outcomes: Sequence[Bar] = ()
     endings: Sequence[Sequence[Link | None]] = ()
@@ -224,7 +230,7 @@ def comparison_section(
     return Section(
         title=title,
         card=card_of(comparison, title),
-        show=links.place - 1 if links else None,
+        still=links.still if links else None,
         full=[text for text in full if text],
         returns=returned._replace(title="") if returned.rows or returned.notes else None,
         mixtures=[mixture.text for mixture in comparison.measured.mixtures],
@@ -232,8 +238,9 @@ def comparison_section(
         summary=describe_comparison(comparison),
         behaviour=grids[0] if grids else None,
         strips=[draw_strip(change) for change in changes],
+        meanings=[_meaning(results, change.name) for change in changes],
         outcomes=bars,
-        episodes=links.all if links else [],
+        episodes=links.kinds if links else [],
         endings=_endings(links, bars),
         frames=frames_of(results, comparison),
         showing=[
@@ -256,6 +263,12 @@ def comparison_section(
         symbol=symbol_of(headline.answer),
         trajectories=_trajectory_panels(results, comparison),
     )
+
+
+def _meaning(results: Results, name: str) -> str:
+    """What a measure is, as its plugin tells in ``harness list metrics``; empty where nobody registered it."""
+    metric = name.partition(":")[0]
+    return results.registry.get("metrics", metric).summary if metric in results.registry.names("metrics") else ""
 
 
 def alone_section(results: Results, alone: Alone) -> dict[str, Any]:

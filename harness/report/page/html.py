@@ -102,7 +102,8 @@ SHARED: Mapping[str, str] = MappingProxyType(
 """Texts of the template."""
 PROMISE = "if nothing differed, about 5 % of reports would raise a false alarm"
 BARS = (
-    "Dot and thin bar: the difference and its 95 % interval; right of the line is better. Thick bars are pay: right of "
+    "Dot and thin bar: the difference and its 95 % interval; right of the line is better. Small dots: a training each, "
+    "by the measure above them, on a scale of their own; further right is better. Thick bars are pay: right of "
     "the line is more pay, which is neither better nor worse. A training failed if its policy succeeds in less "
     "than half of its episodes; else it learned."
 )
