@@ -148,7 +148,7 @@ def test_answer_comes_first(build, write):
     parts = [
         *told,
         "Learning Success rate",
-        "The number Mean return",
+        "The number The pay of an episode",
         "The whole matrix",
         "Cells 6 cells",
         "Repeat it This",
