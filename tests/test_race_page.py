@@ -79,7 +79,7 @@ def ends(name: str, reward: str) -> str:
     """How it ended for a reward, as the page says."""
     told = record_of(name)["looks"]["race"]
     if reward in told["beaten"]:
-        return f"beaten by {told['beaten'][reward]['by']}"
+        return f"worse than {told['beaten'][reward]['by']}"
     return "within 5 points of the best" if told["is_close"] else "can be the best"
 
 
@@ -116,7 +116,7 @@ def test_the_page_says_what_choosing_by_pay_would_have_chosen():
     most, next_one, *_ = sorted(pay, key=lambda it: -pay[it])
     assert most == "kinetic"
     assert means("pendulum", most, "behaviour_success") == 0.0
-    assert f"It paid itself {pay[most]:,.1f} an episode, where the next one paid itself {pay[next_one]:.1f}" in PROSE
+    assert f"It paid its own trainings {pay[most]:,.1f} an episode, the next candidate {pay[next_one]:.1f}." in PROSE
     (told,) = (it for it in record_of("pendulum")["combinations"] if it["proposed"] == most)
     ruler = told["returns"]["in evaluations"]["difference"]["ruler"]["mean"]
     assert f"makes {format_number(ruler)} of its lead" in PROSE

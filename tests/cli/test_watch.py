@@ -3,10 +3,18 @@ import shutil
 import threading
 from http.client import HTTPConnection
 
+import numpy as np
 import pytest
 
 from harness.errors import UsageError
+from harness.record.blocks import BLOCKS
+from harness.record.returns import mean_return
+from harness.record.running import Running, write_running
+from harness.record.store import Store
+from harness.record.trace import read_trace
 from harness_plugins.audit.search.certificate import write_certificate
+from harness_plugins.watch.recorded import blocks_of_trace
+from harness_plugins.watch.trainings import source_of
 from harness_plugins.watch.watch import HOST, Pages, open_server, pages_of
 from tests.plugins.audit.search.certified import certificate_of
 
@@ -201,3 +209,29 @@ def test_a_run_serves_its_page(harness, quick, monkeypatch, tmp_path):
     assert "harness watch watched" in answer.err
     with pytest.raises(ConnectionRefusedError):
         look(answer.err.partition("Live page: ")[2].partition("\n")[0])
+
+
+def test_a_done_training_is_told_by_its_trace(experiment):
+    """What episodes were paid on average; what it told while it trained is gone."""
+    for cell in (experiment / "cells").iterdir():
+        blocks = blocks_of_trace(cell / "evaluation.parquet")  # the training is shorter than an episode
+        pay = np.average(blocks.means[:, 0], weights=blocks.episodes)
+        assert pay == pytest.approx(mean_return(read_trace(cell / "evaluation.parquet")))
+        assert not (cell / BLOCKS).exists()
+
+
+def test_a_running_training_is_told_by_its_blocks(experiment):
+    """As long as a run uses the folder; of one that was killed they are shown as they were."""
+    (cell, *_) = sorted((experiment / "cells").iterdir())
+    partial = cell.with_name(f".{cell.name}.partial")
+    cell.rename(partial)
+    (partial / "manifest.json").unlink()
+    blocks_of_trace(partial / "trace.parquet").write(partial)
+    write_running(experiment, {cell.name: Running(started=0.0, steps=7)})
+    source = source_of(experiment)
+    assert "1 stopped. No run is using the folder" in source.look().news
+    with Store(experiment).locked():
+        shown = source.look()
+    (running,) = [it for it in shown.trainings if it.state == "running"]
+    assert (running.steps, running.asked) == (7, 12)
+    assert "1 running." in shown.news
