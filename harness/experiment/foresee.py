@@ -99,7 +99,7 @@ def foresee(ready: ExperimentRun, *, measures: bool = False) -> Foreseen:
     ended += [Ended(cell, *it.of_cell(cell)) for cell, it in measured.items()]
     is_known, setup = measured.keys() == {*missing.values()}, max((it.setup for it in measured.values()), default=0.0)
     seconds = time_left(ended, [], begun.waiting, ready.options.at_once) if is_known else None
-    unknown = _why_unknown(next(iter(missing.values()))) if missing else ""
+    unknown = _why_unknown(next(iter(missing.values())), reason) if missing else ""
     return Foreseen(
         store.folder,
         not Store.is_experiment(store.folder),
@@ -110,7 +110,7 @@ def foresee(ready: ExperimentRun, *, measures: bool = False) -> Foreseen:
         ready.options.at_once,
         None if seconds is None else seconds + setup,
         None if missing else sum(sizes[kind_of(cell)] * cell.steps for cell in begun.waiting),
-        f"{reason}. {unknown}" if reason else unknown,
+        unknown,
         ready.plan.terms.looks,
         sum(it.steps for it in measured.values()),
         max([_horizon_of(store, begun.done), *(it.horizon for it in measured.values())]),
@@ -145,10 +145,11 @@ def _horizon_of(store: Store, done: Sequence[Cell]) -> int:
     return next((horizon_in(path) for path in paths if path.is_dir()), 0)
 
 
-def _why_unknown(cell: Cell) -> str:
+def _why_unknown(cell: Cell, reason: str) -> str:
     names = f"{cell.place.name},{cell.algorithm.name}"
     flags = command_text("--only", names, "--limit", "1")
-    return f"no cell of {' · '.join(kind_of(cell))} is done in the folder yet. {flags} runs one"
+    besides = f", and {reason}" if reason else ""
+    return f"no cell of {' · '.join(kind_of(cell))} is done in the folder yet{besides}. {flags} runs one"
 
 
 def _bytes_per_step(store: Store, done: Sequence[Cell]) -> Mapping[Kind, float]:

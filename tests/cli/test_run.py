@@ -285,7 +285,8 @@ def test_dry_run_says_what_it_would_do_and_writes_nothing(harness, quick, tmp_pa
     assert (answer.status, answer.err) == (0, "")
     assert "Folder: mine (new)\n4 cells: 4 to do\n" in answer.out
     assert "to do: ideal · wander · arp: 2 seeds: 0, 1\n" in answer.out
-    assert "Time: not known: no cell of ideal · wander is done in the folder yet. --only " in answer.out
+    unknown = "no cell of ideal · wander is done in the folder yet, and the executor here trains elsewhere. --only "
+    assert f"Time: not known: {unknown}" in answer.out
     assert answer.out.endswith("Nothing is written.\n")
     assert list(tmp_path.iterdir()) == []
 

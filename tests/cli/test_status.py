@@ -25,6 +25,8 @@ def test_failed_cells_are_named_with_their_reason(harness, quick):
         *quick,
         "--algo",
         "wander:then=raise",
+        "--reward",
+        "arp",
         "--seeds",
         "1",
         "--only",

@@ -28,7 +28,7 @@ from harness.registry.registry import Registry, load_registry
 SECONDS, MOST = 1.5, 8.0
 """How long steps are measured, and at most before a first update is over, [s]."""
 EPISODES = 5
-"""Of an evaluation in an environment, where they come one after the other."""
+"""How many episodes of an evaluation are timed in an environment, where they come one after the other."""
 LIMITS = Limits(cell_time=60.0)
 ANSWER, EVALUATED = "measured.json", "measured"
 
