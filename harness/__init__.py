@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from harness.results import load_results
     from harness.robot.robot import load_robot
 
-__version__ = "0.2.0"
+__version__ = "0.3.0"
 __all__ = [
     "RecordRewards",
     "RecordVectorRewards",

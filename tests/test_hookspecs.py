@@ -37,4 +37,5 @@ def test_register_has_one_signature():
         "requires",
         "extra",
         "heading",
+        "short",
     ]

@@ -42,15 +42,15 @@ def main() -> None:
         page.goto((given.first / "report.html").resolve().as_uri() + "#replay-2")
         page.locator("[data-part=scrub]").press("End")
         page.wait_for_timeout(1000)
-        _take(page, "reach", ".replay-views")
+        _take(page, "reach", ".replay-views", air=0)
         browser.close()
 
 
-def _take(page: Page, name: str, first: str, last: str = "") -> None:
-    """The page from the top of one element to the bottom of another one."""
+def _take(page: Page, name: str, first: str, last: str = "", air: int = AIR) -> None:
+    """The page from the top of one element to the bottom of another one, with so many pixels around."""
     top, end = _box(page, first), _box(page, last or first)
     bottom = end["y"] + end["height"]
-    clip: Any = {"x": 0, "y": top["y"] - AIR, "width": WIDTH, "height": bottom - top["y"] + 2 * AIR}
+    clip: Any = {"x": 0, "y": top["y"] - air, "width": WIDTH, "height": bottom - top["y"] + 2 * air}
     shot = Image.open(io.BytesIO(page.screenshot(full_page=True, clip=clip)))
     shot.convert("RGB").save(HERE / f"{name}.png", optimize=True)
 

@@ -52,7 +52,7 @@ CHOSEN = frozenset(
 
 @takes(RunFlags, CHOSEN, reward=Candidates, looks=Looks)
 def choose(**given: Any) -> int:
-    """Find the best of several rewards. It trains all of them, and drops those that are beaten.
+    """Find the best of several rewards. It trains all of them, and drops clearly worse candidates.
 
     The candidates are the rewards of the files, or those that are named; the baseline takes part too.
     """

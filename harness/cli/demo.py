@@ -30,9 +30,9 @@ BEFORE = (
     f"{SEEDS} repetitions of {STEPS} steps each; no physics engine, no learning library.\n"
 )
 AFTER = (
-    "\nIn {same} of {all} recorded steps every joint stands at the same angle under both rewards. Yet eta_P, the "
-    "number that says how much better 'arp' is, comes out at {eta}. All of that is ruler: 'arp' counts the same "
-    "movements with larger numbers. The harness keeps the two apart.\n"
+    "\nIn {same} of {all} recorded steps every joint stands at the same angle under both rewards. Yet an "
+    "episode is paid {times} times as much under 'arp'. All of that is rescaling: 'arp' pays the same movements with "
+    "larger numbers. The harness keeps the two apart.\n"
 )
 ANSWER = (
     "NO DIFFERENCE stands there because every step is the same. Where robots learn, steps differ, and a test decides: "
@@ -103,8 +103,9 @@ def _show(results: "Results") -> None:
     show(comparison_lines(results.combinations))
     (comparison,) = results.combinations
     same, recorded = _same_steps(results)
-    eta = format_number(comparison.number.eta_p.value)
-    show(Text(AFTER.format(same=f"{same:,}", all=f"{recorded:,}", eta=eta)))
+    pay = comparison.number.pay
+    times = format_number(None if pay is None else pay.ratio.eta.value)
+    show(Text(AFTER.format(same=f"{same:,}", all=f"{recorded:,}", times=times)))
     show(Text(ANSWER))
     make_table_and_page(results)
     details = command_text("harness", "report", results.folder, "--details")

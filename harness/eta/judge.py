@@ -150,7 +150,7 @@ def _crossing(names: Sequence[str], why: str) -> str:
         if len(names) == 1
         else (f"Intervals of {listed(names)} hold", "each")
     )
-    return f"{subject} 0, as {it} {why}; the exact test does not."
+    return f"{subject} 0, as {it} {why}; the permutation test does not."
 
 
 def end_text(ends: Sequence[Compared]) -> str:
@@ -172,7 +172,9 @@ def clear_text(deciding: Sequence[Compared], ruling: Ruling) -> str:
     told = one if len(names) == 1 else several
     if ruling.asked > 1:
         return f"{told} {ruling.asked} questions were asked together, and allowing for all of them p is {p}."
-    return f"{told} {'allowing for all measures that decide' if len(deciding) > 1 else 'by an exact test'} p is {p}."
+    return (
+        f"{told} {'allowing for all measures that decide' if len(deciding) > 1 else 'by a permutation test'} p is {p}."
+    )
 
 
 def reasons(names: Names, deciding: Sequence[Compared], ruling: Ruling, where: str) -> list[str]:

@@ -47,8 +47,8 @@ def _ratio_sentence(name: str, amount: str, names: Names, split: Split) -> str:
     if split.ruler.value is None or split.ruler.near_zero is not None:
         return f"{told}; not split: {split.ruler.near_zero or split.ruler.note}."
     return (
-        f"{told}: x {_text(split.ruler)} from counting the same runs differently (ruler), "
-        f"x {_text(split.behaviour)} from different runs (behaviour)."
+        f"{told}: x {_text(split.ruler)} by rescaling alone (its ruler), x {_text(split.behaviour)} by other runs (its "
+        "behaviour)."
     )
 
 

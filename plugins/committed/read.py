@@ -35,9 +35,9 @@ MOST_BYTES = 64 * 2**20
 NUMBERS = ("seeds", "eta_N", "eta_P", "ruler")
 PLACES = ("simulator", "algorithm", "robot", "task")
 READING = (
-    "{measure}: baseline -> proposed. eta compares the pay: the proposed reward's number divided by the baseline's. "
-    "A wide terminal shows its 95% interval in brackets. An eta_N below 1 and an eta_P above 1 count as better. The "
-    "ruler is the part of eta_P that comes from counting the same runs differently. *: see the remarks below."
+    "{measure}: baseline -> proposed. eta_N and eta_P are the note's: the proposed reward's number divided by the "
+    "baseline's. A wide terminal shows the 95% interval in brackets. By the note's rule an eta_N below 1 and an eta_P "
+    "above 1 count as better. The ruler is the part of eta_P that is rescaling alone. *: see the remarks below."
 )
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Name = Annotated[str, Field(min_length=1, max_length=1_000)]

@@ -10,16 +10,16 @@ from harness.results.replay import shows_of
 
 
 def test_the_number_grows_and_the_arm_moves_the_same(harness, tmp_path):
-    """Every recorded step is alike, eta_P is 1.5, all of it is ruler; the experiment stays where it was told to."""
+    """Every recorded step is alike, pay grows 1.5 times, all by the ruler; the experiment stays where it was put."""
     answer = harness("demo", "--out", "mine")
     assert (answer.status, answer.err) == (0, "")
     told = " ".join(answer.out.split())
-    assert "comes out at 1.50" in told
+    assert "is paid 1.50 times as much" in told
     same, recorded = told.partition("In ")[2].partition(" recorded")[0].split(" of ")
     assert same == recorded != "0"
     results = load_results(tmp_path / "mine")
     (combination,) = results.combinations
-    split = combination.number.splits["eta_P"]
+    split = combination.number.pay.ratio
     assert (round(split.ruler.value, 9), round(split.behaviour.value, 9)) == (1.5, 1.0)
     assert "harness report mine --details" in answer.out
     (show,) = shows_of(results)

@@ -107,7 +107,7 @@ def test_long_answer_is_cut(capsys):
 
 def test_unknown_answer_ends_a_run_before_anything_is_written(harness, quick, tmp_path: Path):
     """The nearest one is named."""
-    answer = harness("run", *quick, "--fail-on", "hurtz", "--out", "here")
+    answer = harness("run", *quick, "--reward", "arp", "--fail-on", "hurtz", "--out", "here")
     assert (answer.status, answer.err.count("\n")) == (2, 1)
     assert "Did you mean 'hurts'?" in answer.err
     assert not (tmp_path / "here").exists()
@@ -129,7 +129,7 @@ def test_report_of_logs_ends_by_its_answer(harness, tmp_path: Path, shares, stat
 
 def test_run_ends_by_its_answer(harness, quick):
     """Rewards that teach the same make no difference, whatever is paid."""
-    flags = (*quick, "--seeds", "2", "--out", "here")
+    flags = (*quick, "--reward", "arp", "--seeds", "2", "--out", "here")
     answer = harness("run", *flags, "--fail-on", "no-difference")
     told = (
         "--fail-on no-difference: arp against baseline in ideal · wander · fd100 · fd100-reach: NO DIFFERENCE: status 1"
@@ -140,7 +140,9 @@ def test_run_ends_by_its_answer(harness, quick):
 
 def test_run_that_was_cut_off_cannot_tell(harness, quick):
     """The cells that are to come are named."""
-    answer = harness("run", *quick, "--seeds", "3", "--limit", "5", "--out", "here", "--fail-on", "hurts")
+    answer = harness(
+        "run", *quick, "--reward", "arp", "--seeds", "3", "--limit", "5", "--out", "here", "--fail-on", "hurts"
+    )
     assert answer.status == 3
     assert "1 pending cells: CANNOT TELL" in answer.err
 
@@ -151,7 +153,7 @@ def test_run_whose_cells_failed_ends_with_1(harness, quick, tmp_path: Path):
         "def odd(step):\n    if len(step.distance) != 2:\n        raise ValueError\n    return -step.distance\n"
     )
     flags = ("--plugin", "odd.py", "--reward", "odd", "--out", "here", "--fail-on", "hurts")
-    answer = harness("run", *quick, "--seeds", "2", *flags)
+    answer = harness("run", *quick, "--reward", "arp", "--seeds", "2", *flags)
     assert answer.status == 1
     assert "and something failed: status 1" in answer.err
     assert harness("report", "here", "--plugin", "odd.py", "--fail-on", "hurts").status == 3
@@ -159,7 +161,7 @@ def test_run_whose_cells_failed_ends_with_1(harness, quick, tmp_path: Path):
 
 def test_dry_run_cannot_tell(harness, quick):
     """Nothing was trained."""
-    answer = harness("run", *quick, "--dry-run", "--fail-on", "hurts")
+    answer = harness("run", *quick, "--reward", "arp", "--dry-run", "--fail-on", "hurts")
     assert answer.status == 3
     assert "no two rewards were compared" in answer.err
 
@@ -175,7 +177,7 @@ def test_reward_alone_cannot_be_told(harness, quick):
 
 def test_screen_decides_before_anything_is_trained(harness, quick, tmp_path: Path):
     """Creeping pays more than finishing under `arp`."""
-    answer = harness("run", *quick, "--screen", "--fail-on", "failing", "--out", "here", "--dry-run")
+    answer = harness("run", *quick, "--reward", "arp", "--screen", "--fail-on", "failing", "--out", "here", "--dry-run")
     assert answer.status == 1
     (told,) = (line for line in answer.err.splitlines() if line.startswith("  arp: PAYS FOR FAILING. "))
     assert ". Not finishing pays more than finishing: creep earns " in told
@@ -185,7 +187,7 @@ def test_screen_decides_before_anything_is_trained(harness, quick, tmp_path: Pat
 
 def test_what_only_a_screen_says_needs_one(harness, quick, tmp_path: Path):
     """Before anything runs."""
-    answer = harness("run", *quick, "--fail-on", "hurts,failing", "--out", "here")
+    answer = harness("run", *quick, "--reward", "arp", "--fail-on", "hurts,failing", "--out", "here")
     assert (answer.status, answer.err.count("\n")) == (2, 1)
     assert "--fail-on failing: only --screen looks for that" in answer.err
     assert not (tmp_path / "here").exists()
@@ -193,7 +195,9 @@ def test_what_only_a_screen_says_needs_one(harness, quick, tmp_path: Path):
 
 def test_trainings_go_on_after_an_alarm(harness, quick):
     """The alarm is told at the end."""
-    answer = harness("run", *quick, "--seeds", "1", "--out", "here", "--screen", "--fail-on", "failing,hurts")
+    answer = harness(
+        "run", *quick, "--reward", "arp", "--seeds", "1", "--out", "here", "--screen", "--fail-on", "failing,hurts"
+    )
     assert answer.status == 1
     assert "Results: here" in answer.out
     assert answer.err.splitlines()[-1].endswith(": status 1")
@@ -230,13 +234,13 @@ def test_audit_of_recordings_was_not_asked_what_a_reward_pays_for(harness, finis
 def test_several_folders_have_one_status(harness, quick):
     """As if one run had made them."""
     for name, seeds in (("one", "0,1"), ("two", "2,")):
-        harness("run", *quick, "--seeds", seeds, "--out", name)
+        harness("run", *quick, "--reward", "arp", "--seeds", seeds, "--out", name)
     assert harness("report", "one", "two", "--fail-on", "no-difference").status == 1
 
 
 def test_records_are_refused(harness, quick):
     """They hold no cells."""
-    harness("run", *quick, "--seeds", "1", "--out", "here")
+    harness("run", *quick, "--reward", "arp", "--seeds", "1", "--out", "here")
     harness("report", "here", "--summary", "records")
     answer = harness("report", "records", "--fail-on", "hurts")
     assert answer.status == 2

@@ -78,7 +78,7 @@ SICK = "metric sick: n/a (AttributeError: "
 
 def test_run_goes_on(harness, quick, odd, tmp_path):
     """A metric that raises has no values; the run, its table and its page are there."""
-    answer = harness("run", *quick, "--seeds", "1", "--out", "mine")
+    answer = harness("run", *quick, "--reward", "arp", "--seeds", "1", "--out", "mine")
     assert answer.status == 0
     assert SICK in answer.err
     row = pq.read_table(tmp_path / "mine" / "results.parquet").to_pylist()[0]
@@ -102,7 +102,7 @@ def test_report_goes_on(harness, experiment):
 def test_chosen_metric_that_cannot_be_used_is_an_error(harness, experiment, quick):
     """Before anything is run."""
     assert "Did you mean 'work'" in harness("report", experiment, "--metric", "wrok").err
-    assert harness("run", *quick, "--metric", "wrok", "--out", "new").status == 2
+    assert harness("run", *quick, "--reward", "arp", "--metric", "wrok", "--out", "new").status == 2
 
 
 def test_score_goes_on(harness, experiment, tmp_path):

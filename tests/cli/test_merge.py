@@ -5,8 +5,8 @@ from harness.record.folder import TRACE
 
 def test_two_folders_become_one(harness, quick):
     """What was merged is told, and reported like any experiment."""
-    harness("run", *quick, "--seeds", "0,1", "--out", "one")
-    harness("run", *quick, "--seeds", "1,2", "--out", "two")
+    harness("run", *quick, "--reward", "arp", "--seeds", "0,1", "--out", "one")
+    harness("run", *quick, "--reward", "arp", "--seeds", "1,2", "--out", "two")
     answer = harness("merge", "one", "two", "--out", "all")
     assert (answer.status, answer.err) == (0, "")
     assert answer.out == "Merged:  6 of 6 cells have ended\nResults: all\nReport:  all/report.html\n"
@@ -16,7 +16,7 @@ def test_two_folders_become_one(harness, quick):
 
 def test_damaged_cell_is_named(harness, quick, tmp_path):
     """One line for each, and status 1."""
-    harness("run", *quick, "--seeds", "1", "--out", "one")
+    harness("run", *quick, "--reward", "arp", "--seeds", "1", "--out", "one")
     cell = sorted((tmp_path / "one" / "cells").iterdir())[0]
     (cell / TRACE).write_bytes(b"PAR1")
     answer = harness("merge", "one", "--out", "all")

@@ -67,7 +67,7 @@ def test_a_folder_in_the_command_of_the_page_is_quoted(harness, experiment, tmp_
 def test_several_folders_are_read_as_one(harness, quick, tmp_path):
     """Nothing is written, and no command names the folder that they were read in."""
     for name, seeds in (("one", "0,1"), ("two", "2")):
-        harness("run", *quick, "--seeds", f"{seeds},", "--out", name)
+        harness("run", *quick, "--reward", "arp", "--seeds", f"{seeds},", "--out", name)
     before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
     answer = harness("report", "one", "two")
     assert (answer.status, answer.err) == (0, "")
@@ -81,7 +81,7 @@ def test_several_folders_are_read_as_one(harness, quick, tmp_path):
 def test_damage_in_one_of_several_folders_is_told(harness, quick, tmp_path):
     """The rest is read; status 1."""
     for name in ("one", "two"):
-        harness("run", *quick, "--seeds", "1", "--out", name)
+        harness("run", *quick, "--reward", "arp", "--seeds", "1", "--out", name)
     cell = next((tmp_path / "two" / "cells").iterdir())
     (cell / "trace.parquet").write_bytes(b"PAR1")
     answer = harness("report", "one", "two")
@@ -103,7 +103,10 @@ def test_per_step_curves_are_read_on_demand(harness, experiment):
 
 def test_a_run_reads_per_step_curves_too(harness, quick):
     """The flag decides what the table shows, not what is trained."""
-    assert "0 of" not in harness("run", *quick, "--seeds", "1", "--curve", "per-step", "--out", "mine").err
+    assert (
+        "0 of"
+        not in harness("run", *quick, "--reward", "arp", "--seeds", "1", "--curve", "per-step", "--out", "mine").err
+    )
     of_kinds = [harness("report", "mine", "--details", *flags).out for flags in (("--curve", "per-step"), ())]
     assert len(set(of_kinds)) == 2
 

@@ -57,7 +57,7 @@ def test_bad_input_is_told_in_one_line_and_writes_nothing(harness, tmp_path, sub
 def test_missing_tensorboard_is_told_before_anything_runs(harness, quick, tmp_path, monkeypatch):
     """One line that says what to install, and an empty folder."""
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
-    answer = harness("run", *quick, "--tracker", "tensorboard")
+    answer = harness("run", *quick, "--reward", "arp", "--tracker", "tensorboard")
     assert (answer.status, answer.err.count("\n")) == (2, 1)
     assert "pip install 'fd100-harness[tensorboard]'" in answer.err
     assert list(tmp_path.iterdir()) == []
@@ -65,18 +65,18 @@ def test_missing_tensorboard_is_told_before_anything_runs(harness, quick, tmp_pa
 
 def test_tensorboard_leaves_event_files(harness, quick, tmp_path):
     """A folder for every cell, beside the cells; the next run finds nothing to do."""
-    harness("run", *quick, "--seeds", "1", "--tracker", "tensorboard", "--out", "watched")
+    harness("run", *quick, "--reward", "arp", "--seeds", "1", "--tracker", "tensorboard", "--out", "watched")
     cells = sorted(folder.name for folder in (tmp_path / "watched" / "cells").iterdir())
     events = sorted((tmp_path / "watched" / "tensorboard").iterdir())
     assert sorted(folder.name.split("-")[-2] for folder in events) == cells
     assert all(list(folder.iterdir()) for folder in events)
-    again = harness("run", *quick, "--seeds", "1", "--tracker", "tensorboard", "--out", "watched")
+    again = harness("run", *quick, "--reward", "arp", "--seeds", "1", "--tracker", "tensorboard", "--out", "watched")
     assert (again.status, "2 of 2 cells were done before" in again.err) == (0, True)
 
 
 def test_a_tracker_that_raises_costs_one_line(harness, quick):
     """Every cell is done, and the line names the tracker and what it raised."""
-    answer = harness("run", *quick, "--seeds", "1", "--tracker", "clumsy")
+    answer = harness("run", *quick, "--reward", "arp", "--seeds", "1", "--tracker", "clumsy")
     assert answer.status == 0
     [line] = [line for line in answer.err.splitlines() if "clumsy" in line]
     assert line == "harness: tracker 'clumsy' is switched off, the cells go on: ConnectionError: no such server"
@@ -84,8 +84,8 @@ def test_a_tracker_that_raises_costs_one_line(harness, quick):
 
 def test_only_counts_the_cells_that_it_names(harness, quick):
     """What was done before and is not named is no part of the count."""
-    harness("run", *quick, "--seeds", "2", "--only", "baseline", "--out", "mine")
-    answer = harness("run", *quick, "--seeds", "2", "--only", "arp", "--out", "mine")
+    harness("run", *quick, "--reward", "arp", "--seeds", "2", "--only", "baseline", "--out", "mine")
+    answer = harness("run", *quick, "--reward", "arp", "--seeds", "2", "--only", "arp", "--out", "mine")
     assert "done before" not in answer.err
     assert "[2/2]" in answer.err
 
@@ -93,7 +93,7 @@ def test_only_counts_the_cells_that_it_names(harness, quick):
 def test_evaluation_is_told_by_flags(harness, quick, tmp_path):
     """`--evaluate-every` and `--stochastic` are part of the cells, and the report says how policies acted."""
     flags = ("--algo", "narrate", "--seeds", "1", "--evaluate-every", "5", "--stochastic")
-    harness("run", *quick[:2], *quick[4:], *flags, "--out", "mine")
+    harness("run", *quick[:2], *quick[4:], "--reward", "arp", *flags, "--out", "mine")
     assert "trained policies, stochastic" in harness("report", "mine", "--details").out
     data = json.loads(harness("report", "mine", "--json").out)
     assert data["combinations"][0]["deterministic"] is False
@@ -105,7 +105,7 @@ def test_foreign_folders_are_refused(harness, quick, tmp_path):
     """A folder that holds something else is left alone."""
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "thesis.txt").write_text("all of it")
-    answer = harness("run", *quick, "--out", "mine")
+    answer = harness("run", *quick, "--reward", "arp", "--out", "mine")
     assert answer.status == 2
     assert "holds something else" in answer.err
     assert [path.name for path in (tmp_path / "mine").iterdir()] == ["thesis.txt"]
@@ -113,10 +113,10 @@ def test_foreign_folders_are_refused(harness, quick, tmp_path):
 
 def test_summaries_are_refused(harness, quick, tmp_path):
     """The records of an experiment are left alone, its `experiment.toml` among them."""
-    harness("run", *quick, "--seeds", "1", "--out", "mine")
+    harness("run", *quick, "--reward", "arp", "--seeds", "1", "--out", "mine")
     harness("report", "mine", "--summary", "kept")
     before = {path: path.read_bytes() for path in (tmp_path / "kept").rglob("*") if path.is_file()}
-    answer = harness("run", *quick, "--seeds", "2", "--out", "kept")
+    answer = harness("run", *quick, "--reward", "arp", "--seeds", "2", "--out", "kept")
     assert (answer.status, answer.err.count("\n")) == (2, 1)
     assert "--out 'kept' holds something else than an experiment" in answer.err
     assert {path: path.read_bytes() for path in (tmp_path / "kept").rglob("*") if path.is_file()} == before
@@ -125,7 +125,7 @@ def test_summaries_are_refused(harness, quick, tmp_path):
 def test_folders_that_cannot_be_made_are_refused(harness, quick, tmp_path):
     """An --out below a file ends with one line."""
     (tmp_path / "file").write_text("")
-    answer = harness("run", *quick, "--out", "file/deeper")
+    answer = harness("run", *quick, "--reward", "arp", "--out", "file/deeper")
     assert answer.status == 2
     assert answer.err.count("\n") == 1
 
@@ -139,7 +139,7 @@ def test_a_missing_library_names_its_extra(harness, distant):
 
 def test_a_run_prints_both_etas_and_leaves_its_results(harness, quick, tmp_path):
     """Both etas and where the results and the report are stand on standard output, the progress on standard error."""
-    answer = harness("run", *quick, "--seeds", "1", "--out", "mine")
+    answer = harness("run", *quick, "--reward", "arp", "--seeds", "1", "--out", "mine")
     assert answer.status == 0
     for text in ("eta_N", "eta_P", "Success ", "Results: mine", "mine/report.html"):
         assert text in answer.out
@@ -164,8 +164,8 @@ def test_a_reward_against_itself_is_trained_again(harness, quick):
 
 def test_the_default_folder_is_named_for_the_plan(harness, quick, tmp_path):
     """Without --out the results go under results/runs, and the same command finds them again."""
-    harness("run", *quick, "--seeds", "1")
-    again = harness("run", *quick, "--seeds", "1")
+    harness("run", *quick, "--reward", "arp", "--seeds", "1")
+    again = harness("run", *quick, "--reward", "arp", "--seeds", "1")
     assert len(list((tmp_path / "results" / "runs").iterdir())) == 1
     assert "2 of 2 cells were done before" in again.err
 
@@ -184,14 +184,14 @@ def test_a_file_is_the_same_as_flags_and_a_flag_wins(harness, quick, tmp_path):
         'sim = "ideal"\nalgo = [{name = "wander", width = 8}]\nseeds = [4]\nsteps = 24\nevaluation_episodes = 2\n'
     )
     harness("run", "my.toml", "--steps", "12", "--executor", "here", "--out", "a")
-    harness("run", *quick, "--algo", "wander:width=8", "--seeds", "4,", "--out", "b")
+    harness("run", *quick, "--reward", "arp", "--algo", "wander:width=8", "--seeds", "4,", "--out", "b")
     ids = [{cell["id"] for cell in json.loads(harness("report", name, "--json").out)["cells"]} for name in "ab"]
     assert ids[0] <= ids[1]  # b has `wander` as it stands too
 
 
 def test_a_failed_cell_costs_itself_alone(harness, quick):
     """A cell that raises is shown with its reason, the others are done, and the status is 1."""
-    answer = harness("run", *quick, "--algo", "wander:then=raise", "--seeds", "1", "--out", "mine")
+    answer = harness("run", *quick, "--reward", "arp", "--algo", "wander:then=raise", "--seeds", "1", "--out", "mine")
     assert answer.status == 1
     assert "FAILED: RuntimeError: the arm fell off" in answer.err
     data = json.loads(harness("report", "mine", "--json").out)
@@ -201,7 +201,9 @@ def test_a_failed_cell_costs_itself_alone(harness, quick):
 def test_combinations_that_cannot_work_are_skipped_with_the_reason(harness, quick):
     """An algorithm for other actions is skipped, said so, and no failure."""
     task = "fd100-reach:action=discrete"
-    answer = harness("run", *quick, "--algo", "wander,buttons", "--task", task, "--seeds", "1", "--out", "mine")
+    answer = harness(
+        "run", *quick, "--reward", "arp", "--algo", "wander,buttons", "--task", task, "--seeds", "1", "--out", "mine"
+    )
     assert answer.status == 0
     cells = json.loads(harness("report", "mine", "--json").out)["cells"]
     told = {(cell["algorithm"], cell["status"], cell["reason"]) for cell in cells}
@@ -211,7 +213,7 @@ def test_combinations_that_cannot_work_are_skipped_with_the_reason(harness, quic
 
 def test_one_task_serves_continuous_and_discrete_algorithms(harness, quick):
     """Each algorithm is compared on the task in its own form, and the report names it."""
-    answer = harness("run", *quick, "--algo", "wander,buttons", "--seeds", "2", "--out", "mine")
+    answer = harness("run", *quick, "--reward", "arp", "--algo", "wander,buttons", "--seeds", "2", "--out", "mine")
     assert answer.status == 0
     found = json.loads(harness("report", "mine", "--json").out)["combinations"]
     forms = {combination["algorithm"]: combination["task"] for combination in found}
@@ -243,7 +245,10 @@ def test_ctrl_c_keeps_what_is_finished(toys, tmp_path):
 def test_hint_of_a_missing_extra_is_whole(harness, quick, monkeypatch):
     """What to type stands there with its brackets, which are no markup."""
     monkeypatch.setitem(sys.modules, "jinja2", None)
-    assert "pip install 'fd100-harness[report]'" in harness("run", *quick, "--seeds", "1", "--out", "mine").out
+    assert (
+        "pip install 'fd100-harness[report]'"
+        in harness("run", *quick, "--reward", "arp", "--seeds", "1", "--out", "mine").out
+    )
 
 
 def test_executor_takes_settings(harness, quick, tmp_path):
@@ -256,12 +261,12 @@ def test_executor_takes_settings(harness, quick, tmp_path):
 
 def test_cells_of_other_plugins_are_not_mixed_in_silence(harness, quick, tmp_path):
     """Refused in one line that says what can be done; kept, the table marks it; done again, nothing is left to say."""
-    harness("run", *quick, "--seeds", "1", "--out", "mine")
+    harness("run", *quick, "--reward", "arp", "--seeds", "1", "--out", "mine")
     store = Store.open(tmp_path / "mine")
     first = store.manifests()[0]
     edited = {**first.environment, "sources": {**first.environment["sources"], "algorithms": "9340a572" * 8}}
     replace(first, environment=edited).write(store.cell_folder(first.cell))
-    asked = ("run", *quick, "--seeds", "2", "--out", "mine")
+    asked = ("run", *quick, "--reward", "arp", "--seeds", "2", "--out", "mine")
     refused = harness(*asked)
     assert (refused.status, refused.out, refused.err.count("\n")) == (2, "", 1)
     assert refused.err.startswith("harness: 1 done cell was made by another wander (9340a572, now ")
@@ -275,7 +280,7 @@ def test_cells_of_other_plugins_are_not_mixed_in_silence(harness, quick, tmp_pat
 
 def test_dry_run_says_what_it_would_do_and_writes_nothing(harness, quick, tmp_path):
     """Where, which cells, and that nobody knows how long it takes."""
-    answer = harness("run", *quick, "--seeds", "2", "--out", "mine", "--dry-run")
+    answer = harness("run", *quick, "--reward", "arp", "--seeds", "2", "--out", "mine", "--dry-run")
     assert (answer.status, answer.err) == (0, "")
     assert "Folder: mine (new)\n4 cells: 4 to do\n" in answer.out
     assert "to do: ideal · wander · arp: 2 seeds: 0, 1\n" in answer.out
@@ -286,8 +291,8 @@ def test_dry_run_says_what_it_would_do_and_writes_nothing(harness, quick, tmp_pa
 
 def test_dry_run_knows_what_is_done(harness, quick):
     """Time and disk follow from it; as JSON too."""
-    harness("run", *quick, "--seeds", "1", "--out", "mine")
-    asked = ("run", *quick, "--seeds", "2", "--out", "mine", "--dry-run")
+    harness("run", *quick, "--reward", "arp", "--seeds", "1", "--out", "mine")
+    asked = ("run", *quick, "--reward", "arp", "--seeds", "2", "--out", "mine", "--dry-run")
     out = harness(*asked).out
     assert "done: ideal · wander · arp: seed 0\n" in out
     assert "to do: ideal · wander · arp: seed 1\n" in out
@@ -299,21 +304,21 @@ def test_dry_run_knows_what_is_done(harness, quick):
 
 def test_quiet_shows_the_results_alone(harness, quick):
     """Nothing on standard error."""
-    answer = harness("run", *quick, "--seeds", "1", "--out", "mine", "--quiet")
+    answer = harness("run", *quick, "--reward", "arp", "--seeds", "1", "--out", "mine", "--quiet")
     assert (answer.status, answer.err) == (0, "")
-    assert "eta_P" in answer.out
+    assert "An episode is paid" in answer.out
 
 
 def test_json_stands_alone_on_standard_output(harness, quick):
     """What `harness report --json` prints; where it was written is told on standard error."""
-    answer = harness("run", *quick, "--seeds", "1", "--out", "mine", "--quiet", "--json")
+    answer = harness("run", *quick, "--reward", "arp", "--seeds", "1", "--out", "mine", "--quiet", "--json")
     assert json.loads(answer.out) == json.loads(harness("report", "mine", "--json").out)
     assert answer.err == "Results: mine\nReport:  mine/report.html\n"
 
 
 def test_only_what_is_empty_runs_nothing(harness, quick, tmp_path):
     """It is refused, before anything is written."""
-    answer = harness("run", *quick, "--only", "", "--out", "mine")
+    answer = harness("run", *quick, "--reward", "arp", "--only", "", "--out", "mine")
     assert (answer.status, answer.out, answer.err.count("\n")) == (2, "", 1)
     assert not (tmp_path / "mine").exists()
 

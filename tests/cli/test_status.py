@@ -12,7 +12,7 @@ from harness.registry.registry import load_registry
 
 def test_a_finished_run_is_all_done(harness, quick):
     """In two lines."""
-    harness("run", *quick, "--seeds", "1", "--out", "here")
+    harness("run", *quick, "--reward", "arp", "--seeds", "1", "--out", "here")
     answer = harness("status", "here")
     assert (answer.status, answer.err) == (0, "")
     assert answer.out == "here: no run is using it\n2 cells: 2 done\n"
@@ -41,7 +41,7 @@ def test_failed_cells_are_named_with_their_reason(harness, quick):
 
 def test_a_running_cell_shows_its_steps(harness, quick, tmp_path):
     """Its speed, and when it last told something."""
-    harness("run", *quick, "--seeds", "1", "--limit", "1", "--out", "here")
+    harness("run", *quick, "--reward", "arp", "--seeds", "1", "--limit", "1", "--out", "here")
     store = Store.open(tmp_path / "here")
     cell = store.read_plan().cells[1]
     write_running(store.folder, {cell.id: Running(1000.0, cell.steps // 2, 1010.0)})
@@ -54,7 +54,7 @@ def test_a_running_cell_shows_its_steps(harness, quick, tmp_path):
 
 def test_status_as_json(harness, quick):
     """For programs."""
-    harness("run", *quick, "--seeds", "1", "--limit", "1", "--out", "here")
+    harness("run", *quick, "--reward", "arp", "--seeds", "1", "--limit", "1", "--out", "here")
     told = json.loads(harness("status", "here", "--json").out)
     assert [cell["status"] for cell in told["cells"]] == ["done", "pending"]
     assert not told["is_in_use"]

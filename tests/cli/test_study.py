@@ -22,7 +22,7 @@ def test_report_shows_the_answer_first_then_what_rewards_pay(harness, recorded):
     """A line for the comparison, both answers in sentences, and what shows more."""
     answer = harness("report", "runs")
     assert (answer.status, answer.err) == (0, "")
-    wanted = ("CANNOT TELL", "The mean return with thrice", "--details")
+    wanted = ("CANNOT TELL", "An episode is paid", "--details")
     places = [answer.out.index(told) for told in wanted]
     assert places == sorted(places)
 
@@ -31,7 +31,7 @@ def test_eta_shows_all_of_it(harness, recorded):
     """As `harness report --details` does."""
     told = harness("eta", "runs").out
     assert told == harness("report", "runs", "--details").out
-    for part in ("of it ruler", "of it behaviour", "eta in its last fifth", "eta_P", "Behaviour over the training"):
+    for part in ("of it ruler", "of it behaviour", "pay, in its last fifth", "eta_P", "Behaviour over the training"):
         assert part in told
 
 

@@ -34,7 +34,7 @@ def test_json_is_all_that_goes_to_standard_output(harness, experiment):
 
 def test_engine_that_talks_does_not_disturb_the_json(harness, quick, tmp_path):
     """What an engine prints when it is imported does not come before the document."""
-    assert harness("run", *quick, "--seeds", "1", "--out", "mine").status == 0
+    assert harness("run", *quick, "--reward", "arp", "--seeds", "1", "--out", "mine").status == 0
     command = [sys.executable, "-c", "from harness.cli import main; main()"]
     command += ["transfer", "mine", "--to", "pybullet", "--json"]
     told = subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)

@@ -31,7 +31,7 @@ def test_damage_is_named_set_aside_and_done_again(harness, experiment, quick, tm
         "trace.parquet is not what was written: its SHA-256 differs. What to do: run again to replace it." in answer.out
     )
     assert "moved to damaged/" in harness("verify", experiment, "--repair").out
-    harness("run", *quick, "--seeds", "1", "--out", "mine")
+    harness("run", *quick, "--reward", "arp", "--seeds", "1", "--out", "mine")
     assert trace.read_bytes() == before
     assert harness("verify", experiment).status == 0
 
@@ -67,7 +67,7 @@ def test_second_run_may_refuse_to_wait(harness, experiment, quick, tmp_path):
 
     before = (tmp_path / experiment / "plan.json").read_bytes()
     with Store(tmp_path / experiment).locked():
-        answer = harness("run", *quick, "--seeds", "3", "--no-wait", "--out", "mine")
+        answer = harness("run", *quick, "--reward", "arp", "--seeds", "3", "--no-wait", "--out", "mine")
     assert answer.status == 2
     assert "Another run is using 'mine'" in answer.err
     assert (tmp_path / experiment / "plan.json").read_bytes() == before

@@ -3,12 +3,23 @@ import shutil
 import threading
 from http.client import HTTPConnection
 
+import numpy as np
 import pytest
 
 from harness.errors import UsageError
+from harness.record.blocks import BLOCKS
+from harness.record.returns import mean_return
+from harness.record.running import Running, write_running
+from harness.record.store import Store
+from harness.record.trace import read_trace
 from harness_plugins.audit.search.certificate import write_certificate
+from harness_plugins.watch.recorded import blocks_of_trace
+from harness_plugins.watch.trainings import source_of
 from harness_plugins.watch.watch import HOST, Pages, open_server, pages_of
 from tests.plugins.audit.search.certified import certificate_of
+
+ALL = 2
+"""Trainings of an experiment with one seed."""
 
 
 @pytest.fixture
@@ -42,7 +53,7 @@ def test_the_page_shows_the_episodes(get):
     status, text = get("/")
     assert status == 200
     assert 'id="replay-player"' in text
-    assert "3 of 3 trainings done." in text
+    assert f"{ALL} of {ALL} trainings done." in text
 
 
 def test_the_page_tells_when_more_cells_ended(get, experiment):
@@ -51,9 +62,9 @@ def test_the_page_tells_when_more_cells_ended(get, experiment):
     gone = next((experiment / "cells").iterdir())
     shutil.rmtree(gone)
     after = json.loads(get("/live")[1])
-    assert (before["done"], after["done"]) == (3, 2)
-    assert "2 of 3 trainings done, 1 waiting." in after["news"]
-    assert "2 of 3 trainings done" in get("/")[1]
+    assert (before["done"], after["done"]) == (ALL, ALL - 1)
+    assert f"{ALL - 1} of {ALL} trainings done, 1 waiting." in after["news"]
+    assert f"{ALL - 1} of {ALL} trainings done" in get("/")[1]
 
 
 def test_results_are_asked_for_when_trainings_ended(get):
@@ -83,7 +94,7 @@ def test_the_page_is_a_file(harness, experiment, tmp_path):
     answer = harness("watch", experiment, "--html", tmp_path / "page.html")
     assert answer.status == 0
     text = (tmp_path / "page.html").read_text()
-    assert "3 of 3 trainings done." in text
+    assert f"{ALL} of {ALL} trainings done." in text
     assert 'id="replay-player"' in text
     assert "fetch(" not in text
 
@@ -191,10 +202,36 @@ def test_a_run_serves_its_page(harness, quick, monkeypatch, tmp_path):
         connection.close()
 
     monkeypatch.setattr("webbrowser.open", look)
-    answer = harness("run", *quick, "--seeds", 1, "--out", "watched", "--watch")
+    answer = harness("run", *quick, "--reward", "arp", "--seeds", 1, "--out", "watched", "--watch")
     assert answer.status == 0
-    assert seen[0]["news"].startswith("0 of 3 trainings done, 3 waiting.")
+    assert seen[0]["news"].startswith(f"0 of {ALL} trainings done, {ALL} waiting.")
     assert "Live page: http://127.0.0.1:" in answer.err
     assert "harness watch watched" in answer.err
     with pytest.raises(ConnectionRefusedError):
         look(answer.err.partition("Live page: ")[2].partition("\n")[0])
+
+
+def test_a_done_training_is_told_by_its_trace(experiment):
+    """What episodes were paid on average; what it told while it trained is gone."""
+    for cell in (experiment / "cells").iterdir():
+        blocks = blocks_of_trace(cell / "evaluation.parquet")  # the training is shorter than an episode
+        pay = np.average(blocks.means[:, 0], weights=blocks.episodes)
+        assert pay == pytest.approx(mean_return(read_trace(cell / "evaluation.parquet")))
+        assert not (cell / BLOCKS).exists()
+
+
+def test_a_running_training_is_told_by_its_blocks(experiment):
+    """As long as a run uses the folder; of one that was killed they are shown as they were."""
+    (cell, *_) = sorted((experiment / "cells").iterdir())
+    partial = cell.with_name(f".{cell.name}.partial")
+    cell.rename(partial)
+    (partial / "manifest.json").unlink()
+    blocks_of_trace(partial / "trace.parquet").write(partial)
+    write_running(experiment, {cell.name: Running(started=0.0, steps=7)})
+    source = source_of(experiment)
+    assert "1 stopped. No run is using the folder" in source.look().news
+    with Store(experiment).locked():
+        shown = source.look()
+    (running,) = [it for it in shown.trainings if it.state == "running"]
+    assert (running.steps, running.asked) == (7, 12)
+    assert "1 running." in shown.news

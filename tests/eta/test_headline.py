@@ -165,10 +165,10 @@ def test_an_interval_that_holds_zero_beside_a_word_is_explained():
     found = told(change(about(0.995, 6, 0.004), about(0.965, 6, 0.004), p=0.002))
     assert found.answer == Answer.HURTS
     assert found.robot.endswith(
-        "The interval of success holds 0, as it allows for failures that were not seen; the exact test does not."
+        "The interval of success holds 0, as it allows for failures that were not seen; the permutation test does not."
     )
     time = change([7.0, 8.0, 9.0, 7.5], [6.0, 7.0, 8.9, 6.5], TIME, p=0.01)
-    why = "The interval of the time to the target holds 0, as it assumes a bell curve; the exact test does not."
+    why = "The interval of the time to the target holds 0, as it assumes a bell curve; the permutation test does not."
     assert told(time).robot.endswith(why)
     both = told(change(about(0.5), about(0.9), p=0.01), time)
     assert both.decided_by == "success_rate"
@@ -367,7 +367,7 @@ def test_an_interval_without_zero_that_is_no_answer_is_explained():
     assert "The interval of success leaves out 0 when it is looked at alone, but 8 questions were asked" in found.robot
     assert "8 questions were asked together, and allowing for all of them p is 0.200." in found.robot
     alone = told(change(about(0.5), about(0.9), p=0.2))
-    assert "leaves out 0 when it is looked at alone, but by an exact test p is 0.200." in alone.robot
+    assert "leaves out 0 when it is looked at alone, but by a permutation test p is 0.200." in alone.robot
     both = told(change(about(0.5), about(0.9), p=0.2), change(about(7.0), about(5.0), TIME, p=0.1))
     assert "The intervals of success and the time to the target leave out 0 when each is looked at alone, but " in (
         both.robot
@@ -473,23 +473,23 @@ TRIAL = {"bb": (-1000.0, 1000.0), "bk": (-1430.0, 500.0), "kb": (-60.0, 46_500.0
 def test_triumph_that_is_all_ruler():
     """eta_P of 25.6: 48.8 is the ruler's, and the runs are worth half. No word of better stands there."""
     assert number(compared(**TRIAL)) == (
-        "I_P with mine is 25.6 times that with base: x 48.8 from counting the same runs differently (ruler), "
-        "x 0.525 from different runs (behaviour)."
+        "I_P with mine is 25.6 times that with base: x 48.8 by rescaling alone (its ruler), "
+        "x 0.525 by other runs (its behaviour)."
     )
 
 
 def test_both_indices_are_told():
     """I_N first."""
     said = headline_of(NAMES, compared(**TRIAL)).number
-    assert said.startswith("I_N with mine is 0.09 times that with base: x 0.0615 from ")
+    assert said.startswith("I_N with mine is 0.09 times that with base: x 0.0615 by ")
     assert said.index("I_N with mine") < said.index("I_P with mine")
 
 
 def test_intervals_stand_behind_their_values():
     """Where there are enough seeds."""
     assert number(compared(kb=(-50.0, 200.0), kk=(-50.0, 200.0), seeds=3)) == (
-        "I_P with mine is 2 [2, 2] times that with base: x 2 [2, 2] from counting the same runs differently "
-        "(ruler), x 1 [1, 1] from different runs (behaviour)."
+        "I_P with mine is 2 [2, 2] times that with base: x 2 [2, 2] by rescaling alone "
+        "(its ruler), x 1 [1, 1] by other runs (its behaviour)."
     )
 
 

@@ -161,12 +161,12 @@ def _luck(p: float) -> str:
     """The p-value of an answer in words."""
     many = math.ceil(1000.0 * p - 1e-9)
     count = "fewer than 1" if many < 1 or p < 0.001 else f"{many}"
-    return f"Luck alone would show such a difference in {count} of 1,000 experiments."
+    return f"If the rewards did not differ, {count} of 1,000 experiments would show such a difference."
 
 
 FAILURE = "a failure counts as the whole time limit"
 """What is said beside the time to the target."""
-NOTES = {"ruler": "same movements, other counting", "behaviour": "other movements, same counting"}
+NOTES = {"ruler": "same episodes, other reward", "behaviour": "other episodes, same reward"}
 """What the parts of the pay are."""
 AGAINST = {(Answer.HURTS, True): ", for worse behaviour", (Answer.HELPS, False): ", for better behaviour"}
 """What is added where the pay goes the other way than the behaviour."""

@@ -100,7 +100,7 @@ SHARED: Mapping[str, str] = MappingProxyType(
     }
 )
 """Texts of the template."""
-PROMISE = "of 20 pages like this one, at most 1 says falsely that something is better or worse"
+PROMISE = "if nothing differed, about 5 % of reports would raise a false alarm"
 BARS = (
     "Dot and thin bar: the difference and its 95 % interval; right of the line is better. Small dots: a training each, "
     "by the measure above them, on a scale of their own; further right is better. Thick bars are pay: right of "

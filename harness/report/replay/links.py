@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from harness.eta.behaviour_change import Change
 from harness.eta.headline import SUCCESS
+from harness.report.replay.stick import draw_sticks
 from harness.report.rows.behaviour import value_text
 from harness.results.comparison import Comparison
 from harness.results.replay import Episode, Outcome, Show
@@ -39,6 +40,8 @@ class Still(NamedTuple):
     """How many pairs end otherwise; empty if none does."""
     other: Link | None
     """To one of them."""
+    sticks: tuple[str, ...]
+    """Of each side, its end as SVG, for where no script draws it."""
 
 
 @dataclass(frozen=True)
@@ -107,6 +110,7 @@ class EpisodeLinks:
             self._link(BASELINE, index, " | ".join(dict.fromkeys(outcome for _, outcome in ends))),
             pairs.otherwise if pairs is not None and others else "",
             others[0] if others else None,
+            draw_sticks(self.show.sides, index),
         )
 
     def _told(self, change: Change, value: float, episode: Episode) -> str:

@@ -96,7 +96,7 @@ def value_text(change: Change, value: float) -> str:
 def along_grid(comparison: Comparison) -> Grid:
     """What each evaluation on the way hints at. None of them decides; the last row is the end of the trainings."""
     name = next(iter(comparison.measured.deciding), "").replace("_rate", "").replace("_", " ")
-    headings = ("", f"{name}: baseline", "proposed", "difference", "hint")
+    headings = ("", f"{name}: baseline", "proposed", "difference", "exploratory")
     manner = comparison.own_manner
     moments = [*comparison.measured.along, StepChange(comparison.group.steps, comparison.measured.changes_of(manner))]
     rows = [_moment_row(comparison, moment) for moment in moments] if comparison.measured.along else []

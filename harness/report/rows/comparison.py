@@ -20,13 +20,15 @@ from harness.text import command_text
 UNLIKE_STARTS = "The policies did not meet the same starts, so that luck with them is part of the difference."
 NO_REWARD = "No reward enters the success rate and the other measures of behaviour."
 TESTS = (
-    "p says how often chance alone gives a difference as large. The measures that decide are corrected for all "
-    "questions that the experiment asks about the {subject}. Everything else is a hint, corrected for all hints. A "
-    "result stands only where p is at most 0.05. Each interval is over seeds and holds 95% by itself."
+    "p comes from a permutation test: labels are shuffled among the runs. It says how often chance alone gives a "
+    "difference as large. The measures that decide are corrected for all questions about the {subject}. All other "
+    "comparisons are exploratory, and corrected among themselves. A result stands only where p is at most 0.05. Each "
+    "95% confidence interval is over seeds, and holds by itself."
 )
 INTERIM_TESTS = (
     "The plan is not trained to its end, so nothing is tested about the {subject}: to look at results again and again "
-    "gives luck more chances. Every p on the way is a hint. Each interval is over seeds and holds 95% by itself."
+    "gives luck more chances. Every p on the way is exploratory. Each 95% confidence interval is over seeds, and holds "
+    "by itself."
 )
 
 
@@ -138,16 +140,18 @@ def _run_text(results: Results, out: str) -> str:
 
 
 def claims_text(comparison: Comparison) -> str:
-    """How many questions and hints there are, and what a test with so many seeds can show; empty without a seed."""
+    """How much is tested and how much explored, and what a test with so many seeds can show; empty without a seed."""
     counts, ruling, claims = comparison.counts, comparison.answer.ruling, comparison.answer.claims
     if not comparison.has_trainings or comparison.headline.answer is Answer.INTERIM:
         return ""
     asked = 1 if ruling is None else ruling.asked
     smallest = smallest_p(*counts)
-    least = f"no p below {smallest:.2g} from {trainings_text(comparison.names, counts)}"
-    questions = f"{asked} question{'s' * (asked != 1)} about the {comparison.group.subject}, asked together; {least}."
-    hints = f"{claims} hint{'s' * (claims != 1)}, corrected by themselves, decide nothing."
-    return f"{questions} {hints}"
+    verb = "is" if asked == 1 else "are"
+    together = "" if asked == 1 else " together"
+    questions = f"{asked} question{'s' * (asked != 1)} about the {comparison.group.subject} {verb} tested{together}."
+    least = f"From {trainings_text(comparison.names, counts)} no p can be below {smallest:.2g}."
+    others = f"{claims} exploratory comparison{'s' * (claims != 1)} do{'es' * (claims == 1)} not affect the verdict."
+    return f"{questions} {least} {others}"
 
 
 """Names of the paths: the runs on which a path's ruler is measured."""

@@ -14,10 +14,9 @@ from harness.results.standing import Standing, standing_of, values_of
 
 RACE_TITLE = "The race for the best reward"
 RACE = (
-    "A reward leaves the race when another one that is still in it is clearly better, by a test that spends 5 % over "
-    "all looks. It is then trained no further. Pay: what an episode is paid, each training by its own reward, compared "
-    "with the baseline: a factor, or a difference where there is none. The ruler is the part of it that is rescaling "
-    "alone. Pay decides nothing."
+    "Clearly worse candidates are dropped and trained no further. The test that drops them allows for all looks "
+    "together, at 5 %. Pay is that of an episode, each training by its own reward: x 2 is twice the baseline's. The "
+    "ruler is the part of the change that is rescaling alone. Pay does not affect the race."
 )
 HEADINGS = ("", "in the race", "{measure}", "seeds", "pay", "of it ruler")
 
@@ -118,7 +117,7 @@ def _end(standing: Standing, name: str) -> str:
     assert race is not None
     if name in race.beaten:
         it = race.beaten[name]
-        return f"beaten by {it.by}" if it.by else "too few numbers"
+        return f"worse than {it.by}" if it.by else "too few numbers"
     if race.best == name:
         return "BEST"
     return f"within {100 * CLOSE:g} points of the best" if race.is_close else "can be the best"

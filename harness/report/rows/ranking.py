@@ -12,8 +12,8 @@ from harness.results.ranking import ROUNDING, Kind, Place, PlacePair, TaskRankin
 TITLE = "Would you have chosen another reward elsewhere?"
 EXPLANATION = (
     "A place is where policies were trained, with one algorithm. Two places are compared if only one of these two "
-    "differs. Success is the share of evaluation episodes that succeed: the truth here. eta_P is the number as "
-    "published. Behaviour is what is left of it without the ruler. Each cell has the rank, then the value."
+    "differs. Success is the share of evaluation episodes that succeed: the truth here. eta_P is the note's "
+    "number. Its behaviour is what is left of it without rescaling. Each cell has the rank, then the value."
 )
 CHOICE = (
     "The best reward of the first place is used in the second, and compared with the reward that is best there. YES: "
@@ -144,7 +144,7 @@ def _rank_table(task: TaskRanking, score: str) -> RankTable:
             taus.append(NOTHING if eta.tau is None else f"{eta.tau:.2f}")
         assert order.rewards == task.rewards
     rows = [(reward, [column.get(reward, Rank(None, "")) for column in columns]) for reward in task.rewards]
-    return RankTable(_place_names(task), ("success", whole, "behaviour"), rows, taus)
+    return RankTable(_place_names(task), ("success", whole, part), rows, taus)
 
 
 def _by_success(place: Place) -> list[tuple[str, float]]:

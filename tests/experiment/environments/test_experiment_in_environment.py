@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 import shutil
 from collections.abc import Callable
 from dataclasses import replace
@@ -530,7 +531,7 @@ def test_the_report_is_printed(folder: Path, report: Callable[..., str]):
     """The cells, and a line for each comparison."""
     text = report(folder)
     assert "random · toy · against near" in text
-    assert "The mean return with right minus that with near" in text
+    assert re.search(r"An episode is paid \S+ with right and \S+ with near: a change of", " ".join(text.split()))
 
 
 def test_the_report_is_a_page(folder: Path, tmp_path: Path, report: Callable[..., str]):
@@ -611,7 +612,7 @@ def test_records_hold_what_the_report_says(folder: Path, tmp_path: Path, report:
     assert all(float(row["return_near"]) <= 0.0 for row in rows)
     assert "right against near" in (target / "summary.md").read_text()
     told = report(target)
-    assert "The mean return with right minus that with near" in told
+    assert re.search(r"An episode is paid \S+ with right and \S+ with near: a change of", " ".join(told.split()))
     assert "random · toy · against near · 32 steps" in told
 
 

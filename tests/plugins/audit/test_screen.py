@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
+import harness
 from harness.experiment.plan import check_experiment, expand
 from harness.registry.given import read_given
 from harness.registry.registry import load_registry
@@ -115,6 +116,6 @@ def test_environment_where_the_search_fails_cannot_be_told(screen, fails):
     (answer,) = screen(**ENVIRONMENT).values()
     assert answer == (
         CANNOT_TELL,
-        "Not searched: Environment 'gymnasium' of package fd100-harness 0.2.0 raised ZeroDivisionError: no search "
-        "today while it was searched.",
+        f"Not searched: Environment 'gymnasium' of package fd100-harness {harness.__version__} raised "
+        "ZeroDivisionError: no search today while it was searched.",
     )

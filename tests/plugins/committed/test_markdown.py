@@ -48,9 +48,9 @@ def test_every_grid_is_a_table_with_its_title(summarise):
         "Behaviour while training, 1 episode or more per seed",
         "Behaviour while learning",
         "Along the budget of training, deterministic",
-        "eta = proposed / baseline",
-        "eta = ruler x behaviour",
-        "ruler x behaviour, on each path",
+        "The note's eta_N and eta_P: proposed / baseline",
+        "The note's eta_N and eta_P: ruler x behaviour",
+        "The note's eta_N and eta_P: ruler x behaviour, on each path",
     ):
         assert re.search(rf"\n\n{re.escape(title)}\n\n\|  \| ", text), title
 

@@ -50,7 +50,8 @@ def test_steps_that_are_the_same_have_no_interval(build):
 def test_a_card_says_how_sure_it_is(helped):
     """As a share of experiments in which the rewards do nothing."""
     told = re.search(
-        r"from 6 trainings of each reward\. Luck alone would show such a difference in (\d+) of 1,000 experiments\.",
+        r"from 6 trainings of each reward\. If the rewards did not differ, (\d+) of 1,000 experiments would show such "
+        r"a difference\.",
         card_of(helped, "arp").sure,
     )
     assert 0 <= int(told[1]) - 1000.0 * helped.answer.ruling.corrected < 1.0
@@ -111,11 +112,8 @@ def test_what_decides_is_marked_and_named(helped):
     card = card_of(mixed, "arp")
     assert card.answer == "MIXED"
     assert [row.note for row in card.rows if not row.kind] == ["decides", "decides"]
-    assert (
-        "Decided by success and success while training, from 6 trainings of each reward. Luck alone would show such a "
-        in (card.sure)
-    )
-    assert "in 20 of 1,000 experiments." in card.sure
+    decided = "Decided by success and success while training, from 6 trainings of each reward. If the rewards did not "
+    assert f"{decided}differ, 20 of 1,000 experiments would show such a difference." in card.sure
 
 
 def test_a_plan_that_is_not_trained_to_its_end_has_no_colour(helped):

@@ -97,7 +97,7 @@ def test_a_link_leads_to_an_episode(page: Any):
     """#replay-1-3: the first comparison, its episode 3."""
     page.evaluate("location.hash = '#replay-1-3'")
     page.wait_for_timeout(300)
-    assert page.eval_on_selector("[data-part=episode]", "it => it.selectedOptions[0].text").startswith("3:")
+    assert page.eval_on_selector("[data-part=episode]", "it => it.selectedOptions[0].text").startswith("seed 0, 3:")
 
 
 def test_an_outcome_leads_to_an_episode_that_ended_so(page: Any):
@@ -134,8 +134,32 @@ def test_a_measure_leads_to_an_episode(page: Any):
 def test_a_link_leads_back_to_its_episode(page: Any):
     """Also where the address is that of the link already, but another episode has been chosen since."""
     page.select_option("[data-part=episode]", index=2)
-    page.evaluate("document.querySelector('main a[href=\"#replay-1-1\"]').click()")
+    page.evaluate("document.querySelector('main a[href^=\"#replay-1-1-\"]').click()")
     assert page.inner_text("[data-part=told]").startswith("Episode 1 ")
+
+
+def test_a_cell_plays_its_pair(page: Any):
+    """By a click, and by arrows and Enter; what is told says how often pairs end so."""
+    cells = page.locator("[role=gridcell]")
+    assert cells.count() == 4
+    cells.nth(2).click()
+    assert page.inner_text("[data-part=told]").startswith("Episode 3 of the final evaluation, seed 0: ")
+    assert " of 4 pairs." in page.inner_text("[data-part=told]")
+    page.keyboard.press("ArrowLeft")
+    assert page.evaluate("document.activeElement.title").startswith("Seed 0, episode 2: ")
+    page.keyboard.press("Enter")
+    assert page.inner_text("[data-part=told]").startswith("Episode 2 ")
+
+
+def test_the_typical_pair_is_first(show: Callable[..., Any], address: str, recorded: Results):
+    """In the still and in the replay, with its share."""
+    (shown,) = shows_of(recorded)
+    page = show(address)
+    share = shown.pairs.share(shown.pairs.usual)
+    assert page.inner_text(".still b").lower() == share.lower()
+    told = page.inner_text("[data-part=told]").lower()
+    assert told.startswith(f"episode {shown.numbers[shown.first]} ")
+    assert share.lower() in told
 
 
 def test_without_webgl_the_arm_is_a_line(show: Callable[..., Any], address: str):

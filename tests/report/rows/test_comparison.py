@@ -260,12 +260,12 @@ def test_numbers_have_three_significant_digits(subtests: pytest.Subtests):
 
 
 def test_what_so_few_seeds_can_show_is_said(build):
-    """How many questions there are, the smallest p-value that they can give, and that hints decide nothing."""
+    """How many questions there are, the smallest p-value that they can give, and that all else decides nothing."""
     told = claims_text(only(build(seeds=4)))
     assert told.startswith(
-        "1 question about the robot, asked together; no p below 0.029 from 4 trainings of each reward."
+        "1 question about the robot is tested. From 4 trainings of each reward no p can be below 0.029."
     )
-    assert told.endswith(" hints, corrected by themselves, decide nothing.")
+    assert told.endswith(" exploratory comparisons do not affect the verdict.")
 
 
 def test_a_plan_that_is_not_trained_to_its_end_says_so_first(build):
@@ -278,7 +278,7 @@ def test_a_plan_that_is_not_trained_to_its_end_says_so_first(build):
     assert claims_text(only(interim)) == ""
     ended = build()
     assert interim_text(ended) == ""
-    assert what_decides(ended).startswith("p says how often chance alone gives a difference as large.")
+    assert what_decides(ended).startswith("p comes from a permutation test: labels are shuffled among the runs.")
 
 
 def test_a_reward_that_has_not_begun_makes_no_test_of_an_unfinished_plan(build):

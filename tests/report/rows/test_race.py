@@ -60,7 +60,7 @@ def test_the_best_comes_first_and_the_others_say_who_beat_them(over: Folder):
     rows = {row[0]: row[1:] for row in told_of(over).grid.rows}
     assert list(rows) == ["dense", "arp", "baseline"]
     assert rows["dense"][:3] == ("BEST", "90.0%", "4")
-    assert rows["baseline"][0] == "beaten by dense"
+    assert rows["baseline"][0] == "worse than dense"
 
 
 def test_the_number_stands_beside_its_ruler(over: Folder):

@@ -108,7 +108,7 @@ def test_a_ratio_takes_positive_returns(tmp_path, shift):
     assert split.total.change.mean == pytest.approx(split.total.ruler.mean + split.total.behaviour.mean)
     if shift:
         assert "is not above 0" in split.ratio.eta.note
-        assert "from counting the same runs differently (ruler)" in comparison.number.sentence(comparison.names)
+        assert "Rescaling alone (the ruler)" in comparison.number.sentence(comparison.names)
 
 
 def test_signs_of_the_summed_curve_decide_which_indices_there_are(tmp_path):
