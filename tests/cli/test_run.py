@@ -308,7 +308,7 @@ def test_quiet_shows_the_results_alone(harness, quick):
     """Nothing on standard error."""
     answer = harness("run", *quick, "--reward", "arp", "--seeds", "1", "--out", "mine", "--quiet")
     assert (answer.status, answer.err) == (0, "")
-    assert "An episode is paid" in answer.out
+    assert "pay of an episode" in answer.out
 
 
 def test_json_stands_alone_on_standard_output(harness, quick):
