@@ -227,7 +227,7 @@ def test_ctrl_c_keeps_what_is_finished(toys, tmp_path):
     os.mkfifo(pipe)
     reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
     flags = ["--sim", "ideal", "--steps", "12", "--seeds", "1", "--jobs", "1", "--evaluation-episodes", "2"]
-    flags += ["--algo", f"wander,wander:then=wait,note={pipe}", "--out", str(out)]
+    flags += ["--algo", f"wander,wander:then=wait,note={pipe}", "--reward", "arp", "--out", str(out)]
     command = [sys.executable, "-c", "from harness.cli import main; main()", "run", *flags]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=tmp_path)
     assert select.select([reader], [], [], 60.0)[0], "the cell that never ends was not started"
