@@ -133,7 +133,7 @@ class ShownPair(NamedTuple):
 
     cells: tuple[Cell, Cell]
     number: int
-    """Of the episode, from 0."""
+    """Its episode, from 0."""
     pairs: Pairs | None
 
 

@@ -65,7 +65,7 @@ class Frame:
 
 
 def film_of(show: Show) -> Iterator[Frame]:
-    """All episodes of a show, one after the other.
+    """All episodes of a show, one after the other; the typical pair last, so that a GIF begins with its end.
 
     An episode takes three seconds at most. In a longer one steps pass the faster the later they are, so that one sees
     how the arm gets to its target, and whether it stays away.
@@ -74,7 +74,10 @@ def film_of(show: Show) -> Iterator[Frame]:
         UsageError: pillow is missing.
     """
     require_pillow()
-    for number, episodes in zip(show.numbers, zip(*(side.episodes for side in show.sides), strict=True), strict=True):
+    shares = {(it.seed, it.number + 1): f"{show.pairs.share(it.kind)}\n" for it in show.pairs.met} if show.pairs else {}
+    for place in sorted(range(len(show.numbers)), key=lambda it: (bool(show.pairs) and it == show.first, it)):
+        number, episodes = show.numbers[place], tuple(side.episodes[place] for side in show.sides)
+        share = shares.get((show.sides[0].seeds[place], number), "")
         ways = [_way(side.scene, episode.qpos) for side, episode in zip(show.sides, episodes, strict=True)]
         camera = _camera(ways, episodes, show)
         last = max(int(episode.steps[-1]) for episode in episodes)
@@ -84,7 +87,7 @@ def film_of(show: Show) -> Iterator[Frame]:
                 _view(side, episode, way, camera, step, COLOURS[index % len(COLOURS)])
                 for index, (side, episode, way) in enumerate(zip(show.sides, episodes, ways, strict=True))
             ]
-            yield frame_of(views, f"episode {number}, step {step:.0f} of {last}", step == steps[-1])
+            yield frame_of(views, f"{share}episode {number}, step {step:.0f} of {last}", step == steps[-1])
 
 
 def clock_of(last: int) -> Float:
@@ -144,14 +147,15 @@ def view_of(picture: "Image.Image", title: str, told: str, colour: str, outcome:
 
 
 def frame_of(views: list["Image.Image"], caption: str, is_last: bool) -> Frame:
-    """All sides, two in a row, with a line below; an episode's last frame is held."""
+    """All sides, two in a row, with the lines of a caption below; an episode's last frame is held."""
     from PIL import Image, ImageDraw
 
-    rows, high = -(-len(views) // COLUMNS), views[0].height
-    whole = Image.new("RGB", (WIDTH * min(COLUMNS, len(views)), rows * high + LINE), BACKGROUND)
+    rows, high, lines = -(-len(views) // COLUMNS), views[0].height, caption.split("\n")
+    whole = Image.new("RGB", (WIDTH * min(COLUMNS, len(views)), rows * high + len(lines) * LINE), BACKGROUND)
     for index, view in enumerate(views):
         whole.paste(view, (WIDTH * (index % COLUMNS), high * (index // COLUMNS)))
-    _write(ImageDraw.Draw(whole), (10, rows * high), caption, INK)
+    for line, text in enumerate(lines):
+        _write(ImageDraw.Draw(whole), (10, rows * high + line * LINE), text, INK)
     return Frame(whole, HELD if is_last else 1 / RATE)
 
 

@@ -153,7 +153,7 @@ def test_run_whose_cells_failed_ends_with_1(harness, quick, tmp_path: Path):
         "def odd(step):\n    if len(step.distance) != 2:\n        raise ValueError\n    return -step.distance\n"
     )
     flags = ("--plugin", "odd.py", "--reward", "odd", "--out", "here", "--fail-on", "hurts")
-    answer = harness("run", *quick, "--reward", "arp", "--seeds", "2", *flags)
+    answer = harness("run", *quick, "--seeds", "2", *flags)
     assert answer.status == 1
     assert "and something failed: status 1" in answer.err
     assert harness("report", "here", "--plugin", "odd.py", "--fail-on", "hurts").status == 3

@@ -181,7 +181,8 @@ def test_lists_take_commas_and_repeated_flags(harness, quick):
 def test_a_file_is_the_same_as_flags_and_a_flag_wins(harness, quick, tmp_path):
     """An experiment file gives the cells that its keys would give as flags; a flag overrules its key."""
     (tmp_path / "my.toml").write_text(
-        'sim = "ideal"\nalgo = [{name = "wander", width = 8}]\nseeds = [4]\nsteps = 24\nevaluation_episodes = 2\n'
+        'sim = "ideal"\nalgo = [{name = "wander", width = 8}]\nreward = "arp"\nseeds = [4]\nsteps = 24\n'
+        "evaluation_episodes = 2\n"
     )
     harness("run", "my.toml", "--steps", "12", "--executor", "here", "--out", "a")
     harness("run", *quick, "--reward", "arp", "--algo", "wander:width=8", "--seeds", "4,", "--out", "b")
@@ -227,7 +228,7 @@ def test_ctrl_c_keeps_what_is_finished(toys, tmp_path):
     os.mkfifo(pipe)
     reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
     flags = ["--sim", "ideal", "--steps", "12", "--seeds", "1", "--jobs", "1", "--evaluation-episodes", "2"]
-    flags += ["--algo", f"wander,wander:then=wait,note={pipe}", "--reward", "arp", "--out", str(out)]
+    flags += ["--reward", "arp", "--algo", f"wander,wander:then=wait,note={pipe}", "--out", str(out)]
     command = [sys.executable, "-c", "from harness.cli import main; main()", "run", *flags]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=tmp_path)
     assert select.select([reader], [], [], 60.0)[0], "the cell that never ends was not started"

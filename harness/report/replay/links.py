@@ -29,9 +29,9 @@ class Still(NamedTuple):
     """The end of a pair of episodes, as the first screen shows it."""
 
     show: int
-    """The number of its show, from 0."""
+    """Number of its show, from 0."""
     ends: tuple[str, ...]
-    """Of each side: its reward, and how its episode ended."""
+    """The reward of each side, and how its episode ended."""
     share: str
     """How often pairs end so."""
     link: Link
@@ -41,7 +41,7 @@ class Still(NamedTuple):
     other: Link | None
     """To one of them."""
     sticks: tuple[str, ...]
-    """Of each side, its end as SVG, for where no script draws it."""
+    """The end of each side as SVG, for where no script draws it."""
 
 
 @dataclass(frozen=True)
