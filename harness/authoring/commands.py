@@ -36,6 +36,7 @@ if TYPE_CHECKING:
         TaskName as TaskName,
         names_of as names_of,
     )
+    from harness.cli.foreseen import about as about
     from harness.cli.output import (
         complain as complain,
         kept_when_interrupted as kept_when_interrupted,
@@ -201,7 +202,7 @@ if TYPE_CHECKING:
     from harness.policy.continuous import ContinuousNetwork as ContinuousNetwork
     from harness.policy.folder import read_folder as read_folder
     from harness.policy.network import MEAN as MEAN, STD as STD
-    from harness.record.blocks import Block as Block
+    from harness.record.blocks import Block as Block, Blocks as Blocks, read_blocks as read_blocks
     from harness.record.cell import BROUGHT as BROUGHT, Cell as Cell
     from harness.record.cell_folder import require_files as require_files
     from harness.record.dataset.labels import (
@@ -244,12 +245,14 @@ if TYPE_CHECKING:
     )
     from harness.record.out_folder import (
         folder_lock as folder_lock,
+        is_held as is_held,
         make_folder as make_folder,
         refuse_links as refuse_links,
         storage_errors as storage_errors,
     )
     from harness.record.plan_file import EXPERIMENT as EXPERIMENT, PLAN as PLAN
     from harness.record.recording.facts import (
+        TrainingFacts as TrainingFacts,
         facts_of as facts_of,
         file_column as file_column,
         term_column as term_column,
@@ -259,14 +262,21 @@ if TYPE_CHECKING:
         INTEGERS as INTEGERS,
         TICK as TICK,
         TICK_IN_FILE as TICK_IN_FILE,
+        facts_name as facts_name,
         is_recording as is_recording,
+        part_count as part_count,
+        part_name as part_name,
+        part_schema as part_schema,
+        read_part as read_part,
         read_recording as read_recording,
+        recorder_numbers as recorder_numbers,
         recordings_in as recordings_in,
     )
-    from harness.record.returns import mean_return as mean_return
+    from harness.record.returns import EVENTS as EVENTS, mean_return as mean_return
     from harness.record.scene import Scene as Scene, read_scene as read_scene, write_scene as write_scene
+    from harness.record.status import FolderStatus as FolderStatus, read_status as read_status
     from harness.record.store import Store as Store
-    from harness.record.trace import TERM as TERM, read_trace as read_trace
+    from harness.record.trace import TERM as TERM, read_trace as read_trace, terms_of as terms_of
     from harness.recorder.column import Column as Column, made_columns as made_columns, source_of as source_of
     from harness.recorder.env_facts import versions_of as versions_of
     from harness.recorder.guard import Guard as Guard, Raised as Raised

@@ -27,6 +27,7 @@ from harness.experiment.workers.order import Report
 from harness.log import Log
 from harness.policy import Policy
 from harness.progress import LAST_EPISODES, RETURN, SPEED, SUCCESS, TERMS, TrainingState
+from harness.record.blocks import BEHAVIOUR, Blocks, read_blocks
 from harness.record.cell import Cell
 from harness.record.folder import SUFFIX, TRACE
 from harness.record.recording.facts import Acted
@@ -51,6 +52,7 @@ class ArmWorld:
         self._env: ReachVectorEnv
         self._learning: LearningSoFar | None = None
         self._parts: TraceParts | None = None
+        self._folder: Path | None = None
 
     @cached_property
     def runs_on(self) -> Mapping[str, Any]:
@@ -81,7 +83,9 @@ class ArmWorld:
             sizes, facts = (env.robot.dof, env.episodes.action.shape[1]), facts_of(env.task, env.robot)
             with TraceParts(path, *sizes, facts, attempt.parts, env.episodes.extras) as self._parts:
                 terms = [name.removeprefix(TERM) for name in env.episodes.extras if name.startswith(TERM)]
-                env.recorder = self._learning = LearningSoFar(self._parts, attempt.begun_from, terms=terms)
+                before = read_blocks(attempt.folder) if attempt.begun_from else None
+                self._folder = attempt.folder
+                env.recorder = self._learning = LearningSoFar(self._parts, attempt.begun_from, before, terms=terms)
                 self._watch.follow(env)
                 yield env
                 self._watch.enter("trace")
@@ -90,9 +94,12 @@ class ArmWorld:
             env.close()
 
     def learned(self, steps: int, *, if_due: bool = False) -> Mapping[str, float]:
-        if self._learning is None:
+        if self._learning is None or self._folder is None:
             return NO_SCALARS
-        return self._learning.scalars_if_due(steps) if if_due else self._learning.scalars(steps)
+        told = self._learning.scalars_if_due(steps) if if_due else self._learning.scalars(steps)
+        if told:
+            self._learning.blocks.write(self._folder)
+        return told
 
     def kept(self) -> tuple[TrainingState, Sequence[str]] | None:
         """See `CellWorld`: the trace so far is finished, as a part."""
@@ -143,6 +150,9 @@ class LearningSoFar:
 
     A step costs a copy of its rows. They are added up when somebody asks, or when there are `BLOCK` of them.
     Episodes that were under way when a killed training went on are left out.
+
+    Attributes:
+        blocks: What all episodes came to, as far as rows were added up.
     """
 
     BLOCK = 4096
@@ -151,6 +161,7 @@ class LearningSoFar:
         self,
         recorder: Recorder,
         begun_from: int = 0,
+        before: Blocks | None = None,
         now: Callable[[], float] = time.monotonic,
         terms: Sequence[str] = (),
     ) -> None:
@@ -159,6 +170,7 @@ class LearningSoFar:
         Args:
             recorder: Gets the rows.
             begun_from: Environment steps that were done before.
+            before: What the episodes of these steps came to.
             now: The time, [s].
             terms: Of the reward, whose columns end each row.
         """
@@ -167,7 +179,8 @@ class LearningSoFar:
         # By env: the episode, what it was paid, the total and then its terms, and whether it reached.
         self._open: dict[int, tuple[int, Float, bool]] = {}
         self._ended: deque[tuple[Float, bool]] = deque(maxlen=LAST_EPISODES)
-        self._steps, self._told = begun_from, now()
+        self._steps, self._told, self._taken = begun_from, now(), begun_from
+        self.blocks = before.until(begun_from) if before and before.terms == tuple(terms) else Blocks.none(terms)
 
     def append(self, rows: Rows) -> None:
         self._recorder.append(rows)
@@ -227,4 +240,10 @@ class LearningSoFar:
             else:
                 self._open.pop(env, None)
                 ended.append((int(last_rows[index]), total[1:]))
-        self._ended.extend(episode for _, episode in sorted(ended, key=lambda it: it[0]))
+        ended.sort(key=lambda it: it[0])
+        self._ended.extend(episode for _, episode in ended)
+        steps = self._taken + np.cumsum(rows[:, STEP] > 0)  # a start is no step
+        self._taken = int(steps[-1]) if len(steps) else self._taken
+        if ended:
+            numbers = [np.insert(paid, BEHAVIOUR, was_reached) for _, (paid, was_reached) in ended]
+            self.blocks = self.blocks.followed_by(steps[[row for row, _ in ended]], np.array(numbers))

@@ -23,6 +23,7 @@ from harness.experiment.world import CellWorld, world_of
 from harness.files.plain import Plain
 from harness.policy import Policy
 from harness.progress import Progress, TrainingState
+from harness.record.blocks import BLOCKS
 from harness.record.cell import Cell
 from harness.record.folder import (
     CHECKPOINT,
@@ -190,7 +191,8 @@ def run_cell(
             _Run(cell, load_registry(given=options.plugins), report, options, watch).leave(draft)
         finally:
             draft.note(peak_memory=peak_memory())
-            (draft.partial / CHECKPOINT).unlink(missing_ok=True)
+            for name in (CHECKPOINT, BLOCKS):
+                (draft.partial / name).unlink(missing_ok=True)
             discard_rings(draft.partial)
             discard_parts(draft.partial / TRACE)
     return draft.record

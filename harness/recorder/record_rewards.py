@@ -55,8 +55,8 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
     One that raises, returns something else than a finite number, or whose key is missing is given up: one warning names
     it with episode and step, it is NaN from that step on, and everything else goes on.
 
-    Steps are written every 5 seconds, and when the env is closed, is garbage, or Python ends. The folder can be read at
-    any time, by `harness.record.recording.recorded_training.read_recording`.
+    Steps are written every 4 seconds or sooner, and when the env is closed, is garbage, or Python ends. The folder can
+    be read at any time, by `harness.record.recording.recorded_training.read_recording`.
     """
 
     def __init__(

@@ -32,8 +32,10 @@ from harness.record.recording.recorded_training import (
 )
 
 Rows = Float | Sequence[Sequence[float]]
-WRITE_EVERY = 5.0
-"""A training that is killed loses the steps of so many seconds at most, [s]."""
+WRITE_EVERY, SOONEST = 4.0, 2.0
+"""A training that is killed loses the steps of so many seconds at most, [s]; who watches it sees them as soon."""
+LARGEST_SHARE = 0.005
+"""Of the time, what writing may take where that allows to write sooner than `WRITE_EVERY`."""
 
 
 class RecordingWriter:
@@ -173,7 +175,7 @@ class RecordingWriter:
 
     def _write(self) -> None:
         """The facts first: no reader finds NaN of which they do not tell."""
-        files: dict[str, Callable[[Path], None]] = {}
+        files, begun = dict[str, Callable[[Path], None]](), time.thread_time()
         if self.facts is not self._written_facts:
             files[facts_name(self.number)] = self.facts.write
         if self._filled:
@@ -183,7 +185,8 @@ class RecordingWriter:
             for partial, write in zip(partials, files.values(), strict=True):
                 write(partial)
         self._written_facts = self.facts
-        self.due = time.monotonic() + WRITE_EVERY
+        took = time.thread_time() - begun
+        self.due = time.monotonic() + min(WRITE_EVERY, max(SOONEST, took / LARGEST_SHARE))
 
     def _write_part(self, path: Path) -> None:
         pq.write_table(
