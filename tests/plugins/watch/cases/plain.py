@@ -1,4 +1,4 @@
-"""Two learners in one loop each, as people write them themselves: a table of values, and policy gradients by hand."""
+"""Three learners in one loop each, as people write them themselves: tables, policy gradients, and evolution."""
 
 from collections import defaultdict
 
@@ -72,4 +72,30 @@ def _returns(pay):
     return found
 
 
-LEARNERS = {"q-table": q_table, "reinforce": reinforce}
+def cross_entropy(env, steps, seed):
+    """The cross-entropy method: of 20 linear policies, drawn anew in each turn, the best 5 tell where to draw next."""
+    rng, low, high = np.random.default_rng(seed), env.action_space.low, env.action_space.high
+    size = len(_flat(env.reset(seed=seed)[0])) + 1
+    centre, spread, done = np.zeros((size, len(low))), np.ones((size, len(low))), 0
+    while done < steps:
+        policies = [centre + spread * rng.normal(size=centre.shape) for _ in range(20)]
+        paid = []
+        for policy in policies:
+            seen, total, is_over = env.reset()[0], 0.0, False
+            while not is_over:
+                wanted = np.tanh(np.append(_flat(seen), 1.0) @ policy)
+                action = (low + (wanted + 1.0) * (high - low) / 2.0).astype(low.dtype)
+                seen, pay, terminated, truncated, _ = env.step(action)
+                total, is_over, done = total + pay, terminated or truncated, done + 1
+            paid.append(total)
+            if done >= steps:
+                return
+        best = np.array([policies[it] for it in np.argsort(paid)[-5:]])
+        centre, spread = best.mean(axis=0), best.std(axis=0) + 0.05
+
+
+def _flat(seen):
+    return np.concatenate([np.ravel(it) for it in (seen.values() if isinstance(seen, dict) else [seen])])
+
+
+LEARNERS = {"q-table": q_table, "reinforce": reinforce, "cross-entropy": cross_entropy}

@@ -1,4 +1,4 @@
-"""A measure of a pole that shall stand."""
+"""A measure of a pole that shall be balanced."""
 
 
 class stood:  # noqa: N801
