@@ -3,11 +3,12 @@
 A plugin is a module that is quick to import and that an entry point of the group ``harness`` names. Each hook gets a
 function ``register``. Its signature is the same for all kinds::
 
-    register(name, target, *, summary, requires=(), extra=None)
+    register(name, target, *, summary, requires=(), extra=None, short="")
 
 `name` is what users type; `target` is ``"module:attribute"`` and is imported only when something uses it; `summary` is
 one line for ``harness list``; `requires` names the modules that have to be importable, ``mujoco`` or, with its least
-version, ``mujoco>=3.17``; `extra` is the extra of the distribution that brings them.
+version, ``mujoco>=3.17``; `extra` is the extra of the distribution that brings them; `short` may be typed in place of
+the name, and records have the name.
 """
 
 from collections.abc import Iterable
@@ -32,6 +33,7 @@ class Register(Protocol):
         requires: Iterable[str] = (),
         extra: str | None = None,
         heading: str = "",
+        short: str = "",
     ) -> None:
         """Announce `target` under `name`; raises ValueError for a malformed name or target.
 

@@ -1,4 +1,4 @@
-"""The hyperparameters of soft actor-critic, which the algorithms `sac`, `sac-fast` and `her` share."""
+"""The hyperparameters of soft actor-critic, which the algorithms `sac-fast`, `sb3-sac` and `her` share."""
 
 from typing import Annotated, ClassVar
 

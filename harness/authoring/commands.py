@@ -272,7 +272,7 @@ if TYPE_CHECKING:
         recorder_numbers as recorder_numbers,
         recordings_in as recordings_in,
     )
-    from harness.record.returns import EVENTS as EVENTS, mean_return as mean_return
+    from harness.record.returns import mean_return as mean_return
     from harness.record.scene import Scene as Scene, read_scene as read_scene, write_scene as write_scene
     from harness.record.status import FolderStatus as FolderStatus, read_status as read_status
     from harness.record.store import Store as Store

@@ -62,7 +62,7 @@ if TYPE_CHECKING:
     from harness.report.figures.split_rows import SplitRow as SplitRow, describe_split as describe_split
     from harness.report.page.matrix import plain_text as plain_text
     from harness.report.page.page import render_page as render_page, write_page as write_page
-    from harness.report.replay.section import replay_of as replay_of
+    from harness.report.replay.section import Replay as Replay, replay_of as replay_of
     from harness.report.rows.alone import (
         ALONE as ALONE,
         alone_grid as alone_grid,

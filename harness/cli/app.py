@@ -12,7 +12,7 @@ import typer
 from typer.exceptions import TyperException
 
 from harness.cli.examples import EXAMPLES, FIRST_STEPS, epilog_of
-from harness.cli.help import PLAIN, All, Command, Commands, LongCommand
+from harness.cli.help import PLAIN, All, Command, Commands, LongCommand, meant_flag
 from harness.cli.output import complain, libraries_visible, say
 from harness.errors import HarnessError, UsageError
 from harness.registry.allowed import allow_imports, allow_programs, allow_typed
@@ -180,10 +180,12 @@ def _is_no_text(error: Exception) -> bool:
 
 
 def _with_help(error: TyperException) -> str:
-    """What typer says, and which help has examples of what it would take."""
+    """What typer says, with the flag that may be meant, and which help has examples of what it would take."""
     message, context = error.format_message(), getattr(error, "ctx", None)
     if context is None or not context.help_option_names:
         return message
+    if (given := getattr(error, "option_name", None)) and hasattr(error, "possibilities"):
+        message = f"No such option: {given}.{meant_flag(given, context.command)}"
     end = "" if message.endswith((".", "?")) else "."
     return f"{message}{end} Examples: {context.command_path} {context.help_option_names[0]}"
 

@@ -3,20 +3,20 @@
 from collections.abc import Mapping
 from types import MappingProxyType
 
-FIRST_STEPS = ("harness demo", "harness run --sim mujoco --algo sac-fast")
+FIRST_STEPS = ("harness demo", "harness run --sim mujoco --algo sac")
 
 EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
         "demo": ("harness demo", "harness demo --out my-first"),
         "run": (
-            "harness run --sim mujoco --algo sac-fast",
+            "harness run --sim mujoco --algo sac",
             "harness run --sim kinematic --algo ik --reward arp,scaled:factor=3 --seeds 3",
-            "harness run --sim mujoco --algo sac-fast --reward dense --until decided",
+            "harness run --sim mujoco --algo sac --reward dense --until decided",
             "harness run experiment.toml --seeds 20 --out my-results --dry-run",
         ),
         "choose": (
-            "harness choose --reward arp,dense,relative --sim mujoco --algo sac-fast",
-            "harness choose --plugin 'candidates/*.py' --task gymnasium:id=Pendulum-v1 --algo sac-fast",
+            "harness choose --reward arp,dense,relative --sim mujoco --algo sac",
+            "harness choose --plugin 'candidates/*.py' --task gymnasium:id=Pendulum-v1 --algo sac",
         ),
         "report": (
             "harness report my-results",

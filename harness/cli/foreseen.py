@@ -69,17 +69,31 @@ def _time(found: "Foreseen") -> str:
     if found.seconds is None:
         return f"not known: {found.unknown}"
     most = "at most " if found.looks else ""
-    return (
-        f"{most}{about(found.seconds)}, {min(found.at_once, len(found.to_do))} at once, estimated from the done cells"
-    )
+    return f"{most}{about(found.seconds)}, {min(found.at_once, len(found.to_do))} at once, {found.basis}"
 
 
 def about(seconds: float) -> str:
-    """A duration as text, ``about 12 min``."""
-    for size, unit in ((3600, "h"), (60, "min")):
-        if seconds >= 2 * size:
-            return f"about {seconds / size:.0f} {unit}"
-    return f"about {seconds:.0f} s"
+    """A duration as text: ``about 40 s``, ``about 3 min``, ``about 2 h 10 min``."""
+    return f"about {_rounded(seconds)}"
+
+
+def left_text(seconds: float, *, at_most: bool = False) -> str:
+    """The time that is left as text, ``about 3 min left``; where less may do, ``at most 3 min left``."""
+    return f"{'at most' if at_most else 'about'} {_rounded(seconds)} left"
+
+
+def _rounded(seconds: float) -> str:
+    """To 5 seconds below 100 seconds, to minutes below 100 minutes, to 10 minutes below 10 hours."""
+    if seconds < 9.5:
+        return f"{max(round(seconds), 1)} s"
+    if seconds < 97.5:
+        return f"{5 * round(seconds / 5)} s"
+    if seconds < 97.5 * 60:
+        return f"{round(seconds / 60)} min"
+    hours, tens = divmod(round(seconds / 600), 6)
+    if hours >= 10:
+        return f"{round(seconds / 3600)} h"
+    return f"{hours} h {10 * tens} min" if tens else f"{hours} h"
 
 
 def _size(count: float) -> str:

@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import typer
 from typer.core import TyperCommand, TyperGroup
+from typer.exceptions import TyperException
 
 from harness.cli.output import say
+from harness.registry.names import did_you_mean
 from harness.text import visible
 
 if TYPE_CHECKING:
@@ -41,6 +43,37 @@ GROUPS: Mapping[str, Sequence[str]] = MappingProxyType(
     }
 )
 """All other parameters of these two, by the heading that they stand under with ``--help-all``."""
+OTHER_FLAGS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "--jobs": ("--workers", "--num-workers", "--n-jobs", "--parallel", "--processes", "--threads", "-j"),
+        "--algo": ("--algorithm", "--agent", "--model", "--policy"),
+        "--sim": ("--simulator", "--engine", "--physics", "--backend"),
+        "--steps": ("--timesteps", "--total-timesteps", "--n-timesteps", "--num-steps", "--max-steps", "-n"),
+        "--task": ("--env", "--env-id", "--environment", "--gym-id"),
+        "--seeds": ("--seed", "--n-seeds", "--num-seeds", "--trials", "--repeats"),
+        "--out": ("--output", "--output-dir", "--out-dir", "--log-dir", "--logdir", "--save-dir", "--folder", "-o"),
+        "--reward": ("--rewards", "--reward-function", "--candidates"),
+        "--evaluation-episodes": ("--eval-episodes", "--n-eval-episodes", "--episodes"),
+        "--evaluate-every": ("--eval-freq", "--eval-every"),
+        "--tracker": ("--track", "--wandb", "--tensorboard", "--logger"),
+        "--plugin": ("--plugins", "--file"),
+        "--dry-run": ("--dryrun", "--plan", "--estimate"),
+        "--budget": ("--time", "--time-limit", "--timeout"),
+    }
+)
+"""Flags of ours, each with what other tools call the same."""
+OTHER_COMMANDS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "run": ("train", "experiment", "benchmark", "start", "learn"),
+        "list": ("list-envs", "envs", "ls", "show"),
+        "report": ("results", "plot", "evaluate", "summary"),
+        "watch": ("monitor", "tail", "view"),
+        "status": ("progress", "ps"),
+        "describe": ("info", "explain"),
+        "demo": ("example", "quickstart"),
+    }
+)
+"""Commands of ours, each with what other tools call the same."""
 
 
 class Command(TyperCommand):
@@ -91,6 +124,15 @@ class Commands(TyperGroup):
         asked = list(takewhile(lambda word: word.startswith("-"), args))
         return super().parse_args(ctx, [ALL] if ALL in asked else args)
 
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Called with what was typed behind ``harness``: what other tools call a command is answered with ours."""
+        try:
+            return super().resolve_command(ctx, args)
+        except TyperException as error:
+            if meant := our_word(args[0], OTHER_COMMANDS, self.commands):
+                error.message = f"No such command '{visible(args[0])}'. Did you mean '{meant}'?"
+            raise
+
     def format_options(self, ctx: Any, formatter: Any) -> None:
         """Called when the help is written: the commands first."""
         commands = self.commands
@@ -111,6 +153,20 @@ class Commands(TyperGroup):
     def format_epilog(self, ctx: Any, formatter: Any) -> None:
         """Called when the help is written."""
         _write_lines(formatter, self.epilog)
+
+
+def our_word(given: str, others: Mapping[str, Sequence[str]], known: Collection[str]) -> str:
+    """What is called so here, of a word of other tools; empty where this is none, or is not `known` here."""
+    return next((ours for ours, words in others.items() if given in words and ours in known), "")
+
+
+def meant_flag(given: str, command: Any) -> str:
+    """A question to add to a message on a flag that a command lacks; empty without a near match."""
+    known = [flag for it in command.params for flag in (*it.opts, *it.secondary_opts) if flag.startswith("--")]
+    if any(given in words for words in OTHER_FLAGS.values()):
+        ours = our_word(given, OTHER_FLAGS, known)
+        return f" Did you mean '{ours}'?" if ours else ""
+    return did_you_mean(given, known)
 
 
 def _show_whole(context: typer.Context, parameter: Any, wanted: bool) -> None:

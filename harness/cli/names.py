@@ -59,6 +59,7 @@ def list_names(
                 continue
             spec = registry.get(shown, name)
             note = f" [missing {', '.join(spec.missing)}: {spec.remedy}]" if spec.missing else ""
-            say(f"  {name:<{width}}{spec.summary}{note}")
+            short = f"; {spec.short} for short" if spec.short else ""
+            say(f"  {name:<{width}}{spec.summary}{short}{note}")
     for line in registry.complaints():
         complain(line)

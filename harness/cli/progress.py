@@ -1,5 +1,6 @@
 """What one sees while cells run: a line per running cell, with how far it is and what it has learned so far."""
 
+import math
 import time
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
@@ -12,14 +13,19 @@ from rich.progress import Progress, ProgressColumn, Task, TaskID
 from rich.table import Column
 from rich.text import Text
 
+from harness.cli.foreseen import left_text
 from harness.cli.learning_texts import learned_texts, return_text, success_text, unended_text
 from harness.cli.terminal import Terminal
 from harness.executor import Event
 from harness.progress import RETURN, SPEED, SUCCESS
 from harness.record.cell import Cell
+from harness.record.pace import Pace
 
 WIDE = 76
 """Columns of a terminal that has room for the steps too."""
+FIRST_AFTER, EVERY = 5.0, 60.0
+"""Seconds without a terminal: from the first cell's start to the first word on the time left, and the longest silence
+while cells tell how far they are."""
 CELLS = "all cells"
 
 
@@ -32,6 +38,9 @@ class LiveProgress:
         done: Collection[Cell],
         console: Console | None = None,
         log_of: Callable[[Cell], Path] | None = None,
+        *,
+        at_most: bool = False,
+        now: Callable[[], float] = time.monotonic,
     ) -> None:
         """Show nothing yet.
 
@@ -40,18 +49,25 @@ class LiveProgress:
             done: Those of them that were done before.
             console: Where to show it.
             log_of: Where the log of a cell that failed is; None where there is none to look at.
+            at_most: Whether the run may end before all cells have: where the answer stands.
+            now: The time, [s].
         """
-        self._log_of = log_of
+        self._log_of, self._at_most, self._now = log_of, at_most, now
+        self._begun = self._printed = math.inf
+        self._left_told = False
+        self._has_one_reward = len({cell.reward.label for cell in cells}) == 1
         self._console = console or Terminal(stderr=True)
         # A cell has one line: what is too long for it is its name.
         self._progress = Progress(
             NameColumn(table_column=Column(ratio=1, no_wrap=True)),
-            *(FieldColumn(field) for field in (_percent, self._done_so_far, _success, _return, _left)),
+            *(FieldColumn(field) for field in (_percent, self._done_so_far, _success, self._return, self._left)),
             console=self._console,
             expand=True,
         )
         ended = {cell.id for cell in done}
-        steps = sum(cell.steps for cell in cells if cell.id not in ended)
+        to_do = [cell for cell in cells if cell.id not in ended]
+        self._pace = Pace(to_do, now)
+        steps = sum(cell.steps for cell in to_do)
         self._parts = _differing_parts(cells)
         self._overall = self._progress.add_task(CELLS, total=steps, short=CELLS, scalars={})
         self._tasks: dict[str, TaskID] = {}
@@ -79,6 +95,8 @@ class LiveProgress:
         """Show an event."""
         show = {"started": self._start, "progress": self._advance, "ended": self._end}
         show[event.kind](event)
+        if not self._console.is_terminal:
+            self._tell_left()
 
     def warn(self, line: str) -> None:
         """Print a line above the others."""
@@ -89,7 +107,9 @@ class LiveProgress:
         if cell.id in self._failed:  # it is tried again
             self._failed.remove(cell.id)
             self._ended -= 1
-        self._started[cell.id], self._steps[cell.id] = time.perf_counter(), 0
+        self._pace.start(cell)
+        self._begun = min(self._begun, self._now())
+        self._started[cell.id], self._steps[cell.id] = self._now(), 0
         scalars = self._scalars[cell.id] = dict[str, float]()
         name, short = (" ".join(parts) for parts in (_parts(cell), (_parts(cell)[index] for index in self._parts)))
         self._tasks[cell.id] = self._progress.add_task(name, total=cell.steps, short=short, scalars=scalars)
@@ -98,6 +118,7 @@ class LiveProgress:
 
     def _advance(self, event: Event) -> None:
         cell = event.cell
+        self._pace.hear(cell, event.steps)
         self._scalars[cell.id].update(event.scalars)
         self._progress.update(self._tasks[cell.id], completed=event.steps)
         self._progress.advance(self._overall, event.steps - self._steps[cell.id])
@@ -117,13 +138,33 @@ class LiveProgress:
         self._ended += 1
         self._progress.remove_task(self._tasks.pop(cell.id))
         self._progress.advance(self._overall, cell.steps - self._steps.pop(cell.id))  # a failed cell is over too
-        seconds = time.perf_counter() - self._started.pop(cell.id)
+        self._pace.end(cell, failed=bool(event.reason))
+        seconds = max(self._now() - self._started.pop(cell.id), 1e-3)
         scalars = self._scalars.pop(cell.id)
-        learned = learned_texts(scalars.get(SUCCESS), scalars.get(RETURN))
+        learned = learned_texts(scalars.get(SUCCESS), scalars.get(RETURN) if self._has_one_reward else None)
         done = ", ".join([f"{seconds:.0f} s", f"{cell.steps / seconds:.0f} steps/s", *learned])
         outcome = self._failure(event) if event.reason else done
         note = f" ({event.note})" if event.note else ""
-        self._print(f"[{self._ended}/{self._total}] {cell.title}: {outcome}{note}")
+        left = f", {self._left_text}" if self._left_text and not self._console.is_terminal else ""
+        self._print(f"[{self._ended}/{self._total}] {cell.title}: {outcome}{note}{left}")
+
+    def _tell_left(self) -> None:
+        """Without a terminal: say how long it takes yet, once it is known, and again after a silence."""
+        now = self._now()
+        if now < (self._printed + EVERY if self._left_told else self._begun + FIRST_AFTER):
+            return
+        text, to_do = self._left_text, self._total - self._ended
+        if not text and now < self._printed + EVERY:
+            return
+        self._left_told = self._left_told or bool(text)
+        trainings = f"{to_do} {'training' if to_do == 1 else 'trainings'}"
+        self._print(f"{text or 'no step was measured yet'}: {trainings}, {min(self._pace.at_once, to_do)} at once")
+
+    @property
+    def _left_text(self) -> str:
+        """How long the whole run takes yet, ``about 3 min left``; empty before that can be told, and at its end."""
+        seconds = self._pace.left if self._ended < self._total else None
+        return "" if seconds is None else left_text(seconds, at_most=self._at_most)
 
     def _failure(self, event: Event) -> str:
         self._failed.add(event.cell.id)
@@ -131,6 +172,7 @@ class LiveProgress:
         return f"FAILED: {event.reason}.{log}"
 
     def _print(self, line: str) -> None:
+        self._printed = self._now()
         self._progress.console.print(line, soft_wrap=True, markup=False, highlight=False)
 
     def _done_so_far(self, task: Task) -> str:
@@ -138,6 +180,16 @@ class LiveProgress:
         if task.id == self._overall:
             return f"{self._ended}/{self._total}"
         return f"{task.completed:,.0f}/{task.total:,.0f}" if self._console.width >= WIDE else ""
+
+    def _return(self, task: Task) -> str:
+        """What episodes were paid; not where several rewards are trained, whose pay has no common unit."""
+        return return_text(task.fields["scalars"].get(RETURN)) if self._has_one_reward else ""
+
+    def _left(self, task: Task) -> str:
+        """How long a cell takes yet; of all cells in words, where there is room."""
+        if task.id != self._overall:
+            return _clock(task.time_remaining)
+        return (self._console.width >= WIDE and self._left_text) or _clock(self._pace.left)
 
 
 class NameColumn(ProgressColumn):
@@ -190,13 +242,8 @@ def _success(task: Task) -> str:
     return success_text(task.fields["scalars"].get(SUCCESS))
 
 
-def _return(task: Task) -> str:
-    return return_text(task.fields["scalars"].get(RETURN))
-
-
-def _left(task: Task) -> str:
+def _clock(seconds: float | None) -> str:
     """The time that is left as text, ``1:02 left``."""
-    seconds = task.time_remaining
     if seconds is None:
         return "-:-- left"
     hours, minutes = divmod(int(seconds) // 60, 60)

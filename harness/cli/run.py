@@ -78,7 +78,7 @@ class RunFlags:
         float | None,
         flag("SHARE", "With --until: a difference of success below this, as a share, ends the training.", "0.10"),
     ] = None
-    steps: Annotated[int | None, flag("N", "Environment steps of each training.", "5000")] = None
+    steps: Annotated[int | None, flag("N", "Environment steps of each training.", "10000")] = None
     evaluation_episodes: EvaluationEpisodes = None
     evaluate_every: Annotated[
         int | None, flag("N", "Environment steps from one evaluation to the next.", "only at the end")
@@ -299,7 +299,13 @@ def train(ready: "ExperimentRun", quiet: bool) -> "tuple[Results, int]":
     with (
         kept_when_interrupted("finished cells are kept", folder),
         ready.begin(lambda: complain(f"waiting for another run in '{folder}' to end")) as begun,
-        LiveProgress((*begun.spared, *begun.waiting), begun.spared, console, ready.store.log_of) as progress,
+        LiveProgress(
+            (*begun.spared, *begun.waiting),
+            begun.spared,
+            console,
+            ready.store.log_of,
+            at_most=bool(ready.plan.terms.looks),
+        ) as progress,
     ):
         results = begun.run(progress, progress.warn)
     if results.failed:

@@ -5,13 +5,13 @@ from collections.abc import Sequence
 from harness.registry.registry import Registry
 from harness.text import command_text
 
-FAVOURITES = {"simulators": ("mujoco", "kinematic"), "algorithms": ("sac", "sac-fast", "ik")}
+FAVOURITES = {"simulators": ("mujoco", "kinematic"), "algorithms": ("sac", "ik")}
 """What an example names, the first of them that is installed; else whatever is."""
 
 
 def usable(registry: Registry, kind: str) -> list[str]:
     """Names of one kind that lack no library."""
-    return [name for name in registry.names(kind) if not registry.get(kind, name).missing]
+    return [name for name in registry.typed_names(kind) if not registry.get(kind, name).missing]
 
 
 def example_run(registry: Registry) -> str:

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from harness.cli.flags.shared import AsJson, ExperimentFolder
-from harness.cli.foreseen import about
+from harness.cli.foreseen import left_text
 from harness.cli.learning_texts import learned_texts, unended_text
 from harness.cli.output import say, say_json
 
@@ -33,7 +33,8 @@ def status(
         return
     say(f"{folder}: {'a run is using it' if found.is_in_use else 'no run is using it'}")
     counts = ", ".join(f"{found.count(kind)} {kind}" for kind in KINDS if found.count(kind))
-    left = "" if found.seconds_left is None else f"; {about(found.seconds_left)} left"
+    at_most = standing is not None
+    left = "" if found.seconds_left is None else f"; {left_text(found.seconds_left, at_most=at_most)}"
     say(f"{len(found.cells)} cells: {counts}{left}")
     if standing is not None:
         say(f"{standing.text[:1].upper()}{standing.text[1:]}")
@@ -61,7 +62,8 @@ def _detail(one: "Progress", found: "FolderStatus") -> str:
     if one.status == "interrupted":
         return f"{steps}; run the same command again to go on"
     seconds = max(one.running.told - one.running.started, 1e-3)
-    learned = learned_texts(one.running.success, one.running.mean_return)
+    mean = one.running.mean_return if len({it.cell.reward.label for it in found.cells}) == 1 else None
+    learned = learned_texts(one.running.success, mean)  # pay of several rewards has no common unit
     speed = f"{one.running.steps / seconds:.0f} steps/s"
     unended = unended_text(one.cell, one.running.steps, one.running.mean_return) if seconds >= NUMBERS_AFTER else ""
     parts = [steps, unended, *learned, speed, f"last message {found.now - one.running.told:.0f} s ago"]

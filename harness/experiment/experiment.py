@@ -8,6 +8,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, fields, replace
 from functools import partial
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Unpack
 
 from harness.errors import UsageError
@@ -31,6 +32,7 @@ from harness.record.united_plan import refuse_mixed
 from harness.registry.allowed import allow_typed
 from harness.registry.choice import Choice, split_list
 from harness.registry.given import Given as Plugins, read_given, require_given, split_measures
+from harness.registry.moved import ALGORITHMS
 from harness.registry.registry import Registry, load_registry
 from harness.results import Results
 from harness.results.load import read_results
@@ -167,7 +169,7 @@ class BegunRun:
     @property
     def _selected(self) -> tuple[Cell, ...]:
         plan, only = self.asked.plan, self.asked.options.only
-        return plan.cells if only is None else tuple(select(plan.cells, only))
+        return plan.cells if only is None else select(plan.cells, only, self.asked.registry.short_names("algorithms"))
 
     def run(self, on_event: OnEvent = lambda event: None, on_trouble: OnTrouble = _warn) -> Results:
         """Do the cells that wait; those that fail as often again as the options say.
@@ -275,7 +277,7 @@ def check(experiment: Experiment, options: RunOptions = DEFAULTS, given: Sequenc
     if options.metrics is not None:
         plan.require_metrics([options.metrics] if isinstance(options.metrics, str) else options.metrics)
     if options.only is not None:
-        select(plan.cells, options.only)
+        select(plan.cells, options.only, registry.short_names("algorithms"))
     store = _store_of(options, plan)
     if Store.is_experiment(store.folder):
         asked = (*plan.cells, *(cell for cell, _ in plan.skipped))
@@ -283,9 +285,21 @@ def check(experiment: Experiment, options: RunOptions = DEFAULTS, given: Sequenc
         refuse_mixed(f"--out '{store.folder}'", earlier.cells, asked)
         replace(earlier, cells=asked).with_cells_of(earlier.cells)  # refuses what would be too many
         refuse_other_looks(store.folder, earlier, plan.terms, asked)
+        plan = replace(plan, warnings=(*plan.warnings, *_renamed_since(earlier.cells, plan.cells, registry)))
     if any(store.examine(cell).status != "done" for cell in plan.cells):
         plan, registry = try_plan(plan, registry)
     return ExperimentRun(plan, store, registry, executor, options, trackers)
+
+
+def _renamed_since(earlier: Sequence[Cell], planned: Sequence[Cell], registry: Registry) -> Iterator[str]:
+    """A line for each algorithm of earlier cells whose name means one of the plan's now."""
+    algorithms, meant = {it.algorithm.name for it in planned}, registry.short_names("algorithms")
+    for old in sorted({it.algorithm.name for it in earlier} & ALGORITHMS.keys()):
+        if meant.get(old) in algorithms:
+            yield (
+                f"until 0.2 '{old}' was the algorithm that is called {ALGORITHMS[old]} now; since 0.3 '{old}' is short for "
+                f"{meant[old]}. The folder's cells of {old} stay, and {meant[old]} is trained beside them"
+            )
 
 
 def _store_of(options: RunOptions, plan: Plan) -> Store:
@@ -325,17 +339,24 @@ def floor_carriers(waiting: Sequence[Cell], store: Store) -> frozenset[Cell]:
 KINDS = ("simulator", "algorithm", "reward", "seed", "cell")
 
 
-def select(cells: Sequence[Cell], text: str) -> tuple[Cell, ...]:
+def select(cells: Sequence[Cell], text: str, short: Mapping[str, str] = MappingProxyType({})) -> tuple[Cell, ...]:
     """The cells that `text` names.
 
     Each word is the name or label of a simulator, algorithm or reward, ``seed=3``, or the id of a cell. Words of one
     kind are alternatives; words of several kinds all have to hold: ``sac,ppo,seed=0`` is seed 0 of both algorithms.
 
+    Args:
+        cells: To choose from.
+        text: The words.
+        short: What is short for an algorithm, and its name.
+
     Raises:
         UsageError: A word names nothing in these cells.
     """
     asked: dict[str, set[str]] = {}
-    for word in split_list(text):
+    for given in split_list(text):
+        name, colon, params = given.partition(":")
+        word = f"{short.get(name, name)}{colon}{params}"
         kinds = [kind for kind in KINDS if any(word in _names(cell)[kind] for cell in cells)]
         if not kinds:
             raise UsageError(f"--only: no cell of this experiment has '{word}'. Allowed are {_offer(cells)}")

@@ -101,7 +101,7 @@ class Experiment:
     margin: Annotated[
         float, Field(gt=0.0, lt=1.0, description="with until: a difference of success below this ends the training")
     ] = MARGIN
-    steps: Annotated[Steps, Field(description="environment steps of training per cell")] = 5_000
+    steps: Annotated[Steps, Field(description="environment steps of training per cell")] = 10_000
     evaluation_episodes: Annotated[EpisodeCount, Field(description="episodes per evaluation")] = 100
     evaluate_every: Annotated[
         Interval, Field(description="environment steps from one evaluation to the next; 0: evaluate only at the end")

@@ -28,7 +28,7 @@ from harness.simulator import require_drives
 from harness.task import Task, choose_task
 
 Given: TypeAlias = str | dict[str, Any]
-DEFAULT_BASELINE, DEFAULT_REWARDS = "baseline", ("arp",)
+DEFAULT_BASELINE, DEFAULT_REWARDS = "baseline", ("arp", "dense")
 """Where an experiment names none; an environment has rewards of its own, and is compared in all of them."""
 NO_GOALS = (
     "learns by paying steps again for other goals. A task of an arm does not allow that: its rewards depend on earlier "

@@ -9,6 +9,7 @@ from typing import Any, Self
 from harness.errors import NewerFormat, SchemaError
 from harness.record.cell import Cell
 from harness.record.manifest import Manifest, read_manifest
+from harness.record.pace import Begun, Ended, time_left, took
 from harness.record.running import Running, read_running
 from harness.record.store import Store
 
@@ -23,14 +24,14 @@ class Progress:
             did it), ``pending`` or, of an experiment that ends with its answer, ``not needed``.
         reason: Why it is not done, of one that failed, was skipped or is damaged.
         running: How far it is, of one that is running, or was when its run was killed.
-        seconds: What it took, of one that is done.
+        took: What it took, of one that is done.
     """
 
     cell: Cell
     status: str
     reason: str = ""
     running: Running | None = None
-    seconds: float = 0.0
+    took: Ended | None = None
 
 
 @dataclass(frozen=True)
@@ -60,15 +61,13 @@ class FolderStatus:
 
     @property
     def seconds_left(self) -> float | None:
-        """What the rest will take at the speed of the done cells; None if none is done or nothing is running."""
-        done = [one for one in self.cells if one.status == "done"]
-        running = [one for one in self.cells if one.status == "running"]
-        if not done or not running:
+        """What the rest will take; None if nothing is running, or no step was measured. See `time_left`."""
+        running = [_begun(one.cell, one.running, self.now) for one in self.cells if one.status == "running"]
+        if not running:
             return None
-        per_step = sum(one.seconds for one in done) / sum(one.cell.steps for one in done)
-        begun = sum(one.running.steps for one in running if one.running)
-        left = sum(one.cell.steps for one in self.cells if one.status in {"running", "pending"}) - begun
-        return per_step * left / len(running)
+        ended = [one.took for one in self.cells if one.took is not None]
+        waiting = [one.cell for one in self.cells if one.status == "pending"]
+        return time_left(ended, running, waiting, len(running))
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
@@ -123,4 +122,11 @@ def _progress(cell: Cell, store: Store, is_in_use: bool, running: Running | None
 
 
 def _ended(cell: Cell, manifest: Manifest) -> Progress:
-    return Progress(cell, manifest.status, manifest.reason, seconds=manifest.seconds)
+    return Progress(cell, manifest.status, manifest.reason, took=took(manifest) if manifest.status == "done" else None)
+
+
+def _begun(cell: Cell, running: Running | None, now: float) -> Begun:
+    if running is None or not running.steps:
+        return Begun(cell, 0, None)
+    since = now - running.told if running.steps >= cell.steps else 0.0
+    return Begun(cell, min(running.steps, cell.steps), (running.told - running.started) / running.steps, since)

@@ -63,6 +63,9 @@ REPLACED: Mapping[str, str] = MappingProxyType(
 )
 """What takes the place of each old name that does not work, because the new one is used in another way."""
 
+ALGORITHMS: Mapping[str, str] = MappingProxyType({"sac": "sb3-sac"})
+"""The present name of each algorithm whose old name means another one now; cells of 0.2 have the old name."""
+
 
 def find_old_names() -> None:
     """Make Python find the old names: modules that are gone, and names that are gone from modules that are there."""

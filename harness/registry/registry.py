@@ -77,7 +77,7 @@ class Registry:
 
     Attributes:
         plugins: Every plugin, loaded or not.
-        specs: By kind and name, who claims the name.
+        specs: By kind and name, who claims the name, be it short for another name of theirs.
         notes: What there is to say of the environment variable HARNESS_PLUGINS.
         given: What was given by hand: whoever does the work elsewhere needs it too.
         functions: Rewards and measures for steps of environments, in the order in which their files were given.
@@ -95,11 +95,24 @@ class Registry:
 
     def names(self, kind: str) -> list[str]:
         """Every name of one kind that can be used, sorted; a qualified one where the plain one means another's."""
-        claims = [specs for (known_kind, _), specs in self.specs.items() if known_kind == kind]
-        return sorted(name for specs in claims for name in _usable_names(specs))
+        return sorted(
+            usable
+            for (known_kind, name), specs in self.specs.items()
+            if known_kind == kind
+            for usable in _usable_names(name, specs)
+        )
+
+    def short_names(self, kind: str) -> dict[str, str]:
+        """What is short for a name of one kind, and that name."""
+        specs = (self.get(kind, name) for name in self.names(kind))
+        return {it.short: it.name for it in specs if it.short and _meant(self.specs[kind, it.short]) is it}
+
+    def typed_names(self, kind: str) -> list[str]:
+        """`names` and `short_names`, sorted."""
+        return sorted({*self.names(kind), *self.short_names(kind)})
 
     def get(self, kind: str, name: str) -> Spec:
-        """The spec of a name, or of a qualified one such as ``cem-algo/cem``.
+        """The spec of a name, of what is short for one, or of a qualified one such as ``cem-algo/cem``.
 
         A plain name that the harness itself brings is always its own, whoever claims it too.
 
@@ -112,15 +125,15 @@ class Registry:
         if distribution:
             specs = [spec for spec in specs if canonical(spec.distribution) == canonical(distribution)]
         if not specs:
-            raise UsageError(unknown_name(NOUNS[kind], name, self.names(kind)) + self.not_loaded(kind, name))
+            raise UsageError(unknown_name(NOUNS[kind], name, self.typed_names(kind)) + self.not_loaded(kind, name))
         found = _meant(specs)
         if found is None:
-            raise PluginError(conflict(specs))
+            raise PluginError(conflict(bare, specs))
         return found
 
     def all_specs(self) -> Iterator[Spec]:
         """Whatever was registered."""
-        return (spec for specs in self.specs.values() for spec in specs)
+        return (spec for (_, name), specs in self.specs.items() for spec in specs if spec.name == name)
 
     def kinds_of(self, name: str) -> list[str]:
         """The kinds of which something has this name, or this qualified name."""
@@ -135,12 +148,12 @@ class Registry:
         ]
 
     def all_names(self) -> set[str]:
-        """Every name of every kind that can be used."""
-        return {name for kind in KINDS for name in self.names(kind)}
+        """Every name of every kind that can be typed."""
+        return {name for kind in KINDS for name in self.typed_names(kind)}
 
     def conflicts(self) -> list[str]:
         """One line for each name that several plugins claim."""
-        return [conflict(specs) for specs in self.specs.values() if len(specs) > 1]
+        return [conflict(name, specs) for (_, name), specs in self.specs.items() if len(specs) > 1]
 
     def needs(self, in_environment: bool) -> list[dict[str, Any]]:
         """What an experiment file says of the plugins that were given by hand; of those that could be loaded.
@@ -191,10 +204,10 @@ class Registry:
         return f" Not loaded: {told}{more}" if told else ""
 
 
-def conflict(specs: list[Spec]) -> str:
+def conflict(name: str, specs: list[Spec]) -> str:
     """One line that names everybody who claims one name, and what to write instead."""
-    first, meant = specs[0], _meant(specs)
-    what = f"{sentence(NOUNS[first.kind])} '{first.name}'"
+    meant = _meant(specs)
+    what = f"{sentence(NOUNS[specs[0].kind])} '{name}'"
     if meant is not None:
         others = [spec for spec in specs if spec is not meant]
         owners = " and ".join(f"package {spec.package}" for spec in others)
@@ -213,13 +226,18 @@ def _meant(specs: list[Spec]) -> Spec | None:
     return candidates[0] if len(candidates) == 1 else None
 
 
-def _usable_names(specs: list[Spec]) -> Iterator[str]:
-    """The names of specs that claim one name: the plain name, and the qualified names of the others."""
+def _usable_names(name: str, specs: list[Spec]) -> Iterator[str]:
+    """The names of specs that claim one name: the plain name, and the qualified names of the others.
+
+    A spec for which the name is short has another name of its own.
+    """
     meant = _meant(specs)
     owners = [canonical(spec.distribution) for spec in specs]
     for spec in specs:
+        if spec.name != name:
+            continue
         if spec is meant:
-            yield spec.name
+            yield name
         elif owners.count(canonical(spec.distribution)) == 1:
             yield spec.qualified
 
@@ -360,9 +378,11 @@ def _require_free(spec: Spec, file: PluginFile, registry: Registry) -> None:
     if not _NAME.fullmatch(spec.name):
         told = f"its name '{spec.name}' must be lower-case letters, digits, '-' and '_'"
         raise UsageError(f"Plugin file '{file.path}': {told}. Rename the file")
-    claimed = registry.specs.get((spec.kind, spec.name))
-    if claimed:
-        what = f"the name of {NOUNS[spec.kind]} '{spec.name}' is taken by package {claimed[0].package}"
+    for name in spec.claims:
+        claimed = registry.specs.get((spec.kind, name))
+        if not claimed:
+            continue
+        what = f"the name of {NOUNS[spec.kind]} '{name}' is taken by package {claimed[0].package}"
         remedy = "the function" if file.measures else "the file, or what its hook registers"
         raise UsageError(f"Plugin file '{file.path}': {what}. Rename {remedy}")
 
@@ -370,7 +390,8 @@ def _require_free(spec: Spec, file: PluginFile, registry: Registry) -> None:
 def _add(specs: list[Spec], registry: Registry) -> tuple[str, ...]:
     """Take specs in; returns what to say of them."""
     for spec in specs:
-        registry.specs.setdefault((spec.kind, spec.name), []).append(spec)
+        for name in spec.claims:
+            registry.specs.setdefault((spec.kind, name), []).append(spec)
     return tuple(f"{NOUNS[spec.kind]} {spec.name}" for spec in specs)
 
 
@@ -392,9 +413,11 @@ def _register_into(specs: list[Spec], kind: str, plugin: str, origin: Origin) ->
         requires: Iterable[str] = (),
         extra: str | None = None,
         heading: str = "",
+        short: str = "",
     ) -> None:
-        if not _NAME.fullmatch(name):
-            raise ValueError(f"register_{kind}: name {name!r} must be lower-case letters, digits, '-' and '_'")
+        for given in (name, short) if short else (name,):
+            if not _NAME.fullmatch(given):
+                raise ValueError(f"register_{kind}: name {given!r} must be lower-case letters, digits, '-' and '_'")
         if not _TARGET.fullmatch(target):
             raise ValueError(f"register_{kind}: target {target!r} of '{name}' must be 'module:attribute'")
         if isinstance(requires, str):
@@ -402,7 +425,7 @@ def _register_into(specs: list[Spec], kind: str, plugin: str, origin: Origin) ->
         requires = tuple(requires)
         for need in requires:
             module_of(need)  # raises an error if it is none
-        specs.append(Spec(kind, name, target, summary, requires, extra, plugin, *origin, heading))
+        specs.append(Spec(kind, name, target, summary, requires, extra, plugin, *origin, heading, short))
 
     return register
 

@@ -33,6 +33,13 @@ class Spec:
     distribution: str
     version: str = ""
     heading: str = ""
+    short: str = ""
+    """What may be typed in place of the name; records have the name."""
+
+    @property
+    def claims(self) -> tuple[str, ...]:
+        """The names that mean it, unless somebody else has them: its own, and the short one if it has one."""
+        return tuple(dict.fromkeys(filter(None, (self.name, self.short))))
 
     @property
     def is_built_in(self) -> bool:

@@ -3,7 +3,7 @@
 import harness
 
 SB3 = (
-    ("sac", "sac:Sac", "soft actor-critic"),
+    ("sb3-sac", "sac:Sac", "soft actor-critic"),
     ("her", "her:Her", "soft actor-critic with hindsight experience replay, for environments with goals"),
     ("td3", "td3:Td3", "twin delayed deep deterministic policy gradient"),
     ("ppo", "ppo:Ppo", "proximal policy optimisation, continuous or discrete"),
@@ -26,7 +26,8 @@ def register_algorithms(register: harness.Register) -> None:
     register(
         "sac-fast",
         "harness_plugins.algorithms.sac_fast:SacFast",
-        summary="soft actor-critic by numpy alone: like sac, some four times as fast with the default networks",
+        summary="soft actor-critic by numpy alone: sb3-sac some four times as fast with the default networks",
+        short="sac",
     )
     register(
         "spg",

@@ -28,7 +28,7 @@ class Sac(SoftActorCritic):
 
         return train(
             SAC, env, steps, seed, progress,
-            lambda model: squashed_gaussian(model, self.activation, "sac"),
+            lambda model: squashed_gaussian(model, self.activation, "sb3-sac"),
             decisions_per_update=self.train_freq * self.num_envs,
             **soft_actor_critic_settings(self, steps),
         )  # fmt: skip

@@ -14,7 +14,7 @@ from ..soft_actor_critic import SoftActorCritic
 
 @dataclass(frozen=True)
 class SacFast(SoftActorCritic):
-    """The algorithm of `sac`, with the same settings. It is about four times as fast with the default networks.
+    """The algorithm of `sb3-sac`, with the same settings. It is about four times as fast with the default networks.
 
     It uses numpy alone. So it imports no learning library, builds no graph, and allocates nothing large in an update.
     """

@@ -6,31 +6,41 @@ from typing import Annotated
 import typer
 
 from harness.authoring.commands import say
+from harness.authoring.pages import write_page
 
 
 def watch(
     folder: Annotated[
         Path,
         typer.Argument(
-            help="The experiment's folder; or a folder or a file that harness audit --out wrote.", metavar="DIR|FILE"
+            help="The folder of an experiment, or of recordings; or a folder or a file that harness audit --out wrote.",
+            metavar="DIR|FILE",
         ),
     ],
+    html: Annotated[
+        Path | None,
+        typer.Option(help="Write the page as it is now into a file, and serve nothing.", metavar="FILE"),
+    ] = None,
     port: Annotated[
         int, typer.Option(help="The port of the page. 0: any port that is free.", metavar="N", min=0, max=65535)
     ] = 0,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open it in the browser.")] = True,
 ) -> None:
-    """Show recorded episodes in the browser. While a run goes on, the page says when more cells have ended.
+    """Show trainings in the browser while they go on: success and pay, what is running, the answers and films so far.
 
     Of a search for cheats: the behaviours that it found.
     """
-    from .watch import HOST, open_server, pages_of
+    from .watch import address_of, open_server, pages_of
 
     pages = pages_of(folder)
-    pages.page()  # what is wrong with the folder is said here
+    page = pages.page(is_live=html is None)  # what is wrong with the folder is said here
+    if html is not None:
+        write_page(page, html, "--html")
+        say(f"Written: {html}", err=True)
+        return
     with open_server(pages, port) as server:
-        address = f"http://{HOST}:{server.server_port}/"
-        say(f"Replay: {address} (Ctrl+C ends it)", err=True)
+        address = address_of(server)
+        say(f"Live page: {address} (Ctrl+C ends it)", err=True)
         if browser:
             import webbrowser
 
@@ -41,5 +51,6 @@ def watch(
 vars(watch)["examples"] = (
     "harness watch my-results",
     "harness watch my-results --no-browser --port 8000",
+    "harness watch my-recordings --html page.html",
     "harness watch my-cheats",
 )

@@ -11,7 +11,8 @@ from scipy import stats
 from harness.arrays import Float
 from harness.authoring.commands import Block
 
-MOST = 64  ####
+MOST = 64
+"""Blocks of a training, at most."""
 
 ERROR = 0.05
 """Of trainings in which pay does not rise or behaviour does not fall, at most this share ever has a hint."""

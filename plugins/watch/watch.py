@@ -1,9 +1,13 @@
-"""The replay of an experiment in the browser, while it goes on."""
+"""The page of trainings in the browser, while they go on."""
 
+import json
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
+from html import escape
 from pathlib import Path
+from threading import Lock, Thread
 from typing import TYPE_CHECKING
 
 from harness.authoring.commands import (
@@ -20,10 +24,15 @@ from harness.authoring.pages import question, render_page, replay_of
 from harness.errors import HarnessError, UsageError, one_line
 from harness.results import Results, load_results
 
+from .cards import rows_of
+from .trainings import ExperimentSource, Shown, source_of
+
 if TYPE_CHECKING:
     from http.server import ThreadingHTTPServer
 
-TEMPLATE = Path(__file__).parent / "watch.html.j2"
+    from harness.authoring.pages import Replay
+
+HERE = Path(__file__).parent
 HOST = "127.0.0.1"
 """Nobody else on the network sees the page."""
 CERTIFICATES = "watch--certificates"
@@ -54,12 +63,14 @@ class CertificatePages:
     path: Path
     page_in: Callable[[Path], str | None]
 
-    def state(self) -> str:
-        """Always the same: the page does not ask."""
-        return ""
+    def live(self) -> str:
+        """Nothing: the page does not ask."""
+        return "{}"
 
-    def page(self) -> str:
-        """The page as HTML.
+    results = live
+
+    def page(self, is_live: bool = True) -> str:
+        """The page as HTML; it never asks for more.
 
         Raises:
             HarnessError: Nothing is there any more, or it cannot be read.
@@ -71,26 +82,101 @@ class CertificatePages:
 
 
 class Pages:
-    """What there is to be served; the page is made again when cells have ended since."""
+    """What there is to be served, made when somebody asks; results anew when trainings have ended since."""
 
     def __init__(self, folder: Path) -> None:
-        self._folder, self._made = folder, ("", "")
+        """Read nothing yet.
 
-    def state(self) -> str:
-        """Another text whenever cells have ended."""
-        return str(sum(1 for _ in self._folder.glob("cells/[!.]*/manifest.json")))
+        Raises:
+            UsageError: The folder holds neither an experiment nor a recording.
+        """
+        self._source, self._lock = source_of(folder), Lock()
+        self._shown: tuple[Shown, str] | None = None
+        self._results = -1, Told("", None)
 
-    def page(self) -> str:
+    def live(self) -> str:
+        """What the page asks for every second, as JSON: the parts that are shown anew, by their names."""
+        with self._lock:
+            shown = self._source.look()
+            news, left = (escape(text) for text in (shown.news, shown.left))
+            told = {"news": news, "left": left, "trainings": self._drawn(shown), "done": shown.done}
+            return json.dumps(told)
+
+    def results(self) -> str:
+        """What follows from trainings that have ended, as JSON."""
+        with self._lock:
+            told = self._told(self._source.look().done)
+        replay = told.replay
+        parts = {"script": replay.script, "style": replay.style} if replay else {"script": "", "style": ""}
+        return json.dumps({"answers": told.answers, "replay": told.replay_part, **parts})
+
+    def page(self, is_live: bool = True) -> str:
         """The page as HTML.
+
+        Args:
+            is_live: Whether it asks for what is new; a file cannot.
 
         Raises:
             HarnessError: The folder cannot be read.
         """
-        state = self.state()
-        if self._made[0] != state:
-            results = load_results(self._folder)
-            self._made = state, watch_page(results, state)
-        return self._made[1]
+        with self._lock:
+            shown = self._source.look()
+            told = self._told(shown.done)
+            return render_page(
+                HERE / "watch.html.j2",
+                "The page",
+                title=told.title or f"Trainings in {self._source.folder.resolve().name}",
+                shown=shown,
+                trainings=self._drawn(shown),
+                answers=told.answers,
+                replay=told.replay,
+                replay_part=told.replay_part,
+                is_live=is_live,
+            )
+
+    def _drawn(self, shown: Shown) -> str:
+        """The cards, drawn again when something is new."""
+        if self._shown is None or self._shown[0] != shown:
+            html = render_page(HERE / "live.html.j2", "The page", rows=rows_of(shown.trainings), others=shown.others)
+            self._shown = shown, html
+        return self._shown[1]
+
+    def _told(self, done: int) -> "Told":
+        """The results, read again when trainings have ended since; of loose recordings ``harness report`` tells."""
+        if self._results[0] != done and isinstance(self._source, ExperimentSource):
+            self._results = done, told_by(load_results(self._source.folder))
+        return self._results[1]
+
+
+@dataclass(frozen=True)
+class Told:
+    """What results tell a page.
+
+    Attributes:
+        answers: The comparisons so far, as HTML; empty before there is one.
+        replay: Episodes of trainings that have ended; None before one has.
+        title: The question.
+    """
+
+    answers: str
+    replay: "Replay | None"
+    title: str = ""
+
+    @property
+    def replay_part(self) -> str:
+        """The replay and what it shows, as HTML."""
+        return f"<p>{escape(self.replay.explanation)}</p>{self.replay.html}" if self.replay else ""
+
+
+def told_by(results: Results) -> Told:
+    """What results tell.
+
+    Raises:
+        UsageError: A library of the extra ``report`` is missing.
+        SchemaError: A file is damaged or written by a newer version.
+    """
+    answers = render_page(HERE / "results.html.j2", "The page", answers=_answers(results))
+    return Told(answers, replay_of(shows_of(results)), question(results))
 
 
 def open_server(pages: Pages | CertificatePages, port: int) -> "ThreadingHTTPServer":
@@ -103,7 +189,8 @@ def open_server(pages: Pages | CertificatePages, port: int) -> "ThreadingHTTPSer
 
     routes: dict[str, tuple[str, Callable[[], str]]] = {
         "/": ("text/html; charset=utf-8", pages.page),
-        "/state": ("text/plain; charset=utf-8", pages.state),
+        "/live": ("application/json", pages.live),
+        "/results": ("application/json", pages.results),
     }
 
     class Server(ThreadingHTTPServer):
@@ -116,12 +203,12 @@ def open_server(pages: Pages | CertificatePages, port: int) -> "ThreadingHTTPSer
                 complain(describe_unexpected(error))
 
     class Handler(BaseHTTPRequestHandler):
-        """Answers the two addresses of the page."""
+        """Answers the addresses of the page."""
 
         timeout = PATIENCE
 
         def do_GET(self) -> None:
-            """Answer with a page, or with its state."""
+            """Answer with the page, or with what is new."""
             route = routes.get(self.path)
             name = self.headers.get("Host", "").rpartition(":")[0]
             if route is None or name not in {HOST, "localhost"}:  # no page of elsewhere asks by another name
@@ -158,23 +245,23 @@ def _answers(results: Results) -> tuple[tuple[str, ...], list[tuple[str, ...]]] 
     return overview.headings, rows
 
 
-def watch_page(results: Results, state: str) -> str:
-    """The page, as HTML.
-
-    Args:
-        results: The experiment as it stands.
-        state: What the address ``/state`` answers as long as nothing new is there to be shown.
+@contextmanager
+def served(folder: Path) -> Iterator[str]:
+    """Serve the page of an experiment beside a run that goes on in this process; gives the address.
 
     Raises:
-        UsageError: A library of the extra ``report`` is missing.
-        SchemaError: A file is damaged or written by a newer version.
+        UsageError: No port is free.
     """
-    return render_page(
-        TEMPLATE,
-        "The replay",
-        title=question(results),
-        status=f"{len(results.done)} of {len(results.manifests)} cells are done.",
-        state=state,
-        answers=_answers(results),
-        replay=replay_of(shows_of(results)),
-    )
+    with open_server(Pages(folder), 0) as server:
+        thread = Thread(target=server.serve_forever, daemon=True)
+        thread.start()
+        try:
+            yield address_of(server)
+        finally:
+            server.shutdown()
+            thread.join()
+
+
+def address_of(server: "ThreadingHTTPServer") -> str:
+    """Where a browser finds it."""
+    return f"http://{HOST}:{server.server_port}/"

@@ -6,7 +6,7 @@ import pytest
 import typer
 
 from harness.cli.app import PANELS, build_app
-from harness.cli.help import FIRST, GROUPS, TYPED
+from harness.cli.help import FIRST, GROUPS, OTHER_COMMANDS, OTHER_FLAGS, TYPED
 
 
 @pytest.fixture
@@ -70,3 +70,42 @@ def test_help_all_shows_every_option_once(lines, command):
 def test_no_flag_has_a_type_of_python(lines, command):
     """`<bool>` tells nobody anything."""
     assert "<bool>" not in "\n".join(lines(command, "--help"))
+
+
+@pytest.mark.parametrize(
+    ("typed", "meant"),
+    [
+        ("run --workers 2", "--jobs"),
+        ("run --sedes 3", "--seeds"),
+        ("run --algorithm sac", "--algo"),
+        ("run --total-timesteps 9", "--steps"),
+        ("run -o here", "--out"),
+        ("choose --env toy", "--task"),
+        ("train --sim ideal", "run"),
+        ("list-envs", "list"),
+        ("rn", "run"),
+    ],
+)
+def test_a_near_miss_is_answered_with_what_is_meant(harness, typed, meant):
+    """By the words of other tools first, then by likeness: one line."""
+    answer = harness(*typed.split())
+    assert answer.status == 2
+    assert f"Did you mean '{meant}'? Examples: " in answer.err
+    assert answer.err.count("\n") == 1
+
+
+def test_nothing_is_guessed_where_there_is_no_such_flag(harness):
+    """A race has no number of seeds, and a status no jobs."""
+    assert harness("choose", "--seed", "3").err == "harness: No such option: --seed. Examples: harness choose --help\n"
+    assert "Did you mean" not in harness("status", "--workers", "3").err
+
+
+def test_words_of_other_tools_lead_to_words_of_ours():
+    """Each to one, and none is a word of ours."""
+    commands = typer.main.get_command(build_app()).commands
+    flags = {flag for parameter in commands["run"].params for flag in parameter.opts}
+    given = [word for words in OTHER_FLAGS.values() for word in words]
+    assert {*OTHER_FLAGS} <= flags
+    assert {*OTHER_COMMANDS} <= {*commands, "watch"}
+    assert len(given) == len({*given})
+    assert not flags & {*given}

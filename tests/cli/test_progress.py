@@ -1,4 +1,5 @@
 import io
+import itertools
 import re
 
 import pytest
@@ -103,7 +104,7 @@ def lines_at(width, cells, scalars):
 @pytest.fixture
 def long_cells(make_cell):
     """Two cells of 30,000 steps that differ by their rewards, whose names are long."""
-    reward = Choice("arp", (), "arp:k1=2,k2=1.5")
+    reward = Choice("arp", (), "arp:k1=2,k2=1.5,k3=0.25")
     return [make_cell(steps=30_000), make_cell(steps=30_000, reward=reward)]
 
 
@@ -117,8 +118,14 @@ def test_a_cell_has_one_whole_line(long_cells, width):
     for line in (first, second):
         assert len(line.rstrip()) <= width
         assert "40 %" in line
-        assert "success 64 % return 31.2" in line
+        assert "success 64 %" in line
         assert line.rstrip().endswith("left")
+
+
+def test_returns_of_several_rewards_do_not_stand_side_by_side(long_cells):
+    """They have no common unit; of one reward they are shown."""
+    assert not any("return" in line for line in lines_at(120, long_cells, LEARNED))
+    assert "success 64 % return 31.2" in lines_at(80, long_cells[:1], LEARNED)[0]
 
 
 def test_steps_stand_where_there_is_room(long_cells):
@@ -129,9 +136,9 @@ def test_steps_stand_where_there_is_room(long_cells):
 
 def test_names_keep_what_tells_cells_apart(long_cells):
     """Where the whole name has no room, what is the same in all cells goes first."""
-    assert lines_at(120, long_cells, LEARNED)[1].startswith("ideal wander arp:k1=2,k2=1.5 0 ")
-    assert lines_at(80, long_cells, LEARNED)[1].startswith("arp:k1=2,k2=1.5 ")
-    assert lines_at(60, long_cells, LEARNED)[0].startswith("baseline ")
+    assert lines_at(120, long_cells, LEARNED)[1].startswith("ideal wander arp:k1=2,k2=1.5,k3=0.25 0 ")
+    assert lines_at(80, long_cells, LEARNED)[1].startswith("arp:k1=2,k2=1.5,k3=0.25 ")
+    assert lines_at(50, long_cells, LEARNED)[0].startswith("baseline ")
 
 
 def test_extreme_numbers_keep_the_line_whole(make_cell):
@@ -156,6 +163,126 @@ def test_the_line_of_an_ended_cell_tells_what_it_learned(make_cell, pipe):
         progress(Event("progress", cell, steps=12, scalars=LEARNED))
         progress(Event("ended", cell))
     assert "steps/s, success 64 %, return 31.2" in pipe.file.getvalue()
+
+
+def test_the_lines_of_ended_cells_compare_no_pay(long_cells, pipe):
+    """Where several rewards are trained, success alone is told."""
+    with LiveProgress(long_cells, [], pipe) as progress:
+        progress(Event("started", long_cells[0]))
+        progress(Event("progress", long_cells[0], steps=12, scalars=LEARNED))
+        progress(Event("ended", long_cells[0]))
+    assert "success 64 %" in pipe.file.getvalue()
+    assert "return" not in pipe.file.getvalue()
+
+
+class Seconds:
+    """A clock that is set."""
+
+    def __init__(self):
+        self.now = 0.0
+
+    def __call__(self):
+        return self.now
+
+
+def run_two_at_once(cells, progress, clock, *, startup=1.0, per_step=0.001, besides=2.0):
+    """Cells that take so many seconds, two at a time; every second each tells how far it is."""
+    waiting, running = list(cells), {}
+    while waiting or running:
+        while waiting and len(running) < 2:
+            cell = waiting.pop(0)
+            running[cell] = clock.now
+            progress(Event("started", cell))
+        clock.now += 1.0
+        for cell, begun in list(running.items()):
+            steps = round(max(clock.now - begun - startup, 0.0) / per_step)
+            progress(Event("progress", cell, steps=min(steps, cell.steps)))
+            if clock.now - begun >= startup + per_step * cell.steps + besides:
+                del running[cell]
+                progress(Event("ended", cell))
+
+
+@pytest.fixture
+def six(make_cell):
+    """Six cells of 30,000 steps, 33 s each."""
+    return [make_cell(steps=30_000, seed=seed) for seed in range(6)]
+
+
+def test_the_time_left_is_told_within_ten_seconds(six, pipe):
+    """Without a terminal: a line that is right but for what follows a training, then one at least every minute."""
+    clock, told = Seconds(), []
+    with LiveProgress(six, [], pipe, now=clock) as progress:
+
+        def hear(event):
+            before = len(pipe.file.getvalue())
+            progress(event)
+            told.extend((clock.now, line) for line in pipe.file.getvalue()[before:].splitlines())
+
+        run_two_at_once(six, hear, clock)
+    first, line = next((seconds, line) for seconds, line in told if "left" in line)
+    assert first <= 10.0
+    assert line == "about 85 s left: 6 trainings, 2 at once"  # 99 - 5 s; 9 of them are not known yet
+    assert max(after - before for (before, _), (after, _) in itertools.pairwise(told)) <= 60.0
+
+
+def test_an_ended_cell_says_how_long_the_others_take(six, pipe):
+    """All that it took is known; the last says nothing."""
+    clock = Seconds()
+    with LiveProgress(six, [], pipe, now=clock) as progress:
+        run_two_at_once(six, progress, clock)
+    ended = [line for line in pipe.file.getvalue().splitlines() if line.startswith("[")]
+    assert ended[1].endswith(", about 65 s left")
+    assert ended[3].endswith(", about 35 s left")
+    assert ended[5].endswith("steps/s")
+
+
+def test_a_long_silence_is_broken(make_cell, pipe):
+    """A minute after the last line, while a cell tells that it goes on."""
+    clock, cell = Seconds(), make_cell(steps=10**6)
+    with LiveProgress([cell], [], pipe, now=clock) as progress:
+        progress(Event("started", cell))
+        for second in range(1, 200):
+            clock.now = float(second)
+            progress(Event("progress", cell, steps=1000 * second))
+    lines = pipe.file.getvalue().splitlines()
+    assert lines[1:] == [f"about {minutes} min left: 1 training, 1 at once" for minutes in (17, 16, 15, 14)]
+
+
+def test_nothing_is_estimated_before_a_step_was_measured(make_cell, pipe):
+    """That is said after a minute."""
+    clock, cell = Seconds(), make_cell(steps=1000)
+    with LiveProgress([cell], [], pipe, now=clock) as progress:
+        progress(Event("started", cell))
+        for second in range(1, 70):
+            clock.now = float(second)
+            progress(Event("progress", cell, steps=0))
+    assert pipe.file.getvalue().splitlines()[1:] == ["no step was measured yet: 1 training, 1 at once"]
+
+
+def test_a_run_that_may_end_sooner_says_at_most(six, pipe):
+    """Where looks end it."""
+    clock = Seconds()
+    with LiveProgress(six, [], pipe, at_most=True, now=clock) as progress:
+        run_two_at_once(six, progress, clock)
+    assert "at most 85 s left: 6 trainings" in pipe.file.getvalue()
+    assert "about" not in pipe.file.getvalue()
+
+
+def test_all_cells_show_the_time_left_on_a_terminal(six):
+    """In words where there is room, as a clock where there is not."""
+    clock = Seconds()
+    for width, shown in ((80, "about 80 s left"), (60, "1:2")):
+        clock.now = 0.0
+        console = Console(file=io.StringIO(), force_terminal=True, width=width, color_system=None)
+        with LiveProgress(six, [], console, now=clock) as progress:
+            for cell in six[:2]:
+                progress(Event("started", cell))
+            for second in range(1, 9):
+                clock.now = float(second)
+                for cell in six[:2]:
+                    progress(Event("progress", cell, steps=1000 * second))
+            progress._progress.refresh()
+        assert shown in console.file.getvalue()
 
 
 def train_on(cell, pipe, *words):

@@ -49,7 +49,7 @@ def test_behaviour_that_nobody_measures_is_nan():
 
 def test_what_was_told_is_read(tmp_path):
     """To the last bit, NaN too."""
-    blocks, _, numbers = told_by(200, 200)
+    blocks, _, _ = told_by(200, 200)
     blocks.means[0, 1] = math.nan
     blocks.write(tmp_path)
     found = read_blocks(tmp_path)

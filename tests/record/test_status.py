@@ -37,14 +37,17 @@ def test_a_killed_run_leaves_interrupted_cells(ran: Path):
     assert found.seconds_left is None
 
 
-def test_the_rest_takes_what_the_done_cells_took(ran: Path):
-    """Seconds per step of those that are done, for the steps that are left, by as many as run at once."""
+def test_the_rest_takes_what_the_cells_take(ran: Path):
+    """The speed of who is running, and besides the training what the done cells took."""
     store = Store.open(ran)
     cells = store.read_plan().cells
-    for cell in cells[2:]:
+    for cell in cells[3:]:
         shutil.rmtree(store.cell_folder(cell))
+    shutil.rmtree(store.cell_folder(cells[2]))
     write_running(ran, {cells[2].id: Running(100.0, 6, 103.0)})
     with store.locked():
-        found = read_status(ran)
-    seconds = sum(one.seconds for one in found.cells) / 24
-    assert found.seconds_left == pytest.approx(seconds * (24 - 6))
+        found = read_status(ran, lambda: 104.0)
+    done = [it.took for it in found.cells if it.took]
+    besides = sum(it.besides for it in done) / 2
+    whole = sum(it.training for it in done) / 2 + besides
+    assert found.seconds_left == pytest.approx(6 * 0.5 + besides + whole)

@@ -41,7 +41,7 @@ def _offers(kind: str, incomplete: str) -> Iterator[tuple[str, str]]:
 
     before, comma, begun = incomplete.rpartition(",")
     registry = load_registry()
-    for name in registry.names(kind):
+    for name in registry.typed_names(kind):
         if name.startswith(begun):
             yield f"{before}{comma}{name}", visible(registry.get(kind, name).summary)
 
@@ -55,7 +55,7 @@ TASKS, ROBOTS, TRACKERS = names_of("tasks", "environments"), names_of("robots"),
 
 ExperimentFolder = Annotated[Path, typer.Argument(help="The experiment's folder.", metavar="DIR")]
 SimulatorNames = Annotated[Names, flag("NAME,...", "Simulators, such as mujoco.", offers=SIMULATORS)]
-RewardNames = Annotated[Names, flag("NAME,...", "Proposed rewards, such as arp:k2=2.", "arp", offers=REWARDS)]
+RewardNames = Annotated[Names, flag("NAME,...", "Proposed rewards, such as arp:k2=2.", "arp,dense", offers=REWARDS)]
 TaskName = Annotated[
     str | None,
     flag(

@@ -1,0 +1,184 @@
+"""How long the rest of a run takes, by what its cells took so far."""
+
+import heapq
+import time
+from collections import deque
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple, TypeAlias
+
+from harness.record.cell import Cell
+from harness.record.manifest import Manifest
+
+Kind: TypeAlias = tuple[str, str]
+"""Labels of simulator, or environment, and algorithm: what decides how long a step takes, and how much it leaves."""
+
+
+def kind_of(cell: Cell) -> Kind:
+    """The kind of a cell."""
+    return cell.place.label, cell.learner
+
+
+SETTLING, SHORTEST, WINDOW = 1.0, 1.0, 20.0
+"""Seconds: what a training takes at first is not counted, because many act at random before they learn; over how long
+its speed is measured at least, and at most."""
+
+
+class Ended(NamedTuple):
+    """What a cell took that has ended, [s]."""
+
+    cell: Cell
+    training: float
+    besides: float
+    """Before and after the training: evaluations, and what is written."""
+
+
+def took(manifest: Manifest) -> Ended:
+    """What a done cell took, by its manifest."""
+    return Ended(manifest.cell, manifest.training_seconds, max(manifest.seconds - manifest.training_seconds, 0.0))
+
+
+class Begun(NamedTuple):
+    """How far a cell is that is running."""
+
+    cell: Cell
+    steps: int
+    per_step: float | None
+    """Seconds that a step of its training takes now; None before that is known."""
+    since: float = 0.0
+    """Seconds since its training ended."""
+
+
+def time_left(
+    ended: Sequence[Ended], begun: Sequence[Begun], waiting: Sequence[Cell], at_once: int = 1
+) -> float | None:
+    """Seconds until all cells have ended, with `at_once` of them at a time, in order; None before a step was measured.
+
+    A kind of which no step was measured counts as the mean of the others. What a cell takes besides its training is
+    known once a cell has ended; before that it counts as nothing.
+    """
+    measured = [(kind_of(it.cell), it.training, it.cell.steps) for it in ended]
+    if not (measured or any(it.per_step is not None for it in begun)):
+        return None
+    now = [(kind_of(it.cell), it.per_step, 1) for it in begun if it.per_step is not None]
+    besides = [(kind_of(it.cell), it.besides, 1) for it in ended]
+
+    def whole(cell: Cell) -> float:
+        return cell.steps * _mean(measured or now, kind_of(cell), now) + _mean(besides, kind_of(cell))
+
+    def rest(it: Begun) -> float:
+        kind = kind_of(it.cell)
+        per_step = _mean(measured, kind, now) if it.per_step is None else it.per_step
+        return (it.cell.steps - it.steps) * per_step + max(_mean(besides, kind) - it.since, 0.0)
+
+    return makespan([rest(it) for it in begun], [whole(cell) for cell in waiting], at_once)
+
+
+def makespan(running: Iterable[float], waiting: Iterable[float], at_once: int) -> float:
+    """Seconds until everything has ended, where the next begins as soon as one ends.
+
+    Args:
+        running: Seconds that each of those takes yet that have begun.
+        waiting: Seconds that each of the others takes, in order.
+        at_once: How many are done at a time, at least 1.
+    """
+    ends = list(running)
+    ends += [0.0] * (at_once - len(ends))
+    heapq.heapify(ends)
+    for seconds in waiting:
+        heapq.heapreplace(ends, ends[0] + seconds)
+    return max(ends)
+
+
+def _mean(
+    values: Sequence[tuple[Kind, float, int]], kind: Kind, others: Sequence[tuple[Kind, float, int]] = ()
+) -> float:
+    """Seconds per unit of a kind: of its own values, else of the others of the kind, else of all; 0 without any."""
+    own = [[it for it in those if it[0] == kind] for those in (values, others)]
+    chosen = next((those for those in (*own, values, others) if those), ())
+    return sum(it[1] for it in chosen) / sum(it[2] for it in chosen) if chosen else 0.0
+
+
+@dataclass
+class _Running:
+    """A cell that is running, as `Pace` heard of it."""
+
+    cell: Cell
+    started: float
+    steps: int = 0
+    settled: float | None = None
+    trained: float | None = None
+    marks: deque[tuple[float, int]] = field(default_factory=deque)
+
+    def hear(self, steps: int, now: float) -> None:
+        """It has done so many steps."""
+        if steps > self.steps:
+            self.settled = now + SETTLING if self.settled is None else self.settled
+            if now < self.settled:
+                self.marks.clear()
+            self.marks.append((now, steps))
+            while len(self.marks) > 2 and self.marks[1][0] <= now - WINDOW:
+                self.marks.popleft()
+            self.steps = steps
+        if steps >= self.cell.steps and self.trained is None:
+            self.trained = now
+
+    def begun(self, now: float) -> Begun:
+        """How far it is."""
+        since = 0.0 if self.trained is None else now - self.trained
+        return Begun(self.cell, min(self.steps, self.cell.steps), self._per_step, since)
+
+    def ended(self, now: float) -> Ended:
+        """What it took."""
+        trained = now if self.trained is None else self.trained
+        return Ended(self.cell, trained - self.started, now - trained)
+
+    @property
+    def _per_step(self) -> float | None:
+        if not self.marks or self.marks[-1][0] - self.marks[0][0] < SHORTEST:
+            return None
+        (begin, before), (end, after) = self.marks[0], self.marks[-1]
+        return (end - begin) / (after - before)
+
+
+class Pace:
+    """Hears what the cells of a run do, and says how long the rest takes.
+
+    Attributes:
+        at_once: How many cells ran at a time, at most, so far.
+    """
+
+    def __init__(self, cells: Sequence[Cell], now: Callable[[], float] = time.monotonic) -> None:
+        """Begin before any cell does.
+
+        Args:
+            cells: Those that will be run, in order.
+            now: The time, [s].
+        """
+        self._waiting = {cell.id: cell for cell in cells}
+        self.at_once, self._now = 1, now
+        self._running: dict[str, _Running] = {}
+        self._ended: list[Ended] = []
+
+    def start(self, cell: Cell) -> None:
+        """A cell begins."""
+        self._waiting.pop(cell.id, None)
+        self._running[cell.id] = _Running(cell, self._now())
+        self.at_once = max(self.at_once, len(self._running))
+
+    def hear(self, cell: Cell, steps: int) -> None:
+        """A running cell has done so many steps."""
+        self._running[cell.id].hear(steps, self._now())
+
+    def end(self, cell: Cell, *, failed: bool = False) -> None:
+        """A running cell has ended; what one took that failed says nothing of the others."""
+        one = self._running.pop(cell.id)
+        if not failed:
+            self._ended.append(one.ended(self._now()))
+
+    @property
+    def left(self) -> float | None:
+        """Seconds until all cells have ended; None before that can be told."""
+        now = self._now()
+        begun = [one.begun(now) for one in self._running.values()]
+        return time_left(self._ended, begun, [*self._waiting.values()], self.at_once)

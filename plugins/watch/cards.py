@@ -1,0 +1,159 @@
+"""Trainings as small figures: behaviour, and what the reward paid beside it. A reward has its own axis of pay."""
+
+import math
+from collections.abc import Iterable, Sequence
+from functools import lru_cache
+from typing import NamedTuple
+
+from harness.authoring.pages import Axis, Chart, Dots, Line, draw_chart, linear_axis
+
+from .hint import hint_of
+from .trainings import Training
+
+WIDTH, HEIGHT = 230.0, 84.0
+"""Of a figure and of its panel, [px]."""
+COLOURS = ("pair-3", "pair-4", "pair-5", "baseline", "proposed", "ink")
+"""Of terms; those that pay least are left out where there are more."""
+STATES = {"running": "running", "done": "done", "stopped": "stopped", "failed": "failed"}
+Range = tuple[float, float]
+
+
+class Figure(NamedTuple):
+    """One figure of a card."""
+
+    title: str
+    now: str
+    """Its last value."""
+    svg: str
+
+
+class Card(NamedTuple):
+    """What is shown of one training."""
+
+    training: Training
+    progress: str
+    share: float
+    """Of its steps, in percent; NaN where nobody said how many there will be."""
+    figures: tuple[Figure, ...]
+    hint: str
+    words: str
+    """In the place of figures."""
+
+
+class Row(NamedTuple):
+    """The trainings of one reward in one place."""
+
+    place: str
+    reward: str
+    cards: tuple[Card, ...]
+
+
+def rows_of(trainings: Sequence[Training]) -> list[Row]:
+    """The cards of all trainings, by place and reward, in the order in which they first stand."""
+    places: dict[str, dict[str, list[Training]]] = {}
+    for training in trainings:
+        places.setdefault(training.place, {}).setdefault(training.reward, []).append(training)
+    rows = []
+    for place, rewards in places.items():
+        everywhere = [training for of in rewards.values() for training in of]
+        last = max(max(training.asked, training.steps) for training in everywhere)
+        did = _range(block.behaviour for training in everywhere for block in training.blocks)
+        for reward, of in rewards.items():
+            paid = _range(block.pay for training in of for block in training.blocks)
+            terms = _range(mean for training in of for _, means in training.terms for mean in means)
+            rows.append(Row(place, reward, tuple(card_of(it, last, did, paid, terms) for it in of)))
+    return rows
+
+
+@lru_cache(maxsize=1024)
+def card_of(training: Training, last: int, did: Range, paid: Range, terms: Range) -> Card:
+    """The card of a training.
+
+    Args:
+        training: Which.
+        last: The steps at which the figures end.
+        did: The range of the behaviour, of all trainings in its place.
+        paid: The range of the pay, of all trainings by its reward.
+        terms: The same of the reward's terms.
+    """
+    blocks, measure = training.blocks, training.measure.replace("_", " ")
+    progress = f"{training.steps:,} steps"
+    if training.asked and training.state != "done":
+        progress = f"{training.steps:,} of {training.asked:,} steps"
+    share = 100.0 * min(1.0, training.steps / training.asked) if training.asked else math.nan
+    hint = hint_of(blocks, training.lower_is_better, measure) if measure else None
+    told = hint.text if hint else ""
+    if not blocks:
+        words = training.note or ("" if training.state == "failed" else "No episode has ended yet.")
+        return Card(training, progress, share, (), told, words)
+    steps = [float(block.steps) for block in blocks]
+    figures = []
+    if measure:
+        values = [block.behaviour for block in blocks]
+        axis = _shares() if training.is_share else _axis(did)
+        shown = f"{100 * values[-1]:.0f} %" if training.is_share else _number(values[-1])
+        lower = ", less is better" if training.lower_is_better else ""
+        figures.append(_figure(f"{measure}{lower}", shown, steps, values, "behaviour", axis, last))
+    pay = [block.pay for block in blocks]
+    figures.append(_figure(f"pay by {training.reward}", _number(pay[-1]), steps, pay, "ruler", _axis(paid), last))
+    if len(training.terms) > 1:
+        figures.append(_terms(training, steps, _axis(terms), last))
+    return Card(training, progress, share, tuple(figures), told, training.note)
+
+
+def _figure(
+    title: str, now: str, steps: list[float], values: list[float], colour: str, axis: Axis, last: int
+) -> Figure:
+    marks = (Line(steps, values, colour), Dots(steps[-1:], values[-1:], colour, size=2.5))
+    known = marks if math.isfinite(values[-1]) else marks[:1]
+    label = f"{title}: {now} after {steps[-1]:,.0f} steps"
+    return Figure(title, now, draw_chart(Chart(_steps(last), axis, known, HEIGHT, width=WIDTH), label))
+
+
+def _terms(training: Training, steps: list[float], axis: Axis, last: int) -> Figure:
+    """What each term paid an episode, those that pay most."""
+    most = sorted(training.terms, key=lambda it: -max(map(abs, it[1])))[: len(COLOURS)]
+    shown = [it for it in training.terms if it in most]
+    lines = tuple(
+        Line(steps, means, colour, name, in_legend=True) for (name, means), colour in zip(shown, COLOURS, strict=False)
+    )
+    told = ", ".join(f"{name} {_number(means[-1])}" for name, means in shown)
+    others = len(training.terms) - len(shown)
+    title = f"terms of {training.reward}" + (f", {others} smaller ones left out" if others else "")
+    chart = Chart(_steps(last), axis, lines, HEIGHT, width=WIDTH)
+    return Figure(title, "", draw_chart(chart, f"{title}: {told}"))
+
+
+def _steps(last: int) -> Axis:
+    end = float(max(last, 1))
+    return Axis(0.0, end, "steps", ((0.0, "0"), (end, _short(end))), has_grid=False)
+
+
+def _short(steps: float) -> str:
+    for size, unit in ((1e6, "M"), (1e3, "k")):
+        if steps >= 10 * size:
+            return f"{steps / size:.3g}{unit}"
+    return f"{steps:,.0f}"
+
+
+def _shares() -> Axis:
+    return Axis(-0.03, 1.03, "", ((0.0, "0 %"), (0.5, "50 %"), (1.0, "100 %")))
+
+
+def _axis(ends: Range) -> Axis:
+    low, high = ends
+    air = 0.06 * (high - low) or 0.5 * max(abs(low), 1e-9)
+    plain = linear_axis(low - air, high + air, "", 3)
+    return plain._replace(ticks=tuple((tick, _number(tick)) for tick, _ in plain.ticks))
+
+
+def _range(values: Iterable[float]) -> Range:
+    known = [value for value in values if math.isfinite(value)]
+    return (min(known), max(known)) if known else (0.0, 1.0)
+
+
+def _number(value: float) -> str:
+    """As short as it can be read."""
+    if math.isnan(value):
+        return "unknown"
+    return f"{value:,.0f}" if 1e3 <= abs(value) < 1e5 else f"{value:.3g}"

@@ -1,0 +1,296 @@
+"""What a live page shows of trainings, read from the folder of an experiment or of recordings. Nothing is written."""
+
+import time
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Literal, Protocol, TypeAlias
+
+from harness.authoring.commands import (
+    TRACE,
+    TRAINING_RECORDING,
+    Block,
+    Blocks,
+    Cell,
+    FolderStatus,
+    Store,
+    about,
+    partial_folder,
+    read_blocks,
+    read_status,
+    recordings_in,
+)
+from harness.errors import HarnessError, SchemaError, UsageError, one_line
+
+from .recorded import Recording, blocks_of_trace, measure_of
+
+State: TypeAlias = Literal["running", "done", "stopped", "failed"]
+MOST = 24
+"""The most trainings that are drawn: those that run, and the newest others."""
+MEASURED_AFTER = 3.0
+"""Seconds of a recording that are watched before its speed is known."""
+
+
+@dataclass(frozen=True)
+class Training:
+    """One training, as it stands.
+
+    Attributes:
+        place: What trainings share that can be compared: environment or simulator, and algorithm.
+        reward: That taught.
+        name: What tells it from others of the same reward.
+        state: Whether it goes on; ``stopped`` was killed, or ended before all of its steps.
+        steps: Environment steps done.
+        asked: How many there will be; 0 if nobody said.
+        blocks: What its episodes came to.
+        terms: By name of a term of the reward: what it paid an episode, mean of each block.
+        measure: The behaviour that is shown; empty if nothing measures it.
+        is_share: Whether that is a share of episodes.
+        lower_is_better: Of the measure.
+        note: Why it failed.
+    """
+
+    place: str
+    reward: str
+    name: str
+    state: State
+    steps: int
+    asked: int
+    blocks: tuple[Block, ...] = ()
+    terms: tuple[tuple[str, tuple[float, ...]], ...] = ()
+    measure: str = ""
+    is_share: bool = False
+    lower_is_better: bool = False
+    note: str = ""
+
+    def with_blocks(self, blocks: Blocks) -> "Training":
+        """The same, with what its episodes came to."""
+        columns = blocks.means[:, 2:].T.tolist()
+        terms = tuple((name, tuple(means)) for name, means in zip(blocks.terms, columns, strict=True))
+        return replace(self, blocks=blocks.listed, terms=terms)
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What there is to be shown.
+
+    Attributes:
+        news: How many trainings there are, and what they do; a sentence that seldom changes.
+        left: How long the rest takes, a sentence; empty if that is not known.
+        trainings: Those that are drawn, in an order that stays.
+        others: How many have begun beside these.
+        done: How many are done; what results depend on.
+    """
+
+    news: str
+    left: str
+    trainings: tuple[Training, ...]
+    others: int
+    done: int
+
+
+class Source(Protocol):
+    """What is watched."""
+
+    folder: Path
+
+    def look(self) -> Shown:
+        """What there is now.
+
+        Raises:
+            HarnessError: The folder is gone, or damaged.
+        """
+
+
+def source_of(folder: Path) -> Source:
+    """What lies in a folder.
+
+    Raises:
+        UsageError: Neither an experiment nor a recording.
+    """
+    if Store.is_experiment(folder):
+        return ExperimentSource(folder)
+    if not folder.is_dir():
+        raise UsageError(f"No folder '{folder}'. Begin a training first, and name the folder that it writes into")
+    if next(recordings_in(folder), None) is None:
+        Store.open(folder)  # says what it is not
+    return RecordingsSource(folder)
+
+
+class ExperimentSource:
+    """An experiment: cells of an arm tell blocks while they run, those in environments leave recordings."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder, self._store = folder, Store(folder)
+        self._ended: dict[str, Training] = {}
+        self._recordings: dict[Path, Recording] = {}
+
+    def look(self) -> Shown:
+        status = read_status(self.folder)
+        begun = [it for it in status.cells if it.status in STATES]
+        drawn = set(newest(range(len(begun)), [STATES[it.status] == "running" for it in begun]))
+        trainings = []
+        for index, it in enumerate(begun):
+            if index in drawn:
+                steps = it.running.steps if it.running else it.cell.steps if it.status == "done" else 0
+                trainings.append(self._training(it.cell, STATES[it.status], steps, it.reason))
+        return Shown(news_of(status), left_of(status), tuple(trainings), len(begun) - len(drawn), status.count("done"))
+
+    def _training(self, cell: Cell, state: State, steps: int, reason: str) -> Training:
+        found = self._ended.get(cell.id)
+        if state == "done" and found is not None:
+            return found
+        named = f"seed {cell.seed}"
+        plain = Training(f"{cell.place.label} · {cell.learner}", cell.reward.label, named, state, steps, cell.steps)
+        if state == "failed":
+            return replace(plain, note=reason)
+        folder = self._store.cell_folder(cell)
+        folder = folder if state == "done" else partial_folder(folder)
+        made = self._recorded(plain, folder) if cell.is_in_environment else self._arm(plain, folder)
+        if state == "done":
+            self._ended[cell.id] = made
+        return made
+
+    def _arm(self, plain: Training, folder: Path) -> Training:
+        """Of an arm: what its cell tells while it trains, afterwards its trace."""
+        plain = replace(plain, measure="success", is_share=True)
+        try:
+            blocks = blocks_of_trace(folder / TRACE) if plain.state == "done" else read_blocks(folder)
+        except SchemaError as error:
+            return replace(plain, note=one_line(error))
+        return plain if blocks is None else plain.with_blocks(blocks)
+
+    def _recorded(self, plain: Training, folder: Path) -> Training:
+        """In an environment: the recording that the cell writes."""
+        path = folder / TRAINING_RECORDING
+        try:
+            recording = self._recordings.get(path) or Recording(path)
+            self._recordings[path] = recording
+            return told_by(recording, plain)
+        except (SchemaError, ValueError):  # nothing is recorded yet
+            return plain
+        finally:
+            if plain.state == "done":
+                self._recordings.pop(path, None)
+
+
+STATES: dict[str, State] = {
+    "running": "running",
+    "done": "done",
+    "interrupted": "stopped",
+    "failed": "failed",
+    "damaged": "failed",
+}
+
+
+class RecordingsSource:
+    """Recordings that scripts of anybody write, at any depth of a folder."""
+
+    def __init__(self, folder: Path, now: Callable[[], float] = time.monotonic) -> None:
+        self.folder, self._now = folder, now
+        self._recordings: dict[Path, Recording] = {}
+        self._begun: dict[Path, tuple[float, int]] = {}
+
+    def look(self) -> Shown:
+        if not self.folder.is_dir():
+            raise UsageError(f"No folder '{self.folder}' any more")
+        trainings, evaluations, damaged = list[tuple[Recording, Training]](), 0, list[str]()
+        for path in sorted(recordings_in(self.folder)):
+            try:
+                recording = self._recordings.get(path) or Recording(path)
+                self._recordings[path] = recording
+                if recording.facts.evaluation:
+                    evaluations += 1
+                else:
+                    trainings.append((recording, self._training(recording)))
+            except (HarnessError, OSError) as error:  # it may be gone by now
+                damaged.append(one_line(error))
+        drawn = newest(range(len(trainings)), [it.state == "running" for _, it in trainings])
+        states = [it.state for _, it in trainings]
+        news = [f"{counted(len(trainings), 'training')} recorded", *_counts(states)]
+        news += [f"{counted(evaluations, 'evaluation')}"] if evaluations else []
+        said = ". ".join([", ".join(news), *damaged])
+        return Shown(
+            f"{said}.",
+            self._left(trainings),
+            tuple(trainings[index][1] for index in drawn),
+            len(trainings) - len(drawn),
+            0,
+        )
+
+    def _training(self, recording: Recording) -> Training:
+        facts = recording.facts
+        state: State = "done" if facts.closed else "running" if recording.is_open else "stopped"
+        below = recording.folder.relative_to(self.folder)
+        seed = () if facts.seed is None else (f"seed {facts.seed}",)
+        name = ", ".join((str(below) if below.parts else recording.folder.name, *seed))
+        plain = Training(facts.env or "an environment without a name", facts.trained_with, name, state, 0, 0)
+        return told_by(recording, plain)
+
+    def _left(self, trainings: Iterable[tuple[Recording, Training]]) -> str:
+        """By the speed since each was first seen; the slowest one counts."""
+        found = []
+        for recording, training in trainings:
+            now, steps = self._now(), training.steps
+            since, before = self._begun.setdefault(recording.folder, (now, steps))
+            if training.state == "running" and training.asked > steps > before and now >= since + MEASURED_AFTER:
+                found.append((training.asked - steps) / (steps - before) * (now - since))
+        return f"{about(max(found))} left".capitalize() if found else ""
+
+
+def told_by(recording: Recording, plain: Training) -> Training:
+    """The training, with what its recording tells by now."""
+    recording.look()
+    facts = recording.facts
+    measure = measure_of(facts.behaviour)
+    blocks = recording.blocks
+    is_share = all(0.0 <= block.behaviour <= 1.0 for block in blocks.listed) and measure == "success"
+    told = replace(
+        plain,
+        steps=recording.steps,
+        asked=plain.asked or facts.asked,
+        measure=measure,
+        is_share=is_share,
+        lower_is_better=measure in facts.lower_is_better,
+    )
+    return told.with_blocks(blocks)
+
+
+def newest(numbers: Sequence[int], is_running: Sequence[bool]) -> list[int]:
+    """Which of the trainings are drawn: `MOST` of them, running ones and then the last ones; in their order."""
+    ordered = sorted(numbers, key=lambda it: (is_running[it], it), reverse=True)
+    return sorted(ordered[:MOST])
+
+
+def counted(number: int, noun: str) -> str:
+    """A number of things, ``3 trainings``."""
+    return f"{number:,} {noun}" + "s" * (number != 1)
+
+
+def _counts(states: Sequence[str]) -> list[str]:
+    kinds = (("running", "running"), ("done", "ended"), ("stopped", "stopped before the end"))
+    return [f"{states.count(state):,} {said}" for state, said in kinds if state in states]
+
+
+def news_of(status: FolderStatus) -> str:
+    """What the cells of an experiment do, in a sentence."""
+    kinds = (
+        ("running", "running"),
+        ("interrupted", "stopped"),
+        ("failed", "failed"),
+        ("damaged", "damaged"),
+        ("skipped", "skipped"),
+        ("pending", "waiting"),
+    )
+    told = "".join(f", {status.count(kind):,} {said}" for kind, said in kinds if status.count(kind))
+    begin = f"{status.count('done'):,} of {counted(len(status.cells), 'training')} done{told}."
+    unfinished = status.count("pending") + status.count("interrupted")
+    if not status.is_in_use and unfinished:
+        return f"{begin} No run is using the folder: the same command goes on with the rest."
+    return begin
+
+
+def left_of(status: FolderStatus) -> str:
+    """How long the rest takes, in words; empty where that is not known."""
+    seconds = status.seconds_left if status.is_in_use else None
+    return "" if seconds is None else f"{about(seconds)} left".capitalize()
