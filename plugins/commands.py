@@ -51,8 +51,14 @@ def register_commands(register: harness.Register) -> None:
     register(
         "watch",
         "harness_plugins.watch.command:watch",
-        summary="Show recorded episodes in the browser. While a run goes on, the page says when more cells have ended.",
+        summary="Show trainings in the browser while they go on: success and pay, what is running, answers and films "
+        "so far.",
         heading="Run and read",
+    )
+    register(
+        "run--watch",
+        "harness_plugins.watch.watch:served",
+        summary="Show the trainings of a run in the browser while they go on.",
     )
     register(
         "watch--certificates",

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
         TaskName as TaskName,
         names_of as names_of,
     )
-    from harness.cli.foreseen import about as about
+    from harness.cli.foreseen import about as about, left_text as left_text
     from harness.cli.output import (
         complain as complain,
         kept_when_interrupted as kept_when_interrupted,

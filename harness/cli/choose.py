@@ -40,6 +40,7 @@ CHOSEN = frozenset(
         "measure",
         "plugin",
         "screen",
+        "watch",
         "quiet",
         "as_json",
         "dry_run",
@@ -71,7 +72,7 @@ def choose(**given: Any) -> int:
         screen(ready)
     if given["dry_run"]:
         return foresee_run(ready, given["as_json"])
-    results, status = train(ready, given["quiet"])
+    results, status = train(ready, given["quiet"], given["watch"])
     show_run(results, given["as_json"])
     if not given["as_json"]:
         _add(results, registry.broken_files())

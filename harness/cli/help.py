@@ -27,7 +27,21 @@ PLAIN = MappingProxyType({"max_content_width": 100})
 """Settings of every command: a wider terminal does not make longer lines."""
 FIRST = ("demo", "run", "report", "choose", "watch", "audit", "eta", "score", "describe", "doctor")
 """The commands that the short help shows, in this order."""
-TYPED = ("sim", "algo", "reward", "baseline", "task", "plugin", "seeds", "until", "steps", "out", "jobs", "dry_run")
+TYPED = (
+    "sim",
+    "algo",
+    "reward",
+    "baseline",
+    "task",
+    "plugin",
+    "seeds",
+    "until",
+    "steps",
+    "out",
+    "jobs",
+    "watch",
+    "dry_run",
+)
 """The parameters of ``harness run`` and ``harness choose`` that people type: their short help shows these."""
 GROUPS: Mapping[str, Sequence[str]] = MappingProxyType(
     {

@@ -1,6 +1,7 @@
 """``harness run``: train every combination, compare, report."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -38,6 +39,9 @@ if TYPE_CHECKING:
     from harness.experiment.run_options import RunOptions
     from harness.registry.given import Given
     from harness.results import Results
+
+PAGE = "run--watch"
+"""The name, among commands, of the plugin that serves the page of ``harness run --watch``."""
 
 
 @dataclass(frozen=True)
@@ -153,6 +157,9 @@ class RunFlags:
         typer.Option("--screen", help="First say what each reward pays for. It stops nothing."),
     ] = False
     plugin: PluginFiles = None
+    watch: Annotated[
+        bool, typer.Option("--watch", help="Show the trainings in the browser while they go on, as harness watch does.")
+    ] = False
     quiet: Annotated[bool, typer.Option("--quiet", help="Show no progress, only the results.")] = False
     as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON on standard output.")] = False
     dry_run: Annotated[
@@ -177,7 +184,7 @@ def run(**given: Any) -> int:
     if given["dry_run"]:
         results, status = None, foresee_run(ready, given["as_json"])
     else:
-        results, status = train(ready, given["quiet"])
+        results, status = train(ready, given["quiet"], given["watch"])
         show_run(results, given["as_json"])
     if not named:
         return status
@@ -285,7 +292,7 @@ def foresee_run(ready: "ExperimentRun", as_json: bool) -> int:
     return 0
 
 
-def train(ready: "ExperimentRun", quiet: bool) -> "tuple[Results, int]":
+def train(ready: "ExperimentRun", quiet: bool, watch: bool = False) -> "tuple[Results, int]":
     """Run what is not done; what came of it, and status 1 where a cell failed."""
     from harness.cli.progress import LiveProgress
     from harness.cli.terminal import Terminal
@@ -299,6 +306,7 @@ def train(ready: "ExperimentRun", quiet: bool) -> "tuple[Results, int]":
     with (
         kept_when_interrupted("finished cells are kept", folder),
         ready.begin(lambda: complain(f"waiting for another run in '{folder}' to end")) as begun,
+        _page_of(folder) if watch else nullcontext(),
         LiveProgress(
             (*begun.spared, *begun.waiting),
             begun.spared,
@@ -311,6 +319,25 @@ def train(ready: "ExperimentRun", quiet: bool) -> "tuple[Results, int]":
     if results.failed:
         complain(f"cells that failed: {len(results.failed)}. The same command tries them again, and no other")
     return results, 1 if results.failed else 0
+
+
+@contextmanager
+def _page_of(folder: Path) -> Iterator[None]:
+    """Serve the live page of a run as long as it goes on, and open it in the browser.
+
+    Raises:
+        UsageError: The plugin that serves it was left out.
+    """
+    import webbrowser
+
+    from harness.registry.registry import load_registry
+
+    served: Callable[[Path], AbstractContextManager[str]] = load_registry().get("commands", PAGE).load()
+    with served(folder) as address:
+        say(f"Live page: {address}", err=True)
+        webbrowser.open(address)
+        yield
+    say(f"The live page ended with the run. Again: {command_text('harness', 'watch', folder)}", err=True)
 
 
 def _what_to_type() -> str:

@@ -3,18 +3,22 @@
 import math
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
+from itertools import pairwise
 from typing import NamedTuple
+
+import numpy as np
 
 from harness.authoring.pages import Axis, Chart, Dots, Line, draw_chart, linear_axis
 
 from .hint import hint_of
 from .trainings import Training
 
-WIDTH, HEIGHT = 230.0, 84.0
+WIDTH, HEIGHT = 190.0, 76.0
 """Of a figure and of its panel, [px]."""
+POINTS, EPISODES = 20, 8
+"""The most points of a curve, and the fewest episodes of one: a single episode has no share of successes."""
 COLOURS = ("pair-3", "pair-4", "pair-5", "baseline", "proposed", "ink")
 """Of terms; those that pay least are left out where there are more."""
-STATES = {"running": "running", "done": "done", "stopped": "stopped", "failed": "failed"}
 Range = tuple[float, float]
 
 
@@ -86,18 +90,26 @@ def card_of(training: Training, last: int, did: Range, paid: Range, terms: Range
     if not blocks:
         words = training.note or ("" if training.state == "failed" else "No episode has ended yet.")
         return Card(training, progress, share, (), told, words)
-    steps = [float(block.steps) for block in blocks]
+    points = _points([block.episodes for block in blocks])
+    weights = np.array([block.episodes for block in blocks], np.float64)
+
+    def curve(values: Iterable[float]) -> list[float]:
+        told = np.fromiter(values, np.float64, len(blocks))
+        return [float(np.average(told[point], weights=weights[point])) for point in points]
+
+    steps = [float(blocks[point.stop - 1].steps) for point in points]
     figures = []
     if measure:
-        values = [block.behaviour for block in blocks]
+        values = curve(block.behaviour for block in blocks)
         axis = _shares() if training.is_share else _axis(did)
         shown = f"{100 * values[-1]:.0f} %" if training.is_share else _number(values[-1])
         lower = ", less is better" if training.lower_is_better else ""
         figures.append(_figure(f"{measure}{lower}", shown, steps, values, "behaviour", axis, last))
-    pay = [block.pay for block in blocks]
+    pay = curve(block.pay for block in blocks)
     figures.append(_figure(f"pay by {training.reward}", _number(pay[-1]), steps, pay, "ruler", _axis(paid), last))
     if len(training.terms) > 1:
-        figures.append(_terms(training, steps, _axis(terms), last))
+        told_terms = [(name, curve(means)) for name, means in training.terms]
+        figures.append(_terms(training.reward, told_terms, steps, _axis(terms), last))
     return Card(training, progress, share, tuple(figures), told, training.note)
 
 
@@ -110,16 +122,23 @@ def _figure(
     return Figure(title, now, draw_chart(Chart(_steps(last), axis, known, HEIGHT, width=WIDTH), label))
 
 
-def _terms(training: Training, steps: list[float], axis: Axis, last: int) -> Figure:
+def _points(episodes: Sequence[int]) -> list[slice]:
+    """Which blocks make a point of a curve each: equally many, the last one some more."""
+    size = max(math.ceil(len(episodes) / POINTS), math.ceil(EPISODES / episodes[0]))
+    begins = [*range(0, len(episodes) - size + 1, size)] or [0]
+    return [slice(begin, end) for begin, end in pairwise([*begins, len(episodes)])]
+
+
+def _terms(reward: str, terms: Sequence[tuple[str, list[float]]], steps: list[float], axis: Axis, last: int) -> Figure:
     """What each term paid an episode, those that pay most."""
-    most = sorted(training.terms, key=lambda it: -max(map(abs, it[1])))[: len(COLOURS)]
-    shown = [it for it in training.terms if it in most]
+    most = sorted(terms, key=lambda it: -max(map(abs, it[1])))[: len(COLOURS)]
+    shown = [it for it in terms if it in most]
     lines = tuple(
         Line(steps, means, colour, name, in_legend=True) for (name, means), colour in zip(shown, COLOURS, strict=False)
     )
     told = ", ".join(f"{name} {_number(means[-1])}" for name, means in shown)
-    others = len(training.terms) - len(shown)
-    title = f"terms of {training.reward}" + (f", {others} smaller ones left out" if others else "")
+    others = len(terms) - len(shown)
+    title = f"terms of {reward}" + (f", {others} smaller ones left out" if others else "")
     chart = Chart(_steps(last), axis, lines, HEIGHT, width=WIDTH)
     return Figure(title, "", draw_chart(chart, f"{title}: {told}"))
 

@@ -14,7 +14,7 @@ from harness.authoring.commands import (
     Cell,
     FolderStatus,
     Store,
-    about,
+    left_text,
     partial_folder,
     read_blocks,
     read_status,
@@ -124,6 +124,7 @@ class ExperimentSource:
         self.folder, self._store = folder, Store(folder)
         self._ended: dict[str, Training] = {}
         self._recordings: dict[Path, Recording] = {}
+        self._may_end_early = bool(self._store.read_plan().terms.looks)
 
     def look(self) -> Shown:
         status = read_status(self.folder)
@@ -134,7 +135,9 @@ class ExperimentSource:
             if index in drawn:
                 steps = it.running.steps if it.running else it.cell.steps if it.status == "done" else 0
                 trainings.append(self._training(it.cell, STATES[it.status], steps, it.reason))
-        return Shown(news_of(status), left_of(status), tuple(trainings), len(begun) - len(drawn), status.count("done"))
+        seconds = status.seconds_left if status.is_in_use else None
+        left = "" if seconds is None else f"{left_text(seconds, at_most=self._may_end_early).capitalize()}."
+        return Shown(news_of(status), left, tuple(trainings), len(begun) - len(drawn), status.count("done"))
 
     def _training(self, cell: Cell, state: State, steps: int, reason: str) -> Training:
         found = self._ended.get(cell.id)
@@ -235,7 +238,7 @@ class RecordingsSource:
             since, before = self._begun.setdefault(recording.folder, (now, steps))
             if training.state == "running" and training.asked > steps > before and now >= since + MEASURED_AFTER:
                 found.append((training.asked - steps) / (steps - before) * (now - since))
-        return f"{about(max(found))} left".capitalize() if found else ""
+        return f"{left_text(max(found)).capitalize()}." if found else ""
 
 
 def told_by(recording: Recording, plain: Training) -> Training:
@@ -288,9 +291,3 @@ def news_of(status: FolderStatus) -> str:
     if not status.is_in_use and unfinished:
         return f"{begin} No run is using the folder: the same command goes on with the rest."
     return begin
-
-
-def left_of(status: FolderStatus) -> str:
-    """How long the rest takes, in words; empty where that is not known."""
-    seconds = status.seconds_left if status.is_in_use else None
-    return "" if seconds is None else f"{about(seconds)} left".capitalize()
