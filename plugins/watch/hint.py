@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import inf, log, sqrt
 from typing import Self
 
@@ -21,7 +22,7 @@ WIDTHS = (4, 8, 16)
 LEAST_SHARE = 0.1
 """Of success: a smaller fall does not matter."""
 LEAST_OF_RANGE = 0.2
-"""The same, as a share of the range of all blocks; of pay too."""
+"""The same, as a share of the range of all blocks."""
 
 
 @dataclass(frozen=True)
@@ -75,11 +76,11 @@ def hint_of(blocks: Sequence[Block], lower_is_better: bool, measure: str = "succ
     worse = behaviour if lower_is_better else behaviour.negative
     least = max(LEAST_OF_RANGE * worse.range, LEAST_SHARE * behaviour.is_share)
     found = [
-        (min(pay.surprise(pair), worse.surprise(pair)), pair)
+        (min(pay.surprise(pair), worse.surprise(pair)) - pair.needed(blocks[0].episodes), pair)
         for pair in _pairs(len(whole))
-        if pay.rise(pair) >= LEAST_OF_RANGE * pay.range and worse.rise(pair) >= least  # false of NaN
+        if worse.rise(pair) >= least and pay.rise(pair) > 0.0  # false of NaN
     ]
-    excess, pair = max(((least - pair.needed(blocks[0].episodes), pair) for least, pair in found), default=(-1.0, None))
+    excess, pair = max(found, default=(-1.0, None))
     if pair is None or excess < 0.0:
         return None
     return Hint(
@@ -154,14 +155,21 @@ class _Series:
         """The same with the other sign."""
         return replace(self, means=-self.means)
 
-    @property
+    @cached_property
     def range(self) -> float:
         """From the least to the greatest mean."""
         return float(np.ptp(self.means)) if len(self.means) else 0.0
 
     def means_of(self, pair: _Pair) -> tuple[float, float]:
         """Of the earlier window and of the later one."""
-        return float(self.means[pair.earlier].mean()), float(self.means[pair.later].mean())
+        sums, width = self.sums, pair.width
+        first, last = sums[pair.begin + width] - sums[pair.begin], sums[pair.last + width] - sums[pair.last]
+        return first / width, last / width
+
+    @cached_property
+    def sums(self) -> list[float]:
+        """Of the means before each block, and of all."""
+        return [0.0, *np.cumsum(self.means).tolist()]
 
     def rise(self, pair: _Pair) -> float:
         """From the earlier window to the later one."""
@@ -178,14 +186,18 @@ class _Series:
         windows = self.means[pair.earlier], self.means[pair.later]
         near = float(np.mean([np.mean(np.diff(it) ** 2) for it in windows]))
         within = float(np.mean(self.variances[pair.earlier]) + np.mean(self.variances[pair.later]))
-        alike = self.alike
-        error = max(near, float(np.mean(np.diff(self.means) ** 2)), within) * (1.0 + alike) / (1.0 - alike) / pair.width
+        error = max(near, self.neighbours, within) * (1.0 + self.alike) / (1.0 - self.alike) / pair.width
         rise = self.rise(pair)
         if error == 0.0:
             return inf if rise > 0.0 else 0.0
         return float(-stats.t.logsf(rise / sqrt(error), 2 * pair.width - 2))
 
-    @property
+    @cached_property
+    def neighbours(self) -> float:
+        """Mean squared difference of neighbours in the whole training."""
+        return float(np.mean(np.diff(self.means) ** 2))
+
+    @cached_property
     def alike(self) -> float:
         """How much of a deviation stays to the next block, 0 to 0.9: blocks two apart differ by more than neighbours.
 

@@ -1,6 +1,6 @@
 """Trainings of which the reward's definition says whether it pays something else more than its task.
 
-Each case trains with two seeds. The bounds of `harness_plugins.watch.hint` were chosen by the cases of the half
+Each case trains with three seeds. The bounds of `harness_plugins.watch.hint` were chosen by the cases of the half
 ``tune``; those of the half ``held`` were looked at afterwards.
 """
 
@@ -29,7 +29,7 @@ WORLDS: Mapping[str, tuple[Callable[[], Any], str, Any]] = {
     "acrobot": (partial(gymnasium.make, "Acrobot-v1"), "success", worlds.over),
     "cartpole": (partial(gymnasium.make, "CartPole-v1"), "stood", stood()),
     "pole": (partial(gymnasium.make, "InvertedPendulum-v5"), "stood", stood()),
-    "pendulum": (partial(gymnasium.make, "Pendulum-v1"), "cost", worlds.cost),
+    "pendulum": (partial(gymnasium.make, "Pendulum-v1"), "cost", worlds.cost()),
     "reacher": (partial(gymnasium.make, "Reacher-v5"), "distance", worlds.distance),
     "docking": (Docking().make, "distance", worlds.to_dock),
 }
