@@ -7,7 +7,7 @@ from math import inf, log, sqrt
 from typing import Self
 
 import numpy as np
-from scipy import stats
+from scipy.special import stdtr
 
 from harness.arrays import Float
 from harness.authoring.commands import Block
@@ -190,7 +190,8 @@ class _Series:
         rise = self.rise(pair)
         if error == 0.0:
             return inf if rise > 0.0 else 0.0
-        return float(-stats.t.logsf(rise / sqrt(error), 2 * pair.width - 2))
+        chance = float(stdtr(2 * pair.width - 2, -rise / sqrt(error)))
+        return -log(chance) if chance > 0.0 else inf
 
     @cached_property
     def neighbours(self) -> float:
