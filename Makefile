@@ -3,7 +3,7 @@
 VENV   ?= .venv
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 # Where torch comes from, if not from where pip looks anyway. On Linux PyPI's torch brings CUDA packages; the CPU
-# build: make install TORCH_INDEX=https://download.pytorch.org/whl/cpu
+# build: make dev TORCH_INDEX=https://download.pytorch.org/whl/cpu
 TORCH_INDEX ?=
 
 BIN := $(VENV)/bin
@@ -12,8 +12,8 @@ INSTALL := $(PIP) install --quiet
 # Exact versions and nothing but them: a file whose SHA-256 is not in the lock is refused.
 INSTALL_LOCK := $(INSTALL) --no-deps --require-hashes --requirement
 
-# What install and dev set up, of pyproject.toml's extras.
-RUN_EXTRAS := mujoco sb3 report
+# What install and dev set up, of pyproject.toml's extras: what make run needs, and everything that is tested.
+RUN_EXTRAS := mujoco report
 DEV_EXTRAS := mujoco sb3 report pybullet dm-control tune tensorboard wandb ray slurm video minari meshes xacro dev docs
 
 .PHONY: install dev lock run reference test coverage slow plugins examples browser engines arms unity bench bench-record quick-bench check docs links wheel sbom \
@@ -139,19 +139,20 @@ format: dev
 clean:
 	rm -rf $(VENV) build dist *.egg-info
 
-# torch stands in no lock: its files differ by build and index. What it needs besides is there before it, from the lock.
 # pip check: --no-deps asks for nothing, so only this says what a lock lacks on this platform.
 $(VENV)/.installed: pyproject.toml constraints.txt requirements/run.txt
-	@echo "Installing into $(VENV), once: some minutes, most of them for torch."
+	@echo "Installing into $(VENV), once: a minute or two."
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(INSTALL_LOCK) requirements/run.txt
-	$(INSTALL) --constraint constraints.txt $(if $(TORCH_INDEX),--index-url $(TORCH_INDEX)) torch
 	$(INSTALL) --no-deps --no-build-isolation --editable .
 	$(PIP) check
 	touch $@
 
+# torch stands in no lock: its files differ by build and index. What it needs besides is there before it, from the lock.
 $(VENV)/.installed-dev: $(VENV)/.installed requirements/dev.txt
+	@echo "Installing what tests need beside it, once: some minutes, most of them for torch."
 	$(INSTALL_LOCK) requirements/dev.txt
+	$(INSTALL) --constraint constraints.txt $(if $(TORCH_INDEX),--index-url $(TORCH_INDEX)) torch
 	$(PIP) check
 	touch $@
 
@@ -177,5 +178,5 @@ lock: COMPILE = $(UV) --no-emit-package torch --excludes requirements/cuda.txt -
 lock: NEWER = $(if $(filter all,$(UPGRADE)),--upgrade,$(addprefix --upgrade-package=,$(UPGRADE)))
 lock: dev
 	$(COMPILE) $(NEWER) $(addprefix --extra=,$(DEV_EXTRAS)) --output-file requirements/dev.txt
-	$(COMPILE) --constraint requirements/dev.txt $(addprefix --extra=,$(RUN_EXTRAS)) --output-file requirements/run.txt
+	$(COMPILE) --constraint requirements/dev.txt $(addprefix --extra=,$(RUN_EXTRAS)) --group build --output-file requirements/run.txt
 	$(UV) $(NEWER) --constraint requirements/dev.txt --group sbom --output-file requirements/sbom.txt

@@ -51,8 +51,8 @@ def register_commands(register: harness.Register) -> None:
     register(
         "watch",
         "harness_plugins.watch.command:watch",
-        summary="Show trainings in the browser while they go on: success and pay, what is running, answers and films "
-        "so far.",
+        summary="Show trainings in the browser while they go on. With success and pay, what runs, answers and films so "
+        "far.",
         heading="Run and read",
     )
     register(

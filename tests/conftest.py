@@ -140,7 +140,14 @@ def recorded(toys: Registry, tmp_path: Path, tmp_path_factory: pytest.TempPathFa
     """A copy of a finished experiment: an ideal arm that acts at random under two rewards; it runs once."""
     kept = tmp_path_factory.getbasetemp() / "recorded"
     if not kept.exists():
-        settings = {"sim": "ideal", "algo": "wander", "seeds": 1, "steps": 12, "evaluation_episodes": 4}
+        settings = {
+            "sim": "ideal",
+            "algo": "wander",
+            "reward": "arp",
+            "seeds": 1,
+            "steps": 12,
+            "evaluation_episodes": 4,
+        }
         harness.run(**settings, executor="here", out=tmp_path / "new")
         (tmp_path / "new").rename(kept)
     return load_results(shutil.copytree(kept, tmp_path / "recorded"))

@@ -1,11 +1,11 @@
 """Takes the pictures of the README and of the tutorial, from the pages of the two experiments that these make.
 
     harness demo --out my-first
-    harness run --sim mujoco --algo sac-fast --reward arp,dense --steps 10000 --out first
+    harness run --sim mujoco --algo sac --out first
     python docs/pictures/take.py my-first first --chromium /usr/bin/chromium
 
 It needs Playwright and Pillow, of the extras dev and video, and a Chromium. The films, `reach.gif` and those of the
-studies, are made by `harness video`. `reach.png` is how that film begins.
+studies, are made by `harness video`. `reach.png` is how the typical pair of the second comparison ends.
 """
 
 import argparse
@@ -17,7 +17,7 @@ from PIL import Image
 from playwright.sync_api import Page, sync_playwright
 
 HERE = Path(__file__).parent
-WIDTH, HEIGHT, COLOURS, AIR = 1200, 900, 128, 16
+WIDTH, HEIGHT, AIR = 1200, 900, 16
 
 
 def main() -> None:
@@ -39,21 +39,18 @@ def main() -> None:
         _take(page, "first-answer", "h1", ".comparison >> nth=1")
         _take(page, "first-number", "#number ~ .panels >> nth=1")
         _take(page, "first-replay", "#see", "#replay-player")
+        page.goto((given.first / "report.html").resolve().as_uri() + "#replay-2")
+        page.locator("[data-part=scrub]").press("End")
+        page.wait_for_timeout(1000)
+        _take(page, "reach", ".replay-views", air=0)
         browser.close()
-    _take_end("reach")
 
 
-def _take_end(name: str) -> None:
-    """The first picture of a film: how its last episode ended."""
-    with Image.open(HERE / f"{name}.gif") as film:
-        film.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE).save(HERE / f"{name}.png", optimize=True)
-
-
-def _take(page: Page, name: str, first: str, last: str = "") -> None:
-    """The page from the top of one element to the bottom of another one."""
+def _take(page: Page, name: str, first: str, last: str = "", air: int = AIR) -> None:
+    """The page from the top of one element to the bottom of another one, with so many pixels around."""
     top, end = _box(page, first), _box(page, last or first)
     bottom = end["y"] + end["height"]
-    clip: Any = {"x": 0, "y": top["y"] - AIR, "width": WIDTH, "height": bottom - top["y"] + 2 * AIR}
+    clip: Any = {"x": 0, "y": top["y"] - air, "width": WIDTH, "height": bottom - top["y"] + 2 * air}
     shot = Image.open(io.BytesIO(page.screenshot(full_page=True, clip=clip)))
     shot.convert("RGB").save(HERE / f"{name}.png", optimize=True)
 

@@ -178,6 +178,7 @@ if TYPE_CHECKING:
         finishing_of as finishing_of,
         on_finishing as on_finishing,
         on_terms as on_terms,
+        under_noise as under_noise,
     )
     from harness.payoff.rollout import (
         CREEP as CREEP,

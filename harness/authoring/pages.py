@@ -112,7 +112,7 @@ if TYPE_CHECKING:
         ratio_with_interval as ratio_with_interval,
         scales_text as scales_text,
     )
-    from harness.report.rows.returns import MEAN as MEAN
+    from harness.report.rows.returns import PAY as PAY
     from harness.report.rows.terms import terms_grid as terms_grid, terms_of as terms_of
     from harness.report.tables.grid import show_grid as show_grid
     from harness.report.tables.overview import WideOrNarrow as WideOrNarrow

@@ -31,9 +31,9 @@ def foreseen_lines(found: "Foreseen") -> Iterator[str]:
     yield from (f"done: {line}" for line in _by_combination(found.done, lists_seeds=not found.looks))
     yield from (f"to do: {line}" for line in _by_combination(found.to_do, lists_seeds=not found.looks))
     if found.to_do:
-        yield from _evaluations(found.to_do[0])
+        yield from _evaluations(found.to_do[0], found.horizon)
         yield f"Time: {_time(found)}"
-        yield f"Disk: {_size(found.cost.bytes) if found.cost else f'not known: {found.unknown}'}"
+        yield f"Disk: {f'not known: {found.unknown}' if found.bytes is None else _size(found.bytes)}"
     yield "Nothing is written."
 
 
@@ -58,11 +58,15 @@ def _by_combination(cells: Sequence["Cell"], *, lists_seeds: bool) -> Iterator[s
         yield f"{title}: {'seed' if len(these) == 1 else f'{len(these)} seeds:'} {shown}"
 
 
-def _evaluations(cell: "Cell") -> Iterator[str]:
+def _evaluations(cell: "Cell", horizon: int) -> Iterator[str]:
     """How long episodes may be where nothing but an environment ends them: every cell of a run has the same horizon."""
     if cell.cut_after is not None:
         episodes = f"{cell.evaluation_episodes:,} episodes of each policy"
-        yield f"Evaluations: {episodes}, each cut after {cell.cut_after:,} steps if it goes on so long"
+        is_own = 0 < horizon <= cell.cut_after
+        most = (
+            f"of at most {horizon:,} steps" if is_own else f"cut after {cell.cut_after:,} steps if it goes on so long"
+        )
+        yield f"Evaluations: {episodes}, each {most}"
 
 
 def _time(found: "Foreseen") -> str:

@@ -27,21 +27,7 @@ PLAIN = MappingProxyType({"max_content_width": 100})
 """Settings of every command: a wider terminal does not make longer lines."""
 FIRST = ("demo", "run", "report", "choose", "watch", "audit", "eta", "score", "describe", "doctor")
 """The commands that the short help shows, in this order."""
-TYPED = (
-    "sim",
-    "algo",
-    "reward",
-    "baseline",
-    "task",
-    "plugin",
-    "seeds",
-    "until",
-    "steps",
-    "out",
-    "jobs",
-    "watch",
-    "dry_run",
-)
+TYPED = ("sim", "algo", "reward", "baseline", "task", "plugin", "seeds", "until", "steps", "out", "jobs", "dry_run")
 """The parameters of ``harness run`` and ``harness choose`` that people type: their short help shows these."""
 GROUPS: Mapping[str, Sequence[str]] = MappingProxyType(
     {
@@ -53,7 +39,7 @@ GROUPS: Mapping[str, Sequence[str]] = MappingProxyType(
         "Where they run, and within which limits": (
             *("executor", "fresh", "checkpoint_every", "stall_after", "cell_time", "cell_memory"),
         ),
-        "What is shown": ("tracker", "quiet", "as_json"),
+        "What is shown": ("watch", "tracker", "quiet", "as_json"),
     }
 )
 """All other parameters of these two, by the heading that they stand under with ``--help-all``."""

@@ -107,10 +107,13 @@ def report(
                 "--pairs": pairs,
                 "--plugin": plugin,
                 "--measure": measure,
+                "--baseline": baseline,
+                "--sort": sort,
+                "--as": as_format,
             },
             "a data set",
         )
-        return _audit(folders[0], as_json, html, fail_on)
+        return _audit(folders[0], as_json, html, labels, fail_on)
     from harness.registry.given import read_given
     from harness.results import load_results
 
@@ -147,13 +150,13 @@ def report(
     return status_of(named, said, 1 if left_out else 0)
 
 
-def _audit(dataset: Path, as_json: bool, html: Path | None, fail_on: Names) -> int:
+def _audit(dataset: Path, as_json: bool, html: Path | None, labels: Path | None, fail_on: Names) -> int:
     """What the own rewards of a data set say: the command that answers it for any rewards answers it for these."""
     from harness.cli.commands import KIND
     from harness.registry.registry import load_registry
 
     audit: Callable[..., int] = load_registry().get(KIND, "audit").load()
-    return audit(str(dataset), as_json=as_json, html=html, fail_on=fail_on)
+    return audit(str(dataset), as_json=as_json, html=html, labels=labels, fail_on=fail_on)
 
 
 def _show_records(records: Records, folders: Sequence[Path], as_json: bool, beside: Sequence[str]) -> int:

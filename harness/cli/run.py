@@ -281,7 +281,7 @@ def foresee_run(ready: "ExperimentRun", as_json: bool) -> int:
     from harness.cli.foreseen import foreseen_lines
     from harness.experiment.foresee import foresee
 
-    found = foresee(ready)
+    found = foresee(ready, measures=True)
     for line in ready.plan.warnings:
         complain(line)
     if as_json:

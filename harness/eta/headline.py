@@ -22,7 +22,7 @@ SUCCESS_MARGIN = 0.05
 TIME_MARGIN = 0.10
 """A difference of the time to the target below this, as a share of the baseline's, counts as none."""
 LEARNED = 0.10
-"""Where both rewards certainly teach success in less than this share of the episodes, neither teaches the task."""
+"""Where both rewards teach success in less than this share of the episodes, neither teaches the task."""
 
 
 class Answer(StrEnum):

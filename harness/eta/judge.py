@@ -85,10 +85,11 @@ def answer_of(
         return Answer.RACED
     if ruling.missing:
         return Answer.INTERIM
+    # A policy that fails at the task is no better robot, so a difference between two such stands beside this word.
+    if _certainly_fail(deciding[0]) or (ruling.is_decided and is_hardly_learned(deciding[0])):
+        return Answer.NEITHER_LEARNS
     if ruling.is_decided:
         return _answer_of_decided(deciding, ruling, is_opposed)
-    if _neither_learns(deciding[0]):
-        return Answer.NEITHER_LEARNS
     # A plan of looks has a test of its own for small differences, which may be asked again and again.
     is_small = ruling.small is not None or (not ruling.has_plan and _are_within(deciding))
     return Answer.NO_DIFFERENCE if is_small or same_steps else Answer.CANNOT_TELL
@@ -211,7 +212,7 @@ def _decided(
 ) -> tuple[str, str, str]:
     """The word, what it rests on, and why an interval seems to say something else."""
     told = (
-        _mixed(names, deciding, ruling, there)
+        _sides(names, deciding, ruling, there)
         if answer is Answer.MIXED
         else _clear(names, deciding, ruling, answer, there)
     )
@@ -238,7 +239,7 @@ def _tells_speed(deciding: Sequence[Compared], ruling: Ruling, at: int) -> bool:
     return deciding[at].measure.is_while_training and ruling.passes(at)
 
 
-def _mixed(names: Names, deciding: Sequence[Compared], ruling: Ruling, there: str) -> str:
+def _sides(names: Names, deciding: Sequence[Compared], ruling: Ruling, there: str) -> str:
     """What is better and what is worse, each with its p."""
     sides = []
     for sign, word in ((1, "better"), (-1, "worse")):
@@ -253,7 +254,7 @@ def _are_within(deciding: Sequence[Compared]) -> bool:
     return all(is_within(change, margin_of(change)) for change in deciding)
 
 
-def _neither_learns(change: Compared) -> bool:
+def _certainly_fail(change: Compared) -> bool:
     return is_hardly_learned(change) and change.most is not None and max(change.most) < LEARNED
 
 
@@ -264,12 +265,24 @@ def _untold(names: Names, deciding: Sequence[Compared], ruling: Ruling, answer: 
     if answer is Answer.INTERIM:
         return f"Interim: {progress_text(deciding, ruling)} {seen} {LOOK_ON}"
     if answer is Answer.NEITHER_LEARNS:
-        return (
-            f"{seen} Neither reward teaches the task{there}: success is below {LEARNED:.0%} under both (95%), "
-            f"{UNSEEN_SUCCESS}. So there is no behaviour to compare. {TRAIN_LONGER}"
-        )
+        return f"{seen} {_neither_learns(names, deciding, ruling, there)} {TRAIN_LONGER}"
     told = _small(names, deciding, ruling.small, there) if ruling.small else _no_difference(names, deciding, there)
     return f"{seen} {told} {unseen_text(names, deciding)}".rstrip()
+
+
+def _neither_learns(names: Names, deciding: Sequence[Compared], ruling: Ruling, there: str) -> str:
+    """That both fail at the task, and whether a test tells them apart all the same."""
+    sure = " (95%)" * _certainly_fail(deciding[0])
+    told = f"Neither reward teaches the task{there}: success is {below_text(deciding[0])}{sure}."
+    if not ruling.is_decided:
+        return f"{told} So there is no behaviour to compare."
+    return f"{told} A test tells the two apart all the same: {_sides(names, deciding, ruling, there)}"
+
+
+def below_text(success: Compared) -> str:
+    """How low success is under both rewards, and of which trainings this is known."""
+    below = f"below {LEARNED:.0%} with either reward"
+    return f"{below}, {UNSEEN_SUCCESS}" if _certainly_fail(success) else f"{below} in these trainings"
 
 
 def _same(names: Names, deciding: Sequence[Compared]) -> str:

@@ -8,7 +8,6 @@ from collections.abc import Sequence
 
 from harness.eta.amounts import capitalised, listed, relative_text, short_values
 from harness.eta.headline import (
-    LEARNED,
     TIME,
     Answer,
     Compared,
@@ -23,8 +22,8 @@ from harness.eta.headline import (
 from harness.eta.judge import (
     LOOK_ON,
     TRAIN_LONGER,
-    UNSEEN_SUCCESS,
     allowance_text,
+    below_text,
     decider_of,
     end_text,
     is_little,
@@ -58,8 +57,10 @@ def lead_of(
     """
     if not deciding:
         return found.robot
+    if found.answer is Answer.NEITHER_LEARNS:
+        return _neither_learns(deciding, ruling, where)
     if found.answer is Answer.MIXED:
-        return _mixed(deciding, ruling, where)
+        return _sides(deciding, ruling, where)
     if ruling.is_decided:
         return _decided(found.answer, deciding, ruling, subject, where)
     if found.answer is Answer.NO_DIFFERENCE:
@@ -73,9 +74,6 @@ def _untold(answer: Answer, deciding: Sequence[Compared], ruling: Ruling, where:
         return "The race decides; this comparison by itself is no test."
     if answer is Answer.INTERIM:
         return f"{progress_text(deciding, ruling)} {LOOK_ON}"
-    if answer is Answer.NEITHER_LEARNS:
-        below = f"Success is below {LEARNED:.0%} with either reward{_there(where)}"
-        return f"{below}, {UNSEEN_SUCCESS}. {TRAIN_LONGER}"
     return TRAIN_LONGER if is_hardly_learned(deciding[0]) else _not_enough(deciding, where)
 
 
@@ -100,7 +98,15 @@ def _decided(answer: Answer, deciding: Sequence[Compared], ruling: Ruling, subje
     return " ".join(lines)
 
 
-def _mixed(deciding: Sequence[Compared], ruling: Ruling, where: str) -> str:
+def _neither_learns(deciding: Sequence[Compared], ruling: Ruling, where: str) -> str:
+    """That both fail at the task, then what differs all the same."""
+    lines = [f"Success is {below_text(deciding[0])}{_there(where)}."]
+    if ruling.is_decided:
+        lines.append(f"A test tells the rewards apart all the same. {_sides(deciding, ruling, where)}")
+    return " ".join([*lines, TRAIN_LONGER])
+
+
+def _sides(deciding: Sequence[Compared], ruling: Ruling, where: str) -> str:
     """What is better and what is worse, that of the measure that says most first."""
     lines = []
     for sign in (ruling.sign, -ruling.sign):

@@ -46,6 +46,12 @@ class ReturnSplit:
         """Whether each training was paid by the other's reward."""
         return {BK, KB} <= self.returns.keys()
 
+    @property
+    def has_ratio(self) -> bool:
+        """Whether the ratio says something; where it does not, the difference is told."""
+        eta = self.ratio.eta
+        return eta.value is not None and eta.value > 0.0 and eta.near_zero is None
+
     def with_corrected(self, p: float | None) -> "ReturnSplit":
         """The same split with a p-value that holds for all claims that are made together."""
         return replace(self, ratio=replace(self.ratio, corrected=p))

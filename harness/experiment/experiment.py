@@ -297,7 +297,7 @@ def _renamed_since(earlier: Sequence[Cell], planned: Sequence[Cell], registry: R
     for old in sorted({it.algorithm.name for it in earlier} & ALGORITHMS.keys()):
         if meant.get(old) in algorithms:
             yield (
-                f"until 0.2 '{old}' was the algorithm that is called {ALGORITHMS[old]} now; since 0.3 '{old}' is short for "
+                f"until 0.2 '{old}' was the algorithm that is called {ALGORITHMS[old]} now; since 0.3 it is short for "
                 f"{meant[old]}. The folder's cells of {old} stay, and {meant[old]} is trained beside them"
             )
 

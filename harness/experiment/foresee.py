@@ -1,35 +1,23 @@
 """Says what a run would do: ``harness run --dry-run``."""
 
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any
 
 from harness.experiment.experiment import ExperimentRun
+from harness.experiment.trials.measured_kind import Measured, horizon_in, measure_kinds
 from harness.record.cell import Cell
+from harness.record.folder import EVALUATION, recording_of
+from harness.record.pace import Ended, Kind, kind_of, time_left, took
 from harness.record.store import Store
+from harness.registry.choice import choose
+from harness.registry.registry import Registry
 from harness.text import command_text
 
-Kind: TypeAlias = tuple[str, str]
-"""Labels of simulator, or environment, and algorithm: what decides how long a step takes, and how much it leaves."""
-
-
-class Cost(NamedTuple):
-    """The cost of cells, past or expected."""
-
-    seconds: float
-    bytes: float
-
-    def __add__(self, other: "Cost") -> "Cost":  # type: ignore[override]
-        return Cost(self.seconds + other.seconds, self.bytes + other.bytes)
-
-    def times(self, factor: float) -> "Cost":
-        """The cost times `factor`."""
-        return Cost(self.seconds * factor, self.bytes * factor)
-
-
-NOTHING = Cost(0.0, 0.0)
+HERE = "processes"
+"""The executor that trains on this machine."""
 
 
 @dataclass(frozen=True)
@@ -44,9 +32,12 @@ class Foreseen:
         left: How many stay pending, because of the options ``only`` and ``limit``.
         skipped: Cells that cannot work, each with the reason.
         at_once: How many cells at once.
-        cost: Of all that is to do: of one cell after the other, by the done cells of the same simulator and algorithm
-            in the folder; None where there is none.
-        unknown: Why there is no cost; empty where there is one.
+        seconds: How long the run will take, with so many cells at once, by the done cells of the same simulator and
+            algorithm in the folder, or by a few steps that were measured now; None where there is neither.
+        bytes: What all that is to do will leave, by the done cells; None where there is none.
+        unknown: Why one of them is not known; empty where both are.
+        measured: How many steps were measured now.
+        horizon: Steps after which the environment itself ends an episode; 0 if it does not, or that is not known.
         looks: Of an experiment with looks, the seeds at each of them: it ends where the answer stands, so that `to_do`
             is the most that there can be. Empty for others.
     """
@@ -58,14 +49,19 @@ class Foreseen:
     left: int
     skipped: tuple[tuple[Cell, str], ...] = field(default=())
     at_once: int = 1
-    cost: Cost | None = None
+    seconds: float | None = None
+    bytes: float | None = None
     unknown: str = ""
     looks: tuple[int, ...] = ()
+    measured: int = 0
+    horizon: int = 0
 
     @property
-    def seconds(self) -> float | None:
-        """How long the run will take, with so many cells at once."""
-        return self.cost and self.cost.seconds / max(1, min(self.at_once, len(self.to_do)))
+    def basis(self) -> str:
+        """What the time is estimated from."""
+        return (
+            f"by {self.measured:,} steps measured here just now" if self.measured else "estimated from the done cells"
+        )
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
@@ -78,26 +74,32 @@ class Foreseen:
             "skipped": [{**_cell_to_json(cell), "reason": reason} for cell, reason in self.skipped],
             "at_once": self.at_once,
             "seconds": self.seconds,
-            "bytes": self.cost and self.cost.bytes,
+            "bytes": self.bytes,
             "unknown": self.unknown,
             "looks": list(self.looks),
+            "measured": self.measured,
         }
 
 
-def foresee(ready: ExperimentRun) -> Foreseen:
+def foresee(ready: ExperimentRun, *, measures: bool = False) -> Foreseen:
     """What a run would do now.
+
+    Args:
+        ready: The run.
+        measures: Whether to train a few steps, in a temporary folder, of what no cell in the folder did.
 
     Raises:
         UsageError: It would be refused, because other plugins made done cells.
     """
     begun, store = ready.look(), ready.store
-    missing, costs = None, _costs_per_step(store)
-    for cell in begun.waiting:
-        if _kind(cell) not in costs:
-            missing = cell
-    cost = NOTHING
-    for cell in begun.waiting if missing is None else ():
-        cost += costs[_kind(cell)].times(cell.steps)
+    done = [manifest for manifest in store.manifests() if manifest.status == "done"]
+    ended, sizes = [took(it) for it in done], _bytes_per_step(store, [it.cell for it in done])
+    missing = {kind_of(cell): cell for cell in reversed(begun.waiting) if kind_of(cell) not in sizes}
+    measured, reason = _measured(ready, [*missing.values()]) if measures and missing else ({}, "")
+    ended += [Ended(cell, *it.of_cell(cell)) for cell, it in measured.items()]
+    is_known, setup = measured.keys() == {*missing.values()}, max((it.setup for it in measured.values()), default=0.0)
+    seconds = time_left(ended, [], begun.waiting, ready.options.at_once) if is_known else None
+    unknown = _why_unknown(next(iter(missing.values()))) if missing else ""
     return Foreseen(
         store.folder,
         not Store.is_experiment(store.folder),
@@ -106,33 +108,57 @@ def foresee(ready: ExperimentRun) -> Foreseen:
         len(ready.plan.cells) - len(begun.done) - len(set(begun.waiting) - set(begun.done)),
         ready.plan.skipped,
         ready.options.at_once,
-        cost if missing is None else None,
-        _why_unknown(missing) if missing else "",
+        None if seconds is None else seconds + setup,
+        None if missing else sum(sizes[kind_of(cell)] * cell.steps for cell in begun.waiting),
+        f"{reason}. {unknown}" if reason else unknown,
         ready.plan.terms.looks,
+        sum(it.steps for it in measured.values()),
+        max([_horizon_of(store, begun.done), *(it.horizon for it in measured.values())]),
     )
+
+
+def _measured(ready: ExperimentRun, cells: Sequence[Cell]) -> tuple[dict[Cell, Measured], str]:
+    """What a few steps of each took, and why others were not measured."""
+    options, registry = ready.options, ready.registry
+    name = choose(registry, "executors", options.executor).name
+    if name != HERE:
+        return {}, f"the executor {name} trains elsewhere"
+    together = [it.task.name for it in cells if _is_started(it, registry)]
+    if together:
+        return {}, f"{together[0]} starts a program, which is not done for an estimate"
+    found = measure_kinds(cells, registry.given, options.at_once)
+    reasons = [it for it in found.values() if isinstance(it, str)]
+    told = f"a short training here failed: {reasons[0]}" if reasons else ""
+    return {cell: it for cell, it in found.items() if isinstance(it, Measured)}, told
+
+
+def _is_started(cell: Cell, registry: Registry) -> bool:
+    """Whether an environment is a program that moves its robots."""
+    if not cell.is_in_environment:
+        return False
+    return hasattr(cell.task.build(registry, "environments"), "make_together")
+
+
+def _horizon_of(store: Store, done: Sequence[Cell]) -> int:
+    """The horizon that the done cells of an environment recorded."""
+    paths = (store.cell_folder(cell) / recording_of(EVALUATION) for cell in done if cell.is_in_environment)
+    return next((horizon_in(path) for path in paths if path.is_dir()), 0)
 
 
 def _why_unknown(cell: Cell) -> str:
     names = f"{cell.place.name},{cell.algorithm.name}"
     flags = command_text("--only", names, "--limit", "1")
-    return f"no cell of {' · '.join(_kind(cell))} is done in the folder yet. {flags} runs one"
+    return f"no cell of {' · '.join(kind_of(cell))} is done in the folder yet. {flags} runs one"
 
 
-def _costs_per_step(store: Store) -> Mapping[Kind, Cost]:
-    """The costs per step of the done cells in a folder, by kind."""
-    done = [manifest for manifest in store.manifests() if manifest.status == "done"]
-    costs: dict[Kind, Cost] = defaultdict(lambda: NOTHING)
-    steps: dict[Kind, int] = defaultdict(int)
-    for manifest in done:
-        files = store.cell_folder(manifest.cell).rglob("*")
-        size = sum(path.stat().st_size for path in files if path.is_file())
-        costs[_kind(manifest.cell)] += Cost(manifest.seconds, size)
-        steps[_kind(manifest.cell)] += manifest.cell.steps
-    return {kind: cost.times(1.0 / steps[kind]) for kind, cost in costs.items()}
-
-
-def _kind(cell: Cell) -> Kind:
-    return cell.place.label, cell.learner
+def _bytes_per_step(store: Store, done: Sequence[Cell]) -> Mapping[Kind, float]:
+    """What the done cells in a folder left for each step, by kind."""
+    sizes, steps = defaultdict[Kind, float](float), defaultdict[Kind, int](int)
+    for cell in done:
+        files = store.cell_folder(cell).rglob("*")
+        sizes[kind_of(cell)] += sum(path.stat().st_size for path in files if path.is_file())
+        steps[kind_of(cell)] += cell.steps
+    return {kind: size / steps[kind] for kind, size in sizes.items()}
 
 
 def _cell_to_json(cell: Cell) -> dict[str, str]:

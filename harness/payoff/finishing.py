@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,6 +13,10 @@ from harness.text import number
 
 SLACK = 1e-9
 """Returns that differ by no more than this share of the largest are equal."""
+
+
+MARGIN = 0.05
+"""With noise on the actions something else has to earn more than finishing by this share of all that is earned."""
 
 
 @dataclass(frozen=True)
@@ -89,6 +93,33 @@ class Finishing:
     holding_pays: bool
     steps: int
     never_paid: tuple[str, ...]
+
+
+class UnderNoise(NamedTuple):
+    """What pays more than finishing, while every action is disturbed."""
+
+    policy: str
+    earns: float
+    """Its mean return; discounted where it pays more with a discount alone."""
+    finish_earns: float
+    is_robust: bool
+    """Whether it still earns more, by more than a margin."""
+
+
+def under_noise(of: Finishing, disturbed: Finishing) -> UnderNoise:
+    """Whether what pays more than finishing still does while actions are disturbed.
+
+    Args:
+        of: What the scripts earn; something earns more than finishing.
+        disturbed: What they earn with noise on their actions.
+    """
+    plain, noisy = (
+        {it.policy: it.total if of.undiscounted else it.total_discounted for it in found.payoffs}
+        for found in (of, disturbed)
+    )
+    margin = MARGIN * (max(plain.values()) - min(plain.values()))
+    best = max((it.policy for it in of.undiscounted or of.discounted), key=noisy.__getitem__)
+    return UnderNoise(best, noisy[best], noisy[FINISH], noisy[best] > noisy[FINISH] + margin)
 
 
 def finishing_of(scores: Sequence[Score], gamma: float) -> Finishing:

@@ -73,7 +73,7 @@ class Blocks:
 
     @classmethod
     def none(cls, terms: Sequence[str] = ()) -> Self:
-        """Of a training in which no episode has ended."""
+        """The blocks of a training in which no episode has ended."""
         nothing, numbers = np.empty(0, np.int64), np.empty((0, OWN + len(terms)))
         return cls(tuple(terms), nothing, nothing, numbers, numbers)
 

@@ -249,17 +249,30 @@ class Number:
         return self.main is not None or self.decomposition is not None or not self.missing
 
     @property
+    def pay(self) -> ReturnSplit | None:
+        """The pay of an episode in the manner that decides, with its split; None if it is not known."""
+        return self.returns.get(self.manner)
+
+    @property
     def main(self) -> ReturnSplit | None:
-        """The split of the mean return in the manner that decides; None if it is not known, or does not count."""
-        return self.returns.get(self.manner) if self.number_of == "returns" else None
+        """The same where it makes the claim about the number; None where the note's indices do."""
+        return self.pay if self.number_of == "returns" else None
+
+    def pay_sentence(self, names: Names) -> str:
+        """The pay of an episode under both rewards, and its parts; why it is not known; empty without trainings."""
+        if self.pay is not None:
+            return return_sentence(names, self.pay)
+        missing = self.missing.get(self.manner)
+        return f"The pay of an episode is not known: {missing}." if missing else ""
+
+    def index_sentence(self, names: Names) -> str:
+        """How much the note's indices changed, and their parts; empty where they make no claim."""
+        is_told = self.number_of == "indices" or not (self.pay or self.manner in self.missing)
+        return number_sentence(names, self.splits) if is_told else ""
 
     def sentence(self, names: Names) -> str:
-        """How much the pay changed, and how much of that is ruler: of mean returns, else of both indices."""
-        if self.main is not None:
-            return return_sentence(names, self.main)
-        if self.number_of == "returns" and self.manner in self.missing:
-            return f"Mean returns are not compared: {self.missing[self.manner]}."
-        return number_sentence(names, self.splits)
+        """The sentence about the number that makes a claim."""
+        return self.index_sentence(names) or self.pay_sentence(names)
 
 
 @dataclass(frozen=True, eq=False)
@@ -415,6 +428,17 @@ class Comparison:
         over_all = f"{said.pool.where.capitalize()} together: {said.pool.headline.answer.value.upper()}."
         return replace(found, robot=f"{over_all} Of this place alone: {found.robot}")
 
+    @property
+    def pay_sentence(self) -> str:
+        """The pay of an episode under both rewards; without one, the note's indices; empty without both."""
+        return (self.number.pay_sentence(self.names) or self.headline.number) if self.has_trainings else ""
+
+    @property
+    def index_sentence(self) -> str:
+        """What the note's indices say beside `pay_sentence`; empty where they say nothing, or stand there."""
+        told = self.number.index_sentence(self.names) if self.has_trainings else ""
+        return told if told != self.pay_sentence else ""
+
     @cached_property
     def lead(self) -> str:
         """The answer about the robot in a sentence or two without a bracket."""
@@ -434,6 +458,7 @@ class Comparison:
         if self.group.subject == "robot":
             # `robot` is its name in version 0.1; it leaves with the next format
             headline = {"answer": headline["answer"], "robot": headline["behaviour"], **headline}
+        headline["pay"] = self.pay_sentence
         return {
             **self.group.to_json(),
             "baseline": self.baseline,
@@ -468,7 +493,7 @@ class Comparison:
 
     def _repr_html_(self) -> str:
         """What a notebook shows: both answers, in words."""
-        sentences = (repr(self).strip("<>"), self.headline.robot, self.headline.number)
+        sentences = (repr(self).strip("<>"), self.headline.robot, self.pay_sentence)
         return "".join(f"<p>{escape(visible(it))}</p>" for it in sentences if it)
 
     @property

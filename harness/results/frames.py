@@ -57,14 +57,15 @@ class Frames(NamedTuple):
     """The number of the episode, counted from 0."""
 
 
-def frames_file(folder: Path, cell: str) -> Path:
-    """Where the pictures of a cell are kept.
+def frames_file(folder: Path, cell: str, episode: int = 0) -> Path:
+    """Where the pictures of an episode of a cell are kept.
 
     Args:
         folder: The folder of the experiment.
         cell: The id of the cell.
+        episode: Counted from 0.
     """
-    return folder / DERIVED / cell / NAME
+    return folder / DERIVED / cell / (f"{NAME}-{episode}" if episode else NAME)
 
 
 def made_of(done: Manifest) -> str:
@@ -74,16 +75,17 @@ def made_of(done: Manifest) -> str:
     return f"frames {hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()}"
 
 
-def read_frames(folder: Path, done: Manifest) -> Frames:
-    """The pictures of a done cell, or the reason why there are none.
+def read_frames(folder: Path, done: Manifest, episode: int = 0) -> Frames:
+    """The pictures of an episode of a done cell, or the reason why there are none.
 
     Pictures of another training, and files that are not whole, are not shown.
 
     Args:
         folder: The folder of the experiment.
         done: What the cell says of itself.
+        episode: Counted from 0.
     """
-    path = frames_file(folder, done.cell.id)
+    path = frames_file(folder, done.cell.id, episode)
     content = read_keyed(path, made_of(done), MOST_BYTES + MOST_FACTS)
     if content is None:
         return Frames(FOREIGN if is_whole(path, MOST_BYTES + MOST_FACTS) else NONE)
@@ -99,12 +101,12 @@ def read_frames(folder: Path, done: Manifest) -> Frames:
     return Frames("", tuple(data["steps"]), data["told"], data["outcome"], strip, data["episode"])
 
 
-def write_frames(folder: Path, done: Manifest, content: bytes) -> None:
-    """Keep the pictures of a done cell: a line of JSON as `FramesForm` has it, then the pictures.
+def write_frames(folder: Path, done: Manifest, content: bytes, episode: int = 0) -> None:
+    """Keep the pictures of an episode of a done cell: a line of JSON as `FramesForm` has it, then the pictures.
 
     A folder that allows no writing stays as it is, and so does one that holds a link.
     """
-    path = frames_file(folder, done.cell.id)
+    path = frames_file(folder, done.cell.id, episode)
     if any(place.is_symlink() for place in (folder / DERIVED, path.parent)):
         return
     with suppress(OSError):

@@ -7,6 +7,7 @@ from typing import Literal, NamedTuple, TypeAlias
 from harness.eta.behaviour_change import TRAINING, WHOLE, Change
 from harness.eta.headline import SHORT, count_seeds, key_of
 from harness.eta.index import NEAR_ZERO, NOTHING, Ratio
+from harness.eta.number import format_number, signed
 from harness.eta.return_split import ReturnSplit
 from harness.eta.scored_sums import BB, KK
 from harness.results.comparison import Comparison
@@ -16,29 +17,23 @@ NO_DECIDER = "-"
 """What stands where no measure decided."""
 ARROW = " -> "
 """Between what is measured of the baseline and of the proposed reward."""
-Numbers: TypeAlias = Literal["none", "indices", "ratio", "difference"]
+PAY = "pay of an episode"
+Numbers: TypeAlias = Literal["none", "indices", "pay"]
 OF_NUMBERS: Mapping[Numbers, tuple[str, ...]] = {
     "none": (),
-    "indices": ("eta_N", "eta_P", "ruler"),
-    "ratio": ("return", "eta", "ruler", "behaviour"),
-    "difference": ("return", "difference", "ruler", "behaviour"),
+    "indices": ("eta_N", "eta_P", "ruler of eta_P"),
+    "pay": (PAY, "change", "ruler", "behaviour"),
 }
 READING: Mapping[Numbers, str] = {
     "none": "What was paid is not compared.",
     "indices": (
-        "eta compares the pay: the proposed reward's number divided by the baseline's. A wide terminal shows its 95% "
-        "interval in brackets. An eta_N below 1 and an eta_P above 1 count as better. The ruler is the part of eta_P "
-        "that comes from counting the same runs differently. No {subject} moved differently for it."
+        "The pay of an episode is not known. eta_N and eta_P compare what the trainings were paid, by the note's rule: "
+        "an eta_N below 1 and an eta_P above 1 count as better. The ruler is the part of eta_P that is rescaling alone."
     ),
-    "ratio": (
-        "return: what an episode was paid on average, baseline -> proposed, each training by its own reward. eta "
-        "divides the second by the first: eta = ruler x behaviour. The ruler comes from counting the same episodes "
-        "differently."
-    ),
-    "difference": (
-        "return: what an episode was paid on average, baseline -> proposed, each training by its own reward. "
-        "difference = ruler + behaviour. The ruler comes from counting the same episodes differently. There is no "
-        "ratio, because it needs returns above 0."
+    "pay": (
+        "Pay is that of an episode, each training by its own reward: x 2 is twice the baseline's. More pay is neither "
+        "better nor worse. The ruler is the part of the change that is rescaling alone: both rewards pay the same "
+        "episodes. The rest is behaviour."
     ),
 }
 
@@ -51,7 +46,7 @@ class Overview(NamedTuple):
     measure: str
     """The name of the measure that decides."""
     numbers: Numbers
-    """Which numbers follow it: those of both indices, the mean return as a ratio or as a difference, or none."""
+    """Which numbers follow it: the pay of an episode, without one both indices, or none."""
 
     @property
     def headings(self) -> tuple[str, ...]:
@@ -67,10 +62,9 @@ class Overview(NamedTuple):
 def overview_of(combinations: Sequence[Comparison]) -> Overview:
     """The columns for these comparisons, of which there must be at least one."""
     names = dict.fromkeys(name for it in combinations for name in it.measured.deciding[:1])
-    mains = [it.number.main for it in combinations if it.number.main is not None]
-    is_ratio = all(it.ratio.eta.value is not None for it in mains)
-    is_paid = any(it.number.has_pay for it in combinations)
-    numbers: Numbers = "none" if not is_paid else "indices" if not mains else "ratio" if is_ratio else "difference"
+    numbers: Numbers = "none"
+    if any(it.number.has_pay for it in combinations):
+        numbers = "pay" if any(it.number.pay for it in combinations) else "indices"
     measure = " / ".join(map(short_name, names)) or "behaviour"
     trained = f" {TRAINING}" if names and all(it.manner in (WHOLE, TRAINING) for it in combinations) else ""
     return Overview(combinations[0].group.subject, f"{measure}{trained}", numbers)
@@ -126,21 +120,41 @@ def overview_row(name: str, comparison: Comparison, with_intervals: bool, overvi
     measured = (name, answer, decider_text(comparison), measure_text(comparison.decisive))
     if overview.numbers == "none":
         return measured
-    if overview.numbers != "indices":
-        return (*measured, *_returned(comparison.number.main, overview.numbers == "ratio"))
+    if overview.numbers == "pay":
+        return (*measured, *pay_texts(comparison.number.pay, with_intervals))
     splits = comparison.number.splits
     etas = (splits["eta_N"].eta, splits["eta_P"].eta)
     told = (short_value(eta) + (_interval(eta) if with_intervals else "") for eta in etas)
     return (*measured, *told, short_value(splits["eta_P"].ruler))
 
 
-def _returned(main: ReturnSplit | None, is_ratio: bool) -> tuple[str, ...]:
-    if main is None:
+def pay_texts(pay: ReturnSplit | None, with_intervals: bool = False) -> tuple[str, str, str, str]:
+    """The pay of an episode under both rewards, how much it changed, and both parts, as everywhere else.
+
+    Args:
+        pay: The pay; None if it is not known.
+        with_intervals: Whether the interval of the change stands beside it.
+    """
+    if pay is None:
         return (NOTHING,) * 4
-    own = ARROW.join(short_number(main.returns[pair].mean) for pair in (BB, KK))
-    if is_ratio:
-        return (own, *map(short_value, (main.ratio.eta, main.ratio.ruler, main.ratio.behaviour)))
-    return (own, *(short_number(it.mean) for it in (main.total.change, main.total.ruler, main.total.behaviour)))
+    own = ARROW.join(format_number(pay.returns[pair].mean) for pair in (BB, KK))
+    if pay.has_ratio:
+        change, ruler, behaviour = map(factor_text, (pay.ratio.eta, pay.ratio.ruler, pay.ratio.behaviour))
+        ends = _interval(pay.ratio.eta)
+    else:
+        total = pay.total
+        change, ruler, behaviour = (signed(it.mean) for it in (total.change, total.ruler, total.behaviour))
+        ends = (
+            "" if total.change.low is None or total.change.high is None else _ends(total.change.low, total.change.high)
+        )
+    return own, change + ends * with_intervals, ruler, behaviour
+
+
+def factor_text(ratio: Ratio) -> str:
+    """A ratio as a factor, such as ``x 1.52``."""
+    if ratio.value is None or ratio.near_zero is not None:
+        return NOTHING
+    return f"x {format_number(ratio.value)}"
 
 
 def measure_text(change: Change | None) -> str:
@@ -194,7 +208,11 @@ def _interval(ratio: Ratio) -> str:
     """The interval of a ratio, with two digits for each end; empty if there is none to show."""
     if ratio.near_zero is not None or ratio.low is None or ratio.high is None:
         return ""
-    return f" [{_short(ratio.low)}, {_short(ratio.high)}]"
+    return _ends(ratio.low, ratio.high)
+
+
+def _ends(low: float, high: float) -> str:
+    return f" [{_short(low)}, {_short(high)}]"
 
 
 def _short(end: float) -> str:

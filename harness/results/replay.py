@@ -1,7 +1,7 @@
 """Episodes of the final evaluations, to be shown side by side. Reads results only."""
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal, NamedTuple
 
@@ -18,6 +18,7 @@ from harness.record.scene import Scene, read_scene
 from harness.record.trace import OBSTACLE, OBSTACLES, read_trace
 from harness.results.comparison import Comparison, Group
 from harness.results.measured import Values
+from harness.results.pairs import READ, Met, Pairs, cells_by_seed, kind_of, kinds_of
 from harness.results.results import Results
 
 Outcome = Literal["reached", "ground", "obstacle", "time-out"]
@@ -25,14 +26,12 @@ FIRST, DIFFERENT, MOST = 1, 3, 6
 """The most episodes of a show: first ones, episodes that end differently, and all together."""
 FRAMES = 150
 """The most frames of an episode. Of a longer episode, every n-th row is shown."""
-READ = 200
-"""How many episodes of an evaluation are looked at."""
+ROOM = 16_000
+"""About how many frames a page has room for, in all of its shows: some 700 kB."""
 AXES = "xyz"
 PAID = ("reward", "reward_ground", "reward_target", "reward_step")
 SHOWN, LARGEST = ("qpos", "distance", *PAID, *(f"target_{axis}" for axis in AXES)), 1e9
 """The columns that are shown, and the largest number that they may hold."""
-REACHED, TIMEOUTS = "success_rate", "timeouts"
-"""Metrics that say how the episodes of a cell ended."""
 NO_OBSTACLES: Float = np.empty((0, 7))
 CONTROL_PERIOD = 0.1
 """The control period of an evaluation that does not record its own, [s]."""
@@ -53,19 +52,19 @@ class Episode(NamedTuple):
     """What the cell's own reward and the task's events have paid so far, (frames,)."""
     outcome: Outcome
     values: Values
-    """Every metric of this episode alone."""
+    """Every metric of this episode alone; of `MOST` episodes of a show."""
     obstacles: Float = NO_OBSTACLES
     """Obstacles, (count, 7), world frame, [m], see `harness.conditions.obstacles`; (0, 7) if there are none."""
 
 
 @dataclass(frozen=True, eq=False)
 class Side:
-    """What one cell's policy did.
+    """What the policies of one reward did, or that of one cell.
 
     Attributes:
         title: What tells it from the other side.
-        cell: Id of the cell.
-        seed: The seed of its training.
+        cells: Id of the cell of each episode.
+        seeds: The seed of its training, of each episode.
         scene: What its arm looks like.
         episodes: As many as the show has, in the same order.
         period: The duration of an environment step, [s].
@@ -74,8 +73,8 @@ class Side:
     """
 
     title: str
-    cell: str
-    seed: int
+    cells: tuple[str, ...]
+    seeds: tuple[int, ...]
     scene: Scene
     episodes: tuple[Episode, ...]
     period: float
@@ -93,6 +92,9 @@ class Show:
         sides: One, or the baseline's and the proposed reward's.
         comparison: The combination that compares both rewards; None if nothing compares the cells.
         told: What its episodes are, where they are none of a final evaluation.
+        pairs: All pairs of episodes of the comparison, the shown ones among them.
+        first: The place of the episode that is shown first: of pairs, the typical one.
+        kinds: The place of the typical episode of each kind of pairs.
     """
 
     title: str
@@ -100,22 +102,25 @@ class Show:
     sides: tuple[Side, ...]
     comparison: Comparison | None = None
     told: str = ""
+    pairs: Pairs | None = None
+    first: int = 0
+    kinds: Mapping[int, int] = field(default_factory=dict)
 
 
 def shows_of(results: Results, most: int = MOST) -> tuple[Show, ...]:
-    """A show for each combination, with one seed that both rewards have, and one for each other reward that is done.
+    """A show for each combination, of the seeds that both rewards have, and one for each other reward that is done.
 
-    The seed is the one whose episodes end in the most ways, the first of several. Cells without a scene, as those of
-    version 0.1, are left out.
+    Cells without a scene, as those of version 0.1, are left out.
 
     Args:
         results: The experiment.
-        most: Episodes of a show.
+        most: Episodes of a show; one of a combination has more where the page has room.
 
     Raises:
         SchemaError: A file is damaged or written by a newer version.
     """
-    shows = [_show(results, pair, most) for pair in _pairs(results)]
+    pairs = [*_pairs(results)]
+    shows = [_show(results, pair, most, ROOM // len(pairs)) for pair in pairs]
     return tuple(show for show in shows if show is not None)
 
 
@@ -151,7 +156,7 @@ def show_cells(results: Results, ids: Sequence[str], episodes: int = MOST) -> Sh
     cells = [find_done(results, name) for name in ids]
     titles = tuple(f"{cell.reward.label} · seed {cell.seed}" for cell in cells)
     common = " · ".join(dict.fromkeys(Group.of(cell).title for cell in cells))
-    show = _show(results, ShownCells(tuple(cells), common, titles), episodes)
+    show = _show(results, ShownCells(tuple((cell,) for cell in cells), common, titles), episodes)
     if show is None:
         raise UsageError(f"Of {', '.join(ids)}, a cell has no {SCENE}: an earlier version made it. Run it again.")
     return show
@@ -178,46 +183,57 @@ def choose_episodes(outcomes: Sequence[Sequence[Outcome]], most: int = MOST) -> 
     return sorted(list(dict.fromkeys(wanted))[:most])
 
 
+def choose_pairs(outcomes: Sequence[Sequence[Outcome]], pairs: Pairs) -> list[int]:
+    """All pairs of a comparison, by what a reader wants to see of them first.
+
+    The typical one of each kind, the most frequent kind first; one for each outcome of each side; then those of other
+    kinds than the most frequent one, and those of that, by number.
+
+    Args:
+        outcomes: The outcomes of each side, of all pairs.
+        pairs: The pairs.
+
+    Returns:
+        Their places.
+    """
+    met = pairs.met
+    ends = [side.index(outcome) for side in outcomes for outcome in dict.fromkeys(side)]
+    others = sorted(range(len(met)), key=lambda it: (met[it].kind == pairs.usual, met[it].number, it))
+    return list(dict.fromkeys([*map(pairs.typical, pairs.counts), *ends, *others]))
+
+
 class ShownCells(NamedTuple):
     """Cells to be shown beside one another, the title of what they share, and those that tell them apart."""
 
-    cells: tuple[Cell, ...]
+    cells: tuple[tuple[Cell, ...], ...]
+    """Those of each side, as many of each."""
     title: str
     titles: tuple[str, ...]
     comparison: Comparison | None = None
 
     @property
     def files(self) -> list[str]:
-        """The evaluation of each cell that is shown. For a combination it is the one that decides about the robot."""
+        """The evaluation of the cells of each side. For a combination it is the one that decides about the robot."""
         told = self.comparison
         if told is None or told.manner == told.own_manner:
             return [EVALUATION] * len(self.cells)
-        return [other_manner(cell.deterministic) for cell in self.cells]
+        return [other_manner(cells[0].deterministic) for cells in self.cells]
 
 
 def _pairs(results: Results) -> Iterator[ShownCells]:
     """Pairs with both rewards of each combination, and the first seed of each reward that is in no combination."""
-    cells_of = {(Group.of(cell), cell.reward.label, cell.seed): cell for cell in results.done_cells}
     shown: set[tuple[Group, str]] = set()
     for it in results.combinations:
         if it.seeds and not it.is_control:
             rewards = (it.baseline, it.proposed)
             shown |= {(it.group, reward) for reward in rewards}
-            seeds = [tuple(cells_of[it.group, reward, seed] for reward in rewards) for seed in it.seeds]
-            cells = max(seeds, key=lambda pair: sum(_count_outcomes(results, cell, it.manner) for cell in pair))
-            yield ShownCells(cells, it.group.title, (f"Baseline: {it.baseline}", f"Proposed: {it.proposed}"), it)
+            titles = (f"Baseline: {it.baseline}", f"Proposed: {it.proposed}")
+            yield ShownCells(cells_by_seed(results, it), it.group.title, titles, it)
     for cell in results.done_cells:
         group, reward = Group.of(cell), cell.reward.label
         if (group, reward) not in shown:
             shown.add((group, reward))
-            yield ShownCells((cell,), group.title, (reward,))
-
-
-def _count_outcomes(results: Results, cell: Cell, manner: str) -> int:
-    """In how many ways the episodes of a cell ended."""
-    values = results.measured(cell).manners.get(manner, {})
-    reached, over = (values.get(name) or 0.0 for name in (REACHED, TIMEOUTS))
-    return sum(share > 1e-9 for share in (reached, over, 1.0 - reached - over))
+            yield ShownCells(((cell,),), group.title, (reward,))
 
 
 def find_done(results: Results, name: str) -> Cell:
@@ -236,38 +252,114 @@ def find_done(results: Results, name: str) -> Cell:
     return found[0]
 
 
-def _show(results: Results, pair: ShownCells, most: int) -> Show | None:
-    """The show of a pair; None if a cell has no scene, or if no episode ended."""
-    cells, title, titles, comparison = pair
-    folders = [results.store.cell_folder(cell) for cell in cells]
-    scenes = [read_scene(folder) for folder in folders]
+class Way(NamedTuple):
+    """One episode of an evaluation as it was recorded."""
+
+    cell: Cell
+    trace: Log
+    rows: NDArray[np.int64]
+    number: int
+    """From 0."""
+
+    @property
+    def outcome(self) -> Outcome:
+        """How it ended."""
+        return _outcome(self.trace, self.rows)
+
+    @property
+    def took(self) -> int:
+        """Steps until the target was reached, or to its end."""
+        reached = self.trace["reached"][self.rows]
+        return int(reached.argmax()) if reached.any() else len(self.rows) - 1
+
+
+def _show(results: Results, shown: ShownCells, most: int, room: int = 0) -> Show | None:
+    """The show of some cells; None if one has no scene, or if no episode ended.
+
+    Args:
+        results: The experiment.
+        shown: The cells.
+        most: The most episodes.
+        room: Frames for which there is room: of a comparison more than `most` episodes are shown up to these.
+    """
+    scenes = [read_scene(results.store.cell_folder(cells[0])) for cells in shown.cells]
     known = [scene for scene in scenes if scene is not None]
     if len(known) < len(scenes):
         return None
-    paths = [folder / name for folder, name in zip(folders, pair.files, strict=True)]
-    traces = [_read(path, scene) for path, scene in zip(paths, known, strict=True)]
-    ways = [trace.episodes[:READ] for trace in traces]
-    count = min(map(len, ways))
-    outcomes = [[_outcome(trace, rows) for rows in way[:count]] for trace, way in zip(traces, ways, strict=True)]
-    chosen = choose_episodes(outcomes, most)
+    met = [*_met(results, shown, known)]
+    if not met:
+        return None
+    outcomes = [[way.outcome for way in ways] for ways in zip(*met, strict=True)]
+    pairs = None if shown.comparison is None else _pairs_of(shown.comparison, met)
+    chosen = choose_episodes(outcomes, most) if pairs is None else choose_pairs(outcomes, pairs)
+    measured, chosen = set(chosen[:MOST]), sorted(_within(met, chosen, most, room))
+    facts = [episode_facts(way.trace) for way in met[0]]
     sides = tuple(
         Side(
-            told,
-            cell.id,
-            cell.seed,
-            scene,
-            tuple(_episode(results, trace, way[number]) for number in chosen),
-            episode_facts(trace).control_period or CONTROL_PERIOD,
-            episode_facts(trace).error or "distance",
-            "m" if episode_facts(trace).error is None else episode_facts(trace).unit or "",
+            title,
+            tuple(met[place][side].cell.id for place in chosen),
+            tuple(met[place][side].cell.seed for place in chosen),
+            known[side],
+            tuple(_episode(results, met[place][side], place in measured) for place in chosen),
+            facts[side].control_period or CONTROL_PERIOD,
+            facts[side].error or "distance",
+            "m" if facts[side].error is None else facts[side].unit or "",
         )
-        for told, cell, scene, trace, way in zip(titles, cells, known, traces, ways, strict=True)
+        for side, title in enumerate(shown.titles)
     )
-    return Show(title, tuple(number + 1 for number in chosen), sides, comparison) if chosen else None
+    typical = {} if pairs is None else {kind: pairs.typical(kind) for kind in pairs.counts}
+    return Show(
+        shown.title,
+        tuple(met[place][0].number + 1 for place in chosen),
+        sides,
+        shown.comparison,
+        pairs=pairs,
+        first=chosen.index(next(iter(typical.values()))) if typical else 0,
+        kinds={kind: chosen.index(place) for kind, place in typical.items() if place in chosen},
+    )
+
+
+def _met(results: Results, shown: ShownCells, scenes: Sequence[Scene]) -> Iterator[tuple[Way, ...]]:
+    """The episodes that all sides began alike, by seed and number."""
+    for cells in zip(*shown.cells, strict=True):
+        traces = [
+            _read(results.store.cell_folder(cell) / name, scene)
+            for cell, name, scene in zip(cells, shown.files, scenes, strict=True)
+        ]
+        yield from zip(
+            *(
+                [Way(cell, trace, rows, number) for number, rows in enumerate(trace.episodes[:READ])]
+                for cell, trace in zip(cells, traces, strict=True)
+            ),
+            strict=False,
+        )
+
+
+def _pairs_of(comparison: Comparison, met: Sequence[tuple[Way, ...]]) -> Pairs:
+    found = [
+        Met(
+            first.cell.seed,
+            first.number,
+            kind_of(first.outcome == "reached", second.outcome == "reached"),
+            second.took - first.took,
+        )
+        for first, second in met
+    ]
+    return Pairs(kinds_of("reach", comparison.proposed, "es"), tuple(found))
+
+
+def _within(met: Sequence[tuple[Way, ...]], chosen: Sequence[int], most: int, room: int) -> Iterator[int]:
+    """The first `most` of them, and more as long as there is room."""
+    frames = 0
+    for count, place in enumerate(chosen):
+        frames += sum(min(FRAMES, len(way.rows)) for way in met[place])
+        if count >= most and frames > room:
+            return
+        yield place
 
 
 def _read(path: Path, scene: Scene) -> Log:
-    trace = read_trace(path)
+    trace = read_trace(path).load()  # at once: a file is opened for each column that is asked for alone
     shown = (*SHOWN, OBSTACLES) if OBSTACLES in trace else SHOWN
     if max(float(np.abs(trace[name]).max(initial=0.0)) for name in shown) > LARGEST:
         raise SchemaError(f"{path} holds numbers beyond {LARGEST:g}, which cannot be shown")
@@ -277,7 +369,8 @@ def _read(path: Path, scene: Scene) -> Log:
     return trace
 
 
-def _episode(results: Results, trace: Log, rows: NDArray[np.int64]) -> Episode:
+def _episode(results: Results, way: Way, is_measured: bool) -> Episode:
+    trace, rows = way.trace, way.rows
     steps = np.unique(np.linspace(0, len(rows) - 1, min(FRAMES, len(rows))).round().astype(np.int64))
     kept = rows[steps]
     paid = np.cumsum(np.sum([trace[name][rows] for name in PAID], axis=0))
@@ -288,8 +381,8 @@ def _episode(results: Results, trace: Log, rows: NDArray[np.int64]) -> Episode:
         target,
         trace["distance"][kept],
         paid[steps],
-        _outcome(trace, rows),
-        results.measure(single_episode(trace, rows)),
+        way.outcome,
+        results.measure(single_episode(trace, rows)) if is_measured else {},
         _obstacles(trace, rows),
     )
 

@@ -192,9 +192,9 @@ class Results(Records):
         """What a done cell's own reward paid, every row of its training, (rows,)."""
         return self.source.recorded(cell)
 
-    def frames(self, cell: Cell) -> Frames | None:
+    def frames(self, cell: Cell, episode: int = 0) -> Frames | None:
         """Pictures of an evaluation episode that an environment drew; None of an arm, which has a replay."""
-        return self.source.frames(cell)
+        return self.source.frames(cell, episode)
 
     def measure(self, trace: Log) -> Values:
         """Every metric of an evaluation."""

@@ -113,7 +113,7 @@ class Traces:
     def numbers(self, cell: Cell) -> Numbers:
         return numbers_of(self.measured(cell), self.metrics)
 
-    def frames(self, cell: Cell) -> None:
+    def frames(self, cell: Cell, episode: int = 0) -> None:
         return
 
     def older_keys(self) -> dict[str, Any]:

@@ -27,6 +27,7 @@ from harness.authoring.commands import (
     rows_of,
     score_rollout,
     step_between,
+    under_noise,
 )
 from harness.log import REWARD, SUCCESS, Log, LogFacts, in_memory
 from harness.reward import Carry, Reward, Steps, pay
@@ -41,7 +42,6 @@ from .recorded.pair import pairs_in
 from .recorded.pair_grid import SCALE
 from .search.disturb import NOISES
 from .search.finding import FRAGILE, ROBUST
-from .search.judge import MARGIN
 from .transitions.rollout_forms import COMPARED, forms_of_rollouts
 
 SAMPLES = 64
@@ -241,18 +241,12 @@ def verdict_of(found: OfScripts) -> list[str]:
 
 def _on_noise(of: Finishing, disturbed: Finishing) -> str:
     """Whether what pays more than finishing still does, by more than a margin, while actions are disturbed."""
-    tempting = of.undiscounted or of.discounted
-    sums = [
-        {it.policy: it.total if of.undiscounted else it.total_discounted for it in found.payoffs}
-        for found in (of, disturbed)
-    ]
-    margin = MARGIN * (max(sums[0].values()) - min(sums[0].values()))
-    best = max((it.policy for it in tempting), key=lambda policy: sums[1][policy])
-    word = ROBUST if sums[1][best] > sums[1][FINISH] + margin else FRAGILE
+    noisy = under_noise(of, disturbed)
+    word = ROBUST if noisy.is_robust else FRAGILE
     rate = "" if of.undiscounted else f", discounted by {of.gamma:g}"
     return (
-        f"{word}: with action noise {NOISES[-1]:g} {best} earns {number(sums[1][best])} per episode{rate}, finish "
-        f"{number(sums[1][FINISH])}."
+        f"{word}: with action noise {NOISES[-1]:g} {noisy.policy} earns {number(noisy.earns)} per episode{rate}, "
+        f"finish {number(noisy.finish_earns)}."
     )
 
 

@@ -13,7 +13,7 @@ from harness.authoring.commands import Comparison, Learning, Split, no_splits
 from harness.authoring.pages import (
     BETTER,
     CHARACTER,
-    MEAN,
+    PAY,
     RACE_TITLE,
     Axis,
     Chart,
@@ -91,7 +91,7 @@ def split_file(combination: Comparison, missing: str = "") -> bytes | None:
     """The figure of every eta and its parts, each with its interval; None if no part of any can be drawn."""
     splits = splits_of(combination)
     drawn = {name: draw_split(name, split) for name, split in splits.items()}
-    headings = {"eta": f"{MEAN} {combination.manner}: eta = ruler x behaviour"}
+    headings = {"eta": f"{PAY}, {combination.manner}: ruler x behaviour"}
     panels = [
         TitledChart(headings.get(name, f"{name} = ruler x behaviour"), chart)
         for name, chart in drawn.items()

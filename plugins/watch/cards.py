@@ -14,11 +14,11 @@ from .hint import hint_of
 from .trainings import Training
 
 WIDTH, HEIGHT = 190.0, 76.0
-"""Of a figure and of its panel, [px]."""
+"""The width of a figure and the height of its panel, [px]."""
 POINTS, EPISODES = 20, 8
 """The most points of a curve, and the fewest episodes of one: a single episode has no share of successes."""
 COLOURS = ("pair-3", "pair-4", "pair-5", "baseline", "proposed", "ink")
-"""Of terms; those that pay least are left out where there are more."""
+"""The colours of terms; those that pay least are left out where there are more."""
 Range = tuple[float, float]
 
 
@@ -37,7 +37,7 @@ class Card(NamedTuple):
     training: Training
     progress: str
     share: float
-    """Of its steps, in percent; NaN where nobody said how many there will be."""
+    """The share of its steps that are done, in percent; NaN where nobody said how many there will be."""
     figures: tuple[Figure, ...]
     hint: str
     words: str
@@ -61,12 +61,42 @@ def rows_of(trainings: Sequence[Training]) -> list[Row]:
     for place, rewards in places.items():
         everywhere = [training for of in rewards.values() for training in of]
         last = max(max(training.asked, training.steps) for training in everywhere)
-        did = _range(block.behaviour for training in everywhere for block in training.blocks)
+        did = _range(value for training in everywhere for value in curves_of(training).behaviour)
         for reward, of in rewards.items():
-            paid = _range(block.pay for training in of for block in training.blocks)
-            terms = _range(mean for training in of for _, means in training.terms for mean in means)
+            paid = _range(value for training in of for value in curves_of(training).pay)
+            terms = _range(value for training in of for _, values in curves_of(training).terms for value in values)
             rows.append(Row(place, reward, tuple(card_of(it, last, did, paid, terms) for it in of)))
     return rows
+
+
+class Curves(NamedTuple):
+    """What is drawn of a training's blocks: means of some episodes each."""
+
+    steps: tuple[float, ...]
+    """Environment steps when the last of these episodes had ended, (points,); so long are all of them."""
+    behaviour: tuple[float, ...]
+    pay: tuple[float, ...]
+    terms: tuple[tuple[str, tuple[float, ...]], ...]
+    """The means of each term, by its name."""
+
+
+@lru_cache(maxsize=1024)
+def curves_of(training: Training) -> Curves:
+    """The curves of a training: at most `POINTS` points, each of `EPISODES` episodes at least if there are so many."""
+    blocks = training.blocks
+    points = _points([block.episodes for block in blocks]) if blocks else []
+    weights = np.array([block.episodes for block in blocks], np.float64)
+
+    def curve(values: Iterable[float]) -> tuple[float, ...]:
+        told = np.fromiter(values, np.float64, len(blocks))
+        return tuple(float(np.average(told[point], weights=weights[point])) for point in points)
+
+    return Curves(
+        tuple(float(blocks[point.stop - 1].steps) for point in points),
+        curve(block.behaviour for block in blocks),
+        curve(block.pay for block in blocks),
+        tuple((name, curve(means)) for name, means in training.terms),
+    )
 
 
 @lru_cache(maxsize=1024)
@@ -90,31 +120,23 @@ def card_of(training: Training, last: int, did: Range, paid: Range, terms: Range
     if not blocks:
         words = training.note or ("" if training.state == "failed" else "No episode has ended yet.")
         return Card(training, progress, share, (), told, words)
-    points = _points([block.episodes for block in blocks])
-    weights = np.array([block.episodes for block in blocks], np.float64)
-
-    def curve(values: Iterable[float]) -> list[float]:
-        told = np.fromiter(values, np.float64, len(blocks))
-        return [float(np.average(told[point], weights=weights[point])) for point in points]
-
-    steps = [float(blocks[point.stop - 1].steps) for point in points]
-    figures = []
+    curves = curves_of(training)
+    steps, figures = curves.steps, list[Figure]()
     if measure:
-        values = curve(block.behaviour for block in blocks)
+        values = curves.behaviour
         axis = _shares() if training.is_share else _axis(did)
         shown = f"{100 * values[-1]:.0f} %" if training.is_share else _number(values[-1])
         lower = ", less is better" if training.lower_is_better else ""
         figures.append(_figure(f"{measure}{lower}", shown, steps, values, "behaviour", axis, last))
-    pay = curve(block.pay for block in blocks)
+    pay = curves.pay
     figures.append(_figure(f"pay by {training.reward}", _number(pay[-1]), steps, pay, "ruler", _axis(paid), last))
     if len(training.terms) > 1:
-        told_terms = [(name, curve(means)) for name, means in training.terms]
-        figures.append(_terms(training.reward, told_terms, steps, _axis(terms), last))
+        figures.append(_terms(training.reward, curves.terms, steps, _axis(terms), last))
     return Card(training, progress, share, tuple(figures), told, training.note)
 
 
 def _figure(
-    title: str, now: str, steps: list[float], values: list[float], colour: str, axis: Axis, last: int
+    title: str, now: str, steps: Sequence[float], values: Sequence[float], colour: str, axis: Axis, last: int
 ) -> Figure:
     marks = (Line(steps, values, colour), Dots(steps[-1:], values[-1:], colour, size=2.5))
     known = marks if math.isfinite(values[-1]) else marks[:1]
@@ -129,7 +151,9 @@ def _points(episodes: Sequence[int]) -> list[slice]:
     return [slice(begin, end) for begin, end in pairwise([*begins, len(episodes)])]
 
 
-def _terms(reward: str, terms: Sequence[tuple[str, list[float]]], steps: list[float], axis: Axis, last: int) -> Figure:
+def _terms(
+    reward: str, terms: Sequence[tuple[str, Sequence[float]]], steps: Sequence[float], axis: Axis, last: int
+) -> Figure:
     """What each term paid an episode, those that pay most."""
     most = sorted(terms, key=lambda it: -max(map(abs, it[1])))[: len(COLOURS)]
     shown = [it for it in terms if it in most]
@@ -172,7 +196,7 @@ def _range(values: Iterable[float]) -> Range:
 
 
 def _number(value: float) -> str:
-    """As short as it can be read."""
+    """A number in few characters."""
     if math.isnan(value):
         return "unknown"
     return f"{value:,.0f}" if 1e3 <= abs(value) < 1e5 else f"{value:.3g}"

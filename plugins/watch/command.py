@@ -26,7 +26,7 @@ def watch(
     ] = 0,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open it in the browser.")] = True,
 ) -> None:
-    """Show trainings in the browser while they go on: success and pay, what is running, the answers and films so far.
+    """Show trainings in the browser while they go on. With success and pay, what is running, the answers and films.
 
     Of a search for cheats: the behaviours that it found.
     """

@@ -75,7 +75,7 @@ class Ended(NamedTuple):
     ticks: NDArray[np.int64]
     """How often the recorder had been stepped before the last step of each, (episodes,)."""
     numbers: Float
-    """As `Blocks` has them, (episodes, numbers)."""
+    """The numbers of each as `Blocks` has them, (episodes, numbers)."""
 
 
 class Recorder:
@@ -158,7 +158,7 @@ class Recording:
 
     @property
     def facts(self) -> TrainingFacts:
-        """Of the first recorder."""
+        """The facts of the first recorder."""
         return self._recorders[min(self._recorders)].facts
 
     @property

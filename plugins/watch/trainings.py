@@ -155,7 +155,7 @@ class ExperimentSource:
         return made
 
     def _arm(self, plain: Training, folder: Path) -> Training:
-        """Of an arm: what its cell tells while it trains, afterwards its trace."""
+        """The training of an arm, by what its cell tells while it trains, and afterwards by its trace."""
         plain = replace(plain, measure="success", is_share=True)
         try:
             blocks = blocks_of_trace(folder / TRACE) if plain.state == "done" else read_blocks(folder)
@@ -222,8 +222,10 @@ class RecordingsSource:
         )
 
     def _training(self, recording: Recording) -> Training:
+        is_open = recording.is_open  # before the look: who closes it meanwhile has said so by then
+        recording.look()
         facts = recording.facts
-        state: State = "done" if facts.closed else "running" if recording.is_open else "stopped"
+        state: State = "done" if facts.closed else "running" if is_open else "stopped"
         below = recording.folder.relative_to(self.folder)
         seed = () if facts.seed is None else (f"seed {facts.seed}",)
         name = ", ".join((str(below) if below.parts else recording.folder.name, *seed))

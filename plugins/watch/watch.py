@@ -2,7 +2,7 @@
 
 import json
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from html import escape
@@ -25,7 +25,7 @@ from harness.errors import HarnessError, UsageError, one_line
 from harness.results import Results, load_results
 
 from .cards import rows_of
-from .trainings import ExperimentSource, Shown, source_of
+from .trainings import ExperimentSource, Shown, Training, source_of
 
 if TYPE_CHECKING:
     from http.server import ThreadingHTTPServer
@@ -137,8 +137,7 @@ class Pages:
     def _drawn(self, shown: Shown) -> str:
         """The cards, drawn again when something is new."""
         if self._shown is None or self._shown[0] != shown:
-            html = render_page(HERE / "live.html.j2", "The page", rows=rows_of(shown.trainings), others=shown.others)
-            self._shown = shown, html
+            self._shown = shown, drawn(shown.trainings, shown.others)
         return self._shown[1]
 
     def _told(self, done: int) -> "Told":
@@ -146,6 +145,16 @@ class Pages:
         if self._results[0] != done and isinstance(self._source, ExperimentSource):
             self._results = done, told_by(load_results(self._source.folder))
         return self._results[1]
+
+
+def drawn(trainings: Sequence[Training], others: int) -> str:
+    """The cards of trainings as HTML.
+
+    Args:
+        trainings: Those that are shown.
+        others: How many are not.
+    """
+    return render_page(HERE / "live.html.j2", "The page", rows=rows_of(trainings), others=others)
 
 
 @dataclass(frozen=True)

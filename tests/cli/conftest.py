@@ -87,7 +87,7 @@ def finished(harness, tmp_path, tmp_path_factory) -> Callable[..., str]:
         kept = tmp_path_factory.getbasetemp() / "finished" / str(seeds)
         if not kept.exists():
             kept.parent.mkdir(exist_ok=True)
-            assert harness("run", *QUICK, "--seeds", seeds, "--out", "finished").status == 0
+            assert harness("run", *QUICK, "--reward", "arp", "--seeds", seeds, "--out", "finished").status == 0
             shutil.move(tmp_path / "finished", kept)
         shutil.copytree(kept, tmp_path / "mine")
         return "mine"

@@ -117,6 +117,7 @@ def test_a_reward_that_fails_is_told_and_the_others_go_on(call, tmp_path: Path):
         (("score", "minari:m", "lerobot:l"), "One data set is scored at a time"),
         (("report", "minari:m", "lerobot:l"), "One data set is reported at a time"),
         (("report", "minari:m", "--pairs"), "--pairs does not go with a data set"),
+        (("report", "minari:m", "--sort", "{reward}"), "--sort does not go with a data set"),
     ],
 )
 def test_what_cannot_be_done_is_one_line(call, arguments: tuple[str, ...], told: str):

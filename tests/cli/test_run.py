@@ -329,7 +329,7 @@ def test_an_arm_on_its_mount_is_trained_without_another_flag(harness, tmp_path, 
     (tmp_path / "arm").mkdir()
     lines = ['name = "iiwa"', 'urdf = "pybullet_data:kuka_iiwa/model.urdf"', f"base = {{ {base} }}"]
     (tmp_path / "arm" / "robot.toml").write_text("\n".join(lines))
-    flags = ("--sim", "kinematic,mujoco,pybullet", "--algo", "sac", "--steps", "300", "--seeds", "1")
+    flags = ("--sim", "kinematic,mujoco,pybullet", "--algo", "sac", "--reward", "arp", "--steps", "300", "--seeds", "1")
     assert harness("run", *flags, "--robot", "arm/", "--out", "mine").status == 0
     (tmp_path / "elsewhere").mkdir()
     monkeypatch.chdir(tmp_path / "elsewhere")

@@ -1,3 +1,4 @@
+import json
 import shutil
 import threading
 from http.client import HTTPConnection
@@ -8,6 +9,9 @@ from harness.errors import UsageError
 from harness_plugins.audit.search.certificate import write_certificate
 from harness_plugins.watch.watch import HOST, Pages, open_server, pages_of
 from tests.plugins.audit.search.certified import certificate_of
+
+ALL = 2
+"""Trainings of an experiment with one seed."""
 
 
 @pytest.fixture
@@ -41,17 +45,50 @@ def test_the_page_shows_the_episodes(get):
     status, text = get("/")
     assert status == 200
     assert 'id="replay-player"' in text
-    assert "2 of 2 cells are done." in text
+    assert f"{ALL} of {ALL} trainings done." in text
 
 
 def test_the_page_tells_when_more_cells_ended(get, experiment):
-    """The state that it asks for is another when a cell's folder is there."""
-    _, before = get("/state")
+    """What it asks for every second is another when a cell's folder is there."""
+    before = json.loads(get("/live")[1])
     gone = next((experiment / "cells").iterdir())
     shutil.rmtree(gone)
-    _, after = get("/state")
-    assert before != after
-    assert "1 of 2 cells are done." in get("/")[1]
+    after = json.loads(get("/live")[1])
+    assert (before["done"], after["done"]) == (ALL, ALL - 1)
+    assert f"{ALL - 1} of {ALL} trainings done, 1 waiting." in after["news"]
+    assert f"{ALL - 1} of {ALL} trainings done" in get("/")[1]
+
+
+def test_results_are_asked_for_when_trainings_ended(get):
+    """The answers so far, and what plays the episodes."""
+    told = json.loads(get("/results")[1])
+    assert "DIFFERENCE" in told["answers"]
+    assert 'id="replay-player"' in told["replay"]
+    assert told["script"]
+    assert told["style"]
+
+
+def test_watching_writes_nothing(get, experiment):
+    """Into the folder, whatever is asked for."""
+    before = contents(experiment)
+    for path in ("/", "/live", "/results"):
+        assert get(path)[0] == 200
+    assert contents(experiment) == before
+
+
+def contents(folder):
+    """Every file in a folder, by name: when it was changed, and how long it is."""
+    return {path: (path.stat().st_mtime_ns, path.stat().st_size) for path in sorted(folder.rglob("*"))}
+
+
+def test_the_page_is_a_file(harness, experiment, tmp_path):
+    """With all that there is by now, and without asking anybody for more."""
+    answer = harness("watch", experiment, "--html", tmp_path / "page.html")
+    assert answer.status == 0
+    text = (tmp_path / "page.html").read_text()
+    assert f"{ALL} of {ALL} trainings done." in text
+    assert 'id="replay-player"' in text
+    assert "fetch(" not in text
 
 
 def test_nothing_else_is_served(get):
@@ -73,9 +110,12 @@ def test_a_folder_that_is_no_experiment_is_refused(harness, tmp_path):
     assert (answer.status, answer.err.count("\n")) == (2, 1)
 
 
-def test_a_folder_in_another_alphabet_is_named(tmp_path):
+def test_a_folder_in_another_alphabet_is_named(experiment, tmp_path):
     """Where it cannot be read any more: the page says so, though no status line can."""
-    with open_server(Pages(tmp_path / "опыт"), 0) as server:
+    experiment.rename(tmp_path / "опыт")
+    pages = Pages(tmp_path / "опыт")
+    shutil.rmtree(tmp_path / "опыт")
+    with open_server(pages, 0) as server:
         thread = threading.Thread(target=server.handle_request)
         thread.start()
         connection = HTTPConnection(HOST, server.server_port, timeout=60)
@@ -106,7 +146,7 @@ def test_a_folder_that_is_gone_is_called_gone(get, experiment):
     status, text = get("/")
     assert status == 500
     assert "No folder" in text
-    assert get("/state") == (200, "0")
+    assert get("/live")[0] == 500
 
 
 def test_certificates_are_shown(certificates):
@@ -116,7 +156,7 @@ def test_certificates_are_shown(certificates):
         pages = pages_of(path)
         assert "What a cheat would do: line" in pages.page()
         assert "forged" not in pages.page()
-        assert pages.state() == ""
+        assert pages.live() == "{}"
 
 
 def test_certificates_that_are_gone_are_told(certificates):
@@ -141,3 +181,23 @@ def certificates(tmp_path):
     (tmp_path / "cheats").mkdir()
     write_certificate(certificate_of(), tmp_path / "cheats/near-failure.json")
     return tmp_path / "cheats"
+
+
+def test_a_run_serves_its_page(harness, quick, monkeypatch, tmp_path):
+    """As long as it goes on; it opens the page, and says how to see it again."""
+    seen = []
+
+    def look(address):
+        connection = HTTPConnection(HOST, int(address.rstrip("/").rpartition(":")[2]), timeout=60)
+        connection.request("GET", "/live")
+        seen.append(json.loads(connection.getresponse().read()))
+        connection.close()
+
+    monkeypatch.setattr("webbrowser.open", look)
+    answer = harness("run", *quick, "--reward", "arp", "--seeds", 1, "--out", "watched", "--watch")
+    assert answer.status == 0
+    assert seen[0]["news"].startswith(f"0 of {ALL} trainings done, {ALL} waiting.")
+    assert "Live page: http://127.0.0.1:" in answer.err
+    assert "harness watch watched" in answer.err
+    with pytest.raises(ConnectionRefusedError):
+        look(answer.err.partition("Live page: ")[2].partition("\n")[0])

@@ -23,7 +23,7 @@ SETTINGS: dict[str, dict[str, Any]] = {
     "dqn": {**SELDOM, "tau": 0.5, "target_update_interval": 7},
     "ddqn": SELDOM,
     "td3": {**SELDOM, "policy_delay": 3},
-    "sac": {**SELDOM, "buffer_size": 100},
+    "sb3-sac": {**SELDOM, "buffer_size": 100},
     "her": {**SELDOM, "buffer_size": 100},
 }
 """Small ones, which use all that they keep: buffers that are full, delays that no checkpoint divides."""
@@ -37,7 +37,7 @@ NEEDED = {
     "ppo": ("model.policy.optimizer.0.exp_avg", "model._last_obs", "done"),
     "dqn": ("model._n_calls", "model.exploration_rate", "model.policy.q_net_target.q_net.0.weight", "model.actions"),
     "td3": ("model._n_updates", "model.policy.actor_target.mu.0.weight", "model.numpy.rest", "done"),
-    "sac": (
+    "sb3-sac": (
         "model.torch", "model.replay", "model.actor.optimizer.0.exp_avg", "model.numpy.keys", "model._last_obs",
         "model.num_timesteps", "model.policy.actor.mu.weight", "model.policy.critic_target.qf0.0.bias",
         "model.critic.optimizer.1.exp_avg_sq", "model.ent_coef_optimizer.0.exp_avg", "model.variable.log_ent_coef",
@@ -47,7 +47,7 @@ NEEDED = {
     ),
 }  # fmt: skip
 """Of what each keeps, one of every sort."""
-BY_SB3 = ("ppo", "dqn", "ddqn", "td3", "sac", "her")
+BY_SB3 = ("ppo", "dqn", "ddqn", "td3", "sb3-sac", "her")
 """One thing of each shows in every run that the check sees through the library; the others are slow ones."""
 CASES = [
     pytest.param(algorithm, name, marks=[pytest.mark.slow] * (algorithm in BY_SB3 and index > 0))

@@ -80,7 +80,7 @@ DRAW_CHECKS = (
 )
 """Of a task, what looks at its starts and targets alone."""
 OTHER_CHECKS = tuple(check for check in SIMULATOR_CHECKS if check not in FRAME_CHECKS)
-LARGE = ("sac", "her", "td3", "dqn", "ddqn")
+LARGE = ("sb3-sac", "her", "td3", "dqn", "ddqn")
 """Their default networks take long to train; `SMALLER` ones show the same in most checks."""
 SMALLER = {"net_arch": (16,), "batch_size": 32}
 SLOW = {(name, the_return_rises) for name in (*LARGE, "ppo")}
@@ -97,7 +97,7 @@ SLOW |= {
     for check in ALGORITHM_CHECKS
     if check.name in {"algo-every-env", "algo-same-seed", "algo-other-seed", "algo-budget"}
 }
-"""Their trainings are those of `sac` and `dqn`, which show it in every run, with another update."""
+"""Their trainings are those of `sb3-sac` and `dqn`, which show it in every run, with another update."""
 SLOW |= {("ray", check) for check in EXECUTOR_CHECKS}
 """Each starts a cluster; the other executors' show the checks in every run."""
 LOCAL = {"wandb": "wandb:mode=offline", "mlflow": "mlflow:uri=sqlite:///mlflow.db"}

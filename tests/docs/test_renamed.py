@@ -4,17 +4,17 @@ import re
 
 import pytest
 
-from harness.registry.moved import GONE_IN, MODULES, NAMES, REPLACED
+from harness.registry.moved import ALGORITHMS, GONE_IN, MODULES, NAMES, REPLACED
 from tests.docs.pages import ROOT
 
 PAGE = (ROOT / "docs/renamed.md").read_text(encoding="utf-8")
-TABLES = {"Modules": MODULES, "Names": NAMES, "Names that no longer work": REPLACED}
+TABLES = {"Algorithms": ALGORITHMS, "Modules": MODULES, "Names": NAMES, "Names that no longer work": REPLACED}
 
 
 def rows_of(page: str, heading: str) -> list[tuple[str, str]]:
     """The rows of the table below a heading: both cells, without backticks."""
     below = page.partition(f"\n## {heading}\n")[2].partition("\n## ")[0]
-    return re.findall(r"^\| `([\w.]+)` \| `([\w.]+)` \|$", below, re.MULTILINE)
+    return re.findall(r"^\| `([\w.-]+)` \| `([\w.-]+)` \|$", below, re.MULTILINE)
 
 
 @pytest.mark.parametrize("heading", TABLES)

@@ -18,7 +18,7 @@ SUCCESS = Quantity("success_rate", "", "higher", "deterministic", episodes=100)
 TIME = Quantity("time_to_target", "s", "lower", "deterministic")
 SPEED = Quantity("success_rate", "", "higher", TRAINING, episodes=100)
 HEIGHT = Quantity("tip_height", "m", "higher", "deterministic")
-CLAIM = re.compile(r"\b(better|worse|helps|hurts|reaches|succeeds|faster|slowly)\b")
+CLAIM = re.compile(r"\b([Bb]etter|[Ww]orse|helps|hurts|reaches|succeeds|faster|slowly)\b")
 
 
 def change(measure: Quantity, baseline: list[float], proposed: list[float]) -> Change:
@@ -183,11 +183,15 @@ def test_names_are_those_of_sentences():
     st.sampled_from([-1, 0, 1]),
 )
 def test_no_claim_without_a_test(values, p, sign):
-    """No word of better or worse stands where the test does not say so, and no bracket anywhere."""
+    """No word of better or worse stands where the test does not say so, and no bracket anywhere.
+
+    Where both fail at the task, a sentence says what the test says, and the answer is another one.
+    """
     shown = change(SUCCESS, *map(list, zip(*values, strict=True)))
     answer, lead = told([shown], ruled((sign,), p))
-    is_decided = answer in DECIDED
-    assert is_decided == (p <= 0.05 and sign != 0)
+    is_decided = p <= 0.05 and sign != 0
+    fails = max(shown.baseline, shown.proposed) < 0.1
+    assert (answer in DECIDED) == (is_decided and not fails)
     assert bool(CLAIM.search(lead)) == is_decided
     assert not re.search(r"[][()]", lead)
 

@@ -92,8 +92,14 @@ def test_noise_of_a_mean_lies_around_1(returns):
 @pytest.mark.parametrize(
     ("proposed", "told"),
     [
-        (4.0, "The mean return with K is 4 times that with B: x 2 from counting the same runs differently (ruler)"),
-        (-4.0, "The mean return with K minus that with B is -5"),
+        (
+            4.0,
+            "An episode is paid 4.00 with K and 1.00 with B: 4.00 times as much. Rescaling alone (the ruler): x 2.00.",
+        ),
+        (
+            -4.0,
+            "An episode is paid -4.00 with K and 1.00 with B: a change of -5.00. Rescaling alone (the ruler): -2.50.",
+        ),
     ],
 )
 def test_the_number_in_words(proposed, told):

@@ -41,7 +41,7 @@ Train = Callable[..., None]
 NARRATE = {"algorithm": Choice("narrate", (), "narrate")}
 SPG = {"algorithm": Choice("spg", (("restart", 2), ("decisions", 10)), "spg"), "steps": 1920}
 SAC_FAST = {"algorithm": Choice("sac-fast", (("learning_starts", 50), ("train_freq", 8)), "sac-fast"), "steps": 1920}
-SAC = {"algorithm": Choice("sac", (), "sac"), "steps": 1200}
+SAC = {"algorithm": Choice("sb3-sac", (), "sb3-sac"), "steps": 1200}
 WATCHED = (
     "Environment/Cumulative Reward",
     "Environment/Episode Length",
@@ -116,7 +116,7 @@ def test_an_evaluation_is_a_trace_like_the_final_one(make_cell: MakeCell, tmp_pa
 @pytest.mark.parametrize(
     "fields",
     [NARRATE, SPG, pytest.param(SAC, marks=pytest.mark.slow)],
-    ids=["toy", "spg", "sac"],
+    ids=["toy", "spg", "sb3-sac"],
 )
 def test_evaluations_disturb_nothing(make_cell: MakeCell, tmp_path: Path, fields: dict[str, Any]):
     """The trace of the training and its policy are the same, bit for bit, with them and without."""

@@ -10,7 +10,7 @@ import pytest
 import harness
 from harness.errors import UsageError
 from harness.executor import Event, Limits
-from harness.experiment.experiment import ExperimentRun, default_folder, run
+from harness.experiment.experiment import ExperimentRun, check, default_folder, run
 from harness.experiment.plan import Plan, check_experiment, expand
 from harness.experiment.run_options import RunOptions
 from harness.record.cell import Cell
@@ -21,7 +21,14 @@ from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.results import Results
 
-QUICK: dict[str, Any] = {"sim": "ideal", "algo": "wander", "seeds": 1, "steps": 6, "evaluation_episodes": 2}
+QUICK: dict[str, Any] = {
+    "sim": "ideal",
+    "algo": "wander",
+    "reward": "arp",
+    "seeds": 1,
+    "steps": 6,
+    "evaluation_episodes": 2,
+}
 TASK = "fd100-reach:horizon=5"
 
 
@@ -275,3 +282,23 @@ def test_limits_reach_the_cells():
     options = RunOptions(stall_after=5.0, cell_time=60.0, cell_memory=2.0, fresh=True).of_cells
     assert options.limits == Limits(5.0, 60.0, 2.0)
     assert options.fresh
+
+
+def test_cells_of_0_2_stay_beside_those_of_the_quick_learner(toys: Registry, tmp_path: Path):
+    """Where they are called `sac`, which means another algorithm now; one line says so, of such folders alone."""
+    plan = _plan(toys, sim=["kinematic"], algo=["sac"], seeds=1)
+    old = Choice("sac", plan.cells[0].algorithm.params, "sac")
+    cells = tuple(replace(cell, algorithm=old) for cell in plan.cells)
+    Store.claim(tmp_path / "old")
+    Store.at(tmp_path / "old").add(replace(plan, cells=cells))
+    asked = check_experiment(
+        {**QUICK, "sim": ["kinematic"], "algo": [{"name": "sac", **dict(old.params)}], "task": TASK}
+    )
+    ready = check(asked, RunOptions(out=tmp_path / "old"))
+    assert {cell.algorithm.label for cell in ready.plan.cells} == {"sac-fast"}
+    assert not {cell.id for cell in ready.plan.cells} & {cell.id for cell in cells}
+    (told,) = ready.plan.warnings
+    assert told.startswith(
+        "until 0.2 'sac' was the algorithm that is called sb3-sac now; since 0.3 it is short for sac-f"
+    )
+    assert not check(asked, RunOptions(out=tmp_path / "new")).plan.warnings

@@ -2,13 +2,14 @@
 
 import pytest
 
+from harness.cli.foreseen import foreseen_lines
 from harness.errors import UsageError
 from harness.experiment.experiment import check, prepare
 from harness.experiment.foresee import foresee
 from harness.experiment.plan import check_experiment
 from harness.experiment.run_options import RunOptions
 
-ASKED = {"sim": "ideal", "algo": "wander", "seeds": 2, "steps": 12, "evaluation_episodes": 2}
+ASKED = {"sim": "ideal", "algo": "wander", "reward": "arp", "seeds": 2, "steps": 12, "evaluation_episodes": 2}
 
 
 def ready(out, asked=ASKED, **options):
@@ -33,9 +34,37 @@ def test_what_is_done_and_what_is_left(toys, tmp_path):
     assert (found.is_new, len(found.done), len(found.to_do), found.left) == (False, 2, 1, 1)
     assert found.to_do[0].seed == 1
     both = foresee(ready(out, jobs=1))
-    assert both.cost.bytes == pytest.approx(2 * found.cost.bytes)
+    assert both.bytes == pytest.approx(2 * found.bytes)
     assert both.seconds == pytest.approx(2 * found.seconds)
     assert foresee(ready(out, jobs=2)).seconds == pytest.approx(found.seconds)
+
+
+def test_what_no_cell_did_is_measured(tmp_path):
+    """By a few steps in another folder; what is written stays unknown."""
+    asked = {"task": "gymnasium:id=Pendulum-v1", "algo": "random", "seeds": 4, "steps": 2_000}
+    run = check(check_experiment(asked), RunOptions(out=tmp_path / "mine", jobs=1))
+    found = foresee(run, measures=True)
+    assert found.seconds > 0.0
+    assert found.measured > 0
+    assert (found.horizon, found.bytes) == (200, None)
+    told = "\n".join(foreseen_lines(found))
+    assert f"1 at once, by {found.measured:,} steps measured here just now\n" in told
+    assert "episodes of each policy, each of at most 200 steps\n" in told
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_another_machine_is_not_measured(toys, tmp_path):
+    """What trains elsewhere takes other times than this machine."""
+    found = foresee(ready(tmp_path / "mine"), measures=True)
+    assert found.seconds is None
+    assert found.unknown.startswith("the executor here trains elsewhere. no cell of ideal")
+
+
+def test_an_environment_without_a_horizon_is_cut(tmp_path):
+    """That is said, and nothing else."""
+    asked = {"task": "gymnasium:id=Pendulum-v1", "algo": "random", "seeds": 1}
+    found = foresee(check(check_experiment(asked), RunOptions(out=tmp_path / "mine")))
+    assert "each cut after 10,000 steps if it goes on so long" in "\n".join(foreseen_lines(found))
 
 
 def test_what_cannot_work_has_its_reason(toys, tmp_path):

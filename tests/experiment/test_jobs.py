@@ -15,7 +15,7 @@ from harness.registry.registry import load_registry
 
 QUICK: dict[str, Any] = {"sim": "kinematic", "algo": "random,sac-fast", "reward": "arp", "seeds": 1, "steps": 320}
 QUICK |= {"evaluation_episodes": 2}
-ALL = {**QUICK, "sim": "kinematic,mujoco,pybullet,dm_control", "algo": "sac,sac-fast,ppo,td3", "steps": 400}
+ALL = {**QUICK, "sim": "kinematic,mujoco,pybullet,dm_control", "algo": "sb3-sac,sac-fast,ppo,td3", "steps": 400}
 RESULTS = (TRACE, EVALUATION, f"{POLICY}/{WEIGHTS}")
 
 

@@ -27,7 +27,7 @@ MATRIX = ["--sim", "kinematic", "--task", "fd100-reach:horizon=50", "--seeds", "
 MATRIX += ["--jobs", "2"]
 CASES = {
     "random,spg": (2000, 500, 160),
-    "sac-fast,sac,ppo": (600, 150, 40),
+    "sac-fast,sb3-sac,ppo": (600, 150, 40),
 }
 """Algorithms; steps, steps from one checkpoint to the next, and how many kills."""
 TO_ALL = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)

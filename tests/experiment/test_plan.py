@@ -18,7 +18,7 @@ from harness.registry.choice import choose
 from harness.registry.registry import Registry, load_registry
 from harness.robot.robot import load_robot
 
-BASE = {"sim": ["ideal"], "algo": ["wander"]}
+BASE = {"sim": ["ideal"], "algo": ["wander"], "reward": ["arp"]}
 
 
 def _plan(registry: Registry, **keys: Any) -> Plan:
@@ -31,15 +31,15 @@ def _write(folder: Path, keys: dict[str, Any]) -> Path:
     return path
 
 
-def test_defaults_compare_arp_with_the_baseline(toys: Registry):
-    """With a simulator and an algorithm alone: six seeds, 5,000 steps, 100 episodes of evaluation."""
-    plan = _plan(toys)
+def test_defaults_compare_two_rewards_with_the_baseline(toys: Registry):
+    """With a simulator and an algorithm alone: six seeds, 10,000 steps, 100 episodes of evaluation."""
+    plan = expand(check_experiment({"sim": "ideal", "algo": "wander"}), toys)
     assert plan.baseline == "baseline"
     assert [(cell.reward.label, cell.seed) for cell in plan.cells] == [
-        (reward, seed) for seed in range(6) for reward in ("baseline", "arp")
+        (reward, seed) for seed in range(6) for reward in ("baseline", "arp", "dense")
     ]
     assert {(cell.steps, cell.evaluation_episodes, cell.task.label) for cell in plan.cells} == {
-        (5_000, 100, "fd100-reach")
+        (10_000, 100, "fd100-reach")
     }
 
 

@@ -48,6 +48,15 @@ def test_the_order_of_the_plan_stays(cells: list[Cell]):
     assert select(cells, "seed=1,seed=0,sac") == tuple(cells[i] for i in (0, 1, 3, 4))
 
 
+def test_a_short_name_means_the_algorithm(cells: list[Cell]):
+    """With parameters too."""
+    short = {"p": "ppo"}
+    assert select(cells, "p,seed=0", short) == select(cells, "ppo,seed=0")
+    assert select(cells, "p:gamma=0.9", short) == select(cells, "ppo:gamma=0.9")
+    with pytest.raises(UsageError, match="has 'p'"):
+        select(cells, "p")
+
+
 def test_a_word_that_names_nothing_is_refused(cells: list[Cell]):
     """The message says what there is."""
     with pytest.raises(UsageError, match=r"has 'td3'\. Allowed are ideal, sac, ppo:gamma=0\.9, baseline, arp, seed=0"):

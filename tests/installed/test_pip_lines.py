@@ -18,7 +18,7 @@ PIP_LINE = re.compile(r"pip install [^\n]*")
 
 NOT_TYPED: Mapping[str, str] = MappingProxyType(
     {
-        "--index-url": "asks another package index for torch; `make install TORCH_INDEX=` of the workflow does it",
+        "--index-url": "asks another package index for torch; `make dev TORCH_INDEX=` of the workflow does it",
         "my-reward": "the name of a package that its author has published",
         "fd100-harness==": "the steps of a release: the version is on an index then",
     }

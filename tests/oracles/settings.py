@@ -19,7 +19,7 @@ from harness.registry.registry import Registry, load_registry
 from harness_plugins.tune.tuning import read_tuning, resolve
 from tests.oracles.trial import Answer, Refused, Trial
 
-SIMS, ALGOS = ("kinematic", "mujoco"), ("sac", "td3", "random")
+SIMS, ALGOS = ("kinematic", "mujoco"), ("sb3-sac", "td3", "random")
 REWARDS = {"arp": {"k2": 1.5}, "dense": {}, "sparse": {}}
 
 

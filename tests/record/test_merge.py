@@ -33,7 +33,14 @@ def run(toys: Registry, run_once: Callable[..., Results], tmp_path: Path) -> Run
     """Gives a folder of that name with an experiment of these seeds, done; one that was done before is copied."""
 
     def run_into(name: str, seeds: Any, **keys: Any) -> Path:
-        asked = {"sim": ["ideal"], "algo": ["wander"], "task": "fd100-reach:horizon=5", "steps": 6, **keys}
+        asked = {
+            "sim": ["ideal"],
+            "algo": ["wander"],
+            "reward": ["arp"],
+            "task": "fd100-reach:horizon=5",
+            "steps": 6,
+            **keys,
+        }
         plan = expand(check_experiment({**asked, "evaluation_episodes": 2, "seeds": seeds}), toys)
         return run_once(plan, tmp_path / name).folder
 

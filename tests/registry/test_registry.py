@@ -151,7 +151,7 @@ def test_built_in_names_that_take_a_library_name_an_extra_that_exists():
     """What `pip install 'fd100-harness[extra]'` asks for is an extra of this distribution."""
     ours = [spec for specs in load_registry().specs.values() for spec in specs if spec.distribution == "fd100-harness"]
     extras = {spec.name: spec.extra for spec in ours if spec.requires}
-    assert {"sac": "sb3", "mujoco": "mujoco"}.items() <= extras.items()
+    assert {"sb3-sac": "sb3", "mujoco": "mujoco"}.items() <= extras.items()
     assert set(extras.values()) <= set(metadata("fd100-harness").get_all("Provides-Extra"))
 
 
@@ -410,6 +410,60 @@ def test_built_in_name_stays_the_built_in_one(write_plugin: Write):
     assert registry.conflicts() == [
         "Reward 'mine' is the built-in one. It is claimed by package Clash_Algo 1.0 too: write Clash_Algo/mine for that"
     ]
+
+
+def _quick_under(write_plugin: Write, distribution: str, name: str = "quick-one", short: str = "quick") -> EntryPoint:
+    """The entry point of a reward with a short name."""
+    source = _reward(name, more=f", short={short!r}" if short else "")
+    point = write_plugin(source, distribution.replace("-", ""))
+    return point._for(Dist(distribution, "1.0"))
+
+
+def test_short_name_means_the_registered_one(write_plugin: Write):
+    """It can be typed, plainly and qualified; lists and records have the name."""
+    registry = load_registry([_quick_under(write_plugin, OURS)])
+    assert {registry.get("rewards", it).name for it in ("quick", "quick-one", f"{OURS}/quick")} == {"quick-one"}
+    assert (registry.names("rewards"), registry.typed_names("rewards")) == (["quick-one"], ["quick", "quick-one"])
+    assert registry.short_names("rewards") == {"quick": "quick-one"}
+    assert [spec.name for spec in registry.all_specs()] == ["quick-one"]
+    assert registry.kinds_of("quick") == ["rewards"]
+    with pytest.raises(UsageError, match=r"There is: quick, quick-one\. Did you mean 'quick'"):
+        registry.get("rewards", "quik")
+
+
+def test_our_short_name_stays_ours(write_plugin: Write):
+    """A plugin of others with that name has the qualified one, and a line says so."""
+    registry = load_registry([_quick_under(write_plugin, OURS), _quick_under(write_plugin, "other-algo", "quick", "")])
+    assert registry.get("rewards", "quick").name == "quick-one"
+    assert registry.get("rewards", "other-algo/quick").distribution == "other-algo"
+    assert registry.names("rewards") == ["other-algo/quick", "quick-one"]
+    assert registry.conflicts() == [
+        "Reward 'quick' is the built-in one. It is claimed by package other-algo 1.0 too: "
+        "write other-algo/quick for that"
+    ]
+
+
+def test_short_name_of_others_takes_no_name_of_ours(write_plugin: Write):
+    """The built-in one stays, and theirs has its own name."""
+    registry = load_registry(
+        [_quick_under(write_plugin, OURS, "mine", ""), _quick_under(write_plugin, "o-algo", short="mine")]
+    )
+    assert registry.get("rewards", "mine").distribution == OURS
+    assert registry.short_names("rewards") == {}
+    assert registry.names("rewards") == ["mine", "quick-one"]
+
+
+def test_short_name_is_checked_as_a_name(write_plugin: Write):
+    """The plugin is broken, and the message says which name."""
+    registry = load_registry([_quick_under(write_plugin, "other-algo", short="Not One")])
+    assert "'Not One' must be lower-case" in _only(registry).reason
+
+
+def test_sac_is_short_for_the_quick_learner():
+    """And stable-baselines3's has a name of its own."""
+    registry = load_registry()
+    assert registry.get("algorithms", "sac").name == "sac-fast"
+    assert registry.get("algorithms", "sb3-sac").modules == ("stable_baselines3", "torch")
 
 
 def test_name_of_two_third_parties_is_told_with_both_qualified_names(write_plugin: Write):

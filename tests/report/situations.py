@@ -164,6 +164,10 @@ SITUATIONS = (
             )
         },
     ),
+    Situation(
+        "success from 1 to 5%",
+        {"mujoco": arm((0.0, 0.01, 0.02, 0.01), (0.05, 0.04, 0.06, 0.05), (1.0, 1.0), ((0.0, 0.01, 0.0, 0.0),) * 2)},
+    ),
     Situation("0 of 10 trainings learned", {"mujoco": arm((0.0,) * 10, (0.0,) * 10, (1.0, 1.0), ((0.0,) * 10,) * 2)}),
     Situation("1 of 10 trainings learned", {"mujoco": arm((0.0,) * 10, LEARNED_ONE, (1.0, 1.0), ((0.0,) * 10,) * 2)}),
     Situation("10 trainings against 5", {"mujoco": arm(MIDDLE, STEADY[:5], (1.2, 1.0), alike(10, 5))}),

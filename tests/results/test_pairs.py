@@ -1,48 +1,73 @@
-"""What an arm has as an environment has it: every two rewards, and the split of its mean return."""
+"""Pairs of episodes, counted by how both ended."""
 
-from pathlib import Path
+from itertools import product
 
 import pytest
 
-from harness.eta.scored_sums import BB, KK
-from harness.results import Results, load_results
-from tests.report.conftest import build_results
+from harness.results import Results
+from harness.results.pairs import BOTH, FIRST, NEITHER, SECOND, Met, Pairs, kind_of, kinds_of
+from harness.results.replay import choose_pairs, shows_of
 
-PROPOSED = {"arp": (9, 30), "relative": (9, 30)}
-
-
-@pytest.fixture
-def results(tmp_path: Path) -> Results:
-    """Two proposed rewards."""
-    return build_results(tmp_path, seeds=3, proposed=PROPOSED)
+KINDS = kinds_of("reach", "arp", "es")
 
 
-def test_each_reward_is_compared_with_the_baseline(results: Results):
-    """Unless more is asked for."""
-    assert [(it.baseline, it.proposed) for it in results.combinations] == [
-        ("baseline", "arp"),
-        ("baseline", "relative"),
+def pairs_of(*kinds: int, differs: tuple[float, ...] = ()) -> Pairs:
+    """Pairs of one seed."""
+    gaps = differs or (0.0,) * len(kinds)
+    return Pairs(KINDS, tuple(Met(0, at, kind, gap) for at, (kind, gap) in enumerate(zip(kinds, gaps, strict=True))))
+
+
+def test_each_way_to_end_has_its_words():
+    """Both sides, either, none: four kinds, and the words name who succeeds."""
+    told = {(one, other): KINDS[kind_of(one, other)] for one, other in product([True, False], repeat=2)}
+    assert told == {
+        (True, True): "both reach",
+        (True, False): "only the baseline reaches",
+        (False, True): "only arp reaches",
+        (False, False): "neither reaches",
+    }
+
+
+def test_the_most_frequent_kind_is_first_and_its_share_is_said():
+    """Also where a rarer kind comes first; of equally frequent ones the order of the kinds decides."""
+    pairs = pairs_of(FIRST, BOTH, BOTH, SECOND)
+    assert [pairs.share(kind) for kind in pairs.counts] == [
+        "both reach: 2 of 4 pairs",
+        "only the baseline reaches: 1 of 4 pairs",
+        "only arp reaches: 1 of 4 pairs",
     ]
+    assert pairs.otherwise == "2 of 4 end otherwise"
 
 
-def test_every_two_rewards_are_compared_if_asked_for(results: Results):
-    """All claims are one family: none is more significant than in the smaller one."""
-    few, all_pairs = results.combinations, load_results(results.folder, pairs=True).combinations
-    names = [(it.baseline, it.proposed) for it in all_pairs]
-    assert names == [("baseline", "arp"), ("baseline", "relative"), ("arp", "relative")]
-    assert all_pairs[0].answer.claims > few[0].answer.claims
-    for one, other in zip(few[0].measured.changes, all_pairs[0].measured.changes, strict=True):
-        assert one.corrected is None or other.corrected >= one.corrected
+def test_where_all_end_alike_none_ends_otherwise():
+    """Nothing is said of what does not occur."""
+    pairs = pairs_of(NEITHER, NEITHER)
+    assert (list(pairs.counts), pairs.otherwise) == ([NEITHER], "")
 
 
-def test_the_mean_return_is_split(results: Results):
-    """Of the final evaluation; the indices stay what the number is told by, and it makes no claim."""
-    found = results.combinations[0]
-    split = found.number.returns[found.manner]
-    assert split.is_split
-    total = split.total
-    assert total.change.mean == pytest.approx(split.returns[KK].mean - split.returns[BB].mean)
-    assert total.change.mean == pytest.approx(total.ruler.mean + total.behaviour.mean)
-    assert found.number.main is None
-    assert split.ratio.outcomes is None
-    assert found.number.sentence(found.names).startswith("I_N")
+@pytest.mark.parametrize(
+    ("differs", "middle"), [((3.0, 1.0, 2.0), 2), ((4.0, 1.0, 2.0, 3.0), 2), ((1.0, 1.0, 1.0), 1)], ids=str
+)
+def test_the_typical_pair_is_the_middle_one(differs: tuple[float, ...], middle: int):
+    """Of its kind alone, by how much both differ; the lower of two middle ones, the middle of equal ones."""
+    pairs = pairs_of(*[BOTH] * len(differs), SECOND, differs=(*differs, 0.0))
+    assert pairs.typical(BOTH) == middle
+    assert pairs.typical(SECOND) == len(differs)
+
+
+def test_typical_pairs_are_chosen_before_others():
+    """Of each kind, the most frequent one first; then an episode of each outcome; every pair once."""
+    kinds = [BOTH] * 5 + [FIRST, BOTH, NEITHER]
+    ends = [["reached"] * 7 + ["ground"], ["reached"] * 5 + ["time-out", "reached", "time-out"]]
+    chosen = choose_pairs(ends, pairs_of(*kinds))
+    assert chosen[:4] == [2, 5, 7, 0]
+    assert sorted(chosen) == list(range(8))
+
+
+def test_pairs_of_an_arm_are_those_of_its_recorded_ends(recorded: Results):
+    """Counted anew from the episodes that are shown, which here are all."""
+    (show,) = shows_of(recorded)
+    assert show.pairs is not None
+    ends = zip(*([it.outcome == "reached" for it in side.episodes] for side in show.sides), strict=True)
+    assert [it.kind for it in show.pairs.met] == [kind_of(*both) for both in ends]
+    assert show.kinds[show.pairs.usual] == show.first

@@ -40,7 +40,7 @@ def test_every_way_to_end_is_chosen():
 def test_the_evaluation_that_decides_is_shown(recorded: Results):
     """The one in the other manner, where that has more episodes."""
     (combination,) = recorded.combinations
-    cells = tuple(recorded.done_cells)
+    cells = tuple((cell,) for cell in recorded.done_cells)
     assert ShownCells(cells, "", (), combination).files == [EVALUATION] * 2
     more = replace(
         combination, measured=replace(combination.measured, episodes={"deterministic": 1, "stochastic": 100})
@@ -77,7 +77,7 @@ def test_an_episode_is_what_was_recorded(recorded: Results):
     """Joint positions, distances and what was paid are those of the trace; the arm is where these say."""
     (show,) = shows_of(recorded)
     side = show.sides[1]
-    trace = read_trace(recorded.folder / "cells" / side.cell / EVALUATION)
+    trace = read_trace(recorded.folder / "cells" / side.cells[0] / EVALUATION)
     rows, episode = trace.episodes[0], side.episodes[0]
     kept = rows[episode.steps]
     np.testing.assert_array_equal(episode.qpos, trace["qpos"][kept])
@@ -91,7 +91,7 @@ def test_cells_are_shown_by_the_beginnings_of_their_ids(recorded: Results):
     """In the order in which they are named."""
     ids = [manifest.cell.id for manifest in recorded.manifests]
     show = show_cells(recorded, [ids[1][:8], ids[0]], 2)
-    assert [side.cell for side in show.sides] == [ids[1], ids[0]]
+    assert [side.cells for side in show.sides] == [(ids[1],) * 2, (ids[0],) * 2]
     assert show.numbers == (1, 2)
 
 

@@ -29,7 +29,8 @@ LabelsFile = Annotated[
     Path | None,
     flag(
         "FILE",
-        "Of logs: a CSV file with the columns run and success, or run, episode and success. A run is REWARD/SEED.",
+        "Of logs: a CSV file with the columns run and success, or run, episode and success. A run is REWARD/SEED. Of a "
+        "data set: one with the columns episode and success.",
         False,
         name="--labels",
     ),

@@ -25,8 +25,8 @@ from harness.record.folder import partial_folder, publish
 from harness.record.manifest import Manifest
 from harness.registry.given import Given
 from harness.registry.registry import load_registry
-from harness.results.comparison import Group
 from harness.results.frames import MOST_BYTES, read_frames, write_frames
+from harness.results.pairs import shown_pair
 from harness.results.results import Results
 from harness.scene.picture import require_pillow
 from harness.text import one_line_of
@@ -48,7 +48,7 @@ LIMITS = Limits(stall_after=60.0, cell_time=120.0)
 
 
 def draw_frames(results: Results, at_once: int) -> None:
-    """Draw the first episode of one seed of each comparison, as far as that was not done before.
+    """Draw the typical pair of episodes of each comparison, as far as that was not done before.
 
     A cell whose environment cannot draw leaves the reason. A folder that allows no writing stays as it is.
 
@@ -56,17 +56,23 @@ def draw_frames(results: Results, at_once: int) -> None:
         results: The results whose page is going to show the pictures.
         at_once: How many processes draw.
     """
-    missing = {done.cell.id: done for done in _shown(results) if not read_frames(results.folder, done).strip}
+    missing = {
+        f"{done.cell.id}-{number}": (done, number)
+        for done, number in _shown(results)
+        if not read_frames(results.folder, done, number).strip
+    }
     if not missing:  # what could not be drawn before may be possible now
         return
     with tempfile.TemporaryDirectory(prefix="harness-frames-") as place:
         orders = [
             Order(
                 Path(place) / name,
-                DrawFrames(done.cell, str(results.store.cell_folder(done.cell).absolute()), results.registry.given),
+                DrawFrames(
+                    done.cell, str(results.store.cell_folder(done.cell).absolute()), results.registry.given, number
+                ),
                 LIMITS,
             )
-            for name, done in missing.items()
+            for name, (done, number) in missing.items()
         ]
         reasons: dict[str, str] = {}
 
@@ -75,31 +81,31 @@ def draw_frames(results: Results, at_once: int) -> None:
                 reasons[news.folder.name] = news.reason
 
         run_orders(orders, at_once, hear)
-        for name, done in missing.items():
+        for name, (done, number) in missing.items():
             drawn = Path(place) / name / DRAWN
             content = (
                 drawn.read_bytes() if drawn.is_file() else _told(reason=f"drawing failed: {reasons.get(name, '')}")
             )
-            write_frames(results.folder, done, content)
+            write_frames(results.folder, done, content, number)
 
 
-def _shown(results: Results) -> list[Manifest]:
-    """The done cells of the first seed of each comparison, each once."""
-    cells = {(it.reward.label, it.seed, Group.of(it)): it for it in results.done_cells}
-    shown: dict[Cell, None] = {}
+def _shown(results: Results) -> list[tuple[Manifest, int]]:
+    """The done cells of the pair that is shown of each comparison, and the number of the episode, each once."""
+    shown: dict[tuple[Cell, int], None] = {}
     for it in [it for it in results.combinations if it.seeds and not it.is_control][:MOST_COMPARISONS]:
-        for reward in (it.baseline, it.proposed):
-            shown[cells[reward, it.seeds[0], it.group]] = None
-    return [results.manifest(cell) for cell in shown]
+        if pair := shown_pair(results, it):
+            shown |= {(cell, pair.number): None for cell in pair.cells}
+    return [(results.manifest(cell), number) for cell, number in shown]
 
 
 @dataclass(frozen=True)
 class DrawFrames(Plain):
-    """Draws the first episode of one cell's evaluation, as a worker is told to do it."""
+    """Draws an episode of one cell's evaluation, as a worker is told to do it."""
 
     cell: Cell
     files: str
     plugins: tuple[Given, ...] = ()
+    episode: int = 0
 
     noun: ClassVar[str] = "drawing"
 
@@ -109,7 +115,7 @@ class DrawFrames(Plain):
             require_pillow()
             played = PlayedAgain(self.cell, Path(self.files), load_registry(given=self.plugins))
             with closing(played):
-                content = _draw(played)
+                content = _draw(played, self.episode)
         except HarnessError as error:
             content = _told(reason=one_line_of(str(error)))
         partial = partial_folder(folder)
@@ -119,18 +125,19 @@ class DrawFrames(Plain):
         return True
 
 
-def _draw(played: PlayedAgain) -> bytes:
-    """What there is to say of the first episode, and its pictures."""
-    if not played.episodes:
+def _draw(played: PlayedAgain, episode: int) -> bytes:
+    """What there is to say of an episode, and its pictures."""
+    if len(played.episodes) <= episode:
         return _told(reason="no episode of the evaluation ended")
-    rows = played.episodes[0]
+    rows = played.episodes[episode]
     clock = np.unique(np.linspace(0, len(rows), PICTURES).round().astype(int))
-    pictures = played.play(0, clock)
+    played.skip(episode)
+    pictures = played.play(episode, clock)
     steps = [int(step) for step in clock if int(step) in pictures]
     strip = _strip([pictures[step] for step in steps])
     if not strip:
         return _told(reason=f"the pictures take more than {MOST_BYTES:,} bytes")
-    return _told(steps=steps, told=played.told(rows), outcome=played.outcome(rows)) + strip
+    return _told(episode=episode, steps=steps, told=played.told(rows), outcome=played.outcome(rows)) + strip
 
 
 def _strip(pictures: Sequence["Image.Image"]) -> bytes:

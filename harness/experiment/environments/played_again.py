@@ -64,8 +64,15 @@ class PlayedAgain:
         """Close the env."""
         self._env.close()
 
+    def skip(self, count: int) -> None:
+        """Let the first episodes pass, whose chance the next ones rest on; none where the policy takes no chance."""
+        for number in range(0 if self.cell.deterministic else count):
+            observation, _ = self._env.reset(seed=FIRST_SEED + number)
+            for _ in self.episodes[number]:
+                observation, *_ = self._env.step(self._act(observation))
+
     def play(self, number: int, clock: NDArray[np.int_]) -> dict[int, "Image.Image"]:
-        """Pictures of an episode by its steps, of those of the clock; episodes have to be played in order.
+        """Pictures of an episode by its steps, of those of the clock; episodes have to be played or skipped in order.
 
         Raises:
             UsageError: The env cannot draw, or the episode is not the one that was recorded.

@@ -35,7 +35,7 @@ Rows = Float | Sequence[Sequence[float]]
 WRITE_EVERY, SOONEST = 4.0, 2.0
 """A training that is killed loses the steps of so many seconds at most, [s]; who watches it sees them as soon."""
 LARGEST_SHARE = 0.005
-"""Of the time, what writing may take where that allows to write sooner than `WRITE_EVERY`."""
+"""Writing takes this share of the time at most where it is done more often than every `WRITE_EVERY`."""
 
 
 class RecordingWriter:

@@ -1,5 +1,6 @@
 """The forest plot of behaviour. For each measure it shows the difference and its interval."""
 
+from collections.abc import Sequence
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
@@ -46,6 +47,25 @@ def draw_interval(difference: float, low: float | None, high: float | None, bett
         )
     at = middle + REACH * sign * difference / farthest
     SubElement(svg, "circle", {"class": f"dot {kind}", "cx": f"{at:.1f}", "cy": f"{half:g}", "r": "4"})
+    return ElementTree.tostring(svg, encoding="unicode")
+
+
+def draw_trainings(values: Sequence[float], ends: tuple[float, float], better: str, who: str) -> str:
+    """A dot for each training as an SVG element, with what is better on the right.
+
+    Args:
+        values: The measure of each training.
+        ends: The smallest and the largest value that the picture has room for.
+        better: Whether ``higher`` or ``lower`` is better.
+        who: The class of the colour, ``baseline`` or ``proposed``.
+    """
+    low, high = ends
+    svg = Element("svg", {"class": "chart strip", "viewBox": f"0 0 {WIDTH:g} {HEIGHT:g}", "aria-hidden": "true"})
+    sign = 1.0 if better == "higher" else -1.0
+    for value in values:
+        place = (2.0 * value - low - high) / (high - low) if high > low else 0.0
+        at = {"cx": f"{WIDTH / 2 + REACH * sign * place:.1f}", "cy": f"{HEIGHT / 2:g}", "r": "3.5"}
+        SubElement(svg, "circle", {"class": f"training {who}", **at})
     return ElementTree.tostring(svg, encoding="unicode")
 
 

@@ -6,7 +6,7 @@ from harness.eta.splits import Split
 from harness.report.figures.chart import Axis, Chart, Dots, Line, Mark, Note
 from harness.report.figures.ratio_axis import interval_ends, is_drawable, named_ticks, ratio_range
 from harness.report.figures.split_rows import PATHS, SplitRow, has_parts, split_rows
-from harness.report.rows.ratios import better_of, ratio_with_interval
+from harness.report.rows.ratios import NEITHER, better_of, ratio_with_interval
 
 ROW, AIR = 24.0, 0.9
 """Height of a row, [px]; space above the first and below the last one, in rows."""
@@ -29,7 +29,9 @@ def draw_split(name: str, split: Split) -> Chart | None:
 def ratio_axis(name: str, rows: Iterable[SplitRow]) -> Axis:
     """A logarithmic axis for all that can be drawn of these rows of the eta of that name."""
     low, high = ratio_range([row.ratio for row in rows])
-    return Axis(low, high, f"ratio; {better_of(name)} is called better", named_ticks(low, high), is_log=True)
+    side = better_of(name)
+    called = f"; {side} is called better" if side != NEITHER else ""
+    return Axis(low, high, f"ratio{called}", named_ticks(low, high), is_log=True)
 
 
 def draw_ratio(row: SplitRow, axis: Axis) -> Iterator[Mark]:

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from harness.eta.amounts import difference_text, listed, same_text, short_seen_text, short_values, trainings_text
-from harness.eta.headline import Answer, Compared, Headline, difference_of, key_of, name_of, name_with_article
+from harness.eta.behaviour_change import Change
+from harness.eta.headline import TIME, Answer, Compared, Headline, difference_of, key_of, name_of, name_with_article
 from harness.eta.judge import (
     clear_text,
     crossing_text,
@@ -17,7 +18,8 @@ from harness.eta.needed import needed_of, needed_text, range_text
 from harness.eta.splits import Names
 from harness.eta.verdict.ruling import Ruling
 from harness.report.answers import badge_of, word_of
-from harness.report.figures.forest import draw_interval, draw_part
+from harness.report.figures.forest import draw_interval, draw_part, draw_trainings
+from harness.report.rows.behaviour import value_text
 from harness.report.rows.comparison import beside_answer
 from harness.report.rows.pay_sentence import PaySentence, pay_of
 from harness.results.comparison import Comparison, pools_of
@@ -75,7 +77,11 @@ def card_of(comparison: Comparison, name: str) -> Card:
     card = _card(names, found, comparison.lead, changes, ruling)
     card = card._replace(name=name, beside=tuple(beside_answer(comparison)))
     if changes and is_same(changes, ruling, same_steps=comparison.measured.same_steps):
-        card = card._replace(seen=same_text(names, changes))
+        rows = (it._replace(figure="", value=short_values(of)[1]) for it, of in zip(card.rows, changes, strict=True))
+        card = card._replace(seen=same_text(names, changes), rows=tuple(rows))
+    first = next((it for it in comparison.decisive_changes if card.rows and name_of(it) == card.rows[0].name), None)
+    if first is not None:
+        card = card._replace(rows=(card.rows[0], *_trainings(names, first), *card.rows[1:]))
     return card if pay is None else _with_pay(card, pay, found.answer)
 
 
@@ -114,6 +120,8 @@ def _sure(
     if answer is Answer.CANNOT_TELL:
         needed = needed_text(needed_of(changes, ruling), where, "of each reward")
         return " ".join(filter(None, [*reasons(names, changes, ruling, where), needed]))
+    if answer is Answer.NEITHER_LEARNS and ruling.is_decided:
+        return _luck(ruling.corrected or 0.0)
     return reserve_text(names, changes, ruling)
 
 
@@ -121,7 +129,20 @@ def _row(change: Compared, at: int, ruling: Ruling, decides: bool) -> Row:
     direction = "" if not ruling.passes(at) else "better" if ruling.signs[at] > 0 else "worse"
     figure = draw_interval(difference_of(change), change.low, change.high, change.measure.better, direction)
     value = difference_text(change, 2).partition(" ")[0] if change.is_relative else " -> ".join(short_values(change))
-    return Row(name_of(change), "decides" if decides else "", figure, value)
+    notes = ["decides"] * decides + [FAILURE] * (change.name == TIME)
+    return Row(name_of(change), "; ".join(notes), figure, value)
+
+
+def _trainings(names: Names, change: Change) -> list[Row]:
+    """Both rewards' trainings one by one, by the measure that decides, or is asked first."""
+    known = [*change.values[0], *change.values[1]]
+    rows = []
+    for name, who, values in zip(names, ("baseline", "proposed"), change.values, strict=True):
+        figure = draw_trainings(values, (min(known), max(known)), change.measure.better, who)
+        ends = list(dict.fromkeys(value_text(change, end) for end in (min(values), max(values)))) if values else []
+        unit = change.measure.unit if values else ""
+        rows.append(Row(name, "each training", figure, f"{' to '.join(ends)} {unit}".rstrip(), who))
+    return rows
 
 
 def _decided(names: Names, changes: Sequence[Compared], ruling: Ruling, by: Sequence[int]) -> str:
@@ -143,6 +164,8 @@ def _luck(p: float) -> str:
     return f"Luck alone would show such a difference in {count} of 1,000 experiments."
 
 
+FAILURE = "a failure counts as the whole time limit"
+"""What is said beside the time to the target."""
 NOTES = {"ruler": "same movements, other counting", "behaviour": "other movements, same counting"}
 """What the parts of the pay are."""
 AGAINST = {(Answer.HURTS, True): ", for worse behaviour", (Answer.HELPS, False): ", for better behaviour"}

@@ -29,7 +29,7 @@ from harness.report.figures.split_rows import describe_split
 from harness.report.figures.sum_split import describe_sum, draw_sum
 from harness.report.figures.trajectories import VIEWS, describe_trajectories, draw_trajectories
 from harness.report.page.answer import Card, card_of
-from harness.report.replay.links import BASELINE, PROPOSED, EpisodeLinks, Link
+from harness.report.replay.links import BASELINE, PROPOSED, EpisodeLinks, Link, Still
 from harness.report.rows.alone import alone_grid, setting_of, story
 from harness.report.rows.behaviour import (
     along_grid,
@@ -49,7 +49,8 @@ from harness.report.rows.returns import READING, returns_grid
 from harness.report.rows.terms import changed_text, terms_grid, terms_of
 from harness.results import Results
 from harness.results.alone import Alone, Stages
-from harness.results.comparison import Comparison, Group
+from harness.results.comparison import Comparison
+from harness.results.pairs import shown_pair
 from harness.results.trajectories import trajectories_of
 
 TIMEOUTS, OBSTACLES = "timeouts", "obstacle_hits"
@@ -129,24 +130,28 @@ class Strips(NamedTuple):
 
     title: str
     sides: tuple[Side, ...]
+    shares: tuple[str, ...] = ()
+    """How often pairs end so, and otherwise, the most frequent way first; empty where nothing tells."""
 
 
 def frames_of(results: Results, comparison: Comparison) -> Strips | None:
-    """The pictures of a comparison's first seed; None for the null control, and where an arm has a replay."""
-    if not comparison.seeds or comparison.is_control:
+    """The pictures of a comparison's typical pair; None for the null control, and where an arm has a replay."""
+    if not comparison.seeds or comparison.is_control or not results.in_environment:
         return None
-    seed = comparison.seeds[0]
-    cells = {it.reward.label: it for it in results.done_cells if it.seed == seed and Group.of(it) == comparison.group}
-    rewards = {"Baseline": comparison.baseline, "Proposed": comparison.proposed}
-    if any(reward not in cells for reward in rewards.values()):
+    shown = shown_pair(results, comparison)
+    if shown is None:
         return None
-    sides = [_side(results, cells[reward], who, reward) for who, reward in rewards.items()]
+    cells, number, pairs = shown
+    sides = [_side(results, cell, number, who) for cell, who in zip(cells, ("Baseline", "Proposed"), strict=True)]
+    title = f"Episode {number + 1} of the evaluation of seed {cells[0].seed}, in pictures"
+    shares = () if pairs is None else tuple(map(pairs.share, pairs.counts))
     found = tuple(side for side in sides if side is not None)
-    return Strips(f"The first episode of the evaluation of seed {seed}, in pictures", found) if found else None
+    return Strips(title, found, shares) if found else None
 
 
-def _side(results: Results, cell: Cell, who: str, reward: str) -> Side | None:
-    found, title = results.frames(cell), f"{who}: {reward}"
+def _side(results: Results, cell: Cell, number: int, who: str) -> Side | None:
+    found, reward = results.frames(cell, number), cell.reward.label
+    title = f"{who}: {reward}"
     if found is None:
         return None
     if found.reason:
@@ -179,8 +184,7 @@ class Section:
     card: Card
     place: int = 1
     """Its number on the page."""
-    show: int | None = None
-    """The number of its show in the replay, from 0."""
+    still: Still | None = None
     full: Sequence[str] = ()
     returns: Grid | None = None
     mixtures: Sequence[str] = ()
@@ -188,6 +192,8 @@ class Section:
     summary: str = ""
     behaviour: Grid | None = None
     strips: Sequence[str] = ()
+    meanings: Sequence[str] = ()
+    """What each measure of `behaviour` is, in half a sentence; empty where its plugin does not say."""
     showing: Sequence[Mapping[str, Link | None]] = ()
     outcomes: Sequence[Bar] = ()
     endings: Sequence[Sequence[Link | None]] = ()
@@ -196,6 +202,7 @@ class Section:
     learning: Sequence[Panel] = ()
     terms: Sequence[Grid] = ()
     splits: Sequence[Panel] = ()
+    indices: Sequence[Panel] = ()
     curves: Sequence[Panel] = ()
     payoffs: Story | None = None
     profiles: Sequence[Panel] = ()
@@ -215,14 +222,15 @@ def comparison_section(
     changes = [it for rows in (defined_changes, failed_changes) for it in rows(comparison, comparison.manner)]
     bars = outcome_bars(comparison)
     returned = returns_grid(comparison)
-    splits, curves = _split_panels(comparison), _curve_panels(comparison, points)
+    splits, indices, curves = _split_panels(comparison), _index_panels(comparison), _curve_panels(comparison, points)
     payoffs = payoff_story(comparison, audits)
     numbers = number_grids(comparison, results.kind, with_paths=True)[bool(returned.rows or returned.notes) :]
-    full = (f"{headline.robot} {basis_text(comparison)}".strip(), headline.number)
+    robot = f"{headline.robot} {basis_text(comparison)}".strip()
+    full = (robot, comparison.pay_sentence, comparison.index_sentence)
     return Section(
         title=title,
         card=card_of(comparison, title),
-        show=links.place - 1 if links else None,
+        still=links.still if links else None,
         full=[text for text in full if text],
         returns=returned._replace(title="") if returned.rows or returned.notes else None,
         mixtures=[mixture.text for mixture in comparison.measured.mixtures],
@@ -230,8 +238,9 @@ def comparison_section(
         summary=describe_comparison(comparison),
         behaviour=grids[0] if grids else None,
         strips=[draw_strip(change) for change in changes],
+        meanings=[_meaning(results, change.name) for change in changes],
         outcomes=bars,
-        episodes=links.all if links else [],
+        episodes=links.kinds if links else [],
         endings=_endings(links, bars),
         frames=frames_of(results, comparison),
         showing=[
@@ -244,15 +253,22 @@ def comparison_section(
             for it in terms_of(results, comparison, is_first=comparison is first)
         ],
         splits=splits,
+        indices=indices,
         curves=curves,
         payoffs=payoffs,
         profiles=_profile_panels(comparison),
         other_behaviour=_full([along_grid(comparison), *grids[1:], seeds_grid(comparison)]),
         numbers=numbers,
-        has_number=bool(comparison.seeds and (splits or curves or payoffs or numbers or returned.rows)),
+        has_number=bool(comparison.seeds and (splits or indices or curves or payoffs or numbers or returned.rows)),
         symbol=symbol_of(headline.answer),
         trajectories=_trajectory_panels(results, comparison),
     )
+
+
+def _meaning(results: Results, name: str) -> str:
+    """What a measure is, as its plugin tells in ``harness list metrics``; empty where nobody registered it."""
+    metric = name.partition(":")[0]
+    return results.registry.get("metrics", metric).summary if metric in results.registry.names("metrics") else ""
 
 
 def alone_section(results: Results, alone: Alone) -> dict[str, Any]:
@@ -295,7 +311,7 @@ def describe_comparison(comparison: Comparison) -> str:
     what = ", ".join(f"{kind} {label}" for kind, label in group.shown.items())
     told = f"{capitalised(what)}. {capitalised(compared_text(comparison))}, {group.steps:,} steps each: {paid}."
     scales = scales_text(group.subject)
-    return f"{told} {READING} {scales}" if comparison.number.main else f"{told} {scales}"
+    return f"{told} {READING} {scales}" if comparison.number.pay else f"{told} {scales}"
 
 
 def _endings(links: EpisodeLinks | None, bars: list[Bar]) -> list[list[Link | None]]:
@@ -353,13 +369,17 @@ def _profile_panels(comparison: Comparison) -> list[Panel]:
 
 
 def _split_panels(comparison: Comparison) -> list[Panel]:
-    """The pay of an episode with its parts, as a ratio or else as a difference; then, of an arm, both indices."""
+    """The pay of an episode with its parts, as a ratio or else as a difference."""
+    pay = comparison.number.pay
+    return [] if pay is None else _return_panel(pay, comparison.manner)
+
+
+def _index_panels(comparison: Comparison) -> list[Panel]:
+    """The note's indices with their parts, of an arm."""
     number = comparison.number
-    returned = number.returns.get(comparison.manner)
-    panels = [] if returned is None else _return_panel(returned, comparison.manner)
     indices = number.index_splits if number.number_of == "indices" and number.is_split else {}
     drawn = [(name, split, draw_split(name, split)) for name, split in indices.items()]
-    return panels + [
+    return [
         _panel(f"{name} = ruler x behaviour", chart, describe_split(name, split), LOGARITHMIC)
         for name, split, chart in drawn
         if chart is not None
@@ -371,14 +391,14 @@ LOGARITHMIC = "Ratios on a logarithmic axis."
 
 def _return_panel(returned: ReturnSplit, manner: str) -> list[Panel]:
     """The change of the mean return: a ratio where both returns are above 0, else a difference."""
-    what = f"Mean return {manner}"
-    chart = draw_split("eta", returned.ratio)
+    what = f"Pay of an episode, {manner}"
+    chart = draw_split("pay", returned.ratio)
     if chart is not None:
-        return [_panel(f"{what}: eta = ruler x behaviour", chart, describe_split("eta", returned.ratio), LOGARITHMIC)]
+        return [_panel(f"{what}: ruler x behaviour", chart, describe_split("pay", returned.ratio), LOGARITHMIC)]
     chart = draw_sum(returned.total)
     if chart is None:
         return []
-    return [_panel(f"{what}: change = ruler + behaviour", chart, describe_sum(returned.total), "Differences.")]
+    return [_panel(f"{what}: ruler + behaviour", chart, describe_sum(returned.total), "Differences.")]
 
 
 def _curve_panels(comparison: Comparison, points: int) -> list[Panel]:

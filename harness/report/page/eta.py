@@ -58,7 +58,7 @@ def _section(comparison: ComparedRuns) -> Section:
         card=card,
         summary=" ".join([scales_text("robot"), *(f"{note}." for note in comparison.notes)]),
         has_number=True,
-        splits=[
+        indices=[
             Panel(f"{name} = ruler x behaviour", draw_chart(chart, told), told)
             for name, chart, told in drawn
             if chart is not None

@@ -34,12 +34,13 @@ from harness.report.rows.comparison import (
     until_decided,
     what_decides,
 )
+from harness.report.rows.numbers import INDICES
 from harness.report.rows.payoff import EXPLANATION as PAYOFFS, TITLE as PAYOFF_TITLE, Audits
 from harness.report.rows.pools import POOLED, grown_text, joined_text
 from harness.report.rows.race import RACE, RACE_TITLE, race_told
 from harness.report.rows.ranking import AGREEMENT, CHOICE, EXPLANATION as RANKING, TITLE as RANKING_TITLE, task_rows
 from harness.report.rows.ratios import PATHS, SPLIT, TOTAL
-from harness.report.rows.returns import EXPLANATION as RETURNS, MEAN, TITLE as RETURN_TITLE, matrix_title, return_grid
+from harness.report.rows.returns import EXPLANATION as RETURNS, PAY, TITLE as RETURN_TITLE, matrix_title, return_grid
 from harness.report.rows.terms import EXPLANATION as TERMS, TITLE as TERMS_TITLE, never_texts
 from harness.results import Results
 from harness.results.comparison import Comparison, still_to_come
@@ -87,7 +88,8 @@ SHARED: Mapping[str, str] = MappingProxyType(
         "forest": FOREST,
         "payoffs": PAYOFFS,
         "payoff_title": PAYOFF_TITLE,
-        "returns": MEAN,
+        "returns": PAY,
+        "indices": INDICES,
         "legend": LEGEND,
         "terms": TERMS,
         "alone": ALONE,
@@ -100,7 +102,8 @@ SHARED: Mapping[str, str] = MappingProxyType(
 """Texts of the template."""
 PROMISE = "of 20 pages like this one, at most 1 says falsely that something is better or worse"
 BARS = (
-    "Dot and thin bar: the difference and its 95 % interval; right of the line is better. Thick bars are pay: right of "
+    "Dot and thin bar: the difference and its 95 % interval; right of the line is better. Small dots: a training each, "
+    "by the measure above them, on a scale of their own; further right is better. Thick bars are pay: right of "
     "the line is more pay, which is neither better nor worse. A training failed if its policy succeeds in less "
     "than half of its episodes; else it learned."
 )

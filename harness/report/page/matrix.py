@@ -120,16 +120,20 @@ class _Kinds(NamedTuple):
     @property
     def numbers(self) -> tuple[str, ...]:
         """The headings of the numbers."""
-        returns = ("return, baseline", "return, proposed") if self.has_returns else ()
-        return (*returns, *(("eta",) if self.has_ratios else ()), *(("eta_N", "eta_P") if self.has_indices else ()))
+        returns = ("pay, baseline", "pay, proposed") if self.has_returns else ()
+        return (
+            *returns,
+            *(("pay, ratio",) if self.has_ratios else ()),
+            *(("eta_N", "eta_P") if self.has_indices else ()),
+        )
 
 
 def _kinds(combinations: Sequence[Comparison]) -> _Kinds:
     decisive = [it.decisive for it in combinations if it.decisive is not None]
     names = dict.fromkeys(SHORT.get(it.name, it.name.replace("_", " ")) for it in decisive)
-    mains, is_share = [it.number.main for it in combinations], all(text_of(it) is percentage for it in decisive)
-    has_returns = any(mains)
-    has_ratios = any(main.ratio.eta.value is not None for main in mains if main is not None)
+    pays, is_share = [it.number.pay for it in combinations], all(text_of(it) is percentage for it in decisive)
+    has_returns = any(pays)
+    has_ratios = any(pay.has_ratio for pay in pays if pay is not None)
     return _Kinds(" / ".join(names) or "behaviour", is_share, has_returns, has_ratios, not has_returns)
 
 
@@ -177,7 +181,7 @@ def _describe(group: Group) -> tuple[str, ...]:
 def _entry(number: int, place: str, comparison: Comparison, kinds: _Kinds) -> Entry:
     headline, change = comparison.headline, comparison.decisive
     difference = "" if change is None or change.difference is None else _points(change)
-    returned = _returned(comparison.number.main)[: 2 + kinds.has_ratios] if kinds.has_returns else ()
+    returned = _returned(comparison.number.pay)[: 2 + kinds.has_ratios] if kinds.has_returns else ()
     etas = [_ratio(eta) for eta in (comparison.number.eta_n, comparison.number.eta_p)] if kinds.has_indices else []
     return Entry(
         anchor_of(number),
@@ -197,11 +201,11 @@ def _points(change: Change) -> str:
     return f"{100 * difference:+.1f}" if text_of(change) is percentage else f"{difference:+.3g}"
 
 
-def _returned(main: ReturnSplit | None) -> tuple[Sortable, ...]:
-    if main is None:
+def _returned(pay: ReturnSplit | None) -> tuple[Sortable, ...]:
+    if pay is None:
         return (NONE,) * 3
-    sides = [Sortable(format_number(main.returns[it].mean), "", _key(main.returns[it].mean)) for it in (BB, KK)]
-    return (*sides, _ratio(main.ratio.eta))
+    sides = [Sortable(format_number(pay.returns[it].mean), "", _key(pay.returns[it].mean)) for it in (BB, KK)]
+    return (*sides, _ratio(pay.ratio.eta))
 
 
 def _ratio(eta: Ratio) -> Sortable:

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from harness.eta.behaviour_change import Change
 from harness.eta.headline import SUCCESS
+from harness.report.replay.stick import draw_sticks
 from harness.report.rows.behaviour import value_text
 from harness.results.comparison import Comparison
 from harness.results.replay import Episode, Outcome, Show
@@ -22,6 +23,25 @@ class Link(NamedTuple):
     address: str
     title: str
     """Which episode it is, and what it shows."""
+
+
+class Still(NamedTuple):
+    """The end of a pair of episodes, as the first screen shows it."""
+
+    show: int
+    """The number of its show, from 0."""
+    ends: tuple[str, ...]
+    """Of each side: its reward, and how its episode ended."""
+    share: str
+    """How often pairs end so."""
+    link: Link
+    """To the pair in the replay."""
+    otherwise: str
+    """How many pairs end otherwise; empty if none does."""
+    other: Link | None
+    """To one of them."""
+    sticks: tuple[str, ...]
+    """Of each side, its end as SVG, for where no script draws it."""
 
 
 @dataclass(frozen=True)
@@ -66,16 +86,32 @@ class EpisodeLinks:
         }
 
     @property
-    def all(self) -> list[tuple[str, Link]]:
-        """Links to all episodes, with how each ended under both rewards."""
-        episodes = zip(*(side.episodes for side in self.show.sides), strict=True)
+    def kinds(self) -> list[tuple[str, Link]]:
+        """How often pairs end so, and a link to the typical one, of each way to end; the most frequent one first."""
+        pairs, episodes = self.show.pairs, [side.episodes for side in self.show.sides]
+        if pairs is None:
+            return []
         return [
-            (
-                f"{number}: {both_outcomes(pair)}",
-                Link(self._address(number), f"Watch episode {number}: {both_outcomes(pair)}"),
-            )
-            for number, pair in zip(self.show.numbers, episodes, strict=True)
+            (pairs.share(kind), self._link(BASELINE, index, both_outcomes([side[index] for side in episodes])))
+            for kind in pairs.counts
+            if (index := self.show.kinds.get(kind)) is not None
         ]
+
+    @property
+    def still(self) -> "Still":
+        """What stands beside the answer: the pair that is shown first, and what it is typical of."""
+        index, told, pairs = self.show.first, self.kinds, self.show.pairs
+        ends = [(side.title.partition(": ")[2] or side.title, side.episodes[index].outcome) for side in self.show.sides]
+        others = [link for _, link in told[1:2]]
+        return Still(
+            self.place - 1,
+            tuple(f"{reward}: {outcome}" for reward, outcome in ends),
+            told[0][0] if told else "",
+            self._link(BASELINE, index, " | ".join(dict.fromkeys(outcome for _, outcome in ends))),
+            pairs.otherwise if pairs is not None and others else "",
+            others[0] if others else None,
+            draw_sticks(self.show.sides, index),
+        )
 
     def _told(self, change: Change, value: float, episode: Episode) -> str:
         name = change.name.replace("_", " ")
@@ -84,11 +120,8 @@ class EpisodeLinks:
         return f"{name} {value_text(change, value)}, {episode.outcome}"
 
     def _link(self, side: int, index: int, told: str) -> Link:
-        number, shown = self.show.numbers[index], self.show.sides[side]
-        return Link(self._address(number), f"Watch episode {number} of seed {shown.seed}: {told}")
-
-    def _address(self, number: int) -> str:
-        return f"#replay-{self.place}-{number}"
+        number, seed = self.show.numbers[index], self.show.sides[side].seeds[index]
+        return Link(f"#replay-{self.place}-{number}-{seed}", f"Watch episode {number} of seed {seed}: {told}")
 
 
 def both_outcomes(episodes: Sequence[Episode]) -> str:

@@ -89,12 +89,12 @@ function choose(show, episode) {
   state.last = lastOf(state.sides);
   Object.assign(state.view, framed(state.sides));
   part("comparison").value = show;
-  part("episode").replaceChildren(...shown.numbers.map((number, index) => new Option(`${number}: ${endings(shown, index)}`, index)));
+  part("episode").replaceChildren(...shown.numbers.map((_, index) => new Option(named(shown, index), index)));
   part("episode").value = episode;
   part("episode").parentElement.hidden = Boolean(shown.told) && shown.numbers.length < 2;
-  const seeds = [...new Set(shown.sides.map((side) => side.seed))];
-  const evaluated = `Episode ${shown.numbers[episode]} of the final evaluation, seed ${seeds.join(" | ")}`;
-  part("told").textContent = `${shown.told ?? evaluated}: ${endings(shown, episode)}.`;
+  const evaluated = `Episode ${shown.numbers[episode]} of the final evaluation, seed ${seedsOf(shown, episode).join(" | ")}`;
+  part("told").textContent = `${shown.told ?? evaluated}: ${endings(shown, episode)}.${shared(shown, episode)}`;
+  mark(show, episode);
   part("scrub").max = state.last;
   views.forEach((figure, index) => {
     const side = state.sides[index];
@@ -130,10 +130,75 @@ function endings(shown, index) {
   return [...new Set(shown.sides.map((side) => side.episodes[index].outcome))].join(" | ");
 }
 
-// The first episode that ends differently, or else the first.
-function telling(show) {
-  const { sides, numbers } = data.shows[show];
-  return Math.max(0, numbers.findIndex((_, index) => new Set(sides.map((side) => side.episodes[index].outcome)).size > 1));
+const seedsOf = (shown, index) => [...new Set(shown.sides.map((side) => side.seeds[index]))];
+
+function named(shown, index) {
+  const seed = shown.pairs ? `seed ${seedsOf(shown, index)}, ` : "";
+  return `${seed}${shown.numbers[index]}: ${endings(shown, index)}`;
+}
+
+// How often a pair of episodes ends as this one.
+function shared(shown, index) {
+  if (!shown.pairs) return "";
+  const ended = shown.pairs.seeds.find(([seed]) => seed === shown.sides[0].seeds[index])[1][shown.numbers[index] - 1];
+  return ` ${capital(shown.pairs.kinds.find((one) => one.kind === Number(ended)).share)}.`;
+}
+
+const capital = (text) => text[0].toUpperCase() + text.slice(1);
+
+// --- all pairs, a cell for each ------------------------------------------------------------------------------------------
+
+const grids = data.shows.map((shown, show) => shown.pairs && fill(shown, show));
+
+// The cells of a show by what they play; the arrows go from one to the next, Tab leaves them.
+function fill(shown, show) {
+  const grid = root.querySelector(`[data-pairs="${show}"] [data-part="grid"]`), cells = [], byIndex = [];
+  const index = new Map(shown.numbers.map((number, at) => [`${shown.sides[0].seeds[at]} ${number}`, at]));
+  const told = new Map(shown.pairs.kinds.map((one) => [String(one.kind), one.told]));
+  grid.setAttribute("role", "grid");
+  grid.setAttribute("aria-label", "All pairs of episodes; a row for each seed");
+  grid.append(...shown.pairs.seeds.map(([seed, ended]) => {
+    const row = document.createElement("div"), head = document.createElement("span");
+    row.setAttribute("role", "row");
+    head.setAttribute("role", "rowheader");
+    head.textContent = `seed ${seed}`;
+    row.append(head, ...[...ended].map((kind, at) => {
+      const cell = document.createElement("button"), plays = index.get(`${seed} ${at + 1}`);
+      const words = `Seed ${seed}, episode ${at + 1}: ${told.get(kind)}`;
+      Object.assign(cell, { type: "button", className: `pair kind-${kind}`, tabIndex: -1, title: plays === undefined ? `${words}; not among those to be played` : words });
+      cell.setAttribute("role", "gridcell");
+      cell.setAttribute("aria-label", cell.title);
+      if (plays === undefined) cell.setAttribute("aria-disabled", "true");
+      else {
+        byIndex[plays] = cell;
+        cell.addEventListener("click", () => choose(show, plays));
+      }
+      cells.push(cell);
+      return cell;
+    }));
+    return row;
+  }));
+  const note = document.createElement("p");
+  note.textContent = `A cell is a pair with the same start and target; its left half is filled where the baseline reaches, its right half where the other does. ${shown.numbers.length} of ${cells.length} can be played: click one.`;
+  grid.after(note);
+  grid.addEventListener("keydown", (event) => {
+    const by = { ArrowLeft: -1, ArrowRight: 1, ArrowUp: -shown.pairs.seeds[0][1].length, ArrowDown: shown.pairs.seeds[0][1].length }[event.key];
+    const next = cells[cells.indexOf(document.activeElement) + by];
+    if (!next) return;
+    event.preventDefault();
+    document.activeElement.tabIndex = -1;
+    next.tabIndex = 0;
+    next.focus();
+  });
+  return byIndex;
+}
+
+function mark(show, episode) {
+  root.querySelectorAll("[data-pairs]").forEach((one) => { one.hidden = Number(one.dataset.pairs) !== show; });
+  grids[show]?.forEach((cell, index) => {
+    cell.setAttribute("aria-selected", String(index === episode));
+    cell.tabIndex = index === episode ? 0 : -1;
+  });
 }
 
 // The camera looks at the middle of the arm's foot and of all paths and targets.
@@ -465,7 +530,7 @@ function look(turn, rise, zoom) {
 
 part("play").addEventListener("click", () => play(!state.playing));
 part("scrub").addEventListener("input", (event) => { play(false); seek(Number(event.target.value)); });
-part("comparison").addEventListener("change", (event) => choose(Number(event.target.value), telling(event.target.value)));
+part("comparison").addEventListener("change", (event) => choose(Number(event.target.value), data.shows[event.target.value].first));
 part("episode").addEventListener("change", (event) => choose(state.show, Number(event.target.value)));
 const TURNS = { left: [-0.3, 0, 1], right: [0.3, 0, 1], above: [0, 0.2, 1], below: [0, -0.2, 1], nearer: [0, 0, 1.25], farther: [0, 0, 0.8] };
 for (const [name, by] of Object.entries(TURNS)) part(name).addEventListener("click", () => look(...by));
@@ -483,24 +548,15 @@ for (const canvas of root.querySelectorAll(".replay-views canvas")) {
   new ResizeObserver(paint).observe(canvas);
 }
 
-// --- stills: the end of the telling episode beside each answer, which a click plays ------------------------------------
+// --- stills: the end of the typical pair beside each answer, which a click plays -----------------------------------------
 
 const SHOWN_FOR = 3;  // seconds that a whole episode takes
 
 function prepareStill(still) {
-  const show = Number(still.dataset.show), shown = data.shows[show], episode = telling(show);
+  const show = Number(still.dataset.show), episode = data.shows[show].first;
   let sides = null, last = 0, view = null;  // unpacked when it is first seen: a page may have many
-  const canvases = [...still.querySelectorAll("canvas")], words = [...still.querySelectorAll("p")], link = still.querySelector("a");
-  still.hidden = false;
-  shown.sides.forEach((side, index) => {
-    const { outcome } = side.episodes[episode];
-    words[index].textContent = `${side.title.replace(/^\w+: /, "")}: ${outcome}`;
-    canvases[index].setAttribute("aria-label", `${side.title}: the arm at the end of the episode: ${outcome}`);
-  });
-  const seeds = [...new Set(shown.sides.map((side) => side.seed))].join(" and ");
-  link.href = `#replay-${show + 1}-${shown.numbers[episode]}`;
-  const ends = new Set(shown.sides.map((side) => side.episodes[episode].outcome)).size > 1;
-  link.textContent = `${ends ? "one that ends differently: " : ""}episode ${shown.numbers[episode]} of seed ${seeds}`;
+  const canvases = [...still.querySelectorAll("canvas")];
+  for (const part of still.querySelectorAll("[hidden]")) part.hidden = false;
   const draw = (step) => sides.forEach((side, index) => drawArm(canvases[index], side, COLOURS[index], view, Math.min(step, side.now.last)));
   const end = () => {
     if (!canvases[0].clientWidth) return;
@@ -523,12 +579,13 @@ function prepareStill(still) {
 }
 for (const still of document.querySelectorAll(".still[data-show]")) prepareStill(still);
 
-// A link to #replay-2 shows the second comparison, one to #replay-2-7 its episode 7.
+// A link to #replay-2 shows the second comparison, one to #replay-2-7-3 its episode 7 of seed 3.
 function follow() {
-  const [, show, episode] = /^#replay-(\d+)(?:-(\d+))?$/.exec(location.hash) ?? [];
+  const [, show, episode, seed] = /^#replay-(\d+)(?:-(\d+))?(?:-(\d+))?$/.exec(location.hash) ?? [];
   if (show === undefined || !data.shows[show - 1]) return false;
-  const index = data.shows[show - 1].numbers.indexOf(Number(episode));
-  choose(show - 1, index < 0 ? telling(show - 1) : index);
+  const shown = data.shows[show - 1];
+  const index = shown.numbers.findIndex((number, at) => number === Number(episode) && [undefined, String(shown.sides[0].seeds[at])].includes(seed));
+  choose(show - 1, index < 0 ? shown.first : index);
   root.closest("details")?.setAttribute("open", "");
   root.scrollIntoView();
   part("play").focus({ preventScroll: true });
@@ -541,5 +598,5 @@ addEventListener("click", (event) => {  // a link to where the address leads alr
   if (link && link.hash === location.hash) follow();
 });
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", paint);
-if (!follow()) choose(0, telling(0));
+if (!follow()) choose(0, data.shows[0].first);
 })();

@@ -4,7 +4,7 @@ The script is our own: some 300 lines of WebGL 2 and canvas draw an arm. A libra
 """
 
 import base64
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -13,6 +13,7 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.report.figures.palette import SIDES, light_colours
+from harness.results.pairs import Pairs
 from harness.results.replay import Episode, Show, Side
 
 HERE = Path(__file__).parent
@@ -22,7 +23,8 @@ FULL = 32_767
 
 EXPLANATION = (
     "Episodes of the final evaluations, drawn from the recorded joint positions: both policies began in the same pose "
-    "with the same target (green). Line: the way of the end effector. Drag to turn the view."
+    "with the same target (green). First comes a pair that ends as most pairs do. Line: the way of the end effector. "
+    "Drag to turn the view."
 )
 
 
@@ -58,8 +60,26 @@ def replay_data(shows: Sequence[Show]) -> dict[str, Any]:
 
 
 def _show(show: Show, scenes: list[dict[str, Any]]) -> dict[str, Any]:
-    told = {"told": show.told} if show.told else {}
-    return {"title": show.title, "numbers": show.numbers, **told, "sides": [_side(side, scenes) for side in show.sides]}
+    return {
+        "title": show.title,
+        "numbers": show.numbers,
+        "first": show.first,
+        **({"told": show.told} if show.told else {}),
+        **({} if show.pairs is None else {"pairs": _pairs(show.pairs, show.kinds)}),
+        "sides": [_side(side, scenes) for side in show.sides],
+    }
+
+
+def _pairs(pairs: Pairs, typical: Mapping[int, int]) -> dict[str, Any]:
+    """How often pairs end so, the most frequent way first, and how each ended, a digit for each by seed and number."""
+    seeds = {it.seed: "" for it in pairs.met}
+    for it in pairs.met:
+        seeds[it.seed] += str(it.kind)
+    kinds = [
+        {"kind": kind, "told": pairs.kinds[kind], "share": pairs.share(kind), "typical": typical.get(kind)}
+        for kind in pairs.counts
+    ]
+    return {"kinds": kinds, "seeds": [[seed, ended] for seed, ended in seeds.items()]}
 
 
 def _side(side: Side, scenes: list[dict[str, Any]]) -> dict[str, Any]:
@@ -69,7 +89,7 @@ def _side(side: Side, scenes: list[dict[str, Any]]) -> dict[str, Any]:
     return {
         "title": side.title,
         "scene": scenes.index(scene),
-        "seed": side.seed,
+        "seeds": side.seeds,
         "period": side.period,
         "error": side.error,
         "unit": side.unit,
@@ -79,15 +99,21 @@ def _side(side: Side, scenes: list[dict[str, Any]]) -> dict[str, Any]:
 
 def _episode(episode: Episode) -> dict[str, Any]:
     values = np.column_stack([episode.qpos, episode.distance, episode.paid])
-    scales = np.maximum(np.abs(values).max(axis=0), 1e-9) / FULL
+    scales = _short(np.maximum(np.abs(values).max(axis=0), 1e-9) / FULL)
     return {
         "outcome": episode.outcome,
         "last": int(episode.steps[-1]),
-        "scales": [float(scale) for scale in scales],
+        "scales": scales.tolist(),
         "values": base64.b64encode(np.rint(values / scales).astype("<i2").tobytes()).decode(),
         "targets": _changes(episode.target),
         **({"obstacles": np.round(episode.obstacles, 5).tolist()} if len(episode.obstacles) else {}),
     }
+
+
+def _short(scales: Float) -> Float:
+    """The next larger numbers of four digits: a page with many episodes stays small, and no value exceeds `FULL`."""
+    digits = 10.0 ** (np.floor(np.log10(scales)) - 3)
+    return np.array([float(f"{scale:.3e}") for scale in np.ceil(scales / digits) * digits])
 
 
 def _changes(target: Float) -> list[list[float]]:

@@ -1,6 +1,7 @@
 """Measures of behaviour as text: what the terminal, the page and the summary share."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import NamedTuple, TypeAlias
 
 from harness.eta.behaviour_change import Change, Quantity
@@ -14,6 +15,8 @@ from harness.results.comparison import Comparison, StepChange
 from harness.results.measured import DETERMINISTIC, STOCHASTIC
 from harness.text import shortened
 
+SAME_STEPS = "0, same steps"
+"""In place of an interval where both robots take the same steps: nothing is estimated."""
 SHOWN = 60
 """The most characters that are shown of the reason why a metric failed."""
 HEADINGS = ("", "baseline", "proposed", "difference", "random", "better", "p", "result")
@@ -46,9 +49,15 @@ def behaviour_grids(comparison: Comparison) -> list[Grid]:
 def defined_changes(comparison: Comparison, manner: str) -> list[Change]:
     """The measures, those that decide first. A measure that is not defined under either reward is left out."""
     measured, nothing = comparison.measured, (None, None)
-    changes = [it for it in measured.changes_of(manner) if (it.baseline, it.proposed) != nothing]
+    known = [it for it in measured.changes_of(manner) if (it.baseline, it.proposed) != nothing]
+    changes = [replace(it, low=None, high=None) if is_same(comparison, it) else it for it in known]
     first = measured.deciding
     return sorted(changes, key=lambda change: first.index(change.name) if change.name in first else len(first))
+
+
+def is_same(comparison: Comparison, change: Change) -> bool:
+    """Whether there is no difference because both robots take the same steps, bit for bit."""
+    return comparison.measured.same_steps and change.difference == 0.0
 
 
 def failed_changes(comparison: Comparison, manner: str) -> list[Change]:
@@ -108,7 +117,12 @@ def seeds_grid(comparison: Comparison) -> Grid:
 def _grid(comparison: Comparison, manner: str) -> Grid:
     ordered = defined_changes(comparison, manner)
     notes = [_note(change) for change in ordered if any(change.without)]
-    rows = [tuple(behaviour_row(change)) for change in (*ordered, *failed_changes(comparison, manner))]
+    same = [is_same(comparison, change) for change in ordered]
+    known = [
+        row._replace(difference=SAME_STEPS) if alike else row
+        for row, alike in zip(map(behaviour_row, ordered), same, strict=True)
+    ]
+    rows = [tuple(row) for row in (*known, *map(behaviour_row, failed_changes(comparison, manner)))]
     return Grid(HEADINGS, rows, notes, _title(comparison, manner))
 
 

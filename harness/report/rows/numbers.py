@@ -3,10 +3,10 @@
 from harness.eta.curve import Kind
 from harness.eta.splits import Splits
 from harness.report.rows.ratios import Grid, index_grid, path_grid, ratio_grid, split_grid, sum_grid
-from harness.report.rows.returns import return_splits, returns_grid
+from harness.report.rows.returns import PAY, return_splits, returns_grid
 from harness.results.comparison import Comparison
 
-OF_SUMS = "I_N and I_P of the summed reward: eta = proposed / baseline"
+INDICES = "The note's eta_N and eta_P"
 
 
 def splits_of(comparison: Comparison) -> Splits:
@@ -26,12 +26,10 @@ def number_grids(comparison: Comparison, kind: Kind, with_paths: bool = False) -
     returned, splits = return_splits(comparison), comparison.number.index_splits
     grids = [returns_grid(comparison)]
     indices = splits or comparison.number.splits if comparison.number.has_pay else {}
-    for found in (returned, indices):
-        if not found:
-            continue
-        ratios = ratio_grid(found)
-        grids.append(ratios._replace(title=OF_SUMS) if returned and found is not returned else ratios)
-        grids += [split_grid(found), *([path_grid(found)] if with_paths else [])]
+    for name, found in ((PAY, returned), (INDICES, indices)):
+        if found:
+            of_name = (ratio_grid(found), split_grid(found), *([path_grid(found)] if with_paths else []))
+            grids += [grid._replace(title=f"{name}: {grid.title}") for grid in of_name]
     decomposition = comparison.number.decomposition
     grids += [sum_grid(decomposition.total if decomposition else None), index_grid(decomposition, kind)]
     return [grid for grid in grids if grid.rows or grid.notes]

@@ -1,17 +1,17 @@
-"""The pay in one line: how much more an episode is paid, and how much of that is only the ruler."""
+"""The pay in one line: how much more an episode is paid, and how much of that is rescaling alone."""
 
 import math
 from typing import NamedTuple
 
 from harness.eta.index import Ratio
+from harness.eta.number import format_number, signed
 from harness.eta.return_split import ReturnSplit
 from harness.eta.scored_sums import BB, KK
 from harness.eta.splits import Split, SumSplit
-from harness.report.rows.ratios import format_number
 from harness.results.comparison import Comparison
 
 ALL = 0.1
-"""Where the behaviour's share of a change is smaller than this, the change is nearly all ruler."""
+"""Where the behaviour's share of a change is smaller than this, the change is nearly all rescaling."""
 
 
 class PayPart(NamedTuple):
@@ -52,14 +52,14 @@ def pay_of(comparison: Comparison) -> PaySentence | None:
     Of an experiment whose returns are not known it is the number that they have, an index of the summed reward; None
     where no number is known.
     """
-    split = comparison.number.returns.get(comparison.manner)
+    split = comparison.number.pay
     if split is not None:
         proposed, baseline = (format_number(split.returns[pair].mean) for pair in (KK, BB))
         sides = f"An episode is paid {proposed} instead of {baseline}"
         pay = _ratio(f"{sides}: {{}} times as much", split.ratio) or _difference(sides, split)
         change = split.total.change.mean
         return pay and pay._replace(grows=None if not change else change > 0.0)
-    named = {"eta_P": "What was earned (I_P)", "eta_N": "What was lost (I_N)"}
+    named = {"eta_P": "The note's I_P, what the trainings earned,", "eta_N": "The note's I_N, what they lost,"}
     splits = comparison.number.splits
     of_index = (_ratio(f"{told} is {{}} times as large", splits[name]) for name, told in named.items())
     return next((it for it in of_index if it is not None), None)
@@ -93,12 +93,8 @@ def _difference(sides: str, split: ReturnSplit) -> PaySentence | None:
     if total.ruler.mean is None or total.behaviour.mean is None:
         return PaySentence(told, (), _reason(total.ruler.note))
     parts = (("ruler", total.ruler.mean), ("behaviour", total.behaviour.mean))
-    return PaySentence(told, tuple(PayPart(name, _signed(value), value) for name, value in parts), "")
-
-
-def _signed(value: float) -> str:
-    return f"{'+' if value > 0.0 else ''}{format_number(value)}"
+    return PaySentence(told, tuple(PayPart(name, signed(value), value) for name, value in parts), "")
 
 
 def _reason(note: str) -> str:
-    return f"How much of that is the ruler is not known: {note}."
+    return f"How much of that is rescaling alone is not known: {note}."

@@ -5,23 +5,21 @@ from typing import NamedTuple
 import numpy as np
 
 from harness.eta.index import NOTHING
-from harness.eta.return_split import ReturnSplit
-from harness.eta.splits import Split
 from harness.eta.verdict.race import CLOSE, Race
 from harness.report.rows.ratios import Grid, format_number
 from harness.results import Results
 from harness.results.comparison import Comparison
+from harness.results.overview import pay_texts
 from harness.results.standing import Standing, standing_of, values_of
 
 RACE_TITLE = "The race for the best reward"
 RACE = (
-    "A reward leaves the race when another one that is still in it is better, by a test that spends 5 % over all "
-    "looks. It is then trained no further. The number compares what a reward paid in its own trainings with what the "
-    "baseline paid in its own: the mean return, what was earned (I_P), or what was lost (I_N). It is a ratio, or a "
-    "difference where there is no ratio. The ruler is the part of it that comes from counting the same runs "
-    "differently. The number decides nothing."
+    "A reward leaves the race when another one that is still in it is clearly better, by a test that spends 5 % over "
+    "all looks. It is then trained no further. Pay: what an episode is paid, each training by its own reward, compared "
+    "with the baseline: a factor, or a difference where there is none. The ruler is the part of it that is rescaling "
+    "alone. Pay decides nothing."
 )
-HEADINGS = ("", "in the race", "{measure}", "seeds", "number", "of it ruler")
+HEADINGS = ("", "in the race", "{measure}", "seeds", "pay", "of it ruler")
 
 
 class RaceTold(NamedTuple):
@@ -85,7 +83,13 @@ def _row(
 ) -> tuple[str, ...]:
     seeds, value = points[-1] if points else (0, None)
     told = NOTHING if value is None else _value(value, is_share)
-    return (name, _end(standing, name), told, str(seeds), *_number(comparison))
+    return (
+        name,
+        _end(standing, name),
+        told,
+        str(seeds),
+        *(("", "") if comparison is None else pay_texts(comparison.number.pay)[1:3]),
+    )
 
 
 def _points(results: Results, standing: Standing, name: str, sign: float) -> list[tuple[int, float]]:
@@ -107,34 +111,6 @@ def _rank(race: Race, name: str, points: list[tuple[int, float]], sign: float) -
 
 def _value(value: float, is_share: bool) -> str:
     return f"{value:.1%}" if is_share else format_number(value)
-
-
-def _number(comparison: Comparison | None) -> tuple[str, str]:
-    """How much a reward's number differs from the baseline's, and which part of that is ruler.
-
-    The number is the mean return of an environment. Of an arm it is an index: of what was earned, or of what was lost.
-    """
-    if comparison is None:
-        return "", ""
-    if comparison.number.main is not None:
-        return _ratio("", comparison.number.main.ratio) or _difference(comparison.number.main)
-    of_index = (_ratio(f"I_{name} ", comparison.number.splits[f"eta_{name}"]) for name in ("P", "N"))
-    return next(filter(None, of_index), (NOTHING, NOTHING))
-
-
-def _ratio(name: str, split: Split) -> tuple[str, str] | None:
-    """A ratio and its ruler; None where it has none, or none that says much."""
-    if split.eta.value is None or split.eta.near_zero is not None:
-        return None
-    ruler = NOTHING if split.ruler.value is None else f"x {format_number(split.ruler.value)}"
-    return f"{name}x {format_number(split.eta.value)}", ruler
-
-
-def _difference(split: ReturnSplit) -> tuple[str, str]:
-    """The same where returns have no ratio: how much more it is."""
-    told = (split.total.change.mean, split.total.ruler.mean)
-    change, ruler = (NOTHING if it is None else f"{'+' if it > 0.0 else ''}{format_number(it)}" for it in told)
-    return change, ruler
 
 
 def _end(standing: Standing, name: str) -> str:

@@ -1,19 +1,19 @@
 """Ratios of two rewards and their parts, as text and small grids that the terminal and the page share."""
 
-import math
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 from harness.eta.curve import Kind
 from harness.eta.index import NEAR_ZERO, NOTHING, Index, Ratio
+from harness.eta.number import format_number as format_number  # noqa: PLC0414 -- with the other texts of numbers here
 from harness.eta.seed_mean import SeedMean
 from harness.eta.splits import Decomposition, Split, SplitPath, Splits, SumSplit
 from harness.eta.swaps import p_text
 
-SCALES = "eta compares two rewards, each on its own scale. It does not say how the {subject} behaves."
+SCALES = "Each reward pays on its own scale, so that pay does not say how the {subject} behaves."
 SPLIT = (
-    "eta = ruler x behaviour. For the ruler both rewards score the same runs. For the behaviour one reward scores the "
-    "runs of both trainings."
+    "Each ratio is ruler x behaviour. The ruler is rescaling alone: both rewards pay the same runs. For the behaviour "
+    "one reward pays the runs of both trainings."
 )
 PATHS = (
     "There are two paths: the ruler on the proposed runs with the behaviour under the baseline reward, and the ruler "
@@ -24,6 +24,7 @@ TOTAL = "I_N + I_P is the sum of the whole curve. Its change is ruler + behaviou
 LABELS = {"per_seed": "seed by seed", "noise": "noise"}
 PARTS = ("", "ruler", "95% interval", "behaviour", "95% interval")
 PATH_NAMES = ("proposed runs", "baseline's runs")
+NEITHER = "neither"
 BETTER = {"eta_N": "below 1", "eta_P": "above 1"}
 
 
@@ -63,7 +64,7 @@ def ratio_grid(splits: Splits) -> Grid:
         told = ((f"{name} {LABELS[part]}", getattr(split, part)) for name, split in splits.items())
         notes += _lines((name, remark) for name, remark in _remarks(told) if remark not in known)
     flags = [f"{name}: {flag}" for name, split in splits.items() for flag in split.flags]
-    return Grid(headings, rows, [*notes, *flags], "eta = proposed / baseline")
+    return Grid(headings, rows, [*notes, *flags], "proposed / baseline")
 
 
 def split_grid(splits: Splits) -> Grid:
@@ -76,7 +77,7 @@ def split_grid(splits: Splits) -> Grid:
     rows: list[tuple[str, ...]] = [
         (name, *_cells(part), ratio_text(splits[name].interaction)) for name, part in parts.items()
     ]
-    return Grid(headings, rows, _part_notes(parts, _known(splits.values())), "eta = ruler x behaviour")
+    return Grid(headings, rows, _part_notes(parts, _known(splits.values())), "ruler x behaviour")
 
 
 def path_grid(splits: Splits) -> Grid:
@@ -119,8 +120,8 @@ def index_grid(decomposition: Decomposition | None, kind: Kind = "accumulated") 
 
 
 def better_of(name: str) -> str:
-    """Which side of 1 is called better for the ratio of that name: the ratio of I_N, of I_P, or of a mean return."""
-    return BETTER.get(name, "above 1")
+    """Which side of 1 the note calls better for the ratio of that name; more pay is neither better nor worse."""
+    return BETTER.get(name, NEITHER)
 
 
 def ratio_text(ratio: Ratio) -> str:
@@ -138,17 +139,6 @@ def interval_text(ratio: Ratio, missing: str = NOTHING) -> str:
 def ratio_with_interval(ratio: Ratio) -> str:
     """The ratio, and its interval if there is one to show."""
     return f"{ratio_text(ratio)} {interval_text(ratio, missing='')}".rstrip()
-
-
-def format_number(value: float | None) -> str:
-    """Three significant digits, without an exponent where that is readable."""
-    if value is None:
-        return NOTHING
-    rounded = float(f"{value:.2e}") + 0.0  # no -0.0: an interval may end there
-    size = math.floor(math.log10(abs(rounded))) if rounded else 0
-    if not -4 <= size < 6:
-        return f"{rounded:.2e}"
-    return f"{rounded:,.{max(0, 2 - size)}f}"
 
 
 def mean_interval_text(mean: SeedMean) -> str:

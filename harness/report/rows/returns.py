@@ -17,16 +17,16 @@ EXPLANATION = (
     "behaviour."
 )
 SCORED_BY = "evaluation return, scored by"
-MEAN = "Mean return of an episode"
+PAY = "The pay of an episode"
 READING = (
-    "Returns are means over episodes, then over seeds. Each training is paid by its own reward, baseline or proposed. "
-    "Their difference has two parts. The ruler comes from counting the same episodes by the other reward, the "
-    "behaviour from different episodes."
+    "The pay of an episode is its return, as a mean over episodes, then over seeds. Each training is paid by its own "
+    "reward, baseline or proposed. Its change has two parts. The ruler is rescaling alone: both rewards pay the same "
+    "episodes. For the behaviour one reward pays the episodes of both."
 )
 
 
 def returns_grid(comparison: Comparison) -> Grid:
-    """The mean return of either training, and what their difference is made of; no rows if it is not known."""
+    """The pay of an episode of either training, and what its change is made of; no rows if it is not known."""
     rows: list[tuple[str, ...]] = []
     for manner, split in comparison.number.returns.items():
         parts = (split.total.change, split.total.ruler, split.total.behaviour)
@@ -42,12 +42,12 @@ def returns_grid(comparison: Comparison) -> Grid:
         for note in it.notes
     )
     headings = ("", "baseline", "proposed", "difference", "of it ruler", "of it behaviour")
-    return Grid(headings, rows, [*notes, *reasons], MEAN)
+    return Grid(headings, rows, [*notes, *reasons], PAY)
 
 
 def return_splits(comparison: Comparison) -> dict[str, Split]:
-    """The ratios of mean returns by name, one for each manner. A ratio without a value has the reason."""
-    return {f"eta {manner}": split.ratio for manner, split in comparison.number.returns.items()}
+    """The ratios of the pay of an episode, one for each manner. A ratio without a value has the reason."""
+    return {f"pay, {manner}": split.ratio for manner, split in comparison.number.returns.items()}
 
 
 def return_grid(matrix: ReturnMatrix) -> Grid:

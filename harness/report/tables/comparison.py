@@ -17,9 +17,9 @@ from harness.report.rows.comparison import (
     rewards_text,
     what_decides,
 )
-from harness.report.rows.numbers import number_grids
+from harness.report.rows.numbers import INDICES, number_grids
 from harness.report.rows.ratios import SPLIT, scales_text
-from harness.report.rows.returns import EXPLANATION, READING, matrix_title, return_grid
+from harness.report.rows.returns import EXPLANATION, PAY, READING, matrix_title, return_grid
 from harness.report.rows.terms import terms_grid, terms_of
 from harness.report.tables.alone import alone_lines
 from harness.report.tables.grid import show_grid, show_titled
@@ -38,7 +38,7 @@ def comparison_table(results: Results) -> RenderableType:
     blocks += [_combination_block(results, it, is_first=it is combinations[0]) for it in combinations]
     if any(comparison.has_trainings for comparison in combinations):
         is_split = any(comparison.number.is_split for comparison in combinations)
-        read = [READING] if any(comparison.number.main for comparison in combinations) else []
+        read = [READING] if any(comparison.number.pay for comparison in combinations) else []
         told = [
             scales_text(results.subject),
             *([SPLIT] if is_split else []),
@@ -67,7 +67,8 @@ def _combination_block(results: Results, comparison: Comparison, *, is_first: bo
     ]
     lines = (*beside_answer(comparison), basis_text(comparison), advice(results, comparison))
     parts += [Text(line) for line in lines if line]
-    parts += [Text("\nThe number", style="bold"), Text(headline.number)] if headline.number else []
+    for title, told in ((PAY, comparison.pay_sentence), (INDICES, comparison.index_sentence)):
+        parts += [Text(f"\n{title}", style="bold"), Text(told)] if told else []
     parts.append(Text(f"\n{claims_text(comparison)}"))
     grids = [*behaviour_grids(comparison), along_grid(comparison), *number_grids(comparison, results.kind)]
     for grid in (*grids, *map(terms_grid, terms_of(results, comparison, is_first=is_first))):

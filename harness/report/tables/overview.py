@@ -24,6 +24,7 @@ from harness.report.tables.grid import divide_columns, show_grid
 from harness.results import Results
 from harness.results.comparison import Comparison
 from harness.results.overview import (
+    PAY,
     group_name,
     line_names,
     overview_of,
@@ -106,25 +107,35 @@ def pooled_lines(combinations: Sequence[Comparison]) -> list[RenderableType]:
 def comparison_lines(combinations: Sequence[Comparison]) -> RenderableType:
     """What is the same in all comparisons, the answers over all places, a line for each, and how to read them."""
     shared = Text(shared_text(combinations), style="bold")
-    grids = (overview_grids(combinations, with_intervals=wanted) for wanted in (True, False))
+    wide = overview_grids(combinations, with_intervals=True)
+    middle = overview_grids(combinations, with_intervals=False)
     pooled = pooled_lines(combinations)
     answers = [Text(), *pooled] if pooled else []
     reading = Text(overview_of(combinations).reading, style="dim")
-    return Together(shared, *answers, WideOrNarrow(*grids), Text(), reading)
+    return Together(shared, *answers, WideOrNarrow(wide, middle, list(map(_narrow, middle))), Text(), reading)
 
 
 class WideOrNarrow:
-    """A line per comparison. It has intervals if all comparisons then still fit into one line."""
+    """A line per comparison: the widest that fits into the terminal, else the second, below one another."""
 
-    def __init__(self, wide: Sequence[Grid], narrow: Sequence[Grid]) -> None:
-        """Take the same lines with intervals and without."""
-        self._wide, self._narrow = wide, narrow
+    def __init__(self, *lines: Sequence[Grid]) -> None:
+        """Take the same lines, the widest first."""
+        self._lines = lines
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[RenderableType]:
         """Called by rich, which knows how wide the terminal is."""
-        has_room = all(len(divide_columns(grid, options.max_width)) == 1 for grid in self._wide)
-        for grid in self._wide if has_room else self._narrow:
+        fits = (it for it in self._lines if all(len(divide_columns(grid, options.max_width)) == 1 for grid in it))
+        for grid in next(fits, self._lines[1]):
             yield from show_grid(grid, STYLES)
+
+
+def _narrow(grid: Grid) -> Grid:
+    """The same lines with the change of pay and its ruler alone."""
+    if PAY not in grid.headings:
+        return grid
+    at = grid.headings.index(PAY)
+    rows: list[tuple[str, ...]] = [(*row[:at], *row[at + 1 : at + 3]) for row in grid.rows]
+    return grid._replace(headings=(*grid.headings[:at], "pay", "ruler"), rows=rows)
 
 
 def overview_grids(combinations: Sequence[Comparison], *, with_intervals: bool) -> list[Grid]:
@@ -145,7 +156,7 @@ def overview_grids(combinations: Sequence[Comparison], *, with_intervals: bool) 
 def _not_split(combinations: Sequence[Comparison]) -> list[str]:
     """Why a reward could not pay the runs of another one, each reason once. It explains why an eta was not split."""
     numbers = (it.number for it in combinations if it.seeds)
-    told = (it.index_splits for it in numbers if it.main is None and not it.is_split)
+    told = (it.index_splits for it in numbers if it.pay is None and not it.is_split)
     return list(dict.fromkeys(note for splits in told for note in split_grid(splits).notes))
 
 
@@ -167,7 +178,7 @@ def _sentences(results: Results, comparison: Comparison) -> list[RenderableType]
         headline.robot,
         *beside_answer(comparison),
         basis_text(comparison),
-        headline.number,
+        comparison.pay_sentence,
         advice(results, comparison),
     ]
     return [part for line in lines if line for part in (Text(), Text(line))]

@@ -11,7 +11,7 @@ from harness.report.rows.comparison import answer_text
 from harness.report.rows.ratios import Grid
 from harness.report.tables.grid import show_grid
 from harness.results.comparison import Comparison
-from harness.results.overview import ARROW, line_names, measure_text, shared_text, short_value
+from harness.results.overview import ARROW, line_names, measure_text, pay_texts, shared_text
 from harness.results.two_experiments import BeforeAfter, Between, Verdict
 
 STYLES = {
@@ -20,7 +20,8 @@ STYLES = {
 }
 READING = (
     "Values are before -> after. the policy: do the proposed reward's policies do better or worse than before? A test "
-    "over the seeds that are in both says so. {subject}: does the proposed reward help, compared with the baseline?"
+    "over the seeds that are in both says so. {subject}: does the proposed reward help, compared with the baseline? "
+    "pay: what an episode is paid under the proposed reward, compared with the baseline's."
 )
 
 NOTHING_MOVED = "No measure moved by more than chance allows, all of them tested together."
@@ -37,7 +38,7 @@ def between_table(found: Between) -> RenderableType:
     parts: list[RenderableType] = [Text(shared_text(combinations, with_seeds=False), style="bold")]
     subject = f"the {combinations[0].group.subject}"
     decides = " / ".join(dict.fromkeys(_measure_text(it) for it in combinations))
-    headings = ("", "the policy", decides, "seeds", subject, "eta_N", "eta_P")
+    headings = ("", "the policy", decides, "seeds", subject, "pay")
     reading = Text(READING.format(subject=subject), style="dim")
     parts += [*show_grid(Grid(headings, rows, []), STYLES), Text(), reading, Text()]
     moved = [_moved(name, change) for name, pair in zip(names, found.pairs, strict=True) for change in pair.moved]
@@ -50,10 +51,9 @@ def between_table(found: Between) -> RenderableType:
 
 def _row(name: str, pair: BeforeAfter) -> tuple[str, ...]:
     answers = [answer_text(it.headline) for it in (pair.before, pair.after)]
-    both = (pair.before.number.splits, pair.after.number.splits)
-    etas = [[short_value(splits[name].eta) for splits in both] for name in ("eta_N", "eta_P")]
+    pays = [pay_texts(it.number.pay)[1] for it in (pair.before, pair.after)]
     seeds = str(pair.decisive.seeds) if pair.decisive else "0"
-    return (name, pair.verdict.value.upper(), _decisive(pair), seeds, _change(answers), *map(_change, etas))
+    return (name, pair.verdict.value.upper(), _decisive(pair), seeds, _change(answers), _change(pays))
 
 
 def _measure_text(comparison: Comparison) -> str:

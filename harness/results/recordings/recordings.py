@@ -153,10 +153,10 @@ class Recordings:
             found |= {cell.id: of[key] for cell in it.cells if (key := (cell.reward.label, cell.seed)) in of}
         return found
 
-    def frames(self, cell: Cell) -> Frames | None:
+    def frames(self, cell: Cell, episode: int = 0) -> Frames | None:
         if not self.records.is_experiment:
             return Frames("recordings that no experiment made hold no policies, so no episode can be played again")
-        return read_frames(self.records.folder, self.records.manifest(cell))
+        return read_frames(self.records.folder, self.records.manifest(cell), episode)
 
     def older_keys(self) -> dict[str, Any]:
         """See `Results`: ``studies``; of recordings that lie loose the keys of the only one stand alone."""

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 SCALE = "1: every success is paid more than every failure; 0.5: no better than a coin; 0: every failure is paid more"
 PROMISE = (
-    "Brackets hold 95% intervals. The words rest on the 98% interval. For each reward by itself they are wrong in "
+    "Brackets hold 95% intervals. A word asks for more than that: for each reward by itself it is wrong in "
     "less than 5 of 100 data sets (docs/statistics-tables.md)"
 )
 

@@ -280,7 +280,7 @@ def _show(group: Mapping[Role, Certificate], scene: Scene) -> Show | None:
     if not shown:
         return None
     sides = tuple(
-        Side(title, "", it.shown.start, scene, (_episode(it),), _period(it.shown)) for title, it in shown.items()
+        Side(title, ("",), (it.shown.start,), scene, (_episode(it),), _period(it.shown)) for title, it in shown.items()
     )
     first = next(iter(shown.values()))
     told = f"{first.place.reward.label}, start {first.shown.start}"

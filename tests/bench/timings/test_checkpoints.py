@@ -73,7 +73,7 @@ def _copy(ring: Ring, path: Path) -> None:
         os.fsync(file.fileno())
 
 
-@pytest.mark.parametrize("algorithm", ["sac", "sac-fast"])
+@pytest.mark.parametrize("algorithm", [pytest.param("sb3-sac", id="sac"), "sac-fast"])
 def test_a_checkpoint_of_a_full_buffer_beside_a_copy(
     tmp_path: Path, require_ratio: Callable[..., None], amount: Callable[[int, int], int], algorithm: str
 ):
@@ -93,7 +93,7 @@ def test_a_checkpoint_of_a_full_buffer_beside_a_copy(
         assert all(np.array_equal(back.columns[column], array) for column, array in full.columns.items())
 
 
-@pytest.mark.parametrize("algorithm", ["sac", "sac-fast", "td3", "ppo", "spg", "dqn", "ddqn", "random", "ik"])
+@pytest.mark.parametrize("algorithm", ["sb3-sac", "sac-fast", "td3", "ppo", "spg", "dqn", "ddqn", "random", "ik"])
 def test_a_checkpoint_takes_two_hundredths_of_a_training_at_most(
     tmp_path: Path, is_timed: bool, amount: Callable[[int, int], int], algorithm: str
 ):

@@ -1,4 +1,4 @@
-"""`harness run --sim mujoco --algo sac`, beside stable-baselines3 alone that does the same trainings."""
+"""`harness run --sim mujoco --algo sb3-sac`, beside stable-baselines3 alone that does the same trainings."""
 
 import sys
 from collections.abc import Callable
@@ -30,11 +30,8 @@ def test_the_default_run_beside_its_bare_trainings(tmp_path: Path, amount, requi
     programs = amount(2, 1)
     bare = sum(measure(sys.executable, "-c", BARE, steps, *range(seeds)).cpu_seconds for _ in range(programs))
     runs = list[Results]()
-    took = cpu_seconds(
-        lambda: runs.append(
-            harness.run(sim="mujoco", algo="sac", seeds=seeds, steps=steps, jobs=programs, out=tmp_path / "run")
-        )
-    )
+    job = {"sim": "mujoco", "algo": "sb3-sac", "reward": "arp", "seeds": seeds, "steps": steps}
+    took = cpu_seconds(lambda: runs.append(harness.run(**job, jobs=programs, out=tmp_path / "run")))
     assert len(runs[0].done) == 2 * seeds
     assert not runs[0].failed
     require_ratio(bare / took, 0.6, f"(bare {bare:.0f} s, run {took:.0f} s of CPU time)")

@@ -48,7 +48,7 @@ LEARNERS = {
     "spg": _learner("spg", num_envs=5, decisions=8, restart=3),
     "sac-fast": _learner("sac-fast", learning_starts=50, buffer_size=130),
     "sac-fast, 3 envs": {**_learner("sac-fast", learning_starts=50, num_envs=3, train_freq=2), "steps": 399},
-    "sac": _learner("sac", learning_starts=50, batch_size=32),
+    "sb3-sac": _learner("sb3-sac", learning_starts=50, batch_size=32),
     "ppo": _learner("ppo", rollout=64, num_envs=2, schedule="linear"),
 }
 """Cells whose trainings leave checkpoints in the middle of episodes."""
@@ -103,7 +103,12 @@ def test_killed_cell_ends_as_if_it_had_not_been(
 @pytest.mark.usefixtures("toys")
 @pytest.mark.parametrize(
     "name",
-    ["spg", "sac-fast", "ppo", *(pytest.param(name, marks=pytest.mark.slow) for name in ("sac-fast, 3 envs", "sac"))],
+    [
+        "spg",
+        "sac-fast",
+        "ppo",
+        *(pytest.param(name, marks=pytest.mark.slow) for name in ("sac-fast, 3 envs", "sb3-sac")),
+    ],
 )
 def test_checkpoints_change_nothing(make_cell: MakeCell, tmp_path: Path, name: str):
     """With checkpoints and without, every file is the same, byte for byte; nothing of them is left in the folder."""

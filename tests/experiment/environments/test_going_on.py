@@ -31,7 +31,7 @@ SMALL = "net_arch=8,batch_size=8,learning_starts=40"
 LEARNERS = {
     "sac-fast": f"sac-fast:{SMALL},buffer_size=90",
     "random, 2 envs": "random:num_envs=2",
-    "sac": f"sac:{SMALL}",
+    "sb3-sac": f"sb3-sac:{SMALL}",
     "her, 2 envs": f"her:{SMALL},num_envs=2",
     "ppo": "ppo:net_arch=8,batch_size=8,rollout=32",
     "spg": "spg:net_arch=8,decisions=9,num_envs=2,restart=3",

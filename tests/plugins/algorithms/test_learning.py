@@ -13,7 +13,7 @@ from harness.results import Results
 
 pytestmark = pytest.mark.slow
 SEEDS = 3
-STEPS = {"sac": 5_000, "td3": 6_000, "ppo": 15_000, "dqn": 4_000, "ddqn": 4_000}
+STEPS = {"sb3-sac": 5_000, "td3": 6_000, "ppo": 15_000, "dqn": 4_000, "ddqn": 4_000}
 """Environment steps, as few as make it clear."""
 
 

@@ -16,7 +16,7 @@ REGISTRY = load_registry()
 SMALL: dict[str, Any] = {"net_arch": (8,), "batch_size": 16, "learning_starts": 40}
 ALGORITHMS: dict[str, dict[str, Any]] = {
     "sac-fast": {**SMALL, "buffer_size": 60},
-    "sac": SMALL,
+    "sb3-sac": SMALL,
     "td3": SMALL,
     "dqn": SMALL,
     "ddqn": SMALL,

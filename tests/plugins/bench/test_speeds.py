@@ -88,7 +88,7 @@ def test_what_is_no_json_is_refused(tmp_path):
     [
         (Entry("simulators", "simulators", "mujoco"), "mujoco, 1 env"),
         (Entry("simulators", "simulators", "mujoco", 1024), "mujoco, 1,024 envs"),
-        (Entry("algorithms", "algorithms", "sac"), "sac"),
+        (Entry("algorithms", "algorithms", "sb3-sac"), "sb3-sac"),
         (Entry("peers", "simulators", "mujoco", peer="PandaReach"), "mujoco beside PandaReach"),
     ],
 )

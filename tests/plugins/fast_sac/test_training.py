@@ -7,10 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+import stable_baselines3
 
 from harness.env import ReachVectorEnv
 from harness.policy import Policy
 from harness.progress import Progress
+from harness_plugins.algorithms.sac import Sac
 from harness_plugins.algorithms.sac_fast import SacFast
 from harness_plugins.fast_sac import training
 from harness_plugins.fast_sac.training import Batch, Learner, Replay
@@ -174,3 +176,37 @@ def test_buffer_is_no_larger_than_the_budget(monkeypatch: pytest.MonkeyPatch):
     train(SacFast(**SMALL), 50)
     train(SacFast(**SMALL, buffer_size=30), 50)
     assert asked == [50, 30]
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {},
+        {"train_freq": 7, "learning_starts": 20},
+        {"num_envs": 4, "train_freq": 5, "gradient_steps": -1},
+        {"train_freq": 10, "gradient_steps": 3, "learning_starts": 30},
+        {"learning_starts": 0},
+    ],
+    ids=str,
+)
+def test_updates_come_when_the_library_makes_them(given: dict[str, Any], monkeypatch: pytest.MonkeyPatch):
+    """After the same decisions, as many each time."""
+    env, made = WatchedEnv(given.get("num_envs", 1)), {Sac: list[int](), SacFast: list[int]()}
+    env.reset(seed=ENV_SEED)
+    start = 0
+
+    def note(_: Any, gradient_steps: int, batch_size: int) -> None:
+        made[Sac] += [env.environment_steps - start] * gradient_steps
+
+    class Noted(Learner):
+        def update(self, batch: Batch) -> Any:
+            made[SacFast].append(env.environment_steps - start)
+            return super().update(batch)
+
+    monkeypatch.setattr(stable_baselines3.SAC, "train", note)
+    monkeypatch.setattr(training, "Learner", Noted)
+    for algorithm in made:
+        start = env.environment_steps
+        algorithm(**SMALL, **given).train(env, 120, 0, Progress())
+    assert made[SacFast]
+    assert made[SacFast] == made[Sac]

@@ -5,7 +5,7 @@ import re
 import pytest
 
 from harness.eta.behaviour_change import Change, Quantity
-from harness.report.figures.forest import REACH, WIDTH, draw_part, draw_strip
+from harness.report.figures.forest import REACH, WIDTH, draw_part, draw_strip, draw_trainings
 
 
 def change(better, low, high, corrected=None):
@@ -62,3 +62,11 @@ def test_a_part_is_a_bar_from_no_change(size, left, width):
 def test_nothing_at_all_can_be_drawn_too():
     """Both parts are 0."""
     assert 'class="bar behaviour"' in draw_part(0.0, 0.0, "behaviour")
+
+
+def test_trainings_have_what_is_better_on_the_right():
+    """Also where less is; where all are the same they stand in the middle."""
+    drawn = [draw_trainings([1.0, 3.0], (1.0, 3.0), better, "baseline") for better in ("higher", "lower")]
+    places = [[float(at) - WIDTH / 2 for at in re.findall(r'cx="([\d.]+)"', svg)] for svg in drawn]
+    assert places == [[-REACH, REACH], [REACH, -REACH]]
+    assert f'cx="{WIDTH / 2:.1f}"' in draw_trainings([2.0], (2.0, 2.0), "higher", "baseline")

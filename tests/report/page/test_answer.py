@@ -25,7 +25,26 @@ def test_a_card_names_what_decided_first(helped):
     assert (card.answer, card.badge, card.lead) == ("HELPS", "helps", helped.lead)
     assert card.rows[0].note == "decides"
     assert card.rows[0].figure.startswith("<svg")
-    assert [row.note for row in card.rows[1:]] == [""] * (len(card.rows) - 1)
+    assert [row.note for row in card.rows[1:]] == ["each training", "each training", ""]
+
+
+def test_every_training_is_a_dot_below_the_measure_that_decides(helped):
+    """A row for either reward, both on one scale; further right is better."""
+    card = card_of(helped, "arp")
+    base, mine = card.rows[1:3]
+    assert [(row.name, row.kind) for row in (base, mine)] == [("baseline", "baseline"), ("arp", "proposed")]
+    places = [[float(at) for at in re.findall(r'cx="([\d.]+)"', row.figure)] for row in (base, mine)]
+    assert [len(at) for at in places] == [6, 6]
+    assert max(places[0]) < min(places[1])
+
+
+def test_steps_that_are_the_same_have_no_interval(build):
+    """Nothing is estimated there: no bar, and one value for both."""
+    (combination,) = build(seeds=3).combinations
+    alike = replace(combination, measured=replace(combination.measured, same_steps=True))
+    assert all(change.difference == 0.0 for change in alike.decisive_changes)
+    rows = [row for row in card_of(alike, "arp").rows if not row.kind]
+    assert all(row.figure == "" and "->" not in row.value for row in rows)
 
 
 def test_a_card_says_how_sure_it_is(helped):
@@ -50,7 +69,7 @@ def test_a_card_without_an_answer_says_why_and_what_would_tell(build):
     card = card_of(combination, "arp")
     assert card.sure.startswith("Fewer than 4 of each reward cannot show anything. If the difference is 5 points of ")
     assert card.sure.endswith(" of each reward would tell.")
-    assert {row.note for row in card.rows} == {""}
+    assert {row.note for row in card.rows if not row.kind} == {""}
 
 
 def _ruled(comparison, ruling):
@@ -86,12 +105,12 @@ def test_parts_of_the_pay_have_their_colours(build):
 
 def test_what_decides_is_marked_and_named(helped):
     """Once; where the answer is mixed, on both sides."""
-    marks = [row.note for row in card_of(helped, "arp").rows]
+    marks = [row.note for row in card_of(helped, "arp").rows if not row.kind]
     assert marks.count("decides") == 1
     mixed = _ruled(helped, replace(helped.answer.ruling, signs=(1, -1), of_measures=(0.001, 0.02)))
     card = card_of(mixed, "arp")
     assert card.answer == "MIXED"
-    assert [row.note for row in card.rows] == ["decides", "decides"]
+    assert [row.note for row in card.rows if not row.kind] == ["decides", "decides"]
     assert (
         "Decided by success and success while training, from 6 trainings of each reward. Luck alone would show such a "
         in (card.sure)

@@ -148,7 +148,7 @@ def test_answer_comes_first(build, write):
     parts = [
         *told,
         "Learning Success rate",
-        "The number Mean return",
+        "The number The pay of an episode",
         "The whole matrix",
         "Cells 6 cells",
         "Repeat it This",
@@ -271,7 +271,9 @@ def test_behaviour_has_its_result(build, write):
     """A measure that differs in every one of six seeds is marked, with its interval and the p-value."""
     page = write(build(seeds=6, reached={"arp": lambda seed: (8,)}))
     assert re.search(
-        r"success rate ↑ higher is better 75\.0 % 25\.0 % \[−\d+\.\d, −\d+\.\d\] pp 0\.0 % 0\.002 worse", page.text
+        r"success rate ↑ higher is better share of episodes that reach the target "
+        r"75\.0 % 25\.0 % \[−\d+\.\d, −\d+\.\d\] pp 0\.0 % 0\.002 worse",
+        page.text,
     )
 
 

@@ -3,6 +3,7 @@
 import csv
 from io import StringIO
 
+from harness.eta.scored_sums import BB, KK
 from harness.report.page.matrix import comparisons_csv, matrix_of
 
 
@@ -40,9 +41,10 @@ def test_table_is_sorted_by_numbers(build):
     """Exact ones; what is not known has none."""
     results = build(seeds=1, baseline=(39, 0))
     (entry,) = matrix_of(results.combinations).entries
-    eta_n, eta_p, *_ = entry.values
-    assert float(eta_n.key) == results.combinations[0].number.eta_n.value
-    assert (eta_p.text, eta_p.key) == ("n/a", "")
+    baseline, proposed, ratio, *_ = entry.values
+    pay = results.combinations[0].number.pay
+    assert [float(it.key) for it in (baseline, proposed)] == [pay.returns[pair].mean for pair in (BB, KK)]
+    assert ratio.key == ("" if pay.ratio.eta.value is None else repr(pay.ratio.eta.value))
 
 
 def test_file_has_a_row_per_comparison(build):

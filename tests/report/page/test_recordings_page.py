@@ -51,8 +51,8 @@ def test_the_order_is_that_of_an_arm(of_two):
     headings = (
         "Behaviour in its last fifth",
         "Success while learning",
-        "Mean return of an episode",
-        "Mean return in its last fifth",
+        "The number The pay of an episode",
+        "Pay of an episode, in its last fifth",
         "Accumulated reward",
     )
     places = [words.index(heading) for heading in headings]

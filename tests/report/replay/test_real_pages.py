@@ -15,7 +15,7 @@ from harness.results import load_results
 pytestmark = pytest.mark.slow
 REWARDS = ["arp", "relative", "dense", "scaled", "potential", "sparse"]
 MATRIX = {"sim": ["kinematic", "mujoco"], "algo": ["random", "ik"], "reward": REWARDS, "seeds": 1, "steps": 300}
-SINGLE = {"sim": "kinematic", "algo": "random", "seeds": 3, "steps": 300}
+SINGLE = {"sim": "kinematic", "algo": "random", "reward": "arp", "seeds": 3, "steps": 300}
 SCREEN = 900
 """Height of the window, [px]."""
 

@@ -42,7 +42,7 @@ def test_ratio_stands_beside_what_it_is_to_be_held_against():
     grid = ratio_grid({"eta_N": split, "eta_P": replace(split, corrected=None)})
     row = ("6.00", "[5.40, 6.60]", "5.00", "[0.900, 1.10]")
     assert grid.rows == [("eta_N", *row, "0.040", "below 1"), ("eta_P", *row, "n/a", "above 1")]
-    assert (grid.title, len(grid.headings)) == ("eta = proposed / baseline", 7)
+    assert (grid.title, len(grid.headings)) == ("proposed / baseline", 7)
 
 
 def test_flags_stand_under_the_ratios():

@@ -16,6 +16,7 @@ from harness.report.figures.race import draw_race
 from harness.report.rows.comparison import question
 from harness.report.rows.race import RaceTold, race_told
 from harness.report.tables.overview import race_lines
+from harness.results.overview import pay_texts
 from harness_plugins.committed.records import write_summary
 from tests.results.in_looks import RACE, Folder, folder_in_looks
 
@@ -66,7 +67,8 @@ def test_the_number_stands_beside_its_ruler(over: Folder):
     """What a reward says of its own trainings decides nothing."""
     rows = {row[0]: row for row in told_of(over).grid.rows}
     assert rows["baseline"][4:] == ("", "")
-    assert rows["arp"][4].startswith("I_P x ")
+    pay = next(it.number.pay for it in over.results.combinations if it.proposed == "arp")
+    assert rows["arp"][4:] == pay_texts(pay)[1:3]
 
 
 def test_rewards_that_are_as_good_are_named_together(make_cell, make_plan, tmp_path: Path):

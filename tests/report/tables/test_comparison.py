@@ -113,8 +113,15 @@ def test_answer_comes_first(build):
     (combination,) = results.combinations
     text = squeezed(printed(results))
     headline = combination.headline
-    words = [headline.robot, "The robot: CANNOT TELL", "The number", headline.number]
-    titles = ["Behaviour of the", "eta = proposed", "eta = ruler x", "I_N + I_P, proposed", "accumulated reward"]
+    words = [headline.robot, "The robot: CANNOT TELL", "The pay of an episode", combination.pay_sentence]
+    titles = [
+        "The note's eta_N",
+        "Behaviour of the",
+        "eta_P: proposed",
+        "eta_P: ruler x",
+        "I_N + I_P, proposed",
+        "accumulated reward",
+    ]
     places = [text.index(squeezed(part)) for part in (*words, *titles)]
     assert places == sorted(places)
 

@@ -23,7 +23,7 @@ def test_every_number_stands_whole(compare, width):
     comparison = compare()
     text = printed(comparison, width)
     squeezed = " ".join(text.split())
-    assert squeezed.index(comparison.number) < squeezed.index("eta = proposed / baseline")
+    assert squeezed.index(comparison.number) < squeezed.index("proposed / baseline")
     splits = comparison.decomposition.splits
     for grid in (ratio_grid(splits), split_grid(splits), index_grid(comparison.decomposition)):
         assert all(value in text for row in grid.rows for value in row[1:])

@@ -4,6 +4,7 @@ import pytest
 from rich.console import Console
 
 from harness.report.tables.overview import overview_table
+from harness.results.overview import pay_texts
 from tests.report.conftest import MIXTURE
 from tests.report.tables.test_comparison import CASES, squeezed
 
@@ -48,8 +49,10 @@ def test_one_reward_on_several_simulators_is_named_by_them(build):
 def test_intervals_stand_where_there_is_room(build):
     """At 120 columns; at 60 the lines would be broken."""
     results = build()
-    assert "0.843 [.82, .86]" in printed(results, 120)
-    assert "0.843  " in printed(results, 60)
+    (told, _, _) = pay_texts(results.combinations[0].number.pay, with_intervals=True)[1:]
+    assert " [" in told
+    assert told in printed(results, 120)
+    assert told not in printed(results, 60)
 
 
 def test_a_single_comparison_is_told_in_sentences(build):
@@ -57,7 +60,7 @@ def test_a_single_comparison_is_told_in_sentences(build):
     (combination,) = (results := build()).combinations
     text = squeezed(printed(results))
     assert squeezed(combination.headline.robot) in text
-    assert squeezed(combination.headline.number) in text
+    assert squeezed(combination.pay_sentence) in text
     assert "fewest trainings: harness run" in text
     assert "fewest trainings" not in printed(build(proposed=REWARDS))
 

@@ -1,0 +1,53 @@
+"""Recordings of an env whose every number is known."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness.recorder.record_rewards import RecordRewards
+from tests.recorder.conftest import Counting
+
+Recorded = RecordRewards[Any, Any]
+
+
+@pytest.fixture(autouse=True)
+def written_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every step is on the disk when it has been taken, and a part is full after 16."""
+    monkeypatch.setattr("harness.record.recording.recording_writer.SOONEST", 0.0)
+    monkeypatch.setattr("harness.record.recording.recording_writer.LARGEST_SHARE", 1e9)
+    for module in ("recording_writer", "recorded_training"):
+        monkeypatch.setattr(f"harness.record.recording.{module}.PART_ROWS", 16)
+
+
+@pytest.fixture
+def record(tmp_path: Path) -> Iterator[Callable[..., Recorded]]:
+    """Get an env that records into a folder. Its episodes have three steps, pay 6, half by each term, and succeed."""
+    made: list[Recorded] = []
+
+    def make(name: str = "runs/one", reward: str = "counted", **told: Any) -> Recorded:
+        rewards = {reward: {"left": "left", "again": "left"}}
+        given = {"behaviour": {"success": "final"}, "seed": 0, "pay": True, **told}
+        env = RecordRewards(Counting(), tmp_path / name, trained_with=reward, rewards=rewards, **given)
+        env.reset(seed=0)
+        made.append(env)
+        return env
+
+    yield make
+    for env in made:
+        env.close()
+
+
+@pytest.fixture
+def step() -> Callable[[Recorded, int], None]:
+    """Take steps in an env; an episode that ends is followed by the next."""
+
+    def take(env: Recorded, count: int) -> None:
+        for _ in range(count):
+            _, _, terminated, truncated, _ = env.step(np.zeros(1, np.float32))
+            if terminated or truncated:
+                env.reset()
+
+    return take

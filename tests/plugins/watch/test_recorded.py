@@ -1,0 +1,98 @@
+"""What is read of a recording while it is written, and of a trace."""
+
+import numpy as np
+
+from harness.record.recording.recorded_training import read_recording
+from harness.results.recordings.episodes import episodes_of
+from harness_plugins.watch import recorded
+from harness_plugins.watch.recorded import OpenEpisodes, Recording
+
+
+def test_episodes_are_seen_as_they_end(record, step):
+    """Pay, success and terms of each; an episode that is under way is none."""
+    env = record()
+    step(env, 8)
+    recording = Recording(env._recorder._writer.folder)
+    recording.look()
+    assert recording.steps == 8
+    assert recording.blocks.terms == ("left", "again")
+    assert recording.blocks.steps.tolist() == [3, 6]
+    np.testing.assert_array_equal(recording.blocks.means, [[6.0, 1.0, 3.0, 3.0]] * 2)
+    step(env, 1)
+    recording.look()
+    assert recording.blocks.steps.tolist() == [3, 6, 9]
+
+
+def test_it_says_what_the_whole_recording_says(record, step):
+    """Whatever lay between two looks, parts that became full too."""
+    env = record()
+    recording = Recording(env._recorder._writer.folder)
+    for count in (1, 14, 2, 33, 16, 5):
+        step(env, count)
+        recording.look()
+    whole = episodes_of(read_recording(recording.folder))
+    assert recording.blocks.episodes.sum() == len(whole.last) == 71 // 3
+    assert recording.blocks.steps.tolist() == (whole.last + 1).tolist()
+    np.testing.assert_array_equal(recording.blocks.means[:, 0], whole.returns["counted"])
+    np.testing.assert_array_equal(recording.blocks.means[:, 1], whole.behaviour["success"])
+
+
+def test_a_full_part_is_read_once(record, step, monkeypatch):
+    """However often somebody looks: of 5 parts the last one alone is read again, and nothing if nothing is new."""
+    env = record()
+    step(env, 70)
+    read, read_part = [], recorded.read_part
+    monkeypatch.setattr(recorded, "read_part", lambda path, *told: read.append(path) or read_part(path, *told))
+    recording = Recording(env._recorder._writer.folder)
+    recording.look()
+    assert len(read) == 5
+    recording.look()
+    assert len(read) == 5
+    step(env, 1)
+    recording.look()
+    assert len(read) == 6
+
+
+def test_several_recorders_are_one_training(record, step):
+    """Their episodes in the order of time; steps are counted over all of them."""
+    envs = [record(number=number) for number in range(2)]
+    for env in envs:
+        step(env, 6)
+    recording = Recording(envs[0]._recorder._writer.folder)
+    recording.look()
+    assert recording.steps == 12
+    assert recording.blocks.steps.tolist() == [6, 6, 12, 12]
+
+
+def test_who_records_is_seen(record, step):
+    """As long as the env is open."""
+    env = record()
+    step(env, 3)
+    recording = Recording(env._recorder._writer.folder)
+    assert recording.is_open
+    env.close()
+    recording.look()
+    assert not recording.is_open
+    assert recording.facts.closed
+
+
+def test_sums_do_not_depend_on_pieces():
+    """Of random episodes of three envs: by hand, for every length of a piece."""
+    rng = np.random.default_rng(3)
+    env = rng.integers(0, 3, 500)
+    ends = rng.random(500) < 0.1
+    number = np.zeros(3, np.int64)
+    episode = np.empty(500, np.int64)
+    for row in range(500):
+        episode[row] = number[env[row]]
+        number[env[row]] += ends[row]
+    values, keys = rng.normal(size=(500, 2)), env << 32 | episode
+    expected = [values[(keys == keys[row]) & (np.arange(500) <= row)].sum(axis=0) for row in np.flatnonzero(ends)]
+    for size in (1, 7, 500):
+        now, found = OpenEpisodes.none(2), []
+        for begin in range(0, 500, size):
+            part = slice(begin, begin + size)
+            now, _, sums = now.after(keys[part], values[part], ends[part])
+            found += [*sums]
+        np.testing.assert_allclose(found, expected)
+        assert len(now.keys) <= 3
