@@ -18,8 +18,8 @@ class WatchCallback(BaseCallback):
     """Records every step that a model of stable-baselines3 learns from, and shows the training in the browser.
 
     It reads what the learner is given, and wraps nothing: the script stays as it is. Where ``VecNormalize`` normalises,
-    it records what stands inside of that. `harness.RecordRewards` says what a reward and a measure may be, and records
-    more: what the first observations of later episodes were told with, and actions, so that films can be made.
+    it records what stands inside of that. `harness.RecordRewards` says what a reward and a measure may be; it records
+    actions too, so that episodes can be played again.
     """
 
     def __init__(
@@ -41,12 +41,20 @@ class WatchCallback(BaseCallback):
             names: Further arguments of `harness.RecordVectorRewards`, such as `lower_is_better`.
         """
         super().__init__()
-        self._path, self._seen, self._recorded = path, None, False
-        self._asked = {"trained_with": "own", "rewards": rewards or {}, "behaviour": behaviour, "watch": watch, **names}
+        self._path, self._recorded = path, False
+        self._seen: _Seen | None = None
+        self._recorder: RecordVectorRewards | None = None
+        self._asked: dict[str, Any] = {
+            "trained_with": "own",
+            "rewards": rewards or {},
+            "behaviour": behaviour,
+            "watch": watch,
+            **names,
+        }
 
     def _on_training_start(self) -> None:
         norm = self.model.get_vec_normalize_env()
-        first = self.model._last_obs if norm is None else norm.get_original_obs()  # noqa: SLF001 -- no other way
+        first = self.model._last_obs if norm is None else norm.get_original_obs()
         self._seen = _Seen(self.training_env if norm is None else norm.venv, norm, first)
         asked = {"seed": self.model.seed, "resume": self._recorded, **self._asked}
         self._recorder, self._recorded = RecordVectorRewards(self._seen, self._path, **asked), True
@@ -54,12 +62,14 @@ class WatchCallback(BaseCallback):
 
     def _on_step(self) -> bool:
         assert self._seen is not None
+        assert self._recorder is not None
         self._seen.look(self.locals)
         self._recorder.step(self.locals.get("clipped_actions", self.locals["actions"]))
         return True
 
     def _on_training_end(self) -> None:
-        self._recorder.close()
+        if self._recorder is not None:
+            self._recorder.close()
 
 
 class _Seen(VectorEnv[Any, Any, Any]):

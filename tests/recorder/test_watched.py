@@ -12,6 +12,7 @@ from harness.recorder import recorder, watched
 
 @pytest.fixture
 def started(monkeypatch):
+    """The processes that were started."""
     processes = []
 
     def start(folder):
@@ -23,6 +24,7 @@ def started(monkeypatch):
 
 
 def record(folder, **more):
+    """CartPole, recorded."""
     env = gymnasium.make("CartPole-v1")
     return RecordRewards(env, folder, trained_with="own", rewards={}, **more)
 

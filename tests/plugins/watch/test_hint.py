@@ -16,10 +16,12 @@ from tests.plugins.watch.cases.table import CASES
 
 @pytest.fixture
 def rng():
+    """The same numbers in each test."""
     return np.random.default_rng(0)
 
 
 def blocks_of(pay, behaviour, steps=None):
+    """Of episodes."""
     numbers = np.column_stack([pay, behaviour]).astype(float)
     return Blocks.none().followed_by(100 * np.arange(1, len(numbers) + 1) if steps is None else steps, numbers).listed
 
@@ -118,6 +120,7 @@ def test_error_over_all_looks_is_at_most_what_is_promised(kind):
 
 
 def recorded():
+    """Each kept training: case, steps, pay, behaviour."""
     rows = {name: np.array(column) for name, column in pq.read_table(KEPT).to_pydict().items()}
     for case in CASES:
         for seed in np.unique(rows["seed"][rows["case"] == case.name]):

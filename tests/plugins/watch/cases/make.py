@@ -32,7 +32,11 @@ def train(case: Case, folder: Path) -> None:
     """Train a case with the seeds that are not there."""
     if case.learner not in LEARNERS:
         kind = "cartpole" if case.world == "cartpole" else "arm"
-        where = ["--task", "gymnasium:id=CartPole-v1"] if kind == "cartpole" else ["--task", case.world, "--sim", "kinematic"]
+        where = (
+            ["--task", "gymnasium:id=CartPole-v1"]
+            if kind == "cartpole"
+            else ["--task", case.world, "--sim", "kinematic"]
+        )
         files = [AUDIT / kind / "rewards.py", *([HERE / kind / "behaviour.py"] if kind == "cartpole" else [])]
         call = [
             sys.executable, "-m", "harness", "run", *where, "--algo", case.learner, "--reward", case.reward,

@@ -5,7 +5,6 @@
 
 import sys
 from collections.abc import Callable, Mapping
-from functools import partial
 
 import numpy as np
 from scipy import stats
