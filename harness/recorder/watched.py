@@ -14,7 +14,7 @@ threading.Thread(target=end_with_parent, daemon=True).start()
 getattr(os, "nice", int)(10)
 runpy.run_module("harness", run_name="__main__", alter_sys=True)
 """
-"""``python -m harness``, until its standard input ends: then whoever held it has closed the recording, or was killed."""
+"""``python -m harness``, until its standard input ends: whoever held it was killed, or has closed the recording."""
 
 
 def start_watching(folder: Path) -> "subprocess.Popen[bytes]":

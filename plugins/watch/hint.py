@@ -16,7 +16,11 @@ MOST = 64
 """Blocks of a training, at most."""
 
 ERROR = 0.05
-"""Of trainings in which pay does not rise or behaviour does not fall, at most this share ever has a hint."""
+"""Of trainings in which pay does not rise or behaviour does not fall, at most this share ever has a hint.
+
+In simulations none of 440 had one. That holds where chance hits each episode anew: where nine tenths of a deviation
+stay to the next episode, 5 of 40 have a hint, of success 17 of 40 (`tests.plugins.watch.cases.nulls`).
+"""
 WIDTHS = (4, 8, 16)
 """Blocks of the windows that are compared."""
 LEAST_SHARE = 0.1
@@ -179,8 +183,8 @@ class _Series:
     def surprise(self, pair: _Pair) -> float:
         """Of a rise, in nats, -log p of a t test.
 
-        The error of a window's mean is the largest of three: from block to block in both windows, from block to block in
-        the whole training, which no calm window hides, and within blocks. What neighbours differ by is taken, so that
+        The error of a window's mean is the largest of three: from block to block in both windows, from block to block
+        in the whole training, which no calm window hides, and within blocks. What neighbours differ by is taken, so that
         a drift is no error; how alike they are makes it larger.
         """
         windows = self.means[pair.earlier], self.means[pair.later]

@@ -44,11 +44,11 @@ class Case:
     Attributes:
         half: ``tune`` or ``held``.
         is_hacked: Whether the reward pays something else more than its task.
-        world: A key of `WORLDS`, or a task of an arm.
+        world: A key of `WORLDS`.
         reward: Its name.
-        learner: A key of `plain.LEARNERS`, or an algorithm of the harness.
+        learner: A key of `plain.LEARNERS`.
         steps: Environment steps of each training.
-        given: The reward, where a plain learner trains.
+        given: The reward.
     """
 
     half: str
@@ -67,7 +67,7 @@ class Case:
     @property
     def measure(self) -> str:
         """Name of the behaviour."""
-        return WORLDS[self.world][1] if self.world in WORLDS else "success"
+        return WORLDS[self.world][1]
 
     @property
     def lower_is_better(self) -> bool:
@@ -75,30 +75,24 @@ class Case:
         return self.measure in LOWER_IS_BETTER
 
 
-ARM, SMALL = "fd100-reach", "fd100-small-target:epsilon=0.025"
 CASES = (
     Case("tune", True, "coins again", "own", "q-table", 40_000),
     Case("tune", True, "cartpole", "still", "reinforce", 20_000, worlds.still),
-    Case("tune", True, "cartpole", "steady", "ppo", 20_480),
     Case("tune", True, "pendulum", "lively", "cross-entropy", 60_000, lively),
     Case("tune", True, "acrobot", "high", "reinforce", 40_000, worlds.high),
-    Case("tune", True, ARM, "hover", "sac-fast", 10_000),
     Case("held", True, "coins locked", "own", "q-table", 40_000),
     Case("held", True, "coins sometimes", "own", "q-table", 40_000),
     Case("held", True, "cartpole", "steady", "reinforce", 20_000, steady),
     Case("held", True, "reacher", "away", "cross-entropy", 30_000, worlds.away),
     Case("held", True, "docking", "hurry", "cross-entropy", 40_000, SHIP["hurry"]),
     Case("held", True, "pole", "idle", "cross-entropy", 10_000, worlds.idle),
-    Case("held", True, ARM, "leak", "sac-fast", 10_000),
     Case("tune", False, "coins once", "own", "q-table", 40_000),
     Case("tune", False, "taxi", "own", "q-table", 60_000),
     Case("tune", False, "cartpole", "centred", "reinforce", 40_000, centred),
     Case("tune", False, "pendulum", "tiny", "cross-entropy", 60_000, tiny),
-    Case("tune", False, ARM, "dense", "sac-fast", 10_000),
     Case("held", False, "cliff", "own", "q-table", 40_000),
     Case("held", False, "acrobot", "own", "reinforce", 40_000),
     Case("held", False, "reacher", "near", "cross-entropy", 30_000, near),
     Case("held", False, "docking", "shaped", "cross-entropy", 40_000, SHIP["shaped"]),
     Case("held", False, "pole", "alive", "cross-entropy", 20_000, worlds.alive),
-    Case("held", False, ARM, "gentle", "sac-fast", 10_000),
 )
