@@ -184,8 +184,8 @@ class _Series:
         """Of a rise, in nats, -log p of a t test.
 
         The error of a window's mean is the largest of three: from block to block in both windows, from block to block
-        in the whole training, which no calm window hides, and within blocks. What neighbours differ by is taken, so that
-        a drift is no error; how alike they are makes it larger.
+        in the whole training, which no calm window hides, and within blocks. What neighbours differ by is taken, so
+        that a drift is no error; how alike they are makes it larger.
         """
         windows = self.means[pair.earlier], self.means[pair.later]
         near = float(np.mean([np.mean(np.diff(it) ** 2) for it in windows]))

@@ -15,6 +15,7 @@ LEAN = {"lean": lambda step: abs(float(step.observation[2]))}
 
 
 def recorded(folder):
+    """A recording, and its rows."""
     training = read_recording(Path(folder))
     return training, training.rows(training.names)
 

@@ -50,7 +50,9 @@ def reinforce(env, steps, seed):
             returns.append(_returns(pay))
         together = np.concatenate(returns)
         scaled = [(it - together.mean()) / (together.std() + 1e-8) for it in returns]
-        gradient = sum(rows.T @ (acts * it[:, None]) for (rows, acts), it in zip(gradients, scaled)) / len(together)
+        gradient = sum(rows.T @ (acts * it[:, None]) for (rows, acts), it in zip(gradients, scaled, strict=True)) / len(
+            together
+        )
         updates, mean, square = updates + 1, 0.9 * mean + 0.1 * gradient, 0.999 * square + 0.001 * gradient**2
         weights += 0.05 * (mean / (1 - 0.9**updates)) / (np.sqrt(square / (1 - 0.999**updates)) + 1e-8)
 
