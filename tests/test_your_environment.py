@@ -43,12 +43,19 @@ def _recorded(folder: Path, path: str) -> Any:
 
 def test_every_example_is_run():
     """None is forgotten here."""
-    assert len(EXAMPLES) == 8
+    assert len(EXAMPLES) == 9
 
 
 def test_first_example_is_short():
     """A training is recorded in few lines."""
-    assert len([line for line in EXAMPLES[0].splitlines() if line.strip()]) <= 17
+    assert len([line for line in EXAMPLES[1].splitlines() if line.strip()]) <= 17
+
+
+def test_training_is_shown_by_two_lines(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """A callback records what a wrapper would."""
+    pytest.importorskip("stable_baselines3")
+    _run(tmp_path, monkeypatch, "WatchCallback", **{'"Pendulum-v1", seed=0': '"Pendulum-v1", n_steps=64, seed=0'})
+    assert len(_recorded(tmp_path, "runs/seen")["step"]) == STEPS
 
 
 def test_first_training_is_recorded_and_read(

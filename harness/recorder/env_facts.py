@@ -111,6 +111,7 @@ class Asked:
     after: int = 0
     steps_asked: int = 0
     episodes_asked: int = 0
+    watch: bool = False
 
     def __post_init__(self) -> None:
         if self.on_error not in {"warn", "raise"}:

@@ -81,6 +81,7 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         after: int = 0,
         steps_asked: int = 0,
         episodes_asked: int = 0,
+        watch: bool = False,
     ) -> None:
         """Check what was given, and start the recording.
 
@@ -113,6 +114,8 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
             steps_asked: Environment steps that the whole training is to take, over all envs that record into `path`.
                 Reports tell of a training that took fewer, and do not compare it. 0: not known.
             episodes_asked: The same of an evaluation: its episodes.
+            watch: Show it while it goes on: ``harness watch`` in another process, which says its address. It ends with
+                the recording. Of several envs that record into `path` number 0 starts it.
 
         Raises:
             UsageError: Something of that cannot be used, or `path` holds another recording.
@@ -123,7 +126,7 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         asked = Asked(
             path, trained_with, rewards, behaviour or {}, lower_is_better, seed, evaluation, pay, number, resume,
             on_error, bounds=bounds or {}, learners=learners, horizon=horizon,
-            acted=acted, after=after, steps_asked=steps_asked, episodes_asked=episodes_asked,
+            acted=acted, after=after, steps_asked=steps_asked, episodes_asked=episodes_asked, watch=watch,
         )  # fmt: skip
         self._recorder = Recorder(env, asked, num_envs=1, actions=action_facts(env.action_space))
         self._columns, self._guard = self._recorder.columns, self._recorder.guard

@@ -272,6 +272,7 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         on_error: OnError = "warn",
         steps_asked: int = 0,
         episodes_asked: int = 0,
+        watch: bool = False,
     ) -> None:
         """Check what was given, and start the recording; see `harness.recorder.record_rewards.RecordRewards`.
 
@@ -292,6 +293,7 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
             on_error: ``"warn"``, or ``"raise"`` to stop the training where a reward or a measure fails.
             steps_asked: Environment steps that the whole training is to take, over all envs; 0: not known.
             episodes_asked: Of an evaluation, its episodes; 0: not known.
+            watch: Show it in the browser while it goes on.
 
         Raises:
             UsageError: Something of that cannot be used, or `path` holds another recording.
@@ -303,6 +305,7 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         asked = Asked(
             path, trained_with, rewards, behaviour or {}, lower_is_better, seed, evaluation, pay, number, resume,
             on_error, batched, bounds or {}, steps_asked=steps_asked, episodes_asked=episodes_asked,
+            watch=watch,
         )  # fmt: skip
         self._recorder = Recorder(env, asked, env.num_envs, _action_facts(env))
         self._guard = self._recorder.guard

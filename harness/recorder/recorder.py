@@ -20,6 +20,7 @@ from harness.recorder.column import Column, made_columns, source_of
 from harness.recorder.env_facts import Asked, env_facts, normalises, versions_of
 from harness.recorder.guard import Asking, Guard, Raised
 from harness.recorder.trial import Finding, Trial
+from harness.recorder.watched import start_watching
 from harness.recorder.wrapped import tell_wrapped_pay
 from harness.reward.given import OWN
 from harness.text import visible
@@ -109,6 +110,7 @@ class Recorder:
         self.with_terms: tuple[int, ...] | None = None
         if self.next_time:
             self._know_terms(self._writer.facts.terms)
+        self._page = start_watching(self._path) if asked.watch and not asked.number else None
 
     def learn_terms(self) -> None:
         """Note which terms the rewards have paid for the first step: they are those of all steps."""
@@ -284,6 +286,13 @@ class Recorder:
         except OSError:
             if not was_stopped:
                 raise
+        finally:
+            self._end_page()
+
+    def _end_page(self) -> None:
+        if self._page is not None:
+            self._page.terminate()  # forks of this process may hold its standard input, which else would end it
+            self._page.communicate()
 
     def _unwritten(self, error: OSError) -> tuple[str, str, OSError]:
         return f"'{self._path}' cannot be written: {error.strerror or error}", "Nothing more is recorded", error

@@ -14,10 +14,12 @@ if TYPE_CHECKING:
     from .policies import categorical, deterministic, gaussian, greedy, squashed_gaussian
     from .training import train
     from .vec_env import VecEnvAdapter
+    from .watch_callback import WatchCallback
 
 __all__ = [
     "ProgressCallback",
     "VecEnvAdapter",
+    "WatchCallback",
     "bare_training",
     "categorical",
     "deterministic",
@@ -35,6 +37,7 @@ _HOMES = {
     **dict.fromkeys(_POLICIES, "harness_plugins.sb3.policies"),
     "ProgressCallback": "harness_plugins.sb3.callback",
     "VecEnvAdapter": "harness_plugins.sb3.vec_env",
+    "WatchCallback": "harness_plugins.sb3.watch_callback",
     "bare_training": "harness_plugins.sb3.bare",
     "train": "harness_plugins.sb3.training",
 }

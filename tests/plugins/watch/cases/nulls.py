@@ -1,0 +1,79 @@
+"""How often a hint appears at any look where pay does not rise, or behaviour does not fall.
+
+``python -m tests.plugins.watch.cases.nulls [TRAININGS]`` prints a line for each kind of training.
+"""
+
+import sys
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from scipy import stats
+from scipy.signal import lfilter
+
+from harness.record.blocks import Blocks
+from harness_plugins.watch.hint import hint_of
+
+EPISODES = 500
+Pair = tuple[np.ndarray, np.ndarray]
+
+
+def _noise(rng: np.random.Generator, stays: float = 0.0) -> np.ndarray:
+    """Of variance 1; so much of it stays to the next episode, (EPISODES,)."""
+    drawn = rng.normal(size=EPISODES) * np.sqrt(1.0 - stays**2)
+    drawn[0] /= np.sqrt(1.0 - stays**2)
+    return lfilter([1.0], [1.0, -stays], drawn)
+
+
+def _shares(rng: np.random.Generator, chance: np.ndarray | float, stays: float = 0.0) -> np.ndarray:
+    """Zeros and ones."""
+    return (stats.norm.cdf(_noise(rng, stays)) < chance).astype(float)
+
+
+RISE = np.linspace(0.0, 1.0, EPISODES)
+NULLS: Mapping[str, Callable[[np.random.Generator], Pair]] = {
+    "nothing happens": lambda rng: (_noise(rng), _noise(rng)),
+    "nothing happens, success": lambda rng: (_noise(rng), _shares(rng, 0.5)),
+    "pay rises": lambda rng: (5.0 * RISE + _noise(rng), _noise(rng)),
+    "pay rises, success 50 %": lambda rng: (5.0 * RISE + _noise(rng), _shares(rng, 0.5)),
+    "pay rises, success 3 %": lambda rng: (5.0 * RISE + _noise(rng), _shares(rng, 0.03)),
+    "pay jumps, success 90 %": lambda rng: (5.0 * (RISE > 0.3) + _noise(rng), _shares(rng, 0.9)),
+    "pay rises, heavy tails": lambda rng: (5.0 * RISE + _noise(rng), rng.standard_t(2.5, EPISODES)),
+    "behaviour falls": lambda rng: (_noise(rng), _shares(rng, 0.9 - 0.8 * RISE)),
+    "both rise": lambda rng: (5.0 * RISE + _noise(rng), _shares(rng, 0.1 + 0.8 * RISE)),
+    "both fall": lambda rng: (-5.0 * RISE + _noise(rng), _shares(rng, 0.9 - 0.8 * RISE)),
+    "pay rises, noise stays 0.5": lambda rng: (5.0 * RISE + _noise(rng), _noise(rng, 0.5)),
+    "pay rises, noise stays 0.9": lambda rng: (5.0 * RISE + _noise(rng), _noise(rng, 0.9)),
+    "pay rises, success stays 0.9": lambda rng: (5.0 * RISE + _noise(rng), _shares(rng, 0.5, 0.9)),
+    "pay rises, noise stays 0.98": lambda rng: (5.0 * RISE + _noise(rng), _noise(rng, 0.98)),
+}
+"""Pay and behaviour of episodes, by what they are."""
+
+
+def has_hint(pay: np.ndarray, behaviour: np.ndarray) -> bool:
+    """Whether a look after any block shows a hint."""
+    blocks = Blocks.none()
+    numbers, steps = np.column_stack([pay, behaviour]), 100 * np.arange(1, len(pay) + 1)
+    for begin in range(0, len(pay), 2):
+        blocks = blocks.followed_by(steps[begin : begin + 2], numbers[begin : begin + 2])
+        if blocks.episodes[-1] == blocks.episodes[0] and hint_of(blocks.listed, lower_is_better=False):
+            return True
+    return False
+
+
+def count_hints(kind: str, trainings: int, seed: int = 0) -> int:
+    """Of so many trainings of a kind, those that ever have a hint."""
+    rng = np.random.default_rng([seed, list(NULLS).index(kind)])
+    return sum(has_hint(*NULLS[kind](rng)) for _ in range(trainings))
+
+
+def main(trainings: int) -> None:
+    """Print the share of each kind, with a 95 % interval."""
+    for kind in NULLS:
+        hints = count_hints(kind, trainings)
+        low, high = stats.binomtest(hints, trainings).proportion_ci()
+        sys.stdout.write(f"{kind}: {hints} of {trainings}, {low:.1%} to {high:.1%}\n")
+        sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main(int((sys.argv[1:] or ["200"])[0]))
