@@ -271,7 +271,7 @@ def _untold(names: Names, deciding: Sequence[Compared], ruling: Ruling, answer: 
 
 
 def _neither_learns(names: Names, deciding: Sequence[Compared], ruling: Ruling, there: str) -> str:
-    """That both fail at the task, and whether a test tells them apart all the same."""
+    """A sentence that both fail at the task, and whether a test tells them apart all the same."""
     sure = " (95%)" * _certainly_fail(deciding[0])
     told = f"Neither reward teaches the task{there}: success is {below_text(deciding[0])}{sure}."
     if not ruling.is_decided:

@@ -99,7 +99,7 @@ def _decided(answer: Answer, deciding: Sequence[Compared], ruling: Ruling, subje
 
 
 def _neither_learns(deciding: Sequence[Compared], ruling: Ruling, where: str) -> str:
-    """That both fail at the task, then what differs all the same."""
+    """The sentence that both fail at the task, then what differs all the same."""
     lines = [f"Success is {below_text(deciding[0])}{_there(where)}."]
     if ruling.is_decided:
         lines.append(f"A test tells the rewards apart all the same. {_sides(deciding, ruling, where)}")
