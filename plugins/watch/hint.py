@@ -16,7 +16,7 @@ MOST = 64
 """Blocks of a training, at most."""
 
 ERROR = 0.05
-"""Of trainings in which pay does not rise or behaviour does not fall, at most this share ever has a hint.
+"""At most this share of trainings in which pay does not rise or behaviour does not fall ever has a hint.
 
 In simulations none of 440 had one. That holds where chance hits each episode anew: where nine tenths of a deviation
 stay to the next episode, 5 of 40 have a hint, of success 17 of 40 (`tests.plugins.watch.cases.nulls`).
@@ -24,9 +24,9 @@ stay to the next episode, 5 of 40 have a hint, of success 17 of 40 (`tests.plugi
 WIDTHS = (4, 8, 16)
 """Blocks of the windows that are compared."""
 LEAST_SHARE = 0.1
-"""Of success: a smaller fall does not matter."""
+"""A smaller fall of success does not matter."""
 LEAST_OF_RANGE = 0.2
-"""The same, as a share of the range of all blocks."""
+"""A fall by less than this share of the range of all blocks does not matter."""
 
 
 @dataclass(frozen=True)
@@ -146,7 +146,7 @@ class _Series:
 
     @classmethod
     def of(cls, blocks: Sequence[Block], numbers: Sequence[tuple[float, float]]) -> Self:
-        """Of the mean and the spread of each block."""
+        """A series of the mean and the spread of each block."""
         means, spreads = np.array(numbers).reshape(-1, 2).T
         episodes = np.array([it.episodes for it in blocks], float)
         squares = np.nan_to_num(spreads) ** 2
@@ -161,27 +161,27 @@ class _Series:
 
     @cached_property
     def range(self) -> float:
-        """From the least to the greatest mean."""
+        """The greatest mean less the least."""
         return float(np.ptp(self.means)) if len(self.means) else 0.0
 
     def means_of(self, pair: _Pair) -> tuple[float, float]:
-        """Of the earlier window and of the later one."""
+        """The mean of the earlier window and of the later one."""
         sums, width = self.sums, pair.width
         first, last = sums[pair.begin + width] - sums[pair.begin], sums[pair.last + width] - sums[pair.last]
         return first / width, last / width
 
     @cached_property
     def sums(self) -> list[float]:
-        """Of the means before each block, and of all."""
+        """Sums of the means before each block, and of all."""
         return [0.0, *np.cumsum(self.means).tolist()]
 
     def rise(self, pair: _Pair) -> float:
-        """From the earlier window to the later one."""
+        """The later window less the earlier one."""
         before, now = self.means_of(pair)
         return now - before
 
     def surprise(self, pair: _Pair) -> float:
-        """Of a rise, in nats, -log p of a t test.
+        """The surprise of a rise, in nats: -log p of a t test.
 
         The error of a window's mean is the largest of three: from block to block in both windows, from block to block
         in the whole training, which no calm window hides, and within blocks. What neighbours differ by is taken, so
