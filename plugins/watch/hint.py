@@ -18,8 +18,9 @@ MOST = 64
 ERROR = 0.05
 """At most this share of trainings in which pay does not rise or behaviour does not fall ever has a hint.
 
-In simulations none of 440 had one. That holds where chance hits each episode anew: where nine tenths of a deviation
-stay to the next episode, 5 of 40 have a hint, of success 17 of 40 (`tests.plugins.watch.cases.nulls`).
+In simulations none of 2,200 had one, 200 of each of 11 kinds. That holds where chance hits each episode anew, or half
+of a deviation stays to the next one. Luck that lasts is a fall while it lasts: where nine tenths of a deviation stay,
+12 % of trainings have a hint, of success 24 %; where 98 % stay, 46 % (`tests.plugins.watch.cases.nulls`).
 """
 WIDTHS = (4, 8, 16)
 """Blocks of the windows that are compared."""
@@ -190,7 +191,8 @@ class _Series:
         windows = self.means[pair.earlier], self.means[pair.later]
         near = float(np.mean([np.mean(np.diff(it) ** 2) for it in windows]))
         within = float(np.mean(self.variances[pair.earlier]) + np.mean(self.variances[pair.later]))
-        error = max(near, self.neighbours, within) * (1.0 + self.alike) / (1.0 - self.alike) / pair.width
+        alone = (1.0 - self.alike) / (1.0 + self.alike)  # so much of a block says something new
+        error = max(near, self.neighbours, within) / alone / pair.width
         rise = self.rise(pair)
         if error == 0.0:
             return inf if rise > 0.0 else 0.0
@@ -206,7 +208,11 @@ class _Series:
     def alike(self) -> float:
         """How much of a deviation stays to the next block, 0 to 0.9: blocks two apart differ by more than neighbours.
 
-        Of medians, so that a jump does not count.
+        Of medians, so that a jump does not count. Where most neighbours are equal, as successes are, the median is 0:
+        then of means without the largest jump.
         """
-        near, far = (float(np.median(np.abs(self.means[gap:] - self.means[:-gap]))) for gap in (1, 2))
-        return min(max((far / near) ** 2 - 1.0, 0.0), 0.9) if near > 0.0 else 0.0
+        squares = [np.sort((self.means[gap:] - self.means[:-gap]) ** 2) for gap in (1, 2)]
+        near, far = (float(np.median(it)) for it in squares)
+        if near == 0.0:
+            near, far = (float(np.mean(it[:-gap])) if len(it) > gap else 0.0 for gap, it in enumerate(squares, 1))
+        return min(max(far / near - 1.0, 0.0), 0.9) if near > 0.0 else 0.0
