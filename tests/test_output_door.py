@@ -23,6 +23,8 @@ ALLOWED: Mapping[tuple[str, str], str] = {
     ("harness/experiment/workers/worker.py", "sys.stderr"): "flushes it, which is the worker's log",
     ("harness/experiment/workers/worker.py", "faulthandler"): "writes a stack of Python into the worker's log",
     ("harness/experiment/trials/tried_plan.py", "faulthandler"): "writes a stack of Python into the worker's log",
+    ("harness/recorder/watched.py", "sys.stdout"): "asks whether it is a terminal, where a browser may be opened",
+    ("harness/recorder/watched.py", "subprocess"): "harness watch, whose lines go through its own door",
     ("plugins/kit/unity_player/__main__.py", "sys.stdout"): "a program of its own, whose output is a log",
     ("plugins/kit/unity_player/__main__.py", "sys.stderr"): "a program of its own, whose output is a log",
     ("plugins/tune/outcomes.py", "traceback.print_exc"): "in a worker, whose standard error is its log",

@@ -220,7 +220,7 @@ def _of_payoffs(scripts: OfScripts) -> Iterator[RenderableType]:
         ("return", "shaped\nalone", gamma, "steps", "success", *([f"noise\n{NOISES[-1]:g}"] if noisy else [])),
     )
     for place, payoff in enumerate(payoffs):
-        name = f"{payoff.policy} (paid most)" if place == 0 else payoff.policy
+        name = f"{payoff.policy} paid most" if place == 0 else payoff.policy
         cells = (*_cells(payoff), *([noisy[payoff.policy]] if noisy else []))
         grid.add_row(Text(name), *map(Text, cells), style="bold" if place == 0 else "")
     yield from (grid, Text())

@@ -137,11 +137,11 @@ def test_a_missing_library_names_its_extra(harness, distant):
     assert "pip install 'far-away[engine]'" in answer.err
 
 
-def test_a_run_prints_both_etas_and_leaves_its_results(harness, quick, tmp_path):
-    """Both etas and where the results and the report are stand on standard output, the progress on standard error."""
+def test_a_run_prints_the_pay_and_leaves_its_results(harness, quick, tmp_path):
+    """Pay, ruler and where the results and the report are stand on standard output, the progress on standard error."""
     answer = harness("run", *quick, "--reward", "arp", "--seeds", "1", "--out", "mine")
     assert answer.status == 0
-    for text in ("eta_N", "eta_P", "Success ", "Results: mine", "mine/report.html"):
+    for text in ("pay", "ruler", "Success ", "Results: mine", "mine/report.html"):
         assert text in answer.out
         assert text not in answer.err
     assert "seed 0: started" in answer.err

@@ -212,7 +212,8 @@ def test_json_is_plain_and_the_same_with_and_without_seeds(combination: Comparis
     full, nothing = (json.loads(json.dumps(one.to_json(), allow_nan=False)) for one in (combination, empty))
     assert list(full) == list(nothing)
     assert [change["name"] for change in full["behaviour"]] == ["closest_distance", "success_rate", "success_rate"]
-    assert full["headline"] == {**combination.headline.to_json(), "robot": combination.headline.robot}
+    told = combination.headline
+    assert full["headline"] == {**told.to_json(), "robot": told.robot, "pay": combination.pay_sentence}
     assert (full["claims"], full["episodes"]) == (5, {"deterministic": 20})
 
 

@@ -42,7 +42,8 @@ def test_json_has_the_promised_keys(experiment: Store, registry: Registry):
         *("deciding", "decided_in", "returns", "returns_missing", "test", "same_steps"),
         *("paid_at_random", "not_maximised"),
     }
-    assert set(combination["headline"]) == {"answer", "behaviour", "robot", "number", "decided_by", "seeds_to_decide"}
+    told = {"answer", "behaviour", "robot", "pay", "number", "decided_by", "seeds_to_decide"}
+    assert set(combination["headline"]) == told
     ratios = {"eta", "per_seed", "ruler", "behaviour", "interaction", "noise"}
     for name in ("eta_N", "eta_P"):
         assert set(combination[name]) == ratios | {"paths", "p", "p_corrected", "flags"}

@@ -18,7 +18,7 @@ RACE = (
     "together, at 5 %. Pay is that of an episode, each training by its own reward: x 2 is twice the baseline's. The "
     "ruler is the part of the change that is rescaling alone. Pay does not affect the race."
 )
-HEADINGS = ("", "in the race", "{measure}", "seeds", "pay", "of it ruler")
+HEADINGS = ("", "in the race", "{measure}", "seeds", "pay", "ruler")
 
 
 class RaceTold(NamedTuple):
@@ -63,7 +63,8 @@ def race_sentence(standing: Standing) -> str:
     if not race.living:
         return "CANNOT TELL: no reward left a number in its trainings."
     seeds = looks[race.looks - 1] if race.looks else 0
-    others = "All others are worse." if all(it.by for it in race.beaten.values()) else "All others are worse or failed."
+    worse = "worse" if all(it.by for it in race.beaten.values()) else "worse or failed"
+    others = f"{next(iter(race.beaten))} is {worse}." if len(race.beaten) == 1 else f"All others are {worse}."
     others = others if race.beaten else ""
     if race.best is not None:
         return f"BEST: {race.best}. {others} The test is made to err in at most 5 % of such races."

@@ -79,7 +79,7 @@ def test_rewards_that_are_as_good_are_named_together(make_cell, make_plan, tmp_p
     folder.train("arp", [0.5] * 28)
     told = told_of(folder)
     assert told.sentence.startswith("WITHIN 5 POINTS OF THE BEST: ")
-    assert told.sentence.endswith("All others are worse.")
+    assert told.sentence.endswith("baseline is worse.")
 
 
 def test_a_race_that_goes_on_says_how_it_stands(folder: Folder):
