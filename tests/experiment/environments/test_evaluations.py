@@ -130,6 +130,6 @@ def test_tasks_of_an_arm_do_not_go_with_environments(tmp_path: Path):
 def test_several_tasks_of_an_arm_are_one_matrix(tmp_path: Path):
     """Each with its comparison; all are one family."""
     tasks = ["fd100-reach:horizon=5", "fd100-reach:horizon=6"]
-    found = _run(tmp_path / "out", task=tasks, sim="kinematic", steps=12)
+    found = _run(tmp_path / "out", task=tasks, sim="kinematic", reward="arp", steps=12)
     assert [it.group.task.label for it in found.combinations] == tasks
     assert len({it.answer.claims for it in found.combinations}) == 1

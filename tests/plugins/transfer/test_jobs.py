@@ -41,8 +41,9 @@ def train(toys: Registry, run_once: Callable[..., Results], tmp_path: Path) -> T
     """Yields an experiment of the toys that has run."""
 
     def train_toys(**keys: Any) -> Results:
-        given = {"sim": ["ideal"], "algo": ["wander"], "task": EASY, "seeds": 2, "steps": 6, "evaluation_episodes": 12}
-        return run_once(expand(check_experiment({**given, **keys}), toys), tmp_path / "mine")
+        given = {"sim": ["ideal"], "algo": ["wander"], "reward": ["arp"], "task": EASY, "seeds": 2, "steps": 6}
+        asked = {**given, "evaluation_episodes": 12, **keys}
+        return run_once(expand(check_experiment(asked), toys), tmp_path / "mine")
 
     return train_toys
 

@@ -15,6 +15,7 @@ from harness_plugins.tune.tuning import Setup, check_tuning, resolve
 QUICK: dict[str, Any] = {
     "sim": "ideal",
     "algo": "sweep",
+    "reward": "arp",
     "task": "fd100-reach:epsilon=0.2,horizon=5",
     "search": {"effort": "0..1"},
     "trials": 3,

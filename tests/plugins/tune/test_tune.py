@@ -161,8 +161,8 @@ def test_killed_search_goes_on_where_it_stopped(toys, make_setup, tune_here, tmp
     """After SIGKILL in the midst of a training: finished cells are not run again, the trials are those of no kill."""
     hold, out = tmp_path / "hold", tmp_path / "killed"
     keys = {"algo": f"sweep:hold={hold}", "trials": 3, "jobs": 1, "out": str(out)}
-    quick = {"sim": "ideal", "task": "fd100-reach:epsilon=0.2,horizon=5", "search": {"effort": "0..1"},
-             "seeds": 1, "steps": 2, "validation_episodes": 10}  # fmt: skip
+    quick = {"sim": "ideal", "reward": "arp", "task": "fd100-reach:epsilon=0.2,horizon=5",
+             "search": {"effort": "0..1"}, "seeds": 1, "steps": 2, "validation_episodes": 10}  # fmt: skip
     script = f"from harness_plugins.tune.tune import tune; tune(**{ {**quick, **keys}!r})"
     with (tmp_path / "told").open("w") as told:
         process = subprocess.Popen([sys.executable, "-c", script], stderr=told, cwd=tmp_path)

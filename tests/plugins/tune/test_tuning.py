@@ -31,8 +31,8 @@ def test_file_has_the_same_keys(toys, make_setup, tmp_path):
     """A TOML file with a table [search] is the same search; an override wins."""
     path = tmp_path / "tuning.toml"
     path.write_text(
-        'sim = "ideal"\nalgo = ["sweep"]\ntask = "fd100-reach:epsilon=0.2,horizon=5"\nsteps = 9\nseeds = 1\n'
-        'validation_episodes = 10\n[search]\neffort = "0..1"\n'
+        'sim = "ideal"\nalgo = ["sweep"]\nreward = "arp"\ntask = "fd100-reach:epsilon=0.2,horizon=5"\nsteps = 9\n'
+        'seeds = 1\nvalidation_episodes = 10\n[search]\neffort = "0..1"\n'
     )
     assert resolve(read_tuning(path, {"steps": 2}), toys).keys == make_setup().keys
 
