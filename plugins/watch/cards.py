@@ -185,7 +185,7 @@ def _shares() -> Axis:
 
 def _axis(ends: Range) -> Axis:
     low, high = ends
-    air = 0.06 * (high - low) or 0.5 * max(abs(low), 1e-9)
+    air = 0.06 * (high - low) or 0.5 * abs(low) or 1.0
     plain = linear_axis(low - air, high + air, "", 3)
     return plain._replace(ticks=tuple((tick, _number(tick)) for tick, _ in plain.ticks))
 

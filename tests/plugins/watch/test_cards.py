@@ -114,3 +114,10 @@ def test_names_of_strangers_are_text(training):
     html = drawn([one, replace(one, state="failed", blocks=())], 0)
     assert "<script" not in html
     assert html.count("&lt;script&gt;") >= 8
+
+
+def test_a_number_that_stays_zero_has_a_plain_axis(training):
+    """No power of ten stands beside a flat line."""
+    [row] = rows_of([replace(training, blocks=blocks_of(4, pay=0.0))])
+    [flat] = row.cards
+    assert axis_texts(flat.figures[1].svg) == ["−1", "0", "1"]
