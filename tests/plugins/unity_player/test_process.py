@@ -25,7 +25,10 @@ def script(path: Path, text: str) -> Path:
 
 def is_alive(pid: int) -> bool:
     """Whether a process is there and does something."""
-    return psutil.pid_exists(pid) and psutil.Process(pid).status() != psutil.STATUS_ZOMBIE
+    try:
+        return bool(psutil.Process(pid).status() != psutil.STATUS_ZOMBIE)
+    except psutil.NoSuchProcess:
+        return False
 
 
 def wait_for(condition, seconds: float = 10.0) -> bool:
