@@ -26,7 +26,7 @@ def register_algorithms(register: harness.Register) -> None:
     register(
         "sac-fast",
         "harness_plugins.algorithms.sac_fast:SacFast",
-        summary="soft actor-critic by numpy alone: sb3-sac some four times as fast with the default networks",
+        summary="soft actor-critic by numpy alone, some four times as fast as sb3-sac with the default networks",
         short="sac",
     )
     register(
