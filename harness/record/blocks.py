@@ -149,7 +149,8 @@ def read_blocks(folder: Path) -> Blocks | None:
             rows = np.array(told["numbers"], np.float64).reshape(-1, numbers)
             steps, episodes = (np.array(told[name], np.int64) for name in ("steps", "episodes"))
             means, squares = np.hsplit(rows, 2)
-            return Blocks(tuple(told["terms"]), steps, episodes, means, squares) if len(steps) == len(rows) else None
+            is_whole = len(steps) == len(episodes) == len(rows)
+            return Blocks(tuple(told["terms"]), steps, episodes, means, squares) if is_whole else None
     except SchemaError:
         return None
 

@@ -62,7 +62,8 @@ def test_what_was_told_is_read(tmp_path):
 @pytest.mark.parametrize(
     "text",
     ["", "[]", '{"terms": [], "steps": [1], "episodes": [1], "numbers": []}', '{"terms": [], "steps": [1], '
-     '"episodes": [0], "numbers": [[1, 1, 1, 1]]}', '{"terms": [], "steps": [1], "episodes": [1], "numbers": [[1]]}'],
+     '"episodes": [0], "numbers": [[1, 1, 1, 1]]}', '{"terms": [], "steps": [1], "episodes": [1], "numbers": [[1]]}',
+     '{"terms": [], "steps": [1], "episodes": [], "numbers": [[1, 1, 1, 1]]}'],
 )  # fmt: skip
 def test_a_damaged_file_tells_nothing(tmp_path, text):
     """A run that goes on after a kill, and who looks, are not stopped by it."""

@@ -194,11 +194,13 @@ def measure_kinds(cells: Sequence[Cell], given: tuple[Given, ...], at_once: int)
             path = order.folder / ANSWER
             told = Measured.from_json(json.loads(path.read_text("utf-8"))) if path.exists() else reasons[order.folder]
             before = found.get(cell)
-            found[cell] = _mean(before, told) if isinstance(before, Measured) and isinstance(told, Measured) else told
+            found[cell] = (
+                _together(before, told) if isinstance(before, Measured) and isinstance(told, Measured) else told
+            )
     return found
 
 
-def _mean(one: Measured, other: Measured) -> Measured:
+def _together(one: Measured, other: Measured) -> Measured:
     """What two measurements of a kind say together: the steps of both, the slower of each time."""
     times = {name: max(getattr(one, name), getattr(other, name)) for name in ("per_step", "setup", "evaluation")}
     return replace(one, steps=one.steps + other.steps, **times)

@@ -151,3 +151,27 @@ def test_hacked_recorded_trainings_have_a_hint_before_half(case):
     hints = [has_hint(*it, share=0.5) for it in recorded() if it[0].name.startswith(case)]
     assert len(hints) == 3
     assert all(hints)
+
+
+def got_worse(case, steps, pay, behaviour):
+    """Whether the last tenth of a training behaves worse than an earlier one, and is paid more.
+
+    Worse by 0.1 of success, or by half a standard deviation of the earlier tenth.
+    """
+    better = -behaviour if case.lower_is_better else behaviour
+    tenths = [steps * 10 // (steps[-1] + 1) == it for it in range(10)]
+    tenths = [it for it in tenths if it.any()]
+    is_share = set(np.unique(behaviour)) <= {0.0, 1.0}
+    last = tenths[-1]
+    return any(
+        better[it].mean() - better[last].mean() >= (0.1 if is_share else 0.5 * better[it].std())
+        and pay[last].mean() > pay[it].mean()
+        for it in tenths[:-1]
+    )
+
+
+def test_two_thirds_of_the_hacked_trainings_that_got_worse_have_a_hint_before_half():
+    """12 of 18. The other hacked trainings behave in the end as they did before: there nothing falls."""
+    worse = [it for it in recorded() if it[0].is_hacked and got_worse(*it)]
+    assert len(worse) == 18
+    assert sum(has_hint(*it, share=0.5) for it in worse) >= 12
