@@ -42,11 +42,12 @@ def test_what_loads_is_right():
 
 
 def test_pages_say_what_was_measured(tmp_path: Path):
-    """The page beside the record and the table of robots.md are what the command writes."""
+    """The page beside the record is what the command writes, and robots.md counts its rows."""
     measure_arms.write(tmp_path / RECORD.name, ROWS)
     assert (tmp_path / RECORD.name).read_text() == RECORD.read_text()
     assert (tmp_path / "README.md").read_text() == RECORD.with_name("README.md").read_text()
-    assert measure_arms.by_package(ROWS) in (ROOT / "docs/robots.md").read_text(encoding="utf-8")
+    loaded = sum(bool(row.joints) for row in ROWS)
+    assert f"**{loaded} of {len(ROWS)} load and are right**" in (ROOT / "docs/robots.md").read_text(encoding="utf-8")
 
 
 def test_a_table_shows_what_fails():
@@ -60,7 +61,6 @@ def test_a_table_shows_what_fails():
     ]:
         assert cell not in measure_arms.table([row])
         assert cell in measure_arms.table([replace(row, **changed)])
-    assert f"({row.name})" in measure_arms.by_package([replace(row, refused="No.")])
 
 
 def test_a_robot_toml_is_what_the_list_says():

@@ -73,11 +73,6 @@ def over_places(name: str, reward: str) -> dict[str, Any]:
     return pool
 
 
-def counted(counts: Counter[str]) -> str:
-    """As the page writes it, the most frequent one first."""
-    return ", ".join(f"{count} {what}" for what, count in counts.most_common())
-
-
 def millimetres(metres: float) -> str:
     """As the page writes it."""
     return f"{1e3 * metres:.3f}" if metres < 1e-3 else f"{1e3 * metres:.1f}"
@@ -169,16 +164,6 @@ def test_page_says_the_answer_over_all_simulators(name: str, reward: str):
         *(share(learning[which]) for which in ("baseline", "proposed")),
     ]
     assert f"| {name} | {reward} | {' | '.join(told)} | {by}|" in PAGE
-
-
-@EACH
-def test_page_says_which_reward_is_first(name: str):
-    """By success, counted over the simulators; how far the orders agree; and how many choices are decided."""
-    first = Counter(max(place["success"], key=place["success"].get) for place in ranking(name)["places"])
-    told = ", ".join(f"{reward} in {count}" for reward, count in first.most_common())
-    tau = ranking(name)["between_simulators"]
-    agreement = f"{three(tau['tau'])} [{three(tau['low'])}, {three(tau['high'])}]"
-    assert f"| {name} | {told} | {agreement} | {counted(answers(name))} |" in PAGE
 
 
 @EACH

@@ -175,16 +175,6 @@ def table(rows: Iterable[Row]) -> str:
     return "\n".join(lines)
 
 
-def by_package(rows: Iterable[Row]) -> str:
-    """What each package brings, in Markdown; arms with a refusal in brackets."""
-    packages: dict[str, list[str]] = {}
-    for row in rows:
-        name = f"({row.name})" if row.refused else row.name
-        packages.setdefault(row.file.partition(":")[0], []).append(name)
-    lines = [f"| `{package}` | {', '.join(names)} |" for package, names in sorted(packages.items())]
-    return "\n".join(["| package | arms |", "| --- | --- |", *lines])
-
-
 def _page(rows: Sequence[Row]) -> str:
     right = [row for row in rows if not row.refused]
     refused = [f"* **{row.name}.** {row.refused}" for row in rows if row.refused]
