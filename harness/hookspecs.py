@@ -6,7 +6,7 @@ function ``register``. Its signature is the same for all kinds::
     register(name, target, *, summary, requires=(), extra=None, short="")
 
 `name` is what users type; `target` is ``"module:attribute"`` and is imported only when something uses it; `summary` is
-one line for ``harness list``; `requires` names the modules that have to be importable, ``mujoco`` or, with its least
+one line of ``harness describe``; `requires` names the modules that have to be importable, ``mujoco`` or, with its least
 version, ``mujoco>=3.17``; `extra` is the extra of the distribution that brings them; `short` may be typed in place of
 the name, and records have the name.
 """

@@ -304,7 +304,7 @@ if TYPE_CHECKING:
     from harness.registry.names import did_you_mean as did_you_mean, unknown_name as unknown_name
     from harness.registry.parameters import build as build, parameters_of as parameters_of
     from harness.registry.plugin_module import import_file as import_file
-    from harness.registry.registry import Registry as Registry, load_registry as load_registry
+    from harness.registry.registry import Plugin as Plugin, Registry as Registry, load_registry as load_registry
     from harness.registry.sources import source_hash as source_hash
     from harness.registry.spec import OURS as OURS, PLANNED as PLANNED, blamed_on as blamed_on
     from harness.registry.targets import examined as examined

@@ -3,10 +3,9 @@
 import errno
 import os
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 from importlib import import_module
 from types import MappingProxyType
-from typing import Any
 
 import typer
 from typer.exceptions import TyperException
@@ -19,26 +18,16 @@ from harness.registry.allowed import allow_imports, allow_programs, allow_typed
 
 FAILED, USAGE = 1, 2
 ALLOW, ALLOW_PROGRAM = "--allow-import", "--allow-program"
-PANELS: Mapping[str, Mapping[str, str]] = MappingProxyType(
+PANELS: Mapping[str, Sequence[str]] = MappingProxyType(
     {
-        "Run and read": {
-            "demo": "demo",
-            "run": "run",
-            "choose": "choose",
-            "report": "report",
-            "compare": "compare",
-            "status": "status",
-            "list": "names:list_names",
-            "describe": "describe",
-        },
-        "Ask more": {name: name for name in ("eta", "score")},
-        "Keep results": {"merge": "merge", "verify": "verify"},
-        "For plugin authors": {"plugins": "plugins"},
+        "Run and read": ("demo", "run", "choose", "report", "status", "describe"),
+        "Ask more": ("eta", "score"),
+        "Keep results": ("merge", "verify"),
     }
 )
 """Every command by the heading that it stands under in ``harness --all``: what one needs first comes first.
 
-Beside its name stands the module of it in `harness.cli`, and behind a colon the function, where it has another name.
+It is the function of its name, in the module of that name in `harness.cli`.
 """
 LONG = ("run", "choose")
 """The commands that show the options which people type, and all with ``--help-all``."""
@@ -77,17 +66,6 @@ def _root(
     """Does a reward make a robot behave better, or only the numbers bigger?"""
 
 
-def command_of(target: str) -> Callable[..., Any]:
-    """The function of a command; no other command is imported.
-
-    Args:
-        target: As `PANELS` tells it.
-    """
-    module, _, name = target.partition(":")
-    function: Callable[..., Any] = getattr(import_module(f"harness.cli.{module}"), name or module)
-    return function
-
-
 def build_app(only: str | None = None) -> typer.Typer:
     """The command line without what plugins bring.
 
@@ -98,15 +76,14 @@ def build_app(only: str | None = None) -> typer.Typer:
     app = typer.Typer(cls=Commands, rich_markup_mode=None, pretty_exceptions_enable=False)
     app.callback(epilog=epilog_of(FIRST_STEPS, "First steps:"), context_settings=dict(PLAIN))(_root)
     for panel, commands in PANELS.items():
-        for name, target in commands.items():
+        for name in commands:
             if only not in {None, name}:
                 continue
             # eta takes more arguments, to say what a pattern without quotes becomes
             settings = {"allow_extra_args": name == "eta", **PLAIN}
             kind, examples = LongCommand if name in LONG else Command, epilog_of(EXAMPLES[name])
-            app.command(name, cls=kind, rich_help_panel=panel, epilog=examples, context_settings=settings)(
-                command_of(target)
-            )
+            function = getattr(import_module(f"harness.cli.{name}"), name)  # no other command is imported
+            app.command(name, cls=kind, rich_help_panel=panel, epilog=examples, context_settings=settings)(function)
     return app
 
 

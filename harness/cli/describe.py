@@ -1,4 +1,4 @@
-"""``harness describe``: one name explained."""
+"""``harness describe``: all names listed, or one explained."""
 
 from typing import Annotated
 
@@ -14,8 +14,8 @@ def describe(
     name: Annotated[
         str | None,
         typer.Argument(
-            help="A name that `harness list` shows, such as arp or arp:k2=2, or the path of a URDF.",
-            show_default="that of --robot",
+            help="A name such as arp:k2=2, the path of a URDF, or a kind of names, such as rewards.",
+            show_default="every name is listed",
             autocompletion=names_of(*KINDS),
         ),
     ] = None,
@@ -30,7 +30,11 @@ def describe(
     ] = None,
     plugin: PluginFiles = None,
 ) -> None:
-    """Explain a reward, a task, an algorithm or any other plugin. It shows the parameters too."""
+    """List every name that can be typed, or explain one.
+
+    A reward, a task, an algorithm or any other plugin is explained with its parameters.
+    """
+    from harness.cli.names import list_names
     from harness.describe import describe_name
     from harness.registry.choice import parse
     from harness.registry.given import read_given
@@ -39,13 +43,16 @@ def describe(
     from harness.robot.robot import is_folder, is_path
 
     registry = load_registry(given=read_given(plugin))
-    if name is None:
-        if robot is None:
-            raise UsageError("Nothing to describe: give a name that harness list shows, or --robot and a URDF.")
+    if name is None and robot is not None:
         say(describe_name(registry, "robots", robot, None))
+        return
+    if name is None or (name in KINDS and not registry.kinds_of(name)):
+        list_names(registry, name)
         return
     kinds = registry.kinds_of(name.partition(":")[0]) or (["robots"] if is_path(name) or is_folder(name) else [])
     if not kinds:
         asked = parse(name)[0]
-        raise UsageError(unknown_name("name", asked, registry.all_names()) + registry.not_loaded("rewards", asked))
+        raise UsageError(
+            unknown_name("name", asked, [*registry.all_names(), *KINDS]) + registry.not_loaded("rewards", asked)
+        )
     say("\n\n".join(describe_name(registry, kind, name, robot) for kind in kinds))

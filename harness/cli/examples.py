@@ -24,15 +24,12 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
             "harness report my-results more-results",
             "harness report my-results --html page.html --summary records",
         ),
-        "compare": ("harness compare results/before results/after",),
         "status": ("harness status my-results",),
         "eta": ("harness eta --baseline 'base/*.csv' --proposed 'k2/*.csv'", "harness eta recorded --plot page.html"),
         "score": ("harness score my-results --reward arp:k2=2 --all", "harness score runs.csv --reward sparse"),
         "verify": ("harness verify my-results", "harness verify my-results --repair"),
         "merge": ("harness merge from-one from-another --out all",),
-        "list": ("harness list", "harness list rewards"),
-        "describe": ("harness describe arp", "harness describe sac:gamma=0.9", "harness describe fd100-reach"),
-        "plugins": ("harness plugins", "harness plugins --check"),
+        "describe": ("harness describe", "harness describe rewards", "harness describe sac:gamma=0.9"),
     }
 )
 

@@ -65,15 +65,22 @@ OTHER_FLAGS: Mapping[str, tuple[str, ...]] = MappingProxyType(
 OTHER_COMMANDS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
         "run": ("train", "experiment", "benchmark", "start", "learn"),
-        "list": ("list-envs", "envs", "ls", "show"),
         "report": ("results", "plot", "evaluate", "summary"),
         "watch": ("monitor", "tail", "view"),
         "status": ("progress", "ps"),
-        "describe": ("info", "explain"),
+        "describe": ("info", "explain", "list-envs", "envs", "ls", "show"),
         "demo": ("example", "quickstart"),
     }
 )
 """Commands of ours, each with what other tools call the same."""
+GONE: Mapping[str, str] = MappingProxyType(
+    {
+        "compare": "type harness report BEFORE and harness report AFTER",
+        "list": "type harness describe, without a name or with a kind such as rewards",
+        "plugins": "type harness doctor",
+    }
+)
+"""Commands of earlier versions, each with what takes its place."""
 
 
 class Command(TyperCommand):
@@ -129,7 +136,9 @@ class Commands(TyperGroup):
         try:
             return super().resolve_command(ctx, args)
         except TyperException as error:
-            if meant := our_word(args[0], OTHER_COMMANDS, self.commands):
+            if args[0] in GONE:
+                error.message = f"The command '{args[0]}' is gone: {GONE[args[0]]}."
+            elif meant := our_word(args[0], OTHER_COMMANDS, self.commands):
                 error.message = f"No such command '{visible(args[0])}'. Did you mean '{meant}'?"
             raise
 

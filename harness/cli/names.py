@@ -1,19 +1,12 @@
-"""``harness list``: what can be named."""
+"""What can be named, as ``harness describe`` lists it."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Annotated
-
-import typer
 
 from harness.cli.commands import KIND, OPTION
-from harness.cli.flags.shared import PluginFiles
 from harness.cli.output import complain, say
-from harness.errors import UsageError
 from harness.hookspecs import KINDS
-from harness.registry.given import read_given
-from harness.registry.names import unknown_name
-from harness.registry.registry import load_registry
+from harness.registry.registry import Registry
 
 EXPLAINED: Mapping[str, str] = MappingProxyType(
     {
@@ -40,18 +33,10 @@ READING = (
 )
 
 
-def list_names(
-    kind: Annotated[
-        str | None, typer.Argument(help=f"One of: {', '.join(KINDS)}.", metavar="[KIND]", show_default=False)
-    ] = None,
-    plugin: PluginFiles = None,
-) -> None:
-    """List every name that can be typed: simulators, algorithms, rewards, tasks and so on."""
-    if kind is not None and kind not in KINDS:
-        raise UsageError(unknown_name("kind", kind, KINDS))
-    registry = load_registry(given=read_given(plugin))
+def list_names(registry: Registry, only: str | None = None) -> None:
+    """Say every name that can be typed, or those of one kind."""
     say(READING)
-    for shown in KINDS if kind is None else (kind,):
+    for shown in KINDS if only is None else (only,):
         say(f"\n{shown}: {EXPLAINED[shown]}")
         width = max(16, *map(len, registry.names(shown)), 0) + 2
         for name in registry.names(shown):

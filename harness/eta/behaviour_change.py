@@ -14,7 +14,6 @@ from harness.eta.interval import (
     Bounds,
     Interval,
     difference_interval,
-    mean_interval,
     of_difference,
     share_variance,
     variance_of,
@@ -237,8 +236,6 @@ def change_of(
     proposed: Mapping[int, float | None],
     swaps: Swaps,
     random: Sequence[float | None] = (),
-    *,
-    is_paired: bool = False,
 ) -> Change:
     """The change of one measure.
 
@@ -248,8 +245,6 @@ def change_of(
         proposed: The same under the proposed reward.
         swaps: The ways in which the names of a seed's trainings are swapped.
         random: Its values for random actions.
-        is_paired: Whether two trainings of a seed end alike, as those of one reward before and after a change do.
-            Trainings by two rewards do not.
     """
     one, other = ({seed: value for seed, value in side.items() if value is not None} for side in (baseline, proposed))
     without = (len(baseline) - len(one), len(proposed) - len(other))
@@ -260,21 +255,7 @@ def change_of(
     if len(both) > 1:
         outcomes = swaps.of(both) @ np.array([other[seed] - one[seed] for seed in both]) / len(both)
         found = replace(found, outcomes=outcomes, p=p_of(outcomes))
-    return _with_paired_intervals(found) if is_paired else with_intervals(found)
-
-
-def _with_paired_intervals(change: Change) -> Change:
-    """The change with the intervals of the mean over seeds that both have."""
-    one, other = change.trainings
-    both = [(one[seed], other[seed]) for seed in one if seed in other]
-    if why_no_interval(len(both)):
-        return change
-    differences = np.diff(np.array(both), axis=1)[:, 0]
-    measure, variance = change.measure, variance_of(differences)
-    if measure.episodes is not None:
-        variance = share_variance(differences, np.mean(both, axis=0).tolist(), measure.episodes)
-    low, high = mean_interval(differences, variance, bounds=measure.of_difference)
-    return replace(change, low=low, high=high, likely=mean_bounds([differences], [measure.of_difference]))
+    return with_intervals(found)
 
 
 def with_intervals(change: Change) -> Change:

@@ -56,7 +56,7 @@ def open_logs(path: Path, registry: Registry, named: str = "", **settings: Any) 
     if not names:
         kind = None if path.is_dir() else kind_at(path)
         told = f". It is {kind.sentence}" if kind else ""
-        raise UsageError(f"'{path}' is no log that is read: harness list logs tells which are{told}")
+        raise UsageError(f"'{path}' is no log that is read: harness describe logs tells which are{told}")
     return _read(path, names[0], registry, settings)
 
 

@@ -70,7 +70,7 @@ def overview_of(combinations: Sequence[Comparison]) -> Overview:
     return Overview(combinations[0].group.subject, f"{measure}{trained}", numbers)
 
 
-def shared_text(combinations: Sequence[Comparison], *, with_seeds: bool = True) -> str:
+def shared_text(combinations: Sequence[Comparison]) -> str:
     """What is the same in all combinations, of which there must be at least one."""
     varying = varying_kinds(combinations)
     told = [label for kind, label in combinations[0].group.shown.items() if kind not in varying]
@@ -80,7 +80,7 @@ def shared_text(combinations: Sequence[Comparison], *, with_seeds: bool = True) 
     told += [f"against {baseline}" for baseline in baselines if len(baselines) == 1]
     if "steps" not in varying:
         told.append(f"{combinations[0].group.steps:,} steps")
-    counts = {it.counts for it in combinations} if with_seeds else set()
+    counts = {it.counts for it in combinations}
     seeds = (" against ".join(dict.fromkeys(map(count_seeds, of_both))) for of_both in counts)
     return " · ".join([*told, *seeds] if len(counts) == 1 else told)
 

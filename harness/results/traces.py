@@ -31,7 +31,7 @@ from harness.results.metrics import measure_of
 from harness.results.records import Records
 from harness.results.return_matrix import ReturnMatrix, return_matrices
 from harness.results.table import Numbers, numbers_of
-from harness.results.trainings import Did, Ends, Match, Policies, TermsOfTraining
+from harness.results.trainings import Ends, Match, TermsOfTraining
 from harness.results.verdicts import Seen
 from harness.score.installed_reward import InstalledReward
 
@@ -419,15 +419,6 @@ class TraceTrainings:
             return found.terms_paid(self._traces.installed(choice), file)
         finally:
             found.finish()
-
-    def policies(self, reward: str, manner: str) -> Policies:
-        measured = {it.seed: self._traces.measured(it) for it in self._cells if it.reward.label == reward}
-        did = {
-            seed: Did(it.manners[manner], it.episodes[manner], it.reasons)
-            for seed, it in measured.items()
-            if manner in it.manners
-        }
-        return Policies(self.names, lambda name, episodes: self.measure(name, manner, episodes), did)
 
 
 def _asked(records: Records) -> list[tuple[Group, str, Choice]]:

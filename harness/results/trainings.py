@@ -1,6 +1,6 @@
 """The trainings of one group as results ask about them, the same for traces of an arm and for recordings."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Generic, Literal, NamedTuple, Protocol, Self, TypeVar
 
@@ -49,30 +49,6 @@ class TermsOfTraining(NamedTuple):
         told = self.evaluation or self.training
         found = told.terms.get(term) if told else None
         return None if found is None else found.whole if self.evaluation else found.end
-
-
-class Did(NamedTuple):
-    """What one policy did, in the episodes of one manner."""
-
-    values: Mapping[str, float | None]
-    """By measure."""
-    episodes: int
-    """How many finished episodes these are means over."""
-    reasons: Mapping[str, str]
-    """Why there is no value, by measure."""
-
-
-class Policies(NamedTuple):
-    """The policies that one reward trained, in one group of cells."""
-
-    names: Sequence[str]
-    """The names of the measures."""
-    measure: Callable[[str, int], Quantity]
-    """A function of a measure's name and of how many episodes it is a share of, if it is a share."""
-    did: Mapping[int, Did]
-    """By seed."""
-    code: Mapping[str, str] = {}
-    """By measure of an environment: its code. Metrics are computed anew, by one code for all experiments."""
 
 
 @dataclass(frozen=True)
@@ -289,6 +265,3 @@ class Trainings(Protocol[Training]):
 
     def terms_at_random(self, reward: str) -> ByTerm | None:
         """What the terms of a reward pay random actions; None where that is not known."""
-
-    def policies(self, reward: str, manner: str) -> Policies:
-        """What the policies of a reward did in the episodes of one manner."""

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from harness.authoring.commands import (
     CHECKOUT,
     OURS,
+    Plugin,
     Registry,
     describe_machine,
     examined,
@@ -71,6 +72,7 @@ def show_installation(own: "Sequence[str]") -> int:
     files, trials = file_lines(), list(try_all(registry))
     for line in [
         *_group("Broken:", [*files, *(trial.line for trial in trials if trial.problem)]),
+        *_group("Plugins:", _told(plugins)),
         *_group("Works here:", [*_tried(trials), *_rendering(registry)]),
         *_group(OPTIONAL, [*_missing_libraries(registry), *half_installed(registry)]),
         "",
@@ -83,6 +85,16 @@ def show_installation(own: "Sequence[str]") -> int:
 def _group(heading: str, lines: "Sequence[str]") -> list[str]:
     """The lines below a heading, with an empty line before it; nothing where there is no line."""
     return ["", heading, *(f"  {line}" for line in lines)] if lines else []
+
+
+def _told(plugins: "Sequence[Plugin]") -> list[str]:
+    """One line for each distribution: what registers something; of others what each registered, and what is off."""
+    found: dict[str, list[str]] = {}
+    for it in plugins:
+        registered = f" ({', '.join(it.registered)})" if it.registered and it.distribution != OURS else ""
+        state = registered if it.status == "ok" else f" ({it.status})"
+        found.setdefault(f"{it.distribution} {it.version}", []).append(f"{it.name}{state}")
+    return [f"{title}: {', '.join(names)}" for title, names in found.items()]
 
 
 def _tried(trials: "Sequence[Trial]") -> list[str]:

@@ -64,7 +64,7 @@ def choose_contenders(registry: Registry, given: Sequence[str], reference: str |
         first = next(iter(chosen))
         found = chosen | found
     if not found:
-        raise UsageError("No simulator is installed: 'harness list simulators' says what brings one")
+        raise UsageError("No simulator is installed: 'harness describe simulators' says what brings one")
     ordered = {first: found[first], **found}
     built = {
         name: choice if isinstance(choice, Failure) else choice.build(registry, "simulators")

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from harness.cli import app
+from harness.cli.help import GONE
 
 
 @pytest.fixture
@@ -60,10 +61,18 @@ def test_where_no_log_can_be_written_the_traceback_is_shown(harness, logs, monke
 
 def test_what_typer_refuses_names_the_help_with_examples(harness):
     """In the same line."""
-    assert harness("compare", "one").err == "harness: Missing argument 'AFTER'. Examples: harness compare --help\n"
-    told = harness("comapre").err
+    assert harness("report").err == "harness: Missing argument 'DIR...'. Examples: harness report --help\n"
+    told = harness("reprot").err
     assert told.endswith("? Examples: harness --help\n")
-    assert "Did you mean 'compare'" in told
+    assert "Did you mean 'report'" in told
+
+
+@pytest.mark.parametrize("word", GONE)
+def test_a_command_that_is_gone_names_what_takes_its_place(harness, word):
+    """In one line, whatever else was typed."""
+    answer = harness(word, "--json")
+    assert (answer.status, answer.out) == (2, "")
+    assert answer.err == f"harness: The command '{word}' is gone: {GONE[word]}. Examples: harness --help\n"
 
 
 def test_a_long_message_is_cut(harness):
@@ -87,7 +96,7 @@ def test_what_the_system_refuses_is_one_line(harness, monkeypatch):
 
 def test_reader_that_has_enough_is_no_error():
     """As `head` does, after one line."""
-    program = "from harness.cli import main; main(['list'])"
+    program = "from harness.cli import main; main(['describe'])"
     with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         assert process.stdout is not None
         process.stdout.close()

@@ -78,6 +78,30 @@ def test_old_names_are_told(harness, rendering, install):
     assert status == 0
 
 
+def test_plugins_are_told_with_their_versions(harness, rendering, monkeypatch):
+    """With what packages of others registered. HARNESS_PLUGINS turns some off, and a name of none in it is told."""
+    rendering("true")
+    assert "  toy-arm 1.0: toys (simulator ideal" in harness("doctor").out
+    monkeypatch.setenv("HARNESS_PLUGINS", "-simulators,-toys,-ryas")
+    out = harness("doctor").out
+    assert ", simulators (off), tasks, " in out
+    assert "  toy-arm 1.0: toys (off)\n" in out
+    assert "HARNESS_PLUGINS names 'ryas', which is no plugin." in out
+
+
+def test_a_target_that_does_not_exist_makes_its_plugin_broken(harness, rendering, install):
+    """Without importing what it stands in; what was meant is offered."""
+    rendering("true")
+    hook = "import harness\n@harness.hookimpl\ndef register_rewards(register):\n"
+    line = "    register('mine', __name__ + '_code:Mnie', summary='')\n"
+    module = install("typos", hook + line, code="raise SystemExit\nclass Mine: ...\n")
+    status, out, _ = harness("doctor")
+    told = f"Reward 'mine' of package typos 1.0: module '{module}_code' has no 'Mnie'. Did you mean 'Mine'?"
+    assert f"plugin 'typos' of typos 1.0 is broken: {told}\n" in out
+    assert "  typos 1.0: typos (broken)\n" in out
+    assert status == 1
+
+
 def test_what_can_be_run_is_told_last(harness, rendering):
     """With what is installed."""
     rendering("true")

@@ -7,7 +7,7 @@ from typing import Annotated, get_args
 
 import typer
 
-from harness.cli.app import PANELS, command_of
+from harness.cli.app import build_app
 
 Quiet = Annotated[bool, typer.Option("--quiet", help="Say nothing.")]
 
@@ -24,7 +24,7 @@ def written_twice(commands: Iterable[Callable[..., object]]) -> set[str]:
 
 def test_flags_that_are_the_same_are_shared():
     """They stand in `harness.cli.flags.shared`."""
-    assert written_twice(command_of(target) for panel in PANELS.values() for target in panel.values()) == set()
+    assert written_twice(it.callback for it in build_app().registered_commands) == set()
 
 
 def test_flag_that_is_written_twice_is_found():

@@ -82,7 +82,7 @@ def test_no_flag_has_a_type_of_python(lines, command):
         ("run -o here", "--out"),
         ("choose --env toy", "--task"),
         ("train --sim ideal", "run"),
-        ("list-envs", "list"),
+        ("list-envs", "describe"),
         ("rn", "run"),
     ],
 )

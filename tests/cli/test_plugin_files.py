@@ -74,7 +74,7 @@ def test_commands_that_a_report_suggests_give_the_file(harness, ran, file, tmp_p
 
 def test_other_commands_take_the_file_too(harness, ran, file, transferred_here):
     """List, describe, score, audit, transfer."""
-    assert "my_reward         Pays the way" in harness("list", "rewards", "--plugin", file).out
+    assert "my_reward         Pays the way" in harness("describe", "rewards", "--plugin", file).out
     assert "of my_reward.py" in harness("describe", "my_reward", "--plugin", file).out
     assert harness("score", ran, "--reward", "my_reward", "--plugin", file).status == 0
     assert harness("audit", "--reward", "my_reward", "--plugin", file, "--episodes", "2", "--budget", "0").status == 0

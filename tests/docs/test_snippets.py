@@ -206,12 +206,12 @@ def test_every_snippet_is_accounted_for(capsys: pytest.CaptureFixture[str]):
 def test_commands_are_found():
     """Behind a prompt, before a remark, over two lines, two in a line; not what harness prints."""
     text = (
-        "```\n$ harness list  all\nfirst$  harness demo   # quick\nharness eta --baseline 'a  b' \\\n"
+        "```\n$ harness describe  all\nfirst$  harness demo   # quick\nharness eta --baseline 'a  b' \\\n"
         "   --proposed c\nharness: no\nharness watch DIR; harness video DIR\n```\n```python\nharness x\n```\n"
     )
     found = [it.text for block in blocks_of("page", text) for it in commands_of(block)]
     assert found == [
-        "harness list",
+        "harness describe",
         "harness demo",
         "harness eta --baseline 'a  b' --proposed c",
         "harness watch DIR",

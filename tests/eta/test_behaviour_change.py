@@ -86,28 +86,6 @@ def test_interval_is_that_of_welchs_t_test(pairs: list[tuple[float, float]]):
     assert (found.low, found.high) == pytest.approx((expected.low, expected.high), rel=1e-6, abs=1e-6)
 
 
-@given(st.lists(st.tuples(NUMBER, NUMBER), min_size=3, max_size=10))
-def test_interval_of_what_is_paired_is_that_of_the_paired_t_test(pairs: list[tuple[float, float]]):
-    """Scipy's."""
-    one, other = (list(values) for values in zip(*pairs, strict=True))
-    assume(np.std(np.subtract(other, one)) > 1e-3)
-    expected = scipy.stats.ttest_rel(other, one).confidence_interval()
-    found = paired(one, other)
-    assert (found.low, found.high) == pytest.approx((expected.low, expected.high), rel=1e-6, abs=1e-6)
-
-
-def paired(baseline: Values, proposed: Values) -> Change:
-    """The same training before and after a change, seed by seed."""
-    one, other = dict(enumerate(baseline)), dict(enumerate(proposed))
-    return change_of(DISTANCE, one, other, swaps_of(range(len(baseline))), is_paired=True)
-
-
-def test_what_is_added_to_every_pair_has_no_spread():
-    """However much the seeds differ."""
-    found = paired([0.0, 0.25, 0.5, 0.75], [0.25, 0.5, 0.75, 1.0])
-    assert (found.low, found.high) == (0.25, 0.25)
-
-
 def test_shares_of_episodes_are_never_sure():
     """No seed fails under either reward: the interval has a width, and both groups' floors are in it."""
     found = change([1.0] * 5, [1.0] * 5, SUCCESS)

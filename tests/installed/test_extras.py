@@ -54,7 +54,7 @@ USES: dict[str, Use] = {
     "metaworld": Use(((*ENV, "meta-world:episode_steps=20"),)),
     "sb3": Use(((*KINEMATIC, "ppo:num_envs=1,rollout=60,batch_size=30"),)),
     "ray": Use(((*KINEMATIC, "ik", "--executor", "ray"),)),
-    "slurm": Use((("list", "executors"),), ""),
+    "slurm": Use((("describe", "executors"),), ""),
     "export": Use(((*KINEMATIC, "sac-fast"), ("export", "out/cells", "--onnx", "policy.onnx")), "policy.onnx"),
     "meshes": Use((("describe", "arm.urdf"),), "part.dae", {"arm.urdf": COLLIDING, "part.dae": collada(CORNERS / 10)}),
     "xacro": Use((("describe", "arm.urdf.xacro"),), "arm.urdf.xacro", {"arm.urdf.xacro": EXAMPLE}),

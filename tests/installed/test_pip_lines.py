@@ -97,6 +97,6 @@ def test_line_can_be_typed(
         of_checkout = arguments[0].startswith(".")
         env = make_environment(tmp_path / "env", None if of_checkout else core)
         env.install(*arguments, cwd=checkout)
-    answer = env.harness("list", cwd=tmp_path)
+    answer = env.harness("describe", cwd=tmp_path)
     assert answer.status == 0, answer.err
     assert "kinematic" in answer.out

@@ -257,7 +257,7 @@ def test_plugin_for_the_first_interfaces_loads_with_a_remark(write_plugin: Write
 
 
 def test_plugin_that_imports_a_name_that_is_gone_is_told_the_new_one(write_plugin: Write):
-    """In one line, which `harness list`, `plugins` and `doctor` show."""
+    """In one line, which `harness describe`, `plugins` and `doctor` show."""
     plugin = _only(load_registry([write_plugin("from harness.score.recording import Chunk\n" + _reward(), "mine")]))
     assert plugin.status == "broken"
     gone = "harness.score.recording is gone: see harness.log.Log, which is used in another way"

@@ -266,7 +266,7 @@ def comparison_section(
 
 
 def _meaning(results: Results, name: str) -> str:
-    """What a measure is, as its plugin tells in ``harness list metrics``; empty where nobody registered it."""
+    """What a measure is, as its plugin tells in ``harness describe metrics``; empty where nobody registered it."""
     metric = name.partition(":")[0]
     return results.registry.get("metrics", metric).summary if metric in results.registry.names("metrics") else ""
 

@@ -11,14 +11,14 @@ from harness.eta.behaviour_change import Quantity
 from harness.eta.curve import GroupCurve, Kind, stream_curve
 from harness.eta.rescaling import Rescaling
 from harness.eta.scored_sums import Pair
-from harness.log.log import BEHAVIOUR, REWARD
+from harness.log.log import REWARD
 from harness.results.by_term import ByTerm, part_of
 from harness.results.comparison import Comparison
 from harness.results.learning import Learning, LearningCurve, Point, mean_point, stretches
 from harness.results.measured import EVALUATION, Measured, Mixture, Moment
 from harness.results.recordings.episodes import Part
 from harness.results.recordings.runs import MANNERS, Run, Runs, meet_same_starts, rescaling_between
-from harness.results.trainings import Did, Ends, Match, Policies, TermsOfTraining
+from harness.results.trainings import Ends, Match, TermsOfTraining
 
 UNKNOWN = "a reward is not known in all trainings"
 
@@ -211,19 +211,6 @@ class RunTrainings:
 
     def terms_at_random(self, reward: str) -> ByTerm | None:
         return self.runs.random.recorded.terms_paid(reward) if self.runs.random else None
-
-    def policies(self, reward: str, manner: str) -> Policies:
-        """See `Trainings`; with the code of measures, which the recordings tell."""
-        members = self.runs.of(reward)
-        parts = {run.seed: run.parts(self.runs.steps) for run in members}
-        did = {
-            seed: Did(it[manner].behaviour, it[manner].episodes, it[manner].reasons)
-            for seed, it in parts.items()
-            if manner in it
-        }
-        sources = {name: run.facts.sources.get(f"{BEHAVIOUR}{name}") for name in self.names for run in members}
-        code = {name: source.text for name, source in sources.items() if source}
-        return Policies(self.names, lambda name, episodes: self.measure(name, manner, episodes), did, code)
 
     def _curve(self, payer: str, members: Sequence[Run]) -> GroupCurve:
         return stream_curve((run.paid_by(payer) for run in members), len(members), self.runs.steps, self.kind)

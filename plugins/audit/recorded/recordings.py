@@ -81,7 +81,7 @@ def audit_logs(path: Path, found: Found, only: Sequence[str] = (), sort: str = "
     """
     left = [f"'{place}' is left out: {why}" for place, why in found.left_out]
     if not found.logs:
-        raise UsageError(". ".join([f"'{path}' holds no log that is read: harness list logs tells which are", *left]))
+        raise UsageError(". ".join([f"'{path}' holds no log that is read: harness describe logs tells which", *left]))
     folder = path if path.is_dir() else path.parent
     sorted_ = sort_logs(folder, found.logs, sort)
     require_comparable(sorted_, is_told=True)

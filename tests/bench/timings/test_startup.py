@@ -11,9 +11,9 @@ import pytest
 pytestmark = pytest.mark.bench
 
 
-@pytest.mark.parametrize("argument", ["--help", "list"])
+@pytest.mark.parametrize("argument", ["--help", "describe"])
 def test_light_commands_beside_bare_starts(require_speed, argument: str):
-    """`harness --help` and `harness list` take less than 14 times as long as `python -c pass`.
+    """`harness --help` and `harness describe` take less than 14 times as long as `python -c pass`.
 
     8 to 10 was measured; 14 is a quarter of a second where Python starts in 18 ms.
     """

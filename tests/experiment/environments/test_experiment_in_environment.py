@@ -47,7 +47,6 @@ from harness.record.verify import verify
 from harness.registry.given import Given, read_given
 from harness.registry.registry import Registry, load_registry
 from harness.results import Results, load_results
-from harness.results.two_experiments import Between, Verdict, between
 from harness_plugins.exporters.csv_runs import write_runs
 from tests.plugins.committed.kept import RECORDS
 
@@ -540,36 +539,6 @@ def test_the_report_is_a_page(folder: Path, tmp_path: Path, report: Callable[...
     page = (tmp_path / "page.html").read_text()
     assert "each compared with near" in page
     assert "<h2>right</h2>" in page
-
-
-@pytest.fixture
-def compare_with(folder: Path, tmp_path: Path) -> Callable[[str, str], Between]:
-    """Runs the experiment once more with an edited toy, and compares."""
-
-    def compare(text: str, other: str) -> Between:
-        assert text in TOY.read_text()
-        (tmp_path / "toy.py").write_text(TOY.read_text().replace(text, other))
-        given = read_given([tmp_path / "toy.py"])
-        plan = _plan(load_registry(given=given))
-        store = Store.create(tmp_path / "again", plan)
-        for cell in plan.cells:
-            assert _done(cell, store.cell_folder(cell), given).status == "done"
-        return between(load_results(folder), load_results(tmp_path / "again"))
-
-    return compare
-
-
-def test_the_same_trainings_again_are_told_as_the_same(compare_with: Callable[[str, str], Between]):
-    """Each reward against the baseline once."""
-    found = compare_with("Move.", "Move on.")
-    assert [(pair.before.proposed, pair.verdict) for pair in found.pairs] == [("right", Verdict.SAME)]
-    assert [change.name for change in found.pairs[0].changes] == ["success", "distance"]
-
-
-def test_measures_with_another_code_are_named(compare_with: Callable[[str, str], Between]):
-    """Of one in a plugin file that is the code of the file; a key of info has none."""
-    (pair,) = compare_with("abs(env.unwrapped.at) < 0.5", "abs(env.unwrapped.at) < 0.7").pairs
-    assert pair.other_code == ("success",)
 
 
 def test_table_has_what_the_policies_did(results: Results):

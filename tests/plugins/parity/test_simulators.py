@@ -36,7 +36,7 @@ def simulator(parity):
 
     def call(name):
         if name not in found:
-            pytest.skip(f"{name} is not installed: see 'harness list simulators'")
+            pytest.skip(f"{name} is not installed: see 'harness describe simulators'")
         return found[name]
 
     return call
