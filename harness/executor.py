@@ -119,5 +119,5 @@ class Executor(Protocol):
         For every job it calls `on_event` in the caller's thread: once with ``started``, any number of times with
         ``progress``, and once with ``ended``. If a cell crashes or is killed, the others go on. If an exception ends
         this method (above all KeyboardInterrupt), no cell is left running. `harness.experiment.jobs` has building
-        blocks, and `harness_plugins.kit.check_executor` checks all of this.
+        blocks.
         """

@@ -312,6 +312,11 @@ def _wait(note):
         signal.pause()
 
 
+def _last(note):
+    note.write_text("here")
+    time.sleep(0.5)
+
+
 def _hang(note):
     while True:
         time.sleep(1.0)
@@ -336,6 +341,7 @@ WAYS = {
     "chat": _chat,
     "ask": lambda note: input("may I? "),
     "wait": _wait,
+    "last": _last,
 }
 
 

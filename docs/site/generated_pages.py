@@ -25,7 +25,7 @@ from harness.experiment.plan import Experiment
 from harness.hookspecs import NOUNS
 from harness.registry.parameters import parameters_of
 from harness.registry.registry import Registry, load_registry
-from harness_plugins.kit.kits import EXPORTS, KITS
+from harness_plugins.kit.kits import KITS
 
 ROOT = Path(__file__).parents[2]
 FOLDER = "generated"
@@ -235,10 +235,9 @@ def _plugin(kind: str, name: str, registry: Registry) -> Iterator[str]:
 def checks_page() -> str:
     """Every check of the contract kit, from the first paragraph of its docstring."""
     parts = ["# Checks of the contract kit", "[The contract kit](../contracts.md) says how to run them."]
-    named = [*((f"{NOUNS[kind].capitalize()}s", kit) for kind, kit in KITS.items()), ("Exported policies", EXPORTS)]
-    for title, kit in named:
+    for kind, kit in KITS.items():
         rows = [(f"`{it.name}`", it.level, _as_markdown_text(it.fact)) for it in kit.checks]
-        parts += [f"## {title}", _table(("check", "level", "what holds"), rows)]
+        parts += [f"## {NOUNS[kind].capitalize()}s", _table(("check", "level", "what holds"), rows)]
     return _joined(parts)
 
 

@@ -37,13 +37,11 @@ if TYPE_CHECKING:
     from harness.experiment.workers.workers import Pool as Pool
     from harness.log.format import HEAD as HEAD
     from harness.log.log import BEHAVIOUR as BEHAVIOUR, LARGEST as LARGEST, REWARD as REWARD
-    from harness.record.cell_folder import examine as examine
     from harness.record.episode_facts import (
         NOTHING_KNOWN as NOTHING_KNOWN,
         EpisodeFacts as EpisodeFacts,
         with_episode_facts as with_episode_facts,
     )
-    from harness.record.folder import LOG as LOG, MANIFEST as MANIFEST
     from harness.record.trace import (
         FLAGS as FLAGS,
         INTEGERS as INTEGERS,
@@ -53,7 +51,6 @@ if TYPE_CHECKING:
         trace_of as trace_of,
     )
     from harness.recorder.column import Column as Column, made_columns as made_columns
-    from harness.registry.allowed import allow_programs as allow_programs
     from harness.registry.given import PluginFile as PluginFile, is_class_name as is_class_name
     from harness.registry.parameters import build as build, values_of as values_of
     from harness.registry.spec import Spec as Spec
@@ -67,8 +64,6 @@ if TYPE_CHECKING:
         rows_of as rows_of,
         step_between as step_between,
     )
-    from harness.robot.chain_end import find_chain_end as find_chain_end
-    from harness.robot.description import HEAD_BYTES as HEAD_BYTES
     from harness.robot.energy import energy as energy, read_bodies as read_bodies
     from harness.robot.ground_clearance import build_solids as build_solids
     from harness.robot.inverse_kinematics import reach_pose as reach_pose
@@ -77,7 +72,6 @@ if TYPE_CHECKING:
     from harness.robot.robot import is_path as is_path
     from harness.robot.servo import Servo as Servo
     from harness.robot.settings import FILE as FILE
-    from harness.robot.urdf import Urdf as Urdf, parse_urdf as parse_urdf, read_chain as read_chain
 
 _HOMES = homes_in(__file__)
 

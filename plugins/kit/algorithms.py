@@ -422,7 +422,7 @@ def the_policy_acts_as_it_trained(algorithm: Algorithm) -> None:
     """At the same observations the policy's actions lie in the middle of those that the training drew around them.
 
     Where the algorithm tells its policy on the way, by `Progress.policy`, each step is compared with the policy of that
-    step; else the last steps, roughly, with the last policy. `check_export` compares exactly.
+    step; else the last steps, roughly, with the last policy.
     """
     steps = MANY if learns(algorithm) else FEW
     for space in sorted(algorithm.action_spaces):
@@ -487,7 +487,7 @@ def the_policy_is_told_on_the_way(algorithm: Algorithm) -> None:
         require(
             told,
             "progress.policy is not called: there is no learning curve, and what it yields is compared with what it "
-            "trained only roughly; compare it with your library's model in a test, by check_export(policy, act)",
+            "trained only roughly; compare it with your library's model in a test",
         )
 
 

@@ -17,22 +17,16 @@ from harness.task import Task
 
 from .algorithms import ALGORITHM_CHECKS, ALGORITHM_WARNINGS
 from .contract import Check, check, require
-from .descriptions import DESCRIPTION_CHECKS
 from .environments import ENVIRONMENT_CHECKS
-from .executors import EXECUTOR_CHECKS
-from .exports import EXPORT_CHECKS
 from .logs.checks import LOG_CHECKS
 from .metrics import ALL_ENDS, METRIC_CHECKS, recorded_trace
 from .reward_samples import pay, samples_for
 from .rewards import REWARD_CHECKS, REWARD_WARNINGS
 from .robots import ROBOT_CHECKS, ROBOT_WARNINGS, SIMULATED_ROBOT_CHECKS
-from .screens import SCREEN_CHECKS
-from .sections import SECTION_CHECKS, SECTION_WARNINGS
 from .simulators.calls import a_long_simulation_neither_drifts_nor_leaks
 from .simulators.checks import SIMULATOR_CHECKS, SIMULATOR_WARNINGS
 from .simulators.simulations import PERIOD, opened, ramps, start_at_home
 from .tasks import TASK_CHECKS, TASK_WARNINGS
-from .trackers import TRACKER_CHECKS
 from .trainings import steps_for, train_anew
 
 TRAINING = 100_000
@@ -166,14 +160,7 @@ KITS: Mapping[str, Kit] = MappingProxyType(
         "tasks": Kit(TASK_CHECKS, (*TASK_WARNINGS, an_episode_is_drawn_quickly)),
         "robots": Kit((*ROBOT_CHECKS, *SIMULATED_ROBOT_CHECKS), ROBOT_WARNINGS, seconds=120.0),
         "environments": Kit(ENVIRONMENT_CHECKS),
-        "executors": Kit(EXECUTOR_CHECKS, seconds=120.0),
-        "trackers": Kit(TRACKER_CHECKS),
         "logs": Kit(LOG_CHECKS),
-        "descriptions": Kit(DESCRIPTION_CHECKS),
-        "screens": Kit(SCREEN_CHECKS, seconds=120.0),
-        "sections": Kit(SECTION_CHECKS, SECTION_WARNINGS),
     }
 )
-"""By kind, as `harness.hookspecs.KINDS` has them; commands have none."""
-EXPORTS = Kit(EXPORT_CHECKS)
-"""The kit of policies; see `harness_plugins.kit.exports`."""
+"""By kind, as `harness.hookspecs.KINDS` has them; the other kinds have none."""

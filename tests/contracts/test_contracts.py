@@ -4,7 +4,6 @@ import io
 import subprocess
 import sys
 from collections.abc import Callable, Iterable
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -18,28 +17,19 @@ from harness.log.format import HEAD
 from harness.log.open_log import formats_of
 from harness.motion import MODES
 from harness.reach import ReachTask
-from harness.registry.allowed import PROGRAMS
-from harness.registry.choice import choose
 from harness.registry.registry import load_registry
-from harness.registry.spec import OURS
 from harness.robot import Robot
 from harness_plugins.kit import (
     ALGORITHM_CHECKS,
-    DESCRIPTION_CHECKS,
-    EXECUTOR_CHECKS,
     LOG_CHECKS,
     METRIC_CHECKS,
     REWARD_CHECKS,
     ROBOT_CHECKS,
-    SCREEN_CHECKS,
-    SECTION_CHECKS,
     SIMULATOR_CHECKS,
     TASK_CHECKS,
-    TRACKER_CHECKS,
     Check,
     IdealSimulator,
     check_algorithm,
-    check_executor,
     check_metric,
     check_reward,
     check_simulator,
@@ -53,7 +43,6 @@ from harness_plugins.kit.algorithms import (
     the_return_rises,
 )
 from harness_plugins.kit.contract import require
-from harness_plugins.kit.sections import SECTION_WARNINGS
 from harness_plugins.kit.simulators.states import frames_show_the_target, render_gives_a_frame_or_says_why_not
 from harness_plugins.kit.tasks import (
     draws_depend_on_the_stream_alone,
@@ -64,8 +53,6 @@ from harness_plugins.kit.tasks import (
     targets_do_not_depend_on_the_count,
 )
 from harness_plugins.kit.trainings import NegativeDistance
-from tests.plugins.transfer.conftest import add_transfers
-from tests.report.conftest import build_results
 
 REGISTRY = load_registry()
 ROBOT = harness.load_robot("fd100", REGISTRY)
@@ -98,26 +85,13 @@ SLOW |= {
     if check.name in {"algo-every-env", "algo-same-seed", "algo-other-seed", "algo-budget"}
 }
 """Their trainings are those of `sb3-sac` and `dqn`, which show it in every run, with another update."""
-SLOW |= {("ray", check) for check in EXECUTOR_CHECKS}
-"""Each starts a cluster; the other executors' show the checks in every run."""
-LOCAL = {"wandb": "wandb:mode=offline", "mlflow": "mlflow:uri=sqlite:///mlflow.db"}
-"""Settings of trackers with which nothing leaves this machine."""
-NEED_A_CLUSTER = ("slurm",)
-"""Executors that start none themselves; `tests/plugins/executors` does, and runs the checks there."""
-FILLED = {"transfer": add_transfers}
-"""What the command of a section adds to an experiment; a foreign one's is not known here."""
 CHECKS = [
     *SIMULATOR_CHECKS,
     *REWARD_CHECKS,
     *ALGORITHM_CHECKS,
     *METRIC_CHECKS,
     *TASK_CHECKS,
-    *EXECUTOR_CHECKS,
-    *TRACKER_CHECKS,
     *LOG_CHECKS,
-    *SECTION_CHECKS,
-    *DESCRIPTION_CHECKS,
-    *SCREEN_CHECKS,
 ]
 
 
@@ -234,42 +208,6 @@ def test_metric(name: str):
     assert broken(METRIC_CHECKS, build("metrics", name)) == []
 
 
-@registered_with_slow_ones("executors", EXECUTOR_CHECKS)
-def test_executor(name: str, checks: list[Check], tmp_path: Path):
-    """Every registered executor keeps the contract, where the library that it needs is installed."""
-    if name in NEED_A_CLUSTER:
-        pytest.skip("needs a cluster")
-    assert broken_in(tmp_path, checks, build("executors", name)) == []
-
-
-@pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of MLflow, which uses an old part of SQLAlchemy
-@registered("trackers")
-def test_tracker(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    """Every registered tracker keeps the contract, where the library that it needs is installed."""
-    missing = REGISTRY.get("trackers", name).missing
-    if missing:
-        pytest.skip(f"{', '.join(missing)} is not installed")
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("WANDB_X_SAVE_REQUIREMENTS", "false")  # else each of its runs reads about every distribution
-    tracker = choose(REGISTRY, "trackers", LOCAL.get(name, name)).build(REGISTRY, "trackers")
-    assert broken_in(tmp_path, TRACKER_CHECKS, tracker) == []
-
-
-@registered("sections")
-def test_section(name: str, tmp_path: Path):
-    """Every registered section keeps the contract; what ours show is looked at, of an experiment with their folders."""
-    if name in FILLED:
-        FILLED[name](build_results(tmp_path))
-    checks = (*SECTION_CHECKS, *(SECTION_WARNINGS if name in FILLED else ()))
-    assert broken(checks, build("sections", name), tmp_path) == []
-
-
-def test_our_sections_are_filled():
-    """What each of ours shows is among what was looked at."""
-    ours = {name for name in REGISTRY.names("sections") if REGISTRY.get("sections", name).distribution == OURS}
-    assert ours == set(FILLED)
-
-
 @registered("logs")
 def test_log_format(name: str, tmp_path: Path):
     """Every registered log format keeps the contract, where the library that it needs is installed."""
@@ -283,31 +221,6 @@ def test_log_format_is_told_apart(name: str, tmp_path: Path):
     with example.open("rb") if example.is_file() else io.BytesIO() as file:
         head = file.read(HEAD)
     assert [each for each, it in formats_of(REGISTRY).items() if it.recognises(example, head)] == [name]
-
-
-@registered("descriptions")
-def test_description_format(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    """Every registered format of robots keeps the contract, where the library that it needs is installed."""
-    monkeypatch.setenv(PROGRAMS, "")
-    assert broken_in(tmp_path, DESCRIPTION_CHECKS, build("descriptions", name)) == []
-
-
-@registered("descriptions")
-def test_description_format_is_told_apart(name: str, tmp_path: Path):
-    """The example of a format is recognised by that format, and by no other."""
-    example = build("descriptions", name).write_example(tmp_path)
-    specs = [REGISTRY.get("descriptions", each) for each in REGISTRY.names("descriptions")]
-    forms = {spec.name: spec.load()() for spec in specs if not spec.missing}
-    assert [each for each, it in forms.items() if it.recognises(example, example.read_bytes())] == [name]
-
-
-@registered("screens")
-def test_screen(name: str, tmp_path: Path):
-    """Every registered screen keeps the contract, where the library that it needs is installed."""
-    screen = build("screens", name)
-    if name == "cheats":
-        screen = replace(screen, steps=1_000, steps_elsewhere=1_000, starts=1)
-    assert broken_in(tmp_path, SCREEN_CHECKS, screen) == []
 
 
 def test_ideal_simulator():
@@ -325,9 +238,7 @@ def test_every_check_says_what_it_holds():
     assert [check.name for check in CHECKS if len(check.fact) <= 40] == []
 
 
-@pytest.mark.parametrize(
-    "check", [check_simulator, check_reward, check_algorithm, check_metric, check_task, check_executor]
-)
+@pytest.mark.parametrize("check", [check_simulator, check_reward, check_algorithm, check_metric, check_task])
 def test_first_violation_is_raised(check: Callable[..., None]):
     """Something that is no plugin at all fails at the first check, which the error names."""
     with pytest.raises(ContractViolation, match="settings-frozen: object is no dataclass") as caught:

@@ -8,11 +8,21 @@ import pytest
 from harness.errors import PluginError, UsageError
 from harness.registry.registry import Registry
 from harness.registry.spec import Spec
+from harness.robot import Description
 from harness.robot.robot import is_path, load_robot, read_robot
-from tests.contracts.test_description_mutants import Sound
 from tests.robot.brought_arms import ARM, read_arm
 
 NOTHING = Registry()
+
+
+class Sound:
+    """Its files say no more than that they are of a chain."""
+
+    def recognises(self, path, head):
+        return head == b"chain"
+
+    def read(self, path, arguments, packages):
+        return Description(ARM, tip="l4", home={"j1": 0.5}, home_origin="the chain's own")
 
 
 class Failing(Sound):
@@ -38,6 +48,13 @@ def importable(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setitem(__import__("sys").modules, __name__, __import__("sys").modules[__name__])
 
 
+@pytest.fixture
+def chain(tmp_path: Path) -> Path:
+    """A file of that format."""
+    (tmp_path / "arm.chain").write_text("chain")
+    return tmp_path / "arm.chain"
+
+
 def said_of(path: Path, registry: Registry = NOTHING) -> str:
     """The error about a file, without its path."""
     with pytest.raises(UsageError) as error:
@@ -45,12 +62,12 @@ def said_of(path: Path, registry: Registry = NOTHING) -> str:
     return str(error.value).removeprefix(f"{path}: ")
 
 
-def test_the_reader_that_recognises_a_file_reads_it(tmp_path: Path):
+def test_the_reader_that_recognises_a_file_reads_it(chain: Path):
     """Its tip and its resting pose are taken, by `load_robot` too."""
-    path = Sound().write_example(tmp_path)
-    for robot in (read_robot(path, registry_of("Sound")), load_robot(path, registry_of("Sound"))):
-        assert robot.joint_names == ("one", "two", "three")
-        assert robot.end_effector_link == "three_link"
+    for read in (read_robot, load_robot):
+        robot = read(chain, registry_of("Sound"))
+        assert robot.joint_names == ("j1", "j2", "j3", "j4")
+        assert robot.end_effector_link == "l4"
         assert robot.home[0] == 0.5
         assert robot.origins["end_effector"] == "the frame of its tool"
 
@@ -61,15 +78,15 @@ def test_a_urdf_asks_no_reader(tmp_path: Path):
     assert read_robot(tmp_path / "arm.urdf", registry_of("Failing")).dof == 4
 
 
-def test_a_reader_that_fails_is_blamed(tmp_path: Path):
+def test_a_reader_that_fails_is_blamed(chain: Path):
     """By its name and package."""
     with pytest.raises(PluginError, match=r"Description format 'chain' of package chains 0\.1 raised KeyError"):
-        read_robot(Sound().write_example(tmp_path), registry_of("Failing"))
+        read_robot(chain, registry_of("Failing"))
 
 
-def test_a_reader_without_its_library_is_not_asked(tmp_path: Path):
+def test_a_reader_without_its_library_is_not_asked(chain: Path):
     """What is said then is what is said of the file."""
-    assert "not well-formed XML" in said_of(Sound().write_example(tmp_path), registry_of("Sound", ("no_such_module",)))
+    assert "not well-formed XML" in said_of(chain, registry_of("Sound", ("no_such_module",)))
 
 
 FOREIGN = {

@@ -38,7 +38,7 @@ CheckTime = Annotated[
     float | None,
     typer.Option(
         help="Seconds that each check may take. After that its process is ended, and the check has failed.",
-        show_default="15 for a reward or metric, 300 for an algorithm, 120 for an executor, else 60",
+        show_default="15 for a reward or metric, 300 for an algorithm, 120 for a robot, else 60",
         metavar="SECONDS",
         min=1.0,
     ),

@@ -4,11 +4,10 @@ The plugin is imported here for the first time. `harness_plugins.kit.inspection.
 of the command.
 """
 
-import contextlib
 import tempfile
 import time
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from importlib.metadata import EntryPoint
@@ -33,8 +32,7 @@ from .finding import LOADS, TARGET, Asked, Finding, Outline, PlannedCheck
 DEFAULT_ROBOT = "fd100"
 WITH_ROBOT = ("simulators", "tasks")
 """The kinds that are checked with a robot."""
-WITH_FOLDER = ("executors", "trackers", "logs", "descriptions", "screens", "sections")
-"""The kinds that are checked in a folder."""
+NO_KIT = "there is no contract kit for this kind of plugin: test what it does in its own package"
 
 Tell: TypeAlias = Callable[[str], None]
 """A function that is told what is done next."""
@@ -126,8 +124,10 @@ def run_check(subject: Subject, name: str) -> Finding:
         return Finding(name, "error", f"the plugin could be built before, and now it cannot: {'; '.join(told)}")
     begun = time.perf_counter()
     try:
-        with _place(subject.outline.kind) as folder:
-            failed = next(violations([check], *subject.arguments, *folder), None)
+        # A log format writes its example into an empty folder.
+        with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+            place = (Path(folder),) if subject.outline.kind == "logs" else ()
+            failed = next(violations([check], *subject.arguments, *place), None)
         cause = failed and failed.__cause__
     except BaseException as error:  # as KeyboardInterrupt, which nobody but the plugin raises here
         failed, cause = None, error
@@ -191,24 +191,15 @@ def _open_robot(registry: Registry, name_or_path: str) -> Subject:
 
 def _subject(kind: str, first: Finding, arguments: tuple[Any, ...]) -> Subject:
     kit = KITS.get(kind, Kit(()))
+    told = (first,) if kit.contract else (first, Finding("contract", "not run", NO_KIT))
     planned = (PlannedCheck(check.name, check.fact, kit.seconds_of(check), check in kit.long) for check in kit.checks)
-    return Subject(Outline(kind, (first,), tuple(planned)), kit.checks, arguments)
+    return Subject(Outline(kind, told, tuple(planned)), kit.checks, arguments)
 
 
 def _robot(name_or_path: str, registry: Registry) -> Robot:
     """A registered robot; or that of a folder beside, whose name needs no slash here."""
     is_folder = not registry.kinds_of(name_or_path) and Path(name_or_path).is_dir()
     return load_robot(Path(name_or_path) if is_folder else name_or_path, registry)
-
-
-@contextlib.contextmanager
-def _place(kind: str) -> Iterator[tuple[Path, ...]]:
-    """An empty folder for each check of a kind in `WITH_FOLDER`; nothing for the others."""
-    if kind not in WITH_FOLDER:
-        yield ()
-        return
-    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
-        yield (Path(folder),)
 
 
 def _place_of(error: BaseException) -> str:

@@ -9,7 +9,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,8 @@ from typing import Any
 import psutil
 import pytest
 
-from harness_plugins.kit.executors import installed
+from harness.record.cell import Cell
+from harness.registry.choice import Choice
 
 
 class TwoNodes:
@@ -131,19 +132,28 @@ def state(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def two_nodes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
-    """A cluster of two nodes that have the kit's cells, as this process does, and do not see the folder `hidden`."""
+    """A cluster of two nodes that do not see the folder `hidden`; they have the toys where a test asks first."""
     pytest.importorskip("ray")
     if os.getuid() != 0 or shutil.which("ip") is None:
         pytest.skip("needs root and ip: apt-get install iproute2")
     monkeypatch.chdir(tmp_path)  # Python finds modules where it is started: here there are none
     (tmp_path / "hidden").mkdir()
-    with installed(tmp_path / "site-packages"):
-        cluster = TwoNodes(tmp_path / "hidden")
-        try:
-            cluster.begin()
-            yield cluster
-        finally:
-            cluster.stop()
+    cluster = TwoNodes(tmp_path / "hidden")
+    try:
+        cluster.begin()
+        yield cluster
+    finally:
+        cluster.stop()
+
+
+@pytest.fixture
+def that(make_cell: Callable[..., Cell]) -> Callable[..., Cell]:
+    """A cell that does `then` in the end, and leaves a note."""
+
+    def make(then: str, note: object = "", seed: int = 0) -> Cell:
+        return make_cell(seed=seed, algorithm=Choice("wander", (("then", then), ("note", str(note))), f"then={then}"))
+
+    return make
 
 
 DAEMONS = os.pathsep.join([os.environ["PATH"], "/usr/sbin"])

@@ -17,18 +17,12 @@ from harness.experiment.workers.order import Order
 from harness.record.cell import Cell
 from harness.record.folder import LOG, partial_folder
 from harness.record.manifest import read_manifest
-from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness_plugins.executors.processes import Processes
 
 pytestmark = pytest.mark.usefixtures("toys")
 
 DEFAULTS = CellOptions()
-
-
-def _that(make_cell: Callable[..., Cell], then: str, note: str = "") -> Cell:
-    params = (("then", then), ("note", note))
-    return make_cell(algorithm=Choice("wander", params, f"wander:then={then}"))
 
 
 def _run(cells: list[Cell], folder: Path, at_once: int = 1, options: CellOptions = DEFAULTS) -> dict[str, Event]:
@@ -81,19 +75,19 @@ def test_no_job_is_no_work(tmp_path: Path):
 
 
 @pytest.mark.parametrize("then", ["raise", "sys.exit"])
-def test_cell_that_raises_is_a_failed_cell(make_cell: Callable[..., Cell], tmp_path: Path, then: str):
+def test_cell_that_raises_is_a_failed_cell(that: Callable[..., Cell], tmp_path: Path, then: str):
     """The worker itself leaves the manifest, so the executor has no reason to add."""
-    cell = _that(make_cell, then)
+    cell = that(then)
     assert _run([cell], tmp_path)[cell.id].reason == ""
     assert read_manifest(tmp_path / cell.id).status == "failed"
 
 
 def test_killed_cells_cost_themselves_alone(
-    make_cell: Callable[..., Cell], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    that: Callable[..., Cell], make_cell: Callable[..., Cell], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     """A signal, an exit and a silent exit are told apart in the reason; the cell after them is done."""
     monkeypatch.delenv("PYTHONUNBUFFERED", raising=False)  # with it, nothing printed could get lost
-    killed, left, silent = (_that(make_cell, then) for then in ("be killed", "_exit", "die silently"))
+    killed, left, silent = (that(then) for then in ("be killed", "_exit", "die silently"))
     good = make_cell()
     last = _run([killed, left, silent, good], tmp_path, at_once=2)
     assert last[killed.id].reason == "its process was ended by SIGKILL"
@@ -105,26 +99,26 @@ def test_killed_cells_cost_themselves_alone(
     assert (partial_folder(tmp_path / silent.id) / LOG).read_text().endswith("last words\n")
 
 
-def test_output_of_plugins_lands_in_the_log(make_cell: Callable[..., Cell], tmp_path: Path):
+def test_output_of_plugins_lands_in_the_log(that: Callable[..., Cell], tmp_path: Path):
     """Whatever way a plugin or its child prints, it is in log.txt, in order, and disturbs no progress."""
-    cell = _that(make_cell, "chat")
+    cell = that("chat")
     assert _run([cell], tmp_path)[cell.id].reason == ""
     text = (tmp_path / cell.id / LOG).read_text()
     assert text.endswith("by print\nby standard error\nby the file descriptor\nby a child\n")
 
 
-def test_plugin_that_asks_gets_no_answer(make_cell: Callable[..., Cell], tmp_path: Path):
+def test_plugin_that_asks_gets_no_answer(that: Callable[..., Cell], tmp_path: Path):
     """A plugin that reads standard input fails at once instead of waiting for ever."""
-    cell = _that(make_cell, "ask")
+    cell = that("ask")
     _run([cell], tmp_path)
     assert read_manifest(tmp_path / cell.id).reason.startswith("EOFError")
 
 
-def test_interrupt_leaves_no_worker(make_cell: Callable[..., Cell], tmp_path: Path):
+def test_interrupt_leaves_no_worker(that: Callable[..., Cell], tmp_path: Path):
     """KeyboardInterrupt passes on, and the worker that was in the middle of a cell is gone."""
     note = tmp_path / "pid"
     os.mkfifo(note)
-    cell = _that(make_cell, "wait", str(note))
+    cell = that("wait", str(note))
 
     def interrupt(event: Event) -> None:
         if event.kind == "progress" and event.steps == cell.steps:
@@ -137,11 +131,11 @@ def test_interrupt_leaves_no_worker(make_cell: Callable[..., Cell], tmp_path: Pa
     assert not _is_running(pids[0])
 
 
-def test_worker_ends_with_its_parent(make_cell: Callable[..., Cell], tmp_path: Path):
+def test_worker_ends_with_its_parent(that: Callable[..., Cell], tmp_path: Path):
     """A worker whose standard input closes, as it does when its parent dies, ends in the middle of its cell."""
     note = tmp_path / "pid"
     os.mkfifo(note)
-    order = Order(tmp_path / "cell", TrainCell(_that(make_cell, "wait", str(note))))
+    order = Order(tmp_path / "cell", TrainCell(that("wait", str(note))))
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.DEVNULL}
     with subprocess.Popen([sys.executable, "-m", "harness.experiment.workers.worker"], text=True, **pipes) as worker:
         worker.stdin.write(order.line() + "\n")
@@ -151,11 +145,11 @@ def test_worker_ends_with_its_parent(make_cell: Callable[..., Cell], tmp_path: P
         assert worker.wait(30) == 1
 
 
-def test_worker_dies_with_a_killed_parent(make_cell: Callable[..., Cell], tmp_path: Path, toys: Registry):
+def test_worker_dies_with_a_killed_parent(that: Callable[..., Cell], tmp_path: Path, toys: Registry):
     """SIGKILL of the process that runs the plan ends its workers too."""
     note = tmp_path / "pid"
     os.mkfifo(note)
-    cell = _that(make_cell, "wait", str(note))
+    cell = that("wait", str(note))
     script = (
         "import json, sys; from pathlib import Path\n"
         "from harness.record.cell import Cell; from harness.executor import Job\n"
@@ -194,16 +188,18 @@ def test_a_fresh_process_for_every_cell(make_cell: Callable[..., Cell], tmp_path
     assert len({_pid_of(tmp_path / cell.id) for cell in cells}) == 2
 
 
-def test_a_process_whose_cell_failed_does_no_other(make_cell: Callable[..., Cell], tmp_path: Path):
+def test_a_process_whose_cell_failed_does_no_other(
+    that: Callable[..., Cell], make_cell: Callable[..., Cell], tmp_path: Path
+):
     """What a failure leaves behind in it is not known."""
-    cells = [_that(make_cell, "raise"), make_cell()]
+    cells = [that("raise"), make_cell()]
     _run(cells, tmp_path)
     assert len({_pid_of(tmp_path / cell.id) for cell in cells}) == 2
 
 
-def test_a_cell_that_hangs_is_ended(make_cell: Callable[..., Cell], tmp_path: Path):
+def test_a_cell_that_hangs_is_ended(that: Callable[..., Cell], make_cell: Callable[..., Cell], tmp_path: Path):
     """With the reason, and in the log where it stood; the next cell is done."""
-    hung, good = _that(make_cell, "hang"), make_cell()
+    hung, good = that("hang"), make_cell()
     last = _run([hung, good], tmp_path, options=CellOptions(limits=Limits(stall_after=4.0)))
     assert last[hung.id].reason == "no progress for 4 s (--stall-after)"
     log = (partial_folder(tmp_path / hung.id) / LOG).read_text()
@@ -212,15 +208,15 @@ def test_a_cell_that_hangs_is_ended(make_cell: Callable[..., Cell], tmp_path: Pa
     assert read_manifest(tmp_path / good.id).status == "done"
 
 
-def test_a_cell_that_takes_too_long_is_ended(make_cell: Callable[..., Cell], tmp_path: Path):
+def test_a_cell_that_takes_too_long_is_ended(that: Callable[..., Cell], tmp_path: Path):
     """Whether it gets on or not."""
-    cell = _that(make_cell, "hang")
+    cell = that("hang")
     last = _run([cell], tmp_path, options=CellOptions(limits=Limits(cell_time=1.5)))
     assert last[cell.id].reason == "it took longer than the 1.5 s that --cell-time allows"
 
 
-def test_a_cell_that_hoards_memory_is_ended(make_cell: Callable[..., Cell], tmp_path: Path):
+def test_a_cell_that_hoards_memory_is_ended(that: Callable[..., Cell], tmp_path: Path):
     """The machine has other cells to do."""
-    cell = _that(make_cell, "hoard")
+    cell = that("hoard")
     last = _run([cell], tmp_path, options=CellOptions(limits=Limits(cell_memory=0.5)))
     assert re.fullmatch(r"it used 0\.\d\d GiB of memory, --cell-memory allows 0\.5", last[cell.id].reason)

@@ -6,7 +6,7 @@ import random
 import shutil
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -24,18 +24,10 @@ from harness.record.cell_folder import examine
 from harness.record.folder import LOG, MANIFEST
 from harness.registry.registry import load_registry
 from harness_plugins.executors.ray import Ray
-from harness_plugins.kit import executors, violations
-from harness_plugins.kit.executors import odd_cell
 
 pytestmark = pytest.mark.slow
 
 KILLED_PROCESSES, KILLED_NODES = 30, 5
-FETCHED = (
-    executors.a_done_cell_leaves_what_run_job_leaves,
-    executors.what_raises_costs_itself_alone,
-    executors.what_is_killed_costs_itself_alone,
-)
-"""Checks of what a cell leaves."""
 
 
 def _run(executor: Ray, cells: Sequence[Cell], folder: Path, at_once: int = 4, on_event: Any = None) -> list[Event]:
@@ -57,12 +49,6 @@ def _jobs(cells: Sequence[Cell], folder: Path) -> list[Job]:
 def _left(folder: Path) -> dict[str, str]:
     paths = [path for path in folder.rglob("*") if path.is_file() and path.name not in (MANIFEST, LOG)]
     return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in paths}
-
-
-@pytest.mark.parametrize("check", FETCHED)
-def test_files_that_are_sent_back_are_those_of_a_shared_folder(check: Callable[..., None], tmp_path: Path):
-    """A node that does not see the folder leaves the same there, failures and logs included."""
-    assert list(violations([check], Ray(fetch=True), tmp_path)) == []
 
 
 def test_it_is_said_once_that_no_node_is_left(tmp_path: Path, monkeypatch: Any, capsys: Any):
@@ -92,36 +78,34 @@ def test_it_is_said_once_that_no_node_is_left(tmp_path: Path, monkeypatch: Any, 
     nodes.close()
 
 
-def test_a_cell_whose_process_is_lost_is_begun_again(two_nodes: Any, tmp_path: Path):
+def test_a_cell_whose_process_is_lost_is_begun_again(toys: Any, that: Any, two_nodes: Any, tmp_path: Path):
     """It is told to have begun once, and is done; the processes that it had started end with it."""
-    notes = tmp_path / "notes"
-    notes.mkdir()
+    note = tmp_path / "note"
     killed: list[psutil.Process] = []
 
     def kill(event: Event) -> None:
         if event.kind == "started":
-            while not any(notes.iterdir()):
+            while not note.exists():
                 time.sleep(0.05)
             (slot,) = [slot for slot in two_nodes.slots() if slot.children()]
             killed.extend(slot.children())
             slot.kill()
 
-    cell = odd_cell(0, "last", notes)
+    cell = that("last", note)
     told = _run(Ray(address=two_nodes.address), [cell], tmp_path / "cells", on_event=kill)
     assert [event.kind for event in told if event.kind != "progress"] == ["started", "ended"]
     assert examine(tmp_path / "cells" / cell.id, cell).status == "done"
     assert not any(process.is_running() for process in killed)
 
 
-def test_a_cell_that_is_lost_too_often_fails(two_nodes: Any, tmp_path: Path):
+def test_a_cell_that_is_lost_too_often_fails(toys: Any, that: Any, two_nodes: Any, tmp_path: Path):
     """With the number of times, and where; the other cell is done."""
-    notes = tmp_path / "notes"
-    notes.mkdir()
-    lost = odd_cell(0, "hang", notes)
+    note = tmp_path / "note"
+    lost = that("wait", note)
 
     def kill(event: Event) -> None:
         if event.cell == lost and event.kind == "started":
-            while not any(notes.iterdir()):
+            while not note.exists():
                 time.sleep(0.05)
             for slot in two_nodes.slots():
                 slot.kill()
@@ -131,7 +115,9 @@ def test_a_cell_that_is_lost_too_often_fails(two_nodes: Any, tmp_path: Path):
     assert told[-1].reason.startswith("lost 1 times, the last time on node ")
 
 
-def test_a_node_whose_sources_differ_gets_no_cells(two_nodes: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+def test_a_node_whose_sources_differ_gets_no_cells(
+    toys: Any, make_cell: Any, two_nodes: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
     """It is named, with what differs; where no other node is left, that is an error."""
     other = tmp_path / "other"
     shutil.copytree(Path(harness.__file__).parent, other / "harness")  # compiled files too: the node answers in time
@@ -140,7 +126,7 @@ def test_a_node_whose_sources_differ_gets_no_cells(two_nodes: Any, tmp_path: Pat
     two_nodes.kill_node()
     two_nodes.add(PYTHONPATH=os.pathsep.join([str(other), os.environ["PYTHONPATH"]]))
     two_nodes.wait(3)
-    executor, cells = Ray(address=two_nodes.address), [odd_cell(seed) for seed in range(3)]
+    executor, cells = Ray(address=two_nodes.address), [make_cell(seed=seed) for seed in range(3)]
     told = _run(executor, cells, tmp_path / "cells")
     assert [event.reason for event in told if event.kind == "ended"] == [""] * 3
     complaint = capsys.readouterr().err
@@ -167,17 +153,17 @@ def test_plugins_come_by_a_runtime_environment(
     assert (told[-1].kind, told[-1].reason) == ("ended", "")
 
 
-def test_cells_that_no_node_has_room_for_are_refused(two_nodes: Any, tmp_path: Path):
+def test_cells_that_no_node_has_room_for_are_refused(toys: Any, make_cell: Any, two_nodes: Any, tmp_path: Path):
     """Ray itself would wait for such a node for ever."""
     with pytest.raises(UsageError, match="it has no room for 64 CPUs"):
-        _run(Ray(address=two_nodes.address, cpus=64), [odd_cell()], tmp_path / "cells")
+        _run(Ray(address=two_nodes.address, cpus=64), [make_cell()], tmp_path / "cells")
 
 
-def test_a_cluster_that_is_not_there_is_refused(tmp_path: Path):
+def test_a_cluster_that_is_not_there_is_refused(toys: Any, make_cell: Any, tmp_path: Path):
     """The message says how to start one."""
     pytest.importorskip("ray")
     with pytest.raises(UsageError, match="No Ray cluster at address=auto can be joined: start one"):
-        _run(Ray(address="auto"), [odd_cell()], tmp_path / "cells")
+        _run(Ray(address="auto"), [make_cell()], tmp_path / "cells")
 
 
 @pytest.mark.parametrize("place", ["shared", "hidden"])

@@ -13,14 +13,14 @@ import pytest
 
 from harness.errors import UsageError
 from harness.executor import CellOptions, Event, Job
+from harness.record.cell import Cell
 from harness.record.cell_folder import examine
 from harness.record.folder import LOG, partial_folder
 from harness_plugins.executors.slurm import Slurm
-from harness_plugins.kit import EXECUTOR_CHECKS
-from harness_plugins.kit.executors import installed, odd_cell
 
 pytestmark = [
     pytest.mark.slow,
+    pytest.mark.usefixtures("toys"),
     # submitit does not wait for the processes that it starts in Slurm's place.
     pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning"),
 ]
@@ -32,60 +32,46 @@ def submitit() -> None:
     pytest.importorskip("submitit")
 
 
-@pytest.mark.parametrize("check", EXECUTOR_CHECKS)
-def test_jobs_on_this_machine_keep_the_contract(check: Callable[..., None], tmp_path: Path):
-    """By submitit's local executor."""
-    check(Slurm(cluster="local"), tmp_path)
-
-
-def test_jobs_are_not_read_from_the_experiments_folder(tmp_path: Path, state: Path):
+def test_jobs_are_not_read_from_the_experiments_folder(that: Callable[..., Cell], tmp_path: Path, state: Path):
     """While a cell runs, its pickle lies in the user's own folder, and the experiment's has none."""
     pickles: list[Path] = []
-    cell = odd_cell(0, "last", tmp_path)
-    with installed(tmp_path / "installed"):
-        job = Job(cell, tmp_path / "cells" / cell.id)
-        Slurm(cluster="local").run([job], 1, lambda event: pickles.extend(tmp_path.rglob("*.pkl")))
+    cell = that("last", tmp_path / "note")
+    job = Job(cell, tmp_path / "cells" / cell.id)
+    Slurm(cluster="local").run([job], 1, lambda event: pickles.extend(tmp_path.rglob("*.pkl")))
     assert pickles
     assert [path for path in pickles if not path.is_relative_to(state)] == []
 
 
-@pytest.mark.usefixtures("slurm")
-@pytest.mark.parametrize("check", EXECUTOR_CHECKS)
-def test_jobs_of_a_cluster_keep_the_contract(check: Callable[..., None], tmp_path: Path):
-    """By sbatch, squeue and scancel."""
-    check(Slurm(memory=0.5), tmp_path)
-
-
-def test_a_cluster_that_takes_no_jobs_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_a_cluster_that_takes_no_jobs_is_told(
+    that: Callable[..., Cell], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
     """As where Slurm is installed and not configured: what sbatch said last, and what to do."""
     complaint = "echo 'sbatch: error: no host' >&2; echo 'sbatch: fatal: no source' >&2; exit 1"
     for name in ("sbatch", "srun"):
         (tmp_path / name).write_text(f"#!/bin/sh\n{complaint}\n")
         (tmp_path / name).chmod(0o755)
     monkeypatch.setenv("PATH", f"{tmp_path}:{os.environ['PATH']}")
-    cell = odd_cell(0, "last", tmp_path)
+    cell = that("last", tmp_path / "note")
     with pytest.raises(UsageError, match=r"^Slurm takes no jobs: sbatch: fatal: no source\. Run harness where sbatch"):
         Slurm().run([Job(cell, tmp_path / "cells" / cell.id)], 1, lambda event: None)
 
 
 @pytest.mark.usefixtures("slurm")
-def test_a_job_that_can_tell_nothing_more_is_told(tmp_path: Path, state: Path):
+def test_a_job_that_can_tell_nothing_more_is_told(that: Callable[..., Cell], tmp_path: Path, state: Path):
     """The cell has failed, with what the cluster says; its log is kept, and the jobs' folder is removed."""
-    notes, told = tmp_path / "notes", list[Event]()
-    notes.mkdir()
-    cell = odd_cell(0, "hang", notes)
+    note, told = tmp_path / "note", list[Event]()
+    cell = that("wait", note)
 
     def kill() -> None:
-        while not any(notes.iterdir()):
+        while not note.exists():
             time.sleep(0.1)
         for process in psutil.process_iter(["cmdline"]):
             if str(tmp_path) in " ".join(process.info["cmdline"] or ()):
                 process.kill()
 
     thread = threading.Thread(target=kill)
-    with installed(tmp_path / "installed"):
-        thread.start()
-        Slurm(memory=0.5).run([Job(cell, tmp_path / "cells" / cell.id)], 1, told.append)
+    thread.start()
+    Slurm(memory=0.5).run([Job(cell, tmp_path / "cells" / cell.id)], 1, told.append)
     thread.join()
     assert [event.kind for event in told if event.kind != "progress"] == ["started", "ended"]
     assert re.fullmatch("its job [0-9]+(_0)? is FAILED", told[-1].reason)
@@ -94,30 +80,30 @@ def test_a_job_that_can_tell_nothing_more_is_told(tmp_path: Path, state: Path):
 
 
 @pytest.mark.usefixtures("slurm")
-def test_a_job_that_has_to_make_room_goes_on(tmp_path: Path):
+def test_a_job_that_has_to_make_room_goes_on(that: Callable[..., Cell], tmp_path: Path):
     """The cluster queues it again, and the cell is told to have begun once."""
-    notes, told = tmp_path / "notes", list[Event]()
-    notes.mkdir()
-    cell = odd_cell(0, "last", notes)
+    note, told = tmp_path / "note", list[Event]()
+    cell = that("last", note)
 
     def make_room() -> None:
-        while not any(notes.iterdir()):
+        while not note.exists():
             time.sleep(0.02)
         subprocess.run(["scancel", "--signal=USR2", "--name=harness"], check=True)
 
     thread = threading.Thread(target=make_room)
-    with installed(tmp_path / "installed"):
-        thread.start()
-        job = Job(cell, tmp_path / "cells" / cell.id, CellOptions(checkpoint_every=1))
-        Slurm(memory=0.5).run([job], 1, told.append)
+    thread.start()
+    job = Job(cell, tmp_path / "cells" / cell.id, CellOptions(checkpoint_every=1))
+    Slurm(memory=0.5).run([job], 1, told.append)
     thread.join()
     assert [event.kind for event in told if event.kind != "progress"] == ["started", "ended"]
     assert examine(tmp_path / "cells" / cell.id, cell).status == "done"
 
 
-def test_without_a_cluster_it_says_what_there_is(tmp_path: Path, state: Path, monkeypatch: pytest.MonkeyPatch):
+def test_without_a_cluster_it_says_what_there_is(
+    make_cell: Callable[..., Cell], tmp_path: Path, state: Path, monkeypatch: pytest.MonkeyPatch
+):
     """Nothing is left in the folder of the jobs."""
     monkeypatch.setenv("PATH", "/nowhere")
     with pytest.raises(UsageError, match=r"No Slurm cluster: .* Run harness where sbatch works"):
-        Slurm().run([Job(odd_cell(), tmp_path / "cells" / "one")], 1, lambda event: None)
+        Slurm().run([Job(make_cell(), tmp_path / "cells" / "one")], 1, lambda event: None)
     assert list(state.iterdir()) == []

@@ -27,22 +27,6 @@ class Odd:
         {call}
         return carry, -sample.distance
 """
-EXECUTOR = """
-from dataclasses import dataclass
-
-from harness.executor import Event
-
-
-@dataclass(frozen=True)
-class Odd:
-    def run(self, jobs, at_once, on_event):
-        from harness.experiment.run_cell import run_cell
-
-        for job in jobs:
-            on_event(Event("started", job.cell))
-            run_cell(job.cell, job.folder, lambda word: on_event(Event("progress", job.cell, word.steps)), job.options)
-            on_event(Event("ended", job.cell))
-"""
 ENVIRONMENT = """
 from dataclasses import dataclass
 
@@ -144,12 +128,6 @@ def test_reward_that_never_answers_gets_a_verdict(check, name: str):
     """Within a minute."""
     top, call = SILENT[name]
     _require_verdict(check(REWARD.format(top=top, call=call or "pass")))
-
-
-@pytest.mark.slow
-def test_executor_that_runs_cells_in_its_own_process_gets_a_verdict(check):
-    """Its kit kills processes of cells: this one too."""
-    _require_verdict(check(EXECUTOR))
 
 
 @pytest.mark.parametrize("step", [37, 77])
