@@ -1,6 +1,7 @@
 """Robots in files that are no URDF: which reader is asked, and what is said where there is none."""
 
 import zipfile
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
@@ -15,6 +16,7 @@ from tests.robot.brought_arms import ARM, read_arm
 NOTHING = Registry()
 
 
+@dataclass(frozen=True)
 class Sound:
     """Its files say no more than that they are of a chain."""
 
@@ -23,6 +25,10 @@ class Sound:
 
     def read(self, path, arguments, packages):
         return Description(ARM, tip="l4", home={"j1": 0.5}, home_origin="the chain's own")
+
+    def write_example(self, folder):
+        (folder / "arm.chain").write_text("chain")
+        return folder / "arm.chain"
 
 
 class Failing(Sound):
@@ -51,8 +57,7 @@ def importable(monkeypatch: pytest.MonkeyPatch):
 @pytest.fixture
 def chain(tmp_path: Path) -> Path:
     """A file of that format."""
-    (tmp_path / "arm.chain").write_text("chain")
-    return tmp_path / "arm.chain"
+    return Sound().write_example(tmp_path)
 
 
 def said_of(path: Path, registry: Registry = NOTHING) -> str:
