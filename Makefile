@@ -27,6 +27,7 @@ run: install
 
 # A whole experiment and its committed records: make reference EXPERIMENT=arp_2021. Another file content, another folder
 # of cells. Cells that failed, exit status 1, are part of the record; cells that are pending, told last, are an error.
+# Of the figures those stay that a page shows.
 # An experiment in a folder with a requirements.txt, EXPERIMENT=meta-world/reach, runs with what that names.
 BESIDE := $(patsubst %requirements.txt,build/%installed,$(wildcard experiments/$(dir $(EXPERIMENT))requirements.txt))
 reference: HARNESS = $(if $(BESIDE),$(dir $(BESIDE))bin/python -m harness,$(BIN)/harness)
@@ -38,6 +39,7 @@ reference: dev $(BESIDE)
 	$(if $(wildcard $(FILE)),,$(error Name a file: make reference EXPERIMENT=arp_2021, for experiments/arp_2021.toml))
 	$(HARNESS) run $(FILE) --out $(CELLS) || [ $$? -eq 1 ]
 	$(HARNESS) report $(CELLS) --summary $(RECORDS)
+	$(BIN)/python docs/pictures/shown.py $(RECORDS)
 	! grep ',pending,' $(RECORDS)/cells.csv
 
 # Two processes, one thread each. Compiled modules are kept whatever the surroundings say: each of the many processes

@@ -14,7 +14,7 @@ HARNESS = """#!/bin/sh
 echo "$@" >> calls.txt
 case $1 in
     run) exit $RUN_STATUS ;;
-    report) mkdir -p "$4" && echo "id,status,reason\\n1,$LEFT,not run yet" > "$4/cells.csv" ;;
+    report) mkdir -p "$4" && touch "$4/summary.md" && echo "id,status,reason\\n1,$LEFT,not run yet" > "$4/cells.csv" ;;
 esac
 """
 
@@ -22,6 +22,7 @@ PYTHON = """#!/bin/sh
 echo "$@" >> calls.txt
 case $2 in venv) mkdir -p "$3/bin" && cp "$0" "$3/bin/python" ;; esac
 """
+SHOWN = "docs/pictures/shown.py"
 SOURCES = ("pyproject.toml", "constraints.txt", "requirements/run.txt", "requirements/dev.txt")
 
 pytestmark = pytest.mark.skipif(shutil.which("make") is None, reason="make is not installed")
@@ -31,9 +32,10 @@ pytestmark = pytest.mark.skipif(shutil.which("make") is None, reason="make is no
 def checkout(tmp_path):
     """A copy of the Makefile with an experiment of one line, and all installed."""
     shutil.copy(MAKEFILE, tmp_path)
-    for name in (*SOURCES, ".venv/bin/harness", ".venv/.installed", ".venv/.installed-dev"):
+    for name in (*SOURCES, ".venv/bin/harness", ".venv/.installed", ".venv/.installed-dev", "README.md", SHOWN):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).touch()
+    shutil.copy(MAKEFILE.parent / SHOWN, tmp_path / SHOWN)
     (tmp_path / ".venv/bin/harness").write_text(HARNESS)
     (tmp_path / ".venv/bin/harness").chmod(0o755)
     (tmp_path / ".venv/bin/python").symlink_to(sys.executable)

@@ -71,10 +71,10 @@ if TYPE_CHECKING:
         rounded as rounded,
         share_of as share_of,
     )
-    from harness.eta.behaviour_change import Change as Change, Quantity as Quantity, with_intervals as with_intervals
+    from harness.eta.behaviour_change import Change as Change, with_intervals as with_intervals
     from harness.eta.curve import GroupCurve as GroupCurve, curve_of as curve_of
-    from harness.eta.headline import DECIDING as DECIDING, SUCCESS as SUCCESS, Answer as Answer
-    from harness.eta.index import NOTHING as NOTHING, Index as Index, Ratio as Ratio
+    from harness.eta.headline import SUCCESS as SUCCESS, Answer as Answer
+    from harness.eta.index import NOTHING as NOTHING, Ratio as Ratio
     from harness.eta.interval import SHARE as SHARE
     from harness.eta.rescaling import (
         PayLine as PayLine,
@@ -82,17 +82,13 @@ if TYPE_CHECKING:
         line_of as line_of,
         rescaling_of as rescaling_of,
     )
-    from harness.eta.return_split import ReturnSplit as ReturnSplit
     from harness.eta.seed_mean import (
         SeedMean as SeedMean,
         mean_lost_share as mean_lost_share,
         mean_over_seeds as mean_over_seeds,
     )
     from harness.eta.splits import (
-        Decomposition as Decomposition,
         Split as Split,
-        SplitPath as SplitPath,
-        SumSplit as SumSplit,
         no_splits as no_splits,
     )
     from harness.experiment.arm_evaluation import record_evaluation as record_evaluation
@@ -153,7 +149,6 @@ if TYPE_CHECKING:
         reading as reading,
         require_regular as require_regular,
     )
-    from harness.files.parquet import require_room as require_room
     from harness.files.sealed import read_sealed as read_sealed, seal as seal
     from harness.files.whole_file import (
         files_in as files_in,
@@ -204,7 +199,7 @@ if TYPE_CHECKING:
     from harness.policy.folder import read_folder as read_folder
     from harness.policy.network import MEAN as MEAN, STD as STD
     from harness.record.blocks import Block as Block, Blocks as Blocks, read_blocks as read_blocks
-    from harness.record.cell import BROUGHT as BROUGHT, Cell as Cell
+    from harness.record.cell import Cell as Cell
     from harness.record.cell_folder import require_files as require_files
     from harness.record.dataset.labels import (
         UNKNOWN as UNKNOWN,
@@ -318,9 +313,8 @@ if TYPE_CHECKING:
         Group as Group,
         Number as Number,
         deciding_manner as deciding_manner,
-        pools_of as pools_of,
     )
-    from harness.results.learning import Learning as Learning, LearningCurve as LearningCurve, Point as Point
+    from harness.results.learning import Learning as Learning
     from harness.results.load import read_results as read_results
     from harness.results.logs.read_logs import (
         facts_notes as facts_notes,
@@ -368,7 +362,7 @@ if TYPE_CHECKING:
     )
     from harness.results.standing import told_manifests as told_manifests
     from harness.results.table import RANDOM as RANDOM
-    from harness.results.verdicts import ENDED as ENDED, with_verdicts as with_verdicts
+    from harness.results.verdicts import ENDED as ENDED
     from harness.reward.given import (
         FIELDS as FIELDS,
         OWN as OWN,

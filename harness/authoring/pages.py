@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 from harness.authoring.face import homes_in, lazy_names
 
 if TYPE_CHECKING:
-    from harness.report.answers import word_of as word_of
     from harness.report.apart import tell_apart as tell_apart
     from harness.report.document import report_text as report_text
     from harness.report.facts import Fact as Fact, shared_facts as shared_facts
@@ -77,7 +76,6 @@ if TYPE_CHECKING:
         text_of as text_of,
     )
     from harness.report.rows.comparison import (
-        TESTS as TESTS,
         answer_text as answer_text,
         basis_text as basis_text,
         beside_answer as beside_answer,

@@ -13,7 +13,9 @@ from harness.authoring.commands import Comparison, Learning, Split, no_splits
 from harness.authoring.pages import (
     BETTER,
     CHARACTER,
+    FEWEST,
     PAY,
+    POINTS,
     RACE_TITLE,
     Axis,
     Chart,
@@ -37,6 +39,7 @@ from harness.authoring.pages import (
     learning_heading,
     learning_names,
     number_of,
+    panels_of,
     percentage,
     ratio_axis,
     reward_range,
@@ -50,9 +53,13 @@ from harness.authoring.pages import (
 
 from .svg import INTERVALS, TitledChart, draw_svg
 
+OF_ALL_RUNS = 8_000
+"""The most points of all runs in a figure together, about 70 kB."""
 PANELS = 3
 """How many panels the figure of learning has at most."""
 Panels: TypeAlias = tuple[CurvePanel, CurvePanel]
+Texts: TypeAlias = Mapping[str, Callable[[float | None], str]]
+"""Measures, and how each is written."""
 FLAT = 0.03
 """Curves that span less of the axis than this share look like a line."""
 RUNS = (
@@ -62,20 +69,20 @@ RUNS = (
 LEARNING = "Lines: means over seeds. Bands: 95% intervals."
 
 
-def runs_file(combination: Comparison, panels: Panels | None, missing: str = "", note: str = "") -> bytes | None:
+def runs_file(combination: Comparison, missing: str = "") -> bytes | None:
     """The figure of accumulated reward: all runs and their mean, a panel per reward; None without a finished pair.
 
     Args:
         combination: What was compared.
-        panels: Its curves; None if they are not known.
         missing: Which of its cells are not done.
-        note: What else there is to say about the curves.
     """
+    points = max(FEWEST, min(POINTS, OF_ALL_RUNS // (2 * max(1, len(combination.seeds)))))
+    panels = panels_of(combination, points)
     if panels is None:
         return None
     headings = (f"Baseline: {combination.baseline}", f"Proposed: {combination.proposed}")
     titled = [TitledChart(heading, chart) for heading, chart in zip(headings, draw_both(panels), strict=True)]
-    return _file("Accumulated reward", combination, missing, titled, [RUNS, *_flat(panels), *filter(None, [note])])
+    return _file("Accumulated reward", combination, missing, titled, [RUNS, *_flat(panels)])
 
 
 def _flat(panels: Panels) -> Iterator[str]:
@@ -112,16 +119,14 @@ def race_file(told: RaceTold) -> bytes:
     return draw_svg(RACE_TITLE, [RACE_TITLE, told.sentence], [TitledChart("", draw_race(told))])
 
 
-def measures_of(combination: Comparison, learning: Learning | None) -> dict[str, bool]:
-    """The measures that the figure of learning shows, and whether each is written as a percentage."""
+def measures_of(combination: Comparison, learning: Learning | None) -> Texts:
+    """The measures that the figure of learning shows, and how each is written."""
     names = learning_names(learning, combination)[:PANELS] if learning else []
     shares = [it.name for it in combination.measured.changes_of(combination.manner) if text_of(it) is percentage]
-    return {name: name in shares for name in names}
+    return {name: percentage if name in shares else format_number for name in names}
 
 
-def learning_file(
-    combination: Comparison, learning: Learning, measures: Mapping[str, bool], missing: str = ""
-) -> bytes | None:
+def learning_file(combination: Comparison, learning: Learning, measures: Texts, missing: str = "") -> bytes | None:
     """The figure of some measures over environment steps, under both rewards; None if nothing happens in any.
 
     Args:
@@ -130,8 +135,8 @@ def learning_file(
         measures: See `measures_of`.
         missing: Which of its cells are not done.
     """
-    flat = {name: flat_text(learning, name, text) for name, text in _texts(measures).items()}
-    texts = {name: text for name, text in _texts(measures).items() if not flat[name]}
+    flat = {name: flat_text(learning, name, text) for name, text in measures.items()}
+    texts = {name: text for name, text in measures.items() if not flat[name]}
     if not texts:
         return None
     told = [f"{learning_heading(name)}: {describe_learning(learning, name, text)}" for name, text in texts.items()]
@@ -140,13 +145,9 @@ def learning_file(
     return _file("Learning", combination, missing, panels, notes, compared_text(combination))
 
 
-def flat_words(learning: Learning, measures: Mapping[str, bool]) -> str:
+def flat_words(learning: Learning, measures: Texts) -> str:
     """What is said in the place of a figure of learning in which nothing happens; empty where nothing is known."""
-    return " ".join(filter(None, (flat_text(learning, name, text) for name, text in _texts(measures).items())))
-
-
-def _texts(measures: Mapping[str, bool]) -> dict[str, Callable[[float | None], str]]:
-    return {name: percentage if is_share else format_number for name, is_share in measures.items()}
+    return " ".join(filter(None, (flat_text(learning, name, text) for name, text in measures.items())))
 
 
 def _file(

@@ -6,23 +6,20 @@
     results.json         what ``harness report --json`` prints
     cells.csv            one row per cell
     curves.parquet       the mean curves that the indices are read from, thinned
-    runs.parquet         the curves of single runs, as the figures show them
-    figures.json         what the figures tell besides
-    figures/*.svg        what the report page draws; `harness_plugins.committed.redraw` draws them again
+    figures/*.svg        what the report page draws
     summary.md           the combinations as a table, and what they took
 """
 
-import json
 import os
 import re
 import shutil
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from harness.authoring.commands import EXPERIMENT, PLAN, Comparison, Records
-from harness.authoring.pages import RACE_TITLE, Grid, RaceTold, race_told, report_text
+from harness.authoring.pages import RACE_TITLE, race_told, report_text
 from harness.errors import UsageError
 from harness.results import Results
 from harness.text import file_stems
@@ -30,9 +27,8 @@ from harness.text import file_stems
 from .figures import draw_overview, flat_words, learning_file, measures_of, race_file, runs_file, split_file
 from .markdown import SHOWN, Pictures, escape, missing_text, write_markdown
 from .read import RECORD, SUMMARY, committed_table, committed_text, is_committed, refuse_committed
-from .stored import comparison_of, learning_in, stored_comparisons
 from .svg import CREATOR
-from .tables import CURVES, RUNS, Runs, panels_in, read_runs, write_cells, write_curves, write_runs
+from .tables import CURVES, write_cells, write_curves
 
 CELLS = "cells.csv"
 
@@ -50,16 +46,12 @@ def write_summary(results: Results, folder: Path) -> None:
         raise UsageError(f"--summary '{folder}' is the folder of an experiment: name another")
     if not results.is_experiment:
         raise UsageError("--summary does not go with a folder of recorded trainings: leave it out")
-    record, race, runs = report_text(results) + "\n", race_told(results), write_runs(results.combinations)
-    told = figures_text(results, race)
-    drawn = draw_figures(json.loads(record), json.loads(told), read_runs(runs))
+    drawn = draw_figures(results)
     files = {
         EXPERIMENT: _portable(results).encode(),
-        RECORD: record.encode(),
+        RECORD: f"{report_text(results)}\n".encode(),
         CELLS: write_cells(results).encode(),
         CURVES: write_curves(results.combinations),
-        RUNS: runs,
-        DRAWN: told.encode(),
         SUMMARY: write_markdown(results, drawn.overview, drawn.pictures, drawn.race).encode(),
     }
     put_files(folder, {**files, **drawn.files}, FIGURES)
@@ -71,13 +63,8 @@ def _portable(results: Results) -> str:
     return text.replace(f'path = "{here}', 'path = "')
 
 
-DRAWN = "figures.json"
-FORMAT = 1
 FIGURES = "figures"
-NOT_DRAWN = ("grid", "beside")
-"""What no figure shows of a race."""
 OVERVIEW, RACE = f"{FIGURES}/overview.svg", f"{FIGURES}/race.svg"
-READ_BACK = "The curves were read back from the figure of an earlier version, to a tenth of a pixel."
 
 
 class Drawn(NamedTuple):
@@ -91,39 +78,13 @@ class Drawn(NamedTuple):
     """The line with the race for the best reward; empty without that figure."""
     pictures: list[Pictures]
     """The lines of each combination, by what they show."""
-    words: dict[str, str]
-    """What is said in the place of a figure in which nothing happens, by the figure's path."""
 
 
-def figures_text(results: Results, race: RaceTold | None) -> str:
-    """``figures.json``: what the figures tell besides ``results.json`` and the curves."""
-    combinations = [
-        {
-            "missing": missing_text(results, it),
-            "manner": it.manner,
-            "learning": measures_of(it, results.learning(it)),
-        }
-        for it in results.combinations
-    ]
-    told = race and {name: value for name, value in race._asdict().items() if name not in NOT_DRAWN}
-    data = {"format": FORMAT, "read_back": False, "combinations": combinations, "race": told}
-    return json.dumps(data, indent=1, allow_nan=False) + "\n"
-
-
-def draw_figures(record: Mapping[str, Any], told: Mapping[str, Any], runs: Runs) -> Drawn:
-    """Every figure.
-
-    Args:
-        record: ``results.json``.
-        told: ``figures.json``.
-        runs: ``runs.parquet``.
-    """
-    stored = list(stored_comparisons(record))
-    combinations = [
-        comparison_of(it, beside["manner"]) for it, beside in zip(stored, told["combinations"], strict=True)
-    ]
-    missing = [it["missing"] for it in told["combinations"]]
-    files, words = dict[str, bytes](), dict[str, str]()
+def draw_figures(results: Results) -> Drawn:
+    """Every figure."""
+    combinations, race = results.combinations, race_told(results)
+    missing = [missing_text(results, it) for it in combinations]
+    files = dict[str, bytes]()
 
     def keep(path: str, figure: bytes | None, title: str) -> str:
         if figure is None:
@@ -131,36 +92,24 @@ def draw_figures(record: Mapping[str, Any], told: Mapping[str, Any], runs: Runs)
         files[path] = figure
         return f"![{title}]({path})"
 
-    title = "eta of every combination, with ruler and behaviour"
-    overview = keep(OVERVIEW, draw_overview(combinations, missing), title) if "combinations" in record else ""
-    race = keep(RACE, race_file(_race(told["race"])), RACE_TITLE) if told["race"] else ""
-    stems = figure_stems(combinations) if "combinations" in record else _older_stems(stored)
+    overview = keep(
+        OVERVIEW, draw_overview(combinations, missing), "eta of every combination, with ruler and behaviour"
+    )
+    raced = keep(RACE, race_file(race), RACE_TITLE) if race else ""
     pictures: list[Pictures] = []
-    for of, combination, stem, beside in zip(stored, combinations, stems, told["combinations"], strict=True):
-        learning, measures = learning_in(of), beside["learning"]
-        note = READ_BACK if told["read_back"] else ""
-        panels = panels_in(runs, combination, record["curve"])
+    for combination, stem, lacking in zip(combinations, figure_stems(combinations), missing, strict=True):
+        learning = results.learning(combination)
+        measures = measures_of(combination, learning)
         drawn = {
-            "runs": runs_file(combination, panels, beside["missing"], note),
-            "split": split_file(combination, beside["missing"]),
-            "learning": learning_file(combination, learning, measures, beside["missing"]) if learning else None,
+            "runs": runs_file(combination, lacking),
+            "split": split_file(combination, lacking),
+            "learning": learning_file(combination, learning, measures, lacking) if learning else None,
         }
         lines = {what: keep(f"{FIGURES}/{stem}.{what}.svg", it, SHOWN[what]) for what, it in drawn.items()}
         if learning and not lines["learning"]:
             lines["learning"] = escape(flat_words(learning, measures))
-            words[f"{FIGURES}/{stem}.learning.svg"] = lines["learning"]
         pictures.append({what: line for what, line in lines.items() if line})
-    return Drawn(files, overview, race, pictures, words)
-
-
-def _race(told: Mapping[str, Any]) -> RaceTold:
-    """A race, without its table, which no figure shows."""
-    return RaceTold(**{**told, "grid": Grid((), [], []), "living": tuple(told["living"])})
-
-
-def _older_stems(stored: Sequence[Mapping[str, Any]]) -> list[str]:
-    """The names of figures in records of version 0.1, of environments."""
-    return file_stems(f"{it['task']} {it['algorithm']} {it['proposed']} against {it['baseline']}" for it in stored)
+    return Drawn(files, overview, raced, pictures)
 
 
 def figure_stems(combinations: Iterable[Comparison]) -> list[str]:

@@ -6,7 +6,6 @@ import subprocess
 import sys
 import threading
 import warnings
-from pathlib import Path
 
 import pytest
 
@@ -88,14 +87,6 @@ def test_export_obeys_no_name(harness, finished):
     assert (answer.status, answer.out) == (0, "")
     assert f"out{SHOWN}" in answer.err
     assert "\x1b" not in answer.err
-
-
-def test_redraw_obeys_no_name(tmp_path: Path):
-    """Its own program, without the command line."""
-    command = [sys.executable, "-m", "harness_plugins.committed.redraw", str(tmp_path / EVIL)]
-    told = subprocess.run(command, capture_output=True, check=False).stderr
-    assert b"lacks" in told
-    assert b"\x1b" not in told
 
 
 def test_help_obeys_no_plugin(harness, monkeypatch: pytest.MonkeyPatch):

@@ -1,12 +1,16 @@
 """The links of the pages: each leads to a file that is there, and to a heading in it."""
 
 import re
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from tests.docs.pages import FENCE, PAGES, ROOT
+
+sys.path.insert(0, str(ROOT / "docs" / "pictures"))
+import shown
 
 LINKED = [*PAGES, ROOT / "CHANGELOG.md", *sorted(ROOT.glob("results/reference/**/summary.md"))]
 LINK = re.compile(r"\]\(<?([^)\s>]+)>?\)")
@@ -86,3 +90,16 @@ def test_link_that_leads_somewhere_is_left_alone(subtests: pytest.Subtests):
     for text in RIGHT:
         with subtests.test(text=text):
             assert dead_links(PAGE, text) == []
+
+
+def test_figures_of_records_are_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Those that no page shows are not committed; their lines are taken out of the record's page."""
+    assert shown.unshown(ROOT / "results/reference") == []
+    monkeypatch.setattr(shown, "ROOT", tmp_path)
+    for name in ("one.svg", "other.svg"):
+        (tmp_path / name).touch()
+    (tmp_path / "README.md").write_text("![a](one.svg)")
+    (tmp_path / "summary.md").write_text("# A\n\n![a](one.svg)\n\n![b](other.svg)\n\nEnd\n")
+    shown.keep_shown(tmp_path)
+    assert (tmp_path / "summary.md").read_text() == "# A\n\n![a](one.svg)\n\nEnd\n"
+    assert not (tmp_path / "other.svg").exists()

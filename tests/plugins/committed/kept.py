@@ -5,7 +5,5 @@ RECORDS = {
     "results.json",
     "cells.csv",
     "curves.parquet",
-    "runs.parquet",
-    "figures.json",
     "summary.md",
 }

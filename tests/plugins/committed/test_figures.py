@@ -7,9 +7,9 @@ import pytest
 
 from harness.eta.seed_mean import SeedMean
 from harness.report.figures.accumulated import OMEGA_1, OMEGA_2
-from harness.report.figures.panel import panels_of
+from harness.report.figures.points import FEWEST
 from harness.report.figures.split_rows import split_rows
-from harness_plugins.committed.figures import flat_words, learning_file, measures_of, runs_file, split_file
+from harness_plugins.committed.figures import OF_ALL_RUNS, flat_words, learning_file, measures_of, runs_file, split_file
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -22,7 +22,7 @@ def words(svg):
 def runs_of(results, missing=""):
     """The figure of accumulated reward of the only combination."""
     (combination,) = results.combinations
-    return runs_file(combination, panels_of(combination), missing)
+    return runs_file(combination, missing)
 
 
 def strokes(svg, colour, width):
@@ -39,6 +39,20 @@ def test_every_run_and_the_mean_are_drawn(build):
     for colour in ("baseline", "proposed"):
         assert strokes(svg, colour, "1") == 3
         assert strokes(svg, colour, "3") == 1
+
+
+@pytest.mark.parametrize("seeds", [1, 30])
+def test_many_runs_have_few_points_each(build, seeds):
+    """All together as many as a figure holds."""
+    svg = runs_of(build(seeds=seeds, baseline=(2_000, 2_000), proposed={"arp": (2_000, 2_000)}))
+    runs = [
+        (it.get("d").count(" ") + 1) // 2
+        for it in ET.fromstring(svg).iter(f"{SVG}path")
+        if it.get("stroke-width") == "1"
+    ]
+    assert len(runs) == 2 * seeds
+    assert min(runs) >= FEWEST
+    assert sum(runs) <= OF_ALL_RUNS
 
 
 def test_marks_of_both_panels_are_named(build):
@@ -79,7 +93,7 @@ def test_figure_stands_alone(build):
 def test_no_pair_no_figures(build):
     """Without a finished pair there is nothing to draw."""
     (combination,) = build(seeds=1, ended={("arp", 0): ("failed", "it broke")}).combinations
-    assert runs_file(combination, panels_of(combination)) is split_file(combination) is None
+    assert runs_file(combination) is split_file(combination) is None
 
 
 def test_split_has_every_number_with_its_interval(build):
