@@ -12,9 +12,12 @@ INSTALL := $(PIP) install --quiet
 # Exact versions and nothing but them: a file whose SHA-256 is not in the lock is refused.
 INSTALL_LOCK := $(INSTALL) --no-deps --require-hashes --requirement
 
-# What install and dev set up, of pyproject.toml's extras: what make run needs, and everything that is tested.
+# What install and dev set up, of pyproject.toml's extras: what make run needs, and everything that is tested. The groups
+# are the project's own.
 RUN_EXTRAS := mujoco report
-DEV_EXTRAS := mujoco sb3 report pybullet dm-control tune tensorboard wandb ray slurm video minari meshes xacro dev docs
+DEV_EXTRAS := mujoco sb3 report pybullet dm-control tensorboard wandb ray slurm video minari meshes xacro
+RUN_GROUPS := build
+DEV_GROUPS := dev docs
 
 .PHONY: install dev lock run reference test coverage slow plugins examples browser engines arms unity bench bench-record quick-bench check docs links wheel sbom \
 	format clean
@@ -179,6 +182,8 @@ lock: UV = $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --for
 lock: COMPILE = $(UV) --no-emit-package torch --excludes requirements/cuda.txt --constraint constraints.txt pyproject.toml
 lock: NEWER = $(if $(filter all,$(UPGRADE)),--upgrade,$(addprefix --upgrade-package=,$(UPGRADE)))
 lock: dev
-	$(COMPILE) $(NEWER) $(addprefix --extra=,$(DEV_EXTRAS)) --output-file requirements/dev.txt
-	$(COMPILE) --constraint requirements/dev.txt $(addprefix --extra=,$(RUN_EXTRAS)) --group build --output-file requirements/run.txt
+	$(COMPILE) $(NEWER) $(addprefix --extra=,$(DEV_EXTRAS)) $(addprefix --group=,$(DEV_GROUPS)) \
+		--output-file requirements/dev.txt
+	$(COMPILE) --constraint requirements/dev.txt $(addprefix --extra=,$(RUN_EXTRAS)) \
+		$(addprefix --group=,$(RUN_GROUPS)) --output-file requirements/run.txt
 	$(UV) $(NEWER) --constraint requirements/dev.txt --group sbom --output-file requirements/sbom.txt

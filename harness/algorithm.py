@@ -91,14 +91,6 @@ class TrainingEnv(Protocol):
 class Algorithm(Protocol):
     """A frozen dataclass whose fields are the hyperparameters.
 
-    It may also have two methods for ``harness bench``, which compares the algorithm's speed with what they return:
-
-    * ``bare_training(env, steps, seed)``: the library without the harness. It returns a function without arguments that
-      trains a new model with the same settings for `steps` steps of `env`, a `gymnasium.Env` of one robot. An algorithm
-      that trains on several envs gets a list of `num_envs` of them, and counts the steps over all.
-    * ``peer_trainings()``: trainings with other people's libraries, by name. Each is a function like ``bare_training``,
-      and raises `UsageError` if its library is not installed.
-
     These members may be there too:
 
     * ``learns``: False if the algorithm only acts, see `learns`.

@@ -67,15 +67,7 @@ class Simulation(Protocol):
 class Simulator(Protocol):
     """A frozen dataclass whose fields are the engine's settings.
 
-    It may also have a class variable ``family``, see `family_of`, and two methods for ``harness bench``, which compares
-    the simulator's speed with what they return:
-
-    * ``bare_loop(robot, targets, period)``: the engine without the harness. It returns a function without arguments
-      that drives the robots once along `targets`, (periods, num_envs, dof), one target after another, each in `period`
-      [s]. The function is called again and again, and the last target leads back to the first. Compute everything that
-      can be computed beforehand outside of that function: only the engine is to be timed.
-    * ``peer_envs()``: similar environments of other people, by name. Each is a function that makes a `gymnasium.Env` of
-      one robot, and raises `UsageError` if its library is not installed.
+    It may also have a class variable ``family``, see `family_of`.
     """
 
     def open(self, robot: Robot, num_envs: int, control_period: float) -> Simulation:

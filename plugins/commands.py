@@ -13,13 +13,6 @@ def register_commands(register: harness.Register) -> None:
         heading="Ask more",
     )
     register(
-        "bench",
-        "harness_plugins.bench.command:bench",
-        summary="Show where the time of a training goes, or how fast plugins are compared with bare engines and "
-        "libraries.",
-        heading="For plugin authors",
-    )
-    register(
         "check",
         "harness_plugins.kit.inspection.command:check",
         summary="Check whether a plugin or robot keeps the rules of its kind. Each result is a sentence with numbers.",
@@ -35,7 +28,7 @@ def register_commands(register: harness.Register) -> None:
     register(
         "export",
         "harness_plugins.exporters.command:export",
-        summary="Write a policy as ONNX or TorchScript model, or trainings as CSV files.",
+        summary="Write a policy as ONNX model, or trainings as CSV files.",
     )
     register(
         "new-plugin",
@@ -80,12 +73,6 @@ def register_commands(register: harness.Register) -> None:
         "transfer",
         "harness_plugins.transfer.command:transfer",
         summary="Evaluate an experiment's policies in other simulators, and show how much of their success is left.",
-        heading="Ask more",
-    )
-    register(
-        "tune",
-        "harness_plugins.tune.command:tune",
-        summary="Search the hyperparameters of one algorithm, with an equal budget for every reward.",
         heading="Ask more",
     )
 

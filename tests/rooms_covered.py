@@ -16,12 +16,9 @@ LEAST = 90.0
 LIBRARIES = {
     "plugins/environments/fetch_reach.py": "gymnasium_robotics",
     "plugins/environments/meta_world.py": "metaworld",
-    "plugins/peer_envs.py": "panda_gym",
-    "plugins/peer_trainings.py": "sbx",
     "plugins/simulators/drake.py": "pydrake",
     "plugins/simulators/mjx.py": "jax",
     "plugins/simulators/physx.py": "sapien",
-    "plugins/trackers/mlflow.py": "mlflow",
 }
 """What files need that `make dev` does not install: without it no test runs them, and they do not count."""
 CLUSTERS = ("plugins/ray_cluster/", "plugins/slurm_array/", "plugins/executors/ray.py", "plugins/executors/slurm.py")

@@ -96,7 +96,7 @@ def _installed(name):
 
 def needed_on(platform, project, extras):
     """What has to be there on a platform: who asks for it and how, by name, without what torch's build decides."""
-    groups = project["project"]["optional-dependencies"]
+    groups = project["project"]["optional-dependencies"] | project["dependency-groups"]
     lines = [*project["project"]["dependencies"], *project["build-system"]["requires"]]
     lines += [line for extra in extras for line in groups[extra]]
     left_out = read_requirements((ROOT / "requirements/cuda.txt").read_text())
@@ -144,13 +144,13 @@ def find_faults(files):
     return sorted(faults)
 
 
-def _files(lock, extras):
-    """The committed ones; extras are a variable of the Makefile."""
+def _files(lock, kind):
+    """The committed ones, of the extras and groups that the Makefile names."""
     makefile = (ROOT / "Makefile").read_text()
     return Files(
         lock=(ROOT / "requirements" / lock).read_text(),
         project=tomllib.loads((ROOT / "pyproject.toml").read_text()),
-        extras=re.search(rf"^{extras} := (.*)$", makefile, re.MULTILINE)[1].split(),
+        extras=" ".join(re.findall(rf"^{kind}_(?:EXTRAS|GROUPS) := (.*)$", makefile, re.MULTILINE)).split(),
         pins=(ROOT / "constraints.txt").read_text(),
     )
 
@@ -158,13 +158,13 @@ def _files(lock, extras):
 @pytest.fixture(scope="module")
 def dev():
     """What make dev installs."""
-    return _files("dev.txt", "DEV_EXTRAS")
+    return _files("dev.txt", "DEV")
 
 
 @pytest.fixture(scope="module")
 def run():
     """What make install installs."""
-    return _files("run.txt", "RUN_EXTRAS")
+    return _files("run.txt", "RUN")
 
 
 def _with_dependency(files, line):

@@ -27,7 +27,6 @@ ALLOWED: Mapping[tuple[str, str], str] = {
     ("harness/recorder/watched.py", "subprocess"): "harness watch, whose lines go through its own door",
     ("plugins/kit/unity_player/__main__.py", "sys.stdout"): "a program of its own, whose output is a log",
     ("plugins/kit/unity_player/__main__.py", "sys.stderr"): "a program of its own, whose output is a log",
-    ("plugins/tune/outcomes.py", "traceback.print_exc"): "in a worker, whose standard error is its log",
     ("plugins/bullet_arms/world.py", "sys.stdout"): "flushes it before Bullet's own prints are led elsewhere",
     ("plugins/unity_player/connection.py", "logging"): "a sentence of ours with a number in it",
     ("plugins/slurm_array/cluster.py", "subprocess"): "scancel speaks of numbers of jobs alone",

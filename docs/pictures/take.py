@@ -4,8 +4,8 @@
     harness run --sim mujoco --algo sac --out first
     python docs/pictures/take.py my-first first --chromium /usr/bin/chromium
 
-It needs Playwright and Pillow, of the extras dev and video, and a Chromium. The films, `reach.gif` and those of the
-studies, are made by `harness video`. `reach.png` is how the typical pair of the second comparison ends.
+It needs Playwright and Pillow, of the group dev and the extra video, and a Chromium. The films, `reach.gif` and
+those of the studies, are made by `harness video`. `reach.png` is how the typical pair of the second comparison ends.
 """
 
 import argparse

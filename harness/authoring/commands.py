@@ -17,20 +17,15 @@ if TYPE_CHECKING:
     from harness.cli.flags.dataset import Partial as Partial, Places as Places
     from harness.cli.flags.logs import AsFormat as AsFormat, SortBy as SortBy
     from harness.cli.flags.shared import (
-        ALGORITHMS as ALGORITHMS,
         REWARDS as REWARDS,
         ROBOT as ROBOT,
         ROBOTS as ROBOTS,
         SIMULATORS as SIMULATORS,
         AsJson as AsJson,
-        EvaluationEpisodes as EvaluationEpisodes,
-        ExecutorName as ExecutorName,
         ExperimentFolder as ExperimentFolder,
         FailOn as FailOn,
-        Jobs as Jobs,
         Measures as Measures,
         PluginFiles as PluginFiles,
-        RewardNames as RewardNames,
         RobotName as RobotName,
         SimulatorNames as SimulatorNames,
         TaskName as TaskName,
@@ -43,7 +38,6 @@ if TYPE_CHECKING:
         say as say,
         say_json as say_json,
     )
-    from harness.cli.progress import LiveProgress as LiveProgress
     from harness.cli.records import Records as Records
     from harness.cli.runnable import example_run as example_run, usable as usable
     from harness.cli.terminal import Terminal as Terminal, show as show
@@ -54,7 +48,7 @@ if TYPE_CHECKING:
         why_not_kinematics as why_not_kinematics,
     )
     from harness.env.ideal import IdealSimulator as IdealSimulator
-    from harness.env.make import ReachEnv as ReachEnv, World as World, build_world as build_world
+    from harness.env.make import World as World, build_world as build_world
     from harness.env.solid_probes import (
         Probe as Probe,
         few_points as few_points,
@@ -92,14 +86,12 @@ if TYPE_CHECKING:
         no_splits as no_splits,
     )
     from harness.experiment.arm_evaluation import record_evaluation as record_evaluation
-    from harness.experiment.changed import changed_cells as changed_cells, refuse_changed as refuse_changed
     from harness.experiment.draft import draft_of as draft_of, leave_record as leave_record
     from harness.experiment.environments.columns import (
         Columns as Columns,
         columns_of as columns_of,
         weighing as weighing,
     )
-    from harness.experiment.environments.paid_again import PayAgain as PayAgain
     from harness.experiment.environments.plan import (
         kind_of_task as kind_of_task,
         look_at as look_at,
@@ -113,14 +105,10 @@ if TYPE_CHECKING:
         goal_columns as goal_columns,
         kind_of_actions as kind_of_actions,
     )
-    from harness.experiment.experiment import DEFAULT_FOLDER as DEFAULT_FOLDER, ExperimentRun as ExperimentRun
     from harness.experiment.plan import (
-        DEFAULT_TASK as DEFAULT_TASK,
-        EpisodeCount as EpisodeCount,
         Names as Names,
         Plan as Plan,
         Seed as Seed,
-        SeedCount as SeedCount,
         Steps as Steps,
         check_experiment as check_experiment,
         expand as expand,
@@ -130,13 +118,8 @@ if TYPE_CHECKING:
         describe_environment as describe_environment,
         describe_machine as describe_machine,
         source_commit as source_commit,
-        specs_of as specs_of,
         versions_behind as versions_behind,
     )
-    from harness.experiment.run_cell import run_cell as run_cell
-    from harness.experiment.run_options import RunOptions as RunOptions
-    from harness.experiment.task_plan import table_of as table_of
-    from harness.experiment.watch import UNWATCHED as UNWATCHED, Stage as Stage, Watch as Watch
     from harness.experiment.workers.order import Order as Order, Report as Report
     from harness.experiment.workers.workers import News as News, run_orders as run_orders, worker_count as worker_count
     from harness.experiment.world import world_of as world_of
@@ -156,7 +139,7 @@ if TYPE_CHECKING:
         whole_file as whole_file,
         write_whole as write_whole,
     )
-    from harness.log.log import BEHAVIOUR as BEHAVIOUR, REWARD as REWARD, ROWS as ROWS, episode_rows as episode_rows
+    from harness.log.log import BEHAVIOUR as BEHAVIOUR, REWARD as REWARD, ROWS as ROWS
     from harness.log.open_log import Found as Found, find_logs as find_logs
     from harness.motion.limits import JointLimits as JointLimits
     from harness.payoff.dataset.arm_pay import places_of as places_of
@@ -213,7 +196,6 @@ if TYPE_CHECKING:
         dataset_facts as dataset_facts,
         open_dataset as open_dataset,
     )
-    from harness.record.episode_facts import episode_facts as episode_facts
     from harness.record.file_forms import (
         ChoiceForm as ChoiceForm,
         EndingForm as EndingForm,
@@ -222,15 +204,12 @@ if TYPE_CHECKING:
     )
     from harness.record.folder import (
         EVALUATION as EVALUATION,
-        EVALUATION_RECORDING as EVALUATION_RECORDING,
         MANIFEST as MANIFEST,
         POLICY as POLICY,
         TRACE as TRACE,
         TRAINING_RECORDING as TRAINING_RECORDING,
         WEIGHTS as WEIGHTS,
         partial_folder as partial_folder,
-        publish as publish,
-        recording_of as recording_of,
     )
     from harness.record.manifest import (
         Ending as Ending,
@@ -281,7 +260,6 @@ if TYPE_CHECKING:
     from harness.recorder.sealed import KeepWalks as KeepWalks, Walk as Walk
     from harness.registry.choice import (
         Choice as Choice,
-        build_defaults as build_defaults,
         choose as choose,
         parse as parse,
         split_list as split_list,
@@ -297,13 +275,12 @@ if TYPE_CHECKING:
     )
     from harness.registry.libraries import is_met as is_met
     from harness.registry.names import did_you_mean as did_you_mean, unknown_name as unknown_name
-    from harness.registry.parameters import build as build, parameters_of as parameters_of
+    from harness.registry.parameters import build as build
     from harness.registry.plugin_module import import_file as import_file
     from harness.registry.registry import Plugin as Plugin, Registry as Registry, load_registry as load_registry
     from harness.registry.sources import source_hash as source_hash
     from harness.registry.spec import OURS as OURS, PLANNED as PLANNED, blamed_on as blamed_on
     from harness.registry.targets import examined as examined
-    from harness.registry.toml_file import read_toml as read_toml
     from harness.report.rows.payoff import Payoffs as Payoffs
     from harness.results.alone import Alone as Alone
     from harness.results.cell_results import PAID as PAID
@@ -324,7 +301,6 @@ if TYPE_CHECKING:
     )
     from harness.results.logs.trainings import sort_logs as sort_logs
     from harness.results.measured import value_of as value_of
-    from harness.results.metrics import named_measures as named_measures
     from harness.results.overview import (
         decided_by_text as decided_by_text,
         line_names as line_names,
@@ -372,7 +348,6 @@ if TYPE_CHECKING:
         told_under as told_under,
         zeros_of as zeros_of,
     )
-    from harness.reward.needs import needs_of as needs_of
     from harness.reward.steps import (
         BEFORE as BEFORE,
         DISTANCE as DISTANCE,
@@ -397,7 +372,6 @@ if TYPE_CHECKING:
     from harness.score.csv_steps import EVENTS as EVENTS
     from harness.score.installed_reward import InstalledReward as InstalledReward
     from harness.score.places import ArmPlaces as ArmPlaces
-    from harness.score.scorer import pay_log as pay_log
 
 else:
     _HOMES = homes_in(__file__)

@@ -75,9 +75,11 @@ OTHER_COMMANDS: Mapping[str, tuple[str, ...]] = MappingProxyType(
 """Commands of ours, each with what other tools call the same."""
 GONE: Mapping[str, str] = MappingProxyType(
     {
+        "bench": "pytest-benchmark times a package, see docs/how-to/timings.md",
         "compare": "type harness report BEFORE and harness report AFTER",
         "list": "type harness describe, without a name or with a kind such as rewards",
         "plugins": "type harness doctor",
+        "tune": "a program with Optuna does it, see docs/how-to/tune.md",
     }
 )
 """Commands of earlier versions, each with what takes its place."""

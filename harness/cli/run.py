@@ -113,7 +113,7 @@ class RunFlags:
         Names,
         flag(
             "NAME,...",
-            "Also send the learning curves to these: tensorboard, mlflow, wandb:mode=offline.",
+            "Also send the learning curves to these: tensorboard, wandb:mode=offline.",
             "nowhere",
             offers=TRACKERS,
         ),

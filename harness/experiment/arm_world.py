@@ -22,7 +22,6 @@ from harness.experiment.checkpoints.trace_parts import TraceParts
 from harness.experiment.provenance import describe_environment
 from harness.experiment.telling import TELL_EVERY, Beat, named_scalars
 from harness.experiment.trials.tried import Tried
-from harness.experiment.watch import Watch
 from harness.experiment.workers.order import Report
 from harness.log import Log
 from harness.policy import Policy
@@ -46,9 +45,9 @@ class ArmWorld:
 
     suffix = SUFFIX
 
-    def __init__(self, cell: Cell, registry: Registry, report: Report, watch: Watch) -> None:
+    def __init__(self, cell: Cell, registry: Registry, report: Report) -> None:
         """Build nothing yet; see `harness.experiment.world.world_of`."""
-        self._cell, self._registry, self._watch, self._beat = cell, registry, watch, Beat(report)
+        self._cell, self._registry, self._beat = cell, registry, Beat(report)
         self._env: ReachVectorEnv
         self._learning: LearningSoFar | None = None
         self._parts: TraceParts | None = None
@@ -86,11 +85,8 @@ class ArmWorld:
                 before = read_blocks(attempt.folder) if attempt.begun_from else None
                 self._folder = attempt.folder
                 env.recorder = self._learning = LearningSoFar(self._parts, attempt.begun_from, before, terms=terms)
-                self._watch.follow(env)
                 yield env
-                self._watch.enter("trace")
         finally:
-            self._watch.enter("saving")
             env.close()
 
     def learned(self, steps: int, *, if_due: bool = False) -> Mapping[str, float]:

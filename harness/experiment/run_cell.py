@@ -17,7 +17,6 @@ from harness.experiment.checkpoints.checkpoint import Attempt, Checkpoint, begin
 from harness.experiment.checkpoints.stored_rings import discard_rings
 from harness.experiment.checkpoints.trace_parts import discard_parts
 from harness.experiment.draft import Draft, draft_of
-from harness.experiment.watch import UNWATCHED, Watch
 from harness.experiment.workers.order import Report
 from harness.experiment.world import CellWorld, world_of
 from harness.files.plain import Plain
@@ -169,9 +168,7 @@ class CellProgress(Progress):
 DEFAULTS = CellOptions()
 
 
-def run_cell(
-    cell: Cell, folder: Path, report: Report, options: CellOptions = DEFAULTS, watch: Watch = UNWATCHED
-) -> Manifest:
+def run_cell(cell: Cell, folder: Path, report: Report, options: CellOptions = DEFAULTS) -> Manifest:
     """Do `cell` and leave its trace, policy, evaluation and manifest in `folder`.
 
     The folder is written beside its final name and renamed when complete. What a plugin raises ends up in the
@@ -183,12 +180,11 @@ def run_cell(
         folder: Of the cell; replaced if it exists.
         report: Told how far it is.
         options: How to do it.
-        watch: Looks on.
     """
     with draft_of(folder, Manifest(cell, status="done")) as draft:
         forget_peak()
         try:
-            _Run(cell, load_registry(given=options.plugins), report, options, watch).leave(draft)
+            _Run(cell, load_registry(given=options.plugins), report, options).leave(draft)
         finally:
             draft.note(peak_memory=peak_memory())
             for name in (CHECKPOINT, BLOCKS):
@@ -219,12 +215,11 @@ class _Run:
     registry: Registry
     report: Report
     options: CellOptions
-    watch: Watch
 
     def leave(self, draft: Draft[Manifest]) -> None:
         """Train and evaluate; leave everything but the manifest, and put into that what there is to say."""
         cell, registry = self.cell, self.registry
-        world = world_of(cell, registry, draft.partial, self.report, self.watch)
+        world = world_of(cell, registry, draft.partial, self.report)
         draft.note(environment=dict(world.runs_on))
         algorithm: Algorithm = cell.algorithm.build(registry, "algorithms")
         draft.note(**world.build(algorithm))
@@ -235,10 +230,8 @@ class _Run:
         policy = self._train(algorithm, world, attempt, evaluations)
         draft.note(training_seconds=round(attempt.seconds - evaluations.seconds, 3))
         policy.save(draft.partial / POLICY, cell.to_json())
-        self.watch.enter("evaluation")
         evaluations.finish(policy, self.options.floor)
         draft.note(note="; ".join(filter(None, (attempt.note, *world.finish(draft.partial)))))
-        self.watch.enter("saving")
 
     def _train(self, algorithm: Algorithm, world: CellWorld, attempt: Attempt, evaluations: CellEvaluations) -> Policy:
         """Train in the world, which stands where the attempt begins."""

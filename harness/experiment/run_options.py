@@ -46,8 +46,8 @@ class RunOptions:
         executor: What runs the cells, with its settings: ``"processes"``, ``"mine:nodes=2"`` or a table.
         checkpoint_every: Environment steps from one checkpoint of a training to the next, at least; 0 for none; by
             default one every ten minutes.
-        tracker: What shows the trainings elsewhere: ``"tensorboard"``, ``"wandb:mode=offline,mlflow"``, a table, or a
-            list of such.
+        tracker: What shows the trainings elsewhere: ``"tensorboard"``, ``"tensorboard,wandb:mode=offline"``, a table,
+            or a list of such.
         curve: Which curves the indices are read from afterwards; see `harness.eta.curve.GroupCurve`.
         wait: Whether to wait while another run is using the folder; else that is an error.
         changed: What becomes of done cells that other plugins made than those installed now: ``"refuse"`` to run,

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from harness.algorithm import Algorithm, TrainingEnv
 from harness.experiment.checkpoints.checkpoint import Attempt
-from harness.experiment.watch import UNWATCHED, Watch
 from harness.experiment.workers.order import Report
 from harness.policy import Policy
 from harness.progress import TrainingState
@@ -91,7 +90,7 @@ class CellWorld(Protocol):
         """Leave what else belongs to a cell, and say what there is to know of it, a line each."""
 
 
-def world_of(cell: Cell, registry: Registry, folder: Path, report: Report, watch: Watch = UNWATCHED) -> CellWorld:
+def world_of(cell: Cell, registry: Registry, folder: Path, report: Report) -> CellWorld:
     """The world of a cell. It imports what such a cell needs, and no more.
 
     Args:
@@ -99,7 +98,6 @@ def world_of(cell: Cell, registry: Registry, folder: Path, report: Report, watch
         registry: The plugins.
         folder: Where its recordings are written.
         report: Told that something goes on.
-        watch: Looks on.
     """
     if cell.is_in_environment:
         from harness.experiment.environments.world import EnvironmentWorld
@@ -107,4 +105,4 @@ def world_of(cell: Cell, registry: Registry, folder: Path, report: Report, watch
         return EnvironmentWorld(cell, registry, folder, report)
     from harness.experiment.arm_world import ArmWorld
 
-    return ArmWorld(cell, registry, report, watch)
+    return ArmWorld(cell, registry, report)

@@ -33,7 +33,6 @@ MODULES: Mapping[str, str] = MappingProxyType(
         "harness.testing.simulators.simulations": "harness_plugins.kit.simulators.simulations",
         "harness.testing.unity_player": "harness_plugins.kit.unity_player",
         "harness.transfer.jobs": "harness_plugins.transfer.jobs",
-        "harness.tune.tune": "harness_plugins.tune.tune",
     }
 )
 """The module in which the names of each old module stand now, unless `NAMES` or `REPLACED` has them."""

@@ -1,8 +1,5 @@
 """Double deep Q-learning, by stable-baselines3 with another target."""
 
-from collections.abc import Callable
-from typing import Any
-
 from pydantic.dataclasses import dataclass
 
 from harness.algorithm import TrainingEnv
@@ -24,10 +21,3 @@ class Ddqn(QLearning):
         from ..sb3.double import DoubleDQN
 
         return self.train_with(DoubleDQN, "ddqn", env, steps, seed, progress)
-
-    def bare_training(self, env: Any, steps: int, seed: int) -> Callable[[], None]:
-        """See `harness.algorithm.Algorithm`."""
-        from ..sb3.bare import bare_training
-        from ..sb3.double import DoubleDQN
-
-        return bare_training(DoubleDQN, env, steps, seed, **self.library_settings(steps))

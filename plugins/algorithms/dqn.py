@@ -1,8 +1,5 @@
 """Deep Q-learning, by stable-baselines3."""
 
-from collections.abc import Callable
-from typing import Any
-
 from pydantic.dataclasses import dataclass
 
 from harness.algorithm import TrainingEnv
@@ -23,11 +20,3 @@ class Dqn(QLearning):
         from stable_baselines3 import DQN
 
         return self.train_with(DQN, "dqn", env, steps, seed, progress)
-
-    def bare_training(self, env: Any, steps: int, seed: int) -> Callable[[], None]:
-        """See `harness.algorithm.Algorithm`."""
-        from stable_baselines3 import DQN
-
-        from ..sb3.bare import bare_training
-
-        return bare_training(DQN, env, steps, seed, **self.library_settings(steps))

@@ -127,14 +127,6 @@ class Ppo:
             **self._settings(),
         )  # fmt: skip
 
-    def bare_training(self, env: Any, steps: int, seed: int) -> Callable[[], None]:
-        """See `harness.algorithm.Algorithm`."""
-        from stable_baselines3 import PPO
-
-        from ..sb3.bare import bare_training
-
-        return bare_training(PPO, env, steps, seed, **self._settings())
-
     def _settings(self) -> dict[str, Any]:
         """The keyword arguments of the library's class."""
         from ..sb3.training import network

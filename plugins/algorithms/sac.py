@@ -1,7 +1,6 @@
 """Soft actor-critic, by stable-baselines3."""
 
-from collections.abc import Callable
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from pydantic.dataclasses import dataclass
 
@@ -32,12 +31,3 @@ class Sac(SoftActorCritic):
             decisions_per_update=self.train_freq * self.num_envs,
             **soft_actor_critic_settings(self, steps),
         )  # fmt: skip
-
-    def bare_training(self, env: Any, steps: int, seed: int) -> Callable[[], None]:
-        """See `harness.algorithm.Algorithm`."""
-        from stable_baselines3 import SAC
-
-        from ..sb3.bare import bare_training
-        from ..sb3.training import soft_actor_critic_settings
-
-        return bare_training(SAC, env, steps, seed, **soft_actor_critic_settings(self, steps))

@@ -1,7 +1,6 @@
 """Soft actor-critic with numpy alone."""
 
-from collections.abc import Callable, Mapping
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from pydantic.dataclasses import dataclass
 
@@ -29,9 +28,3 @@ class SacFast(SoftActorCritic):
         # Matrices this small are slower with more threads, and sums come out the same with one.
         with threadpool_limits(1):
             return Training(self, env, steps, seed, progress).run()
-
-    def peer_trainings(self) -> Mapping[str, Callable[[Any, int, int], Callable[[], None]]]:
-        """See `harness.algorithm.Algorithm`."""
-        from ..peer_trainings import soft_actor_critics
-
-        return soft_actor_critics(self)

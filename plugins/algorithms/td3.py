@@ -1,6 +1,5 @@
 """Twin delayed deep deterministic policy gradient, by stable-baselines3."""
 
-from collections.abc import Callable
 from typing import Annotated, Any, ClassVar
 
 from pydantic import Field
@@ -48,14 +47,6 @@ class Td3(OffPolicy):
             decisions_per_update=self.train_freq * self.num_envs,
             **self._settings(env.single_action_space, steps),
         )  # fmt: skip
-
-    def bare_training(self, env: Any, steps: int, seed: int) -> Callable[[], None]:
-        """See `harness.algorithm.Algorithm`."""
-        from stable_baselines3 import TD3
-
-        from ..sb3.bare import bare_training
-
-        return bare_training(TD3, env, steps, seed, **self._settings(env.action_space, steps))
 
     def _settings(self, actions: Any, steps: int) -> dict[str, Any]:
         """The keyword arguments of the library's class; `actions` is the action space of one env."""

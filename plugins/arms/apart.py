@@ -100,17 +100,3 @@ class ArmsApart(Arms[Arm]):
             self.arms[k].turn(speeds[k], duration)
             self.arms[k].read(self._state, k)
         return self._state
-
-
-def bare_loop(simulation: ArmsApart, targets: Float, period: float) -> Callable[[], None]:
-    """See `harness.simulator.Simulator`: the arms are driven and read by the engine's own calls."""
-    simulation.place(targets[-1])
-    state, speeds = simulation.read(), (targets - np.roll(targets, 1, axis=0)) / period
-
-    def run() -> None:
-        for row in speeds:
-            for k, arm in enumerate(simulation.arms):
-                arm.turn(row[k], period)
-                arm.read(state, k)
-
-    return run

@@ -1,6 +1,6 @@
 """A simulation of arms whose drives have limits, for engines that step one arm at a time."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
@@ -63,35 +63,3 @@ class ServoArms(Arms[ServoArm]):
             self.arms[k].follow(told.qpos[:, k], told.qvel[:, k])
             self.arms[k].read(self._state, k)
         return self._state
-
-
-class FollowingArms(Protocol):
-    """A simulation of arms whose drives follow references."""
-
-    @property
-    def arms(self) -> Sequence[ServoArm]:
-        """The arms, in the order of the envs."""
-
-    @property
-    def track(self) -> ServoTrack:
-        """The references that the arms follow."""
-
-    def place(self, qpos: Float) -> State:
-        """See `harness.simulator.Simulation`."""
-
-
-def follow_alone(simulation: FollowingArms, targets: Float, period: float, substeps: int) -> Callable[[], None]:
-    """See ``bare_loop`` of `harness.simulator.Simulator`: the arms follow and are read by the engine's own calls.
-
-    The references are computed beforehand. The torques are not, because they depend on the state in each physics step.
-    """
-    state = simulation.place(targets[-1])
-    told = [simulation.track.advance(qpos, period, substeps) for qpos in targets]
-
-    def run() -> None:
-        for qpos_ref, qvel_ref in told:
-            for k, arm in enumerate(simulation.arms):
-                arm.follow(qpos_ref[:, k], qvel_ref[:, k])
-                arm.read(state, k)
-
-    return run

@@ -111,16 +111,3 @@ def needed_iterations(client: int, body: int, robot: Robot) -> int:
     if share < 1.0:
         scale_masses(client, body, 1.0 / share)
     return min(MOST, math.ceil(math.log(LEFT) / math.log(left))) if 0.0 < left < 1.0 else 1
-
-
-def turn_alone(arm: Arm, speeds: list[float]) -> None:
-    """Make Bullet's calls for one period of one arm, including those that read its state at the end."""
-    body, client = arm.body, {"physicsClientId": arm.client}
-    pybullet.setJointMotorControlArray(
-        body, arm.joints, pybullet.VELOCITY_CONTROL, targetVelocities=speeds, forces=arm.forces, **client
-    )
-    pybullet.stepSimulation(**client)
-    pybullet.getJointStates(body, arm.joints, **client)
-    pybullet.getLinkState(body, arm.tip, computeForwardKinematics=1, **client)
-    pybullet.performCollisionDetection(**client)
-    pybullet.getContactPoints(body, arm.ground, **client)

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 from harness.authoring.face import Renamed, lazy_names
 
 if TYPE_CHECKING:
-    from .bare import bare_training
     from .callback import ProgressCallback
     from .policies import categorical, deterministic, gaussian, greedy, squashed_gaussian
     from .training import train
@@ -20,7 +19,6 @@ __all__ = [
     "ProgressCallback",
     "VecEnvAdapter",
     "WatchCallback",
-    "bare_training",
     "categorical",
     "deterministic",
     "gaussian",
@@ -38,7 +36,6 @@ _HOMES = {
     "ProgressCallback": "harness_plugins.sb3.callback",
     "VecEnvAdapter": "harness_plugins.sb3.vec_env",
     "WatchCallback": "harness_plugins.sb3.watch_callback",
-    "bare_training": "harness_plugins.sb3.bare",
     "train": "harness_plugins.sb3.training",
 }
 RENAMED: dict[str, Renamed] = {}

@@ -1,6 +1,5 @@
 """dm_control: every arm is an environment of dm_control, with a task that drives its joints."""
 
-from collections.abc import Callable
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
@@ -18,7 +17,6 @@ from harness.robot import Robot
 from harness.simulator import State
 
 from ..mujoco_model import TOUCH, RampFeed, Renderer, ServoFeed, build_model, import_engine
-from ..mujoco_model.alone import limited_servo_controls, servo_controls
 
 engine = import_engine("dm_control.mujoco")
 
@@ -45,30 +43,6 @@ class DmControl:
 
     def open(self, robot: Robot, num_envs: int, control_period: float) -> "DmControlSimulation":
         return DmControlSimulation(self, robot, num_envs, control_period)
-
-    def bare_loop(self, robot: Robot, targets: Float, period: float) -> Callable[[], None]:
-        """See `harness.simulator.Simulator`: dm_control's Physics, one per arm, without an Environment around it."""
-        timestep = period / self.substeps
-        model = engine.wrapper.MjModel(self.build(robot, timestep))
-        arms = [engine.Physics.from_model(model) for _ in range(targets.shape[1])]
-        for arm, start in zip(arms, targets[-1], strict=True):
-            with arm.reset_context():
-                arm.data.qpos[:] = start
-                if model.na:
-                    arm.data.act[:] = start
-        if self.drive == "servo":
-            controls, steps = limited_servo_controls(servo_of(robot), targets, period, self.substeps), 1
-        else:
-            controls, steps = servo_controls(targets, period), self.substeps
-
-        def run() -> None:
-            for row in controls:
-                for arm, of_steps in zip(arms, row, strict=True):
-                    for control_of in of_steps:
-                        arm.set_control(control_of)
-                        arm.step(steps)
-
-        return run
 
 
 class JointRamp(control.Task):  # type: ignore[misc]  # dm_control ships no types

@@ -27,11 +27,11 @@ from harness.robot.servo import Servo
 from harness.robot.shapes import Shape
 from harness.simulator import State
 
-from ..arms.apart import ArmsApart, bare_loop
+from ..arms.apart import ArmsApart
 from ..arms.bare_urdf import bare_urdf
 from ..arms.dry_friction import DryFriction
 from ..arms.self_collision import Pair, pair, pairs_apart, shapes_of_base
-from ..arms.servo import ServoArms, follow_alone
+from ..arms.servo import ServoArms
 
 FRICTION = CoulombFriction(1.0, 1.0)
 """Coefficients of friction, static and sliding, of links on the ground and on one another."""
@@ -71,12 +71,6 @@ class Drake:
         damping = _inertia_at_home(robot) * self.bandwidth
         model = _build_model(robot, timestep, partial(_add_ideal_drives, damping=damping), self.self_collision)
         return ArmsApart(robot, num_envs, lambda: Arm(model, substeps, damping))
-
-    def bare_loop(self, robot: Robot, targets: Float, period: float) -> Callable[[], None]:
-        simulation = self.open(robot, targets.shape[1], period)
-        if isinstance(simulation, ServoArms):
-            return follow_alone(simulation, targets, period, self.substeps)
-        return bare_loop(simulation, targets, period)
 
 
 class Model(NamedTuple):

@@ -1,6 +1,5 @@
 """No dynamics: joints are exactly where they are driven, and ground contact is that of the links' shapes."""
 
-from collections.abc import Callable
 from typing import ClassVar
 
 import numpy as np
@@ -28,21 +27,6 @@ class Kinematic:
 
     def open(self, robot: Robot, num_envs: int, control_period: float) -> "KinematicSimulation":
         return KinematicSimulation(robot, num_envs)
-
-    def bare_loop(self, robot: Robot, targets: Float, period: float) -> Callable[[], None]:
-        """See `harness.simulator.Simulator`: forward kinematics, a product of matrices per joint, and nothing else."""
-        chain = robot.chain
-
-        def run() -> None:
-            for qpos in targets:
-                sine, rest = np.sin(qpos)[..., None, None], 1.0 - np.cos(qpos)[..., None, None]
-                T_world_child = np.eye(4)
-                for joint, (first, second) in enumerate(zip(*chain.terms, strict=True)):
-                    turned = chain.T_previous_joint[joint] + sine[:, joint] * first + rest[:, joint] * second
-                    T_world_child = T_world_child @ turned
-                T_world_child @ chain.T_last_tip
-
-        return run
 
 
 class KinematicSimulation:

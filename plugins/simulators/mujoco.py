@@ -1,6 +1,5 @@
 """MuJoCo: one arm is stepped by itself, several arms by the threads of `mujoco.rollout`."""
 
-from collections.abc import Callable, Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
@@ -15,8 +14,6 @@ from harness.robot import Robot
 from harness.simulator import State
 
 from ..mujoco_model import Batch, OneArm, RampFeed, Renderer, ServoFeed, build_model
-from ..mujoco_model.alone import roll_out_alone, roll_out_servo_alone, step_alone
-from ..peer_envs import fetch_reach, panda_reach
 
 Count = Annotated[int, Field(gt=0)]
 
@@ -49,19 +46,6 @@ class Mujoco:
         """The model of an arm, with physics steps of `timestep` [s]."""
         servo = servo_of(robot) if self.drive == "servo" else None
         return build_model(robot, timestep, self.bandwidth, servo, self.self_collision)
-
-    def bare_loop(self, robot: Robot, targets: Float, period: float) -> Callable[[], None]:
-        """See `harness.simulator.Simulator`: ``mj_step`` for one arm with ideal drives, else `mujoco.rollout`."""
-        model = self.build(robot, period / self.substeps)
-        if self.drive == "servo":
-            return roll_out_servo_alone(model, servo_of(robot), targets, period, self.substeps, self.threads)
-        if targets.shape[1] == 1:
-            return step_alone(model, targets[:, 0], period, self.substeps)
-        return roll_out_alone(model, targets, period, self.substeps, self.threads)
-
-    def peer_envs(self) -> Mapping[str, Callable[[], Any]]:
-        """See `harness.simulator.Simulator`."""
-        return {"PandaReach": panda_reach, "FetchReach": fetch_reach}
 
 
 class MujocoSimulation:

@@ -2,7 +2,7 @@
 
 import tempfile
 import warnings
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -20,10 +20,10 @@ from harness.robot.servo import Servo
 from harness.robot.shapes import Shape
 from harness.simulator import State
 
-from ..arms.apart import ArmsApart, bare_loop
+from ..arms.apart import ArmsApart
 from ..arms.bare_urdf import bare_urdf
 from ..arms.self_collision import Pair, pair, pairs_apart, partners, shapes_of_base
-from ..arms.servo import ServoArms, follow_alone
+from ..arms.servo import ServoArms
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")  # SAPIEN warns of graphics drivers, which nothing here uses
@@ -88,12 +88,6 @@ class PhysX:
         model = Model(robot, timestep, self.iterations, None, self.self_collision)
         probe = Probe(model)
         return ArmsApart(robot, num_envs, lambda: Arm(model, probe, substeps))
-
-    def bare_loop(self, robot: Robot, targets: Float, period: float) -> Callable[[], None]:
-        simulation = self.open(robot, targets.shape[1], period)
-        if isinstance(simulation, ServoArms):
-            return follow_alone(simulation, targets, period, self.substeps)
-        return bare_loop(simulation, targets, period)
 
 
 class Body:

@@ -1,21 +1,17 @@
 """PyBullet: every arm in a physics client of its own, driven by velocity motors or by torques."""
 
-from collections.abc import Callable, Mapping
-from typing import Annotated, Any, ClassVar, Literal, cast
+from typing import Annotated, ClassVar, Literal
 
-import numpy as np
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.arrays import Float
 from harness.authoring.servo_track import servo_of
 from harness.authoring.substeps import Substeps
 from harness.robot import Robot
 
 from ..arms.apart import ArmsApart
-from ..arms.servo import ServoArms, follow_alone
-from ..bullet_arms import Arm, Clients, FreeArm, ServoArm, file_of_arm, turn_alone
-from ..peer_envs import panda_reach
+from ..arms.servo import ServoArms
+from ..bullet_arms import Arm, Clients, FreeArm, ServoArm, file_of_arm
 
 Count = Annotated[int, Field(gt=0)]
 
@@ -55,23 +51,3 @@ class PyBullet:
                     lambda: ServoArm(clients.connect(), robot, path, servo, free, *options), clients,
                 )  # fmt: skip
             return ArmsApart(robot, num_envs, lambda: Arm(clients.connect(), robot, path, *options), clients)
-
-    def bare_loop(self, robot: Robot, targets: Float, period: float) -> Callable[[], None]:
-        """See `harness.simulator.Simulator`: Bullet's own calls, all substeps of a period in one, for each arm."""
-        simulation = self.open(robot, targets.shape[1], period)
-        if isinstance(simulation, ServoArms):
-            return follow_alone(simulation, targets, period, self.substeps)
-        simulation.place(targets[-1])
-        speeds = ((targets - np.roll(targets, 1, axis=0)) / period).tolist()
-
-        def run() -> None:
-            arms = cast("list[Arm]", simulation.arms)  # this keeps the simulation, and so its clients
-            for row in speeds:
-                for arm, speed in zip(arms, row, strict=True):
-                    turn_alone(arm, speed)
-
-        return run
-
-    def peer_envs(self) -> Mapping[str, Callable[[], Any]]:
-        """See `harness.simulator.Simulator`."""
-        return {"PandaReach": panda_reach}

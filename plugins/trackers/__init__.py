@@ -20,10 +20,3 @@ def register_trackers(register: harness.Register) -> None:
         requires=("wandb",),
         extra="wandb",
     )
-    register(
-        "mlflow",
-        "harness_plugins.trackers.mlflow:MLflow",
-        summary="MLflow, a server or a local file",
-        requires=("mlflow",),
-        extra="mlflow",
-    )

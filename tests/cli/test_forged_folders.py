@@ -25,9 +25,6 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "score": ("score", "it", "--all"),
     "transfer": ("transfer", "it", "--to", "stuck"),
     "csv": ("export", "it", "--csv", "--out", "out"),
-    "lerobot": ("export", "it", "--lerobot", "out"),
-    "minari": ("export", "it", "--minari", "out"),
-    "tune": ("tune", "--sim", "ideal", "--algo", "wander", "--search", "std=0.1..0.2", "--trials", "1", "--out", "it"),
 }
 QUICK_ONES = (
     "list: '..'",

@@ -2,11 +2,9 @@
 
 import json
 import shutil
-from dataclasses import replace
 
 import pytest
 
-from harness_plugins.bench.contests import Round, Setting
 from tests.registry.test_given import REWARD
 from tests.results.recordings.conftest import record
 
@@ -111,33 +109,6 @@ def test_parity_takes_the_file(harness, tmp_path):
     assert answer.status == 0
     assert "my_sim" in answer.out
     assert "No simulator 'my_sim'" in harness("parity", "--sim", "my_sim", "--reference", "kinematic", *few).err
-
-
-def test_bench_takes_the_file(harness, file):
-    """Its text goes to the process that is timed."""
-    quick = ("--sim", "ideal", "--algo", "wander", "--steps", 12, "--evaluation-episodes", 2, "--rounds", 1)
-    answer = harness("bench", *quick, "--plugin", file, "--reward", "my_reward:scale=2", "--json")
-    data = json.loads(answer.out)
-    assert (answer.status, data["failed"]) == (0, [])
-    assert [it["reward"] for it in data["combinations"]] == ["my_reward:scale=2"]
-
-
-def test_bench_of_simulators_takes_the_file(harness, tmp_path, monkeypatch):
-    """The order of each round has it."""
-    (tmp_path / "my_sim.py").write_text(SIMULATOR)
-    orders = []
-
-    def pretend(work, folder):
-        orders.append(type(work).from_json(work.to_json()))
-        return Round({"env": 1.0}, {})
-
-    monkeypatch.setattr("harness_plugins.bench.measure.time_contest", pretend)
-    call = ("bench", "simulators", "--num-envs", 2, "--rounds", 1)
-    assert harness(*call, "--plugin", "my_sim.py", "--sim", "my_sim").status == 0
-    (order,) = orders
-    assert [it.name for it in order.plugins] == ["my_sim.py"]
-    turns = replace(order, setting=Setting(budget=0.01)).turns()
-    assert set(turns["turns"]) == {"env", "simulator"}
 
 
 def test_eta_takes_the_file(harness, ran, file, tmp_path):

@@ -14,7 +14,7 @@ SOURCES: dict[str, str] = tomllib.loads((PICTURES / "sources.toml").read_text(en
 FIGURE = re.compile(r"!\[[^]]*\]\(([^)\s]+)\)")
 COMMAND = re.compile(r"\bharness [a-z]+|\bmake [a-z]+|\bpython docs/|^drawn by hand: ")
 NAMED = re.compile(
-    r"results/reference/[\w./-]+|\bharness (?:run|bench|parity|audit|eta|report|tune|check|choose|transfer)\b[^\n|]*|"
+    r"results/reference/[\w./-]+|\bharness (?:run|parity|audit|eta|report|check|choose|transfer)\b[^\n|]*|"
     r"\bmake (?:reference|bench|wheel)\b|\bpytest\b|tests/[\w/]+\.py|experiments/[\w./-]+"
 )
 """What tells where numbers come from: a record, a command, a test, an experiment file."""

@@ -5,10 +5,8 @@ from types import MappingProxyType
 
 NOT_RUN: Mapping[str, str] = MappingProxyType(
     {
-        "tune": "trains for every trial; tests/plugins/tune has small searches",
         "transfer": "starts a process for each policy; tests/plugins/transfer does it in one",
         "parity": "drives several simulators for seconds; tests/plugins/parity has short drives",
-        "bench": "measures for minutes",
         "watch": "serves until it is stopped",
         "video": "draws for seconds; tests/cli/test_video.py has a short film",
         "audit": "takes seconds for each reward; tests/cli/test_audit.py",
@@ -30,7 +28,6 @@ NEEDS: Mapping[str, str] = MappingProxyType(
         "--fail-on": "its status is the answer; tests/cli/test_fail_on.py",
         "cells/|CELL": "takes a trained policy; tests/plugins/commands",
         "--cells": "names cells of the reader's",
-        "tuned.toml|tuning.toml": "takes a finished search; tests/plugins/tune",
         "score pendulum|report pendulum": "takes a training; tests/experiment/environments/test_reward_files.py",
         "score own": "takes a training; tests/cli/test_score.py",
         "recorded|report runs": "takes the reader's recordings; tests/cli/test_eta.py, tests/results/recordings",
@@ -43,6 +40,8 @@ HELD: Mapping[str, str] = MappingProxyType(
         "docs/your-environment.md": "tests/test_your_environment.py",
         "docs/authoring.md": "tests/authoring/test_public_names.py",
         "docs/writing/": "tests/scaffold/test_pages.py, tests/plugins/tasks/test_writing_page.py",
+        "docs/how-to/tune.md": "tests/docs/test_how_to.py",
+        "docs/how-to/timings.md": "tests/docs/test_how_to.py",
         "docs/how-to/own-reward.md": "tests/cli/test_plugin_files.py; commands here use the file that it shows",
     }
 )
@@ -53,7 +52,6 @@ SKIPPED: Mapping[str, str] = MappingProxyType(
         'pyarrow.parquet.read_table("curves.parquet")': "an excerpt: reads what `harness report --summary` wrote",
         'policy = load_policy(Path("results/runs/mine': "an excerpt: the folder is the reader's; tests/policy",
         "from harness_plugins.transfer.jobs import transfer": "the folder is the reader's; tests/plugins/transfer",
-        "from harness_plugins.tune.tune import tune": "trains; tests/plugins/tune",
         'subprocess.check_output([sys.executable, "-m", "harness"': "the reader's folder; tests/cli/test_report.py",
         "RecordVideo(": "takes moviepy, which writes films; tests/env/test_single_env.py draws",
         "evaluate_policy(lambda it:": "trains; tests/test_your_environment.py runs it with fewer steps",

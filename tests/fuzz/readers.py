@@ -36,7 +36,6 @@ from harness.robot.robot import load_robot, read_robot
 from harness.scene.scene import scene_of
 from harness.score.open_steps import open_steps
 from harness_plugins.audit.search.out import page_in
-from harness_plugins.tune.tuning import read_tuning, resolve
 from tests.fuzz.mutate import (
     mutate_bytes,
     mutate_csv,
@@ -126,20 +125,6 @@ evaluation_episodes = 2
 evaluate_every = 6
 deterministic = true
 """
-TUNING = b"""sim = "ideal"
-algo = "wander"
-reward = ["arp"]
-trials = 3
-seeds = 2
-steps = 12
-per_reward = false
-pruner = "median"
-batch = 1
-seed = 0
-
-[search]
-width = "1..5"
-"""
 TEXTS = {
     "rewards": b"arp:k1=1,k2=1.5",
     "tasks": b"fd100-reach:horizon=5,epsilon=0.02",
@@ -163,9 +148,6 @@ def readers(registry: Registry, cell: Any, folder: Path) -> dict[str, Reader]:
             {"a.toml": EXPERIMENT},
             {"a.toml": mutate_toml},
             lambda at: expand(read_experiment(at / "a.toml", {}), registry),
-        ),
-        "tuning": Reader(
-            {"a.toml": TUNING}, {"a.toml": mutate_toml}, lambda at: resolve(read_tuning(at / "a.toml", {}), registry)
         ),
         "urdf": Reader(
             {"arm.urdf": URDF, "part.stl": STL}, {"arm.urdf": mutate_xml}, lambda at: read_robot(at / "arm.urdf")

@@ -16,7 +16,7 @@ from hypothesis import HealthCheck, Phase, given, settings, strategies as st
 from tests.fuzz.readers import Reader
 
 NAMES = (
-    *("csv", "toml", "experiment", "tuning", "urdf", "robot", "binary stl", "collada", "glb", "ply", "text stl", "obj"),
+    *("csv", "toml", "experiment", "urdf", "robot", "binary stl", "collada", "glb", "ply", "text stl", "obj"),
     *("policy squashed-gaussian", "policy greedy", "policy uniform-choice", "policy inverse-kinematics"),
     *("text of rewards", "text of tasks", "text of algorithms", "text of executors"),
     *("recorded trace", "trace", "scene", "certificate", "manifest", "sealed manifest", "plan", "sealed plan"),

@@ -37,7 +37,6 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "doctor": ("doctor",),
     "audit": ("audit", "--reward", "arp", "--budget", "10000"),
     "export": ("export", "first", "--csv", "--out", "runs"),
-    "export, a data set": ("export", "first", "--lerobot", "sets"),
     "eta": ("eta", "--baseline", "runs/**/baseline/*.csv", "--proposed", "runs/**/dense/*.csv", "--plot", "eta.html"),
     "score": ("score", "first", "--reward", "sparse"),
     "score, an environment": ("score", "carts", "--plugin", "later.py"),
@@ -48,21 +47,10 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "new-plugin": ("new-plugin", "reward", "my-reward"),
     "check": ("check", "arp"),
     "parity": ("parity", "--sim", "kinematic", "--reference", "kinematic", "--steps", "9", "--html", "parity.html"),
-    "bench": (
-        *("bench", "--sim", "kinematic", "--algo", "ik", "--steps", "100", "--evaluation-episodes", "2"),
-        *("--rounds", "1"),
-    ),
-    "bench, speeds": (
-        *("bench", "simulators", "--sim", "kinematic", "--num-envs", "1", "--rounds", "1", "--html", "bench.html"),
-    ),
 }
 """Each works without any extra; behind a comma stands what is special about it."""
 NEEDS_AN_EXTRA = {
     "video": (("video", "first", "--out", "film.gif"), "pip install 'fd100-harness[video]'"),
-    "tune": (
-        ("tune", "--sim", "kinematic", "--algo", "sac-fast", "--search", "gamma=0.9..0.99", "--trials", "1"),
-        "pip install 'fd100-harness[tune]'",
-    ),
 }
 """These say in one line what to install."""
 SERVES = "watch"
@@ -79,7 +67,6 @@ PAGES = {
     "carts.html": "slow",
     "eta.html": "eta",
     "parity.html": "kinematic",
-    "bench.html": "kinematic",
 }
 """What stands in each page that the commands make."""
 

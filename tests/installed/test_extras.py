@@ -58,27 +58,17 @@ USES: dict[str, Use] = {
     "export": Use(((*KINEMATIC, "sac-fast"), ("export", "out/cells", "--onnx", "policy.onnx")), "policy.onnx"),
     "meshes": Use((("describe", "arm.urdf"),), "part.dae", {"arm.urdf": COLLIDING, "part.dae": collada(CORNERS / 10)}),
     "xacro": Use((("describe", "arm.urdf.xacro"),), "arm.urdf.xacro", {"arm.urdf.xacro": EXAMPLE}),
-    "minari": Use(((*KINEMATIC, "ik"), ("export", "out", "--minari", "sets")), "sets"),
     "report": Use(((*KINEMATIC, "ik"),)),
     "video": Use(((*KINEMATIC, "ik"), ("video", "out", "--episodes", "1", "--out", "film.gif")), "film.gif"),
-    "tune": Use(
-        (
-            (
-                *("tune", "--sim", "kinematic", "--algo", "sac-fast:learning_starts=8", "--search", "gamma=0.9..0.99"),
-                *("--trials", "1", "--seeds", "1", "--steps", "64", "--validation-episodes", "1", "--out", "tuned"),
-            ),
-        ),
-        "tuned/tuned.toml",
-    ),
     "tensorboard": Use(((*KINEMATIC, "ik", "--tracker", "tensorboard"),), "out/tensorboard"),
     "wandb": Use(((*KINEMATIC, "ik", "--tracker", "wandb:mode=offline"),), "wandb"),
-    "mlflow": Use(((*KINEMATIC, "ik", "--tracker", "mlflow"),)),
 }
 """By extra."""
 ELSEWHERE = {
     "drake": "make engines", "physx": "make engines", "mjx": "make engines",
     "unity": "make unity",
-    "dev": "make dev", "docs": "make docs", "peers": "make bench", "all": "test_all_extras_together",
+    "minari": "make test",
+    "all": "test_all_extras_together",
 }  # fmt: skip
 """Extras that are tried somewhere else."""
 APART = ("robotics", "metaworld")

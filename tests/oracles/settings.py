@@ -1,4 +1,4 @@
-"""Experiment files, tuning files and policies: what they have to come to, counted and multiplied out here."""
+"""Experiment files and policies: what they have to come to, counted and multiplied out here."""
 
 import itertools
 import json
@@ -16,7 +16,6 @@ from harness.errors import HarnessError
 from harness.experiment.plan import expand, read_experiment
 from harness.policy import CARD, WEIGHTS, load_policy
 from harness.registry.registry import Registry, load_registry
-from harness_plugins.tune.tuning import read_tuning, resolve
 from tests.oracles.trial import Answer, Refused, Trial
 
 SIMS, ALGOS = ("kinematic", "mujoco"), ("sb3-sac", "td3", "random")
@@ -145,30 +144,6 @@ EXPERIMENT_CHANGES: dict[str, Callable[[dict[str, Any], Random], Changed]] = {
     "an unknown parameter": _wrong("reward", ["arp:k9=2"]),
     "half an episode": _wrong("evaluation_episodes", "1.5"),
 }
-
-# Tuning files
-
-
-def tuning(rng: Random, folder: Path) -> Trial:
-    """A search as it is written: its numbers are what was written."""
-    low, high = sorted(rng.sample(range(1, 50), 2))
-    told = {"trials": rng.randrange(1, 90), "seeds": rng.randrange(1, 9), "steps": rng.choice((100, 5_000))}
-    lines = ['sim = "kinematic"', 'algo = "sac"', *(f"{name} = {value:_}" for name, value in told.items())]
-    rng.shuffle(lines)
-    search = rng.choice(
-        (f'[search]\nlearning_rate = "1e-{high}..1e-{low}"', f'[search]\nlearning_rate = "1e-{low}..1e-{high}"')
-    )
-    is_turned = search.endswith(f'1e-{high}"')
-    path = folder / "tune.toml"
-    path.write_text(rng.choice(("\n", "\r\n")).join([*lines, "", search, ""]), newline="")
-
-    def read() -> Answer:
-        found = read_tuning(path, {})
-        resolve(found, _registry())
-        return {name: getattr(found, name) for name in told}
-
-    return Trial("a range turned" if is_turned else "a search", _asked(read), [] if is_turned else [told])
-
 
 # Policies
 
@@ -309,4 +284,4 @@ POLICY_CHANGES: dict[str, Callable[[dict[str, Any], dict[str, Any], Random], boo
     "an unknown activation": _unknown_activation,
     "observations divided by 0": _no_spread,
 }
-ORACLES = {"experiment file": experiment, "tuning file": tuning, "policy": policy}
+ORACLES = {"experiment file": experiment, "policy": policy}

@@ -18,7 +18,7 @@ from harness.screen import CANNOT_TELL, NOTHING
 from harness.tracker import TrackedCell
 
 REGISTRY = load_registry()
-TRACKERS = {"tensorboard": "tensorboard", "wandb": "wandb:mode=offline", "mlflow": "mlflow:uri=sqlite:///mlflow.db"}
+TRACKERS = {"tensorboard": "tensorboard", "wandb": "wandb:mode=offline"}
 """With settings with which nothing leaves this machine."""
 LONG = "a/b\\c: 'ü' \"%s\" ../.. " * 500
 
@@ -31,7 +31,6 @@ def build(kind: str, given: str) -> Any:
     return choose(REGISTRY, kind, given).build(REGISTRY, kind)
 
 
-@pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of MLflow, which uses an old part of SQLAlchemy
 @pytest.mark.parametrize("name", REGISTRY.names("trackers"))
 def test_tracker_takes_whatever_cells_tell(name: str, tmp_path: Path, monkeypatch: Any, capsys: Any):
     """In another thread: two at once, one that goes on, odd numbers and texts; nothing printed, no link left."""

@@ -38,7 +38,6 @@ OLD = {
     "harness.testing.simulators.simulations": ["NUM_ENVS", "opened"],
     "harness.testing.unity_player": ["write_unity_player"],
     "harness.transfer.jobs": ["transfer"],
-    "harness.tune.tune": ["tune"],
 }
 """Names that 0.2.0 had, by module: those of its pages, and those to which it sent whoever used a name of 0.1."""
 EVERY = [f"{module}.{name}" for module, names in OLD.items() for name in names]

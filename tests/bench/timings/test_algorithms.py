@@ -13,6 +13,7 @@ from harness_plugins.algorithms.dqn import Dqn
 from harness_plugins.algorithms.ppo import Ppo
 from harness_plugins.algorithms.sac import Sac
 from harness_plugins.algorithms.td3 import Td3
+from tests.bench.timings.bare import bare_training
 
 pytestmark = pytest.mark.bench
 DISCRETE = "fd100-reach:action=discrete"
@@ -34,7 +35,7 @@ def test_algorithm_beside_the_bare_one(tmp_path, require_speed, amount, name: st
     settings, task, full = CASES[name]
     steps = amount(full, ENOUGH)
     envs = [ReachEnv(task=task) for _ in range(settings.num_envs)]
-    bare = settings.bare_training(envs if len(envs) > 1 else envs[0], steps, 0)
+    bare = bare_training(settings, envs, steps, 0)
 
     def through_the_harness() -> None:
         env = harness.make_env(task=task, num_envs=settings.num_envs)

@@ -17,9 +17,10 @@ BARE = """
 import sys
 from harness.env.make import ReachEnv
 from harness_plugins.algorithms.sac import Sac
+from tests.bench.timings.bare import bare_training
 steps, *seeds = map(int, sys.argv[1:])
 for seed in seeds:
-    Sac().bare_training(ReachEnv(), steps, seed)()
+    bare_training(Sac(), [ReachEnv()], steps, seed)()
 """
 """The trainings of one job, one after the other, without a record and without an evaluation."""
 

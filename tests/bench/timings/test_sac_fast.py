@@ -7,8 +7,10 @@ import pytest
 import harness
 from harness.env.make import ReachEnv
 from harness.progress import Progress
+from harness_plugins.algorithms.sac import Sac
 from harness_plugins.algorithms.sac_fast import SacFast
 from harness_plugins.fast_sac.training import Learner
+from tests.bench.timings.bare import bare_training
 
 pytestmark = pytest.mark.bench
 START = 10
@@ -22,7 +24,7 @@ def test_sac_fast_beside_the_bare_library(require_speed, amount, width: int, ful
     Half of that, and 0.75, are held: how fast torch is differs from machine to machine.
     """
     settings, steps = SacFast(net_arch=(width, width), learning_starts=START), amount(full, START + 2)
-    bare = settings.peer_trainings()["stable-baselines3"](ReachEnv(), steps, 0)
+    bare = bare_training(Sac(net_arch=(width, width), learning_starts=START), [ReachEnv()], steps, 0)
 
     def fast() -> None:
         env = harness.make_env("mujoco", "fd100-reach")

@@ -13,24 +13,15 @@ from harness.experiment.workers.order import Order, Work, read_order
 from harness.record.cell import Cell
 from harness.registry.choice import Choice
 from harness.registry.given import PluginClass, PluginFile
-from harness_plugins.bench.contests import Entry, Setting
-from harness_plugins.bench.measure import TimeContest
-from harness_plugins.bench.timed_cell import TimeCell
 from harness_plugins.transfer.jobs import EvaluateElsewhere
-from harness_plugins.tune.outcomes import ValidatePolicy
 
 PLUGINS = (PluginFile("/a/mine.py", "x = 'ü'\n"), PluginClass("rewards", "mine:Mine"))
-ENTRY = Entry("simulators", "simulators", "mine")
 WORKS: dict[str, Callable[[Cell], Work]] = {
     "train": lambda cell: TrainCell(cell, CellOptions(checkpoint_every=100, tracked=True)),
     "evaluate elsewhere": lambda cell: EvaluateElsewhere(Path("/a/cell"), Choice("mujoco", (("substeps", 4),), "m")),
     "train by a file": lambda cell: TrainCell(cell, CellOptions(plugins=PLUGINS)),
     "evaluate by a file": lambda cell: EvaluateElsewhere(Path("/a/cell"), Choice("mujoco"), PLUGINS),
-    "validate by a file": lambda cell: ValidatePolicy(Path("/a/cell"), 8, PLUGINS),
     "describe": lambda cell: Describe((cell,), PLUGINS),
-    "time": lambda cell: TimeCell(cell, 12.5),
-    "time by a file": lambda cell: TimeCell(cell, 12.5, PLUGINS),
-    "time a simulator of a file": lambda cell: TimeContest(ENTRY, Setting(), PLUGINS),
 }
 
 

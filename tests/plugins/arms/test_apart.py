@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import harness
-from harness_plugins.arms.apart import ArmsApart, bare_loop
+from harness_plugins.arms.apart import ArmsApart
 
 ROBOT = harness.load_robot("fd100")
 HOME = np.tile(ROBOT.home, (3, 1))
@@ -79,13 +79,6 @@ def test_frame_shows_the_arm_and_changes_nothing(simulation):
     assert first.shape == (48, 64, 3)
     assert (simulation.render(0, np.array([0.5, 0.0, 0.5]), 64, 48) != first).any()
     np.testing.assert_array_equal(simulation.read().qpos, HOME + 0.5)
-
-
-def test_bare_loop_drives_each_arm_round(simulation):
-    """Through every period of a closed motion, at the motion's own speeds, from its last pose."""
-    bare_loop(simulation, np.stack([HOME + 0.1, HOME]), 0.1)()
-    assert simulation.arms[0].told == ["put", "put", "turn", "turn"]
-    np.testing.assert_allclose(simulation.read().qpos, HOME)
 
 
 def test_close_lets_the_arms_go(simulation):

@@ -5,7 +5,7 @@ import pytest
 
 import harness
 from harness.authoring.substeps import Substeps
-from harness_plugins.arms.servo import ServoArms, follow_alone
+from harness_plugins.arms.servo import ServoArms
 
 ROBOT = harness.load_robot("fd100")
 HOME = np.tile(ROBOT.home, (2, 1))
@@ -76,15 +76,3 @@ def test_resting_arms_are_told_nothing(simulation):
     simulation.reset(HOME, np.array([True, False]))
     simulation.drive(HOME + 1.0, 0.1)
     assert [len(arm.told) for arm in simulation.arms] == [1, 2]
-
-
-def test_bare_loop_tells_what_the_simulation_tells(simulation):
-    """Along a closed motion that begins at rest at its last target."""
-    targets = HOME + np.array([0.2, 0.4, 0.1])[:, None, None]
-    follow_alone(simulation, targets, 0.1, 20)()
-    other = ServoArms(ROBOT, 2, Substeps(20, 0.1), ExactArm)
-    other.place(targets[-1])
-    for qpos in targets:
-        other.drive(qpos, 0.1)
-    for arm, same in zip(simulation.arms, other.arms, strict=True):
-        np.testing.assert_array_equal(arm.told, same.told)

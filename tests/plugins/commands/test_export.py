@@ -10,7 +10,6 @@ import numpy as np
 import onnx
 import onnxruntime
 import pytest
-import torch
 
 from harness.cli import main
 from harness.policy import InverseKinematics, Policy, SquashedGaussian, Uniform, UniformChoice, load_policy
@@ -51,16 +50,6 @@ def test_onnx_model_of_a_cell_is_written(call, cell: Path, inside: str):
     assert '"seed": 3' in onnx.load("model.onnx").metadata_props[0].value
 
 
-@pytest.mark.filterwarnings("ignore:`torch.jit.load` is deprecated:DeprecationWarning")
-def test_both_models_are_written(call, cell: Path):
-    """One call, two files."""
-    status, told = call(cell, "--onnx", "model.onnx", "--torchscript", "model.pt")
-    assert (status, told.count("Model: ")) == (0, 2)
-    seen = np.ones((3, 5), np.float32)
-    actions = torch.jit.load("model.pt")(torch.from_numpy(seen)).numpy()
-    np.testing.assert_allclose(actions, load_policy(cell / "policy").act(seen), atol=1e-5)
-
-
 def _assert_refused(answer: tuple[int, str], reason: str, status: int = 2) -> None:
     """One line, and nothing written."""
     assert answer[0] == status
@@ -86,7 +75,7 @@ def test_policy_that_is_no_network_is_refused(call, tmp_path: Path, policy: Poli
 
 def test_without_a_file_there_is_nothing_to_do(call, cell: Path):
     """The options are named."""
-    _assert_refused(call(cell), "give --onnx FILE or --torchscript FILE")
+    _assert_refused(call(cell), "give --onnx FILE, or --csv --out DIR")
 
 
 def test_folder_without_a_policy_is_refused(call, tmp_path: Path):
@@ -106,28 +95,22 @@ def test_file_that_cannot_be_is_refused(call, cell: Path, file: str):
     _assert_refused(call(cell, "--onnx", file), f"{file} cannot be written")
 
 
-@pytest.mark.parametrize(
-    ("library", "option", "extra"), [("onnx", "--onnx", "export"), ("torch", "--torchscript", "sb3")]
-)
-def test_missing_library_names_the_extra(
-    call, cell: Path, monkeypatch: pytest.MonkeyPatch, library: str, option: str, extra: str
-):
-    """And the other file is not written either."""
-    other = {"--onnx": "--torchscript", "--torchscript": "--onnx"}[option]
-    monkeypatch.setitem(sys.modules, library, None)
-    answer = call(cell, other, "other.file", option, "model.file")
-    _assert_refused(answer, f"needs {library}, which cannot be imported")
-    assert f"pip install 'fd100-harness[{extra}]'" in answer[1]
+def test_missing_library_names_the_extra(call, cell: Path, monkeypatch: pytest.MonkeyPatch):
+    """In one line."""
+    monkeypatch.setitem(sys.modules, "onnx", None)
+    answer = call(cell, "--onnx", "model.onnx")
+    _assert_refused(answer, "needs onnx, which cannot be imported")
+    assert "pip install 'fd100-harness[export]'" in answer[1]
 
 
 def test_listing_imports_no_library(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
     """`harness --all` shows the command by its name and summary alone."""
     monkeypatch.delenv("HARNESS_PLUGINS", raising=False)
-    for module in ("onnx", "torch", "harness_plugins.exporters.command"):
+    for module in ("onnx", "harness_plugins.exporters.command"):
         monkeypatch.setitem(sys.modules, module, ModuleType("must_not_be_used"))
     with pytest.raises(SystemExit):
         main(["--all"])
-    assert "Write a policy as ONNX or TorchScript model" in capsys.readouterr().out
+    assert "Write a policy as ONNX model" in capsys.readouterr().out
 
 
 @pytest.fixture

@@ -1,6 +1,5 @@
 """Exported models: other programs get the actions that the policy gives."""
 
-import io
 import json
 from collections.abc import Callable
 from itertools import product
@@ -10,31 +9,24 @@ import numpy as np
 import onnx
 import onnxruntime
 import pytest
-import torch
 from hypothesis import given, strategies as st
 
 from harness.policy import Categorical, Deterministic, Gaussian, Greedy, Network, SquashedGaussian
-from harness_plugins.exporters import onnx_model, torch_script
+from harness_plugins.exporters import onnx_model
 
 Make = Callable[..., Network]
 Act = Callable[[np.ndarray], np.ndarray]
 CARD = {"format": 2, "algorithm": "wander", "cell": {"seed": 3, "reward": "¼ of it"}}
 
 
-def _load_onnx(model: bytes) -> Act:
+def _loaded(policy: Network) -> Act:
+    """What another program does with the model."""
+    model = onnx_model.model_of(policy, CARD)
     session = onnxruntime.InferenceSession(model, providers=["CPUExecutionProvider"])
     return lambda seen: session.run(["action"], {"observation": seen})[0]
 
 
-def _load_torch(model: bytes) -> Act:
-    with pytest.warns(DeprecationWarning, match=r"torch.jit.load"):  # torch's opinion of the format
-        module = torch.jit.load(io.BytesIO(model))
-    return lambda seen: module(torch.from_numpy(seen)).numpy()
-
-
-FORMS = {"onnx": (onnx_model.model_of, _load_onnx), "torchscript": (torch_script.model_of, _load_torch)}
 NETWORKS = (SquashedGaussian, Gaussian, Deterministic, Greedy, Categorical)
-every_form = pytest.mark.parametrize("form", FORMS.values(), ids=FORMS)
 every_kind = pytest.mark.parametrize("kind", NETWORKS)
 
 
@@ -42,21 +34,19 @@ def _observations(count: int, scale: float) -> np.ndarray:
     return (scale * np.random.default_rng(2).normal(size=(count, 5))).astype(np.float32)
 
 
-def _assert_equal(form: Any, policy: Network, seen: np.ndarray) -> None:
-    export, load = form
-    actions, expected = load(export(policy, CARD))(seen), policy.act(seen)
+def _assert_equal(policy: Network, seen: np.ndarray) -> None:
+    actions, expected = _loaded(policy)(seen), policy.act(seen)
     assert (actions.shape, actions.dtype) == (expected.shape, expected.dtype)
     np.testing.assert_allclose(actions, expected, rtol=0.0, atol=1e-5)
 
 
-@every_form
 @every_kind
-def test_model_acts_as_the_policy(make_network: Make, form: Any, kind: Any, subtests: pytest.Subtests):
+def test_model_acts_as_the_policy(make_network: Make, kind: Any, subtests: pytest.Subtests):
     """To 1e-5 on random observations, scaling of observations and actions included."""
     for layers, activation, is_normalised in product([0, 1, 3], ["relu", "tanh"], [False, True]):
         built = {"layers": layers, "activation": activation, "is_normalised": is_normalised}
         with subtests.test(**built):
-            _assert_equal(form, make_network(kind, **built, low=-0.5, high=2.0), _observations(200, 1.0))
+            _assert_equal(make_network(kind, **built, low=-0.5, high=2.0), _observations(200, 1.0))
 
 
 EXTREMES = np.array(
@@ -64,14 +54,13 @@ EXTREMES = np.array(
 )
 
 
-@every_form
 @every_kind
-def test_model_acts_as_the_policy_far_out(make_network: Make, form: Any, kind: Any, subtests: pytest.Subtests):
+def test_model_acts_as_the_policy_far_out(make_network: Make, kind: Any, subtests: pytest.Subtests):
     """To 1e-5 on observations that saturate the network, on zeros and on denormal-small ones."""
     for activation, is_normalised in product(["relu", "tanh"], [False, True]):
         built = {"activation": activation, "is_normalised": is_normalised}
         with subtests.test(**built):
-            _assert_equal(form, make_network(kind, **built, low=-0.5, high=2.0), EXTREMES)
+            _assert_equal(make_network(kind, **built, low=-0.5, high=2.0), EXTREMES)
 
 
 @given(
@@ -83,23 +72,20 @@ def test_model_acts_as_the_policy_far_out(make_network: Make, form: Any, kind: A
 def test_any_policy_is_exported_right(make_network: Make, kind: Any, seed: int, ends: tuple, count: int):
     """Whatever the weights, the box and the batch."""
     policy = make_network(kind, seed, is_normalised=bool(seed % 2), low=min(ends), high=max(ends))
-    _assert_equal(FORMS["onnx"], policy, _observations(count, 1.0))
+    _assert_equal(policy, _observations(count, 1.0))
 
 
-@every_form
 @pytest.mark.parametrize("count", [0, 1, 1000])
-def test_any_batch_is_taken(make_network: Make, form: Any, count: int):
+def test_any_batch_is_taken(make_network: Make, count: int):
     """One model for all sizes, none included."""
-    _assert_equal(form, make_network(SquashedGaussian), _observations(count, 1.0))
+    _assert_equal(make_network(SquashedGaussian), _observations(count, 1.0))
 
 
-@every_form
 @pytest.mark.parametrize("kind", [SquashedGaussian, Gaussian, Deterministic])
-def test_actions_of_a_model_stay_in_the_box(make_network: Make, form: Any, kind: Any):
+def test_actions_of_a_model_stay_in_the_box(make_network: Make, kind: Any):
     """Bounds included, where high - low is rounded."""
-    export, load = form
     policy = make_network(kind, low=-9.899999618530273, high=0.10000000149011612, scale=30.0)
-    actions = load(export(policy, CARD))(_observations(100, 10.0))
+    actions = _loaded(policy)(_observations(100, 10.0))
     assert actions.min() >= np.float32(policy.action_low[0])
     assert actions.max() <= np.float32(policy.action_high[0])
 
@@ -133,11 +119,3 @@ def test_same_policy_gives_the_same_file(make_network: Make):
     """Byte for byte, so that files can be compared."""
     first, second = (onnx_model.model_of(make_network(Greedy), CARD) for _ in range(2))
     assert first == second
-
-
-@pytest.mark.filterwarnings("ignore:`torch.jit.load` is deprecated:DeprecationWarning")
-def test_torchscript_model_has_the_card(make_network: Make):
-    """As an extra file, which C++ reads too."""
-    files = {"card.json": ""}
-    torch.jit.load(io.BytesIO(torch_script.model_of(make_network(Gaussian), CARD)), _extra_files=files)
-    assert json.loads(files["card.json"]) == CARD

@@ -12,8 +12,8 @@ from harness_plugins.algorithms.ddqn import Ddqn
 from harness_plugins.algorithms.dqn import Dqn
 from harness_plugins.algorithms.ppo import Ppo
 from harness_plugins.algorithms.sac import Sac
-from harness_plugins.algorithms.sac_fast import SacFast
 from harness_plugins.algorithms.td3 import Td3
+from tests.bench.timings.bare import bare_training
 
 SMALL = {"learning_starts": 4, "batch_size": 8, "net_arch": (8,)}
 CONTINUOUS, DISCRETE = "fd100-reach", "fd100-reach:action=discrete"
@@ -39,7 +39,7 @@ def test_the_bare_training_updates_as_often_as_ours(subtests: pytest.Subtests):
                 ours = [call.args[1:] + tuple(call.kwargs.items()) for call in update.mock_calls]
                 update.reset_mock()
                 envs = [ReachEnv("kinematic", task) for _ in range(algorithm.num_envs)]
-                bare = algorithm.bare_training(envs if len(envs) > 1 else envs[0], STEPS, 0)
+                bare = bare_training(algorithm, envs, STEPS, 0)
                 assert not update.called
                 bare()
                 first, models = len(update.mock_calls), {id(call.args[0]) for call in update.mock_calls}
@@ -47,15 +47,6 @@ def test_the_bare_training_updates_as_often_as_ours(subtests: pytest.Subtests):
             assert first == len(ours) > 0
             assert len(update.mock_calls) == 2 * first
             assert len(models) == 1
-
-
-def test_the_peer_of_sac_fast_is_sac_of_the_library():
-    """With the same settings."""
-    settings = SacFast(**SMALL, ent_coef="0.3")
-    with mock.patch.object(stable_baselines3, "SAC", wraps=stable_baselines3.SAC) as made:
-        settings.peer_trainings()["stable-baselines3"](ReachEnv("kinematic"), STEPS, 0)()
-    given = made.call_args.kwargs
-    assert (given["ent_coef"], given["batch_size"], given["policy_kwargs"]["net_arch"]) == (0.3, 8, [8])
 
 
 def test_a_model_without_torch_leaves_no_checkpoint():

@@ -191,14 +191,6 @@ def test_robot_without_drives_is_refused(simulator: str):
         driven(simulator, JUMP, replace(ROBOT, servo=None))
 
 
-@every_engine
-@pytest.mark.parametrize("target", [JUMP[:1], np.array([[0.0, 2.0, 0.0, 0.0, 0.0, 0.0]])])
-def test_bare_loop_drives_the_arms(simulator: str, target: np.ndarray):
-    """In a closed motion of one pose the arms stay in it, or on the ground."""
-    settings = REGISTRY.get("simulators", simulator).load()(drive="servo")
-    settings.bare_loop(ROBOT, np.tile(target[:, None], (2, 2, 1)), PERIOD)()
-
-
 FOLDED = np.radians([-98.0, 26.0, 80.0, 7.5, 73.6, -169.0])
 """The FD100's flange 13 mm in its first link, above the ground."""
 

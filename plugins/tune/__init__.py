@@ -1,1 +1,0 @@
-"""Searches hyperparameters of one algorithm, with an equal budget for every reward."""

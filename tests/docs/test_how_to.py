@@ -1,0 +1,86 @@
+"""The how-to pages whose programs measure or train: with less work they do what the pages say."""
+
+import runpy
+import shlex
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from harness.env import ReachVectorEnv
+from harness.policy import load_policy
+from tests.docs.pages import ROOT, blocks_of
+
+STEP = "benchmark(env.step, env.action_space.sample())"
+TWICE = "benchmark(lambda action: (env.step(action), env.step(action)), env.action_space.sample())"
+
+
+def _blocks(page: str, language: str) -> list[str]:
+    text = (ROOT / "docs/how-to" / page).read_text(encoding="utf-8")
+    return [it.text for it in blocks_of(page, text) if it.language == language]
+
+
+def test_a_package_that_became_slower_is_noticed(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch):
+    """By the commands of the page: twice the work fails. The same work passes, on a busy machine not at once."""
+    monkeypatch.delenv("PYTEST_XDIST_WORKER", raising=False)  # beside other workers pytest-benchmark measures nothing
+    [program] = _blocks("timings.md", "python")
+    keep, compare = (shlex.split(it)[1:] for it in _blocks("timings.md", ""))
+
+    def became_slower(arguments: list[str], step: str = STEP) -> bool:
+        (pytester.path / "test_speed.py").write_text(program.replace(STEP, step), encoding="utf-8")
+        ran = pytester.runpytest_inprocess(*arguments, "--benchmark-max-time=0.5")
+        is_slower = "test_step" in ran.stdout.str() and "PerformanceRegression" in ran.stderr.str()
+        assert is_slower == (ran.ret != 0)
+        return is_slower
+
+    assert not became_slower(keep)
+    assert not all(became_slower(compare) for _ in range(4))
+    assert became_slower(compare, TWICE)
+
+
+@pytest.fixture
+def search(toys: object, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[int], dict[str, Any]]:
+    """Do so many trials by the program of the page, with few steps; what its names hold in the end."""
+    pytest.importorskip("optuna")
+    monkeypatch.chdir(tmp_path)
+    [program] = _blocks("tune.md", "python")
+    for long, short in (("10_000, [1000, 1001], 100", "60, [1000], 4"), (", out=", ", executor='here', out=")):
+        assert long in program
+        program = program.replace(long, short)
+    program = program.replace('out="tuned"', 'seeds=1, steps=60, evaluation_episodes=2, out="tuned"')
+
+    def do(trials: int) -> dict[str, Any]:
+        Path("page.py").write_text(program.replace("EPISODES = 20,", f"EPISODES = {trials},"), encoding="utf-8")
+        return runpy.run_path("page.py")
+
+    return do
+
+
+def test_a_search_goes_on_with_other_draws_for_both_rewards(search: Callable[[int], dict[str, Any]]):
+    """Each reward gets as many trials, and no setting twice; both choices are compared under both."""
+    search(2)
+    told = search(3)
+    storage = told["JournalStorage"](told["journal"].JournalFileBackend("tuning.log"))
+    for reward in ("baseline", "arp"):
+        trials = told["optuna"].load_study(study_name=reward, storage=storage).trials
+        assert len({it.params["gamma"] for it in trials}) == len(trials) == 3
+    assert {it.reward.name for it in told["results"].done_cells} == {"baseline", "arp"}
+
+
+def test_settings_are_chosen_by_episodes_that_nothing_else_uses(
+    search: Callable[[int], dict[str, Any]], monkeypatch: pytest.MonkeyPatch
+):
+    """What a report judges by is not among them."""
+    reset, seeds = ReachVectorEnv.reset, list[Any]()
+
+    def noted(env: ReachVectorEnv, *, seed: Any = None, **given: Any) -> Any:
+        seeds.append(seed)
+        return reset(env, seed=seed, **given)
+
+    monkeypatch.setattr(ReachVectorEnv, "reset", noted)
+    told = search(1)
+    before = len(seeds)
+    told["success"](next(map(load_policy, Path("tuning").glob("*/cells/*/policy"))))
+    assert seeds[before:] == [20_230_705]
+    assert seeds[:before].count(20_230_705) == 2  # of a trial for each reward
