@@ -19,8 +19,8 @@ DEV_EXTRAS := mujoco sb3 report pybullet dm-control tensorboard wandb ray slurm 
 RUN_GROUPS := build
 DEV_GROUPS := dev docs
 
-.PHONY: install dev lock run reference test coverage slow plugins examples browser engines arms unity bench bench-record quick-bench check docs links wheel sbom \
-	format clean
+.PHONY: install dev lock run reference test kernels coverage slow plugins examples browser engines arms unity bench bench-record \
+	quick-bench check docs links wheel sbom format clean
 
 install: $(VENV)/.installed
 dev: $(VENV)/.installed-dev
@@ -59,6 +59,12 @@ coverage: dev
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --benchmark-disable --cov --cov-report=term \
 		--cov-report=html:build/coverage/pages --cov-report=json:build/coverage/coverage.json $(TESTS)
 	$(BIN)/python -m tests.rooms_covered build/coverage/coverage.json $(TESTS)
+
+# Cells whose bits were recorded, and what learns them, under this machine's kernels of OpenBLAS and under older ones.
+kernels: FILES = tests/experiment/test_golden_cells.py tests/compatibility/test_v0_1_0.py tests/plugins/fast_sac
+kernels: dev
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest $(FILES) -n 2 --benchmark-disable
+	OPENBLAS_CORETYPE=Haswell OMP_NUM_THREADS=1 $(BIN)/python -m pytest $(FILES) -n 2 --benchmark-disable
 
 slow: dev
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -m slow --benchmark-disable

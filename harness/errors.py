@@ -37,7 +37,7 @@ class MissingSolid(HarnessError):
 
 
 class SimulationDiverged(HarnessError):
-    """A simulator or a reward returned a number that is not finite."""
+    """A simulator, a reward or a learner came to a number that is not finite."""
 
 
 class ContractViolation(HarnessError):

@@ -70,6 +70,16 @@ class Room:
         return type(self)(*(tuple(array[:1] for array in arrays) for arrays in vars(self).values()))
 
 
+def product(first: Float32, second: Float32, out: Float32 | None = None) -> Float32:
+    """The matrix product, without numpy's warning of an invalid operation.
+
+    OpenBLAS has left the flag of one behind for finite numbers (numpy's issue 24067, OpenBLAS's 1924), and numpy cannot
+    know which operation raised it. A true NaN stays in the result: `Learner.update` finds it in its losses.
+    """
+    with np.errstate(invalid="ignore"):
+        return np.matmul(first, second, out=out)
+
+
 def relu(value: Float32, slope: Float32) -> None:
     """Apply it to `value` in place, and write its slope; one comparison does both. The column of ones stays ones."""
     np.greater(value, 0.0, out=slope, casting="unsafe")
@@ -102,10 +112,10 @@ def forward(networks: Networks, activation: str, inputs: Float32, room: Room) ->
     *hidden, last = networks
     values, activate = inputs, ACTIVATIONS[activation]
     for weight, value, slope in zip(hidden, room.value, room.slope, strict=False):
-        np.matmul(values, weight, out=value[..., :-1])
+        product(values, weight, out=value[..., :-1])
         activate(value, slope)
         values = value
-    return np.matmul(values, last, out=room.value[-1])
+    return product(values, last, out=room.value[-1])
 
 
 def backward(networks: Networks, inputs: Float32, room: Room, gradient: Networks | None) -> Float32:
@@ -125,11 +135,11 @@ def backward(networks: Networks, inputs: Float32, room: Room, gradient: Networks
         error = room.error[layer]
         if gradient is not None:
             before = room.value[layer - 1] if layer else inputs
-            np.matmul(before.swapaxes(-1, -2), error, out=gradient[layer])
+            product(before.swapaxes(-1, -2), error, out=gradient[layer])
         if layer:
             weight = networks[layer][:, :-1].swapaxes(-1, -2)
-            # With one output this is the product of a column and a row, for which matmul is slow.
-            product = np.multiply if weight.shape[1] == 1 else np.matmul
-            product(error, weight, out=room.error[layer - 1])
+            # With one output this is the product of a column and a row, for which a matrix product is slow.
+            times = np.multiply if weight.shape[1] == 1 else product
+            times(error, weight, out=room.error[layer - 1])
             np.multiply(room.error[layer - 1], room.slope[layer - 1][..., :-1], out=room.error[layer - 1])
     return room.error[0]

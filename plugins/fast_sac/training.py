@@ -1,5 +1,6 @@
 """A training: the learner, its replay buffer, and the env that fills it."""
 
+import math
 from collections.abc import Sequence
 from functools import partial
 from typing import Any, NamedTuple
@@ -10,12 +11,13 @@ from numpy.typing import NDArray
 from harness.algorithm import TrainingEnv
 from harness.arrays import Float32, Mask
 from harness.authoring.generator_state import pack_generator, restore_generator
+from harness.errors import SimulationDiverged
 from harness.policy import SquashedGaussian
 from harness.progress import SCALARS_EVERY, TOLD_EVERY, Progress, Ring, TrainingState, as_state, prefixed, under
 
 from ..episode_means import EpisodeMeans
 from ..soft_actor_critic import SoftActorCritic
-from .network import Networks, Room, backward, count_parameters, draw_weights, forward, networks_in
+from .network import Networks, Room, backward, count_parameters, draw_weights, forward, networks_in, product
 
 LOWEST_LOG_STD, HIGHEST_LOG_STD = -20.0, 2.0
 HALF_LOG_2_PI = 0.5 * float(np.log(2.0 * np.pi))
@@ -296,7 +298,11 @@ class Learner:
         self._target_parameters[...] = state["targets"]
 
     def update(self, batch: Batch) -> Losses:
-        """Learn once from transitions. Their actions are overwritten."""
+        """Learn once from transitions. Their actions are overwritten.
+
+        Raises:
+            SimulationDiverged: A loss is no number, so the networks are not either.
+        """
         settings, coefficient, size = self._settings, self.coefficient, self._action_size
         now, following = batch.inputs
         output = forward(self.actor, settings.activation, batch.inputs[..., size:], self._actor_room)
@@ -309,7 +315,10 @@ class Learner:
         entropy = -float(drawn.log_prob[0].mean())
         self._coefficient.learn(entropy)
         self._follow()
-        return Losses(-coefficient * entropy - expected, value_loss, entropy)
+        losses = Losses(-coefficient * entropy - expected, value_loss, entropy)
+        if any(map(math.isnan, losses)):
+            raise SimulationDiverged(f"the learner diverged: its losses are {', '.join(f'{it:g}' for it in losses)}")
+        return losses
 
     def _noise(self, batch: Batch) -> Float32:
         return self._rng.standard_normal((*batch.inputs.shape[:2], self._action_size), dtype=np.float32)
@@ -345,7 +354,7 @@ class Learner:
         np.subtract(1.0, room.error[-1][0], out=room.error[-1][1])
         room.error[-1][...] /= -rows
         hidden = backward(critics, inputs, room, None)
-        by_action = np.matmul(hidden, critics[0][:, : self._action_size].swapaxes(-1, -2)).sum(axis=0)
+        by_action = product(hidden, critics[0][:, : self._action_size].swapaxes(-1, -2)).sum(axis=0)
         half = self._actor_room.first()
         put_error(half.value[-1][0], drawn, by_action, coefficient / rows, half.error[-1][0])
         backward(self.actor, inputs[:, self._action_size :], half, self._actor.gradient)

@@ -25,18 +25,17 @@ from harness.errors import UsageError
 from harness.executor import Event
 from harness.experiment.experiment import ExperimentRun, prepare
 from harness.experiment.plan import read_experiment
-from harness.experiment.provenance import describe_machine, versions_behind
 from harness.experiment.run_options import RunOptions
-from harness.log import Log
-from harness.record.cell import Cell
 from harness.record.folder import TRACE
-from harness.record.manifest import Manifest, read_manifest
+from harness.record.manifest import read_manifest
 from harness.record.store import EXPERIMENT, Store
 from harness.record.trace import read_trace
 from harness.text import LONGEST_MESSAGE
+from tests.arithmetic import arithmetic
 
 HERE = Path(__file__).parent
 LEFT = HERE / "v0.1.0"
+MADE_WITH = "2.4.6 1.4.0 3.17.0 linux 5523dc0f0f6ebca3"
 CELLS = sorted(path.name for path in (LEFT / "cells").iterdir())
 
 
@@ -143,25 +142,20 @@ def test_nothing_is_run_again(old: Path):
 
 
 def test_missing_cell_is_done_again(old: Path):
-    """With the same rows: bit for bit where machine and numpy are those of then; elsewhere with the same starts."""
+    """With the same rows: the first sixty, ten of a learner that learns, to rounding; all in bits where operations are.
+
+    The folder was made with OpenBLAS's kernel for Haswell.
+    """
     cell = Store.open(old).read_plan().cells[1]
     folder = Store.open(old).cell_folder(cell)
-    then, before = read_trace(folder / TRACE).load(), read_manifest(folder)
+    then = read_trace(folder / TRACE).load()
     shutil.rmtree(folder)
     _, events = _resume(old)
     assert {event.cell for event in events} == {cell}
     assert read_manifest(folder).status == "done"
-    _require_same_rows(read_trace(folder / TRACE), then, before, cell)
-
-
-def _require_same_rows(found: Log, then: Log, before: Manifest, cell: Cell) -> None:
-    machine, versions = before.environment["machine"], before.environment["versions"]
-    is_same = describe_machine()["cpu_flags"] == machine["cpu_flags"] and describe_machine()["cpu"] == machine["cpu"]
-    if is_same and versions_behind([])["numpy"] == versions["numpy"]:
-        assert found.columns == then.columns
-        for name in then.columns:
+    found = read_trace(folder / TRACE).load()
+    assert found.columns == then.columns
+    for name in then.columns:
+        if arithmetic() == MADE_WITH:
             np.testing.assert_array_equal(found[name], then[name], err_msg=name)
-        return
-    assert len(found) >= cell.steps
-    for name in ("qpos", "target_x", "distance"):
-        np.testing.assert_allclose(found[name][0], then[name][0], rtol=1e-9)
+        np.testing.assert_allclose(found[name][:60], then[name][:60], rtol=0.0, atol=1e-6, err_msg=name)

@@ -102,6 +102,12 @@ def test_without_gradients_none_is_computed():
     assert backward(networks, inputs, room, gradient).tobytes() == backward(networks, inputs, room, None).tobytes()
 
 
+def test_an_invalid_product_is_no_warning():
+    """Kernels of OpenBLAS raise the flag of one for finite numbers. A true one shows in the output."""
+    room, networks = Room.of(1, 1, [1, 1]), (np.array([[[0.0], [0.0]]], np.float32),)
+    assert np.isnan(forward(networks, "relu", np.array([[np.inf, 1.0]], np.float32), room))
+
+
 def test_networks_are_views_of_one_vector():
     """An optimiser changes them all at once."""
     flat = np.zeros(count_parameters(2, [3, 5, 1]), np.float32)
