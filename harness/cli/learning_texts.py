@@ -1,6 +1,9 @@
 """What a training has learned so far, in words: for the line of a running cell, and for ``harness status``."""
 
-from harness.record.cell import Cell
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from harness.record.cell import Cell  # a help reads no cell, and needs no numpy
 
 UNENDED_AFTER = 10_000
 """Environment steps without the end of an episode after which that is said; or all steps of a shorter training."""
@@ -23,7 +26,7 @@ def return_text(mean: float | None) -> str:
     return f"return {mean:,.0f}" if 1e3 <= abs(mean) < 1e6 else f"return {mean:.3g}"
 
 
-def unended_text(cell: Cell, steps: int, mean: float | None) -> str:
+def unended_text(cell: "Cell", steps: int, mean: float | None) -> str:
     """A line if no episode of a training has ended, where only the environment ends them; empty before that is odd.
 
     Args:

@@ -26,8 +26,15 @@ COMMANDS = {
         *LEAST,
     ),
     "eta of CSV files": ("eta", "--baseline", "base*.csv", "--proposed", "new*.csv"),
+    "report of an experiment": ("report", "done"),
+    "report of Monitor files": ("report", "logs", "--measure", "return"),
+    "audit of a reward": ("audit", "--reward", "arp"),
 }
-"""By name, what `harness` is called with, in a folder that has the CSV files."""
+"""By name, what `harness` is called with, in a folder that has the files."""
+BEFORE = {
+    "report of an experiment": ("run", "--sim", "kinematic", "--algo", "random", *LEAST, "--out", "done"),
+}
+"""What is called before, and does not count."""
 
 
 @dataclass(frozen=True)
@@ -75,10 +82,19 @@ def enter(
 
 def enter_harness(command: str, folder: Path) -> Entered:
     """Run one of `COMMANDS` in a new folder."""
+    (folder / "logs").mkdir()
     for number in range(3):
-        paid = [f"{0.1 * number - 0.5 + 0.01 * step:.3f}" for step in range(100)]
-        for name in ("base", "new"):
-            (folder / f"{name}_{number}.csv").write_text("\n".join(["reward", *paid, ""]), encoding="utf-8")
+        for name, more in (("base", 0.0), ("new", 0.2)):
+            paid = [0.1 * number - 0.5 + (0.01 + more) * step for step in range(100)]
+            rows = {
+                "csv": ["reward", *paid],
+                "monitor.csv": ['#{"t_start": 0.0}', "r,l,t", *(f"{it},{number + 9},{it}" for it in paid)],
+            }
+            for end, lines in rows.items():
+                file = folder / ("logs" if end == "monitor.csv" else ".") / f"{name}_{number}.{end}"
+                file.write_text("\n".join([*map(str, lines), ""]), encoding="utf-8")
+    if command in BEFORE:
+        subprocess.run([sys.executable, "-m", "harness", *BEFORE[command]], cwd=folder, check=True, capture_output=True)
     out = ("--out", "out") if command.startswith("run") else ()
     return enter(["-m", "harness", *COMMANDS[command], *out], folder)
 

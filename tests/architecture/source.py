@@ -1,10 +1,8 @@
 """What can be measured of the source without running it."""
 
 import ast
-import io
 import re
-import tokenize
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from functools import cache
 from graphlib import TopologicalSorter
 from pathlib import Path
@@ -35,34 +33,24 @@ def text_of(path: Path) -> str:
     return path.read_text(encoding="utf-8")
 
 
-@cache
-def _tree(text: str) -> ast.Module:
-    return ast.parse(text)
-
-
-def lines_of(paths: Iterable[Path]) -> int:
-    """All of them, blank ones too."""
-    return sum(text_of(path).count("\n") for path in paths)
-
-
 def module_of(path: Path) -> str:
     """What a file is called when it is imported."""
     top, *inner = path.relative_to(ROOT).with_suffix("").parts
     return ".".join([TOPS[top], *inner]).removesuffix(".__init__")
 
 
-def _imports(tree: ast.AST, *, inside: bool) -> Iterator[ast.Import | ast.ImportFrom]:
-    """Imports at a module's top; those in functions and those for type checkers too if they are asked for."""
+def _imports(tree: ast.AST) -> Iterator[ast.Import | ast.ImportFrom]:
+    """Imports at a module's top, without those in functions and those for type checkers."""
     for node in ast.iter_child_nodes(tree):
         if isinstance(node, ast.Import | ast.ImportFrom):
             yield node
         elif isinstance(node, ast.expr):
             continue  # imports nothing
-        elif inside or not (
+        elif not (
             isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
             or (isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test))
         ):
-            yield from _imports(node, inside=inside)
+            yield from _imports(node)
 
 
 def _absolute(node: ast.ImportFrom, module: str, is_package: bool) -> str:
@@ -71,17 +59,16 @@ def _absolute(node: ast.ImportFrom, module: str, is_package: bool) -> str:
     return ".".join([*base, *filter(None, [node.module])])
 
 
-def import_graph(sources: Mapping[str, tuple[str, bool]], *, inside: bool) -> dict[str, set[str]]:
+def import_graph(sources: Mapping[str, tuple[str, bool]]) -> dict[str, set[str]]:
     """By module: the others of `sources` that it imports.
 
     Args:
         sources: By module, its text and whether it is a package.
-        inside: Whether imports in functions, and those for type checkers, count.
     """
     graph: dict[str, set[str]] = {}
     for module, (text, is_package) in sources.items():
         imported: set[str] = set()
-        for node in _imports(_tree(text), inside=inside):
+        for node in _imports(ast.parse(text)):
             if isinstance(node, ast.Import):
                 imported |= {alias.name for alias in node.names}
                 continue
@@ -100,41 +87,6 @@ def floors(graph: Mapping[str, set[str]]) -> int:
     return max(depth.values(), default=0)
 
 
-def with_one_importer_beside(graph: Mapping[str, set[str]]) -> list[str]:
-    """Modules that one other alone imports, which stands in the same folder; its `__init__` is in the folder too."""
-    importers: dict[str, set[str]] = {module: set() for module in graph}
-    for module, imported in graph.items():
-        for name in imported:
-            importers[name].add(module)
-    return [
-        module
-        for module, (*others,) in importers.items()
-        if len(others) == 1 and module.rpartition(".")[0] in (others[0], others[0].rpartition(".")[0])
-    ]
-
-
-def code_lines_in(text: str) -> int:
-    """Lines that are neither blank nor a comment nor a docstring."""
-    layout = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
-    tokens = tokenize.generate_tokens(io.StringIO(text).readline)
-    lines = {line for token in tokens if token.type not in layout for line in range(token.start[0], token.end[0] + 1)}
-    for node in ast.walk(_tree(text)):
-        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str):
-            lines -= set(range(node.lineno, (node.end_lineno or node.lineno) + 1))
-    return len(lines)
-
-
-def functions_in(text: str) -> int:
-    """Functions and methods, those within others too."""
-    return sum(isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) for node in ast.walk(_tree(text)))
-
-
-def import_lines_in(text: str) -> int:
-    """Lines on which an import stands, wherever it is."""
-    nodes = _imports(_tree(text), inside=True)
-    return len({line for node in nodes for line in range(node.lineno, (node.end_lineno or node.lineno) + 1)})
-
-
 def forks() -> list[tuple[str, int]]:
     """File and line, wherever code outside the two worlds asks whether it has an arm or another environment."""
     return [
@@ -146,27 +98,15 @@ def forks() -> list[tuple[str, int]]:
     ]
 
 
-def _graph(*tops: str, inside: bool) -> dict[str, set[str]]:
-    sources = {module_of(path): (text_of(path), path.stem == "__init__") for path in files_of(*tops)}
-    return import_graph(sources, inside=inside)
-
-
 @cache
 def measured() -> dict[str, float]:
     """Every figure, by its name in `bounds.toml`."""
-    core = files_of("harness")
-    texts = [text_of(path) for path in core]
-    code, asked = sum(map(code_lines_in, texts)), forks()
+    core, asked = files_of("harness"), forks()
     return {
-        "import floors": floors(_graph("harness", inside=False)),
-        "functions a hundred lines of code": round(100 * sum(map(functions_in, texts)) / code, 1),
-        "percent of the lines of code that import": round(100 * sum(map(import_lines_in, texts)) / code, 1),
-        "modules with one importer in the same folder": len(
-            with_one_importer_beside(_graph("harness", "plugins", inside=True))
+        "import floors": floors(
+            import_graph({module_of(path): (text_of(path), path.stem == "__init__") for path in core})
         ),
         "files of harness": len(core),
-        "lines of harness": lines_of(core),
-        "lines of harness, plugins and robots": lines_of(files_of("harness", "plugins", "robots")),
         "lines that ask for the kind of world": len(asked),
         "files that ask for the kind of world": len({name for name, _ in asked}),
     }

@@ -5,14 +5,7 @@ import pytest
 from tests.architecture import source
 from tests.architecture.__main__ import above, lowered, main, read_bounds
 from tests.architecture.entered import COMMANDS, enter, measured_by_running
-from tests.architecture.source import (
-    code_lines_in,
-    floors,
-    functions_in,
-    import_graph,
-    import_lines_in,
-    with_one_importer_beside,
-)
+from tests.architecture.source import floors, import_graph
 
 
 def test_no_figure_is_above_its_bound(capsys):
@@ -49,42 +42,8 @@ def test_a_figure_that_grew_or_has_no_bound_is_named():
     assert lowered(figures, bounds).splitlines()[1:] == ['"grew" = 1', '"fell" = 3', '"stays" = 2', '"new" = 1']
 
 
-MODULE = '''"""A docstring
-of two lines."""
-import typing  # one
-
-from a import (
-    b,
-)
-if typing.TYPE_CHECKING:
-    import late
-
-# a comment
-class C:
-    """What it is."""
-
-    def m(self):
-        from a import c
-
-        def inner():
-            return """no
-docstring"""
-'''
-
-
-def test_lines_and_functions_are_counted():
-    """Code is neither blank, a comment nor a docstring; an import may have several lines, and stand in a function."""
-    assert code_lines_in(MODULE) == 12
-    assert functions_in(MODULE) == 2
-    assert import_lines_in(MODULE) == 6
-
-
-def _graph(inside=False, **texts):
-    return import_graph({name.replace("_", "."): (text, name == "p") for name, text in texts.items()}, inside=inside)
-
-
 def test_imports_are_those_of_modules_and_of_names_in_them():
-    """A package is imported where a name of it is; relative ones too; those in functions where they are asked for."""
+    """A package is imported where a name of it is; relative ones too; those in functions do not count."""
     texts = {
         "p": "",
         "p_a": "from . import b, name\nimport p.c\ndef f():\n    import p.d\n",
@@ -92,20 +51,13 @@ def test_imports_are_those_of_modules_and_of_names_in_them():
         "p_c": "try:\n    import json, p.d\nexcept ImportError:\n    pass\n",
         "p_d": "",
     }
-    assert _graph(**texts) == {"p": set(), "p.a": {"p", "p.b", "p.c"}, "p.b": {"p.c"}, "p.c": {"p.d"}, "p.d": set()}
-    inside = _graph(inside=True, **texts)
-    assert (inside["p.a"], inside["p.b"]) == ({"p", "p.b", "p.c", "p.d"}, {"p.c", "p.d"})
+    graph = import_graph({name.replace("_", "."): (text, name == "p") for name, text in texts.items()})
+    assert graph == {"p": set(), "p.a": {"p", "p.b", "p.c"}, "p.b": {"p.c"}, "p.c": {"p.d"}, "p.d": set()}
 
 
 def test_floors_are_the_modules_of_the_longest_chain():
     """Not the number of modules, nor that of a module's imports."""
     assert floors({"a": {"b", "c", "d"}, "b": {"d"}, "c": {"d"}, "d": set()}) == 3
-
-
-def test_a_module_with_one_importer_is_counted_where_both_stand_in_one_folder():
-    """A package's own file is in the folder of its modules."""
-    graph = {"p": {"p.a"}, "p.a": {"p.b", "q.far"}, "p.b": {"p.both"}, "p.c": {"p.both"}, "p.both": set()}
-    assert with_one_importer_beside(graph | {"q.far": set()}) == ["p.a", "p.b"]
 
 
 def test_a_fork_is_counted_outside_the_worlds(tmp_path, monkeypatch):

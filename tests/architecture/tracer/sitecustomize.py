@@ -34,6 +34,7 @@ def _enter(frame, event, argument):
         if not caller.f_code.co_flags & OPTIMIZED:
             return  # a decorator, at import
         hop = (caller.f_code.co_filename, file)
+        files.setdefault(hop[0])  # a module called it, at import
         if hop[0] != file and hop not in hops:
             hops.add(hop)
             if file in files:
