@@ -34,20 +34,22 @@ def describe(
 
     A reward, a task, an algorithm or any other plugin is explained with its parameters.
     """
-    from harness.cli.names import list_names
-    from harness.describe import describe_name
-    from harness.registry.choice import parse
     from harness.registry.given import read_given
-    from harness.registry.names import unknown_name
     from harness.registry.registry import load_registry
-    from harness.robot.robot import is_folder, is_path
 
     registry = load_registry(given=read_given(plugin))
-    if name is None and robot is not None:
-        say(describe_name(registry, "robots", robot, None))
-        return
-    if name is None or (name in KINDS and not registry.kinds_of(name)):
+    if (name is None and robot is None) or (name in KINDS and not registry.kinds_of(name)):
+        from harness.cli.names import list_names
+
         list_names(registry, name)
+        return
+    from harness.describe import describe_name  # it imports what a list does not need
+    from harness.registry.choice import parse
+    from harness.registry.names import unknown_name
+    from harness.robot.robot import is_folder, is_path
+
+    if name is None:
+        say(describe_name(registry, "robots", str(robot), None))
         return
     kinds = registry.kinds_of(name.partition(":")[0]) or (["robots"] if is_path(name) or is_folder(name) else [])
     if not kinds:

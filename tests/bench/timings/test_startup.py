@@ -11,11 +11,11 @@ import pytest
 pytestmark = pytest.mark.bench
 
 
-@pytest.mark.parametrize("argument", ["--help", "describe"])
-def test_light_commands_beside_bare_starts(require_speed, argument: str):
-    """`harness --help` and `harness describe` take less than 14 times as long as `python -c pass`.
+@pytest.mark.parametrize(("argument", "times"), [("--help", 4), ("describe", 5)])
+def test_light_commands_beside_their_library(require_speed, argument: str, times: int):
+    """They take a few times as long as `python -c "import typer"`.
 
-    8 to 10 was measured; 14 is a quarter of a second where Python starts in 18 ms.
+    2.6 and 3.6 was measured: 0.2 s where that takes 0.07. With numpy a help took 6.
     """
     command = shutil.which("harness", path=str(Path(sys.executable).parent))
     assert command is not None
@@ -23,7 +23,9 @@ def test_light_commands_beside_bare_starts(require_speed, argument: str):
     def call(*arguments: str) -> None:
         subprocess.run(arguments, check=True, capture_output=True)
 
-    require_speed(lambda: call(sys.executable, "-c", "pass"), lambda: call(command, argument), 1 / 14, rounds=15)
+    require_speed(
+        lambda: call(sys.executable, "-c", "import typer"), lambda: call(command, argument), 1 / times, rounds=15
+    )
 
 
 PLUGIN = """
