@@ -6,33 +6,26 @@ import shutil
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
 from importlib.metadata import EntryPoint
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import settings
 
 import harness
-from harness.executor import OnEvent
-from harness.experiment.experiment import ExperimentRun
-from harness.experiment.plan import Plan
-from harness.experiment.workers.workers import News, OnNews, Order
-from harness.policy import Network
+from harness.experiment import ExperimentRun, Plan
+from harness.experiment.workers.workers import News, Order
 from harness.policy.discrete import ChoosingNetwork
-from harness.record.cell import Cell
-from harness.record.store import Store
-from harness.registry.choice import Choice
-from harness.registry.registry import Registry, load_registry
+from harness.record import Cell, Store
+from harness.registry import Choice, load_registry
 from harness.results import Results, load_results
 
 settings.register_profile("no deadline", deadline=None)  # a busy machine is no bug
 settings.load_profile("no deadline")
 
 
-def pytest_collection_finish() -> None:
+def pytest_collection_finish():
     """Let the garbage collector leave out the tests themselves, torch and so on, which stay: it would take 3 %."""
     gc.freeze()
     gc.set_threshold(100_000, 20, 20)
@@ -43,7 +36,7 @@ DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY", "MUJOCO_GL", "PYOPENGL_PLATFORM")
 
 
 @pytest.fixture(scope="session", autouse=True)
-def interruptible() -> None:
+def interruptible():
     """Let whatever the tests start be interrupted.
 
     A shell that starts the tests in the background has them ignore SIGINT, and whoever they start.
@@ -52,7 +45,7 @@ def interruptible() -> None:
 
 
 @pytest.fixture(scope="session", autouse=True)
-def own_state(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+def own_state(tmp_path_factory):
     """Whatever the tests start keeps its state apart from the user's, as the key that signs kept results."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("state")))
@@ -60,7 +53,7 @@ def own_state(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 
 
 @pytest.fixture(scope="session", autouse=True)
-def unsynced(request: pytest.FixtureRequest) -> Iterator[None]:
+def unsynced(request):
     """Nothing that this process writes waits for the disk: what a stopped machine would lose is lost to no test.
 
     That files are synced, and in which order, `tests/files` says. Timings do wait, as users do.
@@ -71,9 +64,7 @@ def unsynced(request: pytest.FixtureRequest) -> Iterator[None]:
         yield
 
 
-def _run_without_display(
-    code: str, *, library: str | None = None, warnings: str = "default"
-) -> "subprocess.CompletedProcess[str]":
+def _run_without_display(code, *, library=None, warnings="default"):
     env = {name: value for name, value in os.environ.items() if name not in DISPLAYS}
     env |= {} if library is None else {"MUJOCO_GL": library}
     command = [sys.executable, "-W", warnings, "-c", code]
@@ -81,13 +72,13 @@ def _run_without_display(
 
 
 @pytest.fixture(scope="session")
-def run_without_display() -> Callable[..., "subprocess.CompletedProcess[str]"]:
+def run_without_display():
     """Run code in a process of its own that has no display, with a `library` as MUJOCO_GL or none."""
     return _run_without_display
 
 
 @pytest.fixture(scope="session")
-def _egl_fault() -> str:
+def _egl_fault():
     """Why this machine has no EGL, or nothing; found by trying, without the code that is tested."""
     code = "from mujoco.egl import GLContext\nGLContext(8, 8).make_current()"
     done = _run_without_display(code, library="egl")
@@ -95,7 +86,7 @@ def _egl_fault() -> str:
 
 
 @pytest.fixture
-def egl(_egl_fault: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def egl(_egl_fault, monkeypatch):
     """Frames are drawn by EGL, which needs no display."""
     if _egl_fault:
         pytest.skip(f"EGL does not render here, install libegl1: {_egl_fault}")
@@ -103,7 +94,7 @@ def egl(_egl_fault: str, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def installed(simulator: str) -> None:
+def installed(simulator):
     """Skip the test of a `simulator` whose library is not installed, and say what brings it."""
     spec = load_registry().get("simulators", simulator)
     if spec.missing:
@@ -111,7 +102,7 @@ def installed(simulator: str) -> None:
 
 
 @pytest.fixture(scope="session")
-def toy_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def toy_folder(tmp_path_factory):
     """A folder with the package `toy_arm` and its metadata, as an installer leaves them."""
     folder = tmp_path_factory.mktemp("site-packages")
     shutil.copy(Path(__file__).parent / "toy_arm.py", folder)
@@ -119,7 +110,7 @@ def toy_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def _write_metadata(folder: Path, distribution: str, entry: str, module: str) -> None:
+def _write_metadata(folder, distribution, entry, module):
     metadata = folder / f"{distribution.replace('-', '_')}-1.0.dist-info"
     metadata.mkdir()
     (metadata / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {distribution}\nVersion: 1.0\n")
@@ -127,7 +118,7 @@ def _write_metadata(folder: Path, distribution: str, entry: str, module: str) ->
 
 
 @pytest.fixture
-def toys(toy_folder: Path, monkeypatch: pytest.MonkeyPatch) -> Registry:
+def toys(toy_folder, monkeypatch):
     """All plugins, `toy_arm` included, which is installed for this process and for those that it starts."""
     monkeypatch.syspath_prepend(toy_folder)
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join(filter(None, [str(toy_folder), os.environ.get("PYTHONPATH")])))
@@ -136,7 +127,7 @@ def toys(toy_folder: Path, monkeypatch: pytest.MonkeyPatch) -> Registry:
 
 
 @pytest.fixture
-def recorded(toys: Registry, tmp_path: Path, tmp_path_factory: pytest.TempPathFactory) -> Results:
+def recorded(toys, tmp_path, tmp_path_factory):
     """A copy of a finished experiment: an ideal arm that acts at random under two rewards; it runs once."""
     kept = tmp_path_factory.getbasetemp() / "recorded"
     if not kept.exists():
@@ -154,12 +145,12 @@ def recorded(toys: Registry, tmp_path: Path, tmp_path_factory: pytest.TempPathFa
 
 
 @pytest.fixture
-def write_plugin(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., EntryPoint]:
+def write_plugin(tmp_path, monkeypatch):
     """Write a module that can be imported, and get the entry point that names it."""
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.delenv("HARNESS_PLUGINS", raising=False)
 
-    def write(source: str, name: str, entry: str = "") -> EntryPoint:
+    def write(source, name, entry=""):
         module = f"{name}_{tmp_path.name}".replace("-", "_")  # another test's module of the same name is still imported
         (tmp_path / f"{module}.py").write_text(source)
         return EntryPoint(entry or name, module, "harness")
@@ -168,10 +159,10 @@ def write_plugin(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..
 
 
 @pytest.fixture
-def install(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> Callable[..., str]:
+def install(tmp_path_factory, monkeypatch):
     """Install a package for this process: a module with hooks, others beside it; gives the name of the module."""
 
-    def install_package(name: str, hooks: str, **others: str) -> str:
+    def install_package(name, hooks, **others):
         folder = tmp_path_factory.mktemp("site-packages")
         module = f"{name}_{folder.name}".replace("-", "_")  # another test's module of the same name is still imported
         (folder / f"{module}.py").write_text(hooks)
@@ -185,7 +176,7 @@ def install(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.Monkey
 
 
 @pytest.fixture
-def distant(install: Callable[..., str]) -> None:
+def distant(install):
     """A package whose simulator `distant` takes a library that is not installed, and names the extra that brings it."""
     install(
         "far-away",
@@ -195,10 +186,10 @@ def distant(install: Callable[..., str]) -> None:
 
 
 @pytest.fixture
-def make_cell() -> Callable[..., Cell]:
+def make_cell():
     """A cell that the ideal arm does in a moment; some fields may be said otherwise."""
 
-    def make(**fields: Any) -> Cell:
+    def make(**fields):
         given = {
             "simulator": Choice("ideal", (), "ideal"),
             "robot": "fd100",
@@ -215,10 +206,10 @@ def make_cell() -> Callable[..., Cell]:
 
 
 @pytest.fixture
-def read_events() -> Callable[[Path], dict[str, list[tuple[int, float]]]]:
+def read_events():
     """The scalars in a folder's event files, as TensorBoard reads them: by name, (steps, value) in order."""
 
-    def read(folder: Path) -> dict[str, list[tuple[int, float]]]:
+    def read(folder):
         from tensorboard.backend.event_processing.event_file_loader import EventFileLoader
         from tensorboard.util.tensor_util import make_ndarray
 
@@ -233,25 +224,25 @@ def read_events() -> Callable[[Path], dict[str, list[tuple[int, float]]]]:
 
 
 @pytest.fixture
-def make_plan() -> Callable[..., Plan]:
+def make_plan():
     """A plan of given cells."""
 
     def make(
-        *cells: Cell,
-        skipped: tuple[tuple[Cell, str], ...] = (),
-        baseline: str = "baseline",
-        control: Mapping[int, int] = {},
-    ) -> Plan:
-        return Plan(baseline, cells, skipped, {"sim": ["ideal"], "algo": ["wander"]}, control)
+        *cells,
+        skipped=(),
+        baseline="baseline",
+        control=None,
+    ):
+        return Plan(baseline, cells, skipped, {"sim": ["ideal"], "algo": ["wander"]}, control or {})
 
     return make
 
 
 @pytest.fixture
-def run_here(toys: Registry) -> Callable[..., Results]:
+def run_here(toys):
     """Run a plan in this process, which is quicker than in workers; gives what its folder says afterwards."""
 
-    def run(plan: Plan, folder: Path, on_event: OnEvent = lambda event: None) -> Results:
+    def run(plan, folder, on_event=lambda event: None):
         executor = toys.get("executors", "here").load()()
         return ExperimentRun(plan, Store.claim(folder), toys, executor).run(on_event)
 
@@ -259,12 +250,10 @@ def run_here(toys: Registry) -> Callable[..., Results]:
 
 
 @pytest.fixture
-def run_once(
-    toys: Registry, run_here: Callable[..., Results], tmp_path_factory: pytest.TempPathFactory
-) -> Callable[[Plan, Path], Results]:
+def run_once(toys, run_here, tmp_path_factory):
     """As `run_here`, into a new folder; a plan that another test ran before is not run again: its folder is copied."""
 
-    def run(plan: Plan, folder: Path) -> Results:
+    def run(plan, folder):
         kept = tmp_path_factory.getbasetemp() / "ran once" / plan.id
         if not kept.exists():
             making = kept.with_name("making")
@@ -277,11 +266,11 @@ def run_once(
 
 
 @pytest.fixture
-def transferred_here(monkeypatch: pytest.MonkeyPatch) -> list[Order]:
+def transferred_here(monkeypatch):
     """Policies are evaluated elsewhere in this process, which is quicker than in workers; the orders that were done."""
     done: list[Order] = []
 
-    def run_here(orders: Sequence[Order], at_once: int, on_news: OnNews) -> None:
+    def run_here(orders, at_once, on_news):
         for order in orders:
             on_news(News("started", order.folder))
             order.work.do(order.folder, lambda steps: None)
@@ -293,21 +282,21 @@ def transferred_here(monkeypatch: pytest.MonkeyPatch) -> list[Order]:
 
 
 @pytest.fixture(scope="session")
-def make_network() -> Callable[..., Network]:
+def make_network():
     """A policy of a kind of network with random weights: 5 numbers in, 2 actions or 3 choices out."""
 
     def make(
-        kind: type[Network],
-        seed: int = 0,
+        kind,
+        seed=0,
         *,
-        layers: int = 2,
-        activation: str = "tanh",
-        is_normalised: bool = False,
-        scale: float = 1.0,
-        low: float = -1.0,
-        high: float = 1.0,
-        **fields: Any,
-    ) -> Network:
+        layers=2,
+        activation="tanh",
+        is_normalised=False,
+        scale=1.0,
+        low=-1.0,
+        high=1.0,
+        **fields,
+    ):
         rng = np.random.default_rng(seed)
         is_discrete, sizes = issubclass(kind, ChoosingNetwork), [5] + [4] * layers
         outputs = 3 if is_discrete else 2

@@ -9,26 +9,35 @@ import json
 import os
 import shutil
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from harness.experiment.plan import Plan
+from harness.experiment import Plan
 from harness.experiment.progress.ended_cells import EndedCells
 from harness.files.keyed_file import read_keyed, with_key
 from harness.files.sealed import seal
-from harness.record.cell import Cell
-from harness.record.folder import CARD, DERIVED, EVALUATION, MANIFEST, POLICY, RANDOM, STOCHASTIC, TRACE
-from harness.record.manifest import Manifest, digests_in, read_manifest
+from harness.record import (
+    CELLS,
+    DERIVED,
+    EVALUATION,
+    MANIFEST,
+    POLICY,
+    RANDOM,
+    TRACE,
+    Cell,
+    Manifest,
+    Store,
+    read_manifest,
+    read_trace,
+)
+from harness.record.folder import CARD, STOCHASTIC
+from harness.record.manifest import digests_in
 from harness.record.plan_file import StoredPlan
-from harness.record.store import CELLS, Store
-from harness.record.trace import read_trace
-from harness.registry.choice import Choice, choose
-from harness.registry.registry import Registry, load_registry
+from harness.registry import Choice, Registry, choose, load_registry
 from harness.results.kept import FORMAT, LARGEST
 from harness.score.scorer import pay_log
 
@@ -88,7 +97,7 @@ class Copier:
         self._cells.append(manifest.cell)
 
 
-def _write(folder: Path, manifest: Manifest, files: dict[str, str]) -> None:
+def _write(folder, manifest, files):
     """The manifest; of the files that are linked the digests are known."""
     card = f"{POLICY}/{CARD}"
     known = {**files, card: digests_in(folder / POLICY)[CARD]}
@@ -96,11 +105,11 @@ def _write(folder: Path, manifest: Manifest, files: dict[str, str]) -> None:
     (folder / MANIFEST).write_bytes(seal({"format": Manifest.FORMAT, **record.to_json()}))
 
 
-def _with(cell: Cell, reward: Choice, seed: int) -> Cell:
+def _with(cell, reward, seed):
     return replace(cell, reward=reward, seed=seed)
 
 
-def _pay(path: Path, reward: Any) -> None:
+def _pay(path, reward):
     """What `reward` would have paid, in place of what was."""
     if not path.is_file():
         return
@@ -114,9 +123,7 @@ def _pay(path: Path, reward: Any) -> None:
         writer.add_key_value_metadata(facts)
 
 
-def copy_experiment(
-    real: Path, into: Path, proposed: Sequence[str], seeds: int, registry: Registry, trainings: int = 4
-) -> None:
+def copy_experiment(real, into, proposed, seeds, registry, trainings=4):
     """An experiment of a baseline and `proposed` rewards, ``arp:k2=1.01``, over `seeds` seeds each.
 
     Args:
@@ -134,7 +141,7 @@ def copy_experiment(
     copier.finish("baseline")
 
 
-def keep_as_a_run_does(folder: Path, registry: Registry) -> None:
+def keep_as_a_run_does(folder, registry):
     """Make what is kept of each cell as it ends; copies of one training get copies of it."""
     store, plan = Store(folder), Store(folder).read_plan()
     ended = EndedCells(store, registry, Plan(plan.baseline, plan.cells, (), {}))
@@ -148,7 +155,7 @@ def keep_as_a_run_does(folder: Path, registry: Registry) -> None:
             _copy_kept(folder / DERIVED, known.id, cell.id)
 
 
-def _copy_kept(derived: Path, known: str, other: str) -> None:
+def _copy_kept(derived, known, other):
     (derived / other).mkdir(parents=True)
     for path in (derived / known).iterdir():
         name = path.stem.partition("-")[2]
@@ -158,7 +165,7 @@ def _copy_kept(derived: Path, known: str, other: str) -> None:
         (derived / other / path.name).write_bytes(with_key(keys[1], content))
 
 
-def many_rewards(count: int) -> list[str]:
+def many_rewards(count):
     """``arp:k2=1.01`` and so on."""
     return [f"arp:k2={1.01 + number / 100:.2f}" for number in range(count)]
 

@@ -4,28 +4,22 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 
 from harness.executor import CellOptions, Word
+from harness.experiment import Order
 from harness.experiment.run_cell import TrainCell
-from harness.experiment.workers.order import Order
 from harness.experiment.workers.worker import DONE
-from harness.record.cell import Cell
-from harness.registry.given import Given
 
 WORKER = [sys.executable, "-m", "harness.experiment.workers.worker"]
 
 
 @pytest.fixture
-def train_in_a_process() -> Callable[..., None]:
+def train_in_a_process():
     """Do a cell in a worker of its own, which is killed when it has told of `until` steps, if it gets there."""
 
-    def train(
-        cell: Cell, folder: Path, every: int = 0, until: int | None = None, plugins: tuple[Given, ...] = ()
-    ) -> None:
+    def train(cell, folder, every=0, until=None, plugins=()):
         order = Order(folder, TrainCell(cell, CellOptions(checkpoint_every=every, plugins=plugins)))
         with subprocess.Popen(WORKER, text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as worker:
             worker.stdin.write(order.line() + "\n")

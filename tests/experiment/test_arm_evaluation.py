@@ -1,8 +1,6 @@
 """Evaluation: fixed starts and targets, one episode each, the same whatever is evaluated."""
 
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -11,12 +9,9 @@ import harness
 from harness import load_robot
 from harness.env.make import build_world
 from harness.experiment.arm_evaluation import act_of, evaluate
-from harness.log import Log
 from harness.policy import Uniform
-from harness.record.cell import Cell
-from harness.record.trace import read_trace
-from harness.registry.choice import choose
-from harness.registry.registry import load_registry
+from harness.record import Cell, read_trace
+from harness.registry import choose, load_registry
 
 REGISTRY = load_registry()
 ROBOT = harness.load_robot("fd100", REGISTRY)
@@ -34,12 +29,12 @@ CELL = Cell(
 FLOOR = Uniform((-1.0,) * 6, (1.0,) * 6)
 
 
-def stand(observations: np.ndarray) -> np.ndarray:
+def stand(observations):
     """A policy that does nothing."""
     return np.zeros((len(observations), 6), np.float32)
 
 
-def record(folder: Path, act: Any = stand, **other: Any) -> Log:
+def record(folder, act=stand, **other):
     """The trace of an evaluation of the cell, some of it said otherwise."""
     path = folder / "evaluation.parquet"
     cell = replace(CELL, **other)
@@ -48,7 +43,7 @@ def record(folder: Path, act: Any = stand, **other: Any) -> Log:
     return read_trace(path)
 
 
-def starts_of(trace: Log) -> np.ndarray:
+def starts_of(trace):
     """Joint angles and targets of the start rows."""
     starts = trace["step"] == 0
     targets = [trace[f"target_{axis}"][starts] for axis in "xyz"]
@@ -76,7 +71,7 @@ def test_draws_are_not_those_of_random_actions():
     assert not np.array_equal(act_of(FLOOR, "stochastic")(seen), act_of(FLOOR, "random")(seen))
 
 
-def test_one_episode_of_each_env(tmp_path: Path):
+def test_one_episode_of_each_env(tmp_path):
     """As many episodes as the cell says, one in each env, each of them finished."""
     trace = record(tmp_path, act_of(FLOOR, "random"))
     assert (trace["episode"] == 0).all()
@@ -84,14 +79,14 @@ def test_one_episode_of_each_env(tmp_path: Path):
     assert sorted(trace["env"][trace.last_rows]) == list(range(8))
 
 
-def approach(observations: np.ndarray) -> np.ndarray:
+def approach(observations):
     """A policy that goes to the target, in every second env."""
     qpos = ROBOT.lower + (observations[:, :6] + 1.0) / 2.0 * (ROBOT.upper - ROBOT.lower)
     actions = 5.0 * (observations[:, 24:27][:, None] @ ROBOT.jacobian(qpos))[:, 0]
     return (actions * (np.arange(len(actions)) % 2)[:, None]).astype(np.float32)
 
 
-def test_episode_ends_with_its_last_row(tmp_path: Path):
+def test_episode_ends_with_its_last_row(tmp_path):
     """After an episode's end its env leaves no row, also when others go on."""
     trace = record(tmp_path, approach, task=choose(REGISTRY, "tasks", "fd100-reach:horizon=40"))
     lengths = {int(trace["env"][row]): int(trace["step"][row]) for row in trace.last_rows}
@@ -109,29 +104,29 @@ def test_episode_ends_with_its_last_row(tmp_path: Path):
         {"steps": 99},
     ],
 )
-def test_starts_are_the_same_in_every_cell(tmp_path: Path, other: dict[str, Any]):
+def test_starts_are_the_same_in_every_cell(tmp_path, other):
     """Neither reward, algorithm, seed nor budget changes where the episodes start and what their targets are."""
     np.testing.assert_array_equal(starts_of(record(tmp_path)), starts_of(record(tmp_path, **other)))
 
 
-def test_more_episodes_begin_with_the_same_ones(tmp_path: Path):
+def test_more_episodes_begin_with_the_same_ones(tmp_path):
     """The first episodes of a larger evaluation are those of a smaller one."""
     few, many = (starts_of(record(tmp_path, evaluation_episodes=count)) for count in (3, 8))
     np.testing.assert_array_equal(few, many[:3])
 
 
-def test_same_policy_gives_the_same_trace(tmp_path: Path):
+def test_same_policy_gives_the_same_trace(tmp_path):
     """Evaluation is deterministic, bit for bit, random actions included."""
     first, second = (record(tmp_path, act_of(FLOOR, "random")).load() for _ in range(2))
     for name, column in first.rows().columns.items():
         np.testing.assert_array_equal(column, second[name])
 
 
-def test_policy_is_asked_with_the_observations(tmp_path: Path):
+def test_policy_is_asked_with_the_observations(tmp_path):
     """What acts is handed float32 observations of all envs, and its actions are recorded."""
     shapes = set()
 
-    def act(observations: np.ndarray) -> np.ndarray:
+    def act(observations):
         shapes.add((observations.shape, str(observations.dtype)))
         return np.full((len(observations), 6), 0.5, np.float32)
 
@@ -151,10 +146,10 @@ def test_random_actions_fill_the_box():
     np.testing.assert_allclose(actions.std(axis=0), 1.0 / np.sqrt(3.0), atol=0.03)
 
 
-def test_raising_policy_leaves_a_readable_trace(tmp_path: Path):
+def test_raising_policy_leaves_a_readable_trace(tmp_path):
     """An error of the policy passes through, and what was recorded before it can be read."""
 
-    def act(observations: np.ndarray) -> np.ndarray:
+    def act(observations):
         raise ZeroDivisionError
 
     with pytest.raises(ZeroDivisionError):

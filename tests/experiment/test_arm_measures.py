@@ -1,25 +1,20 @@
 """Functions of a step or of an episode in an arm's experiment: what is planned, recorded, shown and decided."""
 
 import json
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import pyarrow.parquet as pq
 import pytest
 
 import harness
 from harness.errors import UsageError
+from harness.experiment import check_experiment, expand
 from harness.experiment.arm_world import evaluation_scalars
 from harness.experiment.experiment import check
-from harness.experiment.plan import Plan, check_experiment, expand
 from harness.experiment.trials.arm_trial import try_arm
 from harness.experiment.trials.tried import Tried
-from harness.record.trace import read_trace
-from harness.registry.given import read_given
-from harness.registry.registry import Registry, load_registry
+from harness.record import read_trace
+from harness.registry import load_registry, read_given
 from harness.report.document import report_text
-from harness.results import Results
 from harness.results.load import load_results
 from harness.results.metrics import fields_needed
 
@@ -31,26 +26,26 @@ ARM = {"sim": "kinematic", "algo": "random", "reward": "arp", "steps": 100, "eva
 
 
 @pytest.fixture(name="lay")
-def _lay(tmp_path: Path) -> Callable[..., Registry]:
-    def lay(source: str, name: str = "behaviour.py") -> Registry:
+def _lay(tmp_path):
+    def lay(source, name="behaviour.py"):
         (tmp_path / name).write_text(source, encoding="utf-8")
         return load_registry(given=read_given((), [tmp_path / name]))
 
     return lay
 
 
-def _plan(registry: Registry, **keys: Any) -> Plan:
+def _plan(registry, **keys):
     return expand(check_experiment({**ARM, "seeds": 1, **keys}), registry)
 
 
-def test_what_a_measure_reads_is_recorded(lay: Callable[..., Registry]):
+def test_what_a_measure_reads_is_recorded(lay):
     """In every trace of the experiment, whose cells stay what they were."""
     with_speed, without = (_plan(lay(source)).cells for source in (CALM, NEAR))
     assert ({it.records for it in with_speed}, {it.records for it in without}) == ({("qvel",)}, {()})
     assert [it.id for it in with_speed] == [it.id for it in without]
 
 
-def test_fields_that_measures_need_have_their_names(lay: Callable[..., Registry]):
+def test_fields_that_measures_need_have_their_names(lay):
     """Those of others; metrics of our own ask for nothing."""
     assert fields_needed(lay(CALM)) == {"qvel"}
     assert fields_needed(load_registry()) == frozenset()
@@ -66,33 +61,31 @@ def test_fields_that_measures_need_have_their_names(lay: Callable[..., Registry]
         (CALM, [], None),
     ],
 )
-def test_experiment_keeps_what_decides(
-    lay: Callable[..., Registry], source: str, asked: list[str], kept: list[str] | None
-):
+def test_experiment_keeps_what_decides(lay, source, asked, kept):
     """What is named, else a measure called success; else nothing, and success_rate decides as before."""
     assert _plan(lay(source), measure=asked).resolved.get("measure") == kept
 
 
-def test_name_of_no_measure_is_refused(lay: Callable[..., Registry]):
+def test_name_of_no_measure_is_refused(lay):
     """With the nearest."""
     with pytest.raises(UsageError, match=r"No measure 'clam'\. .*Did you mean 'calm'\?"):
         _plan(lay(CALM), measure=["clam"])
 
 
-def test_function_for_environments_is_told(lay: Callable[..., Registry]):
+def test_function_for_environments_is_told(lay):
     """It measures nothing here, and the run goes on."""
     (line,) = _plan(lay(OLD + CALM)).warnings
     assert line.startswith("behaviour.py: the measure 'height' takes (observation, action, next_observation, info)")
     assert line.endswith("Write height(step), or height(episode) of a whole episode")
 
 
-def test_what_fails_on_made_up_steps_is_refused_in_the_plan(lay: Callable[..., Registry]):
+def test_what_fails_on_made_up_steps_is_refused_in_the_plan(lay):
     """It reads what no step has."""
     with pytest.raises(UsageError, match="Measure 'calm': A step of an arm has no 'speed'"):
         _plan(lay("def calm(step):\n    return step.speed"))
 
 
-def _tried(registry: Registry, without: tuple[str, ...] = ()) -> Tried:
+def _tried(registry, without=()):
     cell = _plan(registry).cells[0]
     return try_arm(cell, [cell.reward], registry, without, lambda column: None)
 
@@ -100,7 +93,7 @@ def _tried(registry: Registry, without: tuple[str, ...] = ()) -> Tried:
 LONG = "def calm(episode):\n    return 1.0 / (len(episode.step) == 16)\n"
 
 
-def test_what_fails_in_an_episode_is_a_fault(lay: Callable[..., Registry]):
+def test_what_fails_in_an_episode_is_a_fault(lay):
     """With the place in the file; the others are no fault."""
     (fault,) = _tried(lay(LONG + NEAR)).faults
     assert (fault.noun, fault.name) == ("measure", "calm")
@@ -108,24 +101,24 @@ def test_what_fails_in_an_episode_is_a_fault(lay: Callable[..., Registry]):
     assert "behaviour.py, line 2" in fault.reason
 
 
-def test_what_ended_the_process_is_not_asked_again(lay: Callable[..., Registry]):
+def test_what_ended_the_process_is_not_asked_again(lay):
     """By its column."""
     assert _tried(lay(LONG + NEAR), without=("behaviour_calm",)) == Tried()
 
 
-def test_speeds_are_there_in_the_trial(lay: Callable[..., Registry]):
+def test_speeds_are_there_in_the_trial(lay):
     """A measure of them is asked."""
     assert _tried(lay(CALM)) == Tried()
 
 
-def test_failing_measure_is_refused_before_a_run(lay: Callable[..., Registry], tmp_path: Path):
+def test_failing_measure_is_refused_before_a_run(lay, tmp_path):
     """With its file."""
     given = lay(LONG).given
     with pytest.raises(UsageError, match=r"measure 'calm' \('.*behaviour\.py'\) fails in an episode"):
         check(check_experiment({**ARM, "seeds": 1}), given=given)
 
 
-def test_whole_episodes_are_not_measured_in_environments(lay: Callable[..., Registry]):
+def test_whole_episodes_are_not_measured_in_environments(lay):
     """The refusal says what to write."""
     registry = lay("def wobble(episode):\n    return 1.0\n")
     asked = {"task": "gymnasium:id=CartPole-v1", "algo": "random", "reward": "own", "steps": 10, "seeds": 1}
@@ -134,7 +127,7 @@ def test_whole_episodes_are_not_measured_in_environments(lay: Callable[..., Regi
 
 
 @pytest.fixture(name="file", scope="module")
-def _file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def _file(tmp_path_factory):
     path = tmp_path_factory.mktemp("mine") / "mine.py"
     said = 'lower_is_better = ["calm"]\nunits = {"calm": "rad/s"}\n'
     path.write_text(said + CALM + NEAR, encoding="utf-8")
@@ -142,7 +135,7 @@ def _file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(name="folder", scope="module")
-def _folder(file: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def _folder(file, tmp_path_factory):
     """An experiment in which ``near`` decides."""
     out = tmp_path_factory.mktemp("experiment") / "R"
     asked = {**ARM, "sim": ["kinematic"], "algo": ["random"], "reward": ["arp"], "task": "fd100-reach:horizon=20"}
@@ -151,11 +144,11 @@ def _folder(file: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(name="results", scope="module")
-def _results(folder: Path, file: Path) -> Results:
+def _results(folder, file):
     return load_results(folder, measures=[file])
 
 
-def test_they_stand_among_the_metrics(results: Results):
+def test_they_stand_among_the_metrics(results):
     """In the JSON, with unit and direction; one that is true or false as a share."""
     behaviour = json.loads(report_text(results))["combinations"][0]["behaviour"]
     told = {it["name"]: it for it in behaviour if it["manner"] == "deterministic"}
@@ -164,21 +157,21 @@ def test_they_stand_among_the_metrics(results: Results):
     assert told["calm"]["baseline"] > 0.0
 
 
-def test_the_named_one_decides(results: Results):
+def test_the_named_one_decides(results):
     """Alone."""
     (comparison,) = results.combinations
     assert comparison.measured.deciding == ("near",)
     assert [it.name for it in comparison.decisive_changes] == ["near", "near"]
 
 
-def test_success_rate_decides_where_none_is_named(results: Results, file: Path, tmp_path: Path):
+def test_success_rate_decides_where_none_is_named(results, file, tmp_path):
     """The mutant: a measure alone changes no verdict."""
     harness.run(**{**ARM, "task": "fd100-reach:horizon=20"}, seeds=1, measure=[file], out=tmp_path / "R", jobs=1)  # type: ignore[arg-type]
     (comparison,) = load_results(tmp_path / "R", measures=[file]).combinations
     assert comparison.measured.deciding == ("success_rate", "time_to_target")
 
 
-def test_without_its_file_what_decides_is_not_known(folder: Path):
+def test_without_its_file_what_decides_is_not_known(folder):
     """And nothing else decides in its place."""
     results = load_results(folder)
     assert results.not_measured == {
@@ -188,25 +181,25 @@ def test_without_its_file_what_decides_is_not_known(folder: Path):
     assert results.combinations[0].decisive_changes == ()
 
 
-def test_chosen_metrics_stand_beside_what_decides(folder: Path, file: Path):
+def test_chosen_metrics_stand_beside_what_decides(folder, file):
     """``--metric work`` shows it and the one that decides."""
     assert list(load_results(folder, metrics="work", measures=[file]).metrics) == ["near", "work"]
 
 
-def test_table_has_a_column_of_each(folder: Path):
+def test_table_has_a_column_of_each(folder):
     """Written by the run."""
     rows = pq.read_table(folder / "results.parquet").to_pylist()
     assert all(row["calm"] > 0.0 and 0.0 <= row["near"] <= 1.0 for row in rows)
 
 
-def test_trackers_are_told_them(folder: Path, file: Path):
+def test_trackers_are_told_them(folder, file):
     """Live, under their names."""
     registry = load_registry(given=read_given((), [file]))
     trace = read_trace(next(folder.glob("cells/*/evaluation.parquet")))
     assert {"Evaluation/Calm", "Evaluation/Near"} <= evaluation_scalars(trace, registry).keys()
 
 
-def test_experiment_file_names_their_file(results: Results, file: Path):
+def test_experiment_file_names_their_file(results, file):
     """And commands that read it are told to give it."""
     (need,) = results.plan.experiment["plugins"]
     assert (need["path"], need["measures"]) == (str(file), True)

@@ -2,14 +2,12 @@
 
 from types import SimpleNamespace
 
-import pytest
-
 from harness.executor import Word
 from harness.experiment import telling
 from harness.experiment.telling import Beat
 
 
-def test_a_word_is_said_once_in_a_while(monkeypatch: pytest.MonkeyPatch):
+def test_a_word_is_said_once_in_a_while(monkeypatch):
     """Never before its time has come, and then once; it says how many steps are done."""
     now, told = [100.0], list[Word]()
     monkeypatch.setattr(telling, "time", SimpleNamespace(monotonic=lambda: now[0]))

@@ -2,7 +2,6 @@
 
 import importlib
 import shutil
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -10,21 +9,14 @@ import pytest
 
 from harness.errors import UsageError
 from harness.executor import Event
-from harness.experiment import changed
-from harness.experiment.changed import Change, Changed, changed_cells, refuse_changed
-from harness.experiment.experiment import ExperimentRun
-from harness.experiment.plan import Plan
+from harness.experiment import ExperimentRun, RunOptions, changed
+from harness.experiment.changed import Change, changed_cells, refuse_changed
 from harness.experiment.provenance import describe_environment
-from harness.experiment.run_options import RunOptions
-from harness.record.cell import Cell
-from harness.record.folder import partial_folder
-from harness.record.manifest import read_manifest
-from harness.record.store import LOCK, Store
-from harness.registry.choice import Choice
-from harness.registry.registry import Registry, load_registry
+from harness.record import Store, partial_folder, read_manifest
+from harness.record.store import LOCK
+from harness.registry import Choice, load_registry
 from harness.robot.robot import load_robot
 
-MakeCell = Callable[..., Cell]
 OLD, NEW = "9340a572" + "0" * 56, "f96dd784" + "0" * 56
 
 
@@ -40,21 +32,21 @@ CEM = Choice("cem", (), "cem")
 
 
 @pytest.fixture
-def learner(toys: Registry, install: Callable[..., str]) -> Path:
+def learner(toys, install):
     """The file of an algorithm of somebody's own, to be edited."""
     module = install("own-cem", HOOKS, learner=LEARNER)
     return Path(importlib.import_module(f"{module}_learner").__file__)
 
 
 @pytest.fixture
-def one_and_two(make_plan: Callable[..., Plan], make_cell: MakeCell) -> tuple[Plan, Plan]:
+def one_and_two(make_plan, make_cell):
     """The plan of one seed, and that of two."""
     cells = [make_cell(algorithm=CEM, seed=seed) for seed in range(2)]
     return make_plan(cells[0]), make_plan(*cells)
 
 
 @pytest.fixture
-def store(tmp_path: Path, learner: Path, one_and_two: tuple[Plan, Plan]) -> Store:
+def store(tmp_path, learner, one_and_two):
     """One seed was done; then the algorithm was edited."""
     folder = Store.claim(tmp_path / "out")
     _run(one_and_two[0], folder)
@@ -62,28 +54,28 @@ def store(tmp_path: Path, learner: Path, one_and_two: tuple[Plan, Plan]) -> Stor
     return folder
 
 
-def _run(plan: Plan, store: Store, choice: Changed = "refuse") -> list[Cell]:
+def _run(plan, store, choice="refuse"):
     """The cells that were done."""
     events: list[Event] = []
     _asked(plan, store, choice).run(events.append)
     return [event.cell for event in events if event.kind == "ended"]
 
 
-def _asked(plan: Plan, store: Store, choice: Changed = "refuse", executor: Any = None) -> ExperimentRun:
+def _asked(plan, store, choice="refuse", executor=None):
     registry = load_registry()
     here = executor or registry.get("executors", "here").load()()
     return ExperimentRun(plan, store, registry, here, RunOptions(changed=choice))
 
 
-def _source(store: Store, cell: Cell) -> str:
+def _source(store, cell):
     return read_manifest(store.cell_folder(cell)).environment["sources"]["algorithms"]
 
 
-def _files(folder: Path) -> dict[Path, bytes]:
+def _files(folder):
     return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file() and path.name != LOCK}
 
 
-def test_cells_of_the_installed_plugins_are_not_changed(make_cell: MakeCell, toys: Registry):
+def test_cells_of_the_installed_plugins_are_not_changed(make_cell, toys):
     """What a run records of its plugins is what the next run finds, robot included."""
     cell = make_cell()
     sources = describe_environment(cell, load_robot(cell.robot), toys)["sources"]
@@ -92,7 +84,7 @@ def test_cells_of_the_installed_plugins_are_not_changed(make_cell: MakeCell, toy
 
 
 @pytest.mark.parametrize("kind", ["simulators", "tasks", "algorithms", "rewards", "robots"])
-def test_every_kind_of_plugin_counts(make_cell: MakeCell, toys: Registry, kind: str):
+def test_every_kind_of_plugin_counts(make_cell, toys, kind):
     """Another simulator, task, algorithm, reward or robot is another result."""
     cell = make_cell()
     sources = describe_environment(cell, load_robot(cell.robot), toys)["sources"]
@@ -100,12 +92,12 @@ def test_every_kind_of_plugin_counts(make_cell: MakeCell, toys: Registry, kind: 
     assert change == Change(cell.plugins[kind], OLD, sources[kind])
 
 
-def test_cells_without_recorded_sources_tell_nothing(make_cell: MakeCell, toys: Registry):
+def test_cells_without_recorded_sources_tell_nothing(make_cell, toys):
     """Nothing is known of them."""
     assert changed_cells({make_cell(): {}}, toys) == {}
 
 
-def test_each_plugin_is_hashed_once(make_cell: MakeCell, toys: Registry, monkeypatch: pytest.MonkeyPatch):
+def test_each_plugin_is_hashed_once(make_cell, toys, monkeypatch):
     """However many cells there are."""
     asked = []
     monkeypatch.setattr(changed, "source_hash", lambda target: asked.append(target) or NEW)
@@ -114,7 +106,7 @@ def test_each_plugin_is_hashed_once(make_cell: MakeCell, toys: Registry, monkeyp
     assert len(asked) == 2
 
 
-def test_message_names_cells_plugin_hashes_and_choices(make_cell: MakeCell):
+def test_message_names_cells_plugin_hashes_and_choices(make_cell):
     """In one line."""
     cells = {make_cell(seed=seed): [Change("cem", OLD, NEW)] for seed in range(2)}
     with pytest.raises(UsageError) as refused:
@@ -125,7 +117,7 @@ def test_message_names_cells_plugin_hashes_and_choices(make_cell: MakeCell):
     )
 
 
-def test_message_about_many_plugins_stays_short(make_cell: MakeCell):
+def test_message_about_many_plugins_stays_short(make_cell):
     """It names the first ones, and fits into a line that is not cut."""
     names = ("mujoco", "fd100-reach", "sac-fast", "arp", "fd100")
     with pytest.raises(UsageError) as refused:
@@ -134,7 +126,7 @@ def test_message_about_many_plugins_stays_short(make_cell: MakeCell):
     assert len(str(refused.value)) <= 300
 
 
-def test_run_beside_changed_cells_is_refused(store: Store, one_and_two: tuple[Plan, Plan]):
+def test_run_beside_changed_cells_is_refused(store, one_and_two):
     """By default, and nothing is written."""
     before = _files(store.folder)
     with pytest.raises(UsageError, match=r"1 done cell was made by another cem \([0-9a-f]{8}, now [0-9a-f]{8}\): "):
@@ -142,20 +134,20 @@ def test_run_beside_changed_cells_is_refused(store: Store, one_and_two: tuple[Pl
     assert _files(store.folder) == before
 
 
-def test_run_of_changed_cells_alone_is_refused(store: Store, one_and_two: tuple[Plan, Plan]):
+def test_run_of_changed_cells_alone_is_refused(store, one_and_two):
     """Who edits a plugin and asks for the same again does not get the old results without a word."""
     with pytest.raises(UsageError, match="1 done cell was made by another cem"):
         _run(one_and_two[0], store)
 
 
-def test_unchanged_cells_go_on(toys: Registry, learner: Path, one_and_two: tuple[Plan, Plan], tmp_path: Path):
+def test_unchanged_cells_go_on(toys, learner, one_and_two, tmp_path):
     """As ever."""
     store = Store.claim(tmp_path / "out")
     assert _run(one_and_two[0], store) == list(one_and_two[0].cells)
     assert _run(one_and_two[1], store) == [one_and_two[1].cells[1]]
 
 
-def test_kept_cells_are_not_run_again(store: Store, one_and_two: tuple[Plan, Plan]):
+def test_kept_cells_are_not_run_again(store, one_and_two):
     """The others are done beside them."""
     first, second = one_and_two[1].cells
     before = _files(store.cell_folder(first))
@@ -164,7 +156,7 @@ def test_kept_cells_are_not_run_again(store: Store, one_and_two: tuple[Plan, Pla
     assert _source(store, first) != _source(store, second)
 
 
-def test_changed_cells_are_done_again(store: Store, one_and_two: tuple[Plan, Plan]):
+def test_changed_cells_are_done_again(store, one_and_two):
     """By what is installed now; after that there is nothing to refuse."""
     first, second = one_and_two[1].cells
     assert _run(one_and_two[1], store, "again") == [first, second]
@@ -172,7 +164,7 @@ def test_changed_cells_are_done_again(store: Store, one_and_two: tuple[Plan, Pla
     assert _run(one_and_two[1], store) == []
 
 
-def test_interrupted_cell_stays_until_it_is_replaced(store: Store, one_and_two: tuple[Plan, Plan]):
+def test_interrupted_cell_stays_until_it_is_replaced(store, one_and_two):
     """A done cell that is being done again is there until the new one is whole."""
     before = _files(store.folder / "cells")
 
@@ -186,7 +178,7 @@ def test_interrupted_cell_stays_until_it_is_replaced(store: Store, one_and_two: 
     assert _files(store.folder / "cells") == before
 
 
-def test_cell_that_was_lost_while_it_was_done_again_has_failed(store: Store, one_and_two: tuple[Plan, Plan]):
+def test_cell_that_was_lost_while_it_was_done_again_has_failed(store, one_and_two):
     """The old result is no result of what was asked for."""
     [cell] = one_and_two[0].cells
 
@@ -210,9 +202,7 @@ DRIVEN = Choice("ideal", (("drive", "servo"),), "ideal:drive=servo")
 
 
 @pytest.mark.parametrize(("simulator", "count"), [(Choice("ideal", (), "ideal"), 0), (DRIVEN, 1)])
-def test_drives_count_where_they_move_the_arm(
-    make_cell: MakeCell, toys: Registry, tmp_path: Path, simulator: Choice, count: int
-):
+def test_drives_count_where_they_move_the_arm(make_cell, toys, tmp_path, simulator, count):
     """Another `[servo]` in robot.toml changes the cells whose simulator drives with it, and no others."""
     folder = shutil.copytree(load_robot("fd100").folder, tmp_path / "arm")
     cell = make_cell(simulator=simulator, robot=str(folder))

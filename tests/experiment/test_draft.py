@@ -1,20 +1,15 @@
 """A folder that comes to be there all at once."""
 
 import os
-from collections.abc import Callable
-from pathlib import Path
+import re
 
 import pytest
 
 from harness.experiment.draft import draft_of
-from harness.record.cell import Cell
-from harness.record.folder import LOG, MANIFEST, partial_folder
-from harness.record.manifest import Manifest, read_manifest
-
-MakeCell = Callable[..., Cell]
+from harness.record import LOG, MANIFEST, Manifest, partial_folder, read_manifest
 
 
-def test_folder_is_there_when_the_work_is_done(make_cell: MakeCell, tmp_path: Path):
+def test_folder_is_there_when_the_work_is_done(make_cell, tmp_path):
     """Not before; then with its files, and a record of start and duration."""
     with draft_of(tmp_path / "cell", Manifest(make_cell(), status="done")) as draft:
         (draft.partial / "file").touch()
@@ -22,12 +17,12 @@ def test_folder_is_there_when_the_work_is_done(make_cell: MakeCell, tmp_path: Pa
     assert {path.name for path in (tmp_path / "cell").iterdir()} == {"file", MANIFEST}
     manifest = read_manifest(tmp_path / "cell")
     assert (manifest.status, manifest.reason) == ("done", "")
-    assert manifest.started
+    assert re.fullmatch(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\+00:00", manifest.started)
     assert manifest.seconds >= 0.0
 
 
 @pytest.mark.parametrize("error", [RuntimeError("the arm\nfell off"), SystemExit(3)], ids=repr)
-def test_failure_costs_the_folder_alone(make_cell: MakeCell, tmp_path: Path, error: BaseException):
+def test_failure_costs_the_folder_alone(make_cell, tmp_path, error):
     """The reason is in the record with what was noted before, the traceback in the log."""
     with draft_of(tmp_path / "cell", Manifest(make_cell(), status="done")) as draft:
         draft.note(resumed_from=7)
@@ -38,7 +33,7 @@ def test_failure_costs_the_folder_alone(make_cell: MakeCell, tmp_path: Path, err
     assert "Traceback" in (tmp_path / "cell" / LOG).read_text()
 
 
-def test_interrupt_leaves_no_folder(make_cell: MakeCell, tmp_path: Path):
+def test_interrupt_leaves_no_folder(make_cell, tmp_path):
     """Who stops the work has not failed: only the partial folder stays."""
     with pytest.raises(KeyboardInterrupt), draft_of(tmp_path / "cell", Manifest(make_cell(), status="done")):
         raise KeyboardInterrupt
@@ -46,7 +41,7 @@ def test_interrupt_leaves_no_folder(make_cell: MakeCell, tmp_path: Path):
     assert partial_folder(tmp_path / "cell").exists()
 
 
-def test_a_failure_is_not_told_in_a_file_of_somebody_else(make_cell: MakeCell, tmp_path: Path):
+def test_a_failure_is_not_told_in_a_file_of_somebody_else(make_cell, tmp_path):
     """A log that was left as a second name of a file is replaced before it is appended to."""
     elsewhere, partial = tmp_path / "diary.txt", partial_folder(tmp_path / "cell")
     elsewhere.write_text("mine")

@@ -1,20 +1,14 @@
 """What an evaluation says to trackers."""
 
-from collections.abc import Callable
-from pathlib import Path
-
 import pytest
 
 from harness.experiment.arm_world import evaluation_scalars
 from harness.experiment.run_cell import run_cell
-from harness.record.cell import Cell
-from harness.record.folder import EVALUATION
+from harness.record import EVALUATION, read_trace
 from harness.record.returns import mean_return
-from harness.record.trace import read_trace
-from harness.registry.registry import Registry
 
 
-def test_every_metric_and_the_return_have_a_name(make_cell: Callable[..., Cell], toys: Registry, tmp_path: Path):
+def test_every_metric_and_the_return_have_a_name(make_cell, toys, tmp_path):
     """Metrics by their names in words, finite; one that is not defined is left out."""
     run_cell(make_cell(), tmp_path / "cell", lambda steps: None)
     trace = read_trace(tmp_path / "cell" / EVALUATION)

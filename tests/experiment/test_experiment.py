@@ -1,6 +1,5 @@
 """From the plan to the results."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -10,15 +9,10 @@ import pytest
 import harness
 from harness.errors import UsageError
 from harness.executor import Event, Limits
-from harness.experiment.experiment import ExperimentRun, check, default_folder, run
-from harness.experiment.plan import Plan, check_experiment, expand
-from harness.experiment.run_options import RunOptions
-from harness.record.cell import Cell
-from harness.record.folder import LOG, partial_folder
-from harness.record.manifest import Manifest, read_manifest
-from harness.record.store import Store
-from harness.registry.choice import Choice
-from harness.registry.registry import Registry
+from harness.experiment import ExperimentRun, RunOptions, check_experiment, expand
+from harness.experiment.experiment import check, default_folder, run
+from harness.record import LOG, Manifest, Store, partial_folder, read_manifest
+from harness.registry import Choice
 from harness.results import Results
 
 QUICK: dict[str, Any] = {
@@ -32,20 +26,20 @@ QUICK: dict[str, Any] = {
 TASK = "fd100-reach:horizon=5"
 
 
-def _plan(registry: Registry, **keys: Any) -> Plan:
+def _plan(registry, **keys):
     return expand(
         check_experiment({**QUICK, "sim": ["ideal"], "algo": ["wander"], "task": TASK, "seeds": 2, **keys}), registry
     )
 
 
-def _ended(plan: Plan, store: Store, registry: Registry) -> list[Cell]:
+def _ended(plan, store, registry):
     """The cells that a run of the plan, in this process, did."""
     events: list[Event] = []
     ExperimentRun(plan, store, registry, registry.get("executors", "here").load()()).run(events.append)
     return [event.cell for event in events if event.kind == "ended"]
 
 
-def test_run_does_every_cell_and_returns_the_results(toys: Registry, tmp_path: Path):
+def test_run_does_every_cell_and_returns_the_results(toys, tmp_path):
     """From names to results, in worker processes; one name need not stand in a list."""
     results = run(out=tmp_path / "out", jobs=2, task=TASK, **QUICK)
     assert isinstance(results, Results)
@@ -56,7 +50,7 @@ def test_run_does_every_cell_and_returns_the_results(toys: Registry, tmp_path: P
     assert [item.seeds for item in results.combinations] == [(0,)]
 
 
-def test_experiment_of_which_nothing_can_run_is_refused(toys: Registry, tmp_path: Path):
+def test_experiment_of_which_nothing_can_run_is_refused(toys, tmp_path):
     """With the reasons; nothing is written."""
     with pytest.raises(UsageError, match=r"^Nothing can be run: .*wander") as caught:
         run(out=tmp_path / "out", **{**QUICK, "task": "fd100-reach:action=discrete"})
@@ -64,7 +58,7 @@ def test_experiment_of_which_nothing_can_run_is_refused(toys: Registry, tmp_path
     assert not (tmp_path / "out").exists()
 
 
-def test_failed_cells_cost_themselves_alone(toys: Registry, tmp_path: Path):
+def test_failed_cells_cost_themselves_alone(toys, tmp_path):
     """One that raises and one that is killed are failed, each with its reason and its log; the others are done."""
     algorithms = ["wander", {"name": "wander", "then": "raise"}, {"name": "wander", "then": "die silently"}]
     results = run(out=tmp_path / "out", jobs=2, task=TASK, **{**QUICK, "algo": algorithms})
@@ -81,7 +75,7 @@ def test_failed_cells_cost_themselves_alone(toys: Registry, tmp_path: Path):
     assert len(results.failed) == 4
 
 
-def test_end_of_a_failed_cell_tells_why(toys: Registry, run_here: Callable[..., Results], tmp_path: Path):
+def test_end_of_a_failed_cell_tells_why(toys, run_here, tmp_path):
     """Who follows a run hears the reason that the manifest has, and of a done cell none."""
     plan = _plan(toys, algo=["wander", "wander:then=raise"], seeds=1)
     events: list[Event] = []
@@ -92,7 +86,7 @@ def test_end_of_a_failed_cell_tells_why(toys: Registry, run_here: Callable[..., 
     }
 
 
-def test_second_run_does_only_what_is_not_done(toys: Registry, tmp_path: Path):
+def test_second_run_does_only_what_is_not_done(toys, tmp_path):
     """Done cells stay as they are; a failed cell and new ones are run."""
     plan = _plan(toys)
     store = Store.create(tmp_path, plan)
@@ -105,7 +99,7 @@ def test_second_run_does_only_what_is_not_done(toys: Registry, tmp_path: Path):
     assert read_manifest(store.cell_folder(failed)).status == "done"
 
 
-def test_skipped_cells_are_not_run(toys: Registry, tmp_path: Path):
+def test_skipped_cells_are_not_run(toys, tmp_path):
     """A combination that cannot work is recorded, and no executor sees it."""
     plan = _plan(toys, algo=["buttons", "wander"], task="handless", seeds=1)
     store = Store.create(tmp_path, plan)
@@ -113,7 +107,7 @@ def test_skipped_cells_are_not_run(toys: Registry, tmp_path: Path):
     assert {item.status for item in Results(tmp_path, toys).manifests} == {"done", "skipped"}
 
 
-def test_reason_of_a_cell_without_a_folder_is_recorded(toys: Registry, make_cell: Callable[..., Cell], tmp_path: Path):
+def test_reason_of_a_cell_without_a_folder_is_recorded(toys, make_cell, tmp_path):
     """What an executor says of a cell that it lost becomes the cell's manifest."""
 
     class Losing:
@@ -127,7 +121,7 @@ def test_reason_of_a_cell_without_a_folder_is_recorded(toys: Registry, make_cell
     assert [(item.status, item.reason) for item in store.manifests()] == [("failed", "lost on the way")] * 2
 
 
-def test_interrupt_keeps_what_is_finished(toys: Registry, tmp_path: Path):
+def test_interrupt_keeps_what_is_finished(toys, tmp_path):
     """KeyboardInterrupt passes; done cells are done, and nothing half-done is left or locked."""
     plan = _plan(toys, algo=["wander", "wander:then=interrupt"], seeds=1)
     first, *_ = (cell for cell in plan.cells if cell.algorithm.label == "wander")
@@ -142,7 +136,7 @@ def test_interrupt_keeps_what_is_finished(toys: Registry, tmp_path: Path):
         assert store.is_done(first)
 
 
-def test_folder_in_use_is_refused(toys: Registry, tmp_path: Path):
+def test_folder_in_use_is_refused(toys, tmp_path):
     """Two runs do not meet in one folder."""
     plan = _plan(toys)
     store = Store.create(tmp_path, plan)
@@ -163,20 +157,20 @@ REFUSED = {
 
 
 @pytest.mark.parametrize(("keys", "message"), REFUSED.values(), ids=REFUSED)
-def test_what_cannot_be_used_writes_nothing(toys: Registry, tmp_path: Path, keys: dict[str, Any], message: str):
+def test_what_cannot_be_used_writes_nothing(toys, tmp_path, keys, message):
     """A usage error comes before the folder does."""
     with pytest.raises(UsageError, match=f"^{message}"):
         run(out=tmp_path / "out", **{**QUICK, **keys})
     assert not list(tmp_path.iterdir())
 
 
-def test_table_stands_for_a_single_name(toys: Registry, tmp_path: Path):
+def test_table_stands_for_a_single_name(toys, tmp_path):
     """A dict is one name with parameters, as in a file."""
     with pytest.raises(UsageError, match="Simulator 'ideal' has no parameter 'dt'"):
         run(out=tmp_path / "out", **{**QUICK, "sim": {"name": "ideal", "dt": 1}})
 
 
-def test_default_folder_is_named_for_the_plan(toys: Registry):
+def test_default_folder_is_named_for_the_plan(toys):
     """The same plan finds its results again; another plan has another folder."""
     plan = _plan(toys)
     assert default_folder(plan) == Path("results/runs") / f"ideal-wander-{plan.id}"
@@ -184,18 +178,18 @@ def test_default_folder_is_named_for_the_plan(toys: Registry):
     assert default_folder(_plan(toys, steps=18)) != default_folder(plan)
 
 
-def test_plan_of_skipped_cells_alone_has_a_folder(make_cell: Callable[..., Cell], make_plan: Callable[..., Plan]):
+def test_plan_of_skipped_cells_alone_has_a_folder(make_cell, make_plan):
     """Where nothing can be run there is still a place to say why."""
     odd = make_cell(algorithm=Choice("buttons", (), "buttons"))
     assert default_folder(make_plan(skipped=((odd, "no"),))).name.startswith("ideal-buttons-")
 
 
-def test_run_is_public(toys: Registry):
+def test_run_is_public(toys):
     """`harness.run` is this function."""
     assert harness.run is run
 
 
-def test_executor_is_given_with_its_settings(toys: Registry, tmp_path: Path):
+def test_executor_is_given_with_its_settings(toys, tmp_path):
     """As text or as a table; its fields are its settings."""
     for number, executor in enumerate(["here", "here:note=x", {"name": "here", "note": "y"}]):
         results = run(out=tmp_path / str(number), task=TASK, executor=executor, **QUICK)
@@ -203,14 +197,14 @@ def test_executor_is_given_with_its_settings(toys: Registry, tmp_path: Path):
     assert (tmp_path / "0").is_dir()
 
 
-def test_setting_that_an_executor_does_not_have_is_refused(toys: Registry, tmp_path: Path):
+def test_setting_that_an_executor_does_not_have_is_refused(toys, tmp_path):
     """Before anything is written."""
     with pytest.raises(UsageError, match="Executor 'processes' has no parameter 'x'"):
         run(out=tmp_path / "out", task=TASK, executor="processes:x=1", **QUICK)
     assert not list(tmp_path.iterdir())
 
 
-def test_options_out_of_range_are_refused(subtests: pytest.Subtests):
+def test_options_out_of_range_are_refused(subtests):
     """However they were given."""
     rows = [
         ({"jobs": 0}, "jobs=0: must be at least 1"),
@@ -225,7 +219,7 @@ def test_options_out_of_range_are_refused(subtests: pytest.Subtests):
             RunOptions(**options)
 
 
-def _done(toys: Registry, folder: Path, plan: Plan, **options: Any) -> list[tuple[str, str]]:
+def _done(toys, folder, plan, **options):
     """Label of the algorithm and status of each cell that a run with these options started, in order."""
     events: list[Event] = []
     executor = toys.get("executors", "here").load()()
@@ -238,14 +232,14 @@ def _done(toys: Registry, folder: Path, plan: Plan, **options: Any) -> list[tupl
 BREAKS = {"name": "wander", "then": "raise"}
 
 
-def test_a_limit_leaves_the_other_cells_for_later(toys: Registry, tmp_path: Path):
+def test_a_limit_leaves_the_other_cells_for_later(toys, tmp_path):
     """The next run goes on with them."""
     plan = _plan(toys)
     assert len(_done(toys, tmp_path / "out", plan, limit=3)) == 3
     assert len(_done(toys, tmp_path / "out", plan)) == 1
 
 
-def test_only_some_cells(toys: Registry, tmp_path: Path):
+def test_only_some_cells(toys, tmp_path):
     """Those that are named; the plan holds all."""
     plan = _plan(toys)
     assert len(_done(toys, tmp_path / "out", plan, only="arp")) == 2
@@ -253,14 +247,14 @@ def test_only_some_cells(toys: Registry, tmp_path: Path):
     assert sorted(manifest.status for manifest in results.manifests) == ["done", "done", "pending", "pending"]
 
 
-def test_a_name_of_nothing_is_refused_before_anything_is_written(toys: Registry, tmp_path: Path):
+def test_a_name_of_nothing_is_refused_before_anything_is_written(toys, tmp_path):
     """As any other mistake."""
     with pytest.raises(UsageError, match="no cell of this experiment has 'nobody'"):
         run(out=tmp_path / "out", only="nobody", task=TASK, **QUICK)
     assert not (tmp_path / "out").exists()
 
 
-def test_failed_cells_are_tried_again(toys: Registry, tmp_path: Path):
+def test_failed_cells_are_tried_again(toys, tmp_path):
     """After all others, as often as asked for, and no done one."""
     plan = _plan(toys, algo=["wander", BREAKS], seeds=1, reward=[])
     assert _done(toys, tmp_path / "out", plan, retry_failed=2) == [
@@ -271,7 +265,7 @@ def test_failed_cells_are_tried_again(toys: Registry, tmp_path: Path):
     ]
 
 
-def test_a_failure_may_end_the_run(toys: Registry, tmp_path: Path):
+def test_a_failure_may_end_the_run(toys, tmp_path):
     """What comes after it stays pending."""
     plan = _plan(toys, algo=[BREAKS, "wander"], seeds=1, reward=[])
     assert _done(toys, tmp_path / "out", plan, fail_fast=True) == [("wander:then=raise", "failed")]
@@ -284,7 +278,7 @@ def test_limits_reach_the_cells():
     assert options.fresh
 
 
-def test_cells_of_0_2_stay_beside_those_of_the_quick_learner(toys: Registry, tmp_path: Path):
+def test_cells_of_0_2_stay_beside_those_of_the_quick_learner(toys, tmp_path):
     """Where they are called `sac`, which means another algorithm now; one line says so, of such folders alone."""
     plan = _plan(toys, sim=["kinematic"], algo=["sac"], seeds=1)
     old = Choice("sac", plan.cells[0].algorithm.params, "sac")

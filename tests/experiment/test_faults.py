@@ -3,42 +3,35 @@
 import errno
 import hashlib
 import os
-from collections.abc import Callable
 from contextlib import suppress
-from pathlib import Path
 
 import pytest
 
 from harness.errors import HarnessError, StorageError
-from harness.experiment.plan import Plan
-from harness.record.cell import Cell
-from harness.record.folder import LOG, MANIFEST
-from harness.record.store import CELLS, Store
+from harness.record import CELLS, LOG, MANIFEST, Store
 from harness.record.verify import verify
-from harness.registry.choice import Choice
-from harness.results import Results
-from tests.experiment.faults import Faults, faults
+from harness.registry import Choice
+from tests.experiment.faults import faults
 
 __all__ = ["faults"]
 
 ARP = Choice("arp", (("k1", 1.0), ("k2", 1.5)), "arp")
-RunHere = Callable[..., Results]
 
 
 @pytest.fixture
-def plan(make_cell: Callable[..., Cell], make_plan: Callable[..., Plan]) -> Plan:
+def plan(make_cell, make_plan):
     """Two cells."""
     return make_plan(*(make_cell(reward=reward) for reward in (make_cell().reward, ARP)))
 
 
-def _left(folder: Path) -> dict[str, str]:
+def _left(folder):
     """Digests of what the cells left; manifests and logs tell of times."""
     paths = [path for path in (folder / CELLS).rglob("*") if path.is_file() and path.name not in (MANIFEST, LOG)]
     return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in paths}
 
 
-def _fail(number: int) -> Callable[[], None]:
-    def fault() -> None:
+def _fail(number):
+    def fault():
         raise OSError(number, os.strerror(number))
 
     return fault
@@ -52,9 +45,7 @@ def _fail(number: int) -> Callable[[], None]:
     ],
     ids=["some", "every"],
 )
-def test_fault_at_any_write_loses_nothing(
-    faults: Faults, run_here: RunHere, plan: Plan, tmp_path: Path, numbers: tuple[int, ...], stride: int
-):
+def test_fault_at_any_write_loses_nothing(faults, run_here, plan, tmp_path, numbers, stride):
     """Cells fail, or the run stops with an error of ours; the same run then leaves what an undisturbed one leaves."""
     with faults.armed(tmp_path / "whole"):
         run_here(plan, tmp_path / "whole")
@@ -73,7 +64,7 @@ def test_fault_at_any_write_loses_nothing(
             assert verify(folder) == [], at
 
 
-def test_full_disk_is_told_in_one_line(run_here: RunHere, plan: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_full_disk_is_told_in_one_line(run_here, plan, tmp_path, monkeypatch):
     """What was given, what is wrong, what to do."""
     folder = tmp_path / "out"
     monkeypatch.setattr(os, "replace", lambda *names: _fail(errno.ENOSPC)())
@@ -85,9 +76,7 @@ def test_full_disk_is_told_in_one_line(run_here: RunHere, plan: Plan, tmp_path: 
     )
 
 
-def test_kill_at_any_write_of_the_plan_leaves_one_that_can_be_read(
-    faults: Faults, make_cell: Callable[..., Cell], make_plan: Callable[..., Plan], tmp_path: Path
-):
+def test_kill_at_any_write_of_the_plan_leaves_one_that_can_be_read(faults, make_cell, make_plan, tmp_path):
     """The earlier one or the new one; the process ends without another word, as when it is killed."""
     folder = tmp_path / "out"
     first, second = make_plan(make_cell()), make_plan(make_cell(), make_cell(seed=1))

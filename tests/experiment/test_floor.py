@@ -1,31 +1,24 @@
 """Random actions are evaluated by one cell for all that share simulator, task and robot."""
 
-from collections.abc import Callable
-from pathlib import Path
-
-from harness.experiment.plan import Plan
-from harness.record.cell import Cell
+from harness.record import RANDOM, Store
 from harness.record.floor import Floor, floors_in
-from harness.record.folder import RANDOM
-from harness.record.store import Store
-from harness.registry.choice import Choice
-from harness.results import Results
+from harness.registry import Choice
 
 ARP = Choice("arp", (("k1", 1.0), ("k2", 1.5)), "arp")
 SLOWER = Choice("fd100-reach", (("horizon", 6),), "fd100-reach:horizon=6")
 
 
-def _with_floor(results: Results) -> list[Cell]:
+def _with_floor(results):
     """Cells of the plan that evaluated random actions."""
     cells = results.plan.cells
     return [cell for cell in cells if (results.store.cell_folder(cell) / RANDOM).is_file()]
 
 
 def test_the_first_cell_does_it_for_all(
-    make_cell: Callable[..., Cell],
-    make_plan: Callable[..., Plan],
-    run_here: Callable[..., Results],
-    tmp_path: Path,
+    make_cell,
+    make_plan,
+    run_here,
+    tmp_path,
 ):
     """Of each task one; rewards and seeds share."""
     cells = [make_cell(seed=seed, reward=reward) for seed in range(2) for reward in (make_cell().reward, ARP)]
@@ -36,10 +29,10 @@ def test_the_first_cell_does_it_for_all(
 
 
 def test_every_cell_is_held_against_it(
-    make_cell: Callable[..., Cell],
-    make_plan: Callable[..., Plan],
-    run_here: Callable[..., Results],
-    tmp_path: Path,
+    make_cell,
+    make_plan,
+    run_here,
+    tmp_path,
 ):
     """What random actions do is told beside each policy."""
     cells = [make_cell(seed=seed) for seed in range(3)]
@@ -50,10 +43,10 @@ def test_every_cell_is_held_against_it(
 
 
 def test_a_floor_that_is_there_is_not_made_again(
-    make_cell: Callable[..., Cell],
-    make_plan: Callable[..., Plan],
-    run_here: Callable[..., Results],
-    tmp_path: Path,
+    make_cell,
+    make_plan,
+    run_here,
+    tmp_path,
 ):
     """A later run adds seeds."""
     first, second = make_cell(), make_cell(seed=1)
@@ -62,10 +55,10 @@ def test_a_floor_that_is_there_is_not_made_again(
 
 
 def test_a_floor_that_was_lost_is_made_again(
-    make_cell: Callable[..., Cell],
-    make_plan: Callable[..., Plan],
-    run_here: Callable[..., Results],
-    tmp_path: Path,
+    make_cell,
+    make_plan,
+    run_here,
+    tmp_path,
 ):
     """The cell that had it is damaged: the next run does it again, floor and all."""
     first, second = make_cell(), make_cell(seed=1)
@@ -77,10 +70,10 @@ def test_a_floor_that_was_lost_is_made_again(
 
 
 def test_without_a_floor_nothing_is_said_of_random_actions(
-    make_cell: Callable[..., Cell],
-    make_plan: Callable[..., Plan],
-    run_here: Callable[..., Results],
-    tmp_path: Path,
+    make_cell,
+    make_plan,
+    run_here,
+    tmp_path,
 ):
     """The cell that was to do them failed."""
     breaks = Choice("wander", (("then", "raise"),), "wander:then=raise")

@@ -4,10 +4,9 @@ import pytest
 
 from harness.cli.foreseen import foreseen_lines
 from harness.errors import UsageError
+from harness.experiment import RunOptions, check_experiment
 from harness.experiment.experiment import check, prepare
 from harness.experiment.foresee import foresee
-from harness.experiment.plan import check_experiment
-from harness.experiment.run_options import RunOptions
 
 ASKED = {"sim": "ideal", "algo": "wander", "reward": "arp", "seeds": 2, "steps": 12, "evaluation_episodes": 2}
 

@@ -6,7 +6,6 @@ Where a machine computes other bits, the first rows are compared.
 
 import json
 import tempfile
-from collections.abc import Callable
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
@@ -16,14 +15,11 @@ import numpy as np
 import pytest
 
 from harness.executor import CellOptions
-from harness.experiment.plan import check_experiment, expand
+from harness.experiment import check_experiment, expand
 from harness.experiment.run_cell import run_cell
-from harness.log import Log
-from harness.record.cell import Cell
-from harness.record.folder import EVALUATIONS, partial_folder
-from harness.record.recording.recorded_training import read_recording
-from harness.record.trace import read_trace
-from harness.registry.registry import load_registry
+from harness.record import partial_folder, read_recording, read_trace
+from harness.record.folder import EVALUATIONS
+from harness.registry import load_registry
 from tests.arithmetic import arithmetic
 
 FILE = Path(__file__).parent / "golden_cells.json"
@@ -40,12 +36,12 @@ COMMON = {"seeds": 1, "steps": 120, "evaluation_episodes": 2, "evaluate_every": 
 KILLED_AFTER, EVERY = 100, 50
 
 
-def _cell(name: str) -> Cell:
+def _cell(name):
     """The last cell of an experiment: under the proposed reward, where there is one."""
     return expand(check_experiment({**COMMON, **ASKED[name]}), load_registry()).cells[-1]
 
 
-def _told(folder: Path) -> dict[str, Log]:
+def _told(folder):
     """Each recording of a cell: its training, and evaluations in the middle and at the end."""
     found = {}
     for path in sorted((*folder.iterdir(), *folder.glob(f"{EVALUATIONS}/*"))):
@@ -56,7 +52,7 @@ def _told(folder: Path) -> dict[str, Log]:
     return found
 
 
-def _digest(log: Log) -> str:
+def _digest(log):
     """SHA-256 of all numbers in a log."""
     digest = sha256()
     for name in sorted(log.columns):
@@ -67,11 +63,11 @@ def _digest(log: Log) -> str:
     return digest.hexdigest()
 
 
-def _digests(folder: Path) -> dict[str, str]:
+def _digests(folder):
     return {name: _digest(log) for name, log in _told(folder).items()}
 
 
-def _first_rows(folder: Path) -> np.ndarray:
+def _first_rows(folder):
     """What was done and paid at the first steps of the training."""
     told = _told(folder)
     log = next(told[name] for name in ("trace.parquet", "training") if name in told)
@@ -80,11 +76,11 @@ def _first_rows(folder: Path) -> np.ndarray:
 
 
 @pytest.fixture(scope="module")
-def trained(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+def trained(tmp_path_factory):
     """The folder of a cell that was done here without a break."""
 
     @cache
-    def train(name: str) -> Path:
+    def train(name):
         folder = tmp_path_factory.mktemp(name) / "cell"
         assert run_cell(_cell(name), folder, lambda word: None).status == "done"
         return folder
@@ -93,13 +89,13 @@ def trained(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
 
 
 @pytest.mark.parametrize("name", ASKED)
-def test_ids_stay(name: str):
+def test_ids_stay(name):
     """Folders of earlier versions go on."""
     assert _cell(name).id == GOLDEN["cells"][name]["id"]
 
 
 @pytest.mark.parametrize("name", ASKED)
-def test_rows_and_evaluations_stay(name: str, trained: Callable[[str], Path]):
+def test_rows_and_evaluations_stay(name, trained):
     """The first rows, those of a learner that learns among them, to rounding; all in bits where operations are.
 
     All: training, evaluations in the middle, in both manners and of random actions.
@@ -112,9 +108,7 @@ def test_rows_and_evaluations_stay(name: str, trained: Callable[[str], Path]):
 
 
 @pytest.mark.parametrize("name", ASKED)
-def test_a_killed_training_goes_on_to_the_same_rows(
-    name: str, trained: Callable[[str], Path], tmp_path: Path, train_in_a_process: Callable[..., None]
-):
+def test_a_killed_training_goes_on_to_the_same_rows(name, trained, tmp_path, train_in_a_process):
     """Bit for bit those of one without a break: an arm's state is restored, an environment is told the same again."""
     folder = tmp_path / "cell"
     train_in_a_process(_cell(name), folder, every=EVERY, until=KILLED_AFTER)
@@ -124,7 +118,7 @@ def test_a_killed_training_goes_on_to_the_same_rows(
     assert _digests(folder) == _digests(trained(name))
 
 
-def _record() -> None:
+def _record():
     """Write `GOLDEN` anew; only for what changes numbers on purpose."""
     cells = {}
     for name in ASKED:

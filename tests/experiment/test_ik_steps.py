@@ -1,26 +1,19 @@
 """Steps that the arm's own kinematics take to the target."""
 
-from collections.abc import Callable
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from harness import load_robot
 from harness.env.arm_observation import kinematics_policy
-from harness.env.make import World, build_world
+from harness.env.make import build_world
 from harness.errors import SimulationDiverged
 from harness.experiment import arm_evaluation as module
 from harness.experiment.arm_evaluation import EVALUATION_SEED, evaluate, ik_steps
-from harness.record.cell import Cell
-from harness.record.trace import read_trace
-from harness.registry.choice import choose
-from harness.registry.registry import Registry
-
-MakeCell = Callable[..., Cell]
+from harness.record import read_trace
+from harness.registry import choose
 
 
-def _world(make_cell: MakeCell, registry: Registry, task: str, robot: str = "fd100", **fields: str) -> World:
+def _world(make_cell, registry, task, robot="fd100", **fields):
     chosen = {kind: choose(registry, f"{kind}s", name) for kind, name in fields.items()}
     cell = make_cell(task=choose(registry, "tasks", task), robot=robot, **chosen)
     return build_world(cell, load_robot(robot, registry), registry)
@@ -34,9 +27,7 @@ def _world(make_cell: MakeCell, registry: Registry, task: str, robot: str = "fd1
         ("kinematic", "fd100-reach:action=set-joints"),
     ],
 )
-def test_steps_are_those_of_the_policy_in_an_evaluation(
-    make_cell: MakeCell, toys: Registry, tmp_path: Path, simulator: str, task: str
-):
+def test_steps_are_those_of_the_policy_in_an_evaluation(make_cell, toys, tmp_path, simulator, task):
     """Env by env, in the same simulator, from the same starts; None where the horizon comes first."""
     world = _world(make_cell, toys, task, simulator=simulator)
     evaluate(world, kinematics_policy(world.task, world.robot).act, 20, tmp_path / "ik.parquet")
@@ -46,31 +37,29 @@ def test_steps_are_those_of_the_policy_in_an_evaluation(
     assert set(expected) != {None}
 
 
-def test_target_out_of_time_is_not_reached(make_cell: MakeCell, toys: Registry):
+def test_target_out_of_time_is_not_reached(make_cell, toys):
     """One step is not enough for all, and for some it is."""
     found = ik_steps(_world(make_cell, toys, "fd100-reach:horizon=1"), 50, EVALUATION_SEED)
     assert set(found) == {1, None}
 
 
 @pytest.mark.parametrize(("task", "robot"), [("fd100-reach:action=movel", "fd100"), ("arp-2021", "unity-arm")])
-def test_none_where_kinematics_cannot_act(make_cell: MakeCell, toys: Registry, task: str, robot: str):
+def test_none_where_kinematics_cannot_act(make_cell, toys, task, robot):
     """In another action mode, and with another observation."""
     assert ik_steps(_world(make_cell, toys, task, robot), 3, EVALUATION_SEED) is None
 
 
-def test_one_episode_tells_all_where_nothing_varies(
-    make_cell: MakeCell, toys: Registry, monkeypatch: pytest.MonkeyPatch
-):
+def test_one_episode_tells_all_where_nothing_varies(make_cell, toys, monkeypatch):
     """All would be alike."""
     monkeypatch.setattr(module, "varies", lambda task: False)
     world = _world(make_cell, toys, "fd100-reach")
     assert ik_steps(world, 5, EVALUATION_SEED) == ik_steps(world, 1, EVALUATION_SEED) * 5
 
 
-def test_simulation_that_diverges_tells_nothing(make_cell: MakeCell, toys: Registry, monkeypatch: pytest.MonkeyPatch):
+def test_simulation_that_diverges_tells_nothing(make_cell, toys, monkeypatch):
     """What steps are held against decides nothing: the cell goes on."""
 
-    def diverge(*_: object) -> None:
+    def diverge(*_):
         raise SimulationDiverged("the end effector is nowhere")
 
     monkeypatch.setattr(module, "_play", diverge)
@@ -78,11 +67,11 @@ def test_simulation_that_diverges_tells_nothing(make_cell: MakeCell, toys: Regis
     assert ik_steps(_world(make_cell, toys, "fd100-reach"), 5, seed_of_no_other_test) is None
 
 
-def test_a_process_asks_once(make_cell: MakeCell, toys: Registry, monkeypatch: pytest.MonkeyPatch):
+def test_a_process_asks_once(make_cell, toys, monkeypatch):
     """It does several cells of one simulator, task and robot; another seed is another question."""
     asked: list[int] = []
 
-    def play(_: World, episodes: int, seed: int) -> tuple[int, ...]:
+    def play(_, episodes, seed):
         asked.append(seed)
         return (1,) * episodes
 
@@ -92,9 +81,9 @@ def test_a_process_asks_once(make_cell: MakeCell, toys: Registry, monkeypatch: p
     assert asked == [1001, 1002]
 
 
-def test_first_target_counts_where_episodes_go_on(make_cell: MakeCell, toys: Registry):
+def test_first_target_counts_where_episodes_go_on(make_cell, toys):
     """The recorder keeps the first step with a target, of the first episode."""
-    from harness.record.trace import COLUMN, SCALARS
+    from harness.record import COLUMN, SCALARS
 
     first = module._FirstReach(2)
     rows = np.zeros((2, len(SCALARS)))

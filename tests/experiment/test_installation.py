@@ -2,22 +2,17 @@
 
 import platform
 import shutil
-from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 
 from harness.errors import UsageError
 from harness.experiment.installation import describe_installation, describe_workers, differences
-from harness.record.cell import Cell
-from harness.registry.choice import Choice
-from harness.registry.given import read_given
-from harness.registry.registry import Registry, load_registry
+from harness.registry import Choice, load_registry, read_given
 from harness.robot.robot import load_robot
 from tests.registry.test_given import REWARD
 
 
-def test_versions_sources_and_robots_are_told(toys: Registry, make_cell: Callable[..., Cell]):
+def test_versions_sources_and_robots_are_told(toys, make_cell):
     """Those of the plugins that the cells use, and of no others."""
     told = describe_installation([make_cell(), make_cell(seed=1)], toys)
     assert told["python"] == platform.python_version()
@@ -26,14 +21,12 @@ def test_versions_sources_and_robots_are_told(toys: Registry, make_cell: Callabl
     assert "source of algorithm 'sweep'" not in told
 
 
-def test_a_worker_tells_what_this_process_tells(toys: Registry, make_cell: Callable[..., Cell]):
+def test_a_worker_tells_what_this_process_tells(toys, make_cell):
     """Where both find the same modules."""
     assert describe_workers([make_cell()]) == describe_installation([make_cell()], toys)
 
 
-def test_a_worker_that_finds_other_sources_tells_them(
-    toys: Registry, make_cell: Callable[..., Cell], toy_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
+def test_a_worker_that_finds_other_sources_tells_them(toys, make_cell, toy_folder, tmp_path, monkeypatch):
     """What counts is what a cell would run on."""
     (tmp_path / "toy_arm.py").write_text((toy_folder / "toy_arm.py").read_text() + "# changed\n")
     monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=":")
@@ -41,7 +34,7 @@ def test_a_worker_that_finds_other_sources_tells_them(
     assert difference.startswith("source of simulator 'ideal' ")
 
 
-def test_a_worker_has_a_file_that_is_not_there(toys: Registry, make_cell: Callable[..., Cell], tmp_path: Path):
+def test_a_worker_has_a_file_that_is_not_there(toys, make_cell, tmp_path):
     """Its text goes with the question: the source has the same digest."""
     path = tmp_path / "my_reward.py"
     path.write_text(REWARD)
@@ -55,7 +48,7 @@ def test_a_worker_has_a_file_that_is_not_there(toys: Registry, make_cell: Callab
         describe_workers([cell])
 
 
-def test_what_a_worker_lacks_is_told(toys: Registry, make_cell: Callable[..., Cell]):
+def test_what_a_worker_lacks_is_told(toys, make_cell):
     """As it would be here."""
     with pytest.raises(UsageError, match="No algorithm 'wonder'"):
         describe_workers([make_cell(algorithm=Choice("wonder"))])
@@ -69,9 +62,7 @@ def test_differences_name_both_sides():
 
 
 @pytest.mark.parametrize(("drive", "same"), [("ideal", True), ("servo", False)])
-def test_drives_are_told_where_they_move_the_arm(
-    toys: Registry, make_cell: Callable[..., Cell], tmp_path: Path, drive: str, same: bool
-):
+def test_drives_are_told_where_they_move_the_arm(toys, make_cell, tmp_path, drive, same):
     """A machine whose robot.toml has other drives tells another robot, where these decide a result."""
     told = []
     folder = shutil.copytree(load_robot("fd100").folder, tmp_path / "arm")

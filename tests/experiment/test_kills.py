@@ -8,12 +8,10 @@ import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import pytest
 
-from harness.record.folder import LOG, MANIFEST
-from harness.record.store import CELLS, Store
+from harness.record import CELLS, LOG, MANIFEST, Store
 from harness.record.verify import verify
 
 # A shell that starts this in the background has INT ignored, which children inherit. Before `main` is there, Python
@@ -33,7 +31,7 @@ CASES = {
 TO_ALL = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
 
 
-def _start(algorithms: str, folder: Path, err: Path) -> "subprocess.Popen[bytes]":
+def _start(algorithms, folder, err):
     """A run in a session of its own: what is killed here is what we choose."""
     steps, every, _ = CASES[algorithms]
     with err.open("ab") as file:
@@ -42,12 +40,12 @@ def _start(algorithms: str, folder: Path, err: Path) -> "subprocess.Popen[bytes]
         return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=file, start_new_session=True)
 
 
-def _workers(parent: int) -> list[int]:
+def _workers(parent):
     told = subprocess.run(["pgrep", "-P", str(parent)], capture_output=True, text=True, check=False)
     return [int(line) for line in told.stdout.split()]
 
 
-def _disturb(process: "subprocess.Popen[bytes]", rng: random.Random) -> None:
+def _disturb(process, rng):
     """Kill the run, or one of its workers alone, in one of the ways in which that happens."""
     how = rng.choice([*TO_ALL, None])
     if how is not None:
@@ -56,7 +54,7 @@ def _disturb(process: "subprocess.Popen[bytes]", rng: random.Random) -> None:
         os.kill(rng.choice(workers), signal.SIGKILL)
 
 
-def _left(folder: Path) -> dict[str, str]:
+def _left(folder):
     paths = [path for path in (folder / CELLS).rglob("*") if path.is_file() and path.name not in (MANIFEST, LOG)]
     return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in paths}
 
@@ -64,7 +62,7 @@ def _left(folder: Path) -> dict[str, str]:
 @pytest.mark.skipif(shutil.which("pgrep") is None, reason="there is no pgrep")
 @pytest.mark.slow
 @pytest.mark.parametrize("algorithms", CASES)
-def test_killed_runs_lose_nothing(tmp_path: Path, algorithms: str):
+def test_killed_runs_lose_nothing(tmp_path, algorithms):
     """KILL, TERM, INT, or a worker alone: afterwards every byte is that of an undisturbed run, and no traceback."""
     whole, err, rng = tmp_path / "whole", tmp_path / "err", random.Random(7)
     began = time.monotonic()

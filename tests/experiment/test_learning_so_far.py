@@ -6,7 +6,7 @@ from hypothesis import given, strategies as st
 
 from harness.experiment.arm_world import TELL_EVERY, LearningSoFar
 from harness.progress import LAST_EPISODES, RETURN, SPEED, SUCCESS
-from harness.record.trace import COLUMN, SCALARS
+from harness.record import COLUMN, SCALARS
 
 
 class Kept:

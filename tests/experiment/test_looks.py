@@ -1,69 +1,63 @@
 """Experiments that are trained in looks: what they agree on, and what they refuse."""
 
-from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import pytest
 
 from harness.errors import UsageError
 from harness.eta.verdict.looks import ONE_PLACE, SEVERAL_PLACES
 from harness.eta.verdict.race import RACE
+from harness.experiment import RunOptions, check_experiment, expand
 from harness.experiment.experiment import prepare
 from harness.experiment.looks import own_seed
-from harness.experiment.plan import Plan, check_experiment, expand
-from harness.experiment.run_options import RunOptions
-from harness.record.cell import Cell
-from harness.record.store import Store
+from harness.record import Store
 from harness.record.terms import NEW
-from harness.registry.choice import Choice
-from harness.registry.registry import Registry
+from harness.registry import Choice
 
 
-def planned(registry: Registry, **fields: Any) -> Plan:
+def planned(registry, **fields):
     """A plan that trains until decided, unless it says otherwise."""
     given = {"sim": "ideal", "algo": "wander", "reward": "dense", "steps": 12, "evaluation_episodes": 2}
     return expand(check_experiment({**given, "until": "decided", **fields}), registry)
 
 
-def test_one_place_has_the_looks_of_one_place(toys: Registry):
+def test_one_place_has_the_looks_of_one_place(toys):
     """And a margin of ten points."""
     terms = planned(toys).terms
     assert (terms.looks, terms.asked, terms.margin, terms.race) == (ONE_PLACE, 1, 0.10, False)
 
 
-def test_four_places_have_fewer_seeds_in_each(toys: Registry):
+def test_four_places_have_fewer_seeds_in_each(toys):
     """Their seeds add up."""
     tasks = ["fd100-reach:horizon=5", "fd100-reach:horizon=6", "fd100-reach:horizon=7", "fd100-reach:horizon=8"]
     assert planned(toys, task=tasks).terms.looks == SEVERAL_PLACES
 
 
-def test_every_reward_but_the_baseline_is_a_question(toys: Registry):
+def test_every_reward_but_the_baseline_is_a_question(toys):
     """The level is shared between them."""
     assert planned(toys, reward=["dense", "arp"]).terms.asked == 2
 
 
-def test_all_of_a_race_are_candidates(toys: Registry):
+def test_all_of_a_race_are_candidates(toys):
     """The baseline among them."""
     terms = planned(toys, until="best", reward=["dense", "arp"]).terms
     assert (terms.looks, terms.asked, terms.race) == (RACE, 3, True)
 
 
-def test_all_seeds_of_the_last_look_are_planned(toys: Registry):
+def test_all_seeds_of_the_last_look_are_planned(toys):
     """They are foreseen before the first one is trained."""
     plan = planned(toys, looks=[2, 3])
     assert len(plan.cells) == 2 * 3
 
 
-def test_without_looks_all_seeds_are_trained_at_once(toys: Registry):
+def test_without_looks_all_seeds_are_trained_at_once(toys):
     """As ever."""
     plan = planned(toys, until="", seeds=2)
     assert plan.terms == NEW
     assert sorted({cell.seed for cell in plan.cells}) == [0, 1]
 
 
-def test_places_have_seeds_of_their_own(make_cell: Callable[..., Cell]):
+def test_places_have_seeds_of_their_own(make_cell):
     """Equal seeds would share luck; rewards in one place share theirs."""
     one = own_seed(make_cell(seed=3))
     reward, place = replace(make_cell(seed=3), reward=Choice("dense", (), "dense")), make_cell(seed=3, robot="other")
@@ -71,13 +65,13 @@ def test_places_have_seeds_of_their_own(make_cell: Callable[..., Cell]):
     assert own_seed(place).seed != one.seed
 
 
-def test_a_seed_of_its_own_is_the_same_on_every_machine(make_cell: Callable[..., Cell]):
+def test_a_seed_of_its_own_is_the_same_on_every_machine(make_cell):
     """It follows from the place and the seed."""
     assert own_seed(make_cell(seed=3)).seed == own_seed(make_cell(seed=3)).seed
     assert own_seed(make_cell(seed=3)).seed == 701951709
 
 
-def test_what_cannot_be_asked_says_why(toys: Registry, subtests: pytest.Subtests):
+def test_what_cannot_be_asked_says_why(toys, subtests):
     """Before anything is written."""
     rows = [
         ({"looks": [8, 6]}, "looks=8,6: the numbers of seeds have to increase"),
@@ -97,10 +91,10 @@ def test_what_cannot_be_asked_says_why(toys: Registry, subtests: pytest.Subtests
 
 
 @pytest.fixture
-def begun(toys: Registry, tmp_path: Path) -> Callable[..., str]:
+def begun(toys, tmp_path):
     """Prepare an experiment in a folder; gives what it is refused for."""
 
-    def prepare_again(**fields: Any) -> str:
+    def prepare_again(**fields):
         given = {"sim": "ideal", "algo": "wander", "reward": "dense", "steps": 12, "evaluation_episodes": 2}
         experiment = check_experiment({**given, **fields})
         try:
@@ -112,7 +106,7 @@ def begun(toys: Registry, tmp_path: Path) -> Callable[..., str]:
     return prepare_again
 
 
-def files_of(folder: Path) -> dict[Path, bytes]:
+def files_of(folder):
     """Every file and what is in it."""
     return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
@@ -128,7 +122,7 @@ def files_of(folder: Path) -> dict[Path, bytes]:
         {"seeds": 3},
     ],
 )
-def test_what_was_agreed_on_stays(begun: Callable[..., str], tmp_path: Path, changed: dict[str, Any]):
+def test_what_was_agreed_on_stays(begun, tmp_path, changed):
     """Looks, margin, rewards and places: who changes them begins another experiment. Nothing is written."""
     assert begun(until="decided", looks=[2, 4]) == ""
     before = files_of(tmp_path / "here")
@@ -138,13 +132,13 @@ def test_what_was_agreed_on_stays(begun: Callable[..., str], tmp_path: Path, cha
     assert files_of(tmp_path / "here") == before
 
 
-def test_a_folder_that_was_begun_without_looks_gets_none(begun: Callable[..., str]):
+def test_a_folder_that_was_begun_without_looks_gets_none(begun):
     """Its seeds were not foreseen."""
     assert begun(seeds=1) == ""
     assert "it was begun without looks, so its seeds were not foreseen" in begun(until="decided", looks=[2, 4])
 
 
-def test_the_same_experiment_goes_on(begun: Callable[..., str], tmp_path: Path):
+def test_the_same_experiment_goes_on(begun, tmp_path):
     """And trains nothing twice."""
     assert begun(until="decided", looks=[2, 4]) == ""
     before = files_of(tmp_path / "here" / "cells")
@@ -152,14 +146,14 @@ def test_the_same_experiment_goes_on(begun: Callable[..., str], tmp_path: Path):
     assert files_of(tmp_path / "here" / "cells") == before
 
 
-def test_seeds_that_no_plan_foresaw_are_written_down(begun: Callable[..., str], tmp_path: Path):
+def test_seeds_that_no_plan_foresaw_are_written_down(begun, tmp_path):
     """With how many were done before."""
     assert begun(seeds=1) == ""
     assert begun(seeds=3) == ""
     assert Store.open(tmp_path / "here").read_plan().terms.grown == (1,)
 
 
-def test_rewards_that_come_later_are_written_down(begun: Callable[..., str], tmp_path: Path):
+def test_rewards_that_come_later_are_written_down(begun, tmp_path):
     """They are no further look: they have no results that somebody could have looked at."""
     assert begun(seeds=1) == ""
     assert begun(seeds=1, reward=["dense", "arp"]) == ""

@@ -7,8 +7,7 @@ import pytest
 
 from harness.errors import UsageError
 from harness.experiment.objects import name_objects
-from harness.registry.choice import choose
-from harness.registry.registry import load_registry
+from harness.registry import choose, load_registry
 from harness_plugins.environments.any_gymnasium import AnyGymnasium
 from harness_plugins.rewards.arp import Arp
 
@@ -29,7 +28,7 @@ class Steps:
 
 
 @pytest.fixture
-def importable(monkeypatch: pytest.MonkeyPatch) -> type[Steps]:
+def importable(monkeypatch):
     """As if this module were one that anybody can import."""
     monkeypatch.setitem(sys.modules, Steps.__module__, sys.modules[__name__])
     return Steps
@@ -48,7 +47,7 @@ def test_object_of_a_registered_class_has_its_name():
     assert (named["reward"][1], classes) == ("dense", ())
 
 
-def test_object_of_another_class_is_named_by_its_module(importable: type[Steps]):
+def test_object_of_another_class_is_named_by_its_module(importable):
     """A registry that knows the class builds the same object."""
     named, classes = name_objects({"reward": importable(k=3.0)})
     registry = load_registry(given=classes)
@@ -59,7 +58,7 @@ def test_object_of_another_class_is_named_by_its_module(importable: type[Steps])
 
 
 @pytest.mark.parametrize("given", [lambda carry, sample: 0.0, Steps, object()])
-def test_what_is_no_object_of_a_dataclass_is_refused(given: object):
+def test_what_is_no_object_of_a_dataclass_is_refused(given):
     """In one line that says what to give."""
     with pytest.raises(
         UsageError, match="give a name, or an object of a dataclass with initial_carry, __call__"

@@ -1,12 +1,11 @@
 """The folder that work grows in."""
 
 import os
-from pathlib import Path
 
 from harness.experiment.draft import own_partial
 
 
-def test_a_log_with_a_second_name_is_copied(tmp_path: Path):
+def test_a_log_with_a_second_name_is_copied(tmp_path):
     """What is appended does not reach the file that somebody linked there; what the log said stays."""
     elsewhere = tmp_path / "diary.txt"
     elsewhere.write_text("mine\n")
@@ -18,7 +17,7 @@ def test_a_log_with_a_second_name_is_copied(tmp_path: Path):
     assert (partial / "log.txt").read_text() == "mine\nmore\n"
 
 
-def test_other_files_stay_the_same_ones(tmp_path: Path):
+def test_other_files_stay_the_same_ones(tmp_path):
     """A large checkpoint is not copied for nothing."""
     partial = own_partial(tmp_path / "cell")
     (partial / "checkpoint.safetensors").write_bytes(b"1")

@@ -2,36 +2,32 @@
 
 import re
 import shutil
-from collections.abc import Callable
-from importlib.metadata import EntryPoint
-from pathlib import Path
-from typing import Any
 
 import pytest
 import tomli_w
 
 import harness_robots
 from harness.errors import UsageError
-from harness.experiment.plan import Plan, check_experiment, expand, read_experiment
-from harness.record.store import EXPERIMENT, Store
-from harness.registry.choice import choose
-from harness.registry.registry import Registry, load_registry
+from harness.experiment import check_experiment, expand, read_experiment
+from harness.record import Store
+from harness.record.store import EXPERIMENT
+from harness.registry import choose, load_registry
 from harness.robot.robot import load_robot
 
 BASE = {"sim": ["ideal"], "algo": ["wander"], "reward": ["arp"]}
 
 
-def _plan(registry: Registry, **keys: Any) -> Plan:
+def _plan(registry, **keys):
     return expand(check_experiment({**BASE, **keys}), registry)
 
 
-def _write(folder: Path, keys: dict[str, Any]) -> Path:
+def _write(folder, keys):
     path = folder / "My_Experiment.toml"
     path.write_text(tomli_w.dumps(keys))
     return path
 
 
-def test_defaults_compare_two_rewards_with_the_baseline(toys: Registry):
+def test_defaults_compare_two_rewards_with_the_baseline(toys):
     """With a simulator and an algorithm alone: six seeds, 10,000 steps, 100 episodes of evaluation."""
     plan = expand(check_experiment({"sim": "ideal", "algo": "wander"}), toys)
     assert plan.baseline == "baseline"
@@ -43,7 +39,7 @@ def test_defaults_compare_two_rewards_with_the_baseline(toys: Registry):
     }
 
 
-def test_seeds_are_outermost(toys: Registry):
+def test_seeds_are_outermost(toys):
     """Every combination has a run early: a plan that is cut short still compares."""
     plan = _plan(toys, algo=["wander", "wander:width=8"], reward=["arp", "arp:k2=2"], seeds=2)
     per_seed = [
@@ -54,7 +50,7 @@ def test_seeds_are_outermost(toys: Registry):
     ]
 
 
-def test_epsilon_of_another_arm_stands_in_the_cell(toys: Registry):
+def test_epsilon_of_another_arm_stands_in_the_cell(toys):
     """As a number, so that what is planned later from the same file is the same; the FD100's cells keep their ids."""
     own, other = _plan(toys, seeds=1).cells[0], _plan(toys, seeds=1, robot="unity-arm").cells[0]
     assert (own.task.label, dict(own.task.params)["epsilon"]) == ("fd100-reach", 0.05)
@@ -77,7 +73,7 @@ def test_epsilon_of_another_arm_stands_in_the_cell(toys: Registry):
         ({"reward": ["arp", "arp:k2=2"]}, 3),
     ],
 )
-def test_what_is_named_twice_runs_once(toys: Registry, keys: dict[str, Any], count: int):
+def test_what_is_named_twice_runs_once(toys, keys, count):
     """Choices are the same when their parameters are, however written; the baseline runs again as its own control."""
     plan = _plan(toys, seeds=[7, 7], **keys)
     assert len(plan.cells) == count
@@ -87,12 +83,12 @@ def test_what_is_named_twice_runs_once(toys: Registry, keys: dict[str, Any], cou
 @pytest.mark.parametrize(
     ("seeds", "listed"), [(1, [0]), (3, [0, 1, 2]), ([5], [5]), ([3, 1, 3], [3, 1]), ("2", [0, 1])]
 )
-def test_seeds_are_a_number_or_a_list(seeds: Any, listed: list[int]):
+def test_seeds_are_a_number_or_a_list(seeds, listed):
     """A number counts from 0; a list is taken as it stands, each once."""
     assert check_experiment({**BASE, "seeds": seeds}).seed_list == listed
 
 
-def test_plan_of_the_same_cells_has_the_same_id(toys: Registry):
+def test_plan_of_the_same_cells_has_the_same_id(toys):
     """The id names what is run: another step is another plan."""
     assert _plan(toys).id == _plan(toys, reward=["arp:k2=1.5"]).id
     assert _plan(toys).id != _plan(toys, steps=10_001).id
@@ -111,7 +107,7 @@ def test_plan_of_the_same_cells_has_the_same_id(toys: Registry):
         ("unity-reach", "unity-reach:action=discrete:action=set-joints"),
     ],
 )
-def test_discrete_algorithm_gets_the_discrete_form_of_a_task(toys: Registry, task: str, form: str):
+def test_discrete_algorithm_gets_the_discrete_form_of_a_task(toys, task, form):
     """Its choices are among what the task's own mode can do, and the cell's task says so."""
     plan = _plan(toys, algo=["buttons", "wander"], task=task, seeds=1)
     assert plan.skipped == ()
@@ -120,18 +116,18 @@ def test_discrete_algorithm_gets_the_discrete_form_of_a_task(toys: Registry, tas
 
 
 @pytest.mark.parametrize("task", ["fd100-reach", "fd100-reach:action=discrete"])
-def test_algorithm_for_both_kinds_of_action_gets_the_task_as_it_is(toys: Registry, task: str):
+def test_algorithm_for_both_kinds_of_action_gets_the_task_as_it_is(toys, task):
     """Nothing has to be changed for it."""
     assert {cell.task.label for cell in _plan(toys, algo=["both"], task=task).cells} == {task}
 
 
-def test_discrete_form_is_the_task_that_a_user_would_name(toys: Registry):
+def test_discrete_form_is_the_task_that_a_user_would_name(toys):
     """The cells are those of the discrete task itself."""
     named = _plan(toys, algo=["buttons"], task="fd100-reach:action=discrete:action=movej")
     assert _plan(toys, algo=["buttons"]).cells == named.cells
 
 
-def test_continuous_algorithm_is_skipped_on_a_discrete_task(toys: Registry):
+def test_continuous_algorithm_is_skipped_on_a_discrete_task(toys):
     """A combination that cannot work does not stop the others, and is never dropped silently."""
     plan = _plan(toys, algo=["buttons", "wander"], task="fd100-reach:action=discrete", seeds=1)
     assert {cell.algorithm.label for cell in plan.cells} == {"buttons"}
@@ -140,7 +136,7 @@ def test_continuous_algorithm_is_skipped_on_a_discrete_task(toys: Registry):
     ]
 
 
-def test_discrete_algorithm_is_skipped_on_a_task_without_a_choice_of_actions(toys: Registry):
+def test_discrete_algorithm_is_skipped_on_a_task_without_a_choice_of_actions(toys):
     """A task that has no parameter `action` keeps its actions."""
     plan = _plan(toys, algo=["buttons", "wander"], task="handless", seeds=1)
     assert {cell.algorithm.label for cell in plan.cells} == {"wander"}
@@ -149,7 +145,7 @@ def test_discrete_algorithm_is_skipped_on_a_task_without_a_choice_of_actions(toy
     }
 
 
-def test_steps_that_do_not_fit_the_envs_are_skipped_with_the_reason(toys: Registry):
+def test_steps_that_do_not_fit_the_envs_are_skipped_with_the_reason(toys):
     """Ten steps on four envs would not be ten steps."""
     plan = _plan(toys, algo=["wander:num_envs=4", "wander:num_envs=5"], steps=10, seeds=1)
     assert {reason for _, reason in plan.skipped} == {
@@ -158,7 +154,7 @@ def test_steps_that_do_not_fit_the_envs_are_skipped_with_the_reason(toys: Regist
     assert {cell.algorithm.label for cell in plan.cells} == {"wander:num_envs=5"}
 
 
-def test_baseline_is_compared_with_itself_by_other_seeds(toys: Registry):
+def test_baseline_is_compared_with_itself_by_other_seeds(toys):
     """The null control A/A: as many trainings again, after all others, none with a seed of the experiment."""
     plan = _plan(toys, reward=["arp", "baseline"], seeds=[0, 3])
     assert plan.control == {0: 4, 3: 7}
@@ -168,20 +164,20 @@ def test_baseline_is_compared_with_itself_by_other_seeds(toys: Registry):
     ]
 
 
-def test_baseline_alone_has_its_control(toys: Registry):
+def test_baseline_alone_has_its_control(toys):
     """It need not stand beside another reward."""
     plan = _plan(toys, reward=["baseline"], seeds=2)
     assert [cell.seed for cell in plan.cells] == [0, 1, 2, 3]
 
 
-def test_no_control_where_it_was_not_asked_for(toys: Registry):
+def test_no_control_where_it_was_not_asked_for(toys):
     """No cell is trained for it."""
     plan = _plan(toys, reward=["arp"], seeds=2)
     assert plan.control == {}
     assert {cell.seed for cell in plan.cells} == {0, 1}
 
 
-def test_any_reward_may_be_the_baseline(toys: Registry):
+def test_any_reward_may_be_the_baseline(toys):
     """The others are compared with the one that is named."""
     plan = _plan(toys, baseline="arp:k2=2", reward=["baseline", "arp:k2=2.0"], seeds=1)
     assert plan.baseline == "arp:k2=2"
@@ -189,7 +185,7 @@ def test_any_reward_may_be_the_baseline(toys: Registry):
     assert plan.control == {0: 1}
 
 
-def test_unknown_names_are_refused(toys: Registry, subtests: pytest.Subtests):
+def test_unknown_names_are_refused(toys, subtests):
     """One line, before anything runs."""
     rows = [
         ({"sim": ["idael"]}, "No simulator 'idael'. There is: dm_control, drake, ideal, "),
@@ -208,7 +204,7 @@ def test_unknown_names_are_refused(toys: Registry, subtests: pytest.Subtests):
             assert "\n" not in str(error.value)
 
 
-def test_missing_library_is_noticed_before_anything_runs(write_plugin: Callable[..., EntryPoint]):
+def test_missing_library_is_noticed_before_anything_runs(write_plugin):
     """The plan cannot be made, and the message names the extra."""
     source = (
         "import harness\n@harness.hookimpl\ndef register_simulators(register):\n"
@@ -219,7 +215,7 @@ def test_missing_library_is_noticed_before_anything_runs(write_plugin: Callable[
         _plan(registry, sim=["odd"])
 
 
-def test_values_out_of_range_are_refused(subtests: pytest.Subtests):
+def test_values_out_of_range_are_refused(subtests):
     """The key, what was given, what is allowed; in one line."""
     rows = [
         ({"seeds": 0}, "seeds=0: Input should be greater than 0"),
@@ -250,27 +246,27 @@ def test_unknown_key_offers_the_nearest():
 
 @pytest.mark.parametrize("key", ["sim", "algo"])
 @pytest.mark.parametrize("value", [None, []])
-def test_simulator_and_algorithm_have_to_be_named(key: str, value: object):
+def test_simulator_and_algorithm_have_to_be_named(key, value):
     """There is no default for what the experiment is about."""
     with pytest.raises(UsageError, match=f"Experiment names no {key}: give --{key} NAME, or the key '{key}' in a file"):
         check_experiment({**BASE, key: value})
 
 
-def test_experiment_is_read_from_a_file(toys: Registry, tmp_path: Path):
+def test_experiment_is_read_from_a_file(toys, tmp_path):
     """Every key of the file is a field; a single name need not stand in a list, a table is a name with parameters."""
     keys = {"sim": "ideal", "algo": {"name": "wander", "width": 8}, "reward": ["arp:k2=2"], "seeds": [4], "steps": 20}
     plan = expand(read_experiment(_write(tmp_path, keys), {}), toys)
     assert plan.cells == _plan(toys, algo=["wander:width=8"], reward=["arp:k2=2"], seeds=[4], steps=20).cells
 
 
-def test_flag_wins_over_a_key(tmp_path: Path):
+def test_flag_wins_over_a_key(tmp_path):
     """What the command line gives replaces what the file says; the rest stays."""
     path = _write(tmp_path, {**BASE, "steps": 20, "seeds": 2})
     experiment = read_experiment(path, {"steps": 40, "algo": ["buttons"]})
     assert (experiment.steps, experiment.algo, experiment.seeds) == (40, ["buttons"], 2)
 
 
-def test_resolved_experiment_reads_back_to_the_same_cells(toys: Registry, tmp_path: Path):
+def test_resolved_experiment_reads_back_to_the_same_cells(toys, tmp_path):
     """The experiment.toml that a run leaves, given to another run, is the same experiment, skipped cells included."""
     plan = _plan(
         toys,
@@ -286,7 +282,7 @@ def test_resolved_experiment_reads_back_to_the_same_cells(toys: Registry, tmp_pa
     assert [cell.id for cell in again.cells] == [cell.id for cell in plan.cells]
 
 
-def test_resolved_experiment_has_every_key(toys: Registry):
+def test_resolved_experiment_has_every_key(toys):
     """Defaults are filled in, parameters too: a later version with other defaults still reads the same."""
     resolved = _plan(toys).resolved
     assert set(resolved) == {
@@ -307,14 +303,14 @@ def test_resolved_experiment_has_every_key(toys: Registry):
     assert resolved["task"]["horizon"] == 100
 
 
-def test_missing_file_is_named(tmp_path: Path):
+def test_missing_file_is_named(tmp_path):
     """The message repeats the path."""
     with pytest.raises(UsageError, match=rf"No experiment file '{tmp_path}/none\.toml'"):
         read_experiment(tmp_path / "none.toml", {})
 
 
 @pytest.mark.parametrize("content", [b"steps = ", b"\xff\xfe", b"[sim", b"steps = 1\nsteps = 2"], ids=repr)
-def test_file_that_is_no_toml_is_refused(tmp_path: Path, content: bytes):
+def test_file_that_is_no_toml_is_refused(tmp_path, content):
     """The message names the file, and is one line."""
     (tmp_path / "bad.toml").write_bytes(content)
     with pytest.raises(UsageError, match=rf"Experiment file '{tmp_path}/bad\.toml' cannot be read") as error:
@@ -322,21 +318,21 @@ def test_file_that_is_no_toml_is_refused(tmp_path: Path, content: bytes):
     assert "\n" not in str(error.value)
 
 
-def test_folder_is_no_experiment_file(tmp_path: Path):
+def test_folder_is_no_experiment_file(tmp_path):
     """A folder in the place of the file is refused."""
     with pytest.raises(UsageError, match=f"Experiment file '{tmp_path}' cannot be read"):
         read_experiment(tmp_path, {})
 
 
 @pytest.mark.parametrize("keys", [{**BASE, "stpes": 3}, {**BASE, "steps": 0}, {"algo": ["wander"]}], ids=str)
-def test_errors_in_a_file_name_the_file(tmp_path: Path, keys: dict[str, Any]):
+def test_errors_in_a_file_name_the_file(tmp_path, keys):
     """Its path is repeated as it is written."""
     path = _write(tmp_path, keys)
     with pytest.raises(UsageError, match="^" + re.escape(f"Experiment file '{path}'")):
         read_experiment(path, {})
 
 
-def test_robot_is_given_by_its_full_path(toys: Registry, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_robot_is_given_by_its_full_path(toys, tmp_path, monkeypatch):
     """A URDF or folder means the same in a worker that works elsewhere; a link to a URDF stays where it is."""
     (tmp_path / "here").mkdir()
     shutil.copytree(harness_robots.UNITY_ARM, tmp_path / "arm")
@@ -367,14 +363,14 @@ def test_robot_is_given_by_its_full_path(toys: Registry, tmp_path: Path, monkeyp
         ({"sim": "x" * 10_001}, "has 10,001 characters, 10,000 are allowed"),
     ],
 )
-def test_too_much_is_refused_with_what_is_allowed(keys: dict[str, Any], message: str):
+def test_too_much_is_refused_with_what_is_allowed(keys, message):
     """In a short line, before anything is made of it."""
     with pytest.raises(UsageError, match=re.escape(message)) as refused:
         check_experiment({"sim": "ideal", "algo": "wander", **keys})
     assert len(str(refused.value)) < 300
 
 
-def test_a_matrix_of_too_many_cells_is_refused_before_it_is_made(toys: Registry):
+def test_a_matrix_of_too_many_cells_is_refused_before_it_is_made(toys):
     """The product of what may be named is larger than what may be run."""
     rewards = [f"arp:k1={1 + number}" for number in range(10)]
     with pytest.raises(
@@ -383,9 +379,7 @@ def test_a_matrix_of_too_many_cells_is_refused_before_it_is_made(toys: Registry)
         _plan(toys, seeds=10_000, reward=rewards)
 
 
-def test_names_that_are_too_many_together_are_refused_before_one_is_looked_up(
-    toys: Registry, monkeypatch: pytest.MonkeyPatch
-):
+def test_names_that_are_too_many_together_are_refused_before_one_is_looked_up(toys, monkeypatch):
     """A thousand rewards in a thousand tasks would take minutes to find that out."""
     monkeypatch.setattr("harness.experiment.plan.plan_tasks", lambda *given: pytest.fail("they were looked up"))
     names = [f"x{number}" for number in range(400)]
@@ -396,13 +390,13 @@ def test_names_that_are_too_many_together_are_refused_before_one_is_looked_up(
 
 
 @pytest.mark.parametrize("robot", ["x" * 5_000 + ".urdf", "a\0b/c.urdf"])
-def test_a_robot_that_no_path_can_be_is_refused(toys: Registry, robot: str):
+def test_a_robot_that_no_path_can_be_is_refused(toys, robot):
     """Too long for the file system, or with a byte that ends names."""
     with pytest.raises(UsageError, match="No robot at"):
         _plan(toys, robot=robot)
 
 
-def test_drives_that_a_robot_does_not_describe_are_refused(tmp_path: Path):
+def test_drives_that_a_robot_does_not_describe_are_refused(tmp_path):
     """Before anything is written; a simulator with ideal drives takes the robot."""
     robot = load_robot("fd100")
     (tmp_path / "arm.urdf").write_text(robot.urdf)
@@ -413,7 +407,7 @@ def test_drives_that_a_robot_does_not_describe_are_refused(tmp_path: Path):
 
 
 @pytest.mark.parametrize("key", ["seeds", "steps", "evaluation_episodes", "evaluate_every", "evaluation_horizon"])
-def test_true_is_no_number(key: str):
+def test_true_is_no_number(key):
     """It would count as 1."""
     with pytest.raises(UsageError, match=f"{key}=True: must be a number"):
         check_experiment({**BASE, key: True})

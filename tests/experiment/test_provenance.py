@@ -3,9 +3,8 @@
 import json
 import re
 import subprocess
-from collections.abc import Callable
 from hashlib import sha256
-from importlib.metadata import EntryPoint, version
+from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
@@ -13,17 +12,13 @@ import pytest
 
 from harness import load_robot
 from harness.experiment.provenance import describe_environment, describe_machine, source_commit, versions_behind
-from harness.record.cell import Cell
-from harness.registry.choice import Choice
-from harness.registry.registry import Registry, load_registry
-from harness.registry.spec import Spec
+from harness.registry import Choice, Spec, load_registry
 from harness_plugins.rewards import arp
 
-MakeCell = Callable[..., Cell]
 ROBOT = load_robot("fd100")
 
 
-def test_environment_of_a_run(make_cell: MakeCell, toys: Registry, monkeypatch: pytest.MonkeyPatch):
+def test_environment_of_a_run(make_cell, toys, monkeypatch):
     """What decides a result beside the cell, as JSON: versions, machine, engine, commit, command, sources."""
     monkeypatch.setattr("sys.argv", ["/somewhere/bin/harness", "run", "--sim", "ideal"])
     described = describe_environment(make_cell(), ROBOT, toys)
@@ -32,18 +27,18 @@ def test_environment_of_a_run(make_cell: MakeCell, toys: Registry, monkeypatch: 
     assert json.loads(json.dumps(described)) == described
 
 
-def test_the_recorded_command_can_be_pasted(make_cell: MakeCell, toys: Registry, monkeypatch: pytest.MonkeyPatch):
+def test_the_recorded_command_can_be_pasted(make_cell, toys, monkeypatch):
     """A page shows it: a folder in it is quoted as it had to be typed."""
     monkeypatch.setattr("sys.argv", ["harness", "run", "--out", ";touch X; a b"])
     assert describe_environment(make_cell(), ROBOT, toys)["command"] == "harness run --out ';touch X; a b'"
 
 
-def test_versions_are_those_that_run(toys: Registry):
+def test_versions_are_those_that_run(toys):
     """The numpy of this process is the one that is recorded, whatever the plugins."""
     assert versions_behind([])["numpy"] == np.__version__
 
 
-def test_versions_of_a_plugins_libraries_are_recorded(write_plugin: Callable[..., EntryPoint]):
+def test_versions_of_a_plugins_libraries_are_recorded(write_plugin):
     """What a third party requires is recorded like MuJoCo, by the name of its distribution, and its own version too."""
     source = """
 import harness
@@ -59,7 +54,7 @@ def register_simulators(register):
     assert "yaml-of-mine" not in versions  # it is not installed
 
 
-def test_a_library_that_is_not_installed_is_not_searched_for(monkeypatch: pytest.MonkeyPatch):
+def test_a_library_that_is_not_installed_is_not_searched_for(monkeypatch):
     """All distributions are asked for who brings a module, which takes a fifth of a second, only where it is there."""
     asked: list[str] = []
     monkeypatch.setattr("importlib.metadata.packages_distributions", lambda: asked.append("all") or {})
@@ -67,18 +62,18 @@ def test_a_library_that_is_not_installed_is_not_searched_for(monkeypatch: pytest
     assert asked == []
 
 
-def test_versions_of_other_plugins_are_left_out(make_cell: MakeCell, toys: Registry):
+def test_versions_of_other_plugins_are_left_out(make_cell, toys):
     """A cell of the toy arm does not depend on MuJoCo, whatever is installed."""
     assert "mujoco" not in describe_environment(make_cell(), ROBOT, toys)["versions"]
 
 
-def test_versions_of_an_engine_are_recorded(make_cell: MakeCell, toys: Registry):
+def test_versions_of_an_engine_are_recorded(make_cell, toys):
     """Of every library that the built-in engine requires."""
     cell = make_cell(simulator=Choice("dm_control", (), "dm_control"))
     assert {"dm-control", "mujoco"} <= describe_environment(cell, ROBOT, toys, ["simulators"])["versions"].keys()
 
 
-def test_the_engine_is_recorded(make_cell: MakeCell, toys: Registry):
+def test_the_engine_is_recorded(make_cell, toys):
     """By the name that simulators of one engine share; None where there is none."""
     engines = {
         name: describe_environment(make_cell(simulator=Choice(name, (), name)), ROBOT, toys)["engine"]
@@ -94,19 +89,19 @@ def test_machine_names_its_cpu():
     assert machine["cores"] >= 1
 
 
-def test_sources_are_hashes_of_the_files(make_cell: MakeCell, toys: Registry):
+def test_sources_are_hashes_of_the_files(make_cell, toys):
     """A result whose reward was changed since can be told by the hash of the reward's file."""
     hashes = describe_environment(make_cell(reward=Choice("arp", (), "arp")), ROBOT, toys)["sources"]
     assert set(hashes) == {"simulators", "tasks", "algorithms", "rewards", "robots"}
     assert hashes["rewards"] == sha256(Path(arp.__file__).read_bytes()).hexdigest()
 
 
-def test_sources_are_those_of_the_kinds_that_made_the_result(make_cell: MakeCell, toys: Registry):
+def test_sources_are_those_of_the_kinds_that_made_the_result(make_cell, toys):
     """An evaluation does not depend on the library that trained the policy."""
     assert set(describe_environment(make_cell(), ROBOT, toys, ["simulators"])["sources"]) == {"simulators", "robots"}
 
 
-def _repository(folder: Path, name: str | None) -> Path:
+def _repository(folder, name):
     """A repository with one commit, and with a project of that name in it."""
     folder.mkdir()
     if name is not None:
@@ -118,7 +113,7 @@ def _repository(folder: Path, name: str | None) -> Path:
     return folder
 
 
-def test_commit_is_that_of_the_projects_own_checkout(tmp_path: Path):
+def test_commit_is_that_of_the_projects_own_checkout(tmp_path):
     """40 digits, and a plus sign where files differ from it."""
     checkout = _repository(tmp_path / "mine", "fd100-harness")
     clean = source_commit(checkout)
@@ -130,7 +125,7 @@ def test_commit_is_that_of_the_projects_own_checkout(tmp_path: Path):
 
 
 @pytest.mark.parametrize("name", ["someones-project", None])
-def test_repository_around_the_installation_does_not_count(tmp_path: Path, name: str | None):
+def test_repository_around_the_installation_does_not_count(tmp_path, name):
     """Neither one whose root the package lies in, nor one that only has the installation somewhere inside."""
     other = _repository(tmp_path / "theirs", name)
     (other / "site-packages").mkdir()

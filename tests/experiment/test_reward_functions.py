@@ -1,17 +1,12 @@
 """Functions of a step as rewards of an experiment: what its traces keep, and what its manifests tell."""
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 import harness
-from harness.record.cell import Cell
-from harness.record.folder import EVALUATION, TRACE
-from harness.record.manifest import read_manifest
-from harness.record.trace import read_trace
-from harness.results import Results
+from harness.record import EVALUATION, TRACE, read_manifest, read_trace
 
 SLOW = '''
 def slow(step):
@@ -21,11 +16,11 @@ def slow(step):
 
 
 @pytest.fixture
-def run(tmp_path: Path):
+def run(tmp_path):
     """Run in one folder: the baseline, and what is asked for."""
     (tmp_path / "slow.py").write_text(SLOW)
 
-    def run(*rewards: str) -> Results:
+    def run(*rewards):
         asked: dict[str, Any] = {"sim": "kinematic", "algo": "random", "seeds": 2, "steps": 300, "jobs": 1}
         return harness.run(
             **asked, evaluation_episodes=2, reward=list(rewards), plugins=[tmp_path / "slow.py"], out=tmp_path / "out"
@@ -34,7 +29,7 @@ def run(tmp_path: Path):
     return run
 
 
-def folder_of(results: Results, cell: Cell) -> Path:
+def folder_of(results, cell):
     """Where a cell left its files."""
     return results.store.cell_folder(cell)
 

@@ -1,8 +1,6 @@
 """A cell from its start to its folder, in this process."""
 
-from collections.abc import Callable
 from hashlib import sha256
-from pathlib import Path
 
 import numpy as np
 import pyarrow.parquet as pq
@@ -15,30 +13,25 @@ from harness.experiment.arm_evaluation import evaluate
 from harness.experiment.run_cell import run_cell
 from harness.policy import load_policy
 from harness.progress import RETURN, SUCCESS
-from harness.record.cell import Cell
-from harness.record.folder import EVALUATION, LOG, MANIFEST, POLICY, RANDOM, SCENE, STOCHASTIC, TRACE, partial_folder
-from harness.record.manifest import Manifest, read_manifest
+from harness.record import EVALUATION, LOG, MANIFEST, POLICY, RANDOM, TRACE, partial_folder, read_manifest, read_trace
+from harness.record.folder import SCENE, STOCHASTIC
 from harness.record.returns import mean_return
-from harness.record.trace import read_trace
-from harness.registry.choice import Choice
-from harness.registry.given import read_given
-from harness.registry.registry import Registry
+from harness.registry import Choice, read_given
 from harness.robot import robot
 from tests.registry.test_given import REWARD
 
 pytestmark = pytest.mark.usefixtures("toys")
-MakeCell = Callable[..., Cell]
 
 
-def _run(cell: Cell, folder: Path) -> Manifest:
+def _run(cell, folder):
     return run_cell(cell, folder, lambda steps: None)
 
 
-def _that(make_cell: MakeCell, then: str) -> Cell:
+def _that(make_cell, then):
     return make_cell(algorithm=Choice("wander", (("then", then),), f"wander:then={then}"))
 
 
-def test_done_cell_leaves_its_folder(make_cell: MakeCell, tmp_path: Path):
+def test_done_cell_leaves_its_folder(make_cell, tmp_path):
     """Trace, policy, evaluation, the floor of random actions and the manifest; nothing beside the folder."""
     manifest = _run(make_cell(), tmp_path / "cell")
     assert (manifest.status, manifest.reason, manifest.cell) == ("done", "", make_cell())
@@ -54,7 +47,7 @@ def test_done_cell_leaves_its_folder(make_cell: MakeCell, tmp_path: Path):
     assert [path.name for path in tmp_path.iterdir()] == ["cell"]
 
 
-def test_manifest_in_the_folder_is_the_one_returned(make_cell: MakeCell, tmp_path: Path):
+def test_manifest_in_the_folder_is_the_one_returned(make_cell, tmp_path):
     """With when, how long, and what it ran on."""
     manifest = _run(make_cell(), tmp_path / "cell")
     assert read_manifest(tmp_path / "cell") == manifest
@@ -62,7 +55,7 @@ def test_manifest_in_the_folder_is_the_one_returned(make_cell: MakeCell, tmp_pat
     assert set(manifest.environment["sources"]) == {"simulators", "tasks", "algorithms", "rewards", "robots"}
 
 
-def test_trace_has_every_step_of_training(make_cell: MakeCell, tmp_path: Path):
+def test_trace_has_every_step_of_training(make_cell, tmp_path):
     """As many rows as steps, and one more per episode."""
     _run(make_cell(steps=12), tmp_path / "cell")
     trace = read_trace(tmp_path / "cell" / TRACE)
@@ -70,7 +63,7 @@ def test_trace_has_every_step_of_training(make_cell: MakeCell, tmp_path: Path):
     assert np.count_nonzero(trace["step"] == 0) == trace["episode"].max() + 1
 
 
-def test_evaluations_have_one_finished_episode_per_env(make_cell: MakeCell, tmp_path: Path):
+def test_evaluations_have_one_finished_episode_per_env(make_cell, tmp_path):
     """The trained policy and random actions meet the same starts and targets; who ends early waits for the others."""
     easy = Choice("fd100-reach", (("horizon", 30), ("epsilon", 0.4)), "easy")
     _run(make_cell(evaluation_episodes=8, task=easy), tmp_path / "cell")
@@ -84,7 +77,7 @@ def test_evaluations_have_one_finished_episode_per_env(make_cell: MakeCell, tmp_
     np.testing.assert_array_equal(starts[0][1], starts[1][1])
 
 
-def test_saved_policy_is_the_one_that_was_evaluated(make_cell: MakeCell, toys: Registry, tmp_path: Path):
+def test_saved_policy_is_the_one_that_was_evaluated(make_cell, toys, tmp_path):
     """Loaded from the folder and evaluated again, it does the same, bit for bit."""
     _run(make_cell(), tmp_path / "cell")
     policy = load_policy(tmp_path / "cell" / POLICY)
@@ -93,7 +86,7 @@ def test_saved_policy_is_the_one_that_was_evaluated(make_cell: MakeCell, toys: R
     assert pq.read_table(tmp_path / "again.parquet").equals(pq.read_table(tmp_path / "cell" / EVALUATION))
 
 
-def test_same_cell_leaves_the_same_trace(make_cell: MakeCell, tmp_path: Path):
+def test_same_cell_leaves_the_same_trace(make_cell, tmp_path):
     """Bit for bit, evaluation included; another seed leaves another."""
     for name, seed in (("one", 0), ("two", 0), ("three", 1)):
         _run(make_cell(seed=seed), tmp_path / name)
@@ -103,7 +96,7 @@ def test_same_cell_leaves_the_same_trace(make_cell: MakeCell, tmp_path: Path):
     assert not pq.read_table(tmp_path / "one" / TRACE).equals(pq.read_table(tmp_path / "three" / TRACE))
 
 
-def test_equal_seeds_meet_equal_starts_under_any_reward(make_cell: MakeCell, tmp_path: Path):
+def test_equal_seeds_meet_equal_starts_under_any_reward(make_cell, tmp_path):
     """What a reward is compared on is the same for both."""
     for name in ("baseline", "arp"):
         _run(make_cell(reward=Choice(name, (), name)), tmp_path / name)
@@ -114,14 +107,14 @@ def test_equal_seeds_meet_equal_starts_under_any_reward(make_cell: MakeCell, tmp
     assert starts[0].tolist() == starts[1].tolist()
 
 
-def test_progress_is_told(make_cell: MakeCell, tmp_path: Path):
+def test_progress_is_told(make_cell, tmp_path):
     """Where the training begins, then the number of steps done so far, as the algorithm says it."""
     told: list[Word] = []
     run_cell(make_cell(steps=3), tmp_path / "cell", told.append)
     assert [word.steps for word in told] == [0, 1, 2, 3, 3]
 
 
-def test_the_last_word_tells_success_and_return(make_cell: MakeCell, tmp_path: Path):
+def test_the_last_word_tells_success_and_return(make_cell, tmp_path):
     """However short a training is: of its episodes what their rows in the trace say."""
     told: list[Word] = []
     run_cell(make_cell(), tmp_path / "cell", told.append)
@@ -130,7 +123,7 @@ def test_the_last_word_tells_success_and_return(make_cell: MakeCell, tmp_path: P
     assert told[-1].scalars[RETURN] == pytest.approx(mean_return(trace))
 
 
-def test_cell_that_raises_is_failed(make_cell: MakeCell, tmp_path: Path):
+def test_cell_that_raises_is_failed(make_cell, tmp_path):
     """The reason is one line with the kind of the error; the traceback is in the log."""
     manifest = _run(_that(make_cell, "raise"), tmp_path / "cell")
     assert (manifest.status, manifest.reason) == ("failed", "RuntimeError: the arm fell off")
@@ -140,13 +133,13 @@ def test_cell_that_raises_is_failed(make_cell: MakeCell, tmp_path: Path):
     assert "toy_arm.py" in log
 
 
-def test_failed_cell_keeps_its_readable_trace(make_cell: MakeCell, tmp_path: Path):
+def test_failed_cell_keeps_its_readable_trace(make_cell, tmp_path):
     """What was recorded before the failure is there to look at."""
     _run(_that(make_cell, "raise"), tmp_path / "cell")
     assert np.count_nonzero(read_trace(tmp_path / "cell" / TRACE)["step"]) == 12
 
 
-def test_plugin_that_leaves_is_a_failed_cell(make_cell: MakeCell, tmp_path: Path):
+def test_plugin_that_leaves_is_a_failed_cell(make_cell, tmp_path):
     """`sys.exit` in a plugin does not end the plan."""
     manifest = _run(_that(make_cell, "sys.exit"), tmp_path / "cell")
     assert (manifest.status, manifest.reason) == ("failed", "SystemExit: 0")
@@ -161,21 +154,21 @@ def test_plugin_that_leaves_is_a_failed_cell(make_cell: MakeCell, tmp_path: Path
     ],
     ids=["name", "parameter", "robot"],
 )
-def test_cell_that_cannot_be_built_is_failed(make_cell: MakeCell, tmp_path: Path, fields: dict, reason: str):
+def test_cell_that_cannot_be_built_is_failed(make_cell, tmp_path, fields, reason):
     """Where a plugin has gone or changed since the plan was made, the manifest says so."""
     manifest = _run(make_cell(**fields), tmp_path / "cell")
     assert manifest.status == "failed"
     assert manifest.reason.startswith(reason)
 
 
-def test_interrupt_passes(make_cell: MakeCell, tmp_path: Path):
+def test_interrupt_passes(make_cell, tmp_path):
     """KeyboardInterrupt is no failure of the cell: nothing gets the cell's name."""
     with pytest.raises(KeyboardInterrupt):
         _run(_that(make_cell, "interrupt"), tmp_path / "cell")
     assert not (tmp_path / "cell").exists()
 
 
-def test_cell_is_done_again_over_what_was_left(make_cell: MakeCell, tmp_path: Path):
+def test_cell_is_done_again_over_what_was_left(make_cell, tmp_path):
     """A folder of an earlier failure and a partial folder of an earlier kill do not stand in the way."""
     _run(_that(make_cell, "raise"), tmp_path / "cell")
     partial = partial_folder(tmp_path / "cell")
@@ -187,7 +180,7 @@ def test_cell_is_done_again_over_what_was_left(make_cell: MakeCell, tmp_path: Pa
     assert not partial.exists()
 
 
-def test_robot_is_read_once(make_cell: MakeCell, toys: Registry, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_robot_is_read_once(make_cell, toys, tmp_path, monkeypatch):
     """The training, its evaluations and the manifest share it: its files are parsed and checked once in a cell."""
     read, plain = [], robot.read_robot
     monkeypatch.setattr("harness.robot.robot.read_robot", lambda path, *rest: read.append(path) or plain(path, *rest))
@@ -195,7 +188,7 @@ def test_robot_is_read_once(make_cell: MakeCell, toys: Registry, tmp_path: Path,
     assert len(read) == 1
 
 
-def test_cell_is_taught_by_a_file_that_came_with_it(toys: Registry, make_cell: Callable[..., Cell], tmp_path: Path):
+def test_cell_is_taught_by_a_file_that_came_with_it(toys, make_cell, tmp_path):
     """Where the cell is done the file need not be; its SHA-256 is in the manifest."""
     path = tmp_path / "my_reward.py"
     path.write_text(REWARD)

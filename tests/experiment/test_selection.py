@@ -1,17 +1,14 @@
 """Some of a plan's cells, by name."""
 
-from collections.abc import Callable
-
 import pytest
 
 from harness.errors import UsageError
 from harness.experiment.experiment import select
-from harness.record.cell import Cell
-from harness.registry.choice import Choice
+from harness.registry import Choice
 
 
 @pytest.fixture
-def cells(make_cell: Callable[..., Cell]) -> list[Cell]:
+def cells(make_cell):
     """Two algorithms, two rewards, three seeds."""
     algorithms = [Choice("sac", (), "sac"), Choice("ppo", (("gamma", 0.9),), "ppo:gamma=0.9")]
     rewards = [Choice("baseline", (), "baseline"), Choice("arp", (), "arp")]
@@ -23,7 +20,7 @@ def cells(make_cell: Callable[..., Cell]) -> list[Cell]:
     ]
 
 
-def test_words_of_one_kind_are_alternatives_and_kinds_narrow(cells: list[Cell], subtests: pytest.Subtests):
+def test_words_of_one_kind_are_alternatives_and_kinds_narrow(cells, subtests):
     """As ``--only`` takes them."""
     rows = [
         ("sac", 6),
@@ -38,17 +35,17 @@ def test_words_of_one_kind_are_alternatives_and_kinds_narrow(cells: list[Cell], 
             assert len(select(cells, text)) == count
 
 
-def test_a_cell_may_be_named_by_its_id(cells: list[Cell]):
+def test_a_cell_may_be_named_by_its_id(cells):
     """As ``harness status`` and the folders name it."""
     assert select(cells, cells[4].id) == (cells[4],)
 
 
-def test_the_order_of_the_plan_stays(cells: list[Cell]):
+def test_the_order_of_the_plan_stays(cells):
     """Whatever the order of the words."""
     assert select(cells, "seed=1,seed=0,sac") == tuple(cells[i] for i in (0, 1, 3, 4))
 
 
-def test_a_short_name_means_the_algorithm(cells: list[Cell]):
+def test_a_short_name_means_the_algorithm(cells):
     """With parameters too."""
     short = {"p": "ppo"}
     assert select(cells, "p,seed=0", short) == select(cells, "ppo,seed=0")
@@ -57,14 +54,14 @@ def test_a_short_name_means_the_algorithm(cells: list[Cell]):
         select(cells, "p")
 
 
-def test_a_word_that_names_nothing_is_refused(cells: list[Cell]):
+def test_a_word_that_names_nothing_is_refused(cells):
     """The message says what there is."""
     with pytest.raises(UsageError, match=r"has 'td3'\. Allowed are ideal, sac, ppo:gamma=0\.9, baseline, arp, seed=0"):
         select(cells, "sac,td3")
 
 
 @pytest.mark.parametrize("text", ["", " ", ","])
-def test_no_word_is_refused(cells: list[Cell], text: str):
+def test_no_word_is_refused(cells, text):
     """It would be all cells, which nobody asks for so."""
     with pytest.raises(UsageError, match="Allowed are"):
         select(cells, text)

@@ -1,37 +1,30 @@
 """Work of the episodes of an evaluation, from the rows that it leaves."""
 
-from collections.abc import Callable
-from pathlib import Path
-
 import numpy as np
-import pytest
 
 from harness import load_robot
-from harness.env.make import World, build_world
+from harness.env.make import build_world
 from harness.experiment.arm_evaluation import act_of, evaluate
-from harness.log import Log
 from harness.policy import Uniform
-from harness.record.cell import Cell
-from harness.record.trace import read_trace
-from harness.registry.choice import choose
-from harness.registry.registry import Registry
+from harness.record import read_trace
+from harness.registry import choose
 from harness.robot.energy import least_work, read_bodies
 
 FLOOR = Uniform((-1.0,) * 6, (1.0,) * 6)
 
 
-def _world(make_cell: Callable[..., Cell], registry: Registry, task: str) -> World:
+def _world(make_cell, registry, task):
     simulator = choose(registry, "simulators", "kinematic")
     cell = make_cell(task=choose(registry, "tasks", task), simulator=simulator)
     return build_world(cell, load_robot("fd100", registry), registry)
 
 
-def _left(world: World, folder: Path, episodes: int) -> Log:
+def _left(world, folder, episodes):
     evaluate(world, act_of(FLOOR, "random"), episodes, folder / "evaluation.parquet")
     return read_trace(folder / "evaluation.parquet")
 
 
-def test_work_is_that_of_the_recorded_rows(make_cell: Callable[..., Cell], toys: Registry, tmp_path: Path):
+def test_work_is_that_of_the_recorded_rows(make_cell, toys, tmp_path):
     """Env by env: what follows the first episode of an env, and other envs, has no part in it."""
     world = _world(make_cell, toys, "fd100-reach:horizon=30,epsilon=0.3")
     trace = _left(world, tmp_path, 6)
@@ -42,14 +35,12 @@ def test_work_is_that_of_the_recorded_rows(make_cell: Callable[..., Cell], toys:
     assert min(expected) > 0.0
 
 
-def test_arm_that_jumps_does_no_work_that_is_known(make_cell: Callable[..., Cell], toys: Registry, tmp_path: Path):
+def test_arm_that_jumps_does_no_work_that_is_known(make_cell, toys, tmp_path):
     """From pose to pose nothing is known of the way."""
     assert _left(_world(make_cell, toys, "fd100-reach:action=set-joints,horizon=3"), tmp_path, 2).facts.work is None
 
 
-def test_arm_without_mass_does_no_work_that_is_known(
-    make_cell: Callable[..., Cell], toys: Registry, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
+def test_arm_without_mass_does_no_work_that_is_known(make_cell, toys, tmp_path, monkeypatch):
     """None is made up."""
     monkeypatch.setattr("harness.experiment.arm_evaluation.read_bodies", lambda robot: None)
     assert _left(_world(make_cell, toys, "fd100-reach:horizon=3"), tmp_path, 2).facts.work is None

@@ -4,7 +4,7 @@ import statistics
 import numpy as np
 import pytest
 
-from harness.record.blocks import BLOCKS, MOST, Blocks, read_blocks
+from harness.record.blocks import Blocks, read_blocks
 
 RNG = np.random.default_rng(7)
 
@@ -28,7 +28,7 @@ def told_by(count, at_once):
 def test_blocks_are_the_episodes_one_after_the_other(count, at_once):
     """By hand: means and standard deviations of equally many, however they were told."""
     blocks, steps, numbers = told_by(count, at_once)
-    size = next(2**k for k in range(20) if count <= 2**k * MOST)
+    size = next(2**k for k in range(20) if count <= 2**k * 64)
     assert len(blocks.listed) == math.ceil(count / size)
     for index, block in enumerate(blocks.listed):
         part = slice(index * size, (index + 1) * size)
@@ -67,7 +67,7 @@ def test_what_was_told_is_read(tmp_path):
 )  # fmt: skip
 def test_a_damaged_file_tells_nothing(tmp_path, text):
     """A run that goes on after a kill, and who looks, are not stopped by it."""
-    (tmp_path / BLOCKS).write_text(text)
+    (tmp_path / "blocks.json").write_text(text)
     assert read_blocks(tmp_path) is None
     assert read_blocks(tmp_path / "nowhere") is None
 

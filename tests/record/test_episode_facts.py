@@ -1,18 +1,16 @@
 """What is known of a trace's episodes beside its rows: written with them, read with them."""
 
-from pathlib import Path
-
 import pyarrow.parquet as pq
 import pytest
 
 from harness.errors import SchemaError
-from harness.record.episode_facts import EpisodeFacts, episode_facts
-from harness.record.trace import FACTS_KEY, TraceWriter, read_trace, trace_schema
+from harness.record import EpisodeFacts, TraceWriter, read_trace
+from harness.record.episode_facts import episode_facts
 
 FACTS = EpisodeFacts(horizon=100, control_period=0.1, ik_steps=(3, None, 5), work=(1.5, 0.0, 2.25))
 
 
-def test_facts_come_back_with_the_trace(tmp_path: Path):
+def test_facts_come_back_with_the_trace(tmp_path):
     """Every one, whatever columns are read."""
     with TraceWriter(tmp_path / "trace.parquet", 3, 2, facts=FACTS):
         pass
@@ -20,16 +18,24 @@ def test_facts_come_back_with_the_trace(tmp_path: Path):
     assert episode_facts(read_trace(tmp_path / "trace.parquet", ["reward"])) == FACTS
 
 
-def test_facts_may_become_known_while_rows_are_written(tmp_path: Path):
+def test_facts_may_become_known_while_rows_are_written(tmp_path):
     """What the writer holds at the end is what the file tells."""
     with TraceWriter(tmp_path / "trace.parquet", 3, 2) as writer:
         writer.facts = FACTS
     assert episode_facts(read_trace(tmp_path / "trace.parquet")) == FACTS
 
 
-def test_file_of_an_earlier_version_tells_nothing(tmp_path: Path):
+def _write(path, metadata):
+    """A trace whose metadata tell something else."""
+    with TraceWriter(path, 3, 2):
+        pass
+    table = pq.read_table(path)
+    pq.write_table(table.replace_schema_metadata({b"harness.trace": b"2", **metadata}), path)
+
+
+def test_file_of_an_earlier_version_tells_nothing(tmp_path):
     """It has no such metadata; its rows are read."""
-    pq.write_table(trace_schema(3, 2).empty_table(), tmp_path / "trace.parquet")
+    _write(tmp_path / "trace.parquet", {})
     assert episode_facts(read_trace(tmp_path / "trace.parquet")) == EpisodeFacts()
 
 
@@ -43,23 +49,22 @@ def test_facts_without_a_goal_are_written_as_before():
     assert EpisodeFacts(7, 0.5).to_bytes() == b'{"horizon": 7, "control_period": 0.5, "ik_steps": null, "work": null}'
 
 
-def test_facts_of_a_goal_come_back():
-    """Its error, unit, and whether its target moves."""
-    facts = EpisodeFacts(7, 0.5, error="tilt", unit="rad", target_moves=False)
+@pytest.mark.parametrize(
+    "facts",
+    [
+        EpisodeFacts(7, 0.5, error="tilt", unit="rad", target_moves=False),
+        EpisodeFacts(7, 0.5, arms=(((1.0, 0.9), (1.1, 1.0), 1.0), ((1.2, 1.0), (1.0, 1.0), 0.5))),
+    ],
+    ids=["a goal", "varied arms"],
+)
+def test_facts_come_back_from_their_bytes(facts):
+    """Error, unit and whether the target of a goal moves; the factors of each arm, nested as they were."""
     assert EpisodeFacts.from_bytes(facts.to_bytes()) == facts
 
 
 @pytest.mark.parametrize("written", [b"{", b"[1]", b"\xff"])
-def test_damaged_facts_are_refused(tmp_path: Path, written: bytes):
+def test_damaged_facts_are_refused(tmp_path, written):
     """The trace that holds them is a SchemaError that names it."""
-    table = trace_schema(3, 2).empty_table()
-    metadata = {**table.schema.metadata, FACTS_KEY: written}
-    pq.write_table(table.replace_schema_metadata(metadata), tmp_path / "trace.parquet")
+    _write(tmp_path / "trace.parquet", {b"harness.facts": written})
     with pytest.raises(SchemaError, match=r"trace\.parquet"):
         read_trace(tmp_path / "trace.parquet")
-
-
-def test_facts_of_varied_arms_come_back():
-    """The factors of each, nested as they were."""
-    facts = EpisodeFacts(7, 0.5, arms=(((1.0, 0.9), (1.1, 1.0), 1.0), ((1.2, 1.0), (1.0, 1.0), 0.5)))
-    assert EpisodeFacts.from_bytes(facts.to_bytes()) == facts

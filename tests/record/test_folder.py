@@ -1,29 +1,28 @@
 """The folder of a cell: hidden while it grows, named when it is complete."""
 
-from pathlib import Path
+from harness.record import partial_folder
+from harness.record.folder import evaluation_files, publish
 
-from harness.record.folder import EVALUATIONS, evaluation_files, partial_folder, publish
 
-
-def test_partial_folder_is_hidden_beside(tmp_path: Path):
+def test_partial_folder_is_hidden_beside(tmp_path):
     """On the same file system, so that a rename completes it, and no result by its name."""
     assert partial_folder(tmp_path / "abc") == tmp_path / ".abc.partial"
 
 
-def test_evaluations_come_in_order_of_their_steps(tmp_path: Path):
+def test_evaluations_come_in_order_of_their_steps(tmp_path):
     """As numbers, and without what a killed process was writing."""
-    (tmp_path / EVALUATIONS).mkdir()
+    (tmp_path / "evaluations").mkdir()
     for name in ("1000.parquet", "200.parquet", ".1200.parquet"):
-        (tmp_path / EVALUATIONS / name).touch()
+        (tmp_path / "evaluations" / name).touch()
     assert list(evaluation_files(tmp_path)) == [200, 1000]
 
 
-def test_folder_without_evaluations_has_none(tmp_path: Path):
+def test_folder_without_evaluations_has_none(tmp_path):
     """They are made when the first one is."""
     assert evaluation_files(tmp_path) == {}
 
 
-def test_publish_replaces(tmp_path: Path):
+def test_publish_replaces(tmp_path):
     """The complete folder takes the place of the earlier one, nothing of which stays."""
     for name, file in (("cell", "old"), (".cell.partial", "new")):
         (tmp_path / name).mkdir()

@@ -3,226 +3,205 @@
 import json
 import os
 import shutil
-from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import pytest
 
 from harness.errors import UsageError
-from harness.experiment.plan import Plan, check_experiment, expand
-from harness.record.cell import Cell
-from harness.record.folder import DERIVED, MANIFEST, TRACE
-from harness.record.manifest import read_manifest
+from harness.experiment import check_experiment, expand
+from harness.record import EXPERIMENT, MANIFEST, PLAN, REPORT, RESULTS, TRACE, Store, Terms, read_manifest
 from harness.record.merge import merge
-from harness.record.plan_file import EXPERIMENT, PLAN, read_plan
-from harness.record.store import CELLS, LOCK, REPORT, RESULTS, Store
-from harness.record.terms import FIRST, Terms
 from harness.record.verify import verify
-from harness.registry.registry import Registry
 from harness.report.document import report_text
-from harness.results import Results, load_results
-from harness_plugins.transfer.record import TRANSFER
+from harness.results import load_results
 
-Run = Callable[..., Path]
+ASKED = {"sim": "ideal", "algo": "wander", "reward": "arp", "task": "fd100-reach:horizon=5", "steps": 6}
 
 
 @pytest.fixture
-def run(toys: Registry, run_once: Callable[..., Results], tmp_path: Path) -> Run:
+def run(toys, run_once, tmp_path):
     """Gives a folder of that name with an experiment of these seeds, done; one that was done before is copied."""
 
-    def run_into(name: str, seeds: Any, **keys: Any) -> Path:
-        asked = {
-            "sim": ["ideal"],
-            "algo": ["wander"],
-            "reward": ["arp"],
-            "task": "fd100-reach:horizon=5",
-            "steps": 6,
-            **keys,
-        }
-        plan = expand(check_experiment({**asked, "evaluation_episodes": 2, "seeds": seeds}), toys)
+    def run_into(name, seeds, **keys):
+        plan = expand(check_experiment({**ASKED, **keys, "evaluation_episodes": 2, "seeds": seeds}), toys)
         return run_once(plan, tmp_path / name).folder
 
     return run_into
 
 
-def _files(folder: Path) -> dict[str, bytes]:
-    files = [path for path in folder.rglob("*") if path.is_file() and path.name != LOCK]
+@pytest.fixture
+def merged(tmp_path):
+    """What merging folders into a new one said, and left there."""
+
+    def merged(*folders):
+        said = merge(folders, tmp_path / "all")
+        return said, Store(tmp_path / "all")
+
+    return merged
+
+
+@pytest.fixture
+def refused(tmp_path):
+    """See that folders are not merged, for this reason, and that nothing is written."""
+
+    def refused(folders, told):
+        with pytest.raises(UsageError, match=told):
+            merge(folders, tmp_path / "all")
+        assert not (tmp_path / "all").exists()
+
+    return refused
+
+
+def _files(folder):
+    files = [path for path in folder.rglob("*") if path.is_file() and path.name != ".lock"]
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in files}
 
 
-def _fail(folder: Path, cell: Cell) -> None:
-    shutil.rmtree(folder / CELLS / cell.id)
+def _cells(folder):
+    """The folders of its cells, in the order of the plan."""
+    store = Store(folder)
+    return [store.cell_folder(cell) for cell in store.read_plan().cells]
+
+
+def _fail(folder):
+    first = _cells(folder)[0]
+    cell = read_manifest(first).cell
+    shutil.rmtree(first)
     Store(folder).record(cell, "failed", "no luck")
 
 
-def test_report_is_that_of_one_run(run: Run, tmp_path: Path):
+def test_report_is_that_of_one_run(run, merged, tmp_path):
     """Byte for byte, whatever the order of the folders; times are those of the cells."""
     whole = run("whole", 4)
-    parts = [run("one", [0, 2]), run("two", [1, 3])]
-    merge(parts[::-1], tmp_path / "all")
-    for cell in read_plan(whole).cells:  # the same trainings at another time; each part has its random actions
-        shutil.copytree(tmp_path / "all" / CELLS / cell.id, whole / CELLS / cell.id, dirs_exist_ok=True)
+    merged(run("two", [1, 3]), run("one", [0, 2]))
+    for folder in _cells(whole):  # the same trainings at another time; each part has its random actions
+        shutil.copytree(tmp_path / "all" / "cells" / folder.name, folder, dirs_exist_ok=True)
     assert report_text(load_results(tmp_path / "all")) == report_text(load_results(whole))
     assert verify(tmp_path / "all") == []
 
 
-def test_experiment_asks_for_all(run: Run, tmp_path: Path):
-    """Where the parts differ in one list; the same run then finds every cell done."""
-    merge([run("one", [0, 1]), run("two", [1, 2])], tmp_path / "all")
-    assert load_results(tmp_path / "all").plan.experiment["seeds"] == [0, 1, 2]
-    assert "seeds = [\n    0,\n    1,\n    2,\n]" in (tmp_path / "all" / EXPERIMENT).read_text()
+def test_experiment_asks_for_all(run, merged):
+    """Where the parts differ in one list; a cell that is done in both is taken once, from the first folder."""
+    one = run("one", [0, 1])
+    _, store = merged(one, run("two", [1, 2]))
+    assert store.read_plan().experiment["seeds"] == [0, 1, 2]
+    assert "seeds = [\n    0,\n    1,\n    2,\n]" in (store.folder / EXPERIMENT).read_text()
+    assert all(_files(folder) == _files(store.folder / "cells" / folder.name) for folder in _cells(one))
+    assert len(store.manifests()) == 6
 
 
-def test_names_are_united(run: Run, tmp_path: Path):
+def test_names_are_united(run, merged):
     """As seeds are."""
-    merge([run("one", 1, reward=["arp"]), run("two", 1, reward=["dense", "arp"])], tmp_path / "all")
-    plan = read_plan(tmp_path / "all")
+    _, store = merged(run("one", 1, reward=["arp"]), run("two", 1, reward=["dense", "arp"]))
+    plan = store.read_plan()
     assert [reward["name"] for reward in plan.experiment["reward"]] == ["arp", "dense"]
     assert [cell.reward.name for cell in plan.cells] == ["baseline", "arp", "dense"]
 
 
-def test_experiments_that_differ_in_more_stand_one_after_the_other(run: Run, tmp_path: Path):
+def test_experiments_that_differ_in_more_stand_one_after_the_other(run, merged):
     """As in a folder where both were run; the last one is the newest."""
     one, two = run("one", [0]), run("two", [1], steps=12)
-    merge([one, two], tmp_path / "all")
-    plan = read_plan(tmp_path / "all")
-    assert plan.experiment == read_plan(two).experiment
-    assert plan.cells == (*read_plan(one).cells, *read_plan(two).cells)
+    _, store = merged(one, two)
+    first, second, plan = (Store(folder).read_plan() for folder in (one, two, store.folder))
+    assert (plan.experiment, plan.cells) == (second.experiment, (*first.cells, *second.cells))
 
 
-def test_sources_stay_as_they_were(run: Run, tmp_path: Path):
-    """Every byte of them."""
-    folders = [run("one", [0]), run("two", [1])]
-    before = [_files(folder) for folder in folders]
-    merge(folders, tmp_path / "all")
-    assert [_files(folder) for folder in folders] == before
-
-
-def test_tables_and_pages_are_not_copied(run: Run, tmp_path: Path):
-    """Cells are whole, and what is kept of them comes with them."""
+def test_sources_stay_as_they_were(run, merged):
+    """Every byte; of a folder cells and what is kept of them are copied, tables and pages are not."""
     one = run("one", [0])
     for name in (RESULTS, REPORT):
         (one / name).write_text("made")
-    assert (one / DERIVED).is_dir()
-    merge([one], tmp_path / "all")
-    cells = {name: content for name, content in _files(one).items() if name.startswith((CELLS, DERIVED))}
-    assert _files(tmp_path / "all") == {**cells, **{name: (one / name).read_bytes() for name in (PLAN, EXPERIMENT)}}
-
-
-def test_cell_that_is_done_in_both_is_taken_once(run: Run, tmp_path: Path):
-    """It has the same trace in both; the first folder's is taken."""
-    one, two = run("one", [0]), run("two", [0, 1])
-    merge([one, two], tmp_path / "all")
-    [cell, *_] = read_plan(one).cells
-    assert _files(tmp_path / "all" / CELLS / cell.id) == _files(one / CELLS / cell.id)
-    assert len(Store(tmp_path / "all").manifests()) == 4
+    before = _files(one)
+    _, store = merged(one)
+    assert _files(one) == before
+    assert (one / "derived").is_dir()
+    kept = {
+        name: content for name, content in before.items() if name.startswith(("cells", "derived", PLAN, EXPERIMENT))
+    }
+    assert _files(store.folder) == kept
 
 
 @pytest.mark.parametrize("order", [1, -1])
-def test_done_cell_wins_over_a_failed_one(run: Run, tmp_path: Path, order: int):
+def test_done_cell_wins_over_a_failed_one(run, merged, order):
     """Whichever comes first."""
     one, two = run("one", [0]), run("two", [0])
-    cell = read_plan(one).cells[0]
-    _fail(one, cell)
-    merge([one, two][::order], tmp_path / "all")
-    assert Store(tmp_path / "all").is_done(cell)
+    _fail(one)
+    _, store = merged(*[one, two][::order])
+    assert [it.status for it in store.manifests()] == ["done", "done"]
 
 
-def test_failed_and_pending_cells_stay_so(run: Run, tmp_path: Path):
+def test_failed_and_pending_cells_stay_so(run, merged):
     """The merged folder tells of them as the parts did."""
     one, two = run("one", [0]), run("two", [1])
-    _fail(one, read_plan(one).cells[0])
-    shutil.rmtree(two / CELLS / read_plan(two).cells[0].id)
-    merge([one, two], tmp_path / "all")
-    assert [item.status for item in load_results(tmp_path / "all").manifests] == ["failed", "done", "pending", "done"]
+    _fail(one)
+    shutil.rmtree(_cells(two)[0])
+    _, store = merged(one, two)
+    assert [item.status for item in load_results(store.folder).manifests] == ["failed", "done", "pending", "done"]
 
 
-def test_two_trainings_that_differ_are_refused(run: Run, tmp_path: Path):
-    """The message names the cell and both folders; nothing is written."""
+def test_two_trainings_that_differ_are_refused(run, refused):
+    """The message names the cell and both folders."""
     one, two = run("one", [0]), run("two", [0])
-    cell = read_plan(two).cells[0]
-    folder = two / CELLS / cell.id
-    shutil.copy(two / CELLS / read_plan(two).cells[1].id / TRACE, folder / TRACE)
+    folder, other = _cells(two)
+    shutil.copy(other / TRACE, folder / TRACE)
     read_manifest(folder).write(folder)
-    with pytest.raises(UsageError, match=f"Cell {cell.id} .* was trained in '{one}' and in '{two}', and the steps"):
-        merge([one, two], tmp_path / "all")
-    assert not (tmp_path / "all").exists()
+    refused([one, two], f"Cell {folder.name} .* was trained in '{one}' and in '{two}', and the steps")
 
 
-def test_damaged_cell_is_left_out_and_named(run: Run, tmp_path: Path):
-    """It is pending then: the next run does it."""
-    one, two = run("one", [0]), run("two", [1])
-    cell = read_plan(one).cells[0]
-    (one / CELLS / cell.id / TRACE).write_bytes(b"PAR1")
-    merged = merge([one, two], tmp_path / "all")
-    assert [item.path for item in merged.left_out] == [one / CELLS / cell.id]
-    assert "is not what was written" in merged.left_out[0].reason
-    assert Store(tmp_path / "all").examine(cell).status == "pending"
+@pytest.mark.parametrize(("seeds", "status"), [([1], "pending"), ([0], "done")])
+def test_damaged_cell_is_left_out_and_named(run, merged, seeds, status):
+    """The next run does it; a sound one is taken in its place."""
+    one, two = run("one", [0]), run("two", seeds)
+    folder = _cells(one)[0]
+    cell = read_manifest(folder).cell
+    (folder / TRACE).write_bytes(b"PAR1")
+    said, store = merged(one, two)
+    [left] = said.left_out
+    assert (left.path, "is not what was written" in left.reason) == (folder, True)
+    assert store.examine(cell).status == status
 
 
-def test_sound_cell_is_taken_in_place_of_a_damaged_one(run: Run, tmp_path: Path):
-    """And the damaged one is named all the same."""
-    one, two = run("one", [0]), run("two", [0])
-    cell = read_plan(one).cells[0]
-    (one / CELLS / cell.id / TRACE).write_bytes(b"PAR1")
-    assert len(merge([one, two], tmp_path / "all").left_out) == 1
-    assert Store(tmp_path / "all").is_done(cell)
-
-
-def test_experiment_s_folder_keeps_what_it_has(run: Run, tmp_path: Path):
+def test_experiment_s_folder_keeps_what_it_has(run):
     """Cells of the others come to its own."""
     one, two = run("one", [0]), run("two", [1])
-    before = _files(one / CELLS)
+    before = _files(one / "cells")
     merge([two], one)
-    assert before.items() <= _files(one / CELLS).items()
+    assert before.items() <= _files(one / "cells").items()
     assert [item.cell.seed for item in load_results(one).done] == [0, 0, 1, 1]
 
 
-def test_merging_again_changes_nothing(run: Run, tmp_path: Path):
+def test_merging_again_changes_nothing(run, merged):
     """A merge that was cut short goes on by the same call."""
-    one, two = run("one", [0]), run("two", [1])
-    merge([one, two], tmp_path / "all")
-    before = _files(tmp_path / "all")
-    merge([one, two], tmp_path / "all")
-    assert _files(tmp_path / "all") == before
+    folders = [run("one", [0]), run("two", [1])]
+    before, after = (_files(merged(*folders)[1].folder) for _ in range(2))
+    assert before == after
 
 
-def test_transfers_are_copied(ran: Path, tmp_path: Path):
-    """With their cells."""
-    merge([ran], tmp_path / "all")
-    assert _files(ran / TRANSFER)
-    assert _files(tmp_path / "all" / TRANSFER) == _files(ran / TRANSFER)
-
-
-def test_damaged_transfer_is_left_out_and_named(ran: Path, tmp_path: Path):
-    """Its cell is not."""
-    [folder] = (ran / TRANSFER).glob("*/*")
+def test_transfers_are_copied(ran, merged):
+    """With their cells; one that is damaged is left out and named, and its cell is not."""
+    [folder] = (ran / "transfer").glob("*/*")
+    _, store = merged(ran)
+    assert _files(store.folder / "transfer") == _files(ran / "transfer") != {}
+    shutil.rmtree(store.folder)
     (folder / MANIFEST).write_text("{")
-    [left] = merge([ran], tmp_path / "all").left_out
+    [left] = merged(ran)[0].left_out
     assert left.path == folder
-    assert not (tmp_path / "all" / TRANSFER).exists()
-    assert (tmp_path / "all" / CELLS / folder.parent.name).is_dir()
+    assert not (store.folder / "transfer").exists()
+    assert (store.folder / "cells" / folder.parent.name).is_dir()
 
 
-def test_other_baselines_are_refused(run: Run, tmp_path: Path):
+def test_other_baselines_are_refused(run, refused):
     """Nothing says what the merged comparison would be with."""
-    one, two = run("one", [0]), run("two", [0], baseline="dense")
-    with pytest.raises(UsageError, match=r"compares with baseline, '.*two' with dense"):
-        merge([one, two], tmp_path / "all")
-    assert not (tmp_path / "all").exists()
+    refused([run("one", [0]), run("two", [0], baseline="dense")], r"compares with baseline, '.*two' with dense")
 
 
-def test_folder_that_is_no_experiment_is_refused(run: Run, tmp_path: Path):
+def test_folder_that_is_no_experiment_is_refused(run, refused, tmp_path):
     """Before anything is written."""
     (tmp_path / "notes").mkdir()
-    with pytest.raises(UsageError, match="notes' is no experiment"):
-        merge([run("one", [0]), tmp_path / "notes"], tmp_path / "all")
-    assert not (tmp_path / "all").exists()
+    refused([run("one", [0]), tmp_path / "notes"], "notes' is no experiment")
 
 
-def test_folder_with_other_things_is_not_merged_into(run: Run, tmp_path: Path):
+def test_folder_with_other_things_is_not_merged_into(run, tmp_path):
     """It stays as it is."""
     (tmp_path / "notes").mkdir()
     (tmp_path / "notes" / "mine.txt").write_text("kept")
@@ -232,39 +211,38 @@ def test_folder_with_other_things_is_not_merged_into(run: Run, tmp_path: Path):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="links take a privilege there")
-def test_links_are_not_followed(run: Run, tmp_path: Path):
+def test_links_are_not_followed(run, refused):
     """A stranger's folder may lead anywhere."""
     one = run("one", [0])
-    cell = read_plan(one).cells[0]
-    (one / CELLS / cell.id / "policy" / "mine").symlink_to("/etc/hostname")
-    with pytest.raises(UsageError, match="is a link; nothing is merged from a folder with links"):
-        merge([one], tmp_path / "all")
-    assert not (tmp_path / "all").exists()
+    (_cells(one)[0] / "policy" / "mine").symlink_to("/etc/hostname")
+    refused([one], "is a link; nothing is merged from a folder with links")
 
 
-def test_number_of_seeds_that_no_cell_has_is_no_list(
-    make_cell: Callable[..., Cell], make_plan: Callable[..., Plan], tmp_path: Path
-):
+def test_number_of_seeds_that_no_cell_has_is_no_list(make_cell, make_plan, merged, tmp_path):
     """A stranger's plan may claim any number."""
-    for name in ("one", "two"):
+    folders = [tmp_path / "one", tmp_path / "two"]
+    for folder in folders:
         plan = make_plan(make_cell())
-        Store.create(tmp_path / name, replace(plan, resolved={**plan.resolved, "seeds": 10**12}))
-    merge([tmp_path / "one", tmp_path / "two"], tmp_path / "all")
-    assert json.loads((tmp_path / "all" / PLAN).read_text())["experiment"]["seeds"] == 10**12
+        Store.create(folder, replace(plan, resolved={**plan.resolved, "seeds": 10**12}))
+    _, store = merged(*folders)
+    assert json.loads((store.folder / PLAN).read_text())["experiment"]["seeds"] == 10**12
 
 
-def test_what_was_added_later_stays_told(run: Run, tmp_path: Path):
-    """Of either folder, and what both agreed on besides."""
-    one, other = run("one", [0, 1]), run("two", [2, 3])
-    for folder, added in ((one, Terms(averaged=5, grown=(2,))), (other, Terms(averaged=5, joined=("arp",)))):
-        replace(read_plan(folder), terms=added).write(folder)
-    merge([one, other], tmp_path / "all")
-    assert read_plan(tmp_path / "all").terms == Terms(averaged=5, grown=(2,), joined=("arp",))
-
-
-def test_other_terms_are_those_of_no_plan(run: Run, tmp_path: Path):
-    """Trainings in looks beside such of all seeds at once."""
-    one, other = run("one", [0, 1]), run("two", [2, 3])
-    replace(read_plan(one), terms=Terms((2, 4), averaged=5)).write(one)
-    merge([one, other], tmp_path / "all")
-    assert read_plan(tmp_path / "all").terms == FIRST
+@pytest.mark.parametrize(
+    ("one", "other", "both"),
+    [
+        (
+            Terms(averaged=5, grown=(2,)),
+            Terms(averaged=5, joined=("arp",)),
+            Terms(averaged=5, grown=(2,), joined=("arp",)),
+        ),
+        (Terms((2, 4), averaged=5), Terms(averaged=5), Terms()),
+    ],
+    ids=["added later", "looks beside all seeds at once"],
+)
+def test_what_both_agreed_on_stays_told(run, merged, one, other, both):
+    """And what was added to either; other terms are those of no plan."""
+    folders = [run("one", [0, 1]), run("two", [2, 3])]
+    for folder, terms in zip(folders, (one, other), strict=True):
+        replace(Store(folder).read_plan(), terms=terms).write(folder)
+    assert merged(*folders)[1].read_plan().terms == both

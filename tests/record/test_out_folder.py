@@ -24,7 +24,7 @@ with folder_lock(Path(sys.argv[1]), "busy"):
 GUARDED = "    try:\n        import fcntl\n    except ImportError:\n"
 
 
-def test_second_process_is_refused_until_the_first_one_ends(tmp_path: Path):
+def test_second_process_is_refused_until_the_first_one_ends(tmp_path):
     """By one line that says what to do; a process that is killed lets go."""
     path = tmp_path / ".lock"
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
@@ -40,7 +40,7 @@ def test_second_process_is_refused_until_the_first_one_ends(tmp_path: Path):
         assert path.exists()
 
 
-def test_one_process_does_not_hold_it_twice(tmp_path: Path):
+def test_one_process_does_not_hold_it_twice(tmp_path):
     """Two runs in one program do not meet in one folder either."""
     with (
         folder_lock(tmp_path / ".lock", "In use"),
@@ -59,28 +59,28 @@ def test_nothing_but_portable_modules_is_imported():
     assert not [path for path, text in texts.items() if "import fcntl" in text.replace(GUARDED, "")]
 
 
-def test_folder_is_made_with_what_is_in_it(tmp_path: Path):
+def test_folder_is_made_with_what_is_in_it(tmp_path):
     """A second time nothing happens."""
     for _ in range(2):
         make_folder(tmp_path / "deep" / "down", "cells")
     assert (tmp_path / "deep" / "down" / "cells").is_dir()
 
 
-def test_folder_below_a_file_cannot_be_made(tmp_path: Path):
+def test_folder_below_a_file_cannot_be_made(tmp_path):
     """The message names what is in the way."""
     (tmp_path / "file").touch()
     with pytest.raises(UsageError, match=r"cannot be written: '.*file' allows no writing here"):
         make_folder(tmp_path / "file" / "inner")
 
 
-def test_second_process_waits_if_it_is_told_to(tmp_path: Path):
+def test_second_process_waits_if_it_is_told_to(tmp_path):
     """It says so once, and has the folder when the first one lets go."""
     path, told = tmp_path / ".lock", []
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
     with subprocess.Popen([sys.executable, "-c", HOLD, str(path)], text=True, **pipes) as holder:
         assert holder.stdout.readline() == "held\n"
 
-        def let_go() -> None:
+        def let_go():
             told.append("waiting")
             holder.stdin.close()
 
@@ -89,7 +89,7 @@ def test_second_process_waits_if_it_is_told_to(tmp_path: Path):
 
 
 @pytest.mark.parametrize("inner", ["plan.json", ".lock", "cells", "cells/x", "cells/x/trace.parquet"])
-def test_link_in_a_folder_is_refused(tmp_path: Path, inner: str):
+def test_link_in_a_folder_is_refused(tmp_path, inner):
     """What is written into it would land elsewhere; the line names it."""
     path = tmp_path / "out" / inner
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -99,7 +99,7 @@ def test_link_in_a_folder_is_refused(tmp_path: Path, inner: str):
 
 
 @pytest.mark.parametrize("inner", ["study.log", ".0.partial/log.txt", "0/trace.parquet"])
-def test_a_second_name_of_a_file_that_grows_is_refused(tmp_path: Path, inner: str):
+def test_a_second_name_of_a_file_that_grows_is_refused(tmp_path, inner):
     """What is appended would land in the other one; files that are replaced may have as many as they like."""
     (tmp_path / "it" / "0").mkdir(parents=True)
     (tmp_path / "it" / "0" / "checkpoint.safetensors").write_text("")
@@ -113,14 +113,14 @@ def test_a_second_name_of_a_file_that_grows_is_refused(tmp_path: Path, inner: st
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="other systems take text alone")
-def test_a_folder_whose_name_is_no_text_is_refused(tmp_path: Path):
+def test_a_folder_whose_name_is_no_text_is_refused(tmp_path):
     """Libraries that write into it would end with a traceback, after the training."""
     with pytest.raises(UsageError, match=r"--out .* is not written in UTF-8"):
         make_folder(tmp_path / "bad\udcff")
     assert not list(tmp_path.iterdir())
 
 
-def test_folder_may_be_a_link_itself(tmp_path: Path):
+def test_folder_may_be_a_link_itself(tmp_path):
     """The user says where his results go."""
     (tmp_path / "disk").mkdir()
     (tmp_path / "out").symlink_to(tmp_path / "disk")
@@ -136,7 +136,7 @@ def test_versions_that_emptied_what_a_link_leads_to_are_not_allowed():
     assert [version for version in ("3.16", "3.20.2", "3.20.3") if asked.specifier.contains(version)] == ["3.20.3"]
 
 
-def test_a_folder_that_is_gone_is_called_gone(tmp_path: Path):
+def test_a_folder_that_is_gone_is_called_gone(tmp_path):
     """Nothing of it is kept, and no disk is full; a file that is missing in a folder that is there is told as such."""
     with pytest.raises(StorageError, match="it' is gone"), storage_errors(tmp_path / "it"):
         (tmp_path / "it" / "file").write_text("")

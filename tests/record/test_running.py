@@ -1,14 +1,12 @@
 """What a run tells of its running cells."""
 
-from pathlib import Path
-
 import pytest
 
 from harness.errors import SchemaError
-from harness.record.running import RUNNING, Running, discard_running, read_running, write_running
+from harness.record.running import Running, discard_running, read_running, write_running
 
 
-def test_what_is_written_is_read(tmp_path: Path):
+def test_what_is_written_is_read(tmp_path):
     """Cell by cell."""
     running = {"a": Running(100.0).after(40, 101.5), "b": Running(102.0)}
     write_running(tmp_path, running)
@@ -20,7 +18,7 @@ def test_steps_do_not_go_back():
     assert Running(0.0).after(40, 1.0).after(10, 2.0) == Running(0.0, 40, 2.0)
 
 
-def test_nothing_is_running_where_nothing_is_written(tmp_path: Path):
+def test_nothing_is_running_where_nothing_is_written(tmp_path):
     """Neither before a run nor after it."""
     write_running(tmp_path, {"a": Running(1.0)})
     discard_running(tmp_path)
@@ -28,8 +26,8 @@ def test_nothing_is_running_where_nothing_is_written(tmp_path: Path):
 
 
 @pytest.mark.parametrize("content", ["", "[]", '{"a": 3}', '{"a": {"started": -1}}', '{"a": {"started": NaN}}'])
-def test_a_damaged_account_is_named(tmp_path: Path, content: str):
+def test_a_damaged_account_is_named(tmp_path, content):
     """It may come from anybody."""
-    (tmp_path / RUNNING).write_text(content)
+    (tmp_path / "running.json").write_text(content)
     with pytest.raises(SchemaError, match="is no readable account of running cells"):
         read_running(tmp_path)

@@ -1,13 +1,11 @@
 """The arm in a cell's folder."""
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from harness.errors import SchemaError
-from harness.record.folder import SCENE
 from harness.record.scene import Body, Scene, SceneJoint, read_scene, write_scene
 
 POINTS = np.array([[0.0, 0.0, 0.0], [0.5, 0.0, 0.0], [0.0, 0.25, 0.0], [0.0, 0.0, -0.1]])
@@ -20,7 +18,7 @@ SCENE_OF_ONE = Scene(
 )
 
 
-def test_what_was_written_is_read(tmp_path: Path):
+def test_what_was_written_is_read(tmp_path):
     """Triangles, joints and colours come back; points to 1/32767 of the largest coordinate."""
     write_scene(SCENE_OF_ONE, tmp_path)
     found = read_scene(tmp_path)
@@ -32,12 +30,12 @@ def test_what_was_written_is_read(tmp_path: Path):
     np.testing.assert_array_equal(found.joints[0].frame, np.eye(3, 4))
 
 
-def test_a_cell_of_an_earlier_version_has_none(tmp_path: Path):
+def test_a_cell_of_an_earlier_version_has_none(tmp_path):
     """It is no error: such a cell is not shown."""
     assert read_scene(tmp_path) is None
 
 
-def test_a_file_of_another_form_is_damaged(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
+def test_a_file_of_another_form_is_damaged(tmp_path_factory, subtests):
     """Nothing of a stranger's file is drawn before it was checked."""
     rows = [
         ({"format": 2}, "format"),
@@ -51,6 +49,6 @@ def test_a_file_of_another_form_is_damaged(tmp_path_factory: pytest.TempPathFact
     for change, problem in rows:
         with subtests.test(change=change, problem=problem):
             tmp_path = tmp_path_factory.mktemp("case")
-            (tmp_path / SCENE).write_text(json.dumps({**SCENE_OF_ONE.to_json(), **change}))
+            (tmp_path / "scene.json").write_text(json.dumps({**SCENE_OF_ONE.to_json(), **change}))
             with pytest.raises(SchemaError, match=problem):
                 read_scene(tmp_path)

@@ -1,17 +1,15 @@
 """How far an experiment has come."""
 
 import shutil
-from pathlib import Path
 
 import pytest
 
-from harness.record.folder import MANIFEST
+from harness.record import MANIFEST, Store
 from harness.record.running import Running, write_running
 from harness.record.status import read_status
-from harness.record.store import Store
 
 
-def test_every_cell_has_its_status(ran: Path):
+def test_every_cell_has_its_status(ran):
     """One is done, one is pending, one is damaged, one is running."""
     store = Store.open(ran)
     _, pending, damaged, running = store.read_plan().cells
@@ -25,7 +23,7 @@ def test_every_cell_has_its_status(ran: Path):
     assert [one.status for one in found.cells] == ["done", "pending", "damaged", "running"]
 
 
-def test_a_killed_run_leaves_interrupted_cells(ran: Path):
+def test_a_killed_run_leaves_interrupted_cells(ran):
     """Nobody holds the folder: what was running is not."""
     store = Store.open(ran)
     cell = store.read_plan().cells[0]
@@ -37,7 +35,7 @@ def test_a_killed_run_leaves_interrupted_cells(ran: Path):
     assert found.seconds_left is None
 
 
-def test_the_rest_takes_what_the_cells_take(ran: Path):
+def test_the_rest_takes_what_the_cells_take(ran):
     """The speed of who is running, and besides the training what the done cells took."""
     store = Store.open(ran)
     cells = store.read_plan().cells

@@ -1,6 +1,5 @@
 """An env that counts, so that every recorded number is known."""
 
-from collections.abc import Callable
 from typing import Any
 
 import gymnasium
@@ -41,6 +40,6 @@ class Counting(gymnasium.Env[Any, Any]):
 
 
 @pytest.fixture
-def counting() -> Callable[..., Counting]:
+def counting():
     """The env; its length can be given."""
     return Counting

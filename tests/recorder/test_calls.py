@@ -10,14 +10,14 @@ from harness.record.recording.facts import ActionFacts
 from harness.recorder.calls import CHECKED, NO_SEED, UNCHECKED, Calls, action_facts, action_of, checksum
 
 
-def _calls(shape: tuple[int, ...] = (2,), num_envs: int = 1) -> Calls:
+def _calls(shape=(2,), num_envs=1):
     calls = Calls(ActionFacts(shape), num_envs, lambda facts: None)
     for env in range(num_envs):
         calls.note_reset(env, 7, None)
     return calls
 
 
-def test_actions_of_few_numbers_are_recorded(subtests: pytest.Subtests):
+def test_actions_of_few_numbers_are_recorded(subtests):
     """Those of no numbers, or of very many, are not."""
     rows = [
         (Box(-1, 1, (2, 3)), (2, 3)),
@@ -40,7 +40,7 @@ def test_actions_of_few_numbers_are_recorded(subtests: pytest.Subtests):
         *(np.array([True, False]), np.float32(0.1), np.int64(3), 3, -0.1, True),
     ],
 )
-def test_action_comes_back_as_it_was_given(action: Any):
+def test_action_comes_back_as_it_was_given(action):
     """Bit for bit, and in its type: an env may compute otherwise with another one."""
     calls = _calls(np.shape(action))
     calls.note_step(0, action, None, is_checked=False)
@@ -88,7 +88,7 @@ PROBLEMS: dict[str, tuple[Any, str]] = {
 
 
 @pytest.mark.parametrize(("call", "told"), PROBLEMS.values(), ids=PROBLEMS)
-def test_what_cannot_be_told_again_is_a_problem(call: Any, told: str):
+def test_what_cannot_be_told_again_is_a_problem(call, told):
     """It is noted once, and from there on only zeros."""
     calls = _calls()
     call(calls)

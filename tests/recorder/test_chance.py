@@ -22,7 +22,7 @@ DRAWS: dict[str, tuple[str, Callable[[], Any]]] = {
 
 
 @pytest.fixture
-def states() -> Any:
+def states():
     """NumPy's and Python's states, each with a normal number kept for the next call; afterwards as before."""
     kept = np.random.get_state(), random.getstate()
     np.random.seed(1), random.seed(1)
@@ -31,13 +31,13 @@ def states() -> Any:
     np.random.set_state(kept[0]), random.setstate(kept[1])
 
 
-def _now() -> tuple[Any, ...]:
+def _now():
     name, key, *rest = np.random.get_state()
     return name, key.tolist(), rest, random.getstate()
 
 
 @pytest.mark.usefixtures("states")
-def test_draw_is_seen_and_put_back(subtests: pytest.Subtests):
+def test_draw_is_seen_and_put_back(subtests):
     """Where the states are read in memory, and where they are asked for."""
     for is_read in [True, False]:
         for case, (whose, draw) in DRAWS.items():

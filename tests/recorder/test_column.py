@@ -11,7 +11,7 @@ import pytest
 from harness.recorder.column import as_number, source_of
 
 
-def scaled(factor: float, observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+def scaled(factor, observation, action, next_observation, info):
     """A reward with a parameter."""
     return factor * float(next_observation[0])
 
@@ -28,7 +28,7 @@ class Scaled:
         return self.factor * float(next_observation[0])
 
 
-def test_one_number_is_a_number(subtests: pytest.Subtests):
+def test_one_number_is_a_number(subtests):
     """Of whatever type."""
     for value in [2, 2.0, np.float32(2), np.array(2), np.int64(2), np.full((), 2.0)]:
         with subtests.test(value=value):
@@ -41,7 +41,7 @@ def test_truth_is_a_number():
     assert (as_number(True), as_number(np.False_)) == (1.0, 0.0)
 
 
-def test_what_is_no_finite_number_is_refused(subtests: pytest.Subtests):
+def test_what_is_no_finite_number_is_refused(subtests):
     """A list of one number too: it may be that of a batch."""
     rows = [
         *((np.ones(1), ValueError), ([1.0], ValueError), (float("nan"), ValueError), (np.float32("-inf"), ValueError)),

@@ -16,27 +16,27 @@ GOAL, GAINS = np.zeros(2), (1.0, 0.5)
 HOLDER = [random]
 
 
-def _helper(x: Any) -> float:
+def _helper(x):
     return float(np.clip(x, -1, 1)) * GAINS[0]
 
 
-def _draws(x: Any) -> float:
+def _draws(x):
     return x * random.random()
 
 
-def _loops(x: Any) -> float:
+def _loops(x):
     while x:
         pass
     return x
 
 
-def _stores(x: Any) -> float:
+def _stores(x):
     global GAINS  # noqa: PLW0603 (what is tested)
     GAINS = (x, x)
     return x
 
 
-def _imports(x: Any) -> float:
+def _imports(x):
     import random as chance
 
     return x * chance.random()
@@ -65,12 +65,12 @@ WATCHED: list[Callable[..., Any]] = [
 
 
 @pytest.mark.parametrize("function", PLAIN)
-def test_function_that_only_computes(function: Any):
+def test_function_that_only_computes(function):
     """With helpers, constants, mathematics."""
     assert only_computes(function)
 
 
-def test_function_that_might_draw_or_never_return(subtests: pytest.Subtests):
+def test_function_that_might_draw_or_never_return(subtests):
     """By a name, a helper, an import, an argument, an object."""
     for function in WATCHED:
         with subtests.test(function=function):
@@ -80,7 +80,7 @@ def test_function_that_might_draw_or_never_return(subtests: pytest.Subtests):
 def test_closure_is_looked_into():
     """What a function was made with."""
 
-    def made(held: Any) -> Any:
+    def made(held):
         return lambda s, a, n, i: held(n[0])
 
     assert only_computes(made(math.sin))

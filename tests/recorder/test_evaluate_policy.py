@@ -7,7 +7,7 @@ import pytest
 
 import harness
 from harness.errors import UsageError
-from harness.record.recording.recorded_training import read_recording
+from harness.record import read_recording
 
 GIVEN = {"trained_with": "count", "seed": 3, "rewards": {"count": lambda before, action, after, info: float(after[0])}}
 

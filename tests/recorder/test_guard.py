@@ -3,7 +3,6 @@
 import random
 import signal
 import time
-from typing import Any
 
 import numpy as np
 import pytest
@@ -13,12 +12,12 @@ from harness.recorder.guard import Guard, Raised
 
 
 @pytest.fixture
-def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+def quick(monkeypatch):
     """A call may take a tenth of a second."""
     monkeypatch.setattr(room, "LONGEST_CALL", 0.1)
 
 
-def _step(guard: Guard, action: Any) -> Any:
+def _step(guard, action):
     seen = guard.seal(np.ones(2))
     return seen, guard.seal(action), seen, guard.seal({"x": 1.0})
 
@@ -26,7 +25,7 @@ def _step(guard: Guard, action: Any) -> Any:
 def test_function_that_writes_is_told_what_to_write_instead():
     """The others and the learner have their action; the message names what it writes into."""
 
-    def halves(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+    def halves(observation, action, next_observation, info):
         action /= 2
         return 0.0
 
@@ -43,7 +42,7 @@ def test_other_errors_stay_what_they_are():
     """Also those of the same types."""
     guard = Guard()
 
-    def fails(*step: Any) -> float:
+    def fails(*step):
         raise ValueError("read-only")
 
     assert guard.reason(fails, _step(guard, np.ones(1)), ValueError("read-only")) == "ValueError: read-only"
@@ -64,10 +63,10 @@ def test_draws_are_put_back_unless_they_pay():
 
 @pytest.mark.usefixtures("quick")
 @pytest.mark.parametrize("how", ["loops", "sleeps", "catches"])
-def test_function_that_never_returns_is_ended(how: str):
+def test_function_that_never_returns_is_ended(how):
     """One that computes, one that waits, and one that goes on after every exception."""
 
-    def stuck(*_: Any) -> float:
+    def stuck(*_):
         while True:
             try:
                 time.sleep(60) if how == "sleeps" else None

@@ -1,7 +1,6 @@
 """Rewards with a memory: each env gets a copy of its own, which measures the env that is stepped."""
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -10,7 +9,7 @@ import pytest
 
 import harness
 from harness.errors import UsageError
-from harness.record.recording.recorded_training import read_recording
+from harness.record import read_recording
 
 ACTION = np.array([0.5], np.float32)
 
@@ -31,7 +30,7 @@ class Holds:
         return 100 * self.calls + self.tell(self.held)
 
 
-def _record(env: Any, reward: Any, path: Path) -> list[float]:
+def _record(env, reward, path):
     recorded = harness.RecordRewards(env, path, trained_with="own", rewards={"holds": reward})
     recorded.reset(seed=0)
     for _ in range(3):
@@ -50,7 +49,7 @@ HELD: dict[str, Callable[[Any], tuple[Any, Callable[[Any], float]]]] = {
 
 
 @pytest.mark.parametrize("hold", HELD.values(), ids=HELD)
-def test_copy_measures_the_env_that_is_stepped(counting: Callable[..., Any], tmp_path: Path, hold: Any):
+def test_copy_measures_the_env_that_is_stepped(counting, tmp_path, hold):
     """It holds the env itself or a part of it: a copy of that would stay where the env began."""
     env = gymnasium.wrappers.TimeLimit(counting(9), 9)
     reward = Holds(*hold(env))
@@ -58,7 +57,7 @@ def test_copy_measures_the_env_that_is_stepped(counting: Callable[..., Any], tmp
     assert reward.calls == 0  # the recorder counted with a copy
 
 
-def test_reward_that_the_env_holds_is_copied(counting: Callable[..., Any], tmp_path: Path):
+def test_reward_that_the_env_holds_is_copied(counting, tmp_path):
     """The env may call it too: two who count with one object would count twice."""
     env = counting(9)
     env.reward = Holds(0, float)
@@ -66,7 +65,7 @@ def test_reward_that_the_env_holds_is_copied(counting: Callable[..., Any], tmp_p
     assert env.reward.calls == 0
 
 
-def test_reward_that_holds_another_env_is_refused(counting: Callable[..., Any], tmp_path: Path):
+def test_reward_that_holds_another_env_is_refused(counting, tmp_path):
     """Nobody steps that one."""
     with pytest.raises(
         UsageError, match=r"reward 'holds' holds an env that is not the one that is recorded.*give a fu"
@@ -76,7 +75,7 @@ def test_reward_that_holds_another_env_is_refused(counting: Callable[..., Any], 
 
 
 @pytest.mark.parametrize("held", ["one", "a part"])
-def test_reward_of_a_batch_that_holds_one_env_is_refused(tmp_path: Path, held: str):
+def test_reward_of_a_batch_that_holds_one_env_is_refused(tmp_path, held):
     """Each env needs a copy, and nobody can say whose env the copies should look at."""
     envs = gymnasium.make_vec("CartPole-v1", num_envs=2, vectorization_mode="sync")
     first = envs.envs[0]  # type: ignore[attr-defined]
@@ -86,7 +85,7 @@ def test_reward_of_a_batch_that_holds_one_env_is_refused(tmp_path: Path, held: s
     envs.close()
 
 
-def test_batched_reward_may_hold_the_batch(tmp_path: Path):
+def test_batched_reward_may_hold_the_batch(tmp_path):
     """There is one copy, for all envs."""
     envs = gymnasium.make_vec("CartPole-v1", num_envs=2, vectorization_mode="sync")
 

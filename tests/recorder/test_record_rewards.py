@@ -6,7 +6,6 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -17,13 +16,12 @@ from gymnasium.utils.env_checker import check_env
 
 import harness
 from harness.errors import SchemaError, StorageError, UsageError
-from harness.log import Log
-from harness.record.recording.recorded_training import read_recording
+from harness.record import read_recording
 
 ACTION = np.array([0.5], np.float32)
 
 
-def gain(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+def gain(observation, action, next_observation, info):
     """How far the count went, and the action."""
     return float(next_observation[0] - observation[0] + action[0])
 
@@ -45,10 +43,10 @@ class Memory:
 
 
 @pytest.fixture
-def record(counting: Callable[..., Any], tmp_path: Path) -> Callable[..., Any]:
+def record(counting, tmp_path):
     """A recorded env; ``own`` trains unless something else is said."""
 
-    def make(**given: Any) -> Any:
+    def make(**given):
         env = given.pop("env", None) or counting()
         return harness.RecordRewards(
             env, given.pop("path", tmp_path / "run"), **{"trained_with": "own", "rewards": {"gain": gain}, **given}
@@ -57,7 +55,7 @@ def record(counting: Callable[..., Any], tmp_path: Path) -> Callable[..., Any]:
     return make
 
 
-def _act(env: Any, steps: int, seed: int | None = None) -> None:
+def _act(env, steps, seed=None):
     """Reset, and take steps; episodes that end are followed by the next."""
     env.reset(seed=seed)
     for _ in range(steps):
@@ -65,13 +63,13 @@ def _act(env: Any, steps: int, seed: int | None = None) -> None:
             env.reset()
 
 
-def _recorded(env: Any, steps: int, tmp_path: Path, seed: int | None = None) -> Log:
+def _recorded(env, steps, tmp_path, seed=None):
     _act(env, steps, seed)
     env.close()
     return read_recording(tmp_path / "run")
 
 
-def test_steps_are_recorded(record: Callable[..., Any], tmp_path: Path):
+def test_steps_are_recorded(record, tmp_path):
     """Each with its time, its place in the episode, what every reward pays, and how it ended."""
     found = _recorded(record(behaviour={"left": "left"}), 5, tmp_path)
     assert found["tick"].tolist() == [0, 1, 2, 3, 4]
@@ -85,14 +83,14 @@ def test_steps_are_recorded(record: Callable[..., Any], tmp_path: Path):
     assert not found["env"].any()
 
 
-def test_truncation_is_recorded(record: Callable[..., Any], counting: Callable[..., Any], tmp_path: Path):
+def test_truncation_is_recorded(record, counting, tmp_path):
     """Apart from termination."""
     found = _recorded(record(env=gymnasium.wrappers.TimeLimit(counting(), 2)), 3, tmp_path)
     assert found["truncated"].tolist() == [False, True, False]
     assert not found["terminated"].any()
 
 
-def test_abandoned_episode_is_an_episode_of_its_own(record: Callable[..., Any], tmp_path: Path):
+def test_abandoned_episode_is_an_episode_of_its_own(record, tmp_path):
     """A reset in its middle begins the next; a reset without a step before it does not."""
     env = record()
     for steps in (1, 0, 2):
@@ -101,7 +99,7 @@ def test_abandoned_episode_is_an_episode_of_its_own(record: Callable[..., Any], 
     assert read_recording(tmp_path / "run")["episode"].tolist() == [0, 1, 1]
 
 
-def test_memory_is_restarted_with_each_episode(record: Callable[..., Any], tmp_path: Path):
+def test_memory_is_restarted_with_each_episode(record, tmp_path):
     """And is a copy: the object that was given stays as it was."""
     memory = Memory()
     found = _recorded(record(rewards={"calls": memory}), 5, tmp_path)
@@ -109,14 +107,14 @@ def test_memory_is_restarted_with_each_episode(record: Callable[..., Any], tmp_p
     assert memory.calls == 100
 
 
-def test_reward_that_trained_may_be_a_function_of_the_steps(record: Callable[..., Any], tmp_path: Path):
+def test_reward_that_trained_may_be_a_function_of_the_steps(record, tmp_path):
     """Where the env pays the same."""
     count = {"count": lambda before, action, after, info: after[0]}
     found = _recorded(record(trained_with="count", rewards=count), 3, tmp_path)
     assert (found.facts.trained_with, found.facts.rewards, found.facts.paid_otherwise) == ("count", ("count",), "")
 
 
-def test_env_that_pays_something_else_is_told(record: Callable[..., Any], tmp_path: Path):
+def test_env_that_pays_something_else_is_told(record, tmp_path):
     """Once, with the first step in which it does."""
     env = record(trained_with="gain")
     with pytest.warns(
@@ -127,7 +125,7 @@ def test_env_that_pays_something_else_is_told(record: Callable[..., Any], tmp_pa
     assert found.facts.paid_otherwise == "env 0, episode 0, step 0: the env paid 1, 'gain' 1.5"
 
 
-def test_env_is_left_as_it_is(record: Callable[..., Any], counting: Callable[..., Any]):
+def test_env_is_left_as_it_is(record, counting):
     """The same observations, payments, ends and infos, objects and all."""
     bare, recorded = counting(), record()
     assert recorded.reset(seed=1)[1] == bare.reset(seed=1)[1]
@@ -138,10 +136,10 @@ def test_env_is_left_as_it_is(record: Callable[..., Any], counting: Callable[...
     assert recorded.np_random.random() == bare.np_random.random()
 
 
-def test_reward_cannot_change_what_the_learner_sees(record: Callable[..., Any]):
+def test_reward_cannot_change_what_the_learner_sees(record):
     """One that writes into an observation is given up, and told what to write instead."""
 
-    def spoil(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+    def spoil(observation, action, next_observation, info):
         next_observation[:] = 99
         return 0.0
 
@@ -152,7 +150,7 @@ def test_reward_cannot_change_what_the_learner_sees(record: Callable[..., Any]):
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning:gymnasium")
-def test_check_env_passes(record: Callable[..., Any]):
+def test_check_env_passes(record):
     """With a registered env; the spec is the env's own, of which `make` makes an env that is not recorded."""
     bare = gymnasium.make("Pendulum-v1")
     env = record(env=bare, rewards={"height": lambda before, action, after, info: after[0]})
@@ -161,7 +159,7 @@ def test_check_env_passes(record: Callable[..., Any]):
     env.close()
 
 
-def test_seed_and_env_are_written_down(record: Callable[..., Any], tmp_path: Path):
+def test_seed_and_env_are_written_down(record, tmp_path):
     """The first seed; the spec with its arguments; the versions."""
     facts = _recorded(record(env=gymnasium.make("Pendulum-v1", g=9.0)), 2, tmp_path, seed=5).facts
     assert facts.seed == 5
@@ -169,7 +167,7 @@ def test_seed_and_env_are_written_down(record: Callable[..., Any], tmp_path: Pat
     assert facts.versions["gymnasium"] == gymnasium.__version__
 
 
-def test_nothing_of_the_machine_is_written_down(record: Callable[..., Any], tmp_path: Path):
+def test_nothing_of_the_machine_is_written_down(record, tmp_path):
     """Neither its name nor a place on its disk."""
     _recorded(record(), 1, tmp_path)
     text = (tmp_path / "run" / "recording-0.json").read_text()
@@ -189,7 +187,7 @@ FAILURES: dict[str, tuple[Any, str]] = {
 
 
 @pytest.mark.parametrize(("given", "reason"), FAILURES.values(), ids=FAILURES)
-def test_reward_that_fails_is_given_up(record: Callable[..., Any], tmp_path: Path, given: Any, reason: str):
+def test_reward_that_fails_is_given_up(record, tmp_path, given, reason):
     """From its step on it is NaN, in later episodes too; what was recorded stays, and the others go on."""
     env = record(rewards={"bad": given, "gain": gain})
     with pytest.warns(UserWarning, match=f"^reward 'bad' failed in env 0, episode 0, step 1: .*{reason}") as warned:
@@ -202,7 +200,7 @@ def test_reward_that_fails_is_given_up(record: Callable[..., Any], tmp_path: Pat
 
 
 @pytest.mark.parametrize(("given", "reason"), FAILURES.values(), ids=FAILURES)
-def test_reward_that_fails_can_stop_the_training(record: Callable[..., Any], given: Any, reason: str):
+def test_reward_that_fails_can_stop_the_training(record, given, reason):
     """With on_error="raise"."""
     env = record(rewards={"bad": given}, on_error="raise")
     env.reset()
@@ -211,7 +209,7 @@ def test_reward_that_fails_can_stop_the_training(record: Callable[..., Any], giv
         env.step(ACTION)
 
 
-def test_memory_that_cannot_restart_is_given_up(record: Callable[..., Any], tmp_path: Path):
+def test_memory_that_cannot_restart_is_given_up(record, tmp_path):
     """As if its first step had failed."""
 
     class Stuck(Memory):
@@ -223,14 +221,14 @@ def test_memory_that_cannot_restart_is_given_up(record: Callable[..., Any], tmp_
     assert np.isnan(found["reward/bad"]).all()
 
 
-def test_behaviour_may_be_told_at_the_end_alone(record: Callable[..., Any], tmp_path: Path):
+def test_behaviour_may_be_told_at_the_end_alone(record, tmp_path):
     """Steps before it have NaN, and nothing is given up."""
     found = _recorded(record(behaviour={"final": "final"}), 4, tmp_path)
     assert np.isnan(found["behaviour/final"]).tolist() == [True, True, False, True]
     assert found.facts.failures == ()
 
 
-def test_behaviour_that_is_missing_at_the_end_is_given_up(record: Callable[..., Any], tmp_path: Path):
+def test_behaviour_that_is_missing_at_the_end_is_given_up(record, tmp_path):
     """It would be missing for good."""
     with pytest.warns(UserWarning, match="behaviour 'never' failed in env 0, episode 0, step 2: .*info has no 'never'"):
         _recorded(record(behaviour={"never": "never"}), 3, tmp_path)
@@ -248,23 +246,21 @@ UNUSABLE: dict[str, tuple[dict[str, Any], str]] = {
 
 
 @pytest.mark.parametrize(("given", "message"), UNUSABLE.values(), ids=UNUSABLE)
-def test_what_cannot_be_used_is_refused(
-    record: Callable[..., Any], tmp_path: Path, given: dict[str, Any], message: str
-):
+def test_what_cannot_be_used_is_refused(record, tmp_path, given, message):
     """Before anything is written."""
     with pytest.raises(UsageError, match=message):
         record(**given)
     assert not (tmp_path / "run").exists()
 
 
-def test_path_that_cannot_be_a_folder_is_refused(record: Callable[..., Any], tmp_path: Path):
+def test_path_that_cannot_be_a_folder_is_refused(record, tmp_path):
     """A file stands there."""
     (tmp_path / "run").write_text("mine")
     with pytest.raises(StorageError, match="cannot be written"):
         record()
 
 
-def test_recording_is_not_written_over(record: Callable[..., Any], tmp_path: Path):
+def test_recording_is_not_written_over(record, tmp_path):
     """A path that holds one is refused, and stays."""
     before = _recorded(record(), 4, tmp_path)
     with pytest.raises(UsageError, match=r"holds a recording already: .*resume=True"):
@@ -272,7 +268,7 @@ def test_recording_is_not_written_over(record: Callable[..., Any], tmp_path: Pat
     assert len(read_recording(tmp_path / "run")) == len(before)
 
 
-def test_recording_goes_on(record: Callable[..., Any], tmp_path: Path):
+def test_recording_goes_on(record, tmp_path):
     """With resume=True: time and episodes go on where they were."""
     _recorded(record(resume=True), 4, tmp_path)
     found = _recorded(record(resume=True), 2, tmp_path)
@@ -290,14 +286,14 @@ def test_recording_goes_on(record: Callable[..., Any], tmp_path: Path):
         ({"env": gymnasium.make("Pendulum-v1")}, "its env differ"),
     ],
 )
-def test_another_training_does_not_go_on(record: Callable[..., Any], tmp_path: Path, change: dict[str, Any], what: str):
+def test_another_training_does_not_go_on(record, tmp_path, change, what):
     """The recording stays that of one training."""
     _recorded(record(), 1, tmp_path)
     with pytest.raises(UsageError, match=what):
         record(resume=True, **change)
 
 
-def test_given_up_reward_stays_given_up_in_a_recording_that_goes_on(record: Callable[..., Any], tmp_path: Path):
+def test_given_up_reward_stays_given_up_in_a_recording_that_goes_on(record, tmp_path):
     """Its NaN has no gap."""
     with pytest.warns(UserWarning, match="failed"):
         _recorded(record(rewards={"bad": "other"}), 2, tmp_path)
@@ -305,7 +301,7 @@ def test_given_up_reward_stays_given_up_in_a_recording_that_goes_on(record: Call
     assert np.isnan(found["reward/bad"]).tolist() == [False, True, True]
 
 
-def test_envs_of_one_training_record_beside_one_another(record: Callable[..., Any], tmp_path: Path):
+def test_envs_of_one_training_record_beside_one_another(record, tmp_path):
     """Each with a number; without one the second is refused."""
     first = record()
     with pytest.raises(UsageError, match="is being recorded by another env with number=0"):
@@ -320,9 +316,7 @@ def test_envs_of_one_training_record_beside_one_another(record: Callable[..., An
     assert found["env"].tolist() == [0, 1, 0, 1]
 
 
-def test_recording_can_be_read_while_it_goes_on(
-    record: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
+def test_recording_can_be_read_while_it_goes_on(record, tmp_path, monkeypatch):
     """As far as it was written, which is every few seconds."""
     monkeypatch.setattr("harness.record.recording.recording_writer.WRITE_EVERY", 0.0)
     env = record()
@@ -332,7 +326,7 @@ def test_recording_can_be_read_while_it_goes_on(
     assert not read_recording(tmp_path / "run").facts.closed
 
 
-def test_garbage_is_written_first(record: Callable[..., Any], tmp_path: Path):
+def test_garbage_is_written_first(record, tmp_path):
     """An env that nobody closes leaves all its steps."""
     env = record()
     _act(env, 2)
@@ -342,7 +336,7 @@ def test_garbage_is_written_first(record: Callable[..., Any], tmp_path: Path):
     assert (len(found), found.facts.closed) == (2, True)
 
 
-def test_steps_after_close_are_not_recorded(record: Callable[..., Any], tmp_path: Path):
+def test_steps_after_close_are_not_recorded(record, tmp_path):
     """Closing ends the recording; closing twice is nothing new."""
     env = record()
     found = _recorded(env, 2, tmp_path)
@@ -351,12 +345,10 @@ def test_steps_after_close_are_not_recorded(record: Callable[..., Any], tmp_path
     assert len(read_recording(tmp_path / "run")) == len(found) == 2
 
 
-def test_full_disk_ends_the_recording_and_not_the_training(
-    record: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
+def test_full_disk_ends_the_recording_and_not_the_training(record, tmp_path, monkeypatch):
     """One warning, and closing the env says no more; what was written stays."""
 
-    def refuse(*given: Any) -> None:
+    def refuse(*given):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("harness.record.recording.recording_writer.WRITE_EVERY", 0.0)
@@ -390,7 +382,7 @@ if sys.argv[2] == "kill":
 
 
 @pytest.mark.parametrize("way", ["kill", "exit"])
-def test_process_that_ends_leaves_its_steps(tmp_path: Path, way: str):
+def test_process_that_ends_leaves_its_steps(tmp_path, way):
     """Killed without a warning, all but those of the last moments; ended by itself without `close`, all."""
     with subprocess.Popen([sys.executable, "-c", KILLED, str(tmp_path), way], stdout=subprocess.PIPE) as process:
         if way == "kill":
@@ -401,7 +393,7 @@ def test_process_that_ends_leaves_its_steps(tmp_path: Path, way: str):
     assert (len(found), found.facts.closed) == ((201, False) if way == "kill" else (7, True))
 
 
-def test_killed_recording_goes_on(record: Callable[..., Any], tmp_path: Path):
+def test_killed_recording_goes_on(record, tmp_path):
     """Nothing that a kill leaves stands in the way."""
     import shutil
 
@@ -412,7 +404,7 @@ def test_killed_recording_goes_on(record: Callable[..., Any], tmp_path: Path):
     env.close()
 
 
-def test_damaged_recording_does_not_go_on(record: Callable[..., Any], tmp_path: Path):
+def test_damaged_recording_does_not_go_on(record, tmp_path):
     """It is named, and left alone."""
     _recorded(record(), 1, tmp_path)
     path = tmp_path / "run" / "recording-0.json"
@@ -421,7 +413,7 @@ def test_damaged_recording_does_not_go_on(record: Callable[..., Any], tmp_path: 
         record(resume=True)
 
 
-def test_recorded_env_in_a_copy_of_the_observation(record: Callable[..., Any]):
+def test_recorded_env_in_a_copy_of_the_observation(record):
     """Observations that are no arrays are copied too."""
     env = record(
         env=gymnasium.wrappers.TransformObservation(

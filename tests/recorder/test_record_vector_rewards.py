@@ -1,7 +1,5 @@
 """`harness.RecordVectorRewards`: what it records is what single envs record, in each way of starting episodes."""
 
-from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -11,8 +9,7 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 import harness
 from harness.errors import UsageError
-from harness.log import Log
-from harness.record.recording.recorded_training import read_recording
+from harness.record import read_recording
 
 LENGTHS = (3, 2)
 CALLS = 9
@@ -59,15 +56,15 @@ GIVEN: dict[str, Any] = {
 }
 
 
-def _action(env: int, call: int) -> float:
+def _action(env, call):
     return 0.01 * env + 0.1 * (call % 7)
 
 
 @pytest.fixture
-def make_batch(counting: Callable[..., Any]) -> Callable[..., Any]:
+def make_batch(counting):
     """Two counting envs, of other lengths."""
 
-    def make(mode: AutoresetMode) -> Any:
+    def make(mode):
         return SyncVectorEnv(
             [lambda length=length: counting(length, fresh=True) for length in LENGTHS], autoreset_mode=mode
         )
@@ -75,7 +72,7 @@ def make_batch(counting: Callable[..., Any]) -> Callable[..., Any]:
     return make
 
 
-def _act(envs: Any, mode: AutoresetMode, calls: int = CALLS) -> None:
+def _act(envs, mode, calls=CALLS):
     """Take steps in all envs; those that have to be told to start an episode are told."""
     envs.reset(seed=3)
     for call in range(calls):
@@ -86,7 +83,7 @@ def _act(envs: Any, mode: AutoresetMode, calls: int = CALLS) -> None:
             envs.reset(options={"reset_mask": ended})
 
 
-def _single(counting: Callable[..., Any], path: Path, env: int, calls: list[int]) -> Log:
+def _single(counting, path, env, calls):
     """What one env alone records, of the actions of these calls."""
     alone = harness.RecordRewards(counting(LENGTHS[env]), path, **GIVEN)
     alone.reset()
@@ -98,9 +95,7 @@ def _single(counting: Callable[..., Any], path: Path, env: int, calls: list[int]
 
 
 @pytest.mark.parametrize("mode", MODES)
-def test_batch_records_what_its_envs_record_alone(
-    counting: Callable[..., Any], make_batch: Callable[..., Any], tmp_path: Path, mode: AutoresetMode
-):
+def test_batch_records_what_its_envs_record_alone(counting, make_batch, tmp_path, mode):
     """Every column of every env, with the last observation and info of an episode that ended."""
     envs = harness.RecordVectorRewards(make_batch(mode), tmp_path / "batch", **GIVEN)
     _act(envs, mode)
@@ -122,7 +117,7 @@ def test_batch_records_what_its_envs_record_alone(
 
 
 @pytest.mark.parametrize("mode", MODES)
-def test_batched_reward_is_that_of_single_envs(make_batch: Callable[..., Any], tmp_path: Path, mode: AutoresetMode):
+def test_batched_reward_is_that_of_single_envs(make_batch, tmp_path, mode):
     """Called once for all envs, with the observations of the step, and restarted in those that start an episode."""
     rewards = {"all": RememberingBatch(), "each": lambda *given: given[1][0] + 10 * given[2][0] + 100 * given[0][0]}
     envs = harness.RecordVectorRewards(
@@ -138,7 +133,7 @@ def test_batched_reward_is_that_of_single_envs(make_batch: Callable[..., Any], t
 
 
 @pytest.mark.parametrize("mode", MODES)
-def test_envs_are_left_as_they_are(make_batch: Callable[..., Any], tmp_path: Path, mode: AutoresetMode):
+def test_envs_are_left_as_they_are(make_batch, tmp_path, mode):
     """The same observations, payments, ends and infos."""
     bare, recorded = make_batch(mode), harness.RecordVectorRewards(make_batch(mode), tmp_path, **GIVEN)
     assert np.array_equal(bare.reset(seed=1)[0], recorded.reset(seed=1)[0])
@@ -150,7 +145,7 @@ def test_envs_are_left_as_they_are(make_batch: Callable[..., Any], tmp_path: Pat
     recorded.close()
 
 
-def test_observations_of_several_parts(tmp_path: Path):
+def test_observations_of_several_parts(tmp_path):
     """A reward of one env is given that env's dict, at an episode's end the last one."""
 
     class Parts(gymnasium.Env[Any, Any]):
@@ -172,7 +167,7 @@ def test_observations_of_several_parts(tmp_path: Path):
         def _seen(self) -> Any:
             return {"a": np.full(2, self.count, np.float32), "b": (self.count,)}
 
-    def seen(before: Any, action: Any, after: Any, info: Any) -> float:
+    def seen(before, action, after, info):
         return 1000 * action["go"] + 100 * info["nested"]["deep"] + 10 * after["a"][1] + after["b"][0] - before["b"][0]
 
     envs = harness.RecordVectorRewards(
@@ -190,7 +185,7 @@ def test_observations_of_several_parts(tmp_path: Path):
     assert found["reward/seen"][found["env"] == 1].tolist() == [1111, 1221, 1111]
 
 
-def test_batch_that_tells_of_the_last_step_itself(tmp_path: Path):
+def test_batch_that_tells_of_the_last_step_itself(tmp_path):
     """The harness's own env resets at once, and its infos are those of the step, without `final_info`."""
     envs = gymnasium.make_vec("harness/Reach-v0", num_envs=2, simulator="kinematic", task="fd100-reach")
     recorded = harness.RecordVectorRewards(
@@ -211,13 +206,13 @@ def test_batch_that_tells_of_the_last_step_itself(tmp_path: Path):
     assert np.array_equal(found["reward/far"], found["behaviour/distance"])
 
 
-def _fail_in_second_env(before: Any, action: Any, after: Any, info: Any) -> float:
+def _fail_in_second_env(before, action, after, info):
     if after[0] == 2 and info["left"] == 0:
         raise ValueError("at the end of the shorter")
     return 1.0
 
 
-def _fail_in_batch(before: Any, actions: Any, after: Any, infos: Any) -> Any:
+def _fail_in_batch(before, actions, after, infos):
     return np.where(after[:, 0] == [9, 2], np.nan, 1.0)
 
 
@@ -230,9 +225,7 @@ def _fail_in_batch(before: Any, actions: Any, after: Any, infos: Any) -> Any:
         ("words", (), "it is 'none', no number"),
     ],
 )
-def test_reward_that_fails_is_given_up_with_env_and_step(
-    make_batch: Callable[..., Any], tmp_path: Path, given: Any, batched: tuple[str, ...], reason: str
-):
+def test_reward_that_fails_is_given_up_with_env_and_step(make_batch, tmp_path, given, batched, reason):
     """From there on it is NaN in all envs; other rewards go on."""
     mode = AutoresetMode.SAME_STEP
     envs = harness.RecordVectorRewards(
@@ -251,7 +244,7 @@ def test_reward_that_fails_is_given_up_with_env_and_step(
     assert not np.isnan(found["reward/own"]).any()
 
 
-def test_batched_reward_of_a_wrong_shape_is_given_up(make_batch: Callable[..., Any], tmp_path: Path):
+def test_batched_reward_of_a_wrong_shape_is_given_up(make_batch, tmp_path):
     """It names both shapes."""
     mode = AutoresetMode.NEXT_STEP
     envs = harness.RecordVectorRewards(
@@ -262,7 +255,7 @@ def test_batched_reward_of_a_wrong_shape_is_given_up(make_batch: Callable[..., A
     envs.close()
 
 
-def test_envs_that_pay_something_else_are_told(make_batch: Callable[..., Any], tmp_path: Path):
+def test_envs_that_pay_something_else_are_told(make_batch, tmp_path):
     """With the first env and step."""
     rewards = {"mine": lambda before, action, after, info: float(after[0]) + (after[0] == 3)}
     mode = AutoresetMode.SAME_STEP
@@ -273,7 +266,7 @@ def test_envs_that_pay_something_else_are_told(make_batch: Callable[..., Any], t
     assert len(told) == 1
 
 
-def test_batch_goes_on(make_batch: Callable[..., Any], tmp_path: Path):
+def test_batch_goes_on(make_batch, tmp_path):
     """Episodes of each env go on where they were."""
     mode = AutoresetMode.SAME_STEP
     for _ in range(2):
@@ -286,7 +279,7 @@ def test_batch_goes_on(make_batch: Callable[..., Any], tmp_path: Path):
     assert found["episode"][found["env"] == 1].tolist() == [0, 0, 1, 1, 2, 2, 3, 3]
 
 
-def test_env_that_does_not_tell_how_it_starts_episodes_is_refused(make_batch: Callable[..., Any], tmp_path: Path):
+def test_env_that_does_not_tell_how_it_starts_episodes_is_refused(make_batch, tmp_path):
     """The message says what its metadata need."""
     envs = make_batch(AutoresetMode.SAME_STEP)
     envs.metadata = {}
@@ -294,7 +287,7 @@ def test_env_that_does_not_tell_how_it_starts_episodes_is_refused(make_batch: Ca
         harness.RecordVectorRewards(envs, tmp_path, **GIVEN)
 
 
-def test_batched_names_are_names(make_batch: Callable[..., Any], tmp_path: Path):
+def test_batched_names_are_names(make_batch, tmp_path):
     """Of rewards or of behaviour."""
     with pytest.raises(UsageError, match="names 'nome', which is no reward and no behaviour"):
         harness.RecordVectorRewards(make_batch(AutoresetMode.SAME_STEP), tmp_path, batched=["nome"], **GIVEN)

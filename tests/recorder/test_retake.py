@@ -10,14 +10,13 @@ import pytest
 
 import harness
 from harness.errors import UsageError
-from harness.log import Log
-from harness.record.recording.recorded_training import read_recording
+from harness.record import read_recording
 from harness.record.recording.scores import scores_name
 from harness.recorder.retake import Later, Retake
 from harness.reward import Given
 
 
-def low(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+def low(observation, action, next_observation, info):
     """Minus the height, and what the action costs."""
     return -float(next_observation[0]) - 0.1 * float(np.sum(np.abs(action)))
 
@@ -39,7 +38,7 @@ REWARDS: dict[str, Given] = {"low": low}
 MEASURES: dict[str, Given] = {"worst": Worst()}
 
 
-def _act(env: Any, steps: int) -> None:
+def _act(env, steps):
     """Episodes, one of them abandoned, another started with a seed."""
     env.action_space.seed(0)
     env.reset(seed=3)
@@ -52,7 +51,7 @@ def _act(env: Any, steps: int) -> None:
     env.close()
 
 
-def _record(path: Path, name: str = "Pendulum-v1", steps: int = 250, **given: Any) -> Log:
+def _record(path, name="Pendulum-v1", steps=250, **given):
     _act(
         harness.RecordRewards(
             gymnasium.make(name), path, **{"trained_with": "own", "rewards": {"own": "own"}, "seed": 1, **given}
@@ -62,11 +61,11 @@ def _record(path: Path, name: str = "Pendulum-v1", steps: int = 250, **given: An
     return read_recording(path)
 
 
-def _retake(name: str = "Pendulum-v1", **given: Any) -> Retake:
+def _retake(name="Pendulum-v1", **given):
     return Retake(lambda: gymnasium.make(name, **given), lambda env: Later(REWARDS, MEASURES, ["worst"]))
 
 
-def test_reward_pays_what_it_would_have_paid(tmp_path: Path):
+def test_reward_pays_what_it_would_have_paid(tmp_path):
     """The same numbers as if it had been recorded at once, to the last bit; what was recorded stays."""
     at_once = _record(tmp_path / "at-once", rewards={"own": "own", **REWARDS}, behaviour=MEASURES)
     before = _record(tmp_path / "later")
@@ -81,7 +80,7 @@ def test_reward_pays_what_it_would_have_paid(tmp_path: Path):
     )
 
 
-def test_episodes_that_the_recorder_cut_are_cut_again(tmp_path: Path):
+def test_episodes_that_the_recorder_cut_are_cut_again(tmp_path):
     """An evaluation with a horizon can be paid later too."""
     told: dict[str, Any] = {"trained_with": "own", "rewards": {"own": "own"}, "episodes": 2, "horizon": 20}
     harness.evaluate_policy(lambda seen: np.zeros(1), "Pendulum-v1", tmp_path, seed=0, **told)
@@ -90,10 +89,10 @@ def test_episodes_that_the_recorder_cut_are_cut_again(tmp_path: Path):
 
 
 @pytest.mark.parametrize("mode", [gymnasium.vector.AutoresetMode.NEXT_STEP, gymnasium.vector.AutoresetMode.SAME_STEP])
-def test_envs_of_a_batch_are_paid_one_by_one(tmp_path: Path, mode: Any):
+def test_envs_of_a_batch_are_paid_one_by_one(tmp_path, mode):
     """Each env went on by itself, however the batch starts episodes."""
 
-    def record(path: Path, **given: Any) -> Log:
+    def record(path, **given):
         envs = gymnasium.make_vec(
             "CartPole-v1", num_envs=3, vectorization_mode="sync", vector_kwargs={"autoreset_mode": mode}
         )
@@ -114,7 +113,7 @@ def test_envs_of_a_batch_are_paid_one_by_one(tmp_path: Path, mode: Any):
     assert np.array_equal(later["behaviour/worst"], at_once["behaviour/worst"])
 
 
-def test_several_recorders_of_one_training_are_paid(tmp_path: Path):
+def test_several_recorders_of_one_training_are_paid(tmp_path):
     """Each has a file of its own."""
     for number in (0, 1):
         _record(tmp_path / "run", steps=40, number=number)
@@ -123,7 +122,7 @@ def test_several_recorders_of_one_training_are_paid(tmp_path: Path):
     assert not np.isnan(read_recording(tmp_path / "run")["reward/low"]).any()
 
 
-def test_training_that_went_on_is_paid_to_its_end(tmp_path: Path):
+def test_training_that_went_on_is_paid_to_its_end(tmp_path):
     """What was scored before counts for the steps that there were."""
     _record(tmp_path / "run", steps=40)
     _retake().score(tmp_path / "run")
@@ -133,10 +132,10 @@ def test_training_that_went_on_is_paid_to_its_end(tmp_path: Path):
     assert len(read_recording(tmp_path / "run")["reward/low"]) == 80
 
 
-def test_reward_that_fails_costs_itself_alone(tmp_path: Path):
+def test_reward_that_fails_costs_itself_alone(tmp_path):
     """It is NaN from that step on, and told; there is no warning."""
 
-    def fails(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+    def fails(observation, action, next_observation, info):
         raise KeyError("no such")
 
     _record(tmp_path / "run", steps=5)
@@ -147,7 +146,7 @@ def test_reward_that_fails_costs_itself_alone(tmp_path: Path):
     assert not np.isnan(found["reward/low"]).any()
 
 
-def _step_apart(env: Any) -> Any:
+def _step_apart(env):
     """An env that answers otherwise from its 20th step on."""
 
     class Apart(gymnasium.Wrapper[Any, Any, Any, Any]):
@@ -169,7 +168,7 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
 
 
 @pytest.mark.parametrize(("make", "told"), REFUSED.values(), ids=REFUSED)
-def test_env_that_answers_otherwise_pays_nothing(tmp_path: Path, make: Callable[[], Any], told: str):
+def test_env_that_answers_otherwise_pays_nothing(tmp_path, make, told):
     """The new reward would be paid for another training."""
     _record(tmp_path / "run")
     with pytest.raises(UsageError, match=told):
@@ -178,7 +177,7 @@ def test_env_that_answers_otherwise_pays_nothing(tmp_path: Path, make: Callable[
     assert "low" not in read_recording(tmp_path / "run").rewards
 
 
-def test_recording_that_does_not_tell_all_calls_is_refused(tmp_path: Path):
+def test_recording_that_does_not_tell_all_calls_is_refused(tmp_path):
     """With the reason."""
     env = harness.RecordRewards(gymnasium.make("Pendulum-v1"), tmp_path / "run", trained_with="own", rewards={})
     env.reset()
@@ -197,7 +196,7 @@ def test_recording_of_an_earlier_version_is_refused():
         _retake("CartPole-v1").score(old)
 
 
-def test_steps_are_told_while_they_are_taken(tmp_path: Path):
+def test_steps_are_told_while_they_are_taken(tmp_path):
     """Counted over all envs of the recording."""
     told: list[int] = []
     _record(tmp_path / "run", steps=7)

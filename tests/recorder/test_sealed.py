@@ -37,7 +37,7 @@ WRITES: dict[str, Callable[[Any], Any]] = {
 }
 
 
-def test_nothing_can_be_written_into(subtests: pytest.Subtests):
+def test_nothing_can_be_written_into(subtests):
     """At any depth; what was given stays as it was, and can be written into by its owner."""
     for case, write in WRITES.items():
         with subtests.test(case):

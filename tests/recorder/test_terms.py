@@ -1,8 +1,6 @@
 """Functions of a step as rewards of any env, and the terms that they pay."""
 
 import warnings
-from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -12,16 +10,15 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 import harness
 from harness.errors import SchemaError, UsageError
-from harness.log import Log
-from harness.record.recording.facts import TrainingFacts
-from harness.record.recording.recorded_training import facts_name, read_recording, weighed
+from harness.record import TrainingFacts, read_recording
+from harness.record.recording.recorded_training import facts_name, weighed
 from harness.recorder.recorder import GivenUp
 from harness.recorder.retake import Later, Retake
 from harness.reward.terms import sum_of
 from tests.record.recording.told import terms_of
 
 
-def gentle(step: Any) -> dict[str, Any]:
+def gentle(step):
     """Stand upright, and push little: single and double precision, as NumPy makes them."""
     push, before = step.action, step.before.action
     return {
@@ -31,13 +28,13 @@ def gentle(step: Any) -> dict[str, Any]:
     }
 
 
-def eureka(observation: Any, action: Any, next_observation: Any, info: Any) -> Any:
+def eureka(observation, action, next_observation, info):
     """The form of Eureka."""
     terms = {"upright": float(next_observation[0]), "speed": -0.1 * abs(float(next_observation[2]))}
     return sum(terms.values()), terms
 
 
-def _act(env: Any, steps: int, seed: int = 0) -> None:
+def _act(env, steps, seed=0):
     env.action_space.seed(seed)
     env.reset(seed=seed)
     for _ in range(steps):
@@ -45,21 +42,21 @@ def _act(env: Any, steps: int, seed: int = 0) -> None:
             env.reset()
 
 
-def _act_batch(env: Any, steps: int) -> None:
+def _act_batch(env, steps):
     env.action_space.seed(0)
     env.reset(seed=0)
     for _ in range(steps):
         env.step(env.action_space.sample())
 
 
-def _recorded(folder: Path, steps: int, name: str = "Pendulum-v1", **given: Any) -> Log:
+def _recorded(folder, steps, name="Pendulum-v1", **given):
     env = harness.RecordRewards(gymnasium.make(name), folder, **{"trained_with": "own", "rewards": {}, **given})
     _act(env, steps)
     env.close()
     return read_recording(folder)
 
 
-def test_terms_add_up_to_the_pay_in_every_step(tmp_path: Path):
+def test_terms_add_up_to_the_pay_in_every_step(tmp_path):
     """To the last bit, of single precision too; a term has a column, and its sum is the reward."""
     found = _recorded(tmp_path / "run", 450, rewards={"gentle": gentle, "eureka": eureka})
     assert found.facts.terms == {"gentle": ("upright", "effort", "jerk"), "eureka": ("upright", "speed")}
@@ -69,7 +66,7 @@ def test_terms_add_up_to_the_pay_in_every_step(tmp_path: Path):
     assert next(iter(found.facts.term_columns)) == "reward/gentle/upright"
 
 
-def test_training_with_terms_pays_their_sum(tmp_path: Path):
+def test_training_with_terms_pays_their_sum(tmp_path):
     """To the learner; and an evaluation records them too."""
     env = harness.RecordRewards(
         gymnasium.make("Pendulum-v1"), tmp_path / "run", trained_with="gentle", rewards={"gentle": gentle}, pay=True
@@ -87,11 +84,11 @@ def test_training_with_terms_pays_their_sum(tmp_path: Path):
     assert np.array_equal(sum_of(terms_of(found, "gentle")), found["reward/gentle"])
 
 
-def test_before_the_first_step_there_are_zeros_and_the_info_of_the_reset(counting: Callable[..., Any], tmp_path: Path):
+def test_before_the_first_step_there_are_zeros_and_the_info_of_the_reset(counting, tmp_path):
     """Afterwards the observation, the action and the info of the step before."""
     seen = []
 
-    def look(step: Any) -> float:
+    def look(step):
         before = step.before
         seen.append((before.observation[0], before.action.tolist(), dict(before.info).get("left"), step.info["left"]))
         return 0.0
@@ -104,7 +101,7 @@ def test_before_the_first_step_there_are_zeros_and_the_info_of_the_reset(countin
     assert asked == [(0.0, (0.0,), None, 1), (1.0, (0.5,), 1, 0)]
 
 
-def test_choice_before_the_first_step_is_0(tmp_path: Path):
+def test_choice_before_the_first_step_is_0(tmp_path):
     """Of a Discrete action."""
     seen: list[Any] = []
     _recorded(tmp_path / "run", 1, "CartPole-v1", rewards={"look": lambda step: seen.append(step.before.action) or 0.0})
@@ -142,9 +139,7 @@ FAILS = {
 
 @pytest.mark.parametrize(("reward", "at", "told"), FAILS.values(), ids=FAILS)
 @pytest.mark.parametrize("vector", [False, True])
-def test_what_is_wrong_with_a_reward_is_told_by_name(
-    counting: Callable[..., Any], tmp_path: Path, reward: Any, at: int, told: str, vector: bool
-):
+def test_what_is_wrong_with_a_reward_is_told_by_name(counting, tmp_path, reward, at, told, vector):
     """It is NaN from that step on, with all of its terms, and the others go on."""
     given: dict[str, Any] = {"trained_with": "own", "rewards": {"it": reward, "fine": lambda step: {"c": 1.0}}}
     if vector:
@@ -172,10 +167,10 @@ def test_what_is_wrong_with_a_reward_is_told_by_name(
     assert found["reward/fine/c"].tolist() == [1.0] * len(found)
 
 
-def test_function_that_writes_into_a_step_is_told_what_it_writes_into(counting: Callable[..., Any], tmp_path: Path):
+def test_function_that_writes_into_a_step_is_told_what_it_writes_into(counting, tmp_path):
     """By the name under which it reads it."""
 
-    def spoil(step: Any) -> float:
+    def spoil(step):
         step.action[0] = 3.0
         return 0.0
 
@@ -185,7 +180,7 @@ def test_function_that_writes_into_a_step_is_told_what_it_writes_into(counting: 
         env.step(np.ones(1, np.float32))
 
 
-def test_terms_may_be_given_by_name(counting: Callable[..., Any], tmp_path: Path):
+def test_terms_may_be_given_by_name(counting, tmp_path):
     """Keys of info and functions of both forms; one with a memory is restarted."""
 
     class Count:
@@ -228,7 +223,7 @@ class Parts(gymnasium.Env[Any, Any]):
 
 
 @pytest.mark.parametrize("is_batch", [False, True])
-def test_key_that_told_terms_has_to_tell_them_in_every_step(is_batch: bool, tmp_path: Path):
+def test_key_that_told_terms_has_to_tell_them_in_every_step(is_batch, tmp_path):
     """The terms of the step before are not those of a step that told a number."""
     asked = {"trained_with": "own", "rewards": {"own": "own", "it": "parts"}}
     one = harness.RecordRewards(Parts(), tmp_path / "run", **asked) if not is_batch else None
@@ -241,7 +236,7 @@ def test_key_that_told_terms_has_to_tell_them_in_every_step(is_batch: bool, tmp_
     assert np.array_equal(found["reward/it/far"], [2.0, 2.0, np.nan, np.nan, np.nan], equal_nan=True)
 
 
-def test_measure_is_one_number(counting: Callable[..., Any], tmp_path: Path):
+def test_measure_is_one_number(counting, tmp_path):
     """Terms are a reward's: a measure that is given by terms is refused, one that returns them is given up."""
     with pytest.raises(UsageError, match="a measure is one number, only rewards have terms"):
         harness.RecordRewards(
@@ -255,11 +250,11 @@ def test_measure_is_one_number(counting: Callable[..., Any], tmp_path: Path):
         env.step(np.ones(1, np.float32))
 
 
-def test_function_of_a_step_that_remembers_is_found(counting: Callable[..., Any], tmp_path: Path):
+def test_function_of_a_step_that_remembers_is_found(counting, tmp_path):
     """As one of four arguments is, by asking it again."""
     calls = [0]
 
-    def remembers(step: Any) -> dict[str, float]:
+    def remembers(step):
         calls[0] += 1
         return {"calls": float(calls[0])}
 
@@ -269,7 +264,7 @@ def test_function_of_a_step_that_remembers_is_found(counting: Callable[..., Any]
         env.step(np.ones(1, np.float32))
 
 
-def test_recording_goes_on_with_its_terms(tmp_path: Path):
+def test_recording_goes_on_with_its_terms(tmp_path):
     """Other terms are refused as in one recording."""
     first = _recorded(tmp_path / "run", 30, rewards={"gentle": gentle}, seed=1)
     env = harness.RecordRewards(
@@ -283,7 +278,7 @@ def test_recording_goes_on_with_its_terms(tmp_path: Path):
     assert np.array_equal(sum_of(terms_of(found, "gentle")), found["reward/gentle"])
 
 
-def test_recording_without_terms_is_written_as_before(tmp_path: Path):
+def test_recording_without_terms_is_written_as_before(tmp_path):
     """Its facts say nothing of terms, and its parts have no more columns."""
     found = _recorded(tmp_path / "run", 10, rewards={"it": lambda step: 1.0})
     assert not found.facts.terms
@@ -292,7 +287,7 @@ def test_recording_without_terms_is_written_as_before(tmp_path: Path):
     assert TrainingFacts.read(tmp_path / "run" / facts_name(0)).term_columns == {}
 
 
-def test_term_without_a_value_is_damage(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_term_without_a_value_is_damage(tmp_path, monkeypatch):
     """The mutant: a NaN of which no failure is told."""
     from harness.recorder import record_rewards
 
@@ -301,12 +296,12 @@ def test_term_without_a_value_is_damage(tmp_path: Path, monkeypatch: pytest.Monk
         _recorded(tmp_path / "run", 3, rewards={"it": lambda step: {"a": 1.0}}).rows()
 
 
-def _lose(recorder: Any) -> Any:
+def _lose(recorder):
     whole = recorder._terms_of_step
     return lambda self: [float("nan") for _ in whole(self)]
 
 
-def test_recorders_of_one_training_have_the_same_terms(tmp_path: Path):
+def test_recorders_of_one_training_have_the_same_terms(tmp_path):
     """One that has no step yet has not learned them."""
     for number in range(2):
         env = harness.RecordRewards(
@@ -320,10 +315,10 @@ def test_recorders_of_one_training_have_the_same_terms(tmp_path: Path):
 
 
 @pytest.mark.parametrize("mode", [AutoresetMode.SAME_STEP, AutoresetMode.NEXT_STEP, AutoresetMode.DISABLED])
-def test_batch_records_what_single_envs_do(counting: Callable[..., Any], tmp_path: Path, mode: AutoresetMode):
+def test_batch_records_what_single_envs_do(counting, tmp_path, mode):
     """Of what is now and what was before, in each way of starting episodes, asked one by one and at once."""
 
-    def each(step: Any) -> dict[str, float]:
+    def each(step):
         told = step.before.info.get("left", -1.0)
         return {
             "seen": 10.0 * step.before.observation[0] + step.observation[0],
@@ -331,7 +326,7 @@ def test_batch_records_what_single_envs_do(counting: Callable[..., Any], tmp_pat
             "told": float(told),
         }
 
-    def whole(step: Any) -> dict[str, Any]:
+    def whole(step):
         return {
             "seen": 10.0 * step.before.observation[:, 0] + step.observation[:, 0],
             "acted": step.action[:, 0] + 0.1 * step.before.action[:, 0],
@@ -373,7 +368,7 @@ def test_batch_records_what_single_envs_do(counting: Callable[..., Any], tmp_pat
         )
 
 
-def test_terms_are_paid_again(tmp_path: Path):
+def test_terms_are_paid_again(tmp_path):
     """A recording that is paid later has the terms too, in place of earlier ones of that reward."""
     live = _recorded(tmp_path / "live", 250, rewards={"gentle": gentle})
     _recorded(tmp_path / "plain", 250)
@@ -388,7 +383,7 @@ def test_terms_are_paid_again(tmp_path: Path):
         assert np.array_equal(found[f"reward/gentle/{name}"], values)
 
 
-def test_weights_pay_what_a_reward_with_these_weights_pays(tmp_path: Path):
+def test_weights_pay_what_a_reward_with_these_weights_pays(tmp_path):
     """By the columns of its terms alone, to the last bit."""
     from harness.reward.given import Terms
 
@@ -405,7 +400,7 @@ def test_weights_pay_what_a_reward_with_these_weights_pays(tmp_path: Path):
     assert "gentle:mass=5" not in weighed(found, ["gentle:mass=5"]).rewards
 
 
-def test_nothing_is_told_of_what_works(tmp_path: Path):
+def test_nothing_is_told_of_what_works(tmp_path):
     """No warning, whatever is asked again."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")

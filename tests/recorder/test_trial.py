@@ -2,8 +2,6 @@
 
 import random
 import warnings
-from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -12,8 +10,7 @@ import pytest
 
 import harness
 from harness.errors import UsageError
-from harness.log import Log
-from harness.record.recording.recorded_training import read_recording
+from harness.record import read_recording
 from harness.recorder.recorder import GivenUp, Noted
 
 MEMORY: dict[str, Any] = {}
@@ -22,43 +19,43 @@ ACTION = np.array([0.5], np.float32)
 
 
 @pytest.fixture(autouse=True)
-def forgotten() -> None:
+def forgotten():
     """The memory is empty."""
     MEMORY.update(count=0, best=-9.0, last=0.0, seen=[])
 
 
-def counts(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+def counts(observation, action, next_observation, info):
     """How often anybody called it."""
     MEMORY["count"] += 1
     return float(MEMORY["count"])
 
 
-def best(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+def best(observation, action, next_observation, info):
     """The greatest so far: asked twice at once, it says the same."""
     MEMORY["best"] = max(MEMORY["best"], float(next_observation[0]))
     return MEMORY["best"]
 
 
-def jumps(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+def jumps(observation, action, next_observation, info):
     """The change since the call before."""
     change, MEMORY["last"] = float(next_observation[0]) - MEMORY["last"], float(next_observation[0])
     return change
 
 
-def since_first(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+def since_first(observation, action, next_observation, info):
     """The change since the first call of all: asked again from the first step on, it says the same."""
     if not MEMORY["seen"]:
         MEMORY["seen"].append(float(next_observation[0]))
     return float(next_observation[0]) - MEMORY["seen"][0]
 
 
-def since_default(observation: Any, action: Any, next_observation: Any, info: Any, seen: Any = []) -> float:  # noqa: B006
+def since_default(observation, action, next_observation, info, seen=[]):  # noqa: B006
     """The same, in a default."""
     seen += [] if seen else [float(next_observation[0])]
     return float(next_observation[0]) - seen[0]
 
 
-def since_attribute(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+def since_attribute(observation, action, next_observation, info):
     """The same, in an attribute of its own."""
     if not hasattr(since_attribute, "seen"):
         since_attribute.seen = float(next_observation[0])  # type: ignore[attr-defined] # that is the fault
@@ -68,12 +65,12 @@ def since_attribute(observation: Any, action: Any, next_observation: Any, info: 
 TABLE: dict[float, float] = {}
 
 
-def remembers_answers(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+def remembers_answers(observation, action, next_observation, info):
     """Keeps what it has computed, and says what it would say anyway."""
     return TABLE.setdefault(float(next_observation[0]), 2.0 * float(next_observation[0]))
 
 
-def noisy(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+def noisy(observation, action, next_observation, info):
     """A draw from a generator of its own that nobody restarts."""
     return float(GENERATOR.random())
 
@@ -157,7 +154,7 @@ class Curriculum(Sums):
         return float(next_observation[0]) if self.steps < 50_000 else 0.0
 
 
-def _record(rewards: dict[str, Any], path: Path, env: Any, steps: int = 7, **given: Any) -> Log:
+def _record(rewards, path, env, steps=7, **given):
     recorded = harness.RecordRewards(env, path, **{"trained_with": "own", "rewards": rewards, **given})
     recorded.reset(seed=0)
     for _ in range(steps):
@@ -172,7 +169,7 @@ WRONG |= {"beside": Beside(), "first": since_first, "default": since_default, "a
 
 
 @pytest.mark.parametrize("name", WRONG)
-def test_hidden_memory_is_named(counting: Callable[..., Any], tmp_path: Path, name: str):
+def test_hidden_memory_is_named(counting, tmp_path, name):
     """In the first episode; it is given up, and what to write instead is said."""
     with pytest.warns(GivenUp, match=rf"reward '{name}' failed in env 0, episode 0, .*(a class with reset|Keep it in)"):
         found = _record({name: WRONG[name]}, tmp_path / "run", counting(4))
@@ -181,20 +178,20 @@ def test_hidden_memory_is_named(counting: Callable[..., Any], tmp_path: Path, na
 
 
 @pytest.mark.filterwarnings("error")
-def test_kept_answers_are_no_hidden_memory(counting: Callable[..., Any], tmp_path: Path):
+def test_kept_answers_are_no_hidden_memory(counting, tmp_path):
     """They are the same in every order."""
     found = _record({"kept": remembers_answers}, tmp_path / "run", counting(4))
     assert found["reward/kept"].tolist() == [2, 4, 6, 8, 2, 4, 6]
 
 
 @pytest.mark.parametrize("name", ["counts", "best"])
-def test_hidden_memory_does_not_pay(counting: Callable[..., Any], tmp_path: Path, name: str):
+def test_hidden_memory_does_not_pay(counting, tmp_path, name):
     """A learner that is paid by it would learn something else."""
     with pytest.raises(UsageError, match=r"a class with reset\(\).*It pays the learner"):
         _record({name: WRONG[name]}, tmp_path / "run", counting(4), trained_with=name, pay=True)
 
 
-def test_trial_ends_with_the_recording(counting: Callable[..., Any], tmp_path: Path):
+def test_trial_ends_with_the_recording(counting, tmp_path):
     """In the middle of the first episode."""
     with pytest.warns(GivenUp, match="reward 'best' failed"):
         _record({"best": best}, tmp_path / "run", counting(99), 3)
@@ -211,7 +208,7 @@ class Change:
         return 0.0 if last is None else self.last - last
 
 
-def test_first_episode_of_one_step_is_not_all_that_is_tried(counting: Callable[..., Any], tmp_path: Path):
+def test_first_episode_of_one_step_is_not_all_that_is_tried(counting, tmp_path):
     """The first hundred steps are, in as many episodes as that takes."""
     env = gymnasium.wrappers.TransformObservation(counting(1), lambda seen: seen + next(steps), None)
     steps = iter(range(100))
@@ -219,7 +216,7 @@ def test_first_episode_of_one_step_is_not_all_that_is_tried(counting: Callable[.
         _record({"change": Change()}, tmp_path / "run", env)
 
 
-def test_memory_with_reset_is_right_over_short_episodes(counting: Callable[..., Any], tmp_path: Path):
+def test_memory_with_reset_is_right_over_short_episodes(counting, tmp_path):
     """It is told of each episode when it is asked again."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -227,10 +224,10 @@ def test_memory_with_reset_is_right_over_short_episodes(counting: Callable[..., 
     assert np.isfinite(found["reward/sums"]).all()
 
 
-def test_memory_that_shows_late_is_told_at_the_end(counting: Callable[..., Any], tmp_path: Path):
+def test_memory_that_shows_late_is_told_at_the_end(counting, tmp_path):
     """A curriculum in a global: its first steps are paid otherwise then. The training is over, and nothing is lost."""
 
-    def stages(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+    def stages(observation, action, next_observation, info):
         MEMORY["count"] += 1
         return 1.0 if MEMORY["count"] < 450 else 0.5
 
@@ -240,7 +237,7 @@ def test_memory_that_shows_late_is_told_at_the_end(counting: Callable[..., Any],
 
 
 @pytest.mark.parametrize("mode", list(gymnasium.vector.AutoresetMode)[:2])
-def test_batched_memory_is_right_over_many_episodes(counting: Callable[..., Any], tmp_path: Path, mode: Any):
+def test_batched_memory_is_right_over_many_episodes(counting, tmp_path, mode):
     """An env that was only reset has no number that could be compared."""
 
     class Both:
@@ -265,7 +262,7 @@ def test_batched_memory_is_right_over_many_episodes(counting: Callable[..., Any]
     assert not read_recording(tmp_path / "run").facts.failures
 
 
-def test_memory_in_a_batch_is_found_in_its_first_step(tmp_path: Path):
+def test_memory_in_a_batch_is_found_in_its_first_step(tmp_path):
     """One function for all envs remembers what others did."""
     envs = gymnasium.make_vec("CartPole-v1", num_envs=3, vectorization_mode="sync")
     recorded = harness.RecordVectorRewards(
@@ -279,12 +276,12 @@ def test_memory_in_a_batch_is_found_in_its_first_step(tmp_path: Path):
     assert np.isnan(read_recording(tmp_path / "run")["reward/jumps"]).all()
 
 
-def _all_sum(observations: Any, actions: Any, next_observations: Any, infos: Any) -> Any:
+def _all_sum(observations, actions, next_observations, infos):
     MEMORY["count"] += 1
     return np.full(len(actions), MEMORY["count"])
 
 
-def test_memory_with_reset_is_no_hidden_memory(counting: Callable[..., Any], tmp_path: Path):
+def test_memory_with_reset_is_no_hidden_memory(counting, tmp_path):
     """Nor is a function, nor one that says NaN, nor one that looks at the env."""
     env = counting(4)
     right = {
@@ -301,13 +298,13 @@ def test_memory_with_reset_is_no_hidden_memory(counting: Callable[..., Any], tmp
 
 
 @pytest.mark.filterwarnings("error")
-def test_what_the_first_step_sets_anew_is_no_memory(counting: Callable[..., Any], tmp_path: Path):
+def test_what_the_first_step_sets_anew_is_no_memory(counting, tmp_path):
     """Though `reset` leaves it."""
     found = _record({"begins": Begins()}, tmp_path / "run", counting(4), steps=120)
     assert found["reward/begins"].tolist() == [0, 1, 2, 3] * 30
 
 
-def test_memory_beyond_reset_is_told(counting: Callable[..., Any], tmp_path: Path):
+def test_memory_beyond_reset_is_told(counting, tmp_path):
     """It is recorded as it pays; an evaluation starts it anew, and can be given the object that was trained with."""
     env = harness.RecordRewards(counting(4), tmp_path / "run", trained_with="own", rewards={"stages": Curriculum()})
     env.reset(seed=0)
@@ -320,7 +317,7 @@ def test_memory_beyond_reset_is_told(counting: Callable[..., Any], tmp_path: Pat
 
 
 @pytest.mark.filterwarnings("ignore::harness.recorder.recorder.Noted")
-def test_evaluation_goes_on_with_the_memory_of_the_training(counting: Callable[..., Any], tmp_path: Path):
+def test_evaluation_goes_on_with_the_memory_of_the_training(counting, tmp_path):
     """Given the trained env's object, and a copy of it counts on; without it, from 0."""
     stages = Curriculum()
     env = harness.RecordRewards(counting(4), tmp_path / "run", trained_with="own", rewards={"stages": stages})
@@ -334,11 +331,11 @@ def test_evaluation_goes_on_with_the_memory_of_the_training(counting: Callable[.
     assert paid == {"new": [1, 2, 3, 4], "trained": [0, 0, 0, 0]}
 
 
-def _late(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+def _late(observation, action, next_observation, info):
     return float(next_observation[0] if next_observation[0] < 1_000 else next_observation[0] + np.random.rand())
 
 
-def test_draw_in_a_late_step_does_not_reach_the_training(counting: Callable[..., Any], tmp_path: Path):
+def test_draw_in_a_late_step_does_not_reach_the_training(counting, tmp_path):
     """It is named, with the step; the learner draws what it would have drawn."""
     np.random.seed(4), random.seed(4)
     right = np.random.rand(), random.random()
@@ -350,7 +347,7 @@ def test_draw_in_a_late_step_does_not_reach_the_training(counting: Callable[...,
     assert found.facts.notes[0].startswith("reward 'late': it draws")
 
 
-def test_draw_of_a_reward_that_pays_is_part_of_the_training(counting: Callable[..., Any], tmp_path: Path):
+def test_draw_of_a_reward_that_pays_is_part_of_the_training(counting, tmp_path):
     """It is named, and drawn once for each step."""
     paid = {"drawn": lambda s, a, n, i: random.random()}
     random.seed(4)
@@ -361,10 +358,10 @@ def test_draw_of_a_reward_that_pays_is_part_of_the_training(counting: Callable[.
     assert [*found["reward/drawn"], random.random()] == right
 
 
-def test_order_of_functions_does_not_matter(counting: Callable[..., Any], tmp_path: Path):
+def test_order_of_functions_does_not_matter(counting, tmp_path):
     """Those that spoil what they are given, and those that do not: the same numbers in each order."""
 
-    def halves(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+    def halves(observation, action, next_observation, info):
         action /= 2
         return 0.0
 

@@ -1,8 +1,6 @@
 """Wrappers that change what is paid, or observed, stand on one side of the recorder; the other is refused or told."""
 
 import warnings
-from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -12,7 +10,7 @@ from gymnasium.wrappers import NormalizeObservation, NormalizeReward, TransformR
 
 import harness
 from harness.errors import UsageError
-from harness.record.recording.recorded_training import read_recording
+from harness.record import read_recording
 from harness.recorder.recorder import Noted
 
 ACTION = np.array([0.5], np.float32)
@@ -27,19 +25,19 @@ class Bonus(gymnasium.RewardWrapper[Any, Any]):
         return float(reward) + 1.0
 
 
-def _record(env: Any, path: Path, **given: Any) -> Any:
+def _record(env, path, **given):
     return harness.RecordRewards(env, path, **{"trained_with": "own", "rewards": REWARDS, **given})
 
 
 @pytest.mark.parametrize("wrap", [NormalizeReward, lambda env: TransformReward(env, lambda pay: 0.01 * pay)])
-def test_scaled_pay_inside_is_refused_where_the_recorder_pays(counting: Callable[..., Any], tmp_path: Path, wrap: Any):
+def test_scaled_pay_inside_is_refused_where_the_recorder_pays(counting, tmp_path, wrap):
     """One reward would be scaled and the other not; the right order is said, and nothing is written."""
     with pytest.raises(UsageError, match=r"Put it outside: \w+Reward\(RecordRewards\(env, \.\.\., pay=True\)\)"):
         _record(gymnasium.wrappers.TimeLimit(wrap(counting()), 3), tmp_path / "run", pay=True)
     assert not (tmp_path / "run").exists()
 
 
-def test_scaled_pay_outside_scales_every_reward(counting: Callable[..., Any], tmp_path: Path):
+def test_scaled_pay_outside_scales_every_reward(counting, tmp_path):
     """The recording has both as they are."""
     for trained in REWARDS:
         env = NormalizeReward(_record(counting(), tmp_path / trained, trained_with=trained, pay=True))
@@ -49,21 +47,21 @@ def test_scaled_pay_outside_scales_every_reward(counting: Callable[..., Any], tm
         assert read_recording(tmp_path / trained)["reward/own"].tolist() == [1.0]
 
 
-def test_normalised_pay_of_the_env_is_told(counting: Callable[..., Any], tmp_path: Path):
+def test_normalised_pay_of_the_env_is_told(counting, tmp_path):
     """The learner gets it all the same, so nothing is refused."""
     with pytest.warns(Noted, match="NormalizeReward stands inside the recorder: 'own' is in units that change"):
         _record(NormalizeReward(counting()), tmp_path / "run").close()
     assert len(read_recording(tmp_path / "run").facts.notes) == 1
 
 
-def test_reward_wrapper_of_somebody_is_told(counting: Callable[..., Any], tmp_path: Path):
+def test_reward_wrapper_of_somebody_is_told(counting, tmp_path):
     """It may be the env's reward itself; where the env pays nothing is to be told."""
     with pytest.warns(Noted, match="Bonus stands inside the recorder: 'own' is what it makes of the pay"):
         _record(Bonus(counting()), tmp_path / "pays", pay=True).close()
     _record(Bonus(counting()), tmp_path / "looks").close()
 
 
-def test_batch_is_looked_into(tmp_path: Path):
+def test_batch_is_looked_into(tmp_path):
     """At its own wrappers, and at those of its first env."""
     single = gymnasium.make_vec("CartPole-v1", 2, vectorization_mode="sync", wrappers=[NormalizeReward])
     whole = gymnasium.wrappers.vector.NormalizeReward(gymnasium.make_vec("CartPole-v1", 2, vectorization_mode="sync"))
@@ -73,14 +71,14 @@ def test_batch_is_looked_into(tmp_path: Path):
         envs.close()
 
 
-def _evaluate(env: Any, path: Path, policy: Any = lambda seen: ACTION) -> tuple[str, ...]:
+def _evaluate(env, path, policy=lambda seen: ACTION):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", Noted)
         harness.evaluate_policy(policy, env, path, trained_with="own", seed=0, rewards=REWARDS, episodes=1)
     return read_recording(path).facts.notes
 
 
-def test_normalisation_that_the_evaluation_lacks_is_told(counting: Callable[..., Any], tmp_path: Path):
+def test_normalisation_that_the_evaluation_lacks_is_told(counting, tmp_path):
     """Where the evaluation lies in the training's folder; with the training's means nothing is told."""
     trained = NormalizeObservation(counting())
     env = _record(trained, tmp_path / "run")
@@ -94,7 +92,7 @@ def test_normalisation_that_the_evaluation_lacks_is_told(counting: Callable[...,
     assert _evaluate(right, tmp_path / "run" / "right") == ()
 
 
-def test_policy_of_a_model_that_learned_normalised_observations_is_told(counting: Callable[..., Any], tmp_path: Path):
+def test_policy_of_a_model_that_learned_normalised_observations_is_told(counting, tmp_path):
     """By what stable-baselines3's models say of themselves; one that normalises what it is given is right."""
 
     class Normalize:

@@ -1,33 +1,30 @@
 """One process that trains a cell: from the start, or from where another was killed."""
 
 import time
-from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 
 from harness.errors import SchemaError
-from harness.experiment.checkpoints.checkpoint import Attempt, Checkpoint, Restore, begin_attempt
-from harness.record.cell import Cell
-from harness.record.folder import CHECKPOINT, LOG
+from harness.experiment.checkpoints.checkpoint import Checkpoint, begin_attempt
+from harness.record import LOG
+from harness.record.folder import CHECKPOINT
 
-MakeCell = Callable[..., Cell]
 ENVIRONMENT = {"versions": {"numpy": "2"}, "commit": "", "sources": {"rewards": "abc"}, "command": "harness run"}
 
 
-def _origin(cell: Cell) -> dict[str, object]:
+def _origin(cell):
     return {"cell": cell.id, **{key: ENVIRONMENT[key] for key in ("versions", "commit", "sources")}}
 
 
-def _leave_checkpoint(folder: Path, cell: Cell, seconds: float = 0.0) -> None:
+def _leave_checkpoint(folder, cell, seconds=0.0):
     Checkpoint(7, _origin(cell), {"weight": np.arange(2.0)}, {}, seconds=seconds).write(folder)
 
 
-def _begin(cell: Cell, folder: Path, restore: Restore = lambda state: None) -> Attempt:
+def _begin(cell, folder, restore=lambda state: None):
     return begin_attempt(cell, folder, ENVIRONMENT, every=100, restore=restore)
 
 
-def test_first_attempt_begins_at_the_start(make_cell: MakeCell, tmp_path: Path):
+def test_first_attempt_begins_at_the_start(make_cell, tmp_path):
     """With nothing to say, and with the log that the worker has opened already."""
     (tmp_path / LOG).write_text("")
     attempt = _begin(make_cell(), tmp_path)
@@ -35,7 +32,7 @@ def test_first_attempt_begins_at_the_start(make_cell: MakeCell, tmp_path: Path):
     assert (tmp_path / LOG).read_text() == ""
 
 
-def test_next_attempt_goes_on_from_the_checkpoint(make_cell: MakeCell, tmp_path: Path):
+def test_next_attempt_goes_on_from_the_checkpoint(make_cell, tmp_path):
     """The note and the log say from where."""
     _leave_checkpoint(tmp_path, make_cell())
     attempt = _begin(make_cell(), tmp_path)
@@ -45,11 +42,11 @@ def test_next_attempt_goes_on_from_the_checkpoint(make_cell: MakeCell, tmp_path:
     assert (tmp_path / CHECKPOINT).exists()
 
 
-def test_checkpoint_that_the_simulator_does_not_come_back_to_is_of_no_use(make_cell: MakeCell, tmp_path: Path):
+def test_checkpoint_that_the_simulator_does_not_come_back_to_is_of_no_use(make_cell, tmp_path):
     """Where it moves otherwise than it did, the rest of the training would not be that of the beginning."""
     _leave_checkpoint(tmp_path, make_cell())
 
-    def refuse(state: object) -> None:
+    def refuse(state):
         raise SchemaError("the simulator does not repeat itself")
 
     attempt = _begin(make_cell(), tmp_path, refuse)
@@ -58,7 +55,7 @@ def test_checkpoint_that_the_simulator_does_not_come_back_to_is_of_no_use(make_c
     assert [path.name for path in tmp_path.iterdir()] == [LOG]
 
 
-def test_seconds_of_the_killed_process_count(make_cell: MakeCell, tmp_path: Path):
+def test_seconds_of_the_killed_process_count(make_cell, tmp_path):
     """Up to its checkpoint: what it did after that is lost."""
     _leave_checkpoint(tmp_path, make_cell(), seconds=1000.0)
     attempt = _begin(make_cell(), tmp_path)
@@ -66,7 +63,7 @@ def test_seconds_of_the_killed_process_count(make_cell: MakeCell, tmp_path: Path
     assert 1000.01 <= attempt.seconds < 1100.0
 
 
-def test_checkpoint_of_another_cell_is_of_no_use(make_cell: MakeCell, tmp_path: Path):
+def test_checkpoint_of_another_cell_is_of_no_use(make_cell, tmp_path):
     """The training starts over, says why, and nothing but the log is left in the folder."""
     _leave_checkpoint(tmp_path, make_cell(seed=1))
     (tmp_path / "trace.0").touch()
@@ -77,7 +74,7 @@ def test_checkpoint_of_another_cell_is_of_no_use(make_cell: MakeCell, tmp_path: 
     assert [path.name for path in tmp_path.iterdir()] == [LOG]
 
 
-def test_what_was_left_without_a_checkpoint_is_removed(make_cell: MakeCell, tmp_path: Path):
+def test_what_was_left_without_a_checkpoint_is_removed(make_cell, tmp_path):
     """A process that was killed before its first checkpoint, or that writes none."""
     (tmp_path / "trace.0").touch()
     attempt = _begin(make_cell(), tmp_path)

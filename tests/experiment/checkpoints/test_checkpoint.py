@@ -1,10 +1,8 @@
 """A cell whose process is killed goes on from its last checkpoint, to the same end."""
 
 import json
-from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pyarrow.parquet as pq
@@ -14,33 +12,38 @@ import safetensors.numpy
 from harness.authoring.generator_state import pack_generator, restore_generator
 from harness.errors import SchemaError
 from harness.executor import CellOptions
-from harness.experiment import run_cell as cell_progress
+from harness.experiment import ExperimentRun, run_cell as cell_progress
 from harness.experiment.checkpoints.checkpoint import ABOUT, Checkpoint, begin_attempt, read_checkpoint
 from harness.experiment.checkpoints.trace_parts import TraceParts, discard_parts, part_of, require_parts
-from harness.experiment.experiment import ExperimentRun
-from harness.experiment.plan import Plan
 from harness.experiment.run_cell import run_cell
 from harness.files.bounded import digest_of
 from harness.policy import WEIGHTS
-from harness.record.cell import Cell
-from harness.record.episode_facts import EpisodeFacts, episode_facts
-from harness.record.folder import CHECKPOINT, EVALUATION, LOG, POLICY, TRACE, partial_folder
-from harness.record.manifest import Manifest, read_manifest
-from harness.record.store import Store
-from harness.record.trace import SCALARS, TraceWriter, read_trace
-from harness.registry.choice import Choice
-from harness.registry.registry import Registry
+from harness.record import (
+    EVALUATION,
+    LOG,
+    POLICY,
+    SCALARS,
+    TRACE,
+    EpisodeFacts,
+    Manifest,
+    Store,
+    TraceWriter,
+    partial_folder,
+    read_manifest,
+    read_trace,
+)
+from harness.record.episode_facts import episode_facts
+from harness.record.folder import CHECKPOINT
+from harness.registry import Choice
 from harness_plugins.executors.processes import Processes
 from harness_plugins.kit.trainings import WatchedEnv
 
-MakeCell = Callable[..., Cell]
-Train = Callable[..., None]
 ORIGIN = {"cell": "a", "versions": {"numpy": "2"}, "commit": "", "sources": {}}
 FACTS = EpisodeFacts(horizon=5, control_period=0.1)
 RANDOM = {"algorithm": Choice("random", (), "random"), "steps": 3000}
 
 
-def _learner(name: str, **settings: Any) -> dict[str, Any]:
+def _learner(name, **settings):
     return {"algorithm": Choice(name, tuple(settings.items()), name), "steps": 400}
 
 
@@ -54,11 +57,11 @@ LEARNERS = {
 """Cells whose trainings leave checkpoints in the middle of episodes."""
 
 
-def _contents(folder: Path) -> list[bytes]:
+def _contents(folder):
     return [(folder / name).read_bytes() for name in (TRACE, EVALUATION, f"{POLICY}/{WEIGHTS}")]
 
 
-def _checkpoint(**fields: Any) -> Checkpoint:
+def _checkpoint(**fields):
     given = {"steps": 7, "origin": ORIGIN, "algorithm": {"weight": np.arange(3.0)}, "env": {"count": np.array(5)}}
     return Checkpoint(**{**given, **fields})
 
@@ -80,12 +83,12 @@ def _checkpoint(**fields: Any) -> Checkpoint:
     ids=["twice", "near the end", *LEARNERS],
 )
 def test_killed_cell_ends_as_if_it_had_not_been(
-    train_in_a_process: Train,
-    make_cell: MakeCell,
-    tmp_path: Path,
-    fields: dict[str, Any],
-    every: int,
-    kills: tuple[int, ...],
+    train_in_a_process,
+    make_cell,
+    tmp_path,
+    fields,
+    every,
+    kills,
 ):
     """Trace, evaluation and weights are, byte for byte, those of a cell that nobody killed."""
     cell = make_cell(**fields)
@@ -110,7 +113,7 @@ def test_killed_cell_ends_as_if_it_had_not_been(
         *(pytest.param(name, marks=pytest.mark.slow) for name in ("sac-fast, 3 envs", "sb3-sac")),
     ],
 )
-def test_checkpoints_change_nothing(make_cell: MakeCell, tmp_path: Path, name: str):
+def test_checkpoints_change_nothing(make_cell, tmp_path, name):
     """With checkpoints and without, every file is the same, byte for byte; nothing of them is left in the folder."""
     cell = make_cell(**LEARNERS[name])
     contents = []
@@ -122,9 +125,7 @@ def test_checkpoints_change_nothing(make_cell: MakeCell, tmp_path: Path, name: s
 
 
 @pytest.mark.usefixtures("toys")
-def test_cell_without_a_checkpoint_starts_over_and_says_so(
-    train_in_a_process: Train, make_cell: MakeCell, tmp_path: Path
-):
+def test_cell_without_a_checkpoint_starts_over_and_says_so(train_in_a_process, make_cell, tmp_path):
     """An algorithm that writes none loses what it had done, and log and manifest tell."""
     waiting = Choice("wander", (("note", str(tmp_path / "note")), ("then", "wait")), "wander")
     train_in_a_process(make_cell(algorithm=waiting), tmp_path / "cell", 1, until=12)
@@ -136,7 +137,7 @@ def test_cell_without_a_checkpoint_starts_over_and_says_so(
 
 
 @pytest.mark.usefixtures("toys")
-def test_damaged_checkpoint_starts_over(train_in_a_process: Train, make_cell: MakeCell, tmp_path: Path):
+def test_damaged_checkpoint_starts_over(train_in_a_process, make_cell, tmp_path):
     """The cell is done all the same, from its beginning, and says why."""
     cell = make_cell(**RANDOM)
     train_in_a_process(cell, tmp_path / "cell", 1000, until=2500)
@@ -152,7 +153,7 @@ def test_damaged_checkpoint_starts_over(train_in_a_process: Train, make_cell: Ma
 # -------------------------------------------------------------------------------------------------------- the file
 
 
-def test_checkpoint_comes_back(tmp_path: Path):
+def test_checkpoint_comes_back(tmp_path):
     """Numbers, arrays of any type, and what is said of them."""
     algorithm = {"done": np.array(7), "bytes": np.arange(3, dtype=np.uint8), "turned": np.ones((2, 3), np.float32).T}
     _checkpoint(algorithm=algorithm, seconds=1.5).write(tmp_path)
@@ -163,7 +164,7 @@ def test_checkpoint_comes_back(tmp_path: Path):
         np.testing.assert_array_equal(back.algorithm[name], array)
 
 
-def test_later_checkpoint_replaces_the_earlier_one(tmp_path: Path):
+def test_later_checkpoint_replaces_the_earlier_one(tmp_path):
     """There is one file."""
     for steps in (7, 8):
         _checkpoint(steps=steps).write(tmp_path)
@@ -172,21 +173,21 @@ def test_later_checkpoint_replaces_the_earlier_one(tmp_path: Path):
 
 
 @pytest.mark.parametrize("key", ORIGIN)
-def test_other_origin_is_refused(tmp_path: Path, key: str):
+def test_other_origin_is_refused(tmp_path, key):
     """Neither another cell's checkpoint, nor one of other sources or versions, is gone on from."""
     _checkpoint().write(tmp_path)
     with pytest.raises(SchemaError, match="have changed since"):
         read_checkpoint(tmp_path, {**ORIGIN, key: "other"})
 
 
-def test_newer_format_is_refused(tmp_path: Path):
+def test_newer_format_is_refused(tmp_path):
     """What it means is not known."""
     safetensors.numpy.save_file({}, tmp_path / CHECKPOINT, {ABOUT: json.dumps({"format": 99})})
     with pytest.raises(SchemaError, match="it has format 99, this version reads 2"):
         read_checkpoint(tmp_path, ORIGIN)
 
 
-def test_every_flipped_byte_is_found(tmp_path: Path):
+def test_every_flipped_byte_is_found(tmp_path):
     """Wherever it is, the checkpoint is refused."""
     _checkpoint(seconds=0.0).write(tmp_path)
     whole = (tmp_path / CHECKPOINT).read_bytes()
@@ -198,7 +199,7 @@ def test_every_flipped_byte_is_found(tmp_path: Path):
             read_checkpoint(tmp_path, ORIGIN)
 
 
-def test_missing_checkpoint_is_refused(tmp_path: Path):
+def test_missing_checkpoint_is_refused(tmp_path):
     """As a damaged one."""
     with pytest.raises(SchemaError, match="it cannot be read"):
         read_checkpoint(tmp_path, ORIGIN)
@@ -207,12 +208,12 @@ def test_missing_checkpoint_is_refused(tmp_path: Path):
 # ------------------------------------------------------------------------------------------------- trace in parts
 
 
-def _rows(parts: TraceParts, first: int, count: int) -> None:
+def _rows(parts, first, count):
     width = len(parts._writer._block[0])
     parts.append(np.outer(np.arange(first, first + count), np.ones(width)))
 
 
-def test_parts_become_one_trace(tmp_path: Path):
+def test_parts_become_one_trace(tmp_path):
     """The rows of all parts, in order; a part that was begun anew counts once."""
     path = tmp_path / TRACE
     with TraceParts(path, 2, 2, FACTS) as parts:
@@ -227,7 +228,7 @@ def test_parts_become_one_trace(tmp_path: Path):
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_trace_is_the_same_file_in_however_many_parts(tmp_path: Path):
+def test_trace_is_the_same_file_in_however_many_parts(tmp_path):
     """Byte for byte, wherever it was cut and however the rows came."""
     rows = np.random.default_rng(0).random((3 * TraceWriter.BLOCK + 100, len(SCALARS) + 4)).round(2)
     contents = []
@@ -244,7 +245,7 @@ def test_trace_is_the_same_file_in_however_many_parts(tmp_path: Path):
     assert contents[0] == contents[1] == contents[2]
 
 
-def test_part_that_is_not_as_it_was_finished_is_noticed(tmp_path: Path):
+def test_part_that_is_not_as_it_was_finished_is_noticed(tmp_path):
     """A byte that changed, or a file that is gone."""
     part = part_of(tmp_path / TRACE, 0)
     part.write_bytes(b"rows")
@@ -286,7 +287,7 @@ def test_generator_goes_on_as_it_would_have():
 
 
 @pytest.mark.parametrize("packed", [b"no json", b"[]", b'{"bit_generator": "MT19937"}'])
-def test_state_of_no_such_generator_is_refused(packed: bytes):
+def test_state_of_no_such_generator_is_refused(packed):
     """With the kind that was expected."""
     with pytest.raises(SchemaError, match="no state of a PCG64"):
         restore_generator(np.random.default_rng(0), np.frombuffer(packed, np.uint8))
@@ -296,14 +297,12 @@ def test_state_of_no_such_generator_is_refused(packed: bytes):
 @pytest.mark.parametrize(
     ("seconds", "every", "count"), [(0.0, None, 400), (600.0, None, 0), (0.0, 0, 0), (0.0, 150, 2)]
 )
-def test_checkpoints_are_made_as_the_options_say(
-    make_cell: MakeCell, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, seconds: float, every: int | None, count: int
-):
+def test_checkpoints_are_made_as_the_options_say(make_cell, tmp_path, monkeypatch, seconds, every, count):
     """By the clock, which a cell of ten minutes outlasts, by steps, or not at all."""
     made: list[int] = []
     write = Checkpoint.write
 
-    def counted(self: Checkpoint, folder: Path) -> None:
+    def counted(self, folder):
         made.append(self.steps)
         write(self, folder)
 
@@ -320,7 +319,7 @@ def test_checkpoints_are_made_unless_somebody_says_otherwise():
     assert cell_progress.SECONDS == 600.0
 
 
-def test_first_attempt_has_nothing_to_say(make_cell: MakeCell, tmp_path: Path):
+def test_first_attempt_has_nothing_to_say(make_cell, tmp_path):
     """A folder with no more than a log is a fresh one; the log stays."""
     (tmp_path / LOG).write_text("warming up\n")
     attempt = begin_attempt(make_cell(), tmp_path, ORIGIN, 5, lambda state: None)
@@ -331,14 +330,14 @@ def test_first_attempt_has_nothing_to_say(make_cell: MakeCell, tmp_path: Path):
 # -------------------------------------------------------------------------------------------------------- plans
 
 
-def _begun(store: Store, cell: Cell, name: str = CHECKPOINT) -> Path:
+def _begun(store, cell, name=CHECKPOINT):
     partial = partial_folder(store.cell_folder(cell))
     partial.mkdir()
     (partial / name).write_bytes(b"half")
     return partial
 
 
-def test_run_keeps_what_can_be_gone_on_from(make_cell: MakeCell, make_plan: Callable[..., Plan], tmp_path: Path):
+def test_run_keeps_what_can_be_gone_on_from(make_cell, make_plan, tmp_path):
     """Partial folders with a checkpoint stay; others go."""
     one, two = make_cell(), make_cell(seed=1)
     store = Store.create(tmp_path, make_plan(one, two))
@@ -347,9 +346,7 @@ def test_run_keeps_what_can_be_gone_on_from(make_cell: MakeCell, make_plan: Call
     assert (kept.exists(), gone.exists()) == (True, False)
 
 
-def test_cell_whose_process_alone_was_killed_is_reopened(
-    make_cell: MakeCell, make_plan: Callable[..., Plan], tmp_path: Path
-):
+def test_cell_whose_process_alone_was_killed_is_reopened(make_cell, make_plan, tmp_path):
     """It was recorded as failed, with its checkpoint: that is in the partial folder again."""
     cell = make_cell()
     store = Store.create(tmp_path, make_plan(cell))
@@ -360,7 +357,7 @@ def test_cell_whose_process_alone_was_killed_is_reopened(
     assert not store.cell_folder(cell).exists()
 
 
-def test_failed_cell_without_a_checkpoint_stays(make_cell: MakeCell, make_plan: Callable[..., Plan], tmp_path: Path):
+def test_failed_cell_without_a_checkpoint_stays(make_cell, make_plan, tmp_path):
     """Until its next attempt replaces it."""
     cell = make_cell()
     store = Store.create(tmp_path, make_plan(cell))
@@ -370,11 +367,11 @@ def test_failed_cell_without_a_checkpoint_stays(make_cell: MakeCell, make_plan: 
 
 
 def test_run_tells_where_a_cell_went_on(
-    train_in_a_process: Train,
-    toys: Registry,
-    make_cell: MakeCell,
-    make_plan: Callable[..., Plan],
-    tmp_path: Path,
+    train_in_a_process,
+    toys,
+    make_cell,
+    make_plan,
+    tmp_path,
 ):
     """Who follows the run hears what the manifest says of it."""
     cell = make_cell(**RANDOM)

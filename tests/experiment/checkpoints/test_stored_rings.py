@@ -1,6 +1,5 @@
 """Rows of replay buffers are written once, and come back to their places."""
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -40,11 +39,11 @@ class Buffer:
         )
 
 
-def _files(folder: Path) -> list[str]:
+def _files(folder):
     return sorted(path.name for path in folder.iterdir())
 
 
-def test_ring_comes_back(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
+def test_ring_comes_back(tmp_path_factory, subtests):
     """However often it went round between two checkpoints."""
     for steps in [(3,), (3, 4), (10,), (7, 3), (7, 6), (7, 25), (4, 4, 4, 4, 4), (1,) * 23, (25, 1)]:
         with subtests.test(steps=steps):
@@ -56,7 +55,7 @@ def test_ring_comes_back(tmp_path_factory: pytest.TempPathFactory, subtests: pyt
                 assert buffer.holds(read_ring(tmp_path, stored))
 
 
-def test_only_new_rows_are_written(tmp_path: Path):
+def test_only_new_rows_are_written(tmp_path):
     """A file that was written stays as it is until no row of it is in the ring."""
     buffer = Buffer()
     first = store_ring(tmp_path, "replay", buffer.write(6), None)
@@ -70,7 +69,7 @@ def test_only_new_rows_are_written(tmp_path: Path):
     assert _files(tmp_path) == []
 
 
-def test_ring_without_new_rows_writes_nothing(tmp_path: Path):
+def test_ring_without_new_rows_writes_nothing(tmp_path):
     """Nor does one that is empty."""
     buffer = Buffer()
     empty = store_ring(tmp_path, "replay", buffer.write(0), None)
@@ -80,7 +79,7 @@ def test_ring_without_new_rows_writes_nothing(tmp_path: Path):
     assert store_ring(tmp_path, "replay", buffer.write(0), stored) == stored
 
 
-def test_ring_that_was_emptied_is_written_anew(tmp_path: Path):
+def test_ring_that_was_emptied_is_written_anew(tmp_path):
     """What it held before is nothing to go on from."""
     stored = store_ring(tmp_path, "replay", Buffer().write(6), None)
     buffer = Buffer()
@@ -88,7 +87,7 @@ def test_ring_that_was_emptied_is_written_anew(tmp_path: Path):
     assert buffer.holds(read_ring(tmp_path, stored))
 
 
-def test_name_of_a_ring_is_no_path(tmp_path: Path):
+def test_name_of_a_ring_is_no_path(tmp_path):
     """Whatever an algorithm calls it, its files are in the cell's folder."""
     buffer = Buffer()
     stored = store_ring(tmp_path, "../of/env 1", buffer.write(3), None)
@@ -96,7 +95,7 @@ def test_name_of_a_ring_is_no_path(tmp_path: Path):
     assert buffer.holds(read_ring(tmp_path, stored))
 
 
-def test_every_damage_is_noticed(tmp_path: Path):
+def test_every_damage_is_noticed(tmp_path):
     """A byte that changed, a file that is gone, rows that no file has, a file elsewhere."""
     buffer = Buffer()
     stored = store_ring(tmp_path, "replay", buffer.write(3), None)

@@ -4,19 +4,18 @@ from pathlib import Path
 
 import pytest
 
-from harness.registry.given import Given, read_given
-from harness.registry.registry import Registry, load_registry
+from harness.registry import load_registry, read_given
 
 FOLDER = Path(__file__).parent
 
 
 @pytest.fixture(scope="module")
-def given() -> tuple[Given, ...]:
+def given():
     """A toy with goals, and one without."""
     return read_given([FOLDER / "goal_toy.py", FOLDER / "toy.py"])
 
 
 @pytest.fixture(scope="module")
-def registry(given: tuple[Given, ...]) -> Registry:
+def registry(given):
     """The installed plugins and the toys."""
     return load_registry(given=given)

@@ -1,24 +1,17 @@
 """The defaults that an algorithm has in an environment: written into the cell, and told wherever it is named."""
 
 import re
-from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import pytest
 
 from harness.cli.foreseen import foreseen_lines
 from harness.errors import PluginError
+from harness.experiment import RunOptions, check_experiment, expand
 from harness.experiment.experiment import check
 from harness.experiment.foresee import foresee
-from harness.experiment.plan import Plan, check_experiment, expand
-from harness.experiment.run_options import RunOptions
-from harness.record.cell import Cell
-from harness.record.store import Store
-from harness.registry.choice import Choice
-from harness.registry.given import Given, read_given
-from harness.registry.registry import Registry, load_registry
+from harness.record import Store
+from harness.registry import Choice, load_registry, read_given
 
 FITTED = """
 from dataclasses import dataclass
@@ -40,19 +33,19 @@ class Fitted:
 BEGUN = "the folder was begun with ppo:gamma=0.8 and goes on so; in a new folder it is ppo:gamma=0.99"
 
 
-def _asked(**keys: Any) -> Any:
+def _asked(**keys):
     return check_experiment({"task": "toy", "algo": "ppo", "seeds": 2, "steps": 80, "evaluation_episodes": 3, **keys})
 
 
-def _labels(plan: Plan) -> list[str]:
+def _labels(plan):
     return list(dict.fromkeys(cell.algorithm.label for cell in plan.cells))
 
 
 @pytest.fixture(name="begun")
-def _begun(registry: Registry, given: tuple[Given, ...], tmp_path: Path) -> Callable[..., Plan]:
+def _begun(registry, given, tmp_path):
     """Plan what is asked for in the folder `old`, in which version 0.2 planned the same without these defaults."""
 
-    def plan(out: Path | None = tmp_path / "old", **keys: Any) -> Plan:
+    def plan(out=tmp_path / "old", **keys):
         return check(_asked(**keys), RunOptions(out=out), given).plan
 
     old = expand(_asked(), registry)
@@ -60,12 +53,12 @@ def _begun(registry: Registry, given: tuple[Given, ...], tmp_path: Path) -> Call
     return plan
 
 
-def _as_in_0_2(cell: Cell) -> Cell:
+def _as_in_0_2(cell):
     params = tuple((key, 0.8 if key == "gamma" else value) for key, value in cell.algorithm.params)
     return replace(cell, algorithm=Choice(cell.algorithm.name, params, cell.algorithm.name))
 
 
-def test_the_discount_that_nobody_chose_is_the_fields(registry: Registry, subtests: pytest.Subtests):
+def test_the_discount_that_nobody_chose_is_the_fields(registry, subtests):
     """As if the user had written it. What was chosen stays, and so does what a preset brings."""
     rows = [
         ("ppo", "ppo:gamma=0.99"),
@@ -80,25 +73,25 @@ def test_the_discount_that_nobody_chose_is_the_fields(registry: Registry, subtes
             assert _labels(expand(_asked(algo=algo), registry)) == [label]
 
 
-def test_an_arm_has_the_defaults_of_the_fields(registry: Registry):
+def test_an_arm_has_the_defaults_of_the_fields(registry):
     """They were found there."""
     assert _labels(expand(_asked(task="fd100-reach", sim="kinematic"), registry)) == ["ppo"]
 
 
-def test_the_same_written_out_is_the_same_cell(registry: Registry):
+def test_the_same_written_out_is_the_same_cell(registry):
     """Two ways to ask for it are asked for once."""
     both = expand(_asked(algo="ppo,ppo:gamma=0.99"), registry)
     assert both.cells == expand(_asked(), registry).cells
 
 
 @pytest.mark.parametrize("algo", ["ppo", "ppo:gamma=0.8"])
-def test_a_resolved_experiment_plans_the_same_cells(registry: Registry, algo: str):
+def test_a_resolved_experiment_plans_the_same_cells(registry, algo):
     """Its file says every parameter, so nothing is filled in."""
     plan = expand(_asked(algo=algo), registry)
     assert expand(check_experiment(plan.resolved), registry).cells == plan.cells
 
 
-def test_anybodys_algorithm_may_declare_them(tmp_path: Path, given: tuple[Given, ...]):
+def test_anybodys_algorithm_may_declare_them(tmp_path, given):
     """By the same class variable."""
     (tmp_path / "fitted.py").write_text(FITTED)
     registry = load_registry(given=(*given, *read_given([tmp_path / "fitted.py"])))
@@ -106,7 +99,7 @@ def test_anybodys_algorithm_may_declare_them(tmp_path: Path, given: tuple[Given,
 
 
 @pytest.mark.parametrize(("old", "new"), [('"gamma"', '"gama"'), ("0.9}", '"high"}')])
-def test_defaults_that_do_not_fit_are_the_plugins_fault(tmp_path: Path, given: tuple[Given, ...], old: str, new: str):
+def test_defaults_that_do_not_fit_are_the_plugins_fault(tmp_path, given, old, new):
     """The user did not type them."""
     (tmp_path / "fitted.py").write_text(FITTED.replace(old, new))
     registry = load_registry(given=(*given, *read_given([tmp_path / "fitted.py"])))
@@ -114,38 +107,36 @@ def test_defaults_that_do_not_fit_are_the_plugins_fault(tmp_path: Path, given: t
         expand(_asked(algo="fitted"), registry)
 
 
-def test_a_folder_goes_on_with_the_defaults_that_it_was_begun_with(begun: Callable[..., Plan]):
+def test_a_folder_goes_on_with_the_defaults_that_it_was_begun_with(begun):
     """The same command asks for the same cells, and says so."""
     plan = begun()
     assert _labels(plan) == ["ppo"]
     assert BEGUN in plan.warnings
 
 
-def test_the_ids_in_a_begun_folder_stay(begun: Callable[..., Plan], tmp_path: Path):
+def test_the_ids_in_a_begun_folder_stay(begun, tmp_path):
     """None is trained a second time."""
     assert begun().cells == Store.open(tmp_path / "old").read_plan().cells
 
 
-def test_an_algorithm_that_is_new_in_a_begun_folder_has_todays_defaults(begun: Callable[..., Plan]):
+def test_an_algorithm_that_is_new_in_a_begun_folder_has_todays_defaults(begun):
     """Beside the one that goes on."""
     assert _labels(begun(algo="ppo,sac-fast")) == ["ppo", "sac-fast:gamma=0.99"]
 
 
-def test_todays_default_can_be_asked_for_in_a_begun_folder(begun: Callable[..., Plan]):
+def test_todays_default_can_be_asked_for_in_a_begun_folder(begun):
     """By its value."""
     plan = begun(algo="ppo:gamma=0.99")
     assert _labels(plan) == ["ppo:gamma=0.99"]
     assert BEGUN not in plan.warnings
 
 
-def test_another_folder_has_todays_defaults(begun: Callable[..., Plan], tmp_path: Path):
+def test_another_folder_has_todays_defaults(begun, tmp_path):
     """Whatever lies beside it."""
     assert _labels(begun(tmp_path / "new")) == ["ppo:gamma=0.99"]
 
 
-def test_a_begun_folder_of_the_default_name_is_found(
-    begun: Callable[..., Plan], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
+def test_a_begun_folder_of_the_default_name_is_found(begun, tmp_path, monkeypatch):
     """It was named for the cells of then."""
     monkeypatch.chdir(tmp_path)
     old = begun()
@@ -155,7 +146,7 @@ def test_a_begun_folder_of_the_default_name_is_found(
     assert begun(None).cells == old.cells
 
 
-def test_looks_that_were_begun_go_on(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
+def test_looks_that_were_begun_go_on(registry, given, tmp_path):
     """Their seeds depend on the algorithm's label, too."""
     keys = {"task": "toy", "until": "best", "looks": [4, 6], "steps": 80, "evaluation_episodes": 3}
     old = expand(check_experiment({**keys, "algo": "ppo:gamma=0.8"}), registry)
@@ -164,7 +155,7 @@ def test_looks_that_were_begun_go_on(registry: Registry, given: tuple[Given, ...
     assert check(asked, RunOptions(out=tmp_path / "old"), given).plan.cells == old.cells
 
 
-def test_a_dry_run_tells_the_discount(begun: Callable[..., Plan], given: tuple[Given, ...], tmp_path: Path):
+def test_a_dry_run_tells_the_discount(begun, given, tmp_path):
     """Of a new folder, and of one that has a default of then."""
     for out, told in (("new", "to do: toy · ppo:gamma=0.99 · near"), ("old", "to do: toy · ppo:gamma=0.8 · near")):
         lines = foreseen_lines(foresee(check(_asked(), RunOptions(out=tmp_path / out), given)))

@@ -6,14 +6,11 @@ from typing import Any
 import pytest
 
 from harness.errors import UsageError
+from harness.experiment import expand, read_experiment
 from harness.experiment.experiment import run
-from harness.experiment.plan import expand, read_experiment
-from harness.record.folder import DETERMINISTIC, RANDOM, STOCHASTIC, evaluation_files, recording_of
-from harness.record.plan_file import EXPERIMENT
-from harness.record.recording.recorded_training import read_recording
-from harness.registry.given import read_given
-from harness.registry.registry import load_registry
-from harness.results import Results
+from harness.record import EXPERIMENT, RANDOM, read_recording
+from harness.record.folder import DETERMINISTIC, STOCHASTIC, evaluation_files, recording_of
+from harness.registry import load_registry, read_given
 from harness.results.measured import LEARNING
 from harness.results.ranking import ranking_of
 
@@ -21,19 +18,19 @@ HERE = Path(__file__).parent
 TOLD: dict[str, Any] = {"task": "toy", "algo": "random", "steps": 64, "seeds": 2, "evaluation_episodes": 3, "jobs": 1}
 
 
-def _run(out: Path, **given: Any) -> Results:
+def _run(out, **given):
     return run(**{**TOLD, "plugins": [HERE / "toy.py"], "out": out, **given})
 
 
 @pytest.fixture(scope="module")
-def results(tmp_path_factory: pytest.TempPathFactory) -> Results:
+def results(tmp_path_factory):
     """The baseline twice, and another reward; evaluated on the way."""
     folder = tmp_path_factory.mktemp("evaluated") / "out"
     return _run(folder, algo="sac-fast:learning_starts=8,batch_size=4,net_arch=4", reward="near,near,right",
                 evaluate_every=20)  # fmt: skip
 
 
-def test_policies_are_evaluated_while_they_learn(results: Results):
+def test_policies_are_evaluated_while_they_learn(results):
     """After so many steps, as the recordings say."""
     for cell in results.plan.cells:
         found = evaluation_files(results.store.cell_folder(cell), suffix="")
@@ -41,7 +38,7 @@ def test_policies_are_evaluated_while_they_learn(results: Results):
         assert [read_recording(path).facts.after for path in found.values()] == [20, 40, 60]
 
 
-def test_evaluations_on_the_way_change_no_training(results: Results, tmp_path: Path):
+def test_evaluations_on_the_way_change_no_training(results, tmp_path):
     """The same steps with and without."""
     without = _run(tmp_path / "out", algo="sac-fast:learning_starts=8,batch_size=4,net_arch=4", reward="right")
     one, other = (
@@ -52,7 +49,7 @@ def test_evaluations_on_the_way_change_no_training(results: Results, tmp_path: P
 
 
 @pytest.mark.parametrize("deterministic", [True, False])
-def test_policies_are_evaluated_in_both_manners(tmp_path: Path, deterministic: bool):
+def test_policies_are_evaluated_in_both_manners(tmp_path, deterministic):
     """The recordings say how they acted."""
     found = _run(tmp_path / "out", deterministic=deterministic, seeds=1)
     folder = found.store.cell_folder(found.plan.cells[0])
@@ -62,13 +59,13 @@ def test_policies_are_evaluated_in_both_manners(tmp_path: Path, deterministic: b
     assert read_recording(folder / other).facts.acted == other
 
 
-def test_random_actions_are_evaluated_once(results: Results):
+def test_random_actions_are_evaluated_once(results):
     """For all cells of an environment."""
     folders = [results.store.cell_folder(cell) / recording_of(RANDOM) for cell in results.plan.cells]
     assert sum(folder.is_dir() for folder in folders) == 1
 
 
-def test_random_actions_stand_beside_the_policies(results: Results):
+def test_random_actions_stand_beside_the_policies(results):
     """In every measure of both manners."""
     found = results.combinations[0]
     changes = found.measured.changes_of(found.manner)
@@ -76,14 +73,14 @@ def test_random_actions_stand_beside_the_policies(results: Results):
     assert all(change.random is not None for change in changes)
 
 
-def test_the_measure_that_decides_is_compared_along_the_budget(results: Results):
+def test_the_measure_that_decides_is_compared_along_the_budget(results):
     """At each evaluation before the end; and how fast the trainings learned."""
     found = results.combinations[0]
     assert [moment.steps for moment in found.measured.along] == [20, 40, 60]
     assert [change.name for change in found.measured.changes_of(LEARNING)] == ["success_area", "steps_to_goal"]
 
 
-def test_the_null_control_is_compared_alone(results: Results):
+def test_the_null_control_is_compared_alone(results):
     """The baseline against itself with other seeds; its claims correct no others."""
     *others, control = results.combinations
     assert (control.is_control, [it.is_control for it in others]) == (True, [False])
@@ -91,28 +88,28 @@ def test_the_null_control_is_compared_alone(results: Results):
     assert control.number.decomposition.total.ruler.mean == pytest.approx(0.0)
 
 
-def test_the_null_control_alone_is_an_experiment(tmp_path: Path):
+def test_the_null_control_alone_is_an_experiment(tmp_path):
     """Named twice, or as the baseline and the proposed reward."""
     for number, given in enumerate(({"reward": "near,near"}, {"reward": "near", "baseline": "near"})):
         (found,) = _run(tmp_path / str(number), **given).combinations
         assert found.is_control
 
 
-def test_the_experiment_file_asks_for_the_control_too(results: Results):
+def test_the_experiment_file_asks_for_the_control_too(results):
     """So the same experiment is repeated from it."""
     registry = load_registry(given=read_given([HERE / "toy.py"]))
     again = expand(read_experiment(results.folder / EXPERIMENT, {}), registry)
     assert (again.cells, again.control) == (results.plan.cells, {0: 2, 1: 3})
 
 
-def test_several_environments_are_one_matrix(tmp_path: Path):
+def test_several_environments_are_one_matrix(tmp_path):
     """Each has its comparisons, and all are one family of claims."""
     found = _run(tmp_path / "out", task=["toy", "toy:discrete=true"])
     assert [it.group.task.label for it in found.combinations] == ["toy", "toy:discrete=True"]
     assert len({it.answer.claims for it in found.combinations}) == 1
 
 
-def test_rewards_are_ranked_over_environments(tmp_path: Path):
+def test_rewards_are_ranked_over_environments(tmp_path):
     """By the measure that decides; each environment has a vote of its own."""
     (ranking,) = ranking_of(_run(tmp_path / "out", task=["toy", "toy:discrete=true"])).tasks
     assert [place.simulator for place in ranking.places] == ["toy", "toy:discrete=True"]
@@ -120,14 +117,14 @@ def test_rewards_are_ranked_over_environments(tmp_path: Path):
     assert ranking.votes("simulator") == ("toy", "toy:discrete=True")
 
 
-def test_tasks_of_an_arm_do_not_go_with_environments(tmp_path: Path):
+def test_tasks_of_an_arm_do_not_go_with_environments(tmp_path):
     """In one line; nothing is written."""
     with pytest.raises(UsageError, match="some are tasks of an arm, some environments"):
         _run(tmp_path / "out", task=["toy", "fd100-reach"], sim="kinematic")
     assert not (tmp_path / "out").exists()
 
 
-def test_several_tasks_of_an_arm_are_one_matrix(tmp_path: Path):
+def test_several_tasks_of_an_arm_are_one_matrix(tmp_path):
     """Each with its comparison; all are one family."""
     tasks = ["fd100-reach:horizon=5", "fd100-reach:horizon=6"]
     found = _run(tmp_path / "out", task=tasks, sim="kinematic", reward="arp", steps=12)

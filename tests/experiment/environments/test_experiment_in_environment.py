@@ -4,10 +4,8 @@ import csv
 import json
 import re
 import shutil
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pyarrow.csv
@@ -17,36 +15,32 @@ import pytest
 from harness.cli import main
 from harness.errors import UsageError
 from harness.executor import CellOptions, Word
+from harness.experiment import RunOptions, check_experiment, expand
 from harness.experiment.experiment import check, prepare
-from harness.experiment.plan import Plan, check_experiment, expand
 from harness.experiment.run_cell import run_cell
-from harness.experiment.run_options import RunOptions
-from harness.log import Log
 from harness.policy import load_policy
 from harness.progress import RETURN, SUCCESS
-from harness.record.cell import Cell
-from harness.record.folder import (
+from harness.record import (
     EVALUATION_RECORDING,
     LOG,
     MANIFEST,
     POLICY,
     RANDOM,
-    STOCHASTIC,
-    TRAINING_RECORDING,
+    Store,
+    TrainingFacts,
     partial_folder,
-    recording_of,
+    read_manifest,
+    read_recording,
 )
-from harness.record.manifest import digests_in, read_manifest
+from harness.record.folder import STOCHASTIC, TRAINING_RECORDING, recording_of
+from harness.record.manifest import digests_in
 from harness.record.merge import merge
-from harness.record.recording.facts import TrainingFacts
-from harness.record.recording.recorded_training import facts_name, read_recording
+from harness.record.recording.recorded_training import facts_name
 from harness.record.recording.recording_writer import write_recording
 from harness.record.status import read_status
-from harness.record.store import Store
 from harness.record.verify import verify
-from harness.registry.given import Given, read_given
-from harness.registry.registry import Registry, load_registry
-from harness.results import Results, load_results
+from harness.registry import load_registry, read_given
+from harness.results import load_results
 from harness_plugins.exporters.csv_runs import write_runs
 from tests.plugins.committed.kept import RECORDS
 
@@ -55,28 +49,28 @@ STEPS = 32
 
 
 @pytest.fixture(scope="module")
-def given() -> tuple[Given, ...]:
+def given():
     """The toy, as a user hands it over."""
     return read_given([TOY])
 
 
 @pytest.fixture(scope="module")
-def registry(given: tuple[Given, ...]) -> Registry:
+def registry(given):
     """The installed plugins and the toy."""
     return load_registry(given=given)
 
 
-def _plan(registry: Registry, **keys: Any) -> Plan:
+def _plan(registry, **keys):
     asked = {"task": "toy", "algo": "random", "seeds": 2, "steps": STEPS, "evaluation_episodes": 3, **keys}
     return expand(check_experiment(asked), registry)
 
 
-def _done(cell: Cell, folder: Path, given: tuple[Given, ...], words: list[Word] | None = None) -> Any:
+def _done(cell, folder, given, words=None):
     return run_cell(cell, folder, (words if words is not None else []).append, CellOptions(plugins=given))
 
 
 @pytest.fixture(scope="module")
-def folder(registry: Registry, given: tuple[Given, ...], tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(registry, given, tmp_path_factory):
     """An experiment of two rewards and two seeds."""
     path = tmp_path_factory.mktemp("toy") / "experiment"
     plan = _plan(registry)
@@ -87,12 +81,12 @@ def folder(registry: Registry, given: tuple[Given, ...], tmp_path_factory: pytes
 
 
 @pytest.fixture(scope="module")
-def results(folder: Path) -> Results:
+def results(folder):
     """What it says."""
     return load_results(folder, plugins=[TOY])
 
 
-def test_every_reward_of_the_environment_trains(registry: Registry):
+def test_every_reward_of_the_environment_trains(registry):
     """By default all of them, the first as the baseline; simulator and robot are not the harness's."""
     plan = _plan(registry)
     assert [(cell.reward.label, cell.seed) for cell in plan.cells] == [
@@ -107,7 +101,7 @@ def test_every_reward_of_the_environment_trains(registry: Registry):
 
 
 @pytest.mark.parametrize("member", ["lower_is_better", "bounds"])
-def test_members_name_measures(tmp_path: Path, member: str):
+def test_members_name_measures(tmp_path, member):
     """Any other name is a slip."""
     file = tmp_path / "slip.py"
     text = TOY.read_text().replace("class Toy", "class Slip").replace("np.inf)}", 'np.inf), "far": (0.0, 1.0)}')
@@ -116,13 +110,13 @@ def test_members_name_measures(tmp_path: Path, member: str):
         _plan(load_registry(given=read_given([file])), task="slip")
 
 
-def test_a_resolved_experiment_plans_the_same_cells(registry: Registry):
+def test_a_resolved_experiment_plans_the_same_cells(registry):
     """`experiment.toml` is an experiment file again."""
     plan = _plan(registry)
     assert expand(check_experiment(plan.resolved), registry).cells == plan.cells
 
 
-def test_a_baseline_may_be_named(registry: Registry):
+def test_a_baseline_may_be_named(registry):
     """Any of the rewards; without a proposed one it trains alone."""
     plan = _plan(registry, baseline="right", reward=[])
     assert (plan.baseline, {cell.reward.label for cell in plan.cells}) == ("right", {"right"})
@@ -138,7 +132,7 @@ def test_a_baseline_may_be_named(registry: Registry):
         ({"task": "toys"}, "Environments: fetch-reach, gymnasium"),
     ],
 )
-def test_what_does_not_go_with_an_environment_is_refused(registry: Registry, keys: dict[str, Any], told: str):
+def test_what_does_not_go_with_an_environment_is_refused(registry, keys, told):
     """In a line that says what was given and what is allowed."""
     with pytest.raises(UsageError, match=told.replace("?", r"\?")):
         _plan(registry, **keys)
@@ -152,14 +146,14 @@ def test_what_does_not_go_with_an_environment_is_refused(registry: Registry, key
         ("toy", "random:num_envs=3", STEPS, "not a multiple of the 3 envs"),
     ],
 )
-def test_an_algorithm_that_does_not_fit_is_skipped(registry: Registry, task: str, algo: str, steps: int, told: str):
+def test_an_algorithm_that_does_not_fit_is_skipped(registry, task, algo, steps, told):
     """With the reason."""
     plan = _plan(registry, task=task, algo=algo, steps=steps)
     assert not plan.cells
     assert all(told in reason for _, reason in plan.skipped)
 
 
-def test_a_cell_leaves_its_folder(folder: Path, registry: Registry):
+def test_a_cell_leaves_its_folder(folder, registry):
     """Recordings of training and evaluation, the policy, and what it was made with."""
     cell = _plan(registry).cells[1]
     place = Store.open(folder).cell_folder(cell)
@@ -186,9 +180,7 @@ def test_a_cell_leaves_its_folder(folder: Path, registry: Registry):
 @pytest.mark.parametrize(
     ("task", "algo"), [("toy", "sac-fast:learning_starts=8,batch_size=4,net_arch=4"), ("toy", "random:num_envs=2")]
 )
-def test_the_same_cell_is_the_same_recording(
-    registry: Registry, given: tuple[Given, ...], tmp_path: Path, task: str, algo: str
-):
+def test_the_same_cell_is_the_same_recording(registry, given, tmp_path, task, algo):
     """Bit for bit: every file but the log and the manifest."""
     cell = _plan(registry, task=task, algo=algo).cells[0]
     for name in ("one", "other"):
@@ -200,7 +192,7 @@ def test_the_same_cell_is_the_same_recording(
     assert any(name.startswith(TRAINING_RECORDING) for name in one)
 
 
-def test_the_learner_is_paid_by_the_reward_of_its_cell(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
+def test_the_learner_is_paid_by_the_reward_of_its_cell(registry, given, tmp_path):
     """And told of success, as other processes see it."""
     words: list[Word] = []
     cell = _plan(registry).cells[1]
@@ -214,7 +206,7 @@ def test_the_learner_is_paid_by_the_reward_of_its_cell(registry: Registry, given
     assert told[SUCCESS] == pytest.approx(training["behaviour/success"][ended].mean())
 
 
-def test_trackers_get_the_evaluation(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
+def test_trackers_get_the_evaluation(registry, given, tmp_path):
     """What the reward of the cell paid an episode, and every measure of behaviour, after the last step."""
     words: list[Word] = []
     options = CellOptions(plugins=given, tracked=True)
@@ -232,14 +224,14 @@ def test_trackers_get_the_evaluation(registry: Registry, given: tuple[Given, ...
     )
 
 
-def test_without_a_tracker_no_evaluation_is_told(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
+def test_without_a_tracker_no_evaluation_is_told(registry, given, tmp_path):
     """Nobody would look at it."""
     words: list[Word] = []
     _done(_plan(registry).cells[1], tmp_path / "cell", given, words)
     assert not [name for word in words for name in word.scalars if name.startswith("Evaluation/")]
 
 
-def test_a_killed_cell_without_a_checkpoint_starts_over(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
+def test_a_killed_cell_without_a_checkpoint_starts_over(registry, given, tmp_path):
     """What it left is thrown away, the manifest says so, and the result is as if nothing had happened."""
     cell = _plan(registry).cells[0]
     _done(cell, tmp_path / "whole", given)
@@ -255,7 +247,7 @@ def test_a_killed_cell_without_a_checkpoint_starts_over(registry: Registry, give
 
 
 @pytest.fixture
-def broken(tmp_path: Path) -> tuple[Given, ...]:
+def broken(tmp_path):
     """The toy with a reward that fails in the third step of its second episode."""
     text = TOY.read_text().replace("class Toy", "class Broken")
     file = tmp_path / "broken.py"
@@ -280,7 +272,7 @@ class _Fails:
 
 
 @pytest.mark.filterwarnings("ignore:reward 'right'. it remembers something beyond reset")
-def test_a_reward_that_fails_is_the_reason_of_its_failed_cell(broken: tuple[Given, ...], tmp_path: Path):
+def test_a_reward_that_fails_is_the_reason_of_its_failed_cell(broken, tmp_path):
     """The learner cannot be paid."""
     cell = _plan(load_registry(given=broken), task="broken").cells[1]
     manifest = _done(cell, tmp_path / "cell", broken)
@@ -290,7 +282,7 @@ def test_a_reward_that_fails_is_the_reason_of_its_failed_cell(broken: tuple[Give
 
 @pytest.mark.filterwarnings("ignore:reward 'right' failed")
 @pytest.mark.filterwarnings("ignore:reward 'right'. it remembers something beyond reset")
-def test_a_reward_that_only_looks_on_fails_alone(broken: tuple[Given, ...], tmp_path: Path):
+def test_a_reward_that_only_looks_on_fails_alone(broken, tmp_path):
     """The cell is done, the manifest says what was given up, and everything else is recorded."""
     cell = _plan(load_registry(given=broken), task="broken").cells[0]
     manifest = _done(cell, tmp_path / "cell", broken)
@@ -305,13 +297,13 @@ def test_a_reward_that_only_looks_on_fails_alone(broken: tuple[Given, ...], tmp_
         assert not np.isnan(training[name]).any()
 
 
-def _cut_short(registry: Registry, given: tuple[Given, ...], folder: Path, words: list[Word] | None = None) -> Any:
+def _cut_short(registry, given, folder, words=None):
     """A cell in an env that ends no episode; evaluations are cut after five steps."""
     cell = _plan(registry, task="toy:endless=true", evaluation_horizon=5).cells[0]
     return _done(cell, folder, given, words)
 
 
-def test_an_evaluation_of_endless_episodes_ends(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
+def test_an_evaluation_of_endless_episodes_ends(registry, given, tmp_path):
     """Each is cut at the cell's horizon, and is recorded as truncated."""
     assert _cut_short(registry, given, tmp_path / "cell").status == "done"
     evaluation = read_recording(tmp_path / "cell" / EVALUATION_RECORDING)
@@ -319,7 +311,7 @@ def test_an_evaluation_of_endless_episodes_ends(registry: Registry, given: tuple
     assert np.flatnonzero(evaluation["truncated"]).tolist() == [4, 9, 14]
 
 
-def test_a_manifest_says_what_never_ended(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
+def test_a_manifest_says_what_never_ended(registry, given, tmp_path):
     """In the training, and in the evaluation."""
     assert _cut_short(registry, given, tmp_path / "cell").note == (
         "no episode of the training ended: give the environment a time limit; "
@@ -327,12 +319,12 @@ def test_a_manifest_says_what_never_ended(registry: Registry, given: tuple[Given
     )
 
 
-def test_a_manifest_has_no_note_where_episodes_end(folder: Path):
+def test_a_manifest_has_no_note_where_episodes_end(folder):
     """There is nothing to know of it."""
     assert {manifest.note for manifest in Store.open(folder).manifests()} == {""}
 
 
-def test_the_horizon_of_evaluations_belongs_to_a_cell(registry: Registry):
+def test_the_horizon_of_evaluations_belongs_to_a_cell(registry):
     """Where it is not the default: cells of a version without it keep their ids."""
     usual, named, other = (
         _plan(registry, **keys).cells[0] for keys in ({}, {"evaluation_horizon": 10_000}, {"evaluation_horizon": 9})
@@ -341,12 +333,12 @@ def test_the_horizon_of_evaluations_belongs_to_a_cell(registry: Registry):
     assert (usual.evaluation_horizon, other.evaluation_horizon) == (10_000, 9)
 
 
-def test_a_resolved_experiment_names_the_horizon(registry: Registry):
+def test_a_resolved_experiment_names_the_horizon(registry):
     """The default too, so that who reads it knows."""
     assert _plan(registry).resolved["evaluation_horizon"] == 10_000
 
 
-def test_a_horizon_of_evaluations_goes_with_environments_alone(registry: Registry):
+def test_a_horizon_of_evaluations_goes_with_environments_alone(registry):
     """A task of an arm has its own."""
     asked = {"sim": "kinematic", "algo": "random", "evaluation_horizon": 9}
     with pytest.raises(UsageError, match="--evaluation-horizon goes with an environment"):
@@ -356,7 +348,7 @@ def test_a_horizon_of_evaluations_goes_with_environments_alone(registry: Registr
     )
 
 
-def test_the_plan_says_when_evaluations_are_cut(capsys: pytest.CaptureFixture[str], tmp_path: Path):
+def test_the_plan_says_when_evaluations_are_cut(capsys, tmp_path):
     """Before anything runs."""
     asked = ["--task", "toy", "--plugin", str(TOY), "--algo", "random", "--out", str(tmp_path / "new")]
     with pytest.raises(SystemExit):
@@ -366,7 +358,7 @@ def test_the_plan_says_when_evaluations_are_cut(capsys: pytest.CaptureFixture[st
 
 
 @pytest.mark.slow
-def test_an_evaluation_that_hangs_is_ended(tmp_path: Path):
+def test_an_evaluation_that_hangs_is_ended(tmp_path):
     """A step that never returns is no progress, also behind the training."""
     file = tmp_path / "hanging.py"
     text = TOY.read_text().replace("class Toy", "class Hanging")
@@ -390,20 +382,20 @@ def test_an_evaluation_that_hangs_is_ended(tmp_path: Path):
     assert failed.reason == "no progress for 2 s (--stall-after)"
 
 
-def test_status_and_verify_know_it(folder: Path):
+def test_status_and_verify_know_it(folder):
     """Like any other experiment."""
     assert read_status(folder).count("done") == 4
     assert not list(verify(folder))
 
 
-def test_a_folder_does_not_mix_with_experiments_of_arms(folder: Path):
+def test_a_folder_does_not_mix_with_experiments_of_arms(folder):
     """Their reports have nothing in common."""
     asked = check_experiment({"sim": "kinematic", "algo": "random", "steps": 10, "seeds": 1})
     with pytest.raises(UsageError, match="do not go into one folder"):
         check(asked, RunOptions(out=folder))
 
 
-def test_a_study_compares_the_cells(results: Results):
+def test_a_study_compares_the_cells(results):
     """Trainings and evaluations of all seeds, the plan's baseline first."""
     (told,) = results.studies
     assert told.study is not None
@@ -416,7 +408,7 @@ def test_a_study_compares_the_cells(results: Results):
 
 
 @pytest.mark.parametrize(("asked", "shown"), [("distance", ("success", "distance")), ("success", ("success",))])
-def test_chosen_measures_are_shown_beside_the_one_that_decides(folder: Path, asked: str, shown: tuple[str, ...]):
+def test_chosen_measures_are_shown_beside_the_one_that_decides(folder, asked, shown):
     """No other claim is made."""
     (told,) = load_results(folder, metrics=asked, plugins=[TOY]).studies
     assert told.study is not None
@@ -426,14 +418,14 @@ def test_chosen_measures_are_shown_beside_the_one_that_decides(folder: Path, ask
     )
 
 
-def test_measure_that_no_environment_has_is_refused(folder: Path):
+def test_measure_that_no_environment_has_is_refused(folder):
     """With those that there are."""
     results = load_results(folder, metrics="distence", plugins=[TOY])
     with pytest.raises(UsageError, match=r"No measure 'distence'\. There is: distance, success\. Did you mean"):
         _ = results.studies
 
 
-def test_measure_that_no_environment_has_is_refused_before_a_run(registry: Registry, tmp_path: Path):
+def test_measure_that_no_environment_has_is_refused_before_a_run(registry, tmp_path):
     """Nothing is written."""
     asked = {"task": "toy", "algo": "random", "steps": STEPS}
     options = RunOptions(out=tmp_path / "new", metrics="work")
@@ -442,7 +434,7 @@ def test_measure_that_no_environment_has_is_refused_before_a_run(registry: Regis
     assert not (tmp_path / "new").exists()
 
 
-def test_trainings_are_exported_as_csv(results: Results, tmp_path: Path):
+def test_trainings_are_exported_as_csv(results, tmp_path):
     """A row for each step, every number as it was recorded."""
     written = write_runs(results, tmp_path)
     assert written == {tmp_path / "random-toy" / reward: 2 for reward in ("near", "right")}
@@ -455,7 +447,7 @@ def test_trainings_are_exported_as_csv(results: Results, tmp_path: Path):
     np.testing.assert_array_equal(table["truncated"], recorded["truncated"])
 
 
-def test_folders_merge(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
+def test_folders_merge(registry, given, tmp_path):
     """Two seeds of two machines are one experiment."""
     for seed in (0, 1):
         plan = _plan(registry, seeds=[seed])
@@ -468,9 +460,7 @@ def test_folders_merge(registry: Registry, given: tuple[Given, ...], tmp_path: P
     assert told.study.comparisons[0].seeds == (0, 1)
 
 
-def test_a_cell_that_is_done_in_both_folders_is_taken_once(
-    folder: Path, results: Results, tmp_path: Path, report: Callable[..., str]
-):
+def test_a_cell_that_is_done_in_both_folders_is_taken_once(folder, results, tmp_path, report):
     """Both recorded the same steps; `harness report` reads the two together all the same."""
     shutil.copytree(folder, tmp_path / "other")
     merge([folder, tmp_path / "other"], tmp_path / "both")
@@ -479,7 +469,7 @@ def test_a_cell_that_is_done_in_both_folders_is_taken_once(
     assert "\n4 cells: 4 done\n" in report(folder, tmp_path / "other")
 
 
-def _write_again(cell: Path, part: str, change: Callable[[Log], Log]) -> None:
+def _write_again(cell, part, change):
     """A recording of a cell, changed, as if the cell had left it so."""
     recording = read_recording(cell / part).load()
     shutil.rmtree(cell / part)
@@ -488,7 +478,7 @@ def _write_again(cell: Path, part: str, change: Callable[[Log], Log]) -> None:
 
 
 @pytest.mark.parametrize("part", [TRAINING_RECORDING, EVALUATION_RECORDING])
-def test_two_trainings_of_a_cell_that_differ_are_refused(folder: Path, tmp_path: Path, part: str):
+def test_two_trainings_of_a_cell_that_differ_are_refused(folder, tmp_path, part):
     """In a step of their training, or of their evaluation; the message names the cell and both folders."""
     shutil.copytree(folder, tmp_path / "other")
     cell = Store.open(folder).read_plan().cells[1]
@@ -500,7 +490,7 @@ def test_two_trainings_of_a_cell_that_differ_are_refused(folder: Path, tmp_path:
     assert not (tmp_path / "both").exists()
 
 
-def test_versions_make_no_other_training_of_a_cell(folder: Path, tmp_path: Path):
+def test_versions_make_no_other_training_of_a_cell(folder, tmp_path):
     """Two machines may have recorded the same steps."""
     shutil.copytree(folder, tmp_path / "other")
     cell = Store.open(folder).read_plan().cells[1]
@@ -512,11 +502,11 @@ def test_versions_make_no_other_training_of_a_cell(folder: Path, tmp_path: Path)
 
 
 @pytest.fixture
-def report(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Callable[..., str]:
+def report(capsys, monkeypatch):
     """`harness report` with arguments, and what it prints into a wide window."""
     monkeypatch.setenv("COLUMNS", "200")
 
-    def run(*arguments: object) -> str:
+    def run(*arguments):
         with pytest.raises(SystemExit) as ended:
             main(["report", *map(str, arguments)])
         told = capsys.readouterr()
@@ -526,14 +516,14 @@ def report(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) 
     return run
 
 
-def test_the_report_is_printed(folder: Path, report: Callable[..., str]):
+def test_the_report_is_printed(folder, report):
     """The cells, and a line for each comparison."""
     text = report(folder)
     assert "random · toy · against near" in text
     assert re.search(r"An episode is paid \S+ with right and \S+ with near: a change of", " ".join(text.split()))
 
 
-def test_the_report_is_a_page(folder: Path, tmp_path: Path, report: Callable[..., str]):
+def test_the_report_is_a_page(folder, tmp_path, report):
     """That of recorded trainings."""
     report(folder, "--html", tmp_path / "page.html")
     page = (tmp_path / "page.html").read_text()
@@ -541,7 +531,7 @@ def test_the_report_is_a_page(folder: Path, tmp_path: Path, report: Callable[...
     assert "<h2>right</h2>" in page
 
 
-def test_table_has_what_the_policies_did(results: Results):
+def test_table_has_what_the_policies_did(results):
     """A row for each cell: measures of the evaluation, and what every reward paid for it."""
     rows = pq.read_table(results.write_table()).to_pylist()
     assert len(rows) == 4
@@ -553,7 +543,7 @@ def test_table_has_what_the_policies_did(results: Results):
         assert row["not_measured"] == ""
 
 
-def test_json_has_the_form_of_an_arms(folder: Path, report: Callable[..., str]):
+def test_json_has_the_form_of_an_arms(folder, report):
     """Comparisons and cells under the same names; an environment has no robot."""
     told = json.loads(report(folder, "--json"))
     assert told["format"] == 1
@@ -567,7 +557,7 @@ def test_json_has_the_form_of_an_arms(folder: Path, report: Callable[..., str]):
     assert {cell["task"] for cell in told["cells"]} == {"toy"}
 
 
-def test_records_hold_what_the_report_says(folder: Path, tmp_path: Path, report: Callable[..., str]):
+def test_records_hold_what_the_report_says(folder, tmp_path, report):
     """JSON, a row for each cell, and the comparisons as a table; they are read without any cell."""
     target = tmp_path / "records"
     report(folder, "--summary", target)
@@ -585,7 +575,7 @@ def test_records_hold_what_the_report_says(folder: Path, tmp_path: Path, report:
     assert "random · toy · against near · 32 steps" in told
 
 
-def test_records_show_what_they_say(folder: Path, tmp_path: Path, report: Callable[..., str]):
+def test_records_show_what_they_say(folder, tmp_path, report):
     """Figures of every comparison, which the page shows: a line for each reward, and the parts of eta."""
     report(folder, "--summary", tmp_path / "records")
     figures = {path.name: path.read_text() for path in (tmp_path / "records" / "figures").iterdir()}

@@ -22,7 +22,7 @@ TOY = Path(__file__).parent / "toy.py"
 
 
 @pytest.fixture(scope="module")
-def drawn(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def drawn(tmp_path_factory):
     """Two rewards, trained and drawn."""
     folder = tmp_path_factory.mktemp("drawn")
     found = run(task="toy", algo="random", steps=16, seeds=2, evaluation_episodes=2, jobs=1, plugins=[TOY], out=folder)
@@ -32,7 +32,7 @@ def drawn(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def results(drawn: Path, tmp_path: Path) -> Results:
+def results(drawn, tmp_path):
     """A copy of them, which a test may change."""
     shutil.copytree(drawn, tmp_path / "results")
     found = load_results(tmp_path / "results", plugins=[TOY])
@@ -40,13 +40,13 @@ def results(drawn: Path, tmp_path: Path) -> Results:
     return found
 
 
-def test_the_first_seed_of_a_comparison_is_drawn(results: Results):
+def test_the_first_seed_of_a_comparison_is_drawn(results):
     """Under both rewards; no other cell is."""
     drawn = [cell for cell in results.done_cells if frames_file(results.folder, cell.id).is_file()]
     assert sorted((cell.reward.label, cell.seed) for cell in drawn) == [("near", 0), ("right", 0)]
 
 
-def test_pictures_stand_side_by_side(results: Results):
+def test_pictures_stand_side_by_side(results):
     """As many as there are steps to show, within the bound."""
     from PIL import Image
 
@@ -58,7 +58,7 @@ def test_pictures_stand_side_by_side(results: Results):
     assert len(found.strip) <= MOST_BYTES
 
 
-def test_the_page_has_both_sides(results: Results):
+def test_the_page_has_both_sides(results):
     """With words for those who cannot see them."""
     strips = frames_of(results, results.combinations[0])
     assert [side.title for side in strips.sides] == ["Baseline: near", "Proposed: right"]
@@ -67,7 +67,7 @@ def test_the_page_has_both_sides(results: Results):
 
 
 @pytest.mark.parametrize("most", [2, 0], ids=["few", "many"])
-def test_a_page_holds_each_picture_once(results: Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, most: int):
+def test_a_page_holds_each_picture_once(results, tmp_path, monkeypatch, most):
     """However many comparisons there are: the still of the first screen is cut out of it, and leads to it."""
     monkeypatch.setattr("harness.report.page.html.OPEN", most)
     write_html(results, tmp_path / "page.html")
@@ -78,12 +78,12 @@ def test_a_page_holds_each_picture_once(results: Results, tmp_path: Path, monkey
     assert page.count('href="#strip-1-1"') == 1
 
 
-def test_kept_pictures_are_whole(results: Results):
+def test_kept_pictures_are_whole(results):
     """As everything that is kept of a cell."""
     assert not verify(results.folder)
 
 
-def test_pictures_of_another_training_are_not_shown(results: Results):
+def test_pictures_of_another_training_are_not_shown(results):
     """A cell that was done again has none, until they are drawn again."""
     done = results.manifest(results.done_cells[0])
     other = replace(done, files={**done.files, "policy/card.json": "0" * 64})
@@ -91,7 +91,7 @@ def test_pictures_of_another_training_are_not_shown(results: Results):
 
 
 @pytest.mark.parametrize("content", [b"", b"[]\n", b'{"steps": "many"}\n', b"\x00\n"])
-def test_what_is_not_sound_is_a_reason(results: Results, content: bytes):
+def test_what_is_not_sound_is_a_reason(results, content):
     """One line in place of the pictures; nothing else stops."""
     done = results.manifest(results.done_cells[0])
     write_keyed(frames_file(results.folder, done.cell.id), made_of(done), content)
@@ -100,7 +100,7 @@ def test_what_is_not_sound_is_a_reason(results: Results, content: bytes):
     assert not found.strip
 
 
-def test_a_damaged_file_is_no_picture(results: Results):
+def test_a_damaged_file_is_no_picture(results):
     """It is drawn again by the next run."""
     done = results.manifest(results.done_cells[0])
     path = frames_file(results.folder, done.cell.id)
@@ -110,7 +110,7 @@ def test_a_damaged_file_is_no_picture(results: Results):
     assert read_frames(results.folder, done).strip
 
 
-def test_an_environment_that_cannot_draw_says_why(tmp_path: Path):
+def test_an_environment_that_cannot_draw_says_why(tmp_path):
     """In the place of the pictures."""
     (tmp_path / "blind.py").write_text(TOY.read_text().replace('["rgb_array"]', "[]").replace('"toy"', '"blind"'))
     found = run(

@@ -1,29 +1,17 @@
 """Cells in an environment that are killed go on from their last checkpoint, to the same end."""
 
 import shutil
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from harness.executor import CellOptions, Word
-from harness.experiment import telling
-from harness.experiment.plan import check_experiment, expand
+from harness.executor import CellOptions
+from harness.experiment import check_experiment, expand, telling
 from harness.experiment.run_cell import run_cell
-from harness.record.cell import Cell
-from harness.record.folder import (
-    CHECKPOINT,
-    EVALUATION_RECORDING,
-    LOG,
-    MANIFEST,
-    TRAINING_RECORDING,
-    evaluation_files,
-    partial_folder,
-)
-from harness.record.manifest import Manifest, digests_in, read_manifest
-from harness.registry.given import Given
-from harness.registry.registry import Registry
+from harness.record import EVALUATION_RECORDING, LOG, MANIFEST, partial_folder, read_manifest
+from harness.record.folder import CHECKPOINT, TRAINING_RECORDING, evaluation_files
+from harness.record.manifest import digests_in
 
 FOLDER = Path(__file__).parent
 EVERY = 50
@@ -43,22 +31,22 @@ CASES = [
 ]
 
 
-def _cell(registry: Registry, algo: str, **keys: Any) -> Cell:
+def _cell(registry, algo, **keys):
     task = {"task": "toy:discrete=true"} if algo.startswith("dqn") else {"task": "goal_toy", "baseline": "there"}
     asked = {"algo": algo, "reward": [], "seeds": 1, "steps": 198, "evaluation_episodes": 3, **task, **keys}
     (cell,) = expand(check_experiment(asked), registry).cells
     return cell
 
 
-def _files(folder: Path) -> dict[str, str]:
+def _files(folder):
     """What a cell left, but for what tells of its times."""
     return {name: it for name, it in digests_in(folder).items() if name not in (LOG, MANIFEST)}
 
 
-def _leave(cell: Cell, folder: Path, until: int, given: tuple[Given, ...], every: int = EVERY) -> None:
+def _leave(cell, folder, until, given, every=EVERY):
     """The partial folder of `folder`, as a process leaves it that is killed when it has told of `until` steps."""
 
-    def report(word: Word) -> None:
+    def report(word):
         if word.steps >= until and not partial_folder(folder).exists():
             shutil.copytree(partial_folder(folder.with_name("whole")), partial_folder(folder))
 
@@ -66,14 +54,12 @@ def _leave(cell: Cell, folder: Path, until: int, given: tuple[Given, ...], every
     assert partial_folder(folder).exists()
 
 
-def _go_on(cell: Cell, folder: Path, given: tuple[Given, ...]) -> Manifest:
+def _go_on(cell, folder, given):
     return run_cell(cell, folder, lambda word: None, CellOptions(EVERY, plugins=given))
 
 
 @pytest.mark.parametrize("algo", CASES)
-def test_a_killed_cell_ends_as_if_it_had_not_been(
-    registry: Registry, given: tuple[Given, ...], tmp_path: Path, algo: str
-):
+def test_a_killed_cell_ends_as_if_it_had_not_been(registry, given, tmp_path, algo):
     """Recordings and policy are, byte for byte, those of a cell that nobody killed and that left no checkpoints."""
     cell = _cell(registry, algo)
     run_cell(cell, tmp_path / "plain", lambda word: None, CellOptions(0, plugins=given))
@@ -84,7 +70,7 @@ def test_a_killed_cell_ends_as_if_it_had_not_been(
     assert _files(tmp_path / "killed") == _files(tmp_path / "whole") == _files(tmp_path / "plain")
 
 
-def test_it_goes_on_twice(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
+def test_it_goes_on_twice(registry, given, tmp_path):
     """From a checkpoint of the process that went on, too."""
     cell = _cell(registry, LEARNERS["random, 2 envs"], steps=900)
     run_cell(cell, tmp_path / "plain", lambda word: None, CellOptions(0, plugins=given))
@@ -99,7 +85,7 @@ def test_it_goes_on_twice(registry: Registry, given: tuple[Given, ...], tmp_path
     assert _files(tmp_path / "twice" / "killed") == _files(tmp_path / "plain")
 
 
-def test_evaluations_on_the_way_are_not_made_again(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
+def test_evaluations_on_the_way_are_not_made_again(registry, given, tmp_path):
     """Those before the checkpoint stay, the later ones are made again: the cell has what it would have had."""
     cell = _cell(registry, LEARNERS["sac-fast"], evaluate_every=60)
     run_cell(cell, tmp_path / "plain", lambda word: None, CellOptions(0, plugins=given))
@@ -109,14 +95,12 @@ def test_evaluations_on_the_way_are_not_made_again(registry: Registry, given: tu
     assert _files(tmp_path / "killed") == _files(tmp_path / "plain")
 
 
-def test_a_cell_that_is_killed_in_its_evaluation_goes_on(
-    registry: Registry, given: tuple[Given, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
+def test_a_cell_that_is_killed_in_its_evaluation_goes_on(registry, given, tmp_path, monkeypatch):
     """What it had evaluated is thrown away, with the policy: they come to be again."""
     monkeypatch.setattr(telling, "EVERY", 0.0)
     cell, whole, killed = _cell(registry, LEARNERS["random, 2 envs"]), tmp_path / "whole", tmp_path / "killed"
 
-    def report(word: Word) -> None:
+    def report(word):
         if (partial_folder(whole) / EVALUATION_RECORDING).exists() and not partial_folder(killed).exists():
             shutil.copytree(partial_folder(whole), partial_folder(killed))
 
@@ -126,15 +110,13 @@ def test_a_cell_that_is_killed_in_its_evaluation_goes_on(
     assert _files(killed) == _files(whole)
 
 
-def test_an_env_that_does_not_keep_to_its_seed_starts_over(
-    registry: Registry, given: tuple[Given, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
+def test_an_env_that_does_not_keep_to_its_seed_starts_over(registry, given, tmp_path, monkeypatch):
     """What it does again is compared with what it did; the note says why the cell was begun anew."""
     cell = _cell(registry, LEARNERS["random, 2 envs"])
     _leave(cell, tmp_path / "killed", 198, given)
     made = registry.get("environments", "goal_toy").load().make
 
-    def moved(self: Any) -> Any:
+    def moved(self):
         env = made(self)
         step = env.step
         env.step = lambda action: step(0.99 * action)
@@ -146,16 +128,14 @@ def test_an_env_that_does_not_keep_to_its_seed_starts_over(
     assert "did something else" in manifest.note
 
 
-def test_an_env_that_fails_when_it_does_it_again_starts_over(
-    registry: Registry, given: tuple[Given, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
+def test_an_env_that_fails_when_it_does_it_again_starts_over(registry, given, tmp_path, monkeypatch):
     """Once: it is not that cell's fault."""
     cell = _cell(registry, LEARNERS["random, 2 envs"])
     _leave(cell, tmp_path / "killed", 198, given)
     toy, made = registry.get("environments", "goal_toy").load(), list[Any]()
     make = toy.make
 
-    def fails_at_first(self: Any) -> Any:
+    def fails_at_first(self):
         env = make(self)
         made.append(env)
         if len(made) == 1:
@@ -168,7 +148,7 @@ def test_an_env_that_fails_when_it_does_it_again_starts_over(
     assert "are repeated: ZeroDivisionError" in manifest.note
 
 
-def test_nothing_of_a_checkpoint_is_left(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
+def test_nothing_of_a_checkpoint_is_left(registry, given, tmp_path):
     """In the folder of a cell that is done; while it trains there is one, with the actions in files that grow."""
     cell = _cell(registry, LEARNERS["random, 2 envs"])
     _leave(cell, tmp_path / "killed", 198, given)
@@ -182,14 +162,12 @@ def test_nothing_of_a_checkpoint_is_left(registry: Registry, given: tuple[Given,
     assert not {name for name in digests_in(tmp_path / "whole") if name.startswith(("ring", CHECKPOINT))}
 
 
-def test_an_algorithm_that_resets_with_a_seed_leaves_no_checkpoint(
-    registry: Registry, given: tuple[Given, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
+def test_an_algorithm_that_resets_with_a_seed_leaves_no_checkpoint(registry, given, tmp_path, monkeypatch):
     """What it did could not be done again."""
     learner = registry.get("algorithms", "random").load()
     train = learner.train
 
-    def seeds(self: Any, env: Any, *rest: Any) -> Any:
+    def seeds(self, env, *rest):
         env.reset(seed=3)
         return train(self, env, *rest)
 
@@ -201,11 +179,11 @@ def test_an_algorithm_that_resets_with_a_seed_leaves_no_checkpoint(
 @pytest.mark.slow
 @pytest.mark.parametrize("algo", [LEARNERS["sac-fast"], LEARNERS["her, 2 envs"]])
 def test_a_process_that_is_killed_loses_nothing(
-    registry: Registry,
-    given: tuple[Given, ...],
-    tmp_path: Path,
-    train_in_a_process: Callable[..., None],
-    algo: str,
+    registry,
+    given,
+    tmp_path,
+    train_in_a_process,
+    algo,
 ):
     """By SIGKILL, twice, at any moment: afterwards every byte is that of an undisturbed cell."""
     cell = _cell(registry, algo, steps=1600)

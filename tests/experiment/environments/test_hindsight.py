@@ -1,39 +1,36 @@
 """Cells that learn in hindsight: on a toy with goals, and where that is not possible."""
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 from harness.executor import CellOptions
-from harness.experiment.plan import Plan, check_experiment, expand
+from harness.experiment import check_experiment, expand
 from harness.experiment.run_cell import run_cell
-from harness.record.folder import EVALUATION_RECORDING, LOG, TRAINING_RECORDING
-from harness.record.manifest import Manifest, digests_in
-from harness.record.recording.recorded_training import read_recording
-from harness.registry.given import Given
-from harness.registry.registry import Registry
+from harness.record import EVALUATION_RECORDING, LOG, read_recording
+from harness.record.folder import TRAINING_RECORDING
+from harness.record.manifest import digests_in
 
 FOLDER = Path(__file__).parent
 SMALL = "net_arch=32,batch_size=64,learning_starts=50,learning_rate=0.003"
 
 
-def _plan(registry: Registry, algo: str, **keys: Any) -> Plan:
+def _plan(registry, algo, **keys):
     asked = {"task": "goal_toy", "baseline": "there", "reward": [], "seeds": 1, "steps": 500, **keys}
     return expand(check_experiment({"algo": algo, **asked}), registry)
 
 
-def _done(plan: Plan, folder: Path, given: tuple[Given, ...]) -> Manifest:
+def _done(plan, folder, given):
     return run_cell(plan.cells[0], folder, lambda word: None, CellOptions(plugins=given))
 
 
-def _success(folder: Path) -> float:
+def _success(folder):
     told = read_recording(folder / EVALUATION_RECORDING)
     return float(told["behaviour/success"][told["truncated"]].mean())
 
 
-def test_hindsight_learns_from_a_sparse_reward(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
+def test_hindsight_learns_from_a_sparse_reward(registry, given, tmp_path):
     """500 steps are enough, of which the same learner without hindsight learns next to nothing."""
     for name, algo in (("with", "her"), ("without", "sac-fast")):
         assert _done(_plan(registry, f"{algo}:{SMALL}"), tmp_path / name, given).status == "done"
@@ -43,7 +40,7 @@ def test_hindsight_learns_from_a_sparse_reward(registry: Registry, given: tuple[
     assert set(np.unique(told["reward/there"])) <= {-1.0, 0.0}
 
 
-def test_the_same_cell_is_the_same_recording(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
+def test_the_same_cell_is_the_same_recording(registry, given, tmp_path):
     """Bit for bit, in two envs too."""
     plan = _plan(registry, f"her:{SMALL},num_envs=2", steps=120, evaluation_episodes=2)
     found = []
@@ -61,7 +58,7 @@ def test_the_same_cell_is_the_same_recording(registry: Registry, given: tuple[Gi
         ({"task": "fd100-reach", "sim": "kinematic", "baseline": "dense"}, "Give an environment with goals"),
     ],
 )
-def test_what_cannot_be_paid_again_is_skipped(registry: Registry, keys: dict[str, Any], told: str):
+def test_what_cannot_be_paid_again_is_skipped(registry, keys, told):
     """With the reason."""
     plan = _plan(registry, "her", **keys)
     assert not plan.cells
@@ -69,7 +66,7 @@ def test_what_cannot_be_paid_again_is_skipped(registry: Registry, keys: dict[str
     assert all(told in reason for _, reason in plan.skipped)
 
 
-def test_other_rewards_of_the_matrix_train(registry: Registry):
+def test_other_rewards_of_the_matrix_train(registry):
     """What is skipped is the reward that is no function of goals, and with this algorithm alone."""
     plan = _plan(registry, "her,sac-fast", reward=["slow"])
     assert [(cell.algorithm.name, cell.reward.label) for cell in plan.cells] == [
@@ -79,9 +76,7 @@ def test_other_rewards_of_the_matrix_train(registry: Registry):
     ]
 
 
-def test_a_reward_that_pays_otherwise_than_by_its_goals_fails_the_cell(
-    registry: Registry, given: tuple[Given, ...], tmp_path: Path
-):
+def test_a_reward_that_pays_otherwise_than_by_its_goals_fails_the_cell(registry, given, tmp_path):
     """At the first step: nothing is learned from steps that are paid wrongly."""
     manifest = _done(_plan(registry, f"her:{SMALL}", task="goal_toy:lies=true"), tmp_path / "cell", given)
     assert manifest.status == "failed"

@@ -1,9 +1,7 @@
 """Files of functions as rewards and measures of an environment: planned, trained, compared, and paid again later."""
 
 import json
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -11,13 +9,11 @@ import pytest
 import harness
 from harness.cli import main
 from harness.errors import UsageError
-from harness.experiment.plan import Plan, check_experiment, expand
-from harness.record.folder import EVALUATION_RECORDING, TRAINING_RECORDING
-from harness.record.recording.recorded_training import read_recording
-from harness.record.store import Store
+from harness.experiment import check_experiment, expand
+from harness.record import EVALUATION_RECORDING, Store, read_recording
+from harness.record.folder import TRAINING_RECORDING
 from harness.record.verify import verify
-from harness.registry.given import read_given
-from harness.registry.registry import load_registry
+from harness.registry import load_registry, read_given
 from harness.results import load_results
 
 PENDULUM = "gymnasium:id=Pendulum-v1"
@@ -59,7 +55,7 @@ class effort:
 LATER = "def later(observation, action, next_observation, info):\n    return -abs(float(next_observation[2]))\n"
 
 
-def _lay(folder: Path, **files: str) -> Path:
+def _lay(folder, **files):
     folder.mkdir(exist_ok=True)
     for name, text in files.items():
         (folder / f"{name}.py").write_text(text)
@@ -67,7 +63,7 @@ def _lay(folder: Path, **files: str) -> Path:
 
 
 @pytest.fixture(scope="module")
-def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def files(tmp_path_factory):
     """A folder of reward files: two that work, one that crashes, one that is broken; and what measures behaviour."""
     folder = tmp_path_factory.mktemp("files") / "rewards"
     return _lay(
@@ -76,7 +72,7 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def trained(files: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def trained(files, tmp_path_factory):
     """An experiment with them."""
     folder = tmp_path_factory.mktemp("trained") / "runs"
     harness.run(
@@ -86,12 +82,12 @@ def trained(files: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def _plan(*paths: Path, measures: tuple[Path, ...] = (), **keys: Any) -> Plan:
+def _plan(*paths, measures=(), **keys):
     asked = {"task": PENDULUM, "algo": "random", "seeds": 1, "steps": 10, **keys}
     return expand(check_experiment(asked), load_registry(given=read_given(paths, measures)))
 
 
-def test_every_file_is_a_reward_beside_the_environments_own(files: Path):
+def test_every_file_is_a_reward_beside_the_environments_own(files):
     """That is the baseline. What could not be loaded is told before anything is trained."""
     plan = _plan(files / "*.py")
     assert (plan.baseline, [cell.reward.label for cell in plan.cells]) == ("own", ["own", "calm", "crashes", "upright"])
@@ -102,13 +98,13 @@ def test_every_file_is_a_reward_beside_the_environments_own(files: Path):
     ]  # fmt: skip
 
 
-def test_rewards_may_be_chosen(files: Path):
+def test_rewards_may_be_chosen(files):
     """By their names."""
     plan = _plan(files / "*.py", reward=["upright"], baseline="calm")
     assert [cell.reward.label for cell in plan.cells] == ["calm", "upright"]
 
 
-def test_plan_without_a_measure_says_what_the_report_cannot_tell(files: Path):
+def test_plan_without_a_measure_says_what_the_report_cannot_tell(files):
     """And what to give."""
     (line,) = _plan(files / "calm.py").warnings
     assert "cannot say whether it behaves better" in line
@@ -127,21 +123,21 @@ def test_plan_without_a_measure_says_what_the_report_cannot_tell(files: Path):
         ({"reward": ["calmer"]}, "No reward 'calmer'. There is: calm, own. Did you mean 'calm'?"),
     ],
 )
-def test_what_is_not_known_is_refused(files: Path, keys: dict[str, Any], told: str):
+def test_what_is_not_known_is_refused(files, keys, told):
     """In one line."""
     with pytest.raises(UsageError) as error:
         _plan(files / "calm.py", files / "behaviour.py", **keys)
     assert told in str(error.value)
 
 
-def test_file_of_the_name_of_the_environments_own_reward_is_refused(tmp_path: Path):
+def test_file_of_the_name_of_the_environments_own_reward_is_refused(tmp_path):
     """One of the two would not be told from the other."""
     _lay(tmp_path, own=UPRIGHT)
     with pytest.raises(UsageError, match=r"own\.py': the environment has a reward 'own' of its own\. Rename yours"):
         _plan(tmp_path / "own.py")
 
 
-def test_crash_costs_only_the_cells_that_it_pays(trained: Path):
+def test_crash_costs_only_the_cells_that_it_pays(trained):
     """If the trial did not see it. All others are done, recorded by every reward, and say what was given up."""
     results = load_results(trained)
     assert {(it.cell.reward.label, it.status) for it in results.manifests} == {
@@ -159,7 +155,7 @@ def test_crash_costs_only_the_cells_that_it_pays(trained: Path):
         assert not np.isnan(training["reward/calm"]).any()
 
 
-def test_first_measure_of_the_file_decides(trained: Path):
+def test_first_measure_of_the_file_decides(trained):
     """None is called success; the file says of which less is better."""
     (told,) = load_results(trained).studies
     assert told.study is not None
@@ -170,7 +166,7 @@ def test_first_measure_of_the_file_decides(trained: Path):
     assert told.study.runs.better("effort") == "lower"
 
 
-def test_named_measure_decides(files: Path, tmp_path: Path):
+def test_named_measure_decides(files, tmp_path):
     """Of the same cells, without training them again."""
     given = {"task": PENDULUM, "algo": "random", "seeds": 2, "steps": 200, "evaluation_episodes": 1, "jobs": 1}
     plugins = [files / "calm.py", files / "behaviour.py"]
@@ -182,7 +178,7 @@ def test_named_measure_decides(files: Path, tmp_path: Path):
     assert len(Store.open(tmp_path / "runs").read_plan().cells) == 4
 
 
-def test_edit_of_a_file_beside_is_noticed(tmp_path: Path):
+def test_edit_of_a_file_beside_is_noticed(tmp_path):
     """Done cells that the reward trained are not mixed with new ones; those of others stay."""
     folder = _lay(tmp_path / "rewards", calm=CALM, _scale="SPEED = 0.1")
     given = {"task": PENDULUM, "algo": "random", "steps": 20, "evaluation_episodes": 1, "jobs": 1, "seeds": 1}
@@ -192,7 +188,7 @@ def test_edit_of_a_file_beside_is_noticed(tmp_path: Path):
         harness.run(**given, plugins=[folder / "calm.py"], out=tmp_path / "runs")
 
 
-def test_measures_that_are_gone_are_noticed(files: Path, tmp_path: Path):
+def test_measures_that_are_gone_are_noticed(files, tmp_path):
     """New cells would lack what decides."""
     given = {"task": PENDULUM, "algo": "random", "steps": 20, "evaluation_episodes": 1, "jobs": 1, "seeds": 1}
     harness.run(**given, reward=[], plugins=[files / "behaviour.py"], out=tmp_path / "runs")
@@ -201,11 +197,11 @@ def test_measures_that_are_gone_are_noticed(files: Path, tmp_path: Path):
 
 
 @pytest.fixture
-def say(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Callable[..., tuple[int, str, str]]:
+def say(capsys, monkeypatch):
     """A command; its status and what it says on standard output and on standard error."""
     monkeypatch.setenv("COLUMNS", "300")
 
-    def run(*arguments: object) -> tuple[int, str, str]:
+    def run(*arguments):
         with pytest.raises(SystemExit) as ended:
             main([*map(str, arguments)])
         told = capsys.readouterr()
@@ -214,10 +210,7 @@ def say(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> 
     return run
 
 
-Say = Callable[..., tuple[int, str, str]]
-
-
-def test_later_file_pays_the_old_recordings(trained: Path, tmp_path: Path, say: Say):
+def test_later_file_pays_the_old_recordings(trained, tmp_path, say):
     """Trainings and evaluations, by taking their actions again. Then the report has it, and nothing is damaged."""
     _lay(tmp_path, later=LATER)
     status, told, _ = say("score", trained, "--plugin", tmp_path / "later.py")
@@ -231,7 +224,7 @@ def test_later_file_pays_the_old_recordings(trained: Path, tmp_path: Path, say: 
     assert say("score", trained, "--plugin", tmp_path / "later.py")[1].count("nothing to do") == 19
 
 
-def test_later_measure_measures_the_old_recordings(trained: Path, tmp_path: Path, say: Say):
+def test_later_measure_measures_the_old_recordings(trained, tmp_path, say):
     """As it would have at once."""
     _lay(tmp_path, behaviour=BEHAVIOUR.replace("height", "tip").replace("effort", "work"))
     assert say("score", trained, "--plugin", tmp_path / "behaviour.py")[0] == 0
@@ -242,7 +235,7 @@ def test_later_measure_measures_the_old_recordings(trained: Path, tmp_path: Path
     assert recording.facts.lower_is_better == ("effort", "work")
 
 
-def test_other_code_of_a_reward_that_trained_is_refused(trained: Path, tmp_path: Path, say: Say):
+def test_other_code_of_a_reward_that_trained_is_refused(trained, tmp_path, say):
     """Nothing is written: two rewards would have one name."""
     _lay(tmp_path, upright=UPRIGHT.replace("0.95", "0.5"))
     status, _, told = say("score", trained, "--plugin", tmp_path / "upright.py")
@@ -251,7 +244,7 @@ def test_other_code_of_a_reward_that_trained_is_refused(trained: Path, tmp_path:
     assert "give the new one another name" in told
 
 
-def test_mended_file_pays_what_it_could_not(trained: Path, files: Path, tmp_path: Path, say: Say):
+def test_mended_file_pays_what_it_could_not(trained, files, tmp_path, say):
     """It had trained nothing, since its cells failed."""
     _lay(tmp_path, crashes=CRASHES.replace("1 / (1 - self.episodes)", "0.5"))
     assert say("score", trained, "--plugin", tmp_path / "crashes.py")[0] == 0
@@ -259,7 +252,7 @@ def test_mended_file_pays_what_it_could_not(trained: Path, files: Path, tmp_path
     assert set(read_recording(Store.open(trained).cell_folder(cell) / TRAINING_RECORDING)["reward/crashes"]) == {0.5}
 
 
-def _loose(folder: Path) -> Path:
+def _loose(folder):
     import gymnasium
 
     env = harness.RecordRewards(gymnasium.make("Pendulum-v1"), folder / "own-0", trained_with="own", rewards={})
@@ -270,7 +263,7 @@ def _loose(folder: Path) -> Path:
     return folder
 
 
-def test_later_file_pays_loose_recordings(tmp_path: Path, say: Say):
+def test_later_file_pays_loose_recordings(tmp_path, say):
     """In the env of the id in the recording."""
     _lay(tmp_path, later=LATER)
     status, told, _ = say("score", _loose(tmp_path / "runs"), "--plugin", tmp_path / "later.py", "--json")
@@ -280,7 +273,7 @@ def test_later_file_pays_loose_recordings(tmp_path: Path, say: Say):
     ]
 
 
-def test_loose_recording_is_paid_in_the_environment_that_is_named(tmp_path: Path, say: Say):
+def test_loose_recording_is_paid_in_the_environment_that_is_named(tmp_path, say):
     """Another one answers otherwise, and pays nothing."""
     _lay(tmp_path, later=LATER)
     runs = _loose(tmp_path / "runs")
@@ -289,13 +282,13 @@ def test_loose_recording_is_paid_in_the_environment_that_is_named(tmp_path: Path
     assert say("score", runs, "--plugin", tmp_path / "later.py", "--task", PENDULUM)[0] == 0
 
 
-def test_id_in_a_recording_imports_nothing(tmp_path: Path, say: Say):
+def test_id_in_a_recording_imports_nothing(tmp_path, say):
     """A folder may come from anybody."""
     _lay(tmp_path, later=LATER)
     runs = _loose(tmp_path / "runs")
     from dataclasses import replace
 
-    from harness.record.recording.facts import TrainingFacts
+    from harness.record import TrainingFacts
 
     path = runs / "own-0" / "recording-0.json"
     facts = TrainingFacts.read(path)
@@ -312,9 +305,7 @@ def test_id_in_a_recording_imports_nothing(tmp_path: Path, say: Say):
         (("--task", PENDULUM), "--task does not go with an experiment"),
     ],
 )
-def test_what_cannot_be_scored_is_refused(
-    trained: Path, tmp_path: Path, say: Say, arguments: tuple[str, ...], told: str
-):
+def test_what_cannot_be_scored_is_refused(trained, tmp_path, say, arguments, told):
     """With what to give."""
     _lay(tmp_path, later=LATER)
     plugin = ("--plugin", tmp_path / "later.py") if arguments else ()

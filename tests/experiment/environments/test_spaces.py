@@ -1,7 +1,5 @@
 """Where a row of numbers has its goals."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 from gymnasium.spaces import Box, Dict, Discrete
@@ -32,7 +30,7 @@ def test_columns_are_those_of_the_goals():
         Dict({"achieved_goal": Discrete(2), "desired_goal": Discrete(2)}),
     ],
 )
-def test_other_observations_have_no_goals(space: Any):
+def test_other_observations_have_no_goals(space):
     """The message says what they would be."""
     with pytest.raises(UsageError, match="they would be a dict with achieved_goal and desired_goal"):
         goal_columns(space)

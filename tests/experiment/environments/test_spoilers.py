@@ -1,14 +1,13 @@
 """A folder of twelve reward files, five of which spoil things: the other seven say what they say without the five."""
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from harness.cli import main
-from harness.record.recording.recorded_training import read_recording, recordings_in
-from harness.record.store import Store
+from harness.record import Store, read_recording
+from harness.record.recording.recorded_training import recordings_in
 from harness.recorder import guard
 
 HEAD = "def {name}(observation, action, next_observation, info):\n"
@@ -35,7 +34,7 @@ SPOILS = {
 }
 
 
-def _recorded(folder: Path, bodies: dict[str, str]) -> dict[str, Any]:
+def _recorded(folder, bodies):
     """What a run with these files says of its steps: by recording and column."""
     rewards = folder / "rewards"
     rewards.mkdir(parents=True)
@@ -72,9 +71,7 @@ def _recorded(folder: Path, bodies: dict[str, str]) -> dict[str, Any]:
 @pytest.mark.slow
 @pytest.mark.usefixtures("toys")
 @pytest.mark.filterwarnings("ignore::UserWarning")
-def test_five_files_that_spoil_change_no_number_of_the_others(
-    tmp_path: Path, capsys: Any, monkeypatch: pytest.MonkeyPatch
-):
+def test_five_files_that_spoil_change_no_number_of_the_others(tmp_path, capsys, monkeypatch):
     """Bit for bit, in the training and in every evaluation; all five are named, by one command."""
     monkeypatch.setattr(guard, "LONGEST_CALL", 0.1)
     alone = _recorded(tmp_path / "alone", GOOD)

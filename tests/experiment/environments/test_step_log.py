@@ -1,7 +1,5 @@
 """What envs were told, in order, and whether it was answered alike."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -11,7 +9,7 @@ from harness.experiment.environments.batch import FIRST_ROOM, StepLog, actions_o
 ANSWER = np.zeros((2, 3), np.float32)
 
 
-def _log(told: list[Any], answer: Any = ANSWER) -> StepLog:
+def _log(told, answer=ANSWER):
     """A log of actions, and of None for a reset."""
     log = StepLog()
     log.note_reset(is_plain=False)
@@ -41,7 +39,7 @@ def test_it_grows():
 
 
 @pytest.mark.parametrize("other", [_log([None], ANSWER + 1), _log([None, None])], ids=["other numbers", "more of them"])
-def test_other_answers_are_noticed(other: StepLog):
+def test_other_answers_are_noticed(other):
     """A number, or one more answer; the same ones are the same."""
     _log([None]).require_same(_log([None]).state())
     with pytest.raises(SchemaError, match="did something else"):
@@ -51,7 +49,7 @@ def test_other_answers_are_noticed(other: StepLog):
 @pytest.mark.parametrize(
     ("resets", "is_complete"), [([False], True), ([False, True], True), ([False, False], False), ([True], False)]
 )
-def test_a_reset_that_cannot_be_repeated_is_noticed(resets: list[bool], is_complete: bool):
+def test_a_reset_that_cannot_be_repeated_is_noticed(resets, is_complete):
     """The first has to have a seed, and no other one may."""
     log = StepLog()
     for is_plain in resets:

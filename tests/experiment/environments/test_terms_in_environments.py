@@ -1,19 +1,16 @@
 """A reward of terms in an environment: planned, tried, trained with weights, compared by its columns."""
 
-from pathlib import Path
-from typing import Any
-
 import numpy as np
 import pytest
 
 import harness
 from harness.errors import UsageError
-from harness.experiment.plan import Plan, check_experiment, expand
+from harness.experiment import check_experiment, expand
 from harness.experiment.trials.tried_plan import try_plan
-from harness.record.folder import EVALUATION_RECORDING, TRAINING_RECORDING
-from harness.record.recording.recorded_training import read_recording, weighed
-from harness.registry.given import read_given
-from harness.registry.registry import load_registry
+from harness.record import EVALUATION_RECORDING, read_recording
+from harness.record.folder import TRAINING_RECORDING
+from harness.record.recording.recorded_training import weighed
+from harness.registry import load_registry, read_given
 from harness.results import load_results
 from harness.reward.terms import sum_of
 from tests.record.recording.told import terms_of
@@ -32,18 +29,18 @@ def clip(x):
 
 
 @pytest.fixture
-def gentle(tmp_path: Path) -> Path:
+def gentle(tmp_path):
     """A file with the reward and a helper function."""
     (tmp_path / "gentle.py").write_text(GENTLE)
     return tmp_path / "gentle.py"
 
 
-def _plan(path: Path, **keys: Any) -> Plan:
+def _plan(path, **keys):
     asked = {"task": PENDULUM, "algo": "random", "seeds": 1, "steps": 10, **keys}
     return expand(check_experiment(asked), load_registry(given=read_given([path])))
 
 
-def test_weights_of_terms_make_rewards(gentle: Path):
+def test_weights_of_terms_make_rewards(gentle):
     """Several in a list; a weight of 1 changes nothing, and terms stand in their own order."""
     plan = _plan(gentle, reward="gentle,gentle:jerk=2,effort=5,gentle:effort=1,gentle:effort=0.05", baseline="own")
     labels = ["own", "gentle", "gentle:effort=5,jerk=2", "gentle:effort=0.05"]
@@ -67,7 +64,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize(("reward", "told"), REFUSED.values(), ids=REFUSED)
-def test_what_cannot_be_weighed_is_refused(gentle: Path, reward: str, told: str):
+def test_what_cannot_be_weighed_is_refused(gentle, reward, told):
     """With what there is."""
     with pytest.raises(UsageError) as error:
         _plan(gentle, reward=reward)
@@ -85,7 +82,7 @@ def test_what_cannot_be_weighed_is_refused(gentle: Path, reward: str, told: str)
         ("step.before.info['x_pos']", "info has no 'x_pos'"),
     ],
 )
-def test_what_is_not_there_is_told_before_a_run(tmp_path: Path, body: str, told: str):
+def test_what_is_not_there_is_told_before_a_run(tmp_path, body, told):
     """By its name, with what there is."""
     (tmp_path / "far.py").write_text(f"def far(step):\n    return {body}\n")
     plan = _plan(tmp_path / "far.py", reward="far", baseline="own")
@@ -95,7 +92,7 @@ def test_what_is_not_there_is_told_before_a_run(tmp_path: Path, body: str, told:
 
 
 @pytest.fixture(scope="module")
-def trained(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def trained(tmp_path_factory):
     """An experiment with and without weights."""
     folder = tmp_path_factory.mktemp("trained")
     (folder / "gentle.py").write_text(GENTLE)
@@ -106,7 +103,7 @@ def trained(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "runs"
 
 
-def test_trainings_and_evaluations_have_terms(trained: Path):
+def test_trainings_and_evaluations_have_terms(trained):
     """Whoever was trained: their sum is the pay, to the last bit."""
     results = load_results(trained)
     for cell in results.done_cells:
@@ -116,7 +113,7 @@ def test_trainings_and_evaluations_have_terms(trained: Path):
             assert found.facts.trained_with == cell.reward.label
 
 
-def test_columns_pay_what_other_weights_pay(trained: Path):
+def test_columns_pay_what_other_weights_pay(trained):
     """In the run that was trained so, and in the others, by which they are compared."""
     results = load_results(trained)
     label = "gentle:effort=5"

@@ -1,20 +1,14 @@
 """What happens to cells is written down as it happens."""
 
-from collections.abc import Callable
-from pathlib import Path
-
 import pytest
 
 from harness.executor import Event
-from harness.experiment.plan import Plan
 from harness.experiment.progress.ended_cells import EndedCells
 from harness.experiment.progress.followed import WRITE_EVERY, Followed
 from harness.experiment.progress.trackers import Trackers, Tracking
 from harness.progress import RETURN, SUCCESS
-from harness.record.cell import Cell
+from harness.record import Store
 from harness.record.running import RUNNING, read_running
-from harness.record.store import Store
-from harness.registry.registry import Registry
 
 
 class Times:
@@ -28,9 +22,7 @@ class Times:
 
 
 @pytest.fixture
-def followed(
-    make_cell: Callable[..., Cell], make_plan: Callable[..., Plan], toys: Registry, tmp_path: Path
-) -> tuple[Followed, Cell, Times, list[Event]]:
+def followed(make_cell, make_plan, toys, tmp_path):
     """Of an experiment with one cell, the cell, the clock, and what is passed on."""
     cell, events, times = make_cell(), [], Times()
     plan = make_plan(cell)
@@ -39,7 +31,7 @@ def followed(
     return Followed(store, EndedCells(store, toys, plan), tracking, events.append, now=times), cell, times, events
 
 
-def test_running_cells_are_told_now_and_then(followed: tuple[Followed, Cell, Times, list[Event]], tmp_path: Path):
+def test_running_cells_are_told_now_and_then(followed, tmp_path):
     """A start at once, steps every other second."""
     follow, cell, times, _ = followed
     follow(Event("started", cell))
@@ -51,7 +43,7 @@ def test_running_cells_are_told_now_and_then(followed: tuple[Followed, Cell, Tim
     assert read_running(tmp_path / "out")[cell.id].steps == 8
 
 
-def test_success_and_return_are_told_too(followed: tuple[Followed, Cell, Times, list[Event]], tmp_path: Path):
+def test_success_and_return_are_told_too(followed, tmp_path):
     """They stay until there are newer ones; what is no number is left out."""
     follow, cell, times, _ = followed
     follow(Event("started", cell))
@@ -63,7 +55,7 @@ def test_success_and_return_are_told_too(followed: tuple[Followed, Cell, Times, 
     assert (told.steps, told.success, told.mean_return) == (8, 0.5, -2.0)
 
 
-def test_a_cell_without_a_folder_gets_a_manifest(followed: tuple[Followed, Cell, Times, list[Event]], tmp_path: Path):
+def test_a_cell_without_a_folder_gets_a_manifest(followed, tmp_path):
     """With the executor's reason; it counts as failed, and is not running any more."""
     follow, cell, _, events = followed
     follow(Event("started", cell))
@@ -74,7 +66,7 @@ def test_a_cell_without_a_folder_gets_a_manifest(followed: tuple[Followed, Cell,
     assert [event.kind for event in events] == ["started", "ended"]
 
 
-def test_nothing_is_left_when_nothing_runs(followed: tuple[Followed, Cell, Times, list[Event]], tmp_path: Path):
+def test_nothing_is_left_when_nothing_runs(followed, tmp_path):
     """The account of running cells goes with the run."""
     follow, cell, _, _ = followed
     follow(Event("started", cell))

@@ -1,24 +1,17 @@
 """`results.parquet` while cells run."""
 
-from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import pyarrow.parquet as pq
 import pytest
 
-from harness.executor import Event
-from harness.experiment.plan import Plan, check_experiment, expand
+from harness.experiment import check_experiment, expand
 from harness.experiment.progress.ended_cells import EVERY, TableSoFar
-from harness.record.manifest import read_manifest
-from harness.record.store import RESULTS, Store
+from harness.record import RESULTS, Store, read_manifest
 from harness.record.verify import verify
-from harness.registry.registry import Registry
-from harness.results import Results
 from harness.results.cell_results import CellResults
 from harness.results.done_cells import DoneCells
 
-RunHere = Callable[..., Results]
 GIVEN: dict[str, Any] = {
     "sim": "ideal", "algo": "wander", "task": "fd100-reach:horizon=5", "seeds": 2, "steps": 12,
     "evaluation_episodes": 3, "reward": "arp",
@@ -36,12 +29,12 @@ class Clock:
 
 
 @pytest.fixture
-def plan(toys: Registry) -> Plan:
+def plan(toys):
     """Four cells."""
     return expand(check_experiment(GIVEN), toys)
 
 
-def statuses(folder: Path) -> list[str]:
+def statuses(folder):
     """What the table says of the cells."""
     return sorted(pq.read_table(folder / RESULTS)["status"].to_pylist())
 
@@ -50,11 +43,11 @@ class Killed(Exception):
     """Stands for what ends a run half-way."""
 
 
-def test_run_that_is_interrupted_leaves_the_table_of_what_ended(run_here: RunHere, plan: Plan, tmp_path: Path):
+def test_run_that_is_interrupted_leaves_the_table_of_what_ended(run_here, plan, tmp_path):
     """A row per cell; those that did not get their turn are pending."""
     ended = []
 
-    def on_event(event: Event) -> None:
+    def on_event(event):
         if event.kind == "started" and len(ended) == 2:
             raise Killed
         ended.extend([event.cell] * (event.kind == "ended"))
@@ -65,11 +58,11 @@ def test_run_that_is_interrupted_leaves_the_table_of_what_ended(run_here: RunHer
     assert verify(tmp_path) == []
 
 
-def test_first_cell_that_ends_is_in_the_table_at_once(run_here: RunHere, plan: Plan, tmp_path: Path):
+def test_first_cell_that_ends_is_in_the_table_at_once(run_here, plan, tmp_path):
     """Whatever happens to the process then."""
     seen = []
 
-    def on_event(event: Event) -> None:
+    def on_event(event):
         if event.kind == "ended":
             seen.append(statuses(tmp_path))
 
@@ -77,23 +70,21 @@ def test_first_cell_that_ends_is_in_the_table_at_once(run_here: RunHere, plan: P
     assert seen[0] == ["done", "pending", "pending", "pending"]
 
 
-def test_table_at_the_end_is_that_of_the_results(run_here: RunHere, plan: Plan, tmp_path: Path):
+def test_table_at_the_end_is_that_of_the_results(run_here, plan, tmp_path):
     """Byte for byte: it does not matter who wrote it."""
     results = run_here(plan, tmp_path)
     so_far = (tmp_path / RESULTS).read_bytes()
     assert results.write_table().read_bytes() == so_far
 
 
-def test_failed_cell_is_in_the_table(toys: Registry, run_here: RunHere, tmp_path: Path):
+def test_failed_cell_is_in_the_table(toys, run_here, tmp_path):
     """With its reason."""
     run_here(expand(check_experiment({**GIVEN, "algo": "wander:then=raise"}), toys), tmp_path)
     assert statuses(tmp_path) == ["failed"] * 4
     assert all(pq.read_table(tmp_path / RESULTS)["reason"].to_pylist())
 
 
-def test_cells_of_an_earlier_experiment_stay_in_the_table(
-    toys: Registry, run_here: RunHere, plan: Plan, tmp_path: Path
-):
+def test_cells_of_an_earlier_experiment_stay_in_the_table(toys, run_here, plan, tmp_path):
     """They were done before, and are not asked for again."""
     run_here(plan, tmp_path)
     run_here(expand(check_experiment({**GIVEN, "seeds": [7], "reward": []}), toys), tmp_path)
@@ -101,7 +92,7 @@ def test_cells_of_an_earlier_experiment_stay_in_the_table(
 
 
 @pytest.fixture
-def table(toys: Registry, run_here: RunHere, plan: Plan, tmp_path: Path) -> tuple[TableSoFar, Clock, Store]:
+def table(toys, run_here, plan, tmp_path):
     """Of an experiment whose cells are done, and whose table is not there."""
     run_here(plan, tmp_path)
     (tmp_path / RESULTS).unlink()
@@ -109,7 +100,7 @@ def table(toys: Registry, run_here: RunHere, plan: Plan, tmp_path: Path) -> tupl
     return TableSoFar(store, DoneCells(store, toys), clock), clock, store
 
 
-def test_table_is_written_anew_after_some_time_alone(table: tuple[TableSoFar, Clock, Store], plan: Plan):
+def test_table_is_written_anew_after_some_time_alone(table, plan):
     """However many cells end: with many cells each table takes its time."""
     so_far, clock, store = table
     path = store.folder / RESULTS
@@ -125,7 +116,7 @@ def test_table_is_written_anew_after_some_time_alone(table: tuple[TableSoFar, Cl
     assert statuses(store.folder) == ["done"] * 4
 
 
-def test_table_that_lacks_nothing_is_not_written(table: tuple[TableSoFar, Clock, Store]):
+def test_table_that_lacks_nothing_is_not_written(table):
     """However much time has passed."""
     so_far, clock, store = table
     clock.now = 10 * EVERY
@@ -134,7 +125,7 @@ def test_table_that_lacks_nothing_is_not_written(table: tuple[TableSoFar, Clock,
     assert not (store.folder / RESULTS).exists()
 
 
-def test_cell_is_measured_once(table: tuple[TableSoFar, Clock, Store], plan: Plan, monkeypatch: pytest.MonkeyPatch):
+def test_cell_is_measured_once(table, plan, monkeypatch):
     """Its row is kept for the next tables."""
     so_far, _, store = table
     asked: list[str] = []

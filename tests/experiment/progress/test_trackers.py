@@ -2,19 +2,15 @@
 
 import threading
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import pytest
 
 from harness.errors import PluginError, UsageError
 from harness.executor import Event
 from harness.experiment.progress.trackers import Trackers, Tracking, build_trackers, tracked_cell
-from harness.record.cell import Cell
 from harness.record.running import Running
-from harness.registry.choice import Choice
-from harness.registry.registry import Registry
+from harness.registry import Choice
 
 NUMBERS = {"Training/Success Rate": 0.5}
 
@@ -72,12 +68,12 @@ class Rig:
 
 
 @pytest.fixture
-def rig(tmp_path: Path) -> Rig:
+def rig(tmp_path):
     """Nothing was left by a run before."""
     return Rig(tmp_path)
 
 
-def test_a_cell_is_told_from_its_beginning_to_its_end(rig: Rig, make_cell: Callable[..., Cell]):
+def test_a_cell_is_told_from_its_beginning_to_its_end(rig, make_cell):
     """Its numbers in between."""
     cell = make_cell()
     rig.hear(cell, 0, {})
@@ -87,19 +83,19 @@ def test_a_cell_is_told_from_its_beginning_to_its_end(rig: Rig, make_cell: Calla
     assert rig.told() == [("begin",), ("log", 100), ("end", "failed", "the arm fell off")]
 
 
-def test_a_cell_that_said_nothing_is_told_too(rig: Rig, make_cell: Callable[..., Cell]):
+def test_a_cell_that_said_nothing_is_told_too(rig, make_cell):
     """As one whose process died at once."""
     rig.tracking.end(make_cell(), "failed", "its process was ended by SIGKILL")
     assert rig.told() == [("begin",), ("end", "failed", "its process was ended by SIGKILL")]
 
 
-def test_an_interrupted_cell_ends(rig: Rig, make_cell: Callable[..., Cell]):
+def test_an_interrupted_cell_ends(rig, make_cell):
     """When the run does."""
     rig.hear(make_cell(), 100)
     assert rig.told() == [("begin",), ("log", 100), ("end", "interrupted", "")]
 
 
-def test_nothing_is_told_before_it_is_written_down(rig: Rig, make_cell: Callable[..., Cell]):
+def test_nothing_is_told_before_it_is_written_down(rig, make_cell):
     """So that a kill between the two loses a number, and doubles none."""
     rig.hear(make_cell(), 100)
     assert rig.running.tracked == 100
@@ -107,7 +103,7 @@ def test_nothing_is_told_before_it_is_written_down(rig: Rig, make_cell: Callable
     assert [kind for kind, *_ in rig.notes.told] == ["begin"]
 
 
-def test_a_killed_cell_goes_on_under_its_id(make_cell: Callable[..., Cell], tmp_path: Path):
+def test_a_killed_cell_goes_on_under_its_id(make_cell, tmp_path):
     """What was told before the kill is not told again."""
     cell, first = make_cell(), Rig(tmp_path)
     first.hear(cell, 0, {})
@@ -123,7 +119,7 @@ def test_a_killed_cell_goes_on_under_its_id(make_cell: Callable[..., Cell], tmp_
     assert second.notes.told[0] == first.notes.told[0]
 
 
-def test_a_cell_that_starts_over_is_a_new_one(make_cell: Callable[..., Cell], tmp_path: Path):
+def test_a_cell_that_starts_over_is_a_new_one(make_cell, tmp_path):
     """Its numbers may be others: perhaps a plugin has changed since."""
     cell = make_cell()
     rig = Rig(tmp_path, left={cell.id: Running(900.0, 300, 950.0, track=900.0, tracked=300)})
@@ -133,7 +129,7 @@ def test_a_cell_that_starts_over_is_a_new_one(make_cell: Callable[..., Cell], tm
     assert rig.notes.told[0] != ("begin", tracked_cell(cell, 900.0, tmp_path).id)
 
 
-def test_a_cell_whose_node_was_lost_repeats_nothing(rig: Rig, make_cell: Callable[..., Cell]):
+def test_a_cell_whose_node_was_lost_repeats_nothing(rig, make_cell):
     """It goes on from its checkpoint on another machine, within the same run."""
     cell = make_cell()
     for steps, scalars in ((0, {}), (100, NUMBERS), (200, NUMBERS), (100, {}), (150, NUMBERS), (250, NUMBERS)):
@@ -141,7 +137,7 @@ def test_a_cell_whose_node_was_lost_repeats_nothing(rig: Rig, make_cell: Callabl
     assert [steps for kind, *steps in rig.told() if kind == "log"] == [[100], [200], [250]]
 
 
-def test_one_that_raises_is_switched_off_and_the_others_are_told(make_cell: Callable[..., Cell], tmp_path: Path):
+def test_one_that_raises_is_switched_off_and_the_others_are_told(make_cell, tmp_path):
     """It is named once, with what it raised."""
 
     class Broken(Notes):
@@ -157,7 +153,7 @@ def test_one_that_raises_is_switched_off_and_the_others_are_told(make_cell: Call
     assert len(notes.told) == 3
 
 
-def test_one_that_hangs_holds_nobody_up(make_cell: Callable[..., Cell], tmp_path: Path):
+def test_one_that_hangs_holds_nobody_up(make_cell, tmp_path):
     """The run ends without it."""
     forever = threading.Event()
 
@@ -175,7 +171,7 @@ def test_one_that_hangs_holds_nobody_up(make_cell: Callable[..., Cell], tmp_path
     assert troubles == ["tracker 'slow' is switched off, the cells go on: it has not finished within 0.05 s"]
 
 
-def test_a_cell_is_told_with_all_its_parameters(make_cell: Callable[..., Cell], tmp_path: Path):
+def test_a_cell_is_told_with_all_its_parameters(make_cell, tmp_path):
     """Those of its plugins by kind and name; the same cell done again has another id."""
     cell = make_cell(reward=Choice("arp", (("k1", 2.0), ("k2", 1.5)), "arp:k1=2"))
     told = tracked_cell(cell, 1000.0, tmp_path)
@@ -187,20 +183,20 @@ def test_a_cell_is_told_with_all_its_parameters(make_cell: Callable[..., Cell], 
     assert told.id != tracked_cell(cell, 1001.0, tmp_path).id
 
 
-def test_trackers_are_built_from_text_tables_and_lists(toys: Registry):
+def test_trackers_are_built_from_text_tables_and_lists(toys):
     """Each once."""
     built = build_trackers(["tensorboard,clumsy:mood=fine", {"name": "tensorboard"}], toys)
     assert list(built) == ["tensorboard", "clumsy:mood=fine"]
     assert build_trackers((), toys) == {}
 
 
-def test_one_that_cannot_be_used_is_refused(toys: Registry):
+def test_one_that_cannot_be_used_is_refused(toys):
     """With its own reason."""
     with pytest.raises(UsageError, match="Tracker 'clumsy:mood=bad' cannot be used: not now"):
         build_trackers("clumsy:mood=bad", toys)
 
 
-def test_one_that_cannot_even_say_so_is_named(toys: Registry, monkeypatch: pytest.MonkeyPatch):
+def test_one_that_cannot_even_say_so_is_named(toys, monkeypatch):
     """Instead of a traceback."""
     monkeypatch.delattr(toys.get("trackers", "clumsy").load(), "why_not")
     with pytest.raises(PluginError, match=r"of package toy-arm 1\.0 has no why_not"):

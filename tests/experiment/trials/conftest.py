@@ -1,13 +1,9 @@
 """Plugin files, and what is planned with them."""
 
-from collections.abc import Callable
-from pathlib import Path
-
 import pytest
 
-from harness.experiment.plan import Plan, check_experiment, expand
-from harness.registry.given import Given, read_given
-from harness.registry.registry import Registry, load_registry
+from harness.experiment import check_experiment, expand
+from harness.registry import load_registry, read_given
 
 HEAD = "observation, action, next_observation, info"
 ENVS = """
@@ -66,10 +62,10 @@ class Reward:
 
 
 @pytest.fixture
-def lay(tmp_path: Path) -> Callable[..., tuple[Given, ...]]:
+def lay(tmp_path):
     """Writes files of one function each, by what it returns or does; beside them an environment, and a measure."""
 
-    def written(*, optional: bool = False, **bodies: str) -> tuple[Given, ...]:
+    def written(*, optional=False, **bodies):
         (tmp_path / "walking.py").write_text(ENVS)
         (tmp_path / "behaviour.py").write_text(f"def place({HEAD}):\n    return float(next_observation[0])\n")
         for name, body in bodies.items():
@@ -80,7 +76,7 @@ def lay(tmp_path: Path) -> Callable[..., tuple[Given, ...]]:
     return written
 
 
-def planned(given: tuple[Given, ...], **keys: object) -> tuple[Plan, Registry]:
+def planned(given, **keys):
     """A plan in the environment of `lay`."""
     registry = load_registry(given=given)
     asked = {"task": "walking", "algo": "random", "seeds": 2, "steps": 10, **keys}

@@ -2,11 +2,10 @@
 
 import pytest
 
-from harness.experiment.plan import check_experiment, expand
+from harness.experiment import check_experiment, expand
 from harness.experiment.trials.arm_trial import try_arm
 from harness.experiment.trials.tried import Fault, Tried
-from harness.registry.given import read_given
-from harness.registry.registry import load_registry
+from harness.registry import load_registry, read_given
 from tests.experiment.trials.conftest import ARM
 
 
@@ -14,7 +13,7 @@ from tests.experiment.trials.conftest import ARM
 def tried(tmp_path):
     """The trial of a reward file, by what it pays."""
 
-    def trial(paid: str, *, without: tuple[str, ...] = ()) -> Tried:
+    def trial(paid, *, without=()):
         (tmp_path / "mine.py").write_text(ARM.replace("{paid}", paid))
         registry = load_registry(given=read_given([tmp_path / "mine.py"]))
         asked = {"sim": "kinematic", "algo": "random", "reward": "mine:k=2", "seeds": 1, "steps": 100}

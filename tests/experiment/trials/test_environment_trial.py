@@ -1,22 +1,17 @@
 """One episode in an environment says what a training would find out later."""
 
-from collections.abc import Collection
-
 import pytest
 
 from harness.experiment.trials.environment_trial import MOST_STEPS, try_environment
 from harness.experiment.trials.tried import Fault, Tried
-from harness.registry.choice import choose
-from harness.registry.registry import load_registry
+from harness.registry import choose, load_registry
 
 
 @pytest.fixture
 def tried(lay):
     """The trial of an environment with files of functions; what was asked, in order."""
 
-    def trial(
-        task: str = "walking", *, without: Collection[str] = (), asked: list[str] | None = None, **files
-    ) -> Tried:
+    def trial(task="walking", *, without=(), asked=None, **files):
         registry = load_registry(given=lay(**files))
         tell = (lambda column: None) if asked is None else asked.append
         return try_environment(choose(registry, "environments", task), registry, without, tell)
@@ -52,7 +47,7 @@ def test_reward_that_raises_is_named_with_its_line(tried):
         ("return 1.0 / (1.0 - info.get('last', 0.0))", "fails in step 7: ZeroDivisionError"),
     ],
 )
-def test_what_no_recording_takes_is_a_fault(tried, body: str, told: str):
+def test_what_no_recording_takes_is_a_fault(tried, body, told):
     """In whichever step."""
     (fault,) = tried(bad=body).faults
     assert fault.reason.startswith(told)
@@ -79,7 +74,7 @@ def test_key_that_only_the_end_may_tell_is_a_note_where_no_episode_ended(tried):
 
 
 @pytest.mark.parametrize(("start", "is_told"), [("seeded", False), ("numpy", True), ("python", True)])
-def test_seed_that_the_env_ignores_is_told(tried, start: str, is_told: bool):
+def test_seed_that_the_env_ignores_is_told(tried, start, is_told):
     """Of whichever generator its starts come."""
     notes = tried(f"walking:start={start}").notes
     assert any("reset with the same seed" in note for note in notes) is is_told
@@ -119,7 +114,7 @@ def test_what_writes_is_told_what_to_write(tried):
     assert fault.reason.startswith("fails in step 0: it writes into its action, which others read too: write `action")
 
 
-def test_slow_reward_is_not_asked_all_over(tried, monkeypatch: pytest.MonkeyPatch):
+def test_slow_reward_is_not_asked_all_over(tried, monkeypatch):
     """The trial would take longer than a call may, and the reward would be thought to hang."""
     monkeypatch.setattr("harness.experiment.trials.environment_trial.MOST_AGAIN", 0.0)
     asked = []

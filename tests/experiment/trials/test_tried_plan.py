@@ -7,11 +7,10 @@ import pytest
 
 import harness
 from harness.errors import UsageError
+from harness.experiment import RunOptions, check_experiment
 from harness.experiment.experiment import check
-from harness.experiment.plan import check_experiment
-from harness.experiment.run_options import RunOptions
 from harness.experiment.trials.tried_plan import try_plan
-from harness.record.terms import Terms
+from harness.record import Terms
 from tests.experiment.trials.conftest import planned
 
 GOOD, BAD = "return 1.0", "return 1 / 0"

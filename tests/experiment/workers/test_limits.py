@@ -18,18 +18,18 @@ class Times:
 
 
 @pytest.fixture
-def times() -> Times:
+def times():
     """The time, set by hand."""
     return Times()
 
 
-def _after(times: Times, clock: Clock, seconds: int) -> None:
+def _after(times, clock, seconds):
     for _ in range(seconds):
         times.now += 1.0
         clock.look()
 
 
-def test_a_cell_without_progress_hangs(times: Times):
+def test_a_cell_without_progress_hangs(times):
     """From its last word on."""
     clock = Clock(times)
     watchdog = Watchdog(Limits(stall_after=10.0), clock)
@@ -41,7 +41,7 @@ def test_a_cell_without_progress_hangs(times: Times):
     assert watchdog.complaint(lambda: 0) == "no progress for 10 s (--stall-after)"
 
 
-def test_a_machine_that_slept_is_no_cell_that_hangs(times: Times):
+def test_a_machine_that_slept_is_no_cell_that_hangs(times):
     """A long time between two looks counts little."""
     clock = Clock(times)
     watchdog = Watchdog(Limits(stall_after=10.0), clock)
@@ -50,7 +50,7 @@ def test_a_machine_that_slept_is_no_cell_that_hangs(times: Times):
     assert watchdog.complaint(lambda: 0) == ""
 
 
-def test_a_cell_may_get_on_and_still_take_too_long(times: Times):
+def test_a_cell_may_get_on_and_still_take_too_long(times):
     """Progress is no excuse."""
     clock = Clock(times)
     watchdog = Watchdog(Limits(cell_time=5.0), clock)
@@ -59,7 +59,7 @@ def test_a_cell_may_get_on_and_still_take_too_long(times: Times):
     assert watchdog.complaint(lambda: 0) == "it took longer than the 5 s that --cell-time allows"
 
 
-def test_memory_is_asked_for_only_with_a_limit(times: Times):
+def test_memory_is_asked_for_only_with_a_limit(times):
     """To look at a process takes time."""
     clock = Clock(times)
     assert Watchdog(Limits(), clock).complaint(lambda: pytest.fail("asked")) == ""

@@ -16,7 +16,7 @@ print(child.pid, flush=True)
 """
 
 
-def _lives(pid: int) -> bool:
+def _lives(pid):
     try:
         return psutil.Process(pid).status() != psutil.STATUS_ZOMBIE
     except psutil.NoSuchProcess:

@@ -4,14 +4,13 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
-import pytest
-
 from harness.executor import CellOptions
+from harness.experiment import Order
 from harness.experiment.installation import Describe
 from harness.experiment.run_cell import TrainCell
-from harness.experiment.workers.order import Order, Work, read_order
-from harness.record.cell import Cell
-from harness.registry.choice import Choice
+from harness.experiment.workers.order import Work, read_order
+from harness.record import Cell
+from harness.registry import Choice
 from harness.registry.given import PluginClass, PluginFile
 from harness_plugins.transfer.jobs import EvaluateElsewhere
 
@@ -25,9 +24,7 @@ WORKS: dict[str, Callable[[Cell], Work]] = {
 }
 
 
-def test_order_is_read_as_it_was_given(
-    make_cell: Callable[..., Cell], tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests
-):
+def test_order_is_read_as_it_was_given(make_cell, tmp_path_factory, subtests):
     """Of every kind of work: its class and all that it holds come back from one line of text."""
     for case, work in WORKS.items():
         with subtests.test(case):
@@ -38,13 +35,13 @@ def test_order_is_read_as_it_was_given(
             assert read_order(line)[0] == order
 
 
-def test_order_names_who_does_it(make_cell: Callable[..., Cell]):
+def test_order_names_who_does_it(make_cell):
     """Nobody has to guess from what stands in it."""
     told = json.loads(Order(Path("cell"), TrainCell(make_cell())).line())
     assert told["work"] == "harness.experiment.run_cell:TrainCell"
 
 
-def test_order_says_what_the_user_typed(make_cell: Callable[..., Cell], monkeypatch: pytest.MonkeyPatch):
+def test_order_says_what_the_user_typed(make_cell, monkeypatch):
     """The manifest will record it."""
     monkeypatch.setattr("sys.argv", ["harness", "run"])
     assert read_order(Order(Path("cell"), TrainCell(make_cell())).line())[1] == ["harness", "run"]

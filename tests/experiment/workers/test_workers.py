@@ -8,7 +8,7 @@ from harness.errors import UsageError
 from harness.experiment.workers.workers import core_count, worker_count
 
 
-def test_cores_are_counted_where_the_system_does_not_say_which_may_be_used(monkeypatch: pytest.MonkeyPatch):
+def test_cores_are_counted_where_the_system_does_not_say_which_may_be_used(monkeypatch):
     """MacOS and Windows have no `sched_getaffinity`: there the machine's cores count, and at least one."""
     monkeypatch.delattr(os, "sched_getaffinity", raising=False)
     monkeypatch.setattr(os, "cpu_count", lambda: 6)
@@ -24,7 +24,7 @@ def test_workers_are_as_many_as_asked_for():
 
 
 @pytest.mark.parametrize("jobs", [0, -2])
-def test_fewer_than_one_worker_is_refused(jobs: int):
+def test_fewer_than_one_worker_is_refused(jobs):
     """The message says what was given and what is allowed."""
     with pytest.raises(UsageError, match=f"^jobs={jobs}: must be at least 1$"):
         worker_count(jobs)

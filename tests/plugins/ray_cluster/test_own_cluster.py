@@ -6,9 +6,7 @@ import re
 import subprocess
 import sys
 import tomllib
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import psutil
 import pytest
@@ -19,13 +17,13 @@ ASK = "import sys, ray._raylet as raylet; print(raylet.GcsClient(sys.argv[1]).in
 
 
 @pytest.fixture(scope="module")
-def ray() -> Any:
+def ray():
     """Is an extra."""
     return pytest.importorskip("ray")
 
 
 @pytest.fixture(scope="module")
-def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+def home(tmp_path_factory):
     """A home folder without a token of Ray's."""
     with pytest.MonkeyPatch.context() as patch:
         folder = tmp_path_factory.mktemp("home")
@@ -36,7 +34,7 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
 
 
 @pytest.fixture(scope="module")
-def cluster(ray: Any, home: Path) -> Iterator[dict[str, Any]]:
+def cluster(ray, home):
     """A cluster as the executor starts it, and where it is."""
     from harness_plugins.ray_cluster.connection import connected
 
@@ -45,12 +43,12 @@ def cluster(ray: Any, home: Path) -> Iterator[dict[str, Any]]:
         yield ray._private.worker.global_worker.node.address_info
 
 
-def _processes() -> list[psutil.Process]:
+def _processes():
     """This one and all that it started."""
     return [psutil.Process(), *psutil.Process().children(recursive=True)]
 
 
-def _ask(cluster: dict[str, Any], **token: str) -> "subprocess.CompletedProcess[str]":
+def _ask(cluster, **token):
     """What somebody else on this machine gets who knows the cluster's address and asks for what it keeps."""
     environment = {name: value for name, value in os.environ.items() if not name.startswith("RAY_")}
     command = [sys.executable, "-c", ASK, cluster["gcs_address"]]
@@ -73,7 +71,7 @@ def test_the_locked_ray_asks_for_a_token():
     assert (int(major), int(minor)) >= (2, 52)
 
 
-def test_every_cluster_has_another_token(ray: Any):
+def test_every_cluster_has_another_token(ray):
     """One that leaked is worth nothing for the next."""
     from harness_plugins.ray_cluster.connection import own_cluster
 
@@ -85,7 +83,7 @@ def test_every_cluster_has_another_token(ray: Any):
     assert all(re.fullmatch("[0-9a-f]{64}", token) for token in tokens)
 
 
-def test_the_environment_is_afterwards_as_before(ray: Any, monkeypatch: pytest.MonkeyPatch):
+def test_the_environment_is_afterwards_as_before(ray, monkeypatch):
     """What the user had set for another cluster holds again."""
     from harness_plugins.ray_cluster.connection import own_cluster
 
@@ -99,7 +97,7 @@ def test_the_environment_is_afterwards_as_before(ray: Any, monkeypatch: pytest.M
     assert ray._private.ray_constants.ENABLE_RAY_CLUSTER is reached
 
 
-def test_a_word_against_tokens_is_for_other_clusters(ray: Any, monkeypatch: pytest.MonkeyPatch):
+def test_a_word_against_tokens_is_for_other_clusters(ray, monkeypatch):
     """RAY_AUTH_MODE=disabled in the environment does not open ours."""
     from ray._raylet import AuthenticationMode, get_authentication_mode
 
@@ -111,7 +109,7 @@ def test_a_word_against_tokens_is_for_other_clusters(ray: Any, monkeypatch: pyte
     assert get_authentication_mode() == AuthenticationMode.DISABLED
 
 
-def test_nothing_is_left_of_the_folder(ray: Any):
+def test_nothing_is_left_of_the_folder(ray):
     """It is the user's alone as long as it is there."""
     from harness_plugins.ray_cluster.connection import own_cluster
 
@@ -122,7 +120,7 @@ def test_nothing_is_left_of_the_folder(ray: Any):
 
 
 @pytest.mark.slow
-def test_it_listens_on_the_loopback_address_alone(cluster: dict[str, Any]):
+def test_it_listens_on_the_loopback_address_alone(cluster):
     """Each port of each process: gcs_server, raylet, agents, workers and this one."""
     heard = [(process.name(), connection.laddr.ip) for process in _processes()
              for connection in process.net_connections("inet") if connection.status == psutil.CONN_LISTEN]  # fmt: skip
@@ -132,7 +130,7 @@ def test_it_listens_on_the_loopback_address_alone(cluster: dict[str, Any]):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("token", [{}, {"RAY_AUTH_MODE": "token", "RAY_AUTH_TOKEN": "0" * 64}], ids=["none", "wrong"])
-def test_without_its_token_nobody_is_answered(cluster: dict[str, Any], token: dict[str, str]):
+def test_without_its_token_nobody_is_answered(cluster, token):
     """On this machine, where others reach the loopback address."""
     asked = _ask(cluster, **token)
     assert asked.returncode
@@ -140,14 +138,14 @@ def test_without_its_token_nobody_is_answered(cluster: dict[str, Any], token: di
 
 
 @pytest.mark.slow
-def test_with_its_token_everybody_is_answered(cluster: dict[str, Any]):
+def test_with_its_token_everybody_is_answered(cluster):
     """So the token alone keeps the others out."""
     asked = _ask(cluster, RAY_AUTH_MODE="token", RAY_AUTH_TOKEN=os.environ["RAY_AUTH_TOKEN"])
     assert "session_name" in asked.stdout, asked.stderr
 
 
 @pytest.mark.slow
-def test_its_token_is_in_no_file_and_in_no_command_line(cluster: dict[str, Any], home: Path):
+def test_its_token_is_in_no_file_and_in_no_command_line(cluster, home):
     """Others read the command lines of all processes, and Ray's own token is written for all to read."""
     token = os.environ["RAY_AUTH_TOKEN"]
     session = Path(cluster["session_dir"])
@@ -158,7 +156,7 @@ def test_its_token_is_in_no_file_and_in_no_command_line(cluster: dict[str, Any],
 
 
 @pytest.mark.slow
-def test_its_sockets_are_in_a_folder_of_the_user(cluster: dict[str, Any]):
+def test_its_sockets_are_in_a_folder_of_the_user(cluster):
     """Ray lets everybody write into the folders that it makes: the one around them keeps others out."""
     around = [folder for folder in Path(cluster["object_store_address"]).parents if folder.parent == Path("/tmp")]
     assert [folder.stat().st_mode & 0o777 for folder in around] == [0o700]

@@ -1,7 +1,6 @@
 """Where the files of a cluster's jobs lie, and for how long."""
 
 import stat
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -12,14 +11,14 @@ PARAMETERS: dict[str, Any] = {"name": "harness", "slurm_max_num_timeout": 0}
 
 
 @pytest.fixture(autouse=True)
-def state(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def state(tmp_path, monkeypatch):
     """A folder in place of the user's own; submitit is an extra."""
     pytest.importorskip("submitit")
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
     return tmp_path / "fd100-harness/jobs"
 
 
-def test_files_of_jobs_lie_in_a_folder_of_the_user(state: Path):
+def test_files_of_jobs_lie_in_a_folder_of_the_user(state):
     """Each run has its own, which nobody else reads or writes."""
     from harness_plugins.slurm_array.cluster import open_cluster
 
@@ -29,11 +28,11 @@ def test_files_of_jobs_lie_in_a_folder_of_the_user(state: Path):
         assert [stat.S_IMODE(folder.stat().st_mode) for folder in (state, *folders)] == [0o700] * 3
 
 
-def test_nothing_of_the_jobs_is_left(state: Path):
+def test_nothing_of_the_jobs_is_left(state):
     """Also where the run ends by an error."""
     from harness_plugins.slurm_array.cluster import open_cluster
 
-    def interrupt() -> None:
+    def interrupt():
         with open_cluster("local", 1, **PARAMETERS) as cluster:
             (cluster.folder / "job.pkl").touch()
             raise KeyboardInterrupt
@@ -43,7 +42,7 @@ def test_nothing_of_the_jobs_is_left(state: Path):
     assert list(state.iterdir()) == []
 
 
-def test_no_job_is_read_from_a_folder_of_others(state: Path):
+def test_no_job_is_read_from_a_folder_of_others(state):
     """It is refused before anything is submitted."""
     from harness_plugins.slurm_array.cluster import open_cluster
 

@@ -12,7 +12,7 @@ import pyarrow.parquet as pq
 
 from harness.log import Log
 from harness.record.dataset.open_dataset import open_dataset
-from harness.registry.registry import load_registry
+from harness.registry import load_registry
 
 Episode = Mapping[str, Any]
 """``observations`` (steps + 1, n), ``actions``, ``rewards``, ``infos``; ``attrs`` of the episode."""

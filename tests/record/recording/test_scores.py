@@ -2,7 +2,6 @@
 
 import json
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
@@ -10,10 +9,10 @@ import pyarrow.parquet as pq
 import pytest
 
 from harness.errors import NewerFormat, SchemaError
-from harness.record.recording.facts import Failure, Source, TrainingFacts
-from harness.record.recording.recorded_training import read_recording
+from harness.record import TrainingFacts, read_recording
+from harness.record.recording.facts import Failure, Source
 from harness.record.recording.recording_writer import RecordingWriter
-from harness.record.recording.scores import Scores, read_scores, scores_name, write_scores
+from harness.record.recording.scores import Scores, read_scores, write_scores
 
 FACTS = TrainingFacts(
     rewards=("own", "calm"),
@@ -32,7 +31,7 @@ SCORES = Scores(
 
 
 @pytest.fixture
-def folder(tmp_path: Path) -> Path:
+def folder(tmp_path):
     """A recording of four steps of one env."""
     writer = RecordingWriter(tmp_path / "run", FACTS)
     writer.append([[time, 0, 0, time, 1.0, 2.0, 0.0, time == 3, False] for time in range(STEPS)])
@@ -40,9 +39,9 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path / "run"
 
 
-def test_what_is_written_is_read(tmp_path: Path):
+def test_what_is_written_is_read(tmp_path):
     """Every column to the last bit, and what is known of it."""
-    path = tmp_path / scores_name(0)
+    path = tmp_path / "scores-0.parquet"
     write_scores(path, SCORES)
     found = read_scores(path, lambda: STEPS)
     assert found is not None
@@ -51,10 +50,10 @@ def test_what_is_written_is_read(tmp_path: Path):
     assert all(np.array_equal(found.columns[it], SCORES.columns[it], equal_nan=True) for it in found.columns)
 
 
-def test_recording_has_them_among_its_own(folder: Path):
+def test_recording_has_them_among_its_own(folder):
     """Rewards, measures, code and failures; the files of the recording stay as they are."""
     before = {path.name: path.read_bytes() for path in folder.iterdir()}
-    write_scores(folder / scores_name(0), SCORES)
+    write_scores(folder / "scores-0.parquet", SCORES)
     found = read_recording(folder)
     assert (found.facts.rewards, found.facts.behaviour) == (("own", "calm", "new"), ("success", "effort"))
     assert (found.facts.lower_is_better, found.facts.sources["reward/new"].text) == (("effort",), "new")
@@ -63,17 +62,17 @@ def test_recording_has_them_among_its_own(folder: Path):
     assert {name: (folder / name).read_bytes() for name in before} == before
 
 
-def test_column_of_a_name_that_was_recorded_takes_its_place(folder: Path):
+def test_column_of_a_name_that_was_recorded_takes_its_place(folder):
     """Where it was computed by other code, or given up; its failure is gone then."""
     later = Scores({"reward/calm": np.full(STEPS, 9.0)}, (), {"reward/calm": Source("d" * 64, "mended")})
-    write_scores(folder / scores_name(0), later)
+    write_scores(folder / "scores-0.parquet", later)
     found = read_recording(folder)
     assert found["reward/calm"].tolist() == [9.0] * STEPS
     assert (found.facts.rewards, found.facts.failures) == (("own", "calm"), ())
     assert found.facts.sources["reward/calm"].text == "mended"
 
 
-def test_earlier_scores_stay(folder: Path):
+def test_earlier_scores_stay(folder):
     """Those of other names; a name that both have is the later one's."""
     later = Scores({"reward/new": np.zeros(STEPS)}, (), {"reward/new": Source("e" * 64, "newer")})
     both = later.with_earlier(SCORES)
@@ -85,16 +84,16 @@ def test_earlier_scores_stay(folder: Path):
     assert both.failures == SCORES.failures
 
 
-def test_recording_that_went_on_is_not_scored_any_more(folder: Path):
+def test_recording_that_went_on_is_not_scored_any_more(folder):
     """Nobody has paid its newest steps."""
-    write_scores(folder / scores_name(0), SCORES)
+    write_scores(folder / "scores-0.parquet", SCORES)
     writer = RecordingWriter(folder, FACTS, resume=True)
     writer.append([[4, 0, 1, 0, 1.0, 2.0, 0.0, False, False]])
     writer.close()
     assert read_recording(folder).facts.rewards == ("own", "calm")
 
 
-def _damaged(path: Path, how: str) -> None:
+def _damaged(path, how):
     if how == "cut off":
         path.write_bytes(path.read_bytes()[:-9])
         return
@@ -117,9 +116,9 @@ def _damaged(path: Path, how: str) -> None:
 @pytest.mark.parametrize(
     "how", ["cut off", "no facts", "no sources", "infinite", "another type", "another name", "more steps", "newer"]
 )
-def test_damaged_file_is_named(folder: Path, how: str):
+def test_damaged_file_is_named(folder, how):
     """Each way in which it can be wrong."""
-    write_scores(folder / scores_name(0), SCORES)
-    _damaged(folder / scores_name(0), how)
+    write_scores(folder / "scores-0.parquet", SCORES)
+    _damaged(folder / "scores-0.parquet", how)
     with pytest.raises(NewerFormat if how == "newer" else SchemaError, match=r"scores-0\.parquet"):
         read_recording(folder)

@@ -1,7 +1,6 @@
 """A recording is read part by part: what is checked across parts, and how several recorders become one log."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
@@ -10,11 +9,10 @@ import pytest
 
 from harness.errors import SchemaError
 from harness.log import Log
-from harness.record.recording import recorded_training
-from harness.record.recording.facts import ActionFacts, Source, TrainingFacts
-from harness.record.recording.recorded_training import read_part, read_recording
+from harness.record import TrainingFacts, read_recording
+from harness.record.recording.facts import ActionFacts, Source
 from harness.record.recording.recording_writer import RecordingWriter
-from harness.record.recording.scores import Scores, scores_name, write_scores
+from harness.record.recording.scores import Scores, write_scores
 
 FACTS = TrainingFacts(rewards=("v1",), trained_with="v1", num_envs=2)
 ROWS = 7
@@ -22,12 +20,12 @@ ROWS = 7
 
 
 @pytest.fixture(autouse=True)
-def _small_parts(monkeypatch: pytest.MonkeyPatch) -> None:
+def _small_parts(monkeypatch):
     for module in ("recorded_training", "recording_writer"):
         monkeypatch.setattr(f"harness.record.recording.{module}.PART_ROWS", ROWS)
 
 
-def _write(folder: Path, number: int, ticks: list[int]) -> list[tuple[int, int, float]]:
+def _write(folder, number, ticks):
     """The steps of a recorder of two envs, in one long episode each; tick, env and pay of each."""
     draw = np.random.default_rng(number)
     steps = [(tick, env, float(draw.normal())) for tick in ticks for env in range(2)]
@@ -47,7 +45,7 @@ TICKS = {
 
 
 @pytest.mark.parametrize("case", TICKS)
-def test_steps_of_several_recorders_stand_in_the_order_of_time(tmp_path: Path, case: str):
+def test_steps_of_several_recorders_stand_in_the_order_of_time(tmp_path, case):
     """Those of a moment by env, whatever part they lie in, as sorting all of them at once would have it."""
     steps = [
         (tick, 2 * number + env, paid)
@@ -60,35 +58,30 @@ def test_steps_of_several_recorders_stand_in_the_order_of_time(tmp_path: Path, c
     assert rows["time"].tolist() == [*range(1, len(steps) + 1)]
 
 
-def test_scores_of_several_recorders_follow_their_steps(tmp_path: Path):
+def test_scores_of_several_recorders_follow_their_steps(tmp_path):
     """What was paid later stands in the row that it was paid for."""
     for number in range(2):
         steps = _write(tmp_path, number, [*range(9)])
         paid = np.array([100 * number + 10 * tick + env for tick, env, _ in steps], float)
         scores = Scores({"reward/later": paid}, (), {"reward/later": Source("", "later")})
-        write_scores(tmp_path / scores_name(number), scores)
+        write_scores(tmp_path / f"scores-{number}.parquet", scores)
     rows = read_recording(tmp_path).rows(["tick", "env", "reward/later"])
     expected = 100 * (rows["env"] // 2) + 10 * rows["tick"] + rows["env"] % 2
     assert rows["reward/later"].tolist() == expected.tolist()
 
 
-def test_parts_are_read_one_at_a_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    """The second one when somebody asks for its rows."""
+def test_parts_are_read_one_at_a_time(tmp_path):
+    """The second one when somebody asks for its rows: only then is it found to be none."""
     _write(tmp_path, 0, [*range(20)])
-    opened: list[str] = []
-
-    def reading(path: Path, *given: object) -> object:
-        opened.append(path.name)
-        return read_part(path, *given)
-
-    monkeypatch.setattr(recorded_training, "read_part", reading)
     pieces = read_recording(tmp_path).pieces(["reward/v1"], ROWS)
+    (tmp_path / "steps-0-00001.parquet").write_bytes(b"")
     assert len(next(pieces)) == ROWS
-    assert opened == ["steps-0-00000.parquet"]
+    with pytest.raises(SchemaError, match="steps-0-00001"):
+        next(pieces)
 
 
 @pytest.mark.parametrize(("column", "value"), [("step", 9), ("episode", 3), ("time", 0)])
-def test_step_that_does_not_follow_the_part_before_is_refused(tmp_path: Path, column: str, value: int):
+def test_step_that_does_not_follow_the_part_before_is_refused(tmp_path, column, value):
     """In the first row of an env in a later part."""
     _write(tmp_path, 0, [*range(20)])
     path = tmp_path / "steps-0-00002.parquet"
@@ -102,7 +95,7 @@ def test_step_that_does_not_follow_the_part_before_is_refused(tmp_path: Path, co
         read_recording(tmp_path).rows(["reward/v1"])
 
 
-def test_actions_have_their_shape(tmp_path: Path):
+def test_actions_have_their_shape(tmp_path):
     """And are left out where they cannot be taken again: zeros stand in their place then."""
     for name, problem in (("whole", ""), ("broken", "its env was reset with options")):
         facts = replace(FACTS, num_envs=1, actions=ActionFacts((2, 1), "float32", problem))
@@ -115,7 +108,7 @@ def test_actions_have_their_shape(tmp_path: Path):
     assert not {"action", "seed", "resets", "answer"} & {*broken.names}
 
 
-def test_reward_whose_name_has_a_slash_is_no_term(tmp_path: Path):
+def test_reward_whose_name_has_a_slash_is_no_term(tmp_path):
     """Names of rewards of other packages have one."""
     facts = TrainingFacts(rewards=("mine/calm", "own"), trained_with="own", terms={"mine/calm": ("effort",)})
     writer = RecordingWriter(tmp_path, facts)
@@ -126,7 +119,7 @@ def test_reward_whose_name_has_a_slash_is_no_term(tmp_path: Path):
     assert (log["reward/mine/calm"][0], log["reward/own"][0], log["reward/mine/calm/effort"][0]) == (1.0, 2.0, 1.0)
 
 
-def test_reward_and_term_of_one_column_are_refused(tmp_path: Path):
+def test_reward_and_term_of_one_column_are_refused(tmp_path):
     """Two numbers of one name would be mixed."""
     facts = TrainingFacts(rewards=("a", "a/b"), trained_with="a", terms={"a": ("b",)})
     RecordingWriter(tmp_path, facts).close()
