@@ -41,7 +41,7 @@ def test_what_loads_is_right():
         assert "\n" not in row.refused
 
 
-def test_pages_say_what_was_measured(tmp_path: Path):
+def test_pages_say_what_was_measured(tmp_path):
     """The page beside the record is what the command writes, and robots.md counts its rows."""
     measure_arms.write(tmp_path / RECORD.name, ROWS)
     assert (tmp_path / RECORD.name).read_text() == RECORD.read_text()

@@ -42,7 +42,7 @@ def test_right_is_an_alarm_for_a_worse_reward_and_none_for_a_close_one():
 
 
 @pytest.mark.parametrize("success", [0.79, 0.81])
-def test_worse_is_more_than_ten_points_less_than_the_best(monkeypatch: pytest.MonkeyPatch, success: float):
+def test_worse_is_more_than_ten_points_less_than_the_best(monkeypatch, success):
     """Of the same record."""
     monkeypatch.setattr(study, "successes", lambda name: {"best": [0.8, 1.0], "other": [success]})
     assert [row["is_worse"] for row in study.trained("race/arm")] == [False, success < 0.8]

@@ -26,7 +26,7 @@ def without_subject(source: str) -> list[int]:
 
 
 @pytest.mark.parametrize("folder", ["harness", "plugins", "robots"])
-def test_every_docstring_has_a_subject(folder: str):
+def test_every_docstring_has_a_subject(folder):
     """Also below constants, fields and private functions."""
     paths = sorted((ROOT / folder).rglob("*.py"))
     found = [f"{path.relative_to(ROOT)}:{line}" for path in paths for line in without_subject(path.read_text())]
@@ -71,6 +71,6 @@ def test_methods_are_told_from_functions():
         ('"""Often it is so."""\n', []),
     ],
 )
-def test_the_check_finds_what_it_has_to(source: str, lines: list[int]):
+def test_the_check_finds_what_it_has_to(source, lines):
     """Below a constant, in a function; a word that only begins like one of these is none."""
     assert without_subject(source) == lines

@@ -25,7 +25,7 @@ def seeds_of(reward: str) -> int:
 
 
 @pytest.mark.parametrize("pool", POOLS, ids=lambda it: it["proposed"])
-def test_page_has_each_answer_over_all_places(pool: dict[str, Any]):
+def test_page_has_each_answer_over_all_places(pool):
     """With what decided, after how many seeds."""
     success, time = pool["measures"]
     values = [f"{100 * success[side]:.1f}%" for side in ("baseline", "proposed")]

@@ -119,7 +119,7 @@ def test_the_budgets_tell_rewards_apart():
 
 
 @EACH
-def test_page_says_what_was_trained(name: str):
+def test_page_says_what_was_trained(name):
     """Task, learner, steps, and what the baseline reaches."""
     success = [place["success"]["baseline"] for place in ranking(name)["places"]]
     first = RECORDS[name]["combinations"][0]
@@ -129,7 +129,7 @@ def test_page_says_what_was_trained(name: str):
 
 @EACH
 @EACH_REWARD
-def test_page_says_between_what_eta_and_its_parts_lie(name: str, reward: str):
+def test_page_says_between_what_eta_and_its_parts_lie(name, reward):
     """Over the simulators."""
     cells = []
     for part in ("eta", "ruler", "behaviour"):
@@ -140,7 +140,7 @@ def test_page_says_between_what_eta_and_its_parts_lie(name: str, reward: str):
 
 @EACH
 @EACH_REWARD
-def test_page_says_by_how_much_a_reward_is_ahead(name: str, reward: str):
+def test_page_says_by_how_much_a_reward_is_ahead(name, reward):
     """In how many simulators, between what, and what the answers are."""
     places = [place["success"] for place in ranking(name)["places"]]
     ahead = [100 * (success[reward] - success["baseline"]) for success in places]
@@ -150,7 +150,7 @@ def test_page_says_by_how_much_a_reward_is_ahead(name: str, reward: str):
 
 @EACH
 @EACH_REWARD
-def test_page_says_the_answer_over_all_simulators(name: str, reward: str):
+def test_page_says_the_answer_over_all_simulators(name, reward):
     """With the means of what decides, and the p of what did."""
     pool = over_places(name, reward)
     success, time, learning = pool["measures"]
@@ -167,7 +167,7 @@ def test_page_says_the_answer_over_all_simulators(name: str, reward: str):
 
 
 @EACH
-def test_page_says_that_no_choice_misleads(name: str):
+def test_page_says_that_no_choice_misleads(name):
     """Two questions for each pair of simulators; none of them is answered by yes."""
     assert answers(name)["yes"] == 0
     assert f"each of the {len(ranking(name)['pairs'])} pairs" in PROSE
@@ -175,13 +175,13 @@ def test_page_says_that_no_choice_misleads(name: str):
 
 
 @pytest.mark.parametrize("name", [it for it in RECORDS if it.startswith("reach")])
-def test_page_says_that_large_targets_decide_no_choice(name: str):
+def test_page_says_that_large_targets_decide_no_choice(name):
     """Ten seeds leave every order open."""
     assert set(answers(name)) == {"not decided"}
 
 
 @pytest.mark.parametrize("name", [it for it in RECORDS if it.startswith("target")])
-def test_page_says_that_dense_is_first_with_small_targets(name: str):
+def test_page_says_that_dense_is_first_with_small_targets(name):
     """In every simulator."""
     assert all(max(it["success"], key=it["success"].get) == "dense" for it in ranking(name)["places"])
 
@@ -220,7 +220,7 @@ def test_page_names_a_simulator_where_the_robot_contradicts_the_number():
 
 
 @EACH
-def test_eta_n_puts_dense_last_everywhere(name: str):
+def test_eta_n_puts_dense_last_everywhere(name):
     """Less counts as better; each difference is beyond chance, as the page says."""
     etas = [place["etas"]["eta_N"]["values"] for place in ranking(name)["places"]]
     assert {max(values, key=values.get) for values in etas} == {"dense"}

@@ -16,7 +16,7 @@ def test_the_drawn_tree_is_the_tree():
     assert sorted(drawn) == sorted(item.__name__ for item in CLASSES if item is not errors.HarnessError)
 
 
-def test_every_error_has_one_root(subtests: pytest.Subtests):
+def test_every_error_has_one_root(subtests):
     """Catching HarnessError catches each of them."""
     for error in CLASSES:
         with subtests.test(error=error):
@@ -37,7 +37,7 @@ def test_contract_violation_names_its_check():
         (RuntimeError(), "RuntimeError"),
     ],
 )
-def test_an_exception_fits_on_one_line(error: Exception, line: str):
+def test_an_exception_fits_on_one_line(error, line):
     """Type and message, line breaks and all other white space as one blank."""
     assert errors.one_line(error) == line
 

@@ -53,7 +53,7 @@ def _python(script: str, *options: str, given: str = "") -> "subprocess.Complete
 
 
 @pytest.mark.parametrize("modules", [PUBLIC, pytest.param(MODULES, marks=pytest.mark.slow)], ids=["public", "all"])
-def test_modules_can_be_imported_alone(modules: list[str]):
+def test_modules_can_be_imported_alone(modules):
     """Whichever is the first, without a circle, without a warning."""
     ended = _python(IMPORT_EACH_ALONE, "-W", "error", given=json.dumps(modules))
     assert ended.returncode == 0, ended.stderr
@@ -97,7 +97,7 @@ def test_version_is_the_distribution_s():
 
 
 @pytest.mark.parametrize("module", ["harness", "harness.cli", "harness.registry.registry", "harness.eta.index"])
-def test_import_is_light(module: str):
+def test_import_is_light(module):
     """Neither an engine nor a learning library nor Gymnasium comes with it."""
     script = f"import sys, {module}; print(*(set({HEAVY}) & set(sys.modules)))"
     ended = _python(script)
@@ -115,7 +115,7 @@ def test_loading_the_registry_is_light():
 
 
 @pytest.mark.parametrize("order", ["import gymnasium, harness", "import harness, gymnasium"])
-def test_environment_is_registered_in_both_import_orders(toys: object, order: str):
+def test_environment_is_registered_in_both_import_orders(toys, order):
     """`gymnasium.make` and `gymnasium.make_vec` find the environment, whichever of the two is imported first."""
     script = (
         f"{order}\n"

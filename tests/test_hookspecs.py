@@ -2,8 +2,6 @@
 
 import inspect
 
-import pytest
-
 from harness.hookspecs import KINDS, Hooks, Register
 
 
@@ -12,7 +10,7 @@ def test_kinds_are_the_hooks():
     assert [f"register_{kind}" for kind in KINDS] == [name for name in vars(Hooks) if name.startswith("register_")]
 
 
-def test_hooks_read_alike(subtests: pytest.Subtests):
+def test_hooks_read_alike(subtests):
     """Every hook takes `register` alone, and its docstring says what a target has to be."""
     for kind in KINDS:
         with subtests.test(kind=kind):

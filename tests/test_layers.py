@@ -64,12 +64,12 @@ def graph() -> dict[str, set[str]]:
     return import_graph(SOURCES)
 
 
-def test_no_module_imports_itself_by_way_of_others(graph: dict[str, set[str]]):
+def test_no_module_imports_itself_by_way_of_others(graph):
     """Imports in functions count, and those for type checkers: a circle that one of them opens is a circle."""
     assert circle(graph) == []
 
 
-def test_graph_is_that_of_the_code(graph: dict[str, set[str]]):
+def test_graph_is_that_of_the_code(graph):
     """It has the imports of a module: those at its top, those when it runs, and those for type checkers."""
     assert {"harness.errors", "harness.results.load", "harness.eta.curve"} <= graph["harness.cli.report"]
     assert "harness.task" in graph["harness.algorithm"]
@@ -91,7 +91,7 @@ CIRCLES = {
 
 
 @pytest.mark.parametrize(("first", "second"), CIRCLES.values(), ids=CIRCLES)
-def test_circle_is_found(first: str, second: str):
+def test_circle_is_found(first, second):
     """The mutants: whichever way two modules import one another."""
     found = circle(import_graph({"harness.a": first, "harness.b": second}))
     assert set(found) <= {"harness.a", "harness.b"}

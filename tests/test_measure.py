@@ -10,7 +10,7 @@ from harness.registry.registry import load_registry
 from harness_plugins.kit.metrics import recorded_trace
 
 
-def test_shares_say_that_they_are(subtests: pytest.Subtests):
+def test_shares_say_that_they_are(subtests):
     """Means over episodes of something between 0 and 1; optimality may be above 1."""
     rows = [
         ("success_rate", True),
@@ -39,7 +39,7 @@ def test_a_metric_that_says_nothing_is_none():
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_no_metric_leaves_its_bounds(seed: int):
+def test_no_metric_leaves_its_bounds(seed):
     """On episodes of random numbers."""
     trace = recorded_trace(seed, ("ground", "reached", "truncated", "touched", "reached", ""))
     for name, metric in build_defaults(load_registry(), "metrics").items():

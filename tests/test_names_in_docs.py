@@ -13,8 +13,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import pytest
-
 from harness.registry.moved import new_name, why_gone
 
 ROOT = Path(__file__).parent.parent
@@ -196,7 +194,7 @@ WRONG = {
 }
 
 
-def test_wrong_name_is_found_with_its_line(subtests: pytest.Subtests):
+def test_wrong_name_is_found_with_its_line(subtests):
     """The mutants: a slip in any part of a name."""
     for case, (text, name) in WRONG.items():
         with subtests.test(case):
@@ -220,7 +218,7 @@ RIGHT = [
 ]
 
 
-def test_name_that_exists_is_left_alone(subtests: pytest.Subtests):
+def test_name_that_exists_is_left_alone(subtests):
     """Modules, classes, calls, fields without a default, attributes set in `__init__`, and what is no name of ours."""
     for text in RIGHT:
         with subtests.test(text=text):

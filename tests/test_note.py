@@ -127,7 +127,7 @@ LINES = {"Equations": "| 17 |", "Definitions": "| Definition 4 |", "Tables": "| 
 
 
 @pytest.mark.parametrize(("section", "line"), {**LINES, "Figures": "| 8 | the acc"}.items(), ids=str)
-def test_line_left_out_is_found(section: str, line: str):
+def test_line_left_out_is_found(section, line):
     """The mutants: a page without one line."""
     page = PAGE.read_text(encoding="utf-8")
     before, heading, after = page.partition(f"## {section}\n")
@@ -160,7 +160,7 @@ MUTANTS = [
 
 
 @pytest.mark.parametrize(("right", "wrong"), MUTANTS, ids=[wrong for _, wrong in MUTANTS])
-def test_wrong_name_is_found(right: str, wrong: str):
+def test_wrong_name_is_found(right, wrong):
     """The mutants: a slip in any kind of name."""
     page = PAGE.read_text(encoding="utf-8")
     assert right in page

@@ -5,8 +5,6 @@ import json
 from pathlib import Path
 from typing import Any
 
-import pytest
-
 NOTEBOOK = Path(__file__).parent.parent / "examples" / "first-steps.ipynb"
 CODE = [it for it in json.loads(NOTEBOOK.read_text(encoding="utf-8"))["cells"] if it["cell_type"] == "code"]
 
@@ -31,7 +29,7 @@ def kept(cells: list[dict[str, Any]]) -> list[tuple[str, str]]:
     return [("".join(it["text/plain"]).replace("\n", ""), "".join(it.get("text/html", ""))) for it in told]
 
 
-def test_notebook_runs_and_its_outputs_are_those_of_today(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_notebook_runs_and_its_outputs_are_those_of_today(tmp_path, monkeypatch):
     """Its cells, one after the other, in an empty folder; the number is all ruler."""
     monkeypatch.chdir(tmp_path)
     seen, shown = run_cells(CODE)

@@ -164,7 +164,7 @@ MUTANTS = {
 }
 
 
-def test_a_way_is_found(subtests: pytest.Subtests):
+def test_a_way_is_found(subtests):
     """The mutants: whichever way a module writes."""
     for case, source in MUTANTS.items():
         with subtests.test(case):
@@ -180,12 +180,12 @@ def test_a_way_is_found(subtests: pytest.Subtests):
         "import warnings\nwarnings.warn(visible(name))",
     ],
 )
-def test_what_writes_elsewhere_is_none(source: str):
+def test_what_writes_elsewhere_is_none(source):
     """Into a file, into memory, into the harness."""
     assert list(ways_to_write(source)) == []
 
 
-def test_the_door_writes_what_is_seen(capsys: pytest.CaptureFixture[str]):
+def test_the_door_writes_what_is_seen(capsys):
     """On either stream; a line break stays one."""
     print_visible("a\x1b]0;b\x07\nc\u202e")
     print_visible("d\x9b", err=True)

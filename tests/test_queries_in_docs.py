@@ -39,7 +39,7 @@ def test_there_are_queries():
     assert len(QUERIES) == 3
 
 
-def test_columns_of_the_queries_are_there(folder: Path):
+def test_columns_of_the_queries_are_there(folder):
     """In the table of cells, and in the traces."""
     assert {"id", "reward", "seed", "status", "success_rate", "random_success_rate"} <= _columns(folder / RESULTS)
     for name in (TRACE, EVALUATION):
@@ -52,7 +52,7 @@ def _columns(path: Path) -> set[str]:
 
 
 @pytest.mark.parametrize("query", QUERIES)
-def test_query_answers(folder: Path, query: str):
+def test_query_answers(folder, query):
     """As DuckDB reads it, where that is installed."""
     duckdb = pytest.importorskip("duckdb")
     asked = re.sub(r"'DIR/", f"'{folder.as_posix()}/", query)

@@ -54,7 +54,7 @@ def test_there_are_two_races():
 
 
 @EACH
-def test_the_race_follows_from_its_cells(name: str):
+def test_the_race_follows_from_its_cells(name):
     """Who left when, and who is left."""
     told, looks = record_of(name)["looks"], record_of(name)["terms"]["looks"]
     values = successes(name)
@@ -67,7 +67,7 @@ def test_the_race_follows_from_its_cells(name: str):
 
 
 @EACH
-def test_no_training_was_needed_beyond_the_race(name: str):
+def test_no_training_was_needed_beyond_the_race(name):
     """Every cell is done, or not needed; the page says how many there are of each."""
     ended = [cell["status"] for cell in cells_of(name)]
     assert set(ended) == {"done", "not needed"}
@@ -83,7 +83,7 @@ def ends(name: str, reward: str) -> str:
     return "within 5 points of the best" if told["is_close"] else "can be the best"
 
 
-def test_the_page_has_each_candidate_of_the_pendulum(subtests: pytest.Subtests):
+def test_the_page_has_each_candidate_of_the_pendulum(subtests):
     """Seeds, success, what it paid itself, and how it ended."""
     for reward in sorted(successes("pendulum")):
         with subtests.test(reward=reward):
@@ -94,7 +94,7 @@ def test_the_page_has_each_candidate_of_the_pendulum(subtests: pytest.Subtests):
             assert line
 
 
-def test_the_page_has_each_reward_of_the_arm(subtests: pytest.Subtests):
+def test_the_page_has_each_reward_of_the_arm(subtests):
     """Seeds, success, its I_N and the ruler in it, and how it ended."""
     for reward in sorted(successes("arm")):
         with subtests.test(reward=reward):

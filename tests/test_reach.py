@@ -3,7 +3,6 @@
 import itertools
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -63,7 +62,7 @@ def test_box_of_the_fd100_is_the_same_bit_for_bit():
     np.testing.assert_array_equal(ReachTask().target_box(ROBOT), [(0.85, 0.0, 0.7), (0.2, 0.3, 0.3)])
 
 
-def test_box_follows_a_mount_on_a_table(tmp_path: Path):
+def test_box_follows_a_mount_on_a_table(tmp_path):
     """It stands as high over a table as another one over the ground, and the arm reaches as much of it."""
     heights = {"table": 0.8, "stand": 0.2}
     arms = [
@@ -84,7 +83,7 @@ def test_box_follows_a_mount_on_a_table(tmp_path: Path):
     np.testing.assert_array_equal(*reached)
 
 
-def test_box_follows_a_mount_beside_the_origin(tmp_path: Path):
+def test_box_follows_a_mount_beside_the_origin(tmp_path):
     """Two metres aside the arm would reach no target; a little aside it reaches all, and the box stays."""
     aside = read_arm(tmp_path / "a", changed(('xyz="0 0 0.1" rpy', 'xyz="-1.2 1.6 0.1" rpy')))
     near = read_arm(tmp_path / "b", changed(('xyz="0 0 0.1" rpy', 'xyz="-0.06 0.08 0.1" rpy')))
@@ -108,7 +107,7 @@ def pose(rotation: Rotation, *xyz: float) -> np.ndarray:
     return mount
 
 
-def test_box_on_a_wall_and_under_a_ceiling_is_the_one_of_the_floor(subtests: pytest.Subtests):
+def test_box_on_a_wall_and_under_a_ceiling_is_the_one_of_the_floor(subtests):
     """Turned with the mount, and reached as well: by a search for every point, and by the tips of random poses."""
     center, half = ReachTask().target_box(ROBOT)
     points = np.random.default_rng(0).uniform(-1.0, 1.0, (64, 3)) * half + center
@@ -126,7 +125,7 @@ def test_box_on_a_wall_and_under_a_ceiling_is_the_one_of_the_floor(subtests: pyt
 
 
 @given(rotvec=st.tuples(*[st.floats(-3.0, 3.0)] * 3), xyz=st.tuples(*[st.floats(-5.0, 5.0)] * 2, st.floats(4.0, 9.0)))
-def test_box_follows_any_mount(rotvec: tuple[float, ...], xyz: tuple[float, ...]):
+def test_box_follows_any_mount(rotvec, xyz):
     """Far above the ground its centre stands in the mount's frame where it stands in the world on the floor."""
     mount = pose(Rotation.from_rotvec(rotvec), *xyz)
     center, half = ReachTask().target_box(ROBOT)
@@ -148,7 +147,7 @@ TELESCOPE = [
 """A mast that an arm rises on, which slides out to its side, as of a robot that drives."""
 
 
-def test_an_arm_that_cannot_reach_the_box_has_one_of_its_own(tmp_path: Path):
+def test_an_arm_that_cannot_reach_the_box_has_one_of_its_own(tmp_path):
     """Its reach is mostly the mast: a box scaled by it lies where it cannot be. Its own lies around its home."""
     links = "".join(f'<link name="{name}"/>' for name in ("base", "l1", "l2", "tip", "grasp"))
     (tmp_path / "arm.urdf").write_text(f'<robot name="a">{links}{"".join(TELESCOPE)}</robot>')
@@ -182,7 +181,7 @@ def test_box_is_on_the_side_where_the_arm_is_at_home():
         np.testing.assert_allclose(turned_half, np.abs(turn) @ half, atol=1e-12)
 
 
-def test_an_arm_on_a_table_by_a_fixed_joint_is_the_one_on_the_floor(tmp_path: Path):
+def test_an_arm_on_a_table_by_a_fixed_joint_is_the_one_on_the_floor(tmp_path):
     """A root link `world` and a fixed joint: the mount is the link that carries the first joint."""
     fixed = '<link name="world"/><joint name="m" type="fixed"><parent link="world"/><child link="base"/>{}</joint>'
     mount = '<origin xyz="0 0 2.5" rpy="3.141592653589793 0 0"/>'
@@ -200,7 +199,7 @@ def test_an_arm_on_a_table_by_a_fixed_joint_is_the_one_on_the_floor(tmp_path: Pa
     np.testing.assert_array_equal(upright.chain.T_world_mount, np.eye(4))
 
 
-def test_a_given_box_follows_nothing(tmp_path: Path):
+def test_a_given_box_follows_nothing(tmp_path):
     """Numbers are in the world's frame."""
     table = read_arm(tmp_path, TABLE_MOUNT)
     assert ReachTask(target_center=(0.4, 0.0, 0.9)).target_box(table)[0].tolist() == [0.4, 0.0, 0.9]
@@ -260,7 +259,7 @@ SHORT_SLIDE = """<robot name="slide">
 <joint name="jt" type="fixed"><parent link="l3"/><child link="tool"/><origin xyz="0.05 0 0.1"/></joint></robot>"""
 
 
-def test_a_slide_starts_within_a_share_of_its_range(tmp_path: Path):
+def test_a_slide_starts_within_a_share_of_its_range(tmp_path):
     """A slide of 5 cm starts within 0.83 mm of home, as 6 degrees are 1/60 of a turn; and uses all of that."""
     (tmp_path / "slide.urdf").write_text(SHORT_SLIDE)
     robot, task, generator = read_robot(tmp_path / "slide.urdf"), ReachTask(), rng()
@@ -299,7 +298,7 @@ def test_every_target_pays_the_same():
     np.testing.assert_array_equal(ReachTask(target_reward=2.5).target_rewards(ROBOT, np.zeros((3, 6))), [2.5] * 3)
 
 
-def test_bad_override_is_a_usage_error(subtests: pytest.Subtests):
+def test_bad_override_is_a_usage_error(subtests):
     """An override that cannot be is refused in one line that names it."""
     rows = [
         ("epsilon=0", "epsilon"),
@@ -337,7 +336,7 @@ def test_good_overrides_reach_the_env():
     assert env.task.epsilon == 0.03
 
 
-def test_epsilon_is_a_share_of_the_reach(tmp_path: Path, subtests: pytest.Subtests):
+def test_epsilon_is_a_share_of_the_reach(tmp_path, subtests):
     """The default; one that is given stays, also if it is the FD100's, and so does every one of the FD100."""
     arm = tmp_path / "arm" / "arm.urdf"
     scale = read_arm(arm.parent, changed()).reach / ROBOT.reach
@@ -359,7 +358,7 @@ def test_epsilon_is_a_share_of_the_reach(tmp_path: Path, subtests: pytest.Subtes
     assert harness.make_env("kinematic", "unity-reach", robot=arm).task.epsilon == 0.05
 
 
-def test_all_lengths_of_a_task_are_shares_of_the_reach(tmp_path: Path):
+def test_all_lengths_of_a_task_are_shares_of_the_reach(tmp_path):
     """The speed of a target, the noise on it, and the sizes of obstacles."""
     robot = read_arm(tmp_path, changed())
     arm, scale = tmp_path / "arm.urdf", robot.reach / ROBOT.reach
@@ -404,14 +403,14 @@ def test_epsilon_that_covers_the_box_is_refused():
 
 
 @pytest.mark.parametrize("horizon", [10**9 + 1, 10**20])
-def test_an_episode_is_no_longer_than_a_training(horizon: int):
+def test_an_episode_is_no_longer_than_a_training(horizon):
     """As `--steps` is bounded."""
     with pytest.raises(ValueError, match="less than or equal to 1000000000"):
         ReachTask(horizon=horizon)
 
 
 @pytest.mark.parametrize("name", ["ground_reward", "target_reward", "step_reward"])
-def test_what_is_paid_is_bounded(name: str):
+def test_what_is_paid_is_bounded(name):
     """Sums of what is paid stay finite."""
     with pytest.raises(ValueError, match="1000000000000000000"):
         ReachTask(**{name: -1e308})

@@ -88,7 +88,7 @@ def test_there_are_records():
     assert [folder.relative_to(REFERENCE).as_posix() for folder in FOLDERS] == expected
 
 
-def test_page_says_what_the_record_holds(subtests: pytest.Subtests):
+def test_page_says_what_the_record_holds(subtests):
     """Every eta with its interval, ruler and behaviour stand in the page as they stand in the record.
 
     Where a page leads to the records for every row, it need not say them again.
@@ -111,7 +111,7 @@ def test_page_says_what_the_record_holds(subtests: pytest.Subtests):
             assert missing == []
 
 
-def test_page_gives_the_answer_of_the_record(subtests: pytest.Subtests):
+def test_page_gives_the_answer_of_the_record(subtests):
     """Each combination's row begins with its reward and the record's answer about the robot.
 
     Where a study has many places, a row counts the answers of a reward in all of them.
@@ -159,7 +159,7 @@ def _founded(passage: str, known: set[float]) -> bool:
     )
 
 
-def test_page_claims_what_a_test_found(subtests: pytest.Subtests):
+def test_page_claims_what_a_test_found(subtests):
     """Where a page says better or worse it quotes a corrected p, and the record holds it."""
     for folder in FOLDERS:
         with subtests.test(folder=folder):
@@ -178,7 +178,7 @@ def test_page_claims_what_a_test_found(subtests: pytest.Subtests):
         ("eta_N below 1 is called better.", True),
     ],
 )
-def test_a_claim_without_its_p_is_found(passage: str, is_founded: bool):
+def test_a_claim_without_its_p_is_found(passage, is_founded):
     """The check fails on a claim that no record carries."""
     assert (unfounded(passage, {0.03125}) == []) == is_founded
 
@@ -194,7 +194,7 @@ def beyond(data: Any, least: float, greatest: float) -> list[Any]:
     return [*inside, data] if leaves else inside
 
 
-def test_no_interval_of_a_share_leaves_what_it_can_be(subtests: pytest.Subtests):
+def test_no_interval_of_a_share_leaves_what_it_can_be(subtests):
     """A share lies between 0 and 1, and two of them are 1 apart at most."""
     for folder in RECORDS:
         with subtests.test(folder=folder):
@@ -211,7 +211,7 @@ def test_no_interval_of_a_share_leaves_what_it_can_be(subtests: pytest.Subtests)
             assert beyond([metrics[name] for metrics in curves for name in SHARES if name in metrics], 0.0, 1.0) == []
 
 
-def test_every_cell_is_done(subtests: pytest.Subtests):
+def test_every_cell_is_done(subtests):
     """None failed, none is missing; where training ends with the answer, some are not needed."""
     for folder in FOLDERS:
         with subtests.test(folder=folder):
@@ -226,7 +226,7 @@ def test_every_cell_is_done(subtests: pytest.Subtests):
             assert len(cells) == len(experiment["sim"]) * len(experiment["algo"]) * len(rewards) * seeds
 
 
-def test_indices_follow_from_the_curves(subtests: pytest.Subtests):
+def test_indices_follow_from_the_curves(subtests):
     """I_N and I_P of both rewards, summed over the thinned mean curves, to a hundredth of the larger one."""
     for folder in FOLDERS:
         with subtests.test(folder=folder):
@@ -245,7 +245,7 @@ def test_indices_follow_from_the_curves(subtests: pytest.Subtests):
                     assert sum(max(value, 0.0) * every for value, every in own) == pytest.approx(index["I_P"], abs=room)
 
 
-def test_eta_is_ruler_times_behaviour(subtests: pytest.Subtests):
+def test_eta_is_ruler_times_behaviour(subtests):
     """Along both paths and in their geometric means, where all parts have a value."""
     for folder in FOLDERS:
         with subtests.test(folder=folder):
@@ -258,7 +258,7 @@ def test_eta_is_ruler_times_behaviour(subtests: pytest.Subtests):
                             assert parts[0] * parts[1] == pytest.approx(split["eta"]["value"])
 
 
-def test_change_of_the_sum_is_ruler_and_behaviour(subtests: pytest.Subtests):
+def test_change_of_the_sum_is_ruler_and_behaviour(subtests):
     """I_N + I_P, NOTE eq. 38."""
     for folder in FOLDERS:
         with subtests.test(folder=folder):
@@ -296,7 +296,7 @@ def seed_by_seed(cells: list[dict[str, str]], reward: str, index: str) -> Any:
 
 @pytest.mark.parametrize("reward", ["arp", "arp:k2=2"])
 @pytest.mark.parametrize("name", INDICES)
-def test_sac_and_sac_fast_give_the_same_etas(reward: str, name: str):
+def test_sac_and_sac_fast_give_the_same_etas(reward, name):
     """The same experiment by stable-baselines3's SAC: each eta lies within the other's interval, seed by seed."""
     with (REFERENCE / "arp-2021" / "sac-cells.csv").open(newline="") as file:
         value, low, high = seed_by_seed(list(csv.DictReader(file)), reward, INDICES[name])

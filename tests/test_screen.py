@@ -99,7 +99,7 @@ def test_reward_that_no_screen_looks_at_cannot_be_told(ask):
         ("LeavesOut", "for each cell"),
     ],
 )
-def test_screen_that_fails_cannot_tell(ask, name: str, reason: str):
+def test_screen_that_fails_cannot_tell(ask, name, reason):
     """It stops nothing, and is named with the reason."""
     said, _ = ask(name)
     assert [it[1] for it in said] == [CANNOT_TELL] * 2

@@ -202,14 +202,14 @@ each_study = pytest.mark.parametrize("folder", STUDIES, ids=name_of)
 
 
 @each_study
-def test_page_says_what_the_record_holds(folder: Path):
+def test_page_says_what_the_record_holds(folder):
     """The answer, every eta with its interval, ruler and behaviour, and the measure that decides."""
     page, summary = page_of(folder), (folder / "summary.md").read_text(encoding="utf-8")
     assert [it for it in needles(record_of(folder), summary, label_of(folder)) if it not in page] == []
 
 
 @each_study
-def test_every_number_of_the_page_stands_in_a_record(folder: Path):
+def test_every_number_of_the_page_stands_in_a_record(folder):
     """Or its paragraph leads to where it comes from."""
     folders = beside(folder)
     minutes = [sum(float(cell["seconds"]) for cell in cells_of(it)) / 60 for it in folders]
@@ -219,14 +219,14 @@ def test_every_number_of_the_page_stands_in_a_record(folder: Path):
 
 
 @each_study
-def test_page_claims_what_a_test_found(folder: Path):
+def test_page_claims_what_a_test_found(folder):
     """Where a page says better or worse it quotes a corrected p, and a record holds it."""
     known = set().union(*(corrected(record_of(it)) for it in beside(folder)))
     assert unfounded(page_of(folder), known) == []
 
 
 @each_study
-def test_page_shows_what_the_robot_does(folder: Path):
+def test_page_shows_what_the_robot_does(folder):
     """A film of the policies, small enough for a page, and the way to run the study again."""
     page = page_of(folder)
     films = [PAGES / link for link in re.findall(r"\]\((\.\./pictures/[\w.-]+\.gif)\)", page)]
@@ -244,7 +244,7 @@ def experiment_of(folder: Path) -> str:
 
 
 @each_study
-def test_every_cell_is_done(folder: Path):
+def test_every_cell_is_done(folder):
     """None failed, none is missing; of ten seeds or more."""
     cells, experiment = cells_of(folder), tomllib.loads((folder / "experiment.toml").read_text())
     rewards = {experiment["baseline"], *experiment["reward"]}
@@ -254,19 +254,19 @@ def test_every_cell_is_done(folder: Path):
 
 
 @each_study
-def test_the_record_follows_from_its_trainings(folder: Path):
+def test_the_record_follows_from_its_trainings(folder):
     """Returns, eta, ruler and behaviour with their intervals, and the measures."""
     assert contradictions(record_of(folder)) == []
 
 
 @each_study
-def test_ruler_and_behaviour_come_to_the_whole(folder: Path):
+def test_ruler_and_behaviour_come_to_the_whole(folder):
     """Their product is eta, their sum the difference."""
     assert parts_do_not_fit(record_of(folder)) == []
 
 
 @each_study
-def test_cells_hold_what_the_record_says(folder: Path):
+def test_cells_hold_what_the_record_says(folder):
     """Row by row, to the last digit."""
     rows = {cell["id"]: cell for cell in cells_of(folder)}
     runs = [run for place in record_of(folder)["studies"] for run in place["study"]["trainings"]]
@@ -342,7 +342,7 @@ PAGE = """
 """
 
 
-def test_a_whole_page_lacks_nothing(small: dict[str, Any]):
+def test_a_whole_page_lacks_nothing(small):
     """And no number in it is strange."""
     assert [it for it in needles(small, SUMMARY, "") if it not in PAGE] == []
     assert strange_numbers(PAGE, [small], [1.27, 1.63]) == []
@@ -353,13 +353,13 @@ def test_a_whole_page_lacks_nothing(small: dict[str, Any]):
     ("there", "wrong"),
     [("HELPS", "HURTS"), ("3.30 [", "3.31 ["), ("x 1.10", "x 1.11"), ("| 15.9 |", "| 16.9 |"), ("1.63]", "1.64]")],
 )
-def test_a_page_that_says_something_else_is_found(small: dict[str, Any], there: str, wrong: str):
+def test_a_page_that_says_something_else_is_found(small, there, wrong):
     """Whichever part it is."""
     page = PAGE.replace(there, wrong)
     assert [it for it in needles(small, SUMMARY, "") if it not in page] != []
 
 
-def test_a_number_from_nowhere_is_found(small: dict[str, Any], subtests: pytest.Subtests):
+def test_a_number_from_nowhere_is_found(small, subtests):
     """Code and links are no numbers, and a source may bring some."""
     rows = [
         ("It earned 14.5.", []),
@@ -400,7 +400,7 @@ MUTANTS = {
 }
 
 
-def test_a_record_that_contradicts_itself_is_found(small: dict[str, Any], subtests: pytest.Subtests):
+def test_a_record_that_contradicts_itself_is_found(small, subtests):
     """Whatever was changed in it."""
     for name, change in MUTANTS.items():
         with subtests.test(name=name):
@@ -410,7 +410,7 @@ def test_a_record_that_contradicts_itself_is_found(small: dict[str, Any], subtes
 
 
 @pytest.mark.parametrize("part", ["ruler", "behaviour"])
-def test_parts_that_do_not_come_to_the_whole_are_found(small: dict[str, Any], part: str):
+def test_parts_that_do_not_come_to_the_whole_are_found(small, part):
     """In the ratio, and in the difference."""
     for path in (("ratio", part, "value"), ("difference", part, "mean")):
         record = copy.deepcopy(small)

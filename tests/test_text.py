@@ -14,7 +14,7 @@ import harness
 from harness.text import LONGEST_MESSAGE, command_text, file_stems, one_line_of, shortened, visible
 
 
-def test_what_is_not_seen_is_written_out(subtests: pytest.Subtests):
+def test_what_is_not_seen_is_written_out(subtests):
     """Control characters of both sets, turns of the direction, marks without width, separators of lines."""
     rows = [
         ("\x1b[31mred", "\\x1b[31mred"),
@@ -32,7 +32,7 @@ def test_what_is_not_seen_is_written_out(subtests: pytest.Subtests):
 
 
 @pytest.mark.parametrize("text", ["eta η_N · 3 × 10⁻³", "Grüße, 世界, مرحبا", "a\u00a0b", "🤖", "[/b] \\n"])
-def test_ordinary_text_stays(text: str):
+def test_ordinary_text_stays(text):
     """Letters of all languages, signs, blanks."""
     assert visible(text) == text
 
@@ -43,7 +43,7 @@ def test_a_line_break_can_be_kept():
 
 
 @given(st.text(st.characters(exclude_categories=())))
-def test_nothing_hidden_is_left(text: str):
+def test_nothing_hidden_is_left(text):
     """Of any text; and to show what was shown changes nothing."""
     shown = visible(text)
     assert all(unicodedata.category(char)[0] != "C" and char not in "\u2028\u2029" for char in shown)
@@ -69,7 +69,7 @@ def test_a_list_is_cut_between_its_names():
         assert set(last.removesuffix(". Did you mean 'y'?").split(", ")) <= set(names)
 
 
-def test_words_before_and_behind_a_cut_are_whole(subtests: pytest.Subtests):
+def test_words_before_and_behind_a_cut_are_whole(subtests):
     """Also where the cut lies between two words."""
     for most in range(20, 40):
         with subtests.test(most=most):
@@ -80,7 +80,7 @@ def test_words_before_and_behind_a_cut_are_whole(subtests: pytest.Subtests):
 
 
 @given(st.text())
-def test_a_message_is_one_short_line(text: str):
+def test_a_message_is_one_short_line(text):
     """Whatever it says."""
     message = one_line_of(text)
     assert len(message) <= LONGEST_MESSAGE
@@ -97,7 +97,7 @@ SEEN = st.text(st.characters(exclude_categories=("C", "Zl", "Zp")))
 
 
 @given(st.lists(SEEN, min_size=1))
-def test_a_shown_command_is_read_as_its_words(words: list[str]):
+def test_a_shown_command_is_read_as_its_words(words):
     """By a shell, whatever stands in a word; and nothing in the command is hidden."""
     shown = command_text(*words)
     assert shlex.split(shown) == words
@@ -106,7 +106,7 @@ def test_a_shown_command_is_read_as_its_words(words: list[str]):
 
 @pytest.mark.skipif(shutil.which("bash") is None, reason="bash reads these words")
 @pytest.mark.parametrize("word", ["a\ntouch X", "\x1b[2J'\\", "\u202eb c", "name\udc80", "\x9b;touch X;"])
-def test_hidden_characters_of_a_command_are_written_out_and_read_again(word: str):
+def test_hidden_characters_of_a_command_are_written_out_and_read_again(word):
     """A line break in a name ends no command, and the name stays what it is."""
     shown = command_text("printf", "%s", word)
     assert visible(shown) == shown

@@ -41,7 +41,7 @@ def test_there_are_workflows_to_look_at():
 
 
 @EACH
-def test_every_action_is_named_by_its_commit(path: Path):
+def test_every_action_is_named_by_its_commit(path):
     """A tag can be moved to other code; behind the commit stands the version, for people and for Dependabot."""
     named = re.findall(r"uses: *(.*)", path.read_text(encoding="utf-8"))
     assert named
@@ -61,7 +61,7 @@ def test_actions_are_kept_up_to_date():
 
 
 @EACH
-def test_no_checkout_leaves_a_token(path: Path):
+def test_no_checkout_leaves_a_token(path):
     """It would lie in .git/config, for every package that runs later."""
     steps = [step for job in _read(path)["jobs"].values() for step in job["steps"]]
     checkouts = [step for step in steps if step.get("uses", "").startswith("actions/checkout@")]
@@ -70,31 +70,31 @@ def test_no_checkout_leaves_a_token(path: Path):
 
 
 @EACH
-def test_a_workflow_may_only_read(path: Path):
+def test_a_workflow_may_only_read(path):
     """What a job needs besides stands at the job."""
     assert _read(path)["permissions"] in ({}, {"contents": "read"})
 
 
-def test_only_one_job_can_publish(release: dict[str, Any]):
+def test_only_one_job_can_publish(release):
     """PyPI takes what comes with this permission."""
     assert [name for name, job in release.items() if "id-token" in job["permissions"]] == ["publish"]
     assert [name for name, job in release.items() if "pypa/gh-action-pypi-publish" in _actions(job)] == ["publish"]
 
 
-def test_what_builds_may_only_read(release: dict[str, Any]):
+def test_what_builds_may_only_read(release):
     """There the packages of others run."""
     assert release["build"]["permissions"] == {"contents": "read"}
 
 
 @pytest.mark.parametrize("name", ["publish", "files"])
-def test_where_something_is_written_no_code_of_the_repository_runs(release: dict[str, Any], name: str):
+def test_where_something_is_written_no_code_of_the_repository_runs(release, name):
     """Neither from a checkout nor from a package."""
     assert "actions/checkout" not in _actions(release[name])
     assert not re.search(r"\b(make|pip|python)\b", "\n".join(_runs(release[name])))
 
 
 @pytest.mark.parametrize("name", ["publish", "files"])
-def test_digests_of_the_build_are_compared_before_anything_else(release: dict[str, Any], name: str):
+def test_digests_of_the_build_are_compared_before_anything_else(release, name):
     """They come by another way than the files, and name all of them."""
     job = release[name]
     assert "build" in job["needs"]
@@ -107,7 +107,7 @@ def test_digests_of_the_build_are_compared_before_anything_else(release: dict[st
     assert DIGESTS in told
 
 
-def test_files_are_attested_before_they_are_published(release: dict[str, Any]):
+def test_files_are_attested_before_they_are_published(release):
     """Where they were built, and with what; PyPI gets an attestation too."""
     steps = release["publish"]["steps"]
     assert _actions(release["publish"])[1:] == [
@@ -120,7 +120,7 @@ def test_files_are_attested_before_they_are_published(release: dict[str, Any]):
     assert release["publish"]["permissions"]["attestations"] == "write"
 
 
-def test_a_bill_of_materials_comes_with_the_release(release: dict[str, Any]):
+def test_a_bill_of_materials_comes_with_the_release(release):
     """Made from the locks, by tools that have a lock too."""
     recipe = (ROOT / "Makefile").read_text(encoding="utf-8")
     assert re.search(r"^make (\w+ )*sbom ", _runs(release["build"])[0])

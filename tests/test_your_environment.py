@@ -51,16 +51,14 @@ def test_first_example_is_short():
     assert len([line for line in EXAMPLES[1].splitlines() if line.strip()]) <= 17
 
 
-def test_training_is_shown_by_two_lines(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_training_is_shown_by_two_lines(tmp_path, monkeypatch):
     """A callback records what a wrapper would."""
     pytest.importorskip("stable_baselines3")
     _run(tmp_path, monkeypatch, "WatchCallback", **{'"Pendulum-v1", seed=0': '"Pendulum-v1", n_steps=64, seed=0'})
     assert len(_recorded(tmp_path, "runs/seen")["step"]) == STEPS
 
 
-def test_first_training_is_recorded_and_read(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-):
+def test_first_training_is_recorded_and_read(tmp_path, monkeypatch, capsys):
     """By stable-baselines3; the next example reads it."""
     pytest.importorskip("stable_baselines3")
     _run(tmp_path, monkeypatch, 'runs/own-0",\n')
@@ -82,7 +80,7 @@ def test_verdict_takes_15_lines():
     assert len([line for line in example.splitlines() if line.strip()]) + 2 <= 15
 
 
-def test_report_on_both_rewards(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
+def test_report_on_both_rewards(tmp_path, monkeypatch, capsys):
     """Trainings too short for an episode, two seeds: the evaluations tell, and what they cannot is said."""
     pytest.importorskip("stable_baselines3")
     _run(tmp_path, monkeypatch, VERDICT)
@@ -104,7 +102,7 @@ def test_report_on_both_rewards(tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
 
 
 @pytest.mark.filterwarnings("error")
-def test_normalisation_stands_on_its_side(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_normalisation_stands_on_its_side(tmp_path, monkeypatch):
     """Nothing has to be told of it, and the pay is recorded as it is."""
     _run(tmp_path, monkeypatch, "NormalizeReward(harness")
     training, evaluation = (_recorded(tmp_path, path) for path in ("runs/normal", "runs/normal/evaluation"))
@@ -112,13 +110,13 @@ def test_normalisation_stands_on_its_side(tmp_path: Path, monkeypatch: pytest.Mo
     assert (len(training), evaluation.facts.episodes_asked) == (1, 2)
 
 
-def test_memory_is_recorded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_memory_is_recorded(tmp_path, monkeypatch):
     """What it pays in an episode comes to its highest cosine above -1."""
     _run(tmp_path, monkeypatch, "class Progress")
     assert 0 < _recorded(tmp_path, "runs/memory")["reward/progress"].sum() <= 2
 
 
-def test_four_envs_of_stable_baselines3_are_recorded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_four_envs_of_stable_baselines3_are_recorded(tmp_path, monkeypatch):
     """As one training."""
     pytest.importorskip("stable_baselines3")
     _run(tmp_path, monkeypatch, "DummyVecEnv([")
@@ -127,7 +125,7 @@ def test_four_envs_of_stable_baselines3_are_recorded(tmp_path: Path, monkeypatch
     assert sorted(set(training["env"].tolist())) == [0, 1, 2, 3]
 
 
-def test_training_of_sbx_is_recorded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_training_of_sbx_is_recorded(tmp_path, monkeypatch):
     """By the first example, with the two words that the page names; where sbx is installed."""
     pytest.importorskip("sbx")
     assert "write `from sbx import SAC`, and `SAC` for `PPO`" in " ".join(PAGE.split())
@@ -135,7 +133,7 @@ def test_training_of_sbx_is_recorded(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert len(_recorded(tmp_path, "runs/own-0")) == STEPS
 
 
-def test_batch_is_recorded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_batch_is_recorded(tmp_path, monkeypatch):
     """By both kinds of functions."""
     _run(tmp_path, monkeypatch, "RecordVectorRewards(")
     training = _recorded(tmp_path, "runs/batch")
@@ -143,7 +141,7 @@ def test_batch_is_recorded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     assert (training["reward/calm"] <= 0).all()
 
 
-def test_env_of_rllib_is_recorded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_env_of_rllib_is_recorded(tmp_path, monkeypatch):
     """What RLlib is given makes an env that records under its worker's number."""
 
     class Context(dict[str, Any]):
@@ -160,7 +158,7 @@ def test_env_of_rllib_is_recorded(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 
 
 @pytest.mark.slow
-def test_rllib_trains(tmp_path: Path):
+def test_rllib_trains(tmp_path):
     """With an env of the page, where RLlib is installed."""
     pytest.importorskip("ray.rllib", exc_type=ImportError)
     (example,) = [text for text in EXAMPLES if "make_recorded" in text]

@@ -221,13 +221,12 @@ class Change:
             "interquartile_means": list(self.middles),
             "probability_of_improvement": self.improvement,
             "failed": self.failed and list(self.failed),
-            "trainings": dict(zip(("baseline", "proposed"), map(_by_seed, self.trainings), strict=True)),
+            "trainings": {
+                side: {str(seed): value for seed, value in values.items()}
+                for side, values in zip(("baseline", "proposed"), self.trainings, strict=True)
+            },
             "reason": self.reason,
         }
-
-
-def _by_seed(values: Values) -> dict[str, float]:
-    return {str(seed): value for seed, value in values.items()}
 
 
 def change_of(

@@ -19,7 +19,7 @@ from harness.eta.headline import (
     name_with_article,
     size_text,
 )
-from harness.eta.judge import (
+from harness.eta.judgement import (
     LOOK_ON,
     TRAIN_LONGER,
     allowance_text,
@@ -49,7 +49,7 @@ def lead_of(
 
     Args:
         found: The answer.
-        deciding: Measures of behaviour that decide, as `harness.eta.judge.judge` was given them.
+        deciding: Measures of behaviour that decide, as `harness.eta.judgement.judge` was given them.
         ruling: What the test says of them.
         subject: Who behaves: ``robot`` or ``agent``.
         where: Where this is so, in words, such as ``over 4 places``; empty for a single place.

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from harness.arrays import Float
-from harness.eta.decompose import OWNER, Splitter, noise_of_means, split_sum
+from harness.eta.decomposition import OWNER, Splitter, noise_of_means, split_sum
 from harness.eta.index import Ratio
 from harness.eta.scored_sums import BB, BK, KB, KK, Pair, ScoredSums, means_without_each
 from harness.eta.seed_mean import SeedMean, mean_over_seeds

@@ -40,7 +40,7 @@ class Split:
         behaviour: Geometric mean of both paths' behaviours.
         interaction: Ruler on the proposed runs over ruler on the baseline's.
         paths: On the proposed runs, then on the baseline's; empty where the runs were not scored by both rewards.
-        noise: What runs of the baseline give against other runs of it; see `harness.eta.decompose`.
+        noise: What runs of the baseline give against other runs of it; see `harness.eta.decomposition`.
         p: That there is no difference between the two groups' curves, by an exact test; None where it cannot be told.
         corrected: The same, such that it holds for all claims that are made together.
         outcomes: The difference of the index, the names of the trainings swapped in all ways; see `harness.eta.swaps`.

@@ -9,7 +9,7 @@ from typing import Any, Generic
 from harness.errors import Unscored
 from harness.eta.behaviour_change import Change, Quantity, change_of
 from harness.eta.curve import GroupCurve
-from harness.eta.decompose import decompose
+from harness.eta.decomposition import decompose
 from harness.eta.interval import SHARE
 from harness.eta.paid_at_random import PaidAtRandom, paid_at_random
 from harness.eta.return_split import ReturnSplit, split_returns

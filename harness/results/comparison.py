@@ -12,7 +12,7 @@ from harness.eta.behaviour_change import NO_WORD, TRAINING, WHOLE, Change
 from harness.eta.curve import GroupCurve
 from harness.eta.headline import DECIDING, SUCCESS, UNMEASURED, Answer, Headline
 from harness.eta.index import Ratio
-from harness.eta.judge import judge
+from harness.eta.judgement import judge
 from harness.eta.lead import lead_of
 from harness.eta.number import number_sentence, return_sentence
 from harness.eta.paid_at_random import PaidAtRandom

@@ -7,7 +7,7 @@ from itertools import zip_longest
 from typing import Any
 
 from harness.eta.headline import Answer, Headline
-from harness.eta.judge import judge
+from harness.eta.judgement import judge
 from harness.eta.lead import lead_of
 from harness.eta.splits import Names
 from harness.eta.verdict.ruling import Ruling

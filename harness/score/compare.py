@@ -12,12 +12,20 @@ import numpy as np
 
 from harness.arrays import Float, Mask
 from harness.errors import UsageError
-from harness.eta.curve import GroupCurve, Kind
-from harness.eta.decompose import decompose
-from harness.eta.number import number_sentence
-from harness.eta.scored_sums import BB, BK, KB, KK, Pair
-from harness.eta.splits import Decomposition, Names
-from harness.eta.swaps import corrected_p
+from harness.eta import (
+    BB,
+    BK,
+    KB,
+    KK,
+    Decomposition,
+    GroupCurve,
+    Kind,
+    Names,
+    Pair,
+    corrected_p,
+    decompose,
+    number_sentence,
+)
 from harness.log import Log, Rows
 from harness.log.log import ROWS
 from harness.registry.choice import choose

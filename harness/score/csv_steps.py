@@ -227,7 +227,8 @@ def open_csv(path: Path) -> Log:
     positions = {name: spelled.index(found[name]) for name in chosen}
     read = partial(_read, path, Header(header, positions), watched_columns(spelled))
     notes = () if _ends(path) else ("the last line does not end: it may be cut off",)
-    return Log(LogFacts(path=path, format="CSV of steps", first_line=2, notes=notes), _standard(chosen), read)
+    there = (PAY, *(name for name in (*EVENTS, *TOUCHED) if name in chosen), *(STEPS if "distance" in chosen else ()))
+    return Log(LogFacts(path=path, format="CSV of steps", first_line=2, notes=notes), there, read)
 
 
 def _ends(path: Path) -> bool:
@@ -244,11 +245,6 @@ def _choose_columns(there: Iterable[str]) -> tuple[str, ...]:
     scorable = bool(best) and {"begin_distance", "distance"} <= names
     wanted = {"reward": True, **dict.fromkeys(EVENTS, set(EVENTS) <= names)}
     return tuple(name for name in COLUMNS if name in names and wanted.get(name, scorable))
-
-
-def _standard(chosen: tuple[str, ...]) -> tuple[str, ...]:
-    """What a log has that is read from these of `COLUMNS`."""
-    return (PAY, *(name for name in (*EVENTS, *TOUCHED) if name in chosen), *(STEPS if "distance" in chosen else ()))
 
 
 def _has_flags(path: Path, spelled: list[str], name: str) -> bool:

@@ -254,21 +254,6 @@ class ArmPay:
         return self._scorer.pay(rows)
 
 
-def pay_episode(reward: Reward, end_effector: Float, target: Float) -> Float:
-    """What an arm's reward pays each step of an episode, (steps,).
-
-    Args:
-        reward: The reward.
-        end_effector: Its positions, before each step and after the last, (steps + 1, 3), [m].
-        target: Likewise.
-    """
-    far = distances(end_effector, target)
-    pay = ArmPay(reward)
-    pay.begin(far[0])
-    paid: Float = pay.pay(far[1:]).total
-    return paid
-
-
 def _constant(text: str) -> tuple[float, ...]:
     try:
         numbers = tuple(float(part) for part in text.split("/"))

@@ -55,7 +55,8 @@ class Scorer:
 
     def _pay_in_order(self, start: Mask, restart: Mask, steps: Steps) -> Paid:
         """Score a reward that remembers earlier rows: all targets of the block side by side, step by step."""
-        row, ends = np.flatnonzero(_begins(restart)), np.append(np.flatnonzero(restart[1:]) + 1, len(start))
+        later = np.flatnonzero(restart[1:]) + 1  # the first row begins a stretch too
+        row, ends = np.append(0, later), np.append(later, len(start))
         carry = self._reward.initial_carry(steps.begin_distance[row])
         if self._carry is not None and not restart[0]:  # the first goes on from the block before
             carry = put(carry, np.array([0]), self._carry)
@@ -254,10 +255,3 @@ def joined(parts: Sequence[Paid]) -> Paid:
         return parts[0] if parts else Paid(np.empty(0), {})
     terms = {name: np.concatenate([part.terms[name] for part in parts]) for name in parts[0].terms}
     return Paid(np.concatenate([part.total for part in parts]), terms)
-
-
-def _begins(restart: Mask) -> Mask:
-    """The first row of each target, or of the rest of a target."""
-    begins = restart.copy()
-    begins[0] = True
-    return begins

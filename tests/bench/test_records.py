@@ -15,7 +15,7 @@ RECORD = Record(
 )
 
 
-def test_a_run_becomes_a_record_and_a_figure(tmp_path: Path):
+def test_a_run_becomes_a_record_and_a_figure(tmp_path):
     """With the machine, the commit and the packages behind it."""
     ratios = {"mujoco: one env": {"ratio": 0.8, "at_least": 0.6}}
     (tmp_path / "bench.json").write_text(json.dumps(ratios))
@@ -49,6 +49,6 @@ def test_the_committed_figure_is_that_of_the_committed_records():
 
 
 @pytest.mark.parametrize("record", read_records(KEPT), ids=lambda record: record.date)
-def test_committed_ratios_were_above_their_bounds(record: Record):
+def test_committed_ratios_were_above_their_bounds(record):
     """A record of a run that failed is none."""
     assert all(it["ratio"] >= it["at_least"] for it in record.ratios.values())

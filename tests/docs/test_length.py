@@ -52,6 +52,6 @@ def test_sentences_are_short():
         ("| a | b |\n\n```\ncode\n```\n\nSee [one two](a/b.md). Then 3.5 % more.", [3, 3]),
     ],
 )
-def test_sentences_are_found(page: str, count: list[int]):
+def test_sentences_are_found(page, count):
     """Code, tables and headings are none; a number has no end in it."""
     assert [words(it) for it in sentences(page)] == count

@@ -49,7 +49,7 @@ def anchors_of(text: str) -> set[str]:
     return found | set(TARGET.findall(prose))
 
 
-def test_no_link_leads_nowhere(subtests: pytest.Subtests):
+def test_no_link_leads_nowhere(subtests):
     """Neither to a file that is gone, nor to a heading."""
     for page in LINKED:
         with subtests.test(page=page):
@@ -68,7 +68,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize(("text", "link"), [(it, LINK.findall(it)[0]) for it in WRONG.values()], ids=WRONG)
-def test_link_to_nowhere_is_found(text: str, link: str):
+def test_link_to_nowhere_is_found(text, link):
     """The mutants."""
     assert dead_links(PAGE, text) == [link]
 
@@ -85,7 +85,7 @@ RIGHT = [
 ]
 
 
-def test_link_that_leads_somewhere_is_left_alone(subtests: pytest.Subtests):
+def test_link_that_leads_somewhere_is_left_alone(subtests):
     """Code is no link, and the network is not asked."""
     for text in RIGHT:
         with subtests.test(text=text):

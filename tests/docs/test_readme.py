@@ -33,18 +33,18 @@ def test_first_screen_has_question_picture_and_two_commands():
 
 
 @pytest.mark.parametrize("text", ["make run", "make test", "**the arm**"])
-def test_it_has_what_people_look_for(text: str):
+def test_it_has_what_people_look_for(text):
     """Both commands that do everything, and the first of the doors."""
     assert text in README
 
 
 @pytest.mark.parametrize("index", ["I_N", "I_P", "eta_N", "eta_P"])
-def test_it_takes_no_index_to_read_it(index: str):
+def test_it_takes_no_index_to_read_it(index):
     """They are explained elsewhere."""
     assert index not in README
 
 
-def test_it_tells_the_audit_as_it_is_measured(capsys: pytest.CaptureFixture[str]):
+def test_it_tells_the_audit_as_it_is_measured(capsys):
     """By the command that it shows: what creeping earns, and what finishing earns."""
     (command,) = (it for it in COMMANDS if it.startswith("harness audit"))
     with pytest.raises(SystemExit):

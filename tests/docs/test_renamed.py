@@ -18,7 +18,7 @@ def rows_of(page: str, heading: str) -> list[tuple[str, str]]:
 
 
 @pytest.mark.parametrize("heading", TABLES)
-def test_table_is_that_of_the_code(heading: str):
+def test_table_is_that_of_the_code(heading):
     """In its order."""
     assert rows_of(PAGE, heading) == sorted(TABLES[heading].items())
 

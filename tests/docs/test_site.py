@@ -46,7 +46,7 @@ def test_every_page_is_reached_from_the_index():
     assert pages - reached_from(DOCS / "index.md") == set()
 
 
-def test_a_page_without_a_link_is_not_reached(tmp_path: Path):
+def test_a_page_without_a_link_is_not_reached(tmp_path):
     """The mutant: a page links to itself only."""
     (tmp_path / "lost.md").write_text("[here](lost.md)")
     assert reached_from(DOCS / "glossary.md") >= {DOCS / "glossary.md"}
@@ -78,7 +78,7 @@ def test_index_reads_on_a_forge():
 
 
 @pytest.mark.parametrize("module", [it for it in MODULES if it != "harness_plugins.sb3"])
-def test_page_of_a_module_has_every_public_name(module: str):
+def test_page_of_a_module_has_every_public_name(module):
     """Those that are imported only when they are first used too."""
     names = getattr(importlib.import_module(module), "__all__", [])
     page = module_page(module)
@@ -93,7 +93,7 @@ def test_every_name_of_harness_has_a_directive_of_its_kind():
         assert f".. {kind}:: harness.{name}\n" in page
 
 
-def test_page_of_checks_has_every_check(subtests: pytest.Subtests):
+def test_page_of_checks_has_every_check(subtests):
     """A row with its name, its level and what it holds."""
     page = checks_page()
     for kind, kit in KITS.items():

@@ -20,7 +20,7 @@ from typer.exceptions import TyperException
 from harness.cli import main
 from harness.cli.app import build_app
 from harness.experiment.plan import Experiment, check_experiment, expand
-from harness.registry.registry import Registry, load_registry
+from harness.registry.registry import load_registry
 from harness.results import Results
 from harness_plugins.kit.new_plugin import PluginName, package_files
 from tests.docs.pages import ROOT, Block, Command, blocks, blocks_of, commands_of
@@ -111,14 +111,14 @@ def _type(command: Command, known: Mapping[str, typer.core.TyperCommand]) -> Non
     known[name].make_context(name, arguments)
 
 
-def test_pattern_names_a_command_and_its_flags(known: Mapping[str, typer.core.TyperCommand], subtests: pytest.Subtests):
+def test_pattern_names_a_command_and_its_flags(known, subtests):
     """What stands in brackets may be left out, and is there."""
     for command in PATTERNS:
         with subtests.test(command=command):
             _names_what_is_there(command, known)
 
 
-def test_command_can_be_typed(known: Mapping[str, typer.core.TyperCommand], subtests: pytest.Subtests):
+def test_command_can_be_typed(known, subtests):
     """It is not run, for the reason that `ways.py` gives."""
     for command in PARSED:
         with subtests.test(command=command):
@@ -126,7 +126,7 @@ def test_command_can_be_typed(known: Mapping[str, typer.core.TyperCommand], subt
 
 
 @pytest.mark.parametrize("command", EXECUTED, ids=_ids(EXECUTED))
-def test_command_is_executed(command: Command, folder: Path, recorded: Results, capsys: pytest.CaptureFixture[str]):
+def test_command_is_executed(command, folder, recorded, capsys):
     """It ends with status 0."""
     words = [*command.words]
     for number, word in enumerate(words[1:], 1):
@@ -153,7 +153,7 @@ def _record_csv_files(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("block", TOML, ids=_ids(TOML))
-def test_toml_can_be_read(block: Block, toys: Registry):
+def test_toml_can_be_read(block, toys):
     """An experiment is expanded to its cells."""
     data = tomllib.loads(block.text)
     if data.keys() <= KEYS and "sim" in data:
@@ -175,7 +175,7 @@ PAGES_OF_PYTHON = [
         for page, its in PAGES_OF_PYTHON
     ],
 )
-def test_python_of_a_page_is_executed(its: list[Block], folder: Path, monkeypatch: pytest.MonkeyPatch):
+def test_python_of_a_page_is_executed(its, folder, monkeypatch):
     """One block after the other, as who follows the page types them; what trains does so in fewer steps."""
     monkeypatch.syspath_prepend(folder)  # `my_package`, which some pages call the reader's
     script = "\n".join(it.text for it in its if not any(part in it.text for part in SKIPPED))
@@ -185,7 +185,7 @@ def test_python_of_a_page_is_executed(its: list[Block], folder: Path, monkeypatc
     runpy.run_path("page.py")
 
 
-def test_every_snippet_is_accounted_for(capsys: pytest.CaptureFixture[str]):
+def test_every_snippet_is_accounted_for(capsys):
     """The count is told; no reason stands for a snippet that is gone."""
     skipped = [it for it in PYTHON if any(part in it.text for part in SKIPPED)]
     held = [it for it in PYTHON if any(it.page.startswith(page) for page in HELD)]
@@ -222,19 +222,19 @@ def test_commands_are_found():
 @pytest.mark.parametrize(
     "text", ["harness run --simulator mujoco", "harness run --seeds", "harness status", "harness status DIR --jsn"]
 )
-def test_command_that_is_wrong_cannot_be_typed(text: str, known: Mapping[str, typer.core.TyperCommand]):
+def test_command_that_is_wrong_cannot_be_typed(text, known):
     """The mutants: a flag that is not there, and a value or an argument that is missing."""
     with pytest.raises(TyperException):
         _type(Command("page:1", text), known)
 
 
-def test_pattern_of_a_flag_that_is_gone_is_found(known: Mapping[str, typer.core.TyperCommand]):
+def test_pattern_of_a_flag_that_is_gone_is_found(known):
     """The mutant."""
     with pytest.raises(AssertionError):
         _names_what_is_there(Command("page:1", "harness run [--sims NAME]"), known)
 
 
-def test_command_that_fails_is_found(folder: Path, recorded: Results, capsys: pytest.CaptureFixture[str]):
+def test_command_that_fails_is_found(folder, recorded, capsys):
     """The mutant: it can be typed, and ends with status 2."""
     with pytest.raises(AssertionError, match="No name 'arpp'"):
         test_command_is_executed(Command("page:1", "harness describe arpp"), folder, recorded, capsys)

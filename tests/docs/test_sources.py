@@ -84,7 +84,7 @@ def test_every_table_of_measurements_names_its_source():
     assert without_source(TABLES) == []
 
 
-def test_every_figure_comes_from_somewhere(subtests: pytest.Subtests):
+def test_every_figure_comes_from_somewhere(subtests):
     """From a record, or from a command that ``docs/pictures/sources.toml`` names."""
     for page in PAGES:
         with subtests.test(page=page):
@@ -97,7 +97,7 @@ def test_every_picture_has_a_source_and_every_source_a_picture():
     assert there == set(SOURCES)
 
 
-def test_source_of_a_picture_is_a_command(subtests: pytest.Subtests):
+def test_source_of_a_picture_is_a_command(subtests):
     """Or it says that somebody drew it."""
     for name, source in SOURCES.items():
         with subtests.test(name=name):
@@ -122,7 +122,7 @@ NUMBERS = "| reward | time | eta |\n| --- | --- | --- |\n| arp | 1.2 s | 0.800 [
         ("# A\n\n| key | default |\n| --- | --- |\n| a | 1 |\n", 0),
     ],
 )
-def test_table_without_a_source_is_found(text: str, count: int):
+def test_table_without_a_source_is_found(text, count):
     """The mutants: numbers without a source, and one whose source stands in another section."""
     assert len(without_source(tables_of("page", text))) == count
 

@@ -1,7 +1,5 @@
 """docs/tutorial.md, from its first command to its last, with trainings of 64 steps."""
 
-from pathlib import Path
-
 import pytest
 
 from harness.cli import main
@@ -21,7 +19,7 @@ def test_tutorial_names_the_run_whose_pictures_it_shows():
 
 
 @pytest.mark.slow
-def test_every_command_of_the_tutorial_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_every_command_of_the_tutorial_runs(tmp_path, monkeypatch):
     """In order, each on what the ones before it left; all pages and pictures that it speaks of are there."""
     monkeypatch.chdir(tmp_path)
     for command in COMMANDS:

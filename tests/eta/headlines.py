@@ -1,21 +1,44 @@
 """The answers of a comparison of an arm, from its parts."""
 
+import re
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from harness.eta.behaviour_change import Change
-from harness.eta.headline import DECIDING, Headline
-from harness.eta.judge import judge
-from harness.eta.number import number_sentence
-from harness.eta.splits import Decomposition, Names
-from harness.eta.verdict.ruling import Ruling
+from harness.eta import (
+    TRAINING,
+    Change,
+    Decomposition,
+    Headline,
+    Names,
+    Quantity,
+    Ruling,
+    change_of,
+    judge,
+    number_sentence,
+    swaps_of,
+)
+from harness.eta.headline import DECIDING
+
+NAMES = Names("base", "mine")
+SUCCESS = Quantity("success_rate", "", "higher", "deterministic", episodes=100)
+TIME = Quantity("time_to_target", "s", "lower", "deterministic")
+SPEED = Quantity("success_rate", "", "higher", TRAINING, episodes=100)
+CLAIM = re.compile(r"\b([Bb]etter|[Ww]orse|helps|hurts|reaches|succeeds|faster|slower|slowly)\b")
+"""What is said only where a test says it."""
 
 
-def headline_of(names: Names, decomposition: Decomposition, changes: Sequence[Change] = (), asked: int = 1) -> Headline:
+def change(baseline: Sequence[float], proposed: Sequence[float], measure=SUCCESS, p: float | None = 1.0) -> Change:
+    """Of seeds 0, 1, 2 ..., with this corrected p-value."""
+    swaps = swaps_of(range(min(len(baseline), len(proposed))))
+    return replace(change_of(measure, dict(enumerate(baseline)), dict(enumerate(proposed)), swaps), corrected=p)
+
+
+def headline_of(decomposition: Decomposition, changes: Sequence[Change] = (), asked: int = 1) -> Headline:
     """As `harness.results.comparison.Comparison` gives them, with the measures of one manner."""
     deciding = [change for name in DECIDING for change in changes if change.name == name and change.seeds]
-    return judge(names, deciding, number_sentence(names, decomposition.splits), ruling_of(deciding, asked))
+    return judge(NAMES, deciding, number_sentence(NAMES, decomposition.splits), ruling_of(deciding, asked))
 
 
 def ruling_of(deciding: Sequence[Change], asked: int = 1) -> Ruling:

@@ -3,7 +3,7 @@
 Every generator takes how many experiments to make, so that thousands are made at once.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.special import betaincinv, ndtr
@@ -16,6 +16,17 @@ POINTS = 160
 """Of a curve, evenly spaced over the training; an index is proportional to the mean over them."""
 CHUNK = 2000
 """Experiments whose curves are in memory at once when a truth is computed."""
+
+
+def error(share: float, experiments: int) -> float:
+    """Three standard errors of a share of so many experiments."""
+    return 3.0 * (share * (1.0 - share) / experiments) ** 0.5
+
+
+def is_kept(what: str, share: float, most: float, experiments: int) -> bool:
+    """Whether a share of the experiments is no larger than was promised, but for chance; it is printed."""
+    print(f"{what}: {share:.3f}, at most {most}")  # noqa: T201
+    return share <= most + error(most, experiments)
 
 
 @dataclass(frozen=True)
@@ -205,26 +216,19 @@ def lognormal_steps(
 class Family:
     """A family of comparisons: in each group, one baseline and several proposed rewards that share its runs.
 
-    Twelve metrics of behaviour, six of them on a lattice, and two sums whose ratio is an eta.
+    Twelve metrics of behaviour, six of them on a lattice, and two sums whose ratio is an eta. Nothing has an effect.
 
     Attributes:
         groups: How many.
         proposed: Rewards of each group that are compared with its baseline.
-        skewed_baseline: Whether the baseline's values are more spread and more skewed, their means the same: then no
-            claim has an effect on a mean, and yet baseline and proposed reward cannot change places.
-        affected: Share of all claims that have an effect; 0 with an effect stands for a single one.
-        effect: In standard deviations of the seeds' values, or of their logarithm; added to the proposed reward's.
+        pairing: Share of the variance that a seed's runs have in common.
+        likeness: Share of the variance that a run's metrics have in common.
     """
 
     groups: int = 4
     proposed: int = 5
-    skewed_baseline: bool = False
-    affected: float = 0.0
-    effect: float = 0.0
-    pairing: float = field(default=0.2, kw_only=True)
-    """Share of the variance that a seed's runs have in common."""
-    likeness: float = field(default=0.5, kw_only=True)
-    """Share of the variance that a run's metrics have in common."""
+    pairing: float = 0.2
+    likeness: float = 0.5
 
 
 METRICS, ETAS = 12, 2
@@ -236,18 +240,6 @@ SPREADS = np.array([0.0, 0.0, 0.0, 0.25, 0.25, 0.45, *[0.0] * 6, 1.3, 0.35])
 """Of the logarithm of each claim's values; 0 for a metric that is normal or on a lattice."""
 
 
-def is_affected(family: Family) -> np.ndarray:
-    """Which claims have an effect, (groups, proposed, CLAIMS); spread evenly over all kinds."""
-    shape = (family.groups, family.proposed, CLAIMS)
-    if family.affected == 0.0:
-        single = np.zeros(shape, bool)
-        single[0, 0, 0] = family.effect != 0.0
-        return single
-    count = np.arange(np.prod(shape)).reshape(shape)
-    mixed = np.random.default_rng(0).permutation(count.size)[count]
-    return mixed < family.affected * count.size
-
-
 def family_values(family: Family, rng: np.random.Generator, seeds: int) -> tuple[Float, Float]:
     """One family's values of the baselines, (groups, 1, seeds, CLAIMS), and of the proposed rewards.
 
@@ -257,35 +249,15 @@ def family_values(family: Family, rng: np.random.Generator, seeds: int) -> tuple
     common = rng.normal(size=(family.groups, 1, seeds, CLAIMS))
     own = np.sqrt(family.likeness) * rng.normal(size=(*shape, 1))
     own = own + np.sqrt(1.0 - family.likeness) * rng.normal(size=(*shape, CLAIMS))
-    normals = np.sqrt(family.pairing) * common + np.sqrt(1.0 - family.pairing) * own
-    shift = np.zeros((family.groups, 1 + family.proposed, 1, CLAIMS))
-    shift[:, 1:, 0] = family.effect * is_affected(family)
-    values = np.empty((*shape, CLAIMS))
-    values[..., :3] = normals[..., :3] + shift[..., :3]
-    for claims in (slice(3, 6), slice(METRICS, CLAIMS)):
-        values[..., claims] = _lognormal(normals[..., claims], shift[..., claims], SPREADS[claims], family)
-    values[..., FAILURES] = _failures(normals[..., FAILURES] + shift[..., FAILURES], rng, family)
-    rare = np.maximum(normals[..., RARE] + shift[..., RARE] - 1.3, 0.0)
-    values[..., RARE] = np.round(5.0 * rare) / EPISODES
+    values = np.sqrt(family.pairing) * common + np.sqrt(1.0 - family.pairing) * own
+    for claims in (slice(3, 6), slice(METRICS, CLAIMS)):  # lognormal, with a mean of 1
+        values[..., claims] = np.exp(SPREADS[claims] * values[..., claims] - SPREADS[claims] ** 2 / 2)
+    # Rates of failure in hundredths, beta by their normals; rounded at random, which keeps their means.
+    size = 1.0 / 0.05 - 1.0
+    rates = betaincinv(FAILURE_MEANS * size, (1.0 - FAILURE_MEANS) * size, ndtr(values[..., FAILURES]))
+    values[..., FAILURES] = np.floor(rates * EPISODES + rng.random(size=rates.shape)) / EPISODES
+    values[..., RARE] = np.round(5.0 * np.maximum(values[..., RARE] - 1.3, 0.0)) / EPISODES
     return values[:, :1], values[:, 1:]
-
-
-def _lognormal(normals: Float, shift: Float, spreads: Float, family: Family) -> Float:
-    """Values with a mean of 1 where nothing is shifted, whatever the spread."""
-    spread = np.broadcast_to(spreads, normals.shape).copy()
-    spread[:, 0] *= 1.5 if family.skewed_baseline else 1.0
-    values: Float = np.exp(spread * normals - spread**2 / 2 + shift * spreads)
-    return values
-
-
-def _failures(normals: Float, rng: np.random.Generator, family: Family) -> Float:
-    """Rates of failure in hundredths, beta by their normals; rounded at random, which keeps their means."""
-    likeness = np.full(normals.shape, 0.05)
-    likeness[:, 0] = 0.2 if family.skewed_baseline else 0.05
-    size = 1.0 / likeness - 1.0
-    rates = betaincinv(FAILURE_MEANS * size, (1.0 - FAILURE_MEANS) * size, ndtr(normals))
-    failures: Float = np.floor(rates * EPISODES + rng.random(size=normals.shape)) / EPISODES
-    return failures
 
 
 @dataclass(frozen=True)

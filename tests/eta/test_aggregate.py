@@ -18,13 +18,13 @@ def test_interquartile_mean_leaves_out_a_quarter_at_each_end():
 
 
 @pytest.mark.parametrize("count", [0, 1, 3])
-def test_interquartile_mean_needs_four(count: int):
+def test_interquartile_mean_needs_four(count):
     """Of three no quarter can be left out."""
     assert interquartile_mean([1.0] * count) is None
 
 
 @given(VALUES, VALUES)
-def test_probability_of_improvement_counts_pairs(one: list[float], other: list[float]):
+def test_probability_of_improvement_counts_pairs(one, other):
     """Any run against any, ties half; the Mann-Whitney U over the number of pairs."""
     pairs = [1.0 if k > b else 0.5 if k == b else 0.0 for b in one for k in other]
     found = probability_of_improvement(one, other, "higher")
@@ -33,7 +33,7 @@ def test_probability_of_improvement_counts_pairs(one: list[float], other: list[f
 
 
 @given(VALUES, VALUES)
-def test_lower_is_the_opposite_of_higher(one: list[float], other: list[float]):
+def test_lower_is_the_opposite_of_higher(one, other):
     """What is better for one reading is worse for the other."""
     both = [probability_of_improvement(one, other, better) for better in ("higher", "lower")]
     assert math.fsum(value for value in both if value is not None) == pytest.approx(1.0)
@@ -46,7 +46,7 @@ def test_improvement_needs_runs_on_both_sides():
 
 
 @given(VALUES)
-def test_profile_falls_from_all_to_none(values: list[float]):
+def test_profile_falls_from_all_to_none(values):
     """All runs reach the lowest value, none more than the highest; it never rises."""
     at = np.array([min(values), *sorted(set(values)), max(values) + 1.0])
     profile = performance_profile(values, at)
@@ -56,6 +56,6 @@ def test_profile_falls_from_all_to_none(values: list[float]):
 
 
 @given(st.lists(st.floats(-1e6, 1e6), min_size=4, max_size=60))
-def test_middle_half_is_scipys(values: list[float]):
+def test_middle_half_is_scipys(values):
     """To the last bit: published numbers rest on it."""
     assert interquartile_mean(values) == float(scipy.stats.trim_mean(values, 0.25))

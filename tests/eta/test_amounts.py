@@ -2,9 +2,9 @@
 
 import re
 
-import pytest
 from hypothesis import given, strategies as st
 
+from harness.eta import Quantity
 from harness.eta.amounts import (
     counted_text,
     difference_text,
@@ -15,26 +15,14 @@ from harness.eta.amounts import (
     trainings_text,
     unseen_text,
 )
-from harness.eta.behaviour_change import TRAINING, Change, Quantity, change_of
-from harness.eta.splits import Names
-from harness.eta.swaps import swaps_of
 from harness.eta.verdict.together import Together
+from tests.eta.headlines import NAMES, SPEED, SUCCESS, TIME, change
 
-NAMES = Names("base", "mine")
-SUCCESS = Quantity("success_rate", "", "higher", "deterministic", episodes=100)
-SPEED = Quantity("success_rate", "", "higher", TRAINING, episodes=100)
-TIME = Quantity("time_to_target", "s", "lower", "deterministic")
 HEIGHT = Quantity("tip_height", "m", "higher", "deterministic")
 COST = Quantity("energy", "J", "lower", "deterministic")
 
 
-def change(measure: Quantity, baseline: list[float], proposed: list[float]) -> Change:
-    """The change of a measure, from the values of each training."""
-    one, other = dict(enumerate(baseline)), dict(enumerate(proposed))
-    return change_of(measure, one, other, swaps_of(range(min(len(one), len(other)))))
-
-
-def test_values_have_as_many_digits_as_tell_them_apart(subtests: pytest.Subtests):
+def test_values_have_as_many_digits_as_tell_them_apart(subtests):
     """Two; more where a reader would compute another difference from them."""
     rows = [
         (SUCCESS, (0.81, 1.0), ("81", "100 %")),
@@ -48,16 +36,15 @@ def test_values_have_as_many_digits_as_tell_them_apart(subtests: pytest.Subtests
         (TIME, (9.96, 12.3), ("10.0", "12.3 s")),
         (HEIGHT, (1234.5, -0.0123), ("1,234.5", "-0.0 m")),
     ]
-    for measure, values, shown in rows:
-        with subtests.test(measure=measure, values=values, shown=shown):
-            one, other = values
-            assert short_values(change(measure, [one] * 2, [other] * 2)) == shown
+    for measure, (one, other), shown in rows:
+        with subtests.test(shown):
+            assert short_values(change([one] * 2, [other] * 2, measure)) == shown
 
 
 @given(st.floats(0.0, 1.0), st.floats(0.0, 1.0))
 def test_a_difference_is_that_of_the_values_beside_it(one, other):
     """As they are written, but for one in the last place."""
-    shown = change(SUCCESS, [one] * 3, [other] * 3)
+    shown = change([one] * 3, [other] * 3)
     baseline, proposed = (float(text.partition(" ")[0]) for text in short_values(shown))
     points = difference_text(shown, 2).partition(" ")[0]
     last = 10.0 ** -len(points.partition(".")[2])
@@ -66,11 +53,11 @@ def test_a_difference_is_that_of_the_values_beside_it(one, other):
 
 def test_a_difference_has_its_interval_and_its_unit():
     """Points of a share; a measure of several places in per cent of its size; three seeds have an interval."""
-    share = change(SUCCESS, [0.5, 0.6, 0.7], [0.8, 0.9, 1.0])
+    share = change([0.5, 0.6, 0.7], [0.8, 0.9, 1.0])
     assert re.fullmatch(r"\+30\.0 points \([-+][\d.]+ to \+[\d.]+\)", difference_text(share, 3))
-    assert difference_text(change(SUCCESS, [0.5] * 2, [0.8] * 2), 3) == "+30.0 points"
-    assert difference_text(change(TIME, [2.01] * 2, [1.9] * 2), 3) == "-0.11 s"
-    places = [change(TIME, [2.0, 2.2, 2.1, 1.9], [1.0, 1.2, 1.1, 0.9]) for _ in range(2)]
+    assert difference_text(change([0.5] * 2, [0.8] * 2), 3) == "+30.0 points"
+    assert difference_text(change([2.01] * 2, [1.9] * 2, TIME), 3) == "-0.11 s"
+    places = [change([2.0, 2.2, 2.1, 1.9], [1.0, 1.2, 1.1, 0.9], TIME) for _ in range(2)]
     together = Together.of(places)
     assert re.fullmatch(
         r"-\d\d\.\d% on average over 2 places \(-[\d.]+% to -[\d.]+%\)", difference_text(together, 3, "over 2 places")
@@ -79,12 +66,12 @@ def test_a_difference_has_its_interval_and_its_unit():
 
 def test_an_interval_without_a_width_is_no_certainty():
     """Ten times that are all the horizon: there is nothing to show."""
-    assert difference_text(change(TIME, [5.0] * 10, [5.0] * 10), 3) == "+0.00 s"
+    assert difference_text(change([5.0] * 10, [5.0] * 10, TIME), 3) == "+0.00 s"
 
 
 def test_failures_stand_with_the_first_measure():
     """As many as there are of each reward; those of the training are no failures."""
-    share, speed = change(SUCCESS, [0.2, 0.9, 0.9], [0.9, 0.9, 0.9]), change(SPEED, [0.2] * 3, [0.3] * 3)
+    share, speed = change([0.2, 0.9, 0.9], [0.9, 0.9, 0.9]), change([0.2] * 3, [0.3] * 3, SPEED)
     told = seen_text(NAMES, [share, speed], "")
     assert "0 of 3 trainings failed with mine, 1 of 3 with base. Success while training +10.0 points" in told
     assert told.endswith(": 30.0% instead of 20.0%.")
@@ -94,21 +81,21 @@ def test_failures_stand_with_the_first_measure():
 
 def test_the_same_count_of_both_is_told_once():
     """With either reward."""
-    assert counted_text(NAMES, [change(SUCCESS, [0.9] * 3, [0.8] * 3)]) == "0 of 3 trainings failed with either reward"
+    assert counted_text(NAMES, [change([0.9] * 3, [0.8] * 3)]) == "0 of 3 trainings failed with either reward"
 
 
 def test_which_side_is_better_is_told_where_nobody_knows():
     """Of a measure of one's own of which less is better; the time needs no such word."""
-    assert "J, lower is better: " in seen_text(NAMES, [change(COST, [-1.0] * 2, [-2.0] * 2)], "")
-    assert "better" not in seen_text(NAMES, [change(TIME, [1.0] * 2, [2.0] * 2)], "")
+    assert "J, lower is better: " in seen_text(NAMES, [change([-1.0] * 2, [-2.0] * 2, COST)], "")
+    assert "better" not in seen_text(NAMES, [change([1.0] * 2, [2.0] * 2, TIME)], "")
 
 
 def test_failures_that_were_not_seen_are_told_where_none_was():
     """The largest share that would show none in one of 20 experiments."""
-    none, one = change(SUCCESS, [1.0] * 10, [1.0] * 10), change(SUCCESS, [1.0] * 10, [0.0] + [1.0] * 9)
+    none, one = change([1.0] * 10, [1.0] * 10), change([1.0] * 10, [0.0] + [1.0] * 9)
     assert "10 of each reward cannot rule out that up to 26% fail under either." in unseen_text(NAMES, [none])
     assert unseen_text(NAMES, [one]) == ""
-    assert unseen_text(NAMES, [change(TIME, [1.0] * 10, [1.0] * 10)]) == ""
+    assert unseen_text(NAMES, [change([1.0] * 10, [1.0] * 10, TIME)]) == ""
 
 
 def test_numbers_of_trainings():

@@ -12,27 +12,58 @@ from hypothesis import given, strategies as st
 from scipy.special import ndtri
 from scipy.stats import mannwhitneyu
 
-from harness.eta.auc import AGAINST, CANNOT_TELL, RANKS, auc_of, share_of
+from harness.eta import AGAINST, CANNOT_TELL, RANKS, auc_of
+from harness.eta.auc import share_of
 
-PAID = st.lists(st.tuples(st.integers(-9, 9), st.booleans()), min_size=2, max_size=40)
+EPISODE = st.tuples(st.integers(-9, 9), st.booleans(), st.integers(0, 3))
+PAID = st.lists(EPISODE, min_size=2, max_size=40).map(lambda drawn: [np.array(it) for it in zip(*drawn, strict=True)])
+"""What is paid, what succeeds, and the tasks."""
 
 
 @given(PAID)
 def test_the_value_is_that_of_mann_and_whitney(drawn):
-    """Ties count half."""
-    paid, above = np.array([it for it, _ in drawn], float), np.array([it for _, it in drawn])
+    """Ties count half; the interval holds it and stays between 0 and 1; neither scale nor offset matters."""
+    paid, above, _ = drawn
     found = auc_of(paid, above)
     if above.all() or not above.any():
         assert found.value is None
-    else:
-        expected = mannwhitneyu(paid[above], paid[~above]).statistic / (above.sum() * (~above).sum())
-        assert found.value == pytest.approx(expected)
+        return
+    expected = mannwhitneyu(paid[above], paid[~above]).statistic / (above.sum() * (~above).sum())
+    assert found.value == pytest.approx(expected) == auc_of(paid * 0.3 + 7.0, above).value
+    assert found.low is None or 0.0 <= found.low <= found.value <= found.high <= 1.0
+
+
+@given(PAID)
+def test_the_value_is_the_share_of_pairs_within_a_task(drawn):
+    """In the right order, counted one by one, however many episodes of either kind a task has."""
+    paid, above, tasks = drawn
+    pairs = [(a, b) for a in np.flatnonzero(above) for b in np.flatnonzero(~above) if tasks[a] == tasks[b]]
+    right = sum(1.0 if paid[a] > paid[b] else 0.5 * (paid[a] == paid[b]) for a, b in pairs)
+    found = auc_of(paid, above, None, tasks)
+    assert found.value == (pytest.approx(right / len(pairs)) if pairs else None)
+
+
+NOTHING = np.arange(10) < 5
+REASONS = {
+    "there are no episodes of both kinds": (np.ones(5, bool),),
+    "no interval below 3 episodes of each kind": (np.arange(8) > 1,),
+    "no interval below 3 operators or files of each kind": (np.arange(40) > 19, np.arange(40) // 20),
+    "no task has episodes of both kinds": (NOTHING, None, NOTHING),
+}
+
+
+@pytest.mark.parametrize("reason", REASONS)
+def test_too_little_cannot_tell(reason):
+    """And says why."""
+    found = auc_of(np.arange(float(len(REASONS[reason][0]))), *REASONS[reason])
+    assert (found.low, found.answer, found.reason) == (None, CANNOT_TELL, reason)
+    assert (found.value is None) == (" no episodes" in reason or "no task" in reason)
 
 
 @given(PAID)
 def test_the_other_way_round_is_the_mirror(drawn):
     """Failures for successes: 1 - AUC, the ends swapped, the answer turned round."""
-    paid, above = np.array([it for it, _ in drawn], float), np.array([it for _, it in drawn])
+    paid, above, _ = drawn
     one, other = auc_of(paid, above), auc_of(paid, ~above)
     assert (one.low is None) == (other.low is None)
     if one.low is not None and one.value not in (0.0, 1.0):
@@ -40,43 +71,9 @@ def test_the_other_way_round_is_the_mirror(drawn):
         assert {RANKS: AGAINST, AGAINST: RANKS, CANNOT_TELL: CANNOT_TELL}[one.answer] == other.answer
 
 
-@given(PAID)
-def test_the_interval_holds_the_value(drawn):
-    """And stays between 0 and 1."""
-    found = auc_of(np.array([it for it, _ in drawn], float), np.array([it for _, it in drawn]))
-    if found.low is not None:
-        assert 0.0 <= found.low <= found.value <= found.high <= 1.0
-
-
-@given(PAID, st.floats(0.01, 100.0))
-def test_scale_does_not_matter(drawn, factor):
-    """Nor does an offset."""
-    paid, above = np.array([it for it, _ in drawn], float), np.array([it for _, it in drawn])
-    assert auc_of(paid, above).value == pytest.approx(auc_of(paid * factor + 7.0, above).value)
-
-
 def test_rounding_of_sums_makes_no_order():
     """0.1 + 0.2 is 0.3."""
     assert auc_of(np.array([0.1 + 0.2, 0.3]), np.array([True, False])).value == 0.5
-
-
-def test_one_kind_alone_cannot_tell():
-    """And says why."""
-    found = auc_of(np.arange(5.0), np.ones(5, bool))
-    assert (found.value, found.answer, found.reason) == (None, CANNOT_TELL, "there are no episodes of both kinds")
-
-
-def test_few_episodes_have_no_interval():
-    """Two failures tell nothing."""
-    found = auc_of(np.arange(8.0), np.arange(8) > 1)
-    assert (found.value, found.low, found.answer) == (1.0, None, CANNOT_TELL)
-    assert found.reason == "no interval below 3 episodes of each kind"
-
-
-def test_few_operators_have_no_interval():
-    """However many episodes each has."""
-    found = auc_of(np.arange(40.0), np.arange(40) > 19, np.arange(40) // 20)
-    assert found.reason == "no interval below 3 operators or files of each kind"
 
 
 def test_episodes_of_an_operator_widen_the_interval():
@@ -98,37 +95,13 @@ def test_an_order_without_exception_is_told_of_operators():
 
 
 def test_a_clear_order_is_told():
-    """Both ways."""
-    above = np.arange(20) % 2 == 0
-    assert auc_of(above * 1.0 + np.arange(20) / 100, above).answer == RANKS
-    assert auc_of(above * -1.0 + np.arange(20) / 100, above).answer == AGAINST
-
-
-def test_pay_of_no_meaning_cannot_tell():
-    """The interval holds one half."""
-    found = auc_of(np.arange(20.0), np.arange(20) % 2 == 0)
+    """Both ways; of pay without a meaning the interval holds one half."""
+    above, number = np.arange(20) % 2 == 0, np.arange(20.0)
+    assert auc_of(above + number / 100, above).answer == RANKS
+    assert auc_of(number / 100 - above, above).answer == AGAINST
+    found = auc_of(number, above)
     assert found.answer == CANNOT_TELL
     assert found.low < 0.5 < found.high
-
-
-def pairs_within(paid, above, tasks):
-    """The share of pairs of one task in the right order, counted one by one; None without any."""
-    right = count = 0.0
-    for one in range(len(paid)):
-        for other in range(len(paid)):
-            if above[one] and not above[other] and tasks[one] == tasks[other]:
-                count += 1
-                right += 1.0 if paid[one] > paid[other] else 0.5 if paid[one] == paid[other] else 0.0
-    return right / count if count else None
-
-
-@given(st.lists(st.tuples(st.integers(-9, 9), st.booleans(), st.integers(0, 3)), min_size=2, max_size=40))
-def test_the_value_is_the_share_of_pairs_within_a_task(drawn):
-    """However many episodes of either kind a task has."""
-    paid, above, tasks = (np.array(it) for it in zip(*drawn, strict=True))
-    found, expected = auc_of(paid.astype(float), above, None, tasks), pairs_within(paid, above, tasks)
-    assert (found.value is None) == (expected is None)
-    assert found.value is None or found.value == pytest.approx(expected)
 
 
 def test_tasks_are_not_compared_with_one_another():
@@ -140,23 +113,14 @@ def test_tasks_are_not_compared_with_one_another():
     assert (found.value, found.answer, found.pairs, found.tasks) == (1.0, RANKS, 200, 2)
 
 
-def test_no_task_with_both_kinds_cannot_tell():
-    """And says why."""
-    above = np.arange(10) < 5
-    found = auc_of(np.arange(10.0), above, None, above)
-    assert (found.value, found.reason) == (None, "no task has episodes of both kinds")
-
-
 def test_one_task_is_as_none():
     """And so are tasks without pairs beside it."""
     rng = np.random.default_rng(3)
-    paid, above, cluster = rng.normal(size=30), rng.random(30) < 0.5, rng.integers(0, 9, 30)
-    assert auc_of(paid, above, cluster, np.ones(30)) == auc_of(paid, above, cluster)
-    more = [np.concatenate([it, it[:1]]) for it in (paid, above, cluster)]
-    ends = auc_of(*more, np.array([0] * 30 + [1]))
-    assert (ends.value, ends.low, ends.high) == tuple(
-        getattr(auc_of(paid, above, cluster), name) for name in ("value", "low", "high")
-    )
+    episodes = rng.normal(size=30), rng.random(30) < 0.5, rng.integers(0, 9, 30)
+    alone = auc_of(*episodes)
+    assert auc_of(*episodes, np.ones(30)) == alone
+    beside = auc_of(*(np.concatenate([it, it[:1]]) for it in episodes), np.array([0] * 30 + [1]))
+    assert (beside.value, beside.low, beside.high) == (alone.value, alone.low, alone.high)
 
 
 def test_an_operator_of_several_tasks_is_one():
@@ -175,14 +139,10 @@ def test_an_operator_of_several_tasks_is_one():
 
 
 def test_a_share_is_that_of_the_sums():
-    """With an interval over clusters."""
+    """With an interval over clusters; of nothing there is none."""
     found = share_of(np.array([1.0, 0.0, 2.0]), np.array([2.0, 2.0, 4.0]), np.arange(3))
     assert found.mean == pytest.approx(3 / 8)
     assert found.low < 3 / 8 < found.high
-
-
-def test_a_share_of_nothing_is_none():
-    """Nothing was paid."""
     assert share_of(np.zeros(3), np.zeros(3), np.arange(3)).mean is None
 
 
@@ -321,22 +281,3 @@ def test_the_interval_over_tasks_holds_the_chance(shape):
     assert np.mean([held for held, _ in found]) >= 0.93
     assert min(held for held, _ in found) >= 0.91
     assert max(wrong for _, wrong in found) <= 0.05 + 0.015  # of 1,000 data sets
-
-
-def table() -> str:
-    """What docs/statistics-tables.md shows."""
-    lines = ["| episodes | operators | successes | coverage, mean | least | most | wrong answers, most |"]
-    lines.append("| --- | --- | --- | --- | --- | --- | --- |")
-    groups = {}
-    for one in (*ALONE, *TOGETHER):
-        groups.setdefault((one.episodes, one.size, one.labels), []).append(one)
-    told = {"episode": "by chance", "mixed": "partly the operator's", "cluster": "the operator's"}
-    for (episodes, size, labels), members in groups.items():
-        found = [coverage(one, TIMES) for one in members]
-        held, wrong = [it for it, _ in found], [it for _, it in found]
-        operators = "each its own" if size == 1 else f"{episodes // size} of {size}"
-        lines.append(
-            f"| {episodes} | {operators} | {told[labels]} | {np.mean(held):.3f} | {min(held):.3f} | {max(held):.3f} | "
-            f"{max(wrong):.3f} |"
-        )
-    return "\n".join(lines)

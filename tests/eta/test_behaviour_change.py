@@ -8,10 +8,9 @@ import pytest
 import scipy.stats
 from hypothesis import assume, given, strategies as st
 
-from harness.eta.behaviour_change import Change, Quantity, change_of
+from harness.eta import Change, Quantity, change_of, p_of, swaps_of
 from harness.eta.headline import is_within
 from harness.eta.interval import share_variance
-from harness.eta.swaps import p_of, swaps_of
 
 Values = list[float | None]
 NUMBER = st.floats(-10.0, 10.0).map(lambda value: round(value, 6))
@@ -77,7 +76,7 @@ def test_who_failed_is_counted_of_a_share_of_which_more_is_better():
 
 
 @given(st.lists(st.tuples(NUMBER, NUMBER), min_size=3, max_size=10))
-def test_interval_is_that_of_welchs_t_test(pairs: list[tuple[float, float]]):
+def test_interval_is_that_of_welchs_t_test(pairs):
     """Scipy's."""
     one, other = (list(values) for values in zip(*pairs, strict=True))
     assume(min(np.std(one), np.std(other)) > 1e-3)
@@ -94,7 +93,7 @@ def test_shares_of_episodes_are_never_sure():
 
 
 @pytest.mark.parametrize("seeds", [1, 2])
-def test_few_pairs_have_no_interval(seeds: int):
+def test_few_pairs_have_no_interval(seeds):
     """The difference stands alone."""
     found = change([0.0] * seeds, [1.0] * seeds)
     assert (found.difference, found.low, found.high) == (1.0, None, None)
@@ -104,7 +103,7 @@ def test_few_pairs_have_no_interval(seeds: int):
 
 
 @given(st.lists(st.tuples(NUMBER, NUMBER), min_size=2, max_size=8))
-def test_p_value_is_that_of_swapped_names(pairs: list[tuple[float, float]]):
+def test_p_value_is_that_of_swapped_names(pairs):
     """In how many ways to swap the names of the trainings the difference is as large."""
     one, other = (list(values) for values in zip(*pairs, strict=True))
     outcomes = swaps_of(range(len(pairs))).signs @ np.subtract(other, one) / len(pairs)
@@ -128,7 +127,7 @@ def test_one_pair_has_no_p_value():
 
 
 @pytest.mark.parametrize(("measure", "up", "down"), [(SUCCESS, "better", "worse"), (DISTANCE, "worse", "better")])
-def test_direction_follows_what_is_better(measure: Quantity, up: str, down: str):
+def test_direction_follows_what_is_better(measure, up, down):
     """More success is better, more distance is worse."""
     low, high = [0.0, 0.1, 0.0, 0.1, 0.0, 0.1], [0.9, 1.0, 0.8, 0.9, 1.0, 0.8]
     assert corrected(change(low, high, measure)).direction == up
@@ -137,7 +136,7 @@ def test_direction_follows_what_is_better(measure: Quantity, up: str, down: str)
 
 
 @pytest.mark.parametrize(("p", "told"), [(0.05, "better"), (0.0501, ""), (1.0, "")])
-def test_direction_needs_a_corrected_p_value(p: float, told: str):
+def test_direction_needs_a_corrected_p_value(p, told):
     """Of 0.05 at most."""
     assert corrected(change([0.0] * 6, [1.0] * 6, SUCCESS), p).direction == told
 
@@ -149,7 +148,7 @@ def test_p_value_by_itself_gives_no_direction():
 
 
 @given(VALUES, VALUES)
-def test_swapping_the_rewards_turns_the_difference(baseline: Values, proposed: Values):
+def test_swapping_the_rewards_turns_the_difference(baseline, proposed):
     """What is better becomes worse, the ends change sides, p stays."""
     count = min(len(baseline), len(proposed))
     one, other = (
@@ -183,7 +182,7 @@ def test_seeds_that_never_fail_are_not_equivalent_at_once():
 
 
 @pytest.mark.parametrize("seeds", [1, 2])
-def test_few_seeds_are_never_equivalent(seeds: int):
+def test_few_seeds_are_never_equivalent(seeds):
     """However wide the margin."""
     assert not is_within(change([0.5] * seeds, [0.5] * seeds), 100.0)
 
@@ -192,7 +191,7 @@ def test_few_seeds_are_never_equivalent(seeds: int):
 
 
 @given(VALUES, VALUES, st.booleans())
-def test_json_is_strict(baseline: Values, proposed: Values, is_share: bool):
+def test_json_is_strict(baseline, proposed, is_share):
     """Plain data without NaN, whatever is missing; what is None is null."""
     count = min(len(baseline), len(proposed))
     measure = DISTANCE._replace(episodes=10 if is_share else None)

@@ -1,6 +1,7 @@
 """Trainings that are equal bit for bit."""
 
-from harness.eta.equal import equal_sentences, equal_trainings, key_to_json
+from harness.eta import equal_sentences, equal_trainings
+from harness.eta.equal import key_to_json
 
 
 def test_equal_digests_stand_together():

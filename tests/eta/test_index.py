@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from harness.eta.index import Index, Ratio
+from harness.eta import Index, Ratio
 
 
 def test_sums_are_shown_rounded_to_a_tenth():
@@ -26,7 +26,7 @@ def test_sums_are_kept_unrounded():
 
 
 @pytest.mark.parametrize("total", [-0.01, -0.0])
-def test_sum_that_rounds_to_zero_has_no_sign(total: float):
+def test_sum_that_rounds_to_zero_has_no_sign(total):
     """Minus zero would be printed."""
     assert str(Index(0, None, 2, total, 0.0).I_N) == "0.0"
 

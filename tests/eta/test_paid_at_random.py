@@ -27,7 +27,7 @@ def test_six_trainings_below_are_enough():
 
 
 @pytest.mark.parametrize("trained", [[1.0] * 4, [1.0] * 5 + [9.0], [9.0] * 6])
-def test_otherwise_nothing_is_claimed(trained: list[float]):
+def test_otherwise_nothing_is_claimed(trained):
     """Too few trainings, or one that learned, or all of them."""
     found = _found(trained, [2.0, 3.0] * 50)
     assert not found.is_below
@@ -47,7 +47,7 @@ def test_rounding_is_no_difference():
 
 
 @pytest.mark.parametrize(("trained", "episodes"), [([], [1.0, 2.0]), ([1.0], [2.0]), ([1.0], [])])
-def test_without_trainings_or_episodes_nothing_is_known(trained: list[float], episodes: list[float]):
+def test_without_trainings_or_episodes_nothing_is_known(trained, episodes):
     """A mean of one episode has no bound."""
     assert paid_at_random("hop", trained, np.array(episodes, np.float64)) is None
 
@@ -92,7 +92,7 @@ def _wrong(draw: Draw, seeds: int, spread: float) -> float:
     return float(np.mean([it.is_below for it in found]))
 
 
-def test_a_wrong_claim_is_made_in_few_cases(subtests: pytest.Subtests):
+def test_a_wrong_claim_is_made_in_few_cases(subtests):
     """In at most `LEVEL` of the experiments, whether the episodes of random actions are alike or not."""
     for spread in [0.01, 3.0]:
         for draw in [_bell, _rarely_learns, _skewed]:
@@ -101,7 +101,7 @@ def test_a_wrong_claim_is_made_in_few_cases(subtests: pytest.Subtests):
                     assert _wrong(draw, seeds, spread) <= LEVEL + SPARE
 
 
-def test_a_looser_level_is_noticed(monkeypatch: pytest.MonkeyPatch):
+def test_a_looser_level_is_noticed(monkeypatch):
     """By the same simulation."""
     monkeypatch.setattr("harness.eta.paid_at_random.LEVEL", 0.12)
     assert _wrong(_bell, 6, 0.01) > 0.05 + SPARE

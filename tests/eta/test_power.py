@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
+from harness.eta import Question, rule
 from harness.eta.power import MOST, POWER, fewest_seeds, seeds_to_tell
-from harness.eta.verdict.question import Question
-from harness.eta.verdict.ruling import rule
 
 LEVEL = 0.05
 
@@ -28,7 +27,7 @@ def found(difference: float, seeds: int, asked: int, experiments: int = 200, mea
 
 @pytest.mark.parametrize("difference", [1.0, 1.5])
 @pytest.mark.parametrize("claims", [1, 4])
-def test_high_end_is_enough(difference: float, claims: int):
+def test_high_end_is_enough(difference, claims):
     """Where the spread is the largest likely one, four of five experiments show it; Monte Carlo error 0.028."""
     pilot = 10
     largest = 1.0  # of the differences that are drawn; these seeds have shown less
@@ -49,7 +48,7 @@ def test_high_end_is_enough_where_one_of_three_measures_shows_it():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("pilot", [3, 10])
-def test_experiments_of_the_high_end_mostly_have_the_power(pilot: int):
+def test_experiments_of_the_high_end_mostly_have_the_power(pilot):
     """The spread of a few seeds is known roughly: nine of ten pilots ask for enough."""
     rng = np.random.default_rng(pilot)
     spreads = np.sqrt(rng.normal(size=(300, 2, pilot)).var(axis=2, ddof=1).mean(axis=1))
@@ -71,7 +70,7 @@ def test_low_end_takes_the_smallest_likely_spread_and_one_claim():
 
 
 @pytest.mark.parametrize(("claims", "fewest"), [(1, 4), (28, 7)])
-def test_no_seeds_tell_that_cannot_show_anything(claims: int, fewest: int):
+def test_no_seeds_tell_that_cannot_show_anything(claims, fewest):
     """However large the difference: also where scipy's distribution has no number any more."""
     assert fewest_seeds(0.05 / claims) == fewest
     for difference in (5.0, 12.0, 20.0, 100.0, 1e6):

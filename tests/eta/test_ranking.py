@@ -6,16 +6,8 @@ import numpy as np
 import pytest
 from scipy.stats import kendalltau
 
-from harness.eta.ranking import (
-    Agreement,
-    Answer,
-    agreement_of,
-    kendall,
-    mean_agreement,
-    order_rewards,
-    tau_range,
-    transplant,
-)
+from harness.eta import Agreement, agreement_of, order_rewards, transplant
+from harness.eta.ranking import Answer, kendall, mean_agreement, tau_range
 from tests.eta.scenarios import EPISODES, RATES, Rate
 
 CLEAR = {"a": [0.1, 0.12, 0.1, 0.11], "b": [0.5, 0.52, 0.5, 0.51], "c": [0.9, 0.91, 0.9, 0.92]}

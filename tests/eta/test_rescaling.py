@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given, strategies as st
 
 from harness.arrays import Float
-from harness.eta.rescaling import FEW, Rescaling, line_of, rescaling_of
+from harness.eta import Rescaling, line_of, rescaling_of
+from harness.eta.rescaling import FEW
 
 PAID = np.random.default_rng(0).normal(size=1_000) * 10.0 ** np.random.default_rng(1).uniform(-6, 6, 1_000)
 """What a reward pays: of all sizes and both signs."""
@@ -20,7 +21,7 @@ def found(one: Float, other: Float, parts: int = 3) -> Rescaling | None:
 
 
 @given(st.floats(0.01, 100.0), st.floats(-100.0, 100.0), st.booleans())
-def test_every_scale_and_offset_is_found(factor: float, offset: float, is_turned: bool):
+def test_every_scale_and_offset_is_found(factor, offset, is_turned):
     """Whatever the signs."""
     factor = -factor if is_turned else factor
     rescaling = found(PAID, factor * PAID + offset)
@@ -73,7 +74,7 @@ def test_a_reward_that_is_computed_again_from_observations_is_found():
     ],
     ids=["a small term more", "cut", "squared", "one step otherwise", "another scale in another recording"],
 )
-def test_another_reward_is_no_rescaling(other: Float):
+def test_another_reward_is_no_rescaling(other):
     """However near it is, beyond a millionth."""
     assert found(PAID, other) is None
     assert found(other, PAID) is None
@@ -93,7 +94,7 @@ def test_a_reward_that_never_changes_is_no_rescaling_of_one_that_does():
 
 
 @pytest.mark.parametrize("factor", [0.1, 2.0, -3.0])
-def test_two_rewards_that_never_change_differ_in_a_factor(factor: float):
+def test_two_rewards_that_never_change_differ_in_a_factor(factor):
     """As an alive bonus, and a tenth of it."""
     rescaling = found(np.ones(1_000), np.full(1_000, factor))
     assert rescaling == Rescaling(factor, 0.0, 1_000, 1)
@@ -104,7 +105,7 @@ def test_two_rewards_that_never_change_differ_in_a_factor(factor: float):
 
 
 @pytest.mark.parametrize(("one", "other", "is_same"), [(0.0, 0.0, True), (0.0, 1.0, False), (1.0, 0.0, False)])
-def test_nothing_is_no_multiple_of_something(one: float, other: float, is_same: bool):
+def test_nothing_is_no_multiple_of_something(one, other, is_same):
     """Two rewards that never pay are one."""
     assert found(np.full(9, one), np.full(9, other)) == (Rescaling(1.0, 0.0, 9, 1) if is_same else None)
 
@@ -117,7 +118,7 @@ def test_a_factor_that_is_another_in_each_recording_is_none():
     assert found(changed, 0.1 * changed, parts=2) == Rescaling(0.1, 0.0, 1_000, 2)
 
 
-def test_what_is_no_mere_ruler_is_told(subtests: pytest.Subtests):
+def test_what_is_no_mere_ruler_is_told(subtests):
     """A factor below 0; an offset where episodes can end."""
     for factor in [-0.21, 0.21]:
         for offset in [0.0, 0.21, -0.21]:
@@ -152,7 +153,7 @@ def test_unknown_steps_do_not_count():
 
 
 @pytest.mark.parametrize("steps", [0, 1])
-def test_a_step_is_no_line(steps: int):
+def test_a_step_is_no_line(steps):
     """Any reward would be one."""
     assert rescaling_of([line_of(PAID[:steps], 2.0 * PAID[:steps])]) is None
     assert rescaling_of([]) is None
@@ -168,7 +169,7 @@ def test_a_step_is_no_line(steps: int):
         (0.1 + 0.2, 0.0, "b is 0.3 x a"),
     ],
 )
-def test_a_sentence_says_what_it_is_and_how_that_was_found(factor: float, offset: float, told: str):
+def test_a_sentence_says_what_it_is_and_how_that_was_found(factor, offset, told):
     """By how many steps, and how much they can tell."""
     few = Rescaling(factor, offset, 12_000, 2).sentence("b", "a")
     assert few.startswith(f"{told}, in all 12,000 steps, for which a paid 2 different numbers")

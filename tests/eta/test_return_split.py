@@ -2,11 +2,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, strategies as st
 
-from harness.eta.number import return_sentence
-from harness.eta.return_split import split_returns
-from harness.eta.scored_sums import BB, BK, KB, KK
-from harness.eta.splits import Names
-from harness.eta.swaps import swaps_of
+from harness.eta import BB, BK, KB, KK, Names, return_sentence, split_returns, swaps_of
 
 AMOUNTS = st.floats(0.01, 100.0)
 RETURNS = st.integers(1, 8).flatmap(

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from harness.eta.curve import GroupCurve, Kind, curve_of
-from harness.eta.scored_sums import BB, BK, KB, KK, Curves, ScoredSums, scored_sums
+from harness.eta import BB, BK, KB, KK, GroupCurve, Kind, curve_of
+from harness.eta.scored_sums import Curves, ScoredSums, scored_sums
 
 PAIRS = (BB, BK, KB, KK)
 KINDS = st.sampled_from(["accumulated", "per-step"])
@@ -33,7 +33,7 @@ def found_of(sizes: tuple[int, int], seed: int, kind: Kind, paired: bool = False
 
 
 @given(SIZES, SEEDS, KINDS)
-def test_sums_are_those_of_the_runs(sizes: tuple[int, int], seed: int, kind: Kind):
+def test_sums_are_those_of_the_runs(sizes, seed, kind):
     """With all, without each, and of each alone: a curve of those runs says the same."""
     found = found_of(sizes, seed, kind)
     for pair, runs in rewards_of(sizes, seed).items():
@@ -74,7 +74,7 @@ def test_seeds_without_pairs_are_left_out_apart():
 
 
 @given(SEEDS)
-def test_geometric_means_are_of_the_sizes(seed: int):
+def test_geometric_means_are_of_the_sizes(seed):
     """Of each training's runs under its own reward, whatever the sign; written out as a root of a product."""
     sums = found_of((3, 4), seed, "accumulated")[2]
     whole, (without_baseline, without_proposed) = sums.geometric()

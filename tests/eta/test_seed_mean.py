@@ -7,14 +7,15 @@ import pytest
 import scipy.stats
 from hypothesis import assume, given, strategies as st
 
+from harness.eta import SeedMean, mean_over_seeds
 from harness.eta.interval import UNSEEN
-from harness.eta.seed_mean import SeedMean, mean_lost_share, mean_over_seeds
+from harness.eta.seed_mean import mean_lost_share
 
 NUMBERS = st.lists(st.floats(-1e3, 1e3).map(lambda value: round(value, 6)), min_size=3, max_size=12)
 
 
 @given(NUMBERS)
-def test_interval_is_students(values: list[float]):
+def test_interval_is_students(values):
     """Scipy's for one sample."""
     assume(np.std(values) > 1e-3)
     found, expected = mean_over_seeds(values), scipy.stats.ttest_1samp(values, 0.0).confidence_interval()
@@ -48,7 +49,7 @@ def test_more_seeds_give_a_narrower_interval():
 
 
 @pytest.mark.parametrize(("values", "told"), [([0.5], "one seed"), ([0.25, 0.75], "2 seeds")])
-def test_fewer_than_three_seeds_have_no_interval(values: list[float], told: str):
+def test_fewer_than_three_seeds_have_no_interval(values, told):
     """And say so."""
     assert mean_over_seeds(values) == SeedMean(0.5, None, None, len(values), (f"{told}: no interval below 3 seeds",))
 
@@ -66,7 +67,7 @@ def test_seeds_that_are_missing_are_told_last():
 
 
 @pytest.mark.parametrize("values", [[1.0, 1.0, 1.0, 0.6], [0.0, 0.0, 0.4]])
-def test_interval_of_a_share_is_one_of_shares(values: list[float]):
+def test_interval_of_a_share_is_one_of_shares(values):
     """None of a success ends above 100 % or below 0; that of any other number may."""
     share, number = mean_over_seeds(values, episodes=5), mean_over_seeds(values)
     assert 0.0 <= share.low < share.mean < share.high <= 1.0

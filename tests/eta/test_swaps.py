@@ -9,15 +9,8 @@ from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
 
 from harness.arrays import Float
-from harness.eta.swaps import (
-    ALL_UP_TO,
-    DRAWN,
-    corrected_p,
-    corrected_where_known,
-    label_shares,
-    p_of,
-    swaps_of,
-)
+from harness.eta import corrected_p, p_of, swaps_of
+from harness.eta.swaps import ALL_UP_TO, DRAWN, corrected_where_known, label_shares
 
 LATTICE = st.integers(-20, 20).map(lambda count: count / 20)
 DIFFERENCES = st.lists(LATTICE | st.floats(-10.0, 10.0).map(lambda value: round(value, 3)), min_size=1, max_size=8)
@@ -62,7 +55,7 @@ def slow_corrected(outcomes: list[list[float]]) -> list[float]:
 
 
 @pytest.mark.parametrize("seeds", [0, 1, 2, 6, ALL_UP_TO])
-def test_all_ways_of_few_seeds(seeds: int):
+def test_all_ways_of_few_seeds(seeds):
     """Each once, but for the sign of all; the first keeps every name."""
     signs = swaps_of(range(seeds)).signs
     assert signs.shape == (2 ** max(0, seeds - 1), seeds)
@@ -88,7 +81,7 @@ def test_seeds_are_swapped_by_their_name():
 
 
 @given(DIFFERENCES)
-def test_comparison_of_some_seeds_is_exact_too(differences: list[float]):
+def test_comparison_of_some_seeds_is_exact_too(differences):
     """The ways of more seeds hold every way of these equally often."""
     count = len(differences)
     outcomes = swaps_of(range(count + 2)).of(range(1, count + 1)) @ np.array(differences)
@@ -99,7 +92,7 @@ def test_comparison_of_some_seeds_is_exact_too(differences: list[float]):
 
 
 @given(DIFFERENCES)
-def test_p_counts_all_ways(differences: list[float]):
+def test_p_counts_all_ways(differences):
     """As a loop over all of them does."""
     assert p_of(outcomes_of(differences)) == slow_p(differences)
 
@@ -111,7 +104,7 @@ def test_p_by_hand():
 
 
 @pytest.mark.parametrize("differences", [[0.0] * 6, [0.1, 0.2, -0.3], [0.7, 0.1, -0.8, 0.0]])
-def test_no_difference_has_a_p_of_one(differences: list[float]):
+def test_no_difference_has_a_p_of_one(differences):
     """Also where a sum of floats is 0 but for its last bit."""
     assert p_of(outcomes_of(differences)) == 1.0
 
@@ -120,14 +113,14 @@ def test_no_difference_has_a_p_of_one(differences: list[float]):
 
 
 @given(CLAIMS)
-def test_corrected_p_is_westfall_and_youngs(claims: Float):
+def test_corrected_p_is_westfall_and_youngs(claims):
     """The procedure as it is taught, in loops."""
     outcomes = [outcomes_of(claim) for claim in claims]
     assert corrected_p(outcomes) == pytest.approx(slow_corrected([claim.tolist() for claim in outcomes]), abs=1e-12)
 
 
 @given(CLAIMS)
-def test_correction_never_helps_a_claim(claims: Float):
+def test_correction_never_helps_a_claim(claims):
     """No corrected p-value is below the plain one, none above 1."""
     outcomes = [outcomes_of(claim) for claim in claims]
     for corrected, claim in zip(corrected_p(outcomes), outcomes, strict=True):
@@ -135,7 +128,7 @@ def test_correction_never_helps_a_claim(claims: Float):
 
 
 @given(DIFFERENCES)
-def test_single_claim_needs_no_correction(differences: list[float]):
+def test_single_claim_needs_no_correction(differences):
     """It is its own family."""
     assert corrected_p([outcomes_of(differences)]) == [p_of(outcomes_of(differences))]
 
@@ -146,7 +139,7 @@ def test_family_without_a_claim():
 
 
 @given(CLAIMS)
-def test_claim_that_says_the_same_twice_costs_nothing(claims: Float):
+def test_claim_that_says_the_same_twice_costs_nothing(claims):
     """In whatever unit, and with whatever sign."""
     outcomes = [outcomes_of(claim) for claim in claims]
     doubled = corrected_p([*outcomes, *(-1000.0 * claim for claim in outcomes)])
@@ -154,7 +147,7 @@ def test_claim_that_says_the_same_twice_costs_nothing(claims: Float):
 
 
 @given(CLAIMS, st.randoms(use_true_random=False))
-def test_order_of_claims_does_not_matter(claims: Float, random: object):
+def test_order_of_claims_does_not_matter(claims, random):
     """Each keeps its own p-value."""
     outcomes = [outcomes_of(claim) for claim in claims]
     order = list(range(len(outcomes)))

@@ -83,7 +83,7 @@ def _npy() -> bytes:
     return file.getvalue()
 
 
-def test_a_file_is_called_by_its_name(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
+def test_a_file_is_called_by_its_name(tmp_path_factory, subtests):
     """Whatever it is called, and with what to do."""
     for name, write in KINDS.items():
         with subtests.test(name=name):
@@ -95,7 +95,7 @@ def test_a_file_is_called_by_its_name(tmp_path_factory: pytest.TempPathFactory, 
             assert kind.rest
 
 
-def test_text_is_no_kind(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
+def test_text_is_no_kind(tmp_path_factory, subtests):
     """A reader of text says itself what is wrong with it."""
     for text in ["reward\n1\n", "\ufeffreward\n", "#{}\nr,l,t\n", "", "version,reward\n", "{}"]:
         with subtests.test(text=text):
@@ -104,13 +104,13 @@ def test_text_is_no_kind(tmp_path_factory: pytest.TempPathFactory, subtests: pyt
             assert kind_at(tmp_path / "it.csv") is None
 
 
-def test_what_is_not_there_is_no_kind(tmp_path: Path):
+def test_what_is_not_there_is_no_kind(tmp_path):
     """Nor is a folder."""
     assert kind_at(tmp_path / "gone") is None
     assert kind_at(tmp_path) is None
 
 
-def test_an_hdf5_file_that_breaks_off_is_one(tmp_path: Path):
+def test_an_hdf5_file_that_breaks_off_is_one(tmp_path):
     """Whatever h5py raises."""
     (tmp_path / "it").write_bytes(b"\x89HDF\r\n\x1a\n" + b"\xff" * 100)
     kind = kind_at(tmp_path / "it")
@@ -118,7 +118,7 @@ def test_an_hdf5_file_that_breaks_off_is_one(tmp_path: Path):
     assert kind.name == "an HDF5 file"
 
 
-def test_every_reader_names_what_it_got(tmp_path: Path):
+def test_every_reader_names_what_it_got(tmp_path):
     """A pointer in the place of a Parquet file, where pyarrow raises: the line says what to type."""
     path = tmp_path / "trace.parquet"
     KINDS["a Git LFS pointer"](path)
@@ -129,7 +129,7 @@ def test_every_reader_names_what_it_got(tmp_path: Path):
         pq.read_table(path)
 
 
-def test_a_reader_of_a_kind_says_what_is_wrong_with_it(tmp_path: Path):
+def test_a_reader_of_a_kind_says_what_is_wrong_with_it(tmp_path):
     """A Parquet file that breaks off is no news as a Parquet file."""
     path = tmp_path / "trace.parquet"
     pq.write_table(pa.table({"a": [1]}), path)

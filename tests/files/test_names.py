@@ -1,25 +1,23 @@
 """Names that stand in a file and become paths."""
 
-import pytest
-
 from harness.files.names import is_inside, is_plain, twins
 
 
-def test_names_of_files_are_plain(subtests: pytest.Subtests):
+def test_names_of_files_are_plain(subtests):
     """Letters of all languages, blanks, dots."""
     for name in ["trace.parquet", "Größe", "a b", "..a", ".hidden", "x" * 255]:
         with subtests.test(name=name):
             assert is_plain(name)
 
 
-def test_what_leads_elsewhere_is_not_plain(subtests: pytest.Subtests):
+def test_what_leads_elsewhere_is_not_plain(subtests):
     """On any system; nor what no system takes for a name."""
     for name in ["", ".", "..", "a/b", "/a", "a\\b", "C:a", "C:\\a", "a\0", "a\n", "\x1b[2J", "\ud800", "é" * 128]:
         with subtests.test(name=name):
             assert not is_plain(name)
 
 
-def test_paths_that_may_leave_the_folder_are_not_inside(subtests: pytest.Subtests):
+def test_paths_that_may_leave_the_folder_are_not_inside(subtests):
     """Each part is a plain name."""
     for path in ["..", "a/..", "../a", "a//b", "/a", "a/", "a/./b", "a/../../b"]:
         with subtests.test(path=path):

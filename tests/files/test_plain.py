@@ -42,7 +42,7 @@ WHOLE = Whole(Part("a", (1.0, 2.5)), (Other("b"), Part("c")), (("d", 1),), Path(
 
 
 @pytest.mark.parametrize("whole", [WHOLE, Whole(Part("a"))])
-def test_what_was_told_comes_back(whole: Whole):
+def test_what_was_told_comes_back(whole):
     """Through JSON too."""
     assert Whole.from_json(whole.to_json()) == whole
     assert Whole.from_json(json.loads(json.dumps(whole.to_json()))) == whole

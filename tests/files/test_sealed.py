@@ -1,7 +1,5 @@
 """JSON files that carry the digest of their own bytes."""
 
-from pathlib import Path
-
 import pytest
 from hypothesis import given, strategies as st
 
@@ -31,13 +29,13 @@ def test_every_flipped_bit_is_found():
             unseal(bytes(flipped))
 
 
-def test_file_of_an_earlier_format_needs_no_digest(tmp_path: Path):
+def test_file_of_an_earlier_format_needs_no_digest(tmp_path):
     """Version 0.1 wrote none."""
     (tmp_path / "plan.json").write_text('{"cells": []}')
     assert read_sealed(tmp_path / "plan.json", "plan", newest=2, since=2) == {"cells": []}
 
 
-def test_format_that_is_flipped_to_an_earlier_one_is_found(tmp_path: Path):
+def test_format_that_is_flipped_to_an_earlier_one_is_found(tmp_path):
     """A sealed file stays one, whatever it says of its format."""
     text = seal({"format": 2, "cells": []}).replace(b'"format": 2', b'"format": 1')
     (tmp_path / "plan.json").write_bytes(text)
@@ -45,14 +43,14 @@ def test_format_that_is_flipped_to_an_earlier_one_is_found(tmp_path: Path):
         read_sealed(tmp_path / "plan.json", "plan", newest=2, since=2)
 
 
-def test_newer_format_is_no_damage(tmp_path: Path):
+def test_newer_format_is_no_damage(tmp_path):
     """It is told apart: nothing may replace it."""
     (tmp_path / "plan.json").write_text('{"format": 3}')
     with pytest.raises(NewerFormat, match=r"plan\.json has format 3, this version reads up to 2"):
         read_sealed(tmp_path / "plan.json", "plan", newest=2, since=2)
 
 
-def test_what_is_no_sealed_object_is_refused(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
+def test_what_is_no_sealed_object_is_refused(tmp_path_factory, subtests):
     """The line names the file."""
     for content in ["[]", "3", "null", '{"format": "2"}', '{"format": 2}', "{"]:
         with subtests.test(content=content):

@@ -9,7 +9,7 @@ import harness.files.whole_file
 from harness.files.whole_file import is_partial, whole_file, whole_files, write_whole
 
 
-def test_file_takes_the_place_of_the_old_one(tmp_path: Path):
+def test_file_takes_the_place_of_the_old_one(tmp_path):
     """Nothing else is left beside it."""
     path = tmp_path / "plan.json"
     path.write_text("old")
@@ -18,7 +18,7 @@ def test_file_takes_the_place_of_the_old_one(tmp_path: Path):
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_interrupted_write_leaves_the_old_file(tmp_path: Path):
+def test_interrupted_write_leaves_the_old_file(tmp_path):
     """Whatever passes, KeyboardInterrupt too; the half-written file is gone."""
     path = tmp_path / "plan.json"
     path.write_text("old")
@@ -34,7 +34,7 @@ def test_interrupted_write_leaves_the_old_file(tmp_path: Path):
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_half_written_file_is_known_by_its_name(tmp_path: Path):
+def test_half_written_file_is_known_by_its_name(tmp_path):
     """A process that is killed leaves one: who looks into the folder passes it over."""
     with whole_file(tmp_path / "plan.json") as partial:
         partial.touch()
@@ -42,9 +42,7 @@ def test_half_written_file_is_known_by_its_name(tmp_path: Path):
     assert not is_partial(tmp_path / "plan.json")
 
 
-def test_bytes_are_on_the_disk_before_the_name_and_the_name_before_it_ends(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
+def test_bytes_are_on_the_disk_before_the_name_and_the_name_before_it_ends(tmp_path, monkeypatch):
     """A machine that stops leaves the old file or the new one."""
     done: list[object] = []
     replace = os.replace
@@ -70,7 +68,7 @@ def write_both(folder: Path, is_lasting: bool = True) -> None:
             partial.write_text("new")
 
 
-def test_several_files_take_their_places(tmp_path: Path, synced: list[str]):
+def test_several_files_take_their_places(tmp_path, synced):
     """All of them are on the disk before the first has its name, and the folder is asked for once."""
     write_both(tmp_path)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a", "b"]
@@ -79,7 +77,7 @@ def test_several_files_take_their_places(tmp_path: Path, synced: list[str]):
     assert synced[2] == tmp_path.name
 
 
-def test_no_file_takes_its_place_before_all_are_written(tmp_path: Path):
+def test_no_file_takes_its_place_before_all_are_written(tmp_path):
     """An exception leaves the old ones, and nothing beside them."""
     (tmp_path / "a").write_text("old")
 
@@ -94,7 +92,7 @@ def test_no_file_takes_its_place_before_all_are_written(tmp_path: Path):
     assert [path.name for path in tmp_path.iterdir()] == ["a"]
 
 
-def test_what_need_not_last_does_not_wait_for_the_disk(tmp_path: Path, synced: list[str]):
+def test_what_need_not_last_does_not_wait_for_the_disk(tmp_path, synced):
     """It is whole nevertheless."""
     write_both(tmp_path, is_lasting=False)
     assert not synced

@@ -66,13 +66,13 @@ def play_for(reader: Reader, fuzz: Fuzz, seconds: float) -> None:
     assert refused > tried / 20
 
 
-def test_every_reader_is_tried(all_readers: dict[str, Reader]):
+def test_every_reader_is_tried(all_readers):
     """The table and the tests name the same."""
     assert sorted(all_readers) == sorted(NAMES)
 
 
 @EACH
-def test_valid_content_is_read(all_readers: dict[str, Reader], name: str, tmp_path):
+def test_valid_content_is_read(all_readers, name, tmp_path):
     """What the inputs are made of is right, or its mistakes would hide others."""
     for file, content in all_readers[name].files.items():
         (tmp_path / file).parent.mkdir(parents=True, exist_ok=True)
@@ -80,7 +80,7 @@ def test_valid_content_is_read(all_readers: dict[str, Reader], name: str, tmp_pa
     all_readers[name].read(tmp_path)
 
 
-def test_a_run_of_minutes_has_other_inputs_each_time(all_readers: dict[str, Reader]):
+def test_a_run_of_minutes_has_other_inputs_each_time(all_readers):
     """And ends when they are over."""
     runs: list[list[int]] = [[], []]
     for seeds in runs:
@@ -89,7 +89,7 @@ def test_a_run_of_minutes_has_other_inputs_each_time(all_readers: dict[str, Read
     assert not set(runs[0]) & set(runs[1])
 
 
-def test_a_run_of_minutes_names_the_seed_that_fails(all_readers: dict[str, Reader]):
+def test_a_run_of_minutes_names_the_seed_that_fails(all_readers):
     """So that it can be tried again."""
 
     def fail(reader: Reader, seed: int) -> bool:
@@ -100,14 +100,14 @@ def test_a_run_of_minutes_names_the_seed_that_fails(all_readers: dict[str, Reade
 
 
 @EACH
-def test_a_reader_refuses_what_it_cannot_read(all_readers: dict[str, Reader], fuzz: Fuzz, name: str):
+def test_a_reader_refuses_what_it_cannot_read(all_readers, fuzz, name):
     """A few inputs of each kind."""
     play(all_readers[name], fuzz, 100)
 
 
 @pytest.mark.slow
 @EACH
-def test_a_reader_refuses_whatever_it_cannot_read(all_readers: dict[str, Reader], fuzz: Fuzz, name: str):
+def test_a_reader_refuses_whatever_it_cannot_read(all_readers, fuzz, name):
     """Very many."""
     if MINUTES in os.environ:
         play_for(all_readers[name], fuzz, 60.0 * float(os.environ[MINUTES]) / len(NAMES))

@@ -88,7 +88,7 @@ def answers(core: Environment, place: Path) -> dict[str, Answer]:
 
 
 @pytest.mark.parametrize("name", COMMANDS)
-def test_command_works_without_any_extra(answers: dict[str, Answer], name: str):
+def test_command_works_without_any_extra(answers, name):
     """It ends with status 0, and nothing is missing."""
     answer = answers[name]
     assert answer.status == 0, answer.out + answer.err
@@ -96,7 +96,7 @@ def test_command_works_without_any_extra(answers: dict[str, Answer], name: str):
 
 
 @pytest.mark.parametrize("name", NEEDS_AN_EXTRA)
-def test_command_says_which_extra_it_needs(core: Environment, answers: dict[str, Answer], place: Path, name: str):
+def test_command_says_which_extra_it_needs(core, answers, place, name):
     """In one line."""
     arguments, told = NEEDS_AN_EXTRA[name]
     status, _, err = core.harness(*arguments, cwd=place)
@@ -104,7 +104,7 @@ def test_command_says_which_extra_it_needs(core: Environment, answers: dict[str,
     assert told in err
 
 
-def test_every_command_is_tried(core: Environment, place: Path):
+def test_every_command_is_tried(core, place):
     """Each that `harness --all` shows; the others are hidden on purpose."""
     told = core.harness("--all", cwd=place).out
     shown = set(re.findall(r"^  ([a-z][a-z-]+)  +[A-Z]", told, re.MULTILINE))
@@ -113,7 +113,7 @@ def test_every_command_is_tried(core: Environment, place: Path):
 
 
 @pytest.mark.parametrize("page", PAGES)
-def test_page_is_whole(answers: dict[str, Answer], place: Path, page: str):
+def test_page_is_whole(answers, place, page):
     """It has its text, and its style and its code are inside."""
     text = (place / page).read_text(encoding="utf-8")
     assert PAGES[page] in text
@@ -121,13 +121,13 @@ def test_page_is_whole(answers: dict[str, Answer], place: Path, page: str):
     assert text.rstrip().endswith("</html>")
 
 
-def test_pages_are_all_that_there_are(answers: dict[str, Answer], place: Path):
+def test_pages_are_all_that_there_are(answers, place):
     """A command that makes another one stands in the list too."""
     made = {path.relative_to(place).as_posix() for path in place.rglob("*.html")}
     assert made == set(PAGES)
 
 
-def test_watch_serves_its_page(core: Environment, answers: dict[str, Answer], place: Path):
+def test_watch_serves_its_page(core, answers, place):
     """Of an arm, while nothing runs; it ends with the interrupt."""
     command = [core.python, "-P", "-m", "harness", "watch", "first", "--no-browser"]
     with subprocess.Popen(command, cwd=place, stderr=subprocess.PIPE, text=True) as process:
@@ -142,7 +142,7 @@ def test_watch_serves_its_page(core: Environment, answers: dict[str, Answer], pl
         assert process.wait(20) in (0, 130)
 
 
-def test_doctor_finds_nothing_missing(answers: dict[str, Answer]):
+def test_doctor_finds_nothing_missing(answers):
     """No file, and what is installed takes a step."""
     told = answers["doctor"].out
     assert "is missing" not in told
@@ -150,7 +150,7 @@ def test_doctor_finds_nothing_missing(answers: dict[str, Answer]):
     assert "gymnasium:id=CartPole-v1" in told
 
 
-def test_json_is_json(core: Environment, answers: dict[str, Answer], place: Path):
+def test_json_is_json(core, answers, place):
     """And nothing else stands on standard output."""
     for folder in ("first", "carts"):
         assert json.loads(core.harness("report", folder, "--json", cwd=place).out)["cells"]

@@ -1,7 +1,7 @@
 """Each extra alone, and all together: what it brings works, in an environment that has nothing else."""
 
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple
@@ -98,9 +98,7 @@ def _cell_in(folder: Path) -> str:
 
 
 @pytest.mark.parametrize("extra", USES)
-def test_extra_brings_all_that_it_needs(
-    with_extras: Callable[[tuple[str, ...]], Environment], tmp_path: Path, extra: str
-):
+def test_extra_brings_all_that_it_needs(with_extras, tmp_path, extra):
     """It is used, and the doctor agrees."""
     env = with_extras((extra,))
     _use(env, USES[extra], tmp_path)
@@ -108,7 +106,7 @@ def test_extra_brings_all_that_it_needs(
     assert status == 0, out
 
 
-def test_all_extras_together(with_extras: Callable[[tuple[str, ...]], Environment], tmp_path: Path):
+def test_all_extras_together(with_extras, tmp_path):
     """They can be installed beside one another, and each still does what it did alone."""
     env = with_extras(("all",))
     for extra, use in USES.items():

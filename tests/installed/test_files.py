@@ -67,7 +67,7 @@ def test_source_archive_will_hold_every_file_of_the_repository():
 
 
 @pytest.mark.slow
-def test_built_wheel_holds_every_file_of_the_packages(wheel: Path):
+def test_built_wheel_holds_every_file_of_the_packages(wheel):
     """It was built from the source archive, so that holds them too."""
     with zipfile.ZipFile(wheel) as archive:
         packed = set(archive.namelist())

@@ -3,7 +3,7 @@
 import re
 import shlex
 import subprocess
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
 
@@ -57,13 +57,13 @@ def test_lines_are_found():
 
 
 @pytest.mark.parametrize("part", NOT_TYPED)
-def test_each_reason_has_its_line(part: str):
+def test_each_reason_has_its_line(part):
     """A reason for a line that no page has any more is deleted."""
     assert [line for line in LINES if part in line and reason_not_to(line)]
 
 
 @pytest.mark.parametrize("line", TYPED)
-def test_no_page_takes_the_harness_from_an_index(line: str):
+def test_no_page_takes_the_harness_from_an_index(line):
     """No index has it. An extra can be named, since that is asked of an installed harness alone."""
     assert not re.search(r"fd100-harness(?!\[)", line), LINES[line]
 
@@ -82,11 +82,11 @@ def checkout(core: Environment, tmp_path_factory: pytest.TempPathFactory) -> Pat
 @pytest.mark.slow
 @pytest.mark.parametrize("line", TYPED)
 def test_line_can_be_typed(
-    core: Environment,
-    with_extras: Callable[[tuple[str, ...]], Environment],
-    checkout: Path,
-    tmp_path: Path,
-    line: str,
+    core,
+    with_extras,
+    checkout,
+    tmp_path,
+    line,
 ):
     """In a new environment; for the checkout itself, in an empty one. The harness works afterwards."""
     arguments = shlex.split(line)[2:]

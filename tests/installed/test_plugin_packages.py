@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from harness_plugins.kit.new_plugin import kinds
-from tests.installed.conftest import Environment, make_environment
+from tests.installed.conftest import make_environment
 
 EXAMPLES = {
     path.parent.name: path.parent for path in sorted(Path(__file__).parents[2].glob("examples/*/pyproject.toml"))
@@ -47,7 +47,7 @@ def install(python: Path, folder: str | Path, *options: str, cwd: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", kinds())
-def test_new_plugin_passes_its_tests(python: Path, tmp_path: Path, kind: str):
+def test_new_plugin_passes_its_tests(python, tmp_path, kind):
     """From an empty folder by three commands, as they are typed."""
     name = f"zz-{kind}"
     made = run(python, "-m", "harness", "new-plugin", kind, name, cwd=tmp_path)
@@ -61,7 +61,7 @@ def test_new_plugin_passes_its_tests(python: Path, tmp_path: Path, kind: str):
 
 
 @pytest.mark.slow
-def test_workflow_of_a_new_plugin_needs_no_index_for_the_harness(core: Environment, wheel: Path, tmp_path: Path):
+def test_workflow_of_a_new_plugin_needs_no_index_for_the_harness(core, wheel, tmp_path):
     """Its lines, typed in an empty environment; `wheels` holds what README says to put there."""
     assert core.harness("new-plugin", "reward", "zz-kept", cwd=tmp_path).status == 0
     package = tmp_path / "zz-kept"
@@ -79,7 +79,7 @@ def test_workflow_of_a_new_plugin_needs_no_index_for_the_harness(core: Environme
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", EXAMPLES)
-def test_example_passes_its_tests(python: Path, tmp_path: Path, name: str):
+def test_example_passes_its_tests(python, tmp_path, name):
     """Those whose library is installed; the others say what to install."""
     install(python, EXAMPLES[name], "--no-deps", cwd=tmp_path)
     tested = run(python, "-m", "pytest", "-p", "no:cacheprovider", "-rs", EXAMPLES[name], cwd=tmp_path)
@@ -89,7 +89,7 @@ def test_example_passes_its_tests(python: Path, tmp_path: Path, name: str):
 
 
 @pytest.mark.parametrize("name", EXAMPLES)
-def test_example_is_complete(name: str):
+def test_example_is_complete(name):
     """It has a README, tests, an entry point, and the class or folder that its hook announces."""
     folder = EXAMPLES[name]
     project = tomllib.loads((folder / "pyproject.toml").read_text())["project"]
@@ -105,7 +105,7 @@ def test_example_is_complete(name: str):
     assert f"class {attribute}:" in code or f"\n{attribute} = " in code
 
 
-def test_example_reward_keeps_its_contract(monkeypatch: pytest.MonkeyPatch):
+def test_example_reward_keeps_its_contract(monkeypatch):
     """The one that remembers, without being installed."""
     monkeypatch.syspath_prepend(EXAMPLES["memory-reward"])
     from memory_reward.reward import Steady

@@ -56,20 +56,20 @@ def unpacked(repository: Path, files: set[str], tmp_path_factory: pytest.TempPat
     return folder
 
 
-def test_the_archive_holds_the_repository(unpacked: Path, files: set[str]):
+def test_the_archive_holds_the_repository(unpacked, files):
     """Tests with what they share, pages, Makefile and locks: the tests can be run from it."""
     packed = {path.relative_to(unpacked).as_posix() for path in unpacked.rglob("*") if path.is_file()}
     assert {"Makefile", "tests/conftest.py", "docs/index.md", "requirements/dev.txt"} <= packed
     assert sorted(files - packed) == []
 
 
-def test_the_archive_holds_nothing_else(unpacked: Path, files: set[str]):
+def test_the_archive_holds_nothing_else(unpacked, files):
     """Nothing of the machine where it was built."""
     packed = {path.relative_to(unpacked).as_posix() for path in unpacked.rglob("*") if path.is_file()}
     assert sorted(name for name in packed - files if not name.startswith(MADE)) == []
 
 
-def test_a_wheel_is_built_from_the_archive(unpacked: Path, repository: Path, tmp_path_factory: pytest.TempPathFactory):
+def test_a_wheel_is_built_from_the_archive(unpacked, repository, tmp_path_factory):
     """The same as from the repository, byte for byte in every file."""
 
     def contents(source: Path) -> dict[str, int]:

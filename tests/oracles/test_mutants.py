@@ -139,7 +139,7 @@ def _found(name: str, folder: Path) -> Iterator[bool]:
 
 
 @pytest.mark.parametrize(("mutant", "name"), [*MUTANTS, SLOW], ids=lambda given: getattr(given, "__name__", given))
-def test_a_broken_reader_is_found(mutant: Break, name: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+def test_a_broken_reader_is_found(mutant, name, monkeypatch, tmp_path):
     """Within a few inputs."""
     mutant(monkeypatch)
     assert any(_found(name, tmp_path))

@@ -53,14 +53,14 @@ def faults_of(name: str, seeds: list[int], folder: Path) -> list[str]:
 
 
 @EACH
-def test_an_answer_is_right_or_refused(name: str, tmp_path: Path):
+def test_an_answer_is_right_or_refused(name, tmp_path):
     """A few inputs of each kind."""
     assert faults_of(name, list(range(QUICK)), tmp_path) == []
 
 
 @pytest.mark.slow
 @EACH
-def test_every_answer_is_right_or_refused(name: str, tmp_path: Path):
+def test_every_answer_is_right_or_refused(name, tmp_path):
     """Very many."""
     count = -(-int(os.environ.get(INPUTS, ALL)) // len(ORACLES))
     seeds = [SystemRandom().randrange(2**32) for _ in range(count)] if INPUTS in os.environ else list(range(count))

@@ -10,7 +10,7 @@ import pytest
 
 from harness.eta.behaviour_change import Change, Quantity, change_of
 from harness.eta.curve import curve_of
-from harness.eta.decompose import decompose
+from harness.eta.decomposition import decompose
 from harness.eta.headline import Answer
 from harness.eta.index import Ratio
 from harness.eta.scored_sums import BB, BK, KB, KK

@@ -120,7 +120,7 @@ def _helper(x):
     return x
 
 
-def test_a_function_of_steps_has_an_argument_of_that_name(subtests: pytest.Subtests):
+def test_a_function_of_steps_has_an_argument_of_that_name(subtests):
     """Any other function is the file's own."""
     rows = [
         (gentle, True),

@@ -1,7 +1,6 @@
 """What an author gives for a reward of an environment, and the one way in which it is called."""
 
 import functools
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -36,7 +35,7 @@ def test_four_arguments_are_those_of_the_step():
     "given",
     [lambda step: step.action, functools.partial(lambda step, by: step.action, by=2), Called(), lambda step, by=2: 3.0],
 )
-def test_what_takes_a_step_is_given_it(given: Callable[..., Any]):
+def test_what_takes_a_step_is_given_it(given):
     """A function, a partial one, an object, one with a default."""
     assert of_step(given)(STEP) == 3.0
 
@@ -47,7 +46,7 @@ def test_function_of_any_number_of_arguments_is_given_four():
 
 
 @pytest.mark.parametrize("read", [lambda step: step.distance, lambda step: step.before.distance])
-def test_a_field_that_is_not_there_is_refused_by_name(read: Callable[[Any], Any]):
+def test_a_field_that_is_not_there_is_refused_by_name(read):
     """With what there is; the one before too."""
     with pytest.raises(MissingField, match=r"has no 'distance'\. It has: observation, action, info"):
         read(STEP)
@@ -72,7 +71,7 @@ def test_missing_key_is_told_with_what_there_is():
     assert str(error.value) == "info has no 'x_positon'; it has 'x_position', 'y'. Did you mean 'x_position'?"
 
 
-def test_zeros_have_the_form_of_the_action(subtests: pytest.Subtests):
+def test_zeros_have_the_form_of_the_action(subtests):
     """Of arrays, choices, and of both in dicts and tuples."""
     for action in [np.ones(3, np.float32), 2, 1.5, np.int64(4), {"a": np.ones(2), "b": 1}, (1, np.ones(1))]:
         with subtests.test(action=action):
@@ -98,7 +97,7 @@ REFUSED = {
 }
 
 
-def test_what_cannot_be_asked_is_refused(subtests: pytest.Subtests):
+def test_what_cannot_be_asked_is_refused(subtests):
     """By its name."""
     for case, (given, told) in REFUSED.items():
         with subtests.test(case), pytest.raises(UsageError, match=rf"^reward 'v1'.*{told}"):

@@ -22,7 +22,7 @@ def test_a_step_of_an_arm_has_what_the_table_says():
     ("field", "nearest"),
     [("joint_speed", "qvel"), ("distanse", "distance"), ("actions", "action"), ("ee_pos", "end_effector")],
 )
-def test_a_field_that_is_not_there_is_refused_with_the_nearest(field: str, nearest: str):
+def test_a_field_that_is_not_there_is_refused_with_the_nearest(field, nearest):
     """Never None: also what others call it is known."""
     with pytest.raises(MissingField, match=rf"has no '{field}'\. It has: begin_distance, .*Did you mean '{nearest}'\?"):
         getattr(made_up(6, 6), field)

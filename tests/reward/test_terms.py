@@ -2,7 +2,6 @@
 
 from functools import reduce
 from operator import add
-from typing import Any
 
 import numpy as np
 import pytest
@@ -31,7 +30,7 @@ def test_terms_are_given_in_four_ways(returned):
 
 
 @given(st.lists(st.floats(-1e9, 1e9), min_size=1, max_size=8))
-def test_the_pay_is_the_sum_in_the_order_of_the_terms(values: list[float]):
+def test_the_pay_is_the_sum_in_the_order_of_the_terms(values):
     """To the last bit."""
     paid = paid_of({f"t{number}": np.array([value]) for number, value in enumerate(values)})
     assert paid.total[0] == reduce(add, values)
@@ -57,7 +56,7 @@ def test_masks_are_added_as_numbers():
 
 
 @pytest.mark.parametrize("kind", [float, np.float32, lambda value: np.full(2, value, np.float32)])
-def test_a_total_of_terms_that_cancel_out_may_be_added_in_another_order(kind: Any):
+def test_a_total_of_terms_that_cancel_out_may_be_added_in_another_order(kind):
     """In single precision the error is that of the largest term."""
     near, far, back = np.float32(0.1), np.float32(1000.0), np.float32(-1000.0)
     terms = {"near": kind(near), "far": kind(far), "back": kind(back)}
@@ -72,7 +71,7 @@ def test_a_single_term_called_total_is_a_term():
     assert list(paid_of({"total": ONE}).terms) == ["total"]
 
 
-def test_what_are_no_terms_is_refused(subtests: pytest.Subtests):
+def test_what_are_no_terms_is_refused(subtests):
     """With what to return instead."""
     rows = [
         ((ONE, {"a": ONE, "b": TWO}), r"The total 1 is not the sum of its terms, 1\.5 \(a 1, b 0\.5\)"),

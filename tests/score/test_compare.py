@@ -164,7 +164,7 @@ def jackknifed(paid, above, below, position, accumulated):
 
 
 @pytest.mark.parametrize("kind", ["accumulated", "per-step"])
-def test_every_figure_equals_plain_python(groups: Path, kind: str):
+def test_every_figure_equals_plain_python(groups, kind):
     """Indices, etas, rulers, behaviours and their intervals, from files of both programs and of different length."""
     data = compare(groups / "base", groups / "k2", kind=kind).to_json()
     accumulated = kind == "accumulated"
@@ -213,7 +213,7 @@ def test_every_figure_equals_plain_python(groups: Path, kind: str):
     json.dumps(data, allow_nan=False)
 
 
-def test_ruler_times_behaviour_is_eta_on_both_paths(groups: Path):
+def test_ruler_times_behaviour_is_eta_on_both_paths(groups):
     """Nothing of an eta is lost between its parts."""
     data = compare(groups / "base", groups / "k2").to_json()
     for split in (data["eta_N"], data["eta_P"]):
@@ -222,7 +222,7 @@ def test_ruler_times_behaviour_is_eta_on_both_paths(groups: Path):
             assert product == pytest.approx(split["eta"]["value"], rel=1e-12)
 
 
-def test_the_same_runs_paid_three_times_as_much_behave_the_same(tmp_path: Path):
+def test_the_same_runs_paid_three_times_as_much_behave_the_same(tmp_path):
     """All of both etas is ruler, 3; all of the behaviour is 1."""
     for seed in range(5):
         write_run(tmp_path / "base" / f"{seed}.csv", arp(1.0), seed, 80)
@@ -234,7 +234,7 @@ def test_the_same_runs_paid_three_times_as_much_behave_the_same(tmp_path: Path):
         assert values == pytest.approx([3.0, 3.0, 1.0, 1.0], rel=1e-5)
 
 
-def test_a_group_against_itself_is_one(groups: Path):
+def test_a_group_against_itself_is_one(groups):
     """Value and both ends of the interval: the same files are paired."""
     data = compare(groups / "base", groups / "base").to_json()
     for name in ("eta_N", "eta_P"):
@@ -242,7 +242,7 @@ def test_a_group_against_itself_is_one(groups: Path):
 
 
 @pytest.mark.parametrize("held", [5, 35, 300])
-def test_pieces_of_any_size_give_the_same(groups: Path, monkeypatch: pytest.MonkeyPatch, held: int):
+def test_pieces_of_any_size_give_the_same(groups, monkeypatch, held):
     """How many rows are held at once changes nothing but the last digit."""
     whole = compare(groups / "base", groups / "k2").to_json()
     monkeypatch.setattr(harness.score.compare, "HELD", held)
@@ -257,7 +257,7 @@ def test_pieces_of_any_size_give_the_same(groups: Path, monkeypatch: pytest.Monk
 # Edges
 
 
-def test_a_curve_that_is_never_negative_has_no_eta_n(tmp_path: Path):
+def test_a_curve_that_is_never_negative_has_no_eta_n(tmp_path):
     """The reason stands in the note, and eta_P is there."""
     data = compare(write_rewards(tmp_path / "b", [1, 2, 3]), write_rewards(tmp_path / "k", [-1, 5, 5])).to_json()
     assert data["baseline"] == {
@@ -273,7 +273,7 @@ def test_a_curve_that_is_never_negative_has_no_eta_n(tmp_path: Path):
     assert data["eta_P"]["eta"]["value"] == pytest.approx((4 + 9) / (1 + 3 + 6))
 
 
-def test_a_curve_that_never_crosses_has_no_crossover(tmp_path: Path):
+def test_a_curve_that_never_crosses_has_no_crossover(tmp_path):
     """It is negative to the end: there is no eta_P."""
     data = compare(write_rewards(tmp_path / "b", [0, -1, -1]), write_rewards(tmp_path / "k", [0, -1, 2])).to_json()
     assert data["baseline"] == {
@@ -289,7 +289,7 @@ def test_a_curve_that_never_crosses_has_no_crossover(tmp_path: Path):
     assert "never positive" in data["eta_P"]["eta"]["note"]
 
 
-def test_zeros_have_neither_eta(tmp_path: Path):
+def test_zeros_have_neither_eta(tmp_path):
     """Two notes, and JSON without a number that is not finite."""
     zeros = write_rewards(tmp_path / "b", [0, 0], [0, 0])
     data = compare(zeros, zeros).to_json()
@@ -305,7 +305,7 @@ def test_zeros_have_neither_eta(tmp_path: Path):
     json.dumps(data, allow_nan=False)
 
 
-def test_one_run_has_etas_and_no_interval(tmp_path: Path):
+def test_one_run_has_etas_and_no_interval(tmp_path):
     """One row is a run, too."""
     data = compare(write_rewards(tmp_path / "b", [-2]), write_rewards(tmp_path / "k", [-1])).to_json()
     assert data["eta_N"]["eta"]["value"] == 0.5
@@ -313,7 +313,7 @@ def test_one_run_has_etas_and_no_interval(tmp_path: Path):
     assert "one seed: no interval below 3 seeds" in data["eta_N"]["eta"]["note"]
 
 
-def test_runs_are_cut_to_the_shortest_of_both_groups(tmp_path: Path):
+def test_runs_are_cut_to_the_shortest_of_both_groups(tmp_path):
     """The mean is over all runs at every step; how many rows were left out is said, and which run is the shortest."""
     base = write_rewards(tmp_path / "b", [-1, -1, 7, 7], [-3, 1])
     data = compare(base, write_rewards(tmp_path / "k", [1, 2, 3])).to_json()
@@ -323,7 +323,7 @@ def test_runs_are_cut_to_the_shortest_of_both_groups(tmp_path: Path):
     assert data["notes"] == [f"All runs are cut to the 2 steps of the shortest, '{base}/1.csv'; the longest has 4"]
 
 
-def test_a_run_that_broke_off_is_named(tmp_path: Path):
+def test_a_run_that_broke_off_is_named(tmp_path):
     """One of three is cut after one step: the others lose nearly all, and the reader learns by which file."""
     base = write_rewards(tmp_path / "b", range(10), [5, *range(1, 10)], [1])
     (note,) = compare(base, write_rewards(tmp_path / "k", range(1, 11))).notes
@@ -335,7 +335,7 @@ def varied(seed: int, rows: int = 40) -> list[float]:
     return np.random.default_rng(seed).normal(-1.0, 1.0, rows).tolist()
 
 
-def test_a_copy_counts_once(tmp_path: Path):
+def test_a_copy_counts_once(tmp_path):
     """Each of three runs stored again under another name, longer or not: the same answer, and told."""
     runs = [varied(seed) for seed in range(3)]
     proposed = write_rewards(tmp_path / "k", *map(varied, range(10, 13)))
@@ -347,14 +347,14 @@ def test_a_copy_counts_once(tmp_path: Path):
     assert distinct["notes"] == []
 
 
-def test_equal_runs_of_few_rewards_may_be_chance(tmp_path: Path):
+def test_equal_runs_of_few_rewards_may_be_chance(tmp_path):
     """-1 a step and 0 at an episode's start: three trainings that never succeed count as three, and are told."""
     data = compare(write_rewards(tmp_path / "b", *[[0, -1, -1]] * 3), write_rewards(tmp_path / "k", [0, -2, -1]))
     assert data.runs["baseline"] == 3
     assert data.notes[0].endswith("record the same rewards; each counts")
 
 
-def test_equal_runs_in_both_groups_are_told(tmp_path: Path):
+def test_equal_runs_in_both_groups_are_told(tmp_path):
     """A file that was copied into the other group under another name."""
     b, k = write_rewards(tmp_path / "b", varied(0), varied(1)), write_rewards(tmp_path / "k", varied(1), varied(2))
     assert compare(b, k).notes == (
@@ -362,7 +362,7 @@ def test_equal_runs_in_both_groups_are_told(tmp_path: Path):
     )
 
 
-def test_other_units_are_told(tmp_path: Path):
+def test_other_units_are_told(tmp_path):
     """Millimetres beside metres: the reward is 1,000 times as large, and nothing else."""
     for seed in range(3):
         write_run(tmp_path / "m" / f"{seed}.csv", arp(1.0), seed, 60)
@@ -376,7 +376,7 @@ def test_other_units_are_told(tmp_path: Path):
     assert compare(tmp_path / "m", tmp_path / "m").notes == ()
 
 
-def test_a_fault_behind_the_shortest_run_is_told(tmp_path: Path):
+def test_a_fault_behind_the_shortest_run_is_told(tmp_path):
     """A file with a fault is not half right."""
     folder = write_rewards(tmp_path / "b", [-1, -1], [-1, -1, -1, "oops"])
     with pytest.raises(UsageError, match=r"1\.csv, line 5, column 'reward': 'oops' is no finite number"):
@@ -386,7 +386,7 @@ def test_a_fault_behind_the_shortest_run_is_told(tmp_path: Path):
 # Which rewards
 
 
-def test_without_distances_the_etas_are_not_split(tmp_path: Path, groups: Path):
+def test_without_distances_the_etas_are_not_split(tmp_path, groups):
     """One bare file is enough; the etas stay, and the parts say which file it is."""
     bare = write_rewards(tmp_path / "bare", [0, -1, 3])
     data = compare(bare, groups / "k2").to_json()
@@ -398,7 +398,7 @@ def test_without_distances_the_etas_are_not_split(tmp_path: Path, groups: Path):
     assert data["rewards"] == {"baseline": None, "proposed": K2}
 
 
-def test_runs_of_one_group_under_two_rewards_are_not_split(groups: Path):
+def test_runs_of_one_group_under_two_rewards_are_not_split(groups):
     """The reason names the first file that the others' reward did not pay."""
     write_run(groups / "base" / "9.csv", arp(1.5), 9, 80)
     data = compare(groups / "base", groups / "k2").to_json()
@@ -408,7 +408,7 @@ def test_runs_of_one_group_under_two_rewards_are_not_split(groups: Path):
     )
 
 
-def test_a_given_reward_is_used_and_checked(groups: Path):
+def test_a_given_reward_is_used_and_checked(groups):
     """A name that paid the runs is taken as it stands; any other is refused with the row that shows it."""
     given = compare(groups / "base", groups / "k2", proposed_reward="arp", baseline_reward="arp:k2=1")
     assert given.rewards == {"baseline": "arp:k2=1", "proposed": "arp"}
@@ -453,7 +453,7 @@ def write_trace(
     )
 
 
-def test_traces_and_csv_files_mix(tmp_path: Path, groups: Path, make_cell):
+def test_traces_and_csv_files_mix(tmp_path, groups, make_cell):
     """A group may hold both: the trace declares what the files of its group show."""
     write_trace(groups / "traces", arp(1.5), 3, "arp", make_cell)
     recordings = match_steps([f"{groups}/traces/*.parquet", f"{groups}/k2/*.csv"])
@@ -463,7 +463,7 @@ def test_traces_and_csv_files_mix(tmp_path: Path, groups: Path, make_cell):
     assert data["eta_N"]["ruler"]["value"] is not None
 
 
-def test_event_terms_are_added_on_demand(tmp_path: Path, make_cell):
+def test_event_terms_are_added_on_demand(tmp_path, make_cell):
     """Under either ruler the events are paid as they were; files without them are refused by name."""
     for seed in range(2):
         write_trace(tmp_path / f"b{seed}", arp(1.0), seed, "baseline", make_cell, target=10.0)
@@ -485,7 +485,7 @@ def test_event_terms_are_added_on_demand(tmp_path: Path, make_cell):
         compare(patterns[0], tmp_path / "bare.csv", with_events=True)
 
 
-def test_runs_of_known_seeds_are_paired(tmp_path: Path, make_cell):
+def test_runs_of_known_seeds_are_paired(tmp_path, make_cell):
     """Whatever the folders are called, equal seeds meet: a change that is the same in all pairs has no spread."""
     for seed in range(5):
         write_trace(tmp_path / f"b{seed}", arp(1.0), seed, "baseline", make_cell)
@@ -499,7 +499,7 @@ def test_runs_of_known_seeds_are_paired(tmp_path: Path, make_cell):
     assert eta["high"] > 2.1
 
 
-def test_a_reward_that_is_not_finite_on_the_others_runs_is_told(tmp_path: Path, write_plugin):
+def test_a_reward_that_is_not_finite_on_the_others_runs_is_told(tmp_path, write_plugin):
     """The etas stay; the parts say why they are missing."""
     source = """
 import harness
@@ -529,7 +529,7 @@ def register_rewards(register):
     assert data["eta_N"]["ruler"]["note"] == "one group's reward is not finite on the other group's runs"
 
 
-def test_both_etas_are_corrected_together(groups: Path):
+def test_both_etas_are_corrected_together(groups):
     """Two claims of one comparison: no corrected p is below its own, and the table shows the corrected ones."""
     found = compare_logs(
         match_steps([str(groups / "base" / "*.csv")]),

@@ -46,17 +46,17 @@ def _arp(registry: Registry) -> InstalledReward:
     return InstalledReward(choose(registry, "rewards", "arp"), registry)
 
 
-def test_runs_are_paid(run: Log, arp: InstalledReward, registry: Registry):
+def test_runs_are_paid(run, arp, registry):
     """As the reward pays them."""
     np.testing.assert_array_equal(arp.pay(run, arp.choice).total, _paid(run, arp.choice, registry)["reward"])
 
 
-def test_reward_pays_what_it_paid(run: Log, arp: InstalledReward, registry: Registry):
+def test_reward_pays_what_it_paid(run, arp, registry):
     """It has not changed since."""
     assert arp.pays_recorded(_paid(run, arp.choice, registry))
 
 
-def test_reward_that_has_changed_says_so(run: Log, arp: InstalledReward):
+def test_reward_that_has_changed_says_so(run, arp):
     """It does not pay what is recorded."""
     pays = arp.pays_recorded(run)
     assert not pays
@@ -64,19 +64,19 @@ def test_reward_that_has_changed_says_so(run: Log, arp: InstalledReward):
         arp.require_unchanged(pays)
 
 
-def test_reward_that_is_gone_says_so(run: Log, registry: Registry):
+def test_reward_that_is_gone_says_so(run, registry):
     """With the message of the registry."""
     with pytest.raises(Unscored, match=r"^No reward 'gone'"):
         InstalledReward(GONE, registry).pay(run, GONE)
 
 
-def test_reward_that_is_gone_has_no_fingerprint(registry: Registry):
+def test_reward_that_is_gone_has_no_fingerprint(registry):
     """Nothing that was kept of runs by another reward can be looked for."""
     with pytest.raises(Unscored, match=r"^No reward 'gone'"):
         InstalledReward(GONE, registry).fingerprint(Choice("arp", (), "arp"))
 
 
-def test_reward_that_is_gone_pays_its_own_run_from_columns(run: Log, registry: Registry):
+def test_reward_that_is_gone_pays_its_own_run_from_columns(run, registry):
     """What its terms paid is recorded, and other weights are a factor."""
     terms = {"reward/near": np.array([0.0, 1.0, 2.0, 3.0]), "reward/calm": np.full(4, 0.5)}
     own = trace_of({**run.rows().columns, **terms})
@@ -86,14 +86,14 @@ def test_reward_that_is_gone_pays_its_own_run_from_columns(run: Log, registry: R
     np.testing.assert_array_equal(paid.total, [0.5, 2.5, 4.5, 6.5])
 
 
-def test_reward_that_is_gone_does_not_pay_the_run_of_another(run: Log, registry: Registry):
+def test_reward_that_is_gone_does_not_pay_the_run_of_another(run, registry):
     """Their columns are of other terms."""
     own = trace_of({**run.rows().columns, "reward/near": np.ones(4)})
     with pytest.raises(Unscored, match=r"^No reward 'gone'"):
         InstalledReward(GONE, registry).pay(own, Choice("other", (), "other"))
 
 
-def test_parameters_are_in_the_fingerprint(registry: Registry):
+def test_parameters_are_in_the_fingerprint(registry):
     """`arp:k2=2` pays otherwise than `arp`."""
     rewards = [InstalledReward(choose(registry, "rewards", text), registry) for text in ("arp", "arp:k2=2")]
     assert len({it.fingerprint(GONE) for it in rewards}) == 2

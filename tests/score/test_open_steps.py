@@ -65,7 +65,7 @@ def rows_of(path: Path) -> Rows:
 
 
 @pytest.mark.parametrize("rows", [BASE, K2], ids=["base line", "K2"])
-def test_both_programs_files_say_the_same(write: Write, rows: tuple[str, ...]):
+def test_both_programs_files_say_the_same(write, rows):
     """The same steps, written by either program, have the same starts, best distances before the step and Dd."""
     path = write(HEADER, *rows)
     read = open_steps(path)
@@ -79,7 +79,7 @@ def test_both_programs_files_say_the_same(write: Write, rows: tuple[str, ...]):
     assert not {*EVENTS} & {*read.columns}
 
 
-def test_files_of_both_programs_joined_are_read(write: Write):
+def test_files_of_both_programs_joined_are_read(write):
     """What is filled in decides row by row, so that no file has to be of one program."""
     rows = rows_of(write(HEADER, *BASE, *K2, *BASE))
     np.testing.assert_array_equal(rows["start"], 3 * START)
@@ -88,7 +88,7 @@ def test_files_of_both_programs_joined_are_read(write: Write):
 
 
 @pytest.mark.parametrize("rows", [1, 2, 3, 6, 7, 100])
-def test_pieces_of_any_size_hold_the_same_rows(write: Write, rows: int):
+def test_pieces_of_any_size_hold_the_same_rows(write, rows):
     """Pieces are as long as asked for, the last one apart, and together say what one says."""
     path = write(HEADER, *BASE, *K2)
     whole, pieces = rows_of(path), list(open_steps(path).pieces((PAY, *STEPS), rows))
@@ -98,7 +98,7 @@ def test_pieces_of_any_size_hold_the_same_rows(write: Write, rows: int):
         np.testing.assert_array_equal(np.concatenate([piece[name] for piece in pieces]), whole[name])
 
 
-def test_numbers_are_read_as_c_sharp_prints_them(write: Write):
+def test_numbers_are_read_as_c_sharp_prints_them(write):
     """Exponents, signs and blanks around a number; every digit counts."""
     values = ["1.192093E-07", "-1.384625E-05", "+2", " 3 ", "4e2", "-0", ".5", "0.1234567890123456"]
     rows = rows_of(write("a,reward", *(f",{value}" for value in values)))
@@ -106,14 +106,14 @@ def test_numbers_are_read_as_c_sharp_prints_them(write: Write):
 
 
 @pytest.mark.parametrize("header", ["Reward", " reward ", "REWARD", '"reward"', "\ufeffreward"])
-def test_column_names_are_trimmed_and_in_any_case(write: Write, header: str):
+def test_column_names_are_trimmed_and_in_any_case(write, header):
     """A file with nothing but rewards is a log; it has no other column."""
     rows = rows_of(write(header, "1.5", "", "-2", end="\n"))
     np.testing.assert_array_equal(rows[PAY], [1.5, -2.0])
     assert {*rows.columns} == {PAY}
 
 
-def test_a_last_line_without_its_end_is_read(write: Write):
+def test_a_last_line_without_its_end_is_read(write):
     """And told, for its number may have lost digits. So are the lines of Windows and of Unix."""
     path = write("reward", "1", end="\n")
     path.write_text(path.read_text() + "2")
@@ -123,7 +123,7 @@ def test_a_last_line_without_its_end_is_read(write: Write):
     assert open_steps(write("reward", "1")).facts.notes == ()
 
 
-def test_distances_that_do_not_suffice_are_not_read(write: Write):
+def test_distances_that_do_not_suffice_are_not_read(write):
     """Without a best distance nothing can be scored again: such columns may hold anything."""
     log = open_steps(write("t,distance,beginDistance,reward", "noon,far,,1"))
     assert log.columns == (PAY,)
@@ -131,7 +131,7 @@ def test_distances_that_do_not_suffice_are_not_read(write: Write):
     np.testing.assert_array_equal(log[PAY], [1.0])
 
 
-def test_episodes_are_counted_in_each_env(write: Write):
+def test_episodes_are_counted_in_each_env(write):
     """From 0, by their start rows; where the first is missing the rows before the next one are the first episode."""
     rows = ["0,0,1,1,1,0", "1,1,1,1,0.5,0.5", "0,1,1,1,0.5,0.5", "1,0,1,1,1,0", "0,0,1,1,1,0", "1,1,1,1,0.5,0.5"]
     read = rows_of(write("env,t,beginDistance,prevBest,distance,reward", *rows))
@@ -139,7 +139,7 @@ def test_episodes_are_counted_in_each_env(write: Write):
 
 
 @pytest.mark.parametrize(("cells", "known"), [(("0", "1"), True), (("False", "True"), False), (("", ""), False)])
-def test_ends_of_episodes_are_read_where_they_are_told_in_numbers(write: Write, cells: tuple[str, str], known: bool):
+def test_ends_of_episodes_are_read_where_they_are_told_in_numbers(write, cells, known):
     """Other words are left unread, and keep nobody from reading the file."""
     header = "t,beginDistance,prevBest,distance,reward,terminated,truncated"
     log = open_steps(write(header, f"0,1,1,1,0,{cells[0]},{cells[0]}", f"1,1,1,0.5,0.5,{cells[0]},{cells[1]}"))
@@ -149,7 +149,7 @@ def test_ends_of_episodes_are_read_where_they_are_told_in_numbers(write: Write, 
         assert log["truncated"].dtype == bool
 
 
-def test_a_touched_target_is_read_of_a_file(write: Write):
+def test_a_touched_target_is_read_of_a_file(write):
     """The next target may be as far away as the last one was: the distance before the step is the new one's."""
     header = "t,beginDistance,prevBest,distance,reward,reached,terminated,truncated"
     rows = ["0,1,1,1,0,0,0,0", "1,1,1,0.1,0.9,1,0,0", "2,1,1,0.8,0.2,0,0,0"]
@@ -173,13 +173,13 @@ def test_a_touched_target_is_read_of_a_file(write: Write):
     ],
     ids=["steps", "a row", "episodes", "Monitor", "rows are missing", "not a number", "our own table of cells"],
 )
-def test_the_format_recognises_tables_of_steps(write: Write, rows: list[str], is_ours: bool):
+def test_the_format_recognises_tables_of_steps(write, rows, is_ours):
     """And leaves tables of episodes to others; what is missing is told where the rows are read."""
     path = write(*rows)
     assert StepsCsv().recognises(path, path.read_bytes()) is is_ours
 
 
-def test_either_column_gives_the_best_distance(write: Write):
+def test_either_column_gives_the_best_distance(write):
     """Of delta_distance and prevBest one is enough; without t the starts are told by their rows."""
     best = rows_of(write("beginDistance,prevBest,distance,reward", "1,1,1,0", "1,1,0.5,0.5", "1,0.5,0.75,-0.25"))
     delta = rows_of(write("beginDistance,delta_distance,distance,reward", "1,0,1,0", "1,-0.5,0.5,0.5", "1,0.25,0.75,1"))
@@ -189,14 +189,14 @@ def test_either_column_gives_the_best_distance(write: Write):
         np.testing.assert_array_equal(rows["start"], [True, False, False])
 
 
-def test_steps_are_counted_from_the_last_start(write: Write):
+def test_steps_are_counted_from_the_last_start(write):
     """Where the file does not count, steps are counted from the last start row."""
     rows = [",1,1,1,0,0", *[",1,1,2,,-1"] * 5]
     path = write("t,beginDistance,prevBest,distance,delta_distance,reward", *rows[1:3], *rows)
     np.testing.assert_array_equal(open_steps(path)["step"], [1, 2, 0, 1, 2, 3, 4, 5])
 
 
-def test_steps_go_on_across_the_blocks_of_a_file(write: Write):
+def test_steps_go_on_across_the_blocks_of_a_file(write):
     """A file of some megabytes is read in blocks; an episode that never ends is counted through all of them."""
     path = write("t,beginDistance,prevBest,distance,delta_distance,reward", ",1,1,1,0,0", *[",1,1,2,,-1"] * 200_000)
     np.testing.assert_array_equal(open_steps(path)["step"], np.arange(200_001))
@@ -236,7 +236,7 @@ def trace(tmp_path: Path, make_cell) -> Path:
     return path
 
 
-def test_a_trace_is_read_as_it_is(trace: Path):
+def test_a_trace_is_read_as_it_is(trace):
     """Its best distance is the one before the step, exactly; so are its event terms."""
     rows = rows_of(trace)
     np.testing.assert_array_equal(rows["previous_best"], [1.0, 1.0, 0.6])
@@ -248,7 +248,7 @@ def test_a_trace_is_read_as_it_is(trace: Path):
     assert open_steps(trace).facts.first_line == 1
 
 
-def test_a_trace_declares_its_reward(trace: Path):
+def test_a_trace_declares_its_reward(trace):
     """The manifest beside it says what paid it, and its seed; without a manifest nothing is said."""
     log = open_steps(trace)
     assert (log.facts.trained_with, log.facts.seed) == ("arp:k2=2", 7)
@@ -258,7 +258,7 @@ def test_a_trace_declares_its_reward(trace: Path):
     assert (log.facts.trained_with, log.facts.seed, cell_of(trace)) == ("", None, None)
 
 
-def test_a_trace_as_csv_is_read_as_the_trace(trace: Path, write: Write):
+def test_a_trace_as_csv_is_read_as_the_trace(trace, write):
     """A trace's own column names mean in a CSV file what they mean in a trace."""
     names = [name for name in SCALARS if name.startswith(("env", "step", "begin", "prev", "dist", "delta", "reward"))]
     lines = [",".join(str(row[COLUMN[name]]) for name in names) for row in _rows()]
@@ -268,7 +268,7 @@ def test_a_trace_as_csv_is_read_as_the_trace(trace: Path, write: Write):
     np.testing.assert_array_equal(from_csv[PAY], from_trace["reward/arp:k2=2"])
 
 
-def test_a_parquet_file_that_is_no_trace_is_refused(tmp_path: Path):
+def test_a_parquet_file_that_is_no_trace_is_refused(tmp_path):
     """Other Parquet files, damaged ones and those of a later version are told in one line."""
     path = tmp_path / "other.parquet"
     pq.write_table(pa.table({"reward": [1.0]}), path)
@@ -279,7 +279,7 @@ def test_a_parquet_file_that_is_no_trace_is_refused(tmp_path: Path):
         open_steps(path)
 
 
-def test_a_trace_without_rows_is_refused(tmp_path: Path):
+def test_a_trace_without_rows_is_refused(tmp_path):
     """A run that ended before its first step compares with nothing."""
     path = tmp_path / "trace.parquet"
     TraceWriter(path, 1, 1).close()
@@ -334,7 +334,7 @@ ROW = "0,1,1,1,0,0"
         (["a,reward", *["1,2"] * 400_000, "1,nan"], "line 400002, column 'reward': 'nan' is no finite number"),
     ],
 )
-def test_a_fault_is_told_in_one_line(write: Write, lines: list[str], told: str):
+def test_a_fault_is_told_in_one_line(write, lines, told):
     """File, line and column of the first fault, wherever in the file it is."""
     path = write(*lines)
     with pytest.raises(UsageError) as raised:
@@ -344,7 +344,7 @@ def test_a_fault_is_told_in_one_line(write: Write, lines: list[str], told: str):
     assert "\n" not in str(raised.value)
 
 
-def test_a_file_in_another_encoding_is_refused(tmp_path: Path):
+def test_a_file_in_another_encoding_is_refused(tmp_path):
     """A spreadsheet's UTF-16 is told as such, not as a missing column."""
     path = tmp_path / "run.csv"
     path.write_text("reward\n1\n", encoding="utf-16")
@@ -352,7 +352,7 @@ def test_a_file_in_another_encoding_is_refused(tmp_path: Path):
         open_steps(path)
 
 
-def test_a_file_that_is_not_there_is_told(tmp_path: Path):
+def test_a_file_that_is_not_there_is_told(tmp_path):
     """By its name and the system's reason."""
     with pytest.raises(UsageError, match=r"gone\.csv cannot be read: No such file"):
         open_steps(tmp_path / "gone.csv")
@@ -365,7 +365,7 @@ def _names(logs: list[Log]) -> list[str]:
     return [log.facts.path.name for log in logs]
 
 
-def test_patterns_match_files_sorted_each_once(write: Write, tmp_path: Path):
+def test_patterns_match_files_sorted_each_once(write, tmp_path):
     """``**`` stands for any folders, folders are left out, and a file that two patterns match is one run."""
     for name in ("b.csv", "deep/er/a.csv", "deep/c.csv", "notes.txt"):
         write("reward", "1", name=name)
@@ -377,13 +377,13 @@ def test_patterns_match_files_sorted_each_once(write: Write, tmp_path: Path):
     ]
 
 
-def test_a_name_that_looks_like_a_pattern_is_a_name(write: Write):
+def test_a_name_that_looks_like_a_pattern_is_a_name(write):
     """``run[1].csv`` is the file of that name where there is one."""
     path = write("reward", "1", name="run[1].csv")
     assert _names(match_steps(str(path))) == ["run[1].csv"]
 
 
-def test_a_pattern_without_a_file_is_told(write: Write, tmp_path: Path):
+def test_a_pattern_without_a_file_is_told(write, tmp_path):
     """Each of several patterns has to match a file; folders alone are named as the reason."""
     write("reward", "1")
     with pytest.raises(UsageError, match=r"No file matches '.*/\*\.tsv'\. Quote"):
@@ -401,7 +401,7 @@ def refuse(path: Path) -> str:
     return str(refused.value)
 
 
-def test_a_large_file_is_not_opened(tmp_path: Path):
+def test_a_large_file_is_not_opened(tmp_path):
     """A sparse file of 10 TB is refused at once."""
     path = tmp_path / "run.csv"
     with path.open("wb") as file:
@@ -410,7 +410,7 @@ def test_a_large_file_is_not_opened(tmp_path: Path):
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes in the file system")
-def test_a_pipe_is_refused(tmp_path: Path):
+def test_a_pipe_is_refused(tmp_path):
     """To read it would take forever."""
     os.mkfifo(tmp_path / "run.csv")
     assert "it is no regular file" in refuse(tmp_path / "run.csv")
@@ -431,7 +431,7 @@ def test_a_pipe_is_refused(tmp_path: Path):
     ],
     ids=["columns", "cell", "name", "field", "digits", "endless", "large", "null", "step"],
 )
-def test_what_no_recording_has_is_refused_at_once(write: Write, lines: list[str], told: str):
+def test_what_no_recording_has_is_refused_at_once(write, lines, told):
     """In a short line."""
     assert told in refuse(write(*lines))
 
@@ -442,7 +442,7 @@ def write_parquet(path: Path, columns: dict[str, object], version: bytes = b"1")
     return path
 
 
-def test_a_trace_of_other_types_is_refused(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
+def test_a_trace_of_other_types_is_refused(tmp_path_factory, subtests):
     """Whatever pyarrow or Python says of it."""
     rows = [
         ({"reward": ["a"]}, b"1"),
@@ -459,21 +459,21 @@ def test_a_trace_of_other_types_is_refused(tmp_path_factory: pytest.TempPathFact
             refuse(write_parquet(tmp_path / "a.parquet", columns, version))
 
 
-def test_a_trace_of_too_many_rows_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_a_trace_of_too_many_rows_is_refused(tmp_path, monkeypatch):
     """Before one is read."""
     monkeypatch.setattr("harness.record.trace.MOST_ROWS", 2)
     path = write_parquet(tmp_path / "a.parquet", {"reward": [1.0] * 3}, b"2")
     assert "has 3 rows, 2 are allowed" in refuse(path)
 
 
-def test_a_recording_of_too_many_rows_is_refused(write: Write, monkeypatch: pytest.MonkeyPatch):
+def test_a_recording_of_too_many_rows_is_refused(write, monkeypatch):
     """A CSV file does not say how many there are."""
     monkeypatch.setattr("harness.log.log.MOST_ROWS", 2)
     assert "has more than the 2 rows that are allowed" in refuse(write("reward", "1", "2", "3"))
 
 
 @pytest.mark.parametrize("pattern", ["~nobody-of-this-name/*.csv", "x" * 5_000, "a\0b", "["])
-def test_a_pattern_that_no_name_can_be_matches_nothing(pattern: str):
+def test_a_pattern_that_no_name_can_be_matches_nothing(pattern):
     """Whatever the system says of it."""
     with pytest.raises(UsageError, match="No file matches"):
         match_steps(pattern)

@@ -10,9 +10,16 @@ from harness.errors import UsageError
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 from harness.reward import Sample
-from harness.score.places import ArmPay, Place, distances, parse_place, parse_places, pay_episode
+from harness.score.places import ArmPay, Place, distances, parse_place, parse_places
 
 ROWS = np.arange(12.0).reshape(2, 6)
+
+
+def pay_episode(reward, end_effector, target):
+    """What an arm's reward pays each step of an episode, by positions before each step and after the last."""
+    pay, far = ArmPay(reward), distances(end_effector, target)
+    pay.begin(far[0])
+    return pay.pay(far[1:]).total
 
 
 def test_a_map_takes_positions_from_a_vector():
@@ -45,7 +52,7 @@ def test_joints_go_through_the_function():
     assert arm.end_effector(np.full((1, 6), 180.0)) == pytest.approx(np.full((1, 3), np.pi))
 
 
-def test_a_map_that_is_none_is_refused(subtests: pytest.Subtests):
+def test_a_map_that_is_none_is_refused(subtests):
     """In one line, which says what to write."""
     rows = [
         ("", "name target and one of"),

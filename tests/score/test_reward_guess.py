@@ -71,22 +71,20 @@ def write_run(path: Path, pay: Pay, seed: int = 0, rows: int = 400, program: str
     ids=["baseline", "K2 = 1.5", "K2 = 2", "both gains", "large gains", "dense"],
 )
 @pytest.mark.parametrize("reach", [0.9, 0.05])
-def test_the_reward_is_told_from_its_rows(
-    tmp_path: Path, registry: Registry, program: str, pay: Pay, choice: str, reach: float
-):
+def test_the_reward_is_told_from_its_rows(tmp_path, registry, program, pay, choice, reach):
     """In either program's files, whatever the gains, and also if the arm hardly came closer."""
     recording = write_run(tmp_path / "run.csv", pay, program=program, reach=reach)
     assert guess_reward(recording, registry) == (choice, "")
 
 
-def test_digits_that_printing_cut_are_no_other_reward(tmp_path: Path, registry: Registry):
+def test_digits_that_printing_cut_are_no_other_reward(tmp_path, registry):
     """A gain that differs in the fourth digit is another reward; one in the ninth is the same."""
     recording = write_run(tmp_path / "run.csv", arp(1.0, 1.5))
     assert misfit(recording, "arp:k2=1.500000001", registry) is None
     assert "arp:k2=1.501 pays" in misfit(recording, "arp:k2=1.501", registry)
 
 
-def test_a_sign_that_printing_cut_is_forgiven_once_in_a_while(tmp_path: Path, registry: Registry):
+def test_a_sign_that_printing_cut_is_forgiven_once_in_a_while(tmp_path, registry):
     """Two distances that print alike may have differed: the row is paid as one step away, the run is still told."""
     path = tmp_path / "run.csv"
     write_run(path, arp(1.0, 1.0), program="base line")
@@ -98,7 +96,7 @@ def test_a_sign_that_printing_cut_is_forgiven_once_in_a_while(tmp_path: Path, re
     assert guess_reward(open_steps(path), registry).choice is None
 
 
-def test_a_reward_that_nobody_registered_is_not_told(tmp_path: Path, registry: Registry):
+def test_a_reward_that_nobody_registered_is_not_told(tmp_path, registry):
     """There is no nearest reward: none fits, or one does; the reason names the file."""
     recording = write_run(tmp_path / "run.csv", lambda begin, before, distance: begin**2 - distance**2)
     choice, reason = guess_reward(recording, registry)
@@ -106,14 +104,14 @@ def test_a_reward_that_nobody_registered_is_not_told(tmp_path: Path, registry: R
     assert reason == f"no registered reward pays what {recording.facts.path} recorded"
 
 
-def test_a_run_that_was_paid_nothing_tells_nothing(tmp_path: Path, registry: Registry):
+def test_a_run_that_was_paid_nothing_tells_nothing(tmp_path, registry):
     """Zeros are what several rewards may pay."""
     choice, reason = guess_reward(write_run(tmp_path / "run.csv", lambda *_: 0.0), registry)
     assert choice is None
     assert "pays nothing in its first 400 rows" in reason
 
 
-def test_a_file_without_distances_tells_nothing(tmp_path: Path, registry: Registry):
+def test_a_file_without_distances_tells_nothing(tmp_path, registry):
     """Neither a guess nor a check is possible, and the reason says why."""
     path = tmp_path / "run.csv"
     path.write_text("reward\n1\n")
@@ -122,7 +120,7 @@ def test_a_file_without_distances_tells_nothing(tmp_path: Path, registry: Regist
     assert misfit(recording, "baseline", registry) == f"{path} has no distances to score again"
 
 
-def test_a_misfit_names_file_line_and_both_values(tmp_path: Path, registry: Registry):
+def test_a_misfit_names_file_line_and_both_values(tmp_path, registry):
     """What was recorded beside what the reward pays, in the first row where they differ."""
     path = tmp_path / "run.csv"
     path.write_text(f"{HEADER}\n0,1,1,1,0,0\n1,1,0.5,0.5,-0.5,0.75\n")
@@ -130,7 +128,7 @@ def test_a_misfit_names_file_line_and_both_values(tmp_path: Path, registry: Regi
     assert told == f"{path}, line 3: recorded 0.75, baseline pays 0.5"
 
 
-def test_a_reward_that_nobody_registered_cannot_be_checked(tmp_path: Path, registry: Registry):
+def test_a_reward_that_nobody_registered_cannot_be_checked(tmp_path, registry):
     """A wrong name is the user's error, not a misfit."""
     with pytest.raises(UsageError, match="No reward 'arpp'"):
         misfit(write_run(tmp_path / "run.csv", arp(1.0, 1.0)), "arpp", registry)
@@ -155,26 +153,26 @@ def _trace(folder: Path, reward: Choice, pays: float, make_cell: Callable[..., C
     return open_steps(folder / "trace.parquet")
 
 
-def test_a_trace_was_paid_by_what_it_declares(tmp_path: Path, registry: Registry, make_cell):
+def test_a_trace_was_paid_by_what_it_declares(tmp_path, registry, make_cell):
     """Also where several envs trained together, whose rows take turns."""
     recording = _trace(tmp_path, Choice("arp", (), "arp:k2=3"), 3.0, make_cell)
     assert guess_reward(recording, registry).choice == "arp:k2=3"
 
 
-def test_a_declared_reward_that_does_not_pay_the_rows_is_told(tmp_path: Path, registry: Registry, make_cell):
+def test_a_declared_reward_that_does_not_pay_the_rows_is_told(tmp_path, registry, make_cell):
     """A plugin that has changed since cannot score the run again."""
     choice, reason = guess_reward(_trace(tmp_path, Choice("arp", (), "arp:k2=3"), 2.5, make_cell), registry)
     assert choice is None
     assert reason.endswith("recorded; not even arp:k2=3, which its manifest declares")
 
 
-def test_a_trace_that_declares_a_reward_of_zeros_is_told(tmp_path: Path, registry: Registry, make_cell):
+def test_a_trace_that_declares_a_reward_of_zeros_is_told(tmp_path, registry, make_cell):
     """What is declared needs no guess."""
     recording = _trace(tmp_path, Choice("sparse", (), "sparse"), 0.0, make_cell)
     assert guess_reward(recording, registry).choice == "sparse"
 
 
-def test_a_strangers_reward_that_raises_is_not_the_one(tmp_path: Path, write_plugin):
+def test_a_strangers_reward_that_raises_is_not_the_one(tmp_path, write_plugin):
     """Whatever a plugin's reward does, the others are tried."""
     source = """
 import harness

@@ -50,7 +50,7 @@ def episodes(header: str) -> list[str]:
         ("reward,length", "its rows are episodes (column 'length'"),
     ],
 )
-def test_rows_that_are_episodes_are_refused(tmp_path: Path, header: str, told: str):
+def test_rows_that_are_episodes_are_refused(tmp_path, header, told):
     """The line says how it is known, what an index needs, and what to do if it is wrong."""
     path = write(tmp_path / "it.csv", header, episodes(header))
     with pytest.raises(UsageError) as raised:
@@ -61,7 +61,7 @@ def test_rows_that_are_episodes_are_refused(tmp_path: Path, header: str, told: s
 
 
 @pytest.mark.parametrize("header", ['#{"t_start": 1.0, "env_id": "Pendulum-v1"}\nr,l,t'])
-def test_a_log_of_another_program_is_called_by_name(tmp_path: Path, header: str):
+def test_a_log_of_another_program_is_called_by_name(tmp_path, header):
     """It has no reward of a step."""
     path = write(tmp_path / "it.csv", header, ["-19.8,200,0.0"])
     with pytest.raises(UsageError, match="an index needs the reward of each environment step") as raised:
@@ -87,7 +87,7 @@ STEPS = {
 }
 
 
-def test_rows_that_are_steps_are_read(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
+def test_rows_that_are_steps_are_read(tmp_path_factory, subtests):
     """Whatever else stands beside the reward."""
     for name, (header, rows) in STEPS.items():
         with subtests.test(name=name):
@@ -95,9 +95,7 @@ def test_rows_that_are_steps_are_read(tmp_path_factory: pytest.TempPathFactory, 
             assert rewards_of(write(tmp_path / "it.csv", header, rows)) == [1.0, 2.0, 3.0, 4.0]
 
 
-def test_a_count_that_is_no_count_of_steps_is_refused(
-    tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests
-):
+def test_a_count_that_is_no_count_of_steps_is_refused(tmp_path_factory, subtests):
     """Rows that are missing, stand twice or in another order: line, column and both numbers."""
     cases = [
         ("step,reward", ["0,1", "1000,2", "2000,3"], "line 3: column 'step' goes from 0 to 1,000: rows are missing"),
@@ -121,7 +119,7 @@ def test_a_count_that_is_no_count_of_steps_is_refused(
             assert "delete that column" in str(raised.value)
 
 
-def test_counts_go_on_across_pieces(tmp_path: Path):
+def test_counts_go_on_across_pieces(tmp_path):
     """A file of some megabytes comes in pieces; a row that is missing far behind is found, and no other."""
     rows = [f"{number},{number % 7}" for number in range(300_000)]
     assert len(rewards_of(write(tmp_path / "it.csv", "step,reward", rows))) == 300_000
@@ -130,27 +128,27 @@ def test_counts_go_on_across_pieces(tmp_path: Path):
         rewards_of(write(tmp_path / "it.csv", "step,reward", rows))
 
 
-def test_envs_count_across_pieces(tmp_path: Path):
+def test_envs_count_across_pieces(tmp_path):
     """Each for itself, also where a piece ends between them."""
     rows = [f"{env},{step},{step % 7}" for step in range(100_000) for env in range(3)]
     assert len(rewards_of(write(tmp_path / "it.csv", "env,step,reward", rows))) == 300_000
 
 
-def test_a_header_in_the_middle_is_told(tmp_path: Path):
+def test_a_header_in_the_middle_is_told(tmp_path):
     """Two files that were joined into one."""
     with pytest.raises(UsageError, match="line 4, column 'reward': the header stands here once more"):
         rewards_of(write(tmp_path / "it.csv", "a,reward", ["1,2", "1,3", "a,reward", "1,4"]))
 
 
 @pytest.mark.parametrize("column", ["seed", "run_id", "Trial", "exp_name"])
-def test_several_runs_in_one_file_are_refused(tmp_path: Path, column: str):
+def test_several_runs_in_one_file_are_refused(tmp_path, column):
     """Their rewards would be added up as those of one run."""
     rows = [f"{run},{step},0.5" for run in (0, 1) for step in range(4)]
     with pytest.raises(UsageError, match=r"line 6: column '.*' goes from 0 to 1: the file holds several runs"):
         rewards_of(write(tmp_path / "a.csv", f"{column},step,reward", rows))
 
 
-def test_several_runs_of_no_count_are_refused(tmp_path: Path):
+def test_several_runs_of_no_count_are_refused(tmp_path):
     """A name says as much as a number."""
     rows = [f"{run},0.5" for run in ("ppo_a", "ppo_b") for _ in range(4)]
     with pytest.raises(UsageError, match="goes from ppo_a to ppo_b"):
@@ -162,12 +160,12 @@ def test_several_runs_of_no_count_are_refused(tmp_path: Path):
     [("seed,step,reward", [f"7,{step},0.5" for step in range(8)]),
      ("episode,seed,step,reward", [f"{step // 4},{90 + step // 4},{step % 4},0.5" for step in range(8)])],
 )  # fmt: skip
-def test_the_seed_of_a_run_or_of_an_episode_is_read(tmp_path: Path, header: str, rows: list[str]):
+def test_the_seed_of_a_run_or_of_an_episode_is_read(tmp_path, header, rows):
     """One seed for all, or one that changes where the next episode begins."""
     assert rewards_of(write(tmp_path / "a.csv", header, rows)) == [0.5] * 8
 
 
-def test_episodes_that_begin_anew_with_another_seed_are_several_runs(tmp_path: Path):
+def test_episodes_that_begin_anew_with_another_seed_are_several_runs(tmp_path):
     """The next run counts its episodes from 0 again."""
     rows = [f"{run},{step // 2},{step % 2},0.5" for run in (0, 1) for step in range(4)]
     with pytest.raises(UsageError, match="several runs"):

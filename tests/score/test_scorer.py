@@ -146,7 +146,7 @@ def _reward(request: pytest.FixtureRequest) -> Iterator[Reward]:
 # Exactly what was paid
 
 
-def test_every_reward_is_scored_as_it_was_paid(subtests: pytest.Subtests):
+def test_every_reward_is_scored_as_it_was_paid(subtests):
     """Bit for bit the recorded column, in a batch of envs, over many episodes."""
     for simulator in ["ideal", "mujoco"]:
         for text in CHOICES:
@@ -183,7 +183,7 @@ def record_tour_under(reward: Reward) -> Log:
         return read_trace(path).load()
 
 
-def test_targets_that_do_not_end_the_episode_are_scored_as_they_were_paid(subtests: pytest.Subtests):
+def test_targets_that_do_not_end_the_episode_are_scored_as_they_were_paid(subtests):
     """Bit for bit, though distances and memory restart inside the episode, also at the same begin distance."""
     for text in CHOICES:
         with subtests.test(text=text):
@@ -201,7 +201,7 @@ def test_memory_restarts_with_the_next_target():
     np.testing.assert_array_equal(score(Remembers(), trace), trace["reward"])
 
 
-def test_scorer_shows_what_the_environment_shows_of_the_next_targets(subtests: pytest.Subtests):
+def test_scorer_shows_what_the_environment_shows_of_the_next_targets(subtests):
     """Every column of the sample is the environment's, bit for bit."""
     for column in Sample._fields:
         with subtests.test(column=column):
@@ -209,9 +209,7 @@ def test_scorer_shows_what_the_environment_shows_of_the_next_targets(subtests: p
             np.testing.assert_array_equal(score(Shows(column), trace), trace["reward"])
 
 
-def test_recording_of_next_targets_is_scored_as_it_was_paid(
-    tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests
-):
+def test_recording_of_next_targets_is_scored_as_it_was_paid(tmp_path_factory, subtests):
     """A recording is read a piece at a time, and scored bit for bit as the trace that it is."""
     for text in CHOICES:
         with subtests.test(text=text):
@@ -228,7 +226,7 @@ def test_recording_of_next_targets_is_scored_as_it_was_paid(
             np.testing.assert_array_equal(np.concatenate(scored), trace["reward"])
 
 
-def test_every_reward_scores_the_runs_of_another(subtests: pytest.Subtests):
+def test_every_reward_scores_the_runs_of_another(subtests):
     """Runs that another reward paid get what this one would have paid for the same motion."""
     for text in CHOICES:
         with subtests.test(text=text):
@@ -246,7 +244,7 @@ def test_reward_that_remembers_is_scored_as_it_was_paid():
     np.testing.assert_array_equal(score(Remembers(), trace), trace["reward"])
 
 
-def test_scorer_shows_a_reward_what_the_environment_shows(subtests: pytest.Subtests):
+def test_scorer_shows_a_reward_what_the_environment_shows(subtests):
     """Every column of the sample is the environment's, bit for bit."""
     for column in Sample._fields:
         with subtests.test(column=column):
@@ -278,7 +276,7 @@ def test_envs_do_not_depend_on_one_another():
         np.testing.assert_array_equal(alone, trace["reward"][trace["env"] == env])
 
 
-def test_envs_that_begin_inside_an_episode_do_not_depend_on_one_another(subtests: pytest.Subtests):
+def test_envs_that_begin_inside_an_episode_do_not_depend_on_one_another(subtests):
     """Whatever the rows of the env before end with."""
     for column in Sample._fields:
         with subtests.test(column=column):
@@ -323,27 +321,27 @@ def test_trace_without_rows():
 
 
 @given(st.sampled_from(list(SCORED)), st.lists(st.integers(0, 90), max_size=10))
-def test_pieces_do_not_show(name: str, cuts: list[int]):
+def test_pieces_do_not_show(name, cuts):
     """However the rows are handed over, empty pieces included, every reward pays the same, bit for bit."""
     reward, rows = SCORED[name](), rows_of(record("baseline"), 1)
     np.testing.assert_array_equal(in_pieces(reward, rows, cuts), Scorer(reward).pay(rows).total)
 
 
 @given(st.sampled_from(Sample._fields), st.lists(st.integers(0, 90), max_size=10))
-def test_pieces_do_not_show_in_the_sample(column: str, cuts: list[int]):
+def test_pieces_do_not_show_in_the_sample(column, cuts):
     """Every column of the sample goes on across pieces."""
     reward, rows = Shows(column), rows_of(record("baseline"), 2)
     np.testing.assert_array_equal(in_pieces(reward, rows, cuts), Scorer(reward).pay(rows).total)
 
 
-def test_row_by_row(reward: Reward):
+def test_row_by_row(reward):
     """The smallest pieces of all."""
     rows = rows_of(record("baseline"), 1)
     every = list(range(len(rows.start)))
     np.testing.assert_array_equal(in_pieces(reward, rows, every), Scorer(reward).pay(rows).total)
 
 
-def test_blocks_do_not_show(reward: Reward, monkeypatch: pytest.MonkeyPatch):
+def test_blocks_do_not_show(reward, monkeypatch):
     """Long pieces are scored a block at a time: how long a block is changes nothing."""
     rows = rows_of(record("baseline"), 1)
     whole = Scorer(reward).pay(rows).total
@@ -360,7 +358,7 @@ def test_empty_piece_is_scored_as_nothing():
 
 
 @given(st.sampled_from(list(SCORED)), st.lists(st.integers(0, 200), max_size=10))
-def test_pieces_do_not_show_where_targets_are_touched(name: str, cuts: list[int]):
+def test_pieces_do_not_show_where_targets_are_touched(name, cuts):
     """Also where a piece ends with a touched target."""
     reward, trace = SCORED[name](), record_tour("baseline")
     rows = rows_of(trace, 1)
@@ -406,7 +404,7 @@ def test_redrawn_target_is_paid_from_its_own_begin_distance():
 
 
 @pytest.mark.parametrize("cut", range(1, 5))
-def test_redrawn_target_at_a_cut(cut: int):
+def test_redrawn_target_at_a_cut(cut):
     """Pieces that meet at a redrawn target, or anywhere else, do not show."""
     reward = Shows("previous_distance")
     np.testing.assert_array_equal(in_pieces(reward, redrawn(), [cut]), Scorer(reward).pay(redrawn()).total)

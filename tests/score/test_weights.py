@@ -49,7 +49,7 @@ def test_an_unknown_term_is_told_with_the_nearest():
 
 
 @pytest.mark.parametrize("weight", ["heavy", "nan", "1e19", "inf"])
-def test_a_weight_is_a_number(weight: str):
+def test_a_weight_is_a_number(weight):
     """Not too large to count with."""
     with pytest.raises(UsageError, match="The weight of 'effort' is"):
         reweighted(f"gentle:effort={weight}", PLAIN, TERMS)
@@ -64,7 +64,7 @@ def test_a_weight_is_a_number(weight: str):
         recorded_choice("odd:k=3"),
     ],
 )
-def test_parameters_that_are_no_weights_are_not_taken_for_some(choice: Choice):
+def test_parameters_that_are_no_weights_are_not_taken_for_some(choice):
     """Whose default is not 1, or which have no term of their name: only the code can tell."""
     with pytest.raises(UsageError, match="are not the weights of its terms"):
         reweighted(f"{choice.name}:effort=7", choice, TERMS)

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 from harness.eta.amounts import difference_text, listed, same_text, short_seen_text, short_values, trainings_text
 from harness.eta.behaviour_change import Change
 from harness.eta.headline import TIME, Answer, Compared, Headline, difference_of, key_of, name_of, name_with_article
-from harness.eta.judge import (
+from harness.eta.judgement import (
     clear_text,
     crossing_text,
     is_same,

@@ -30,7 +30,7 @@ CASES: dict[str, tuple[Any, str, int]] = {
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_algorithm_beside_the_bare_one(tmp_path, require_speed, amount, name: str):
+def test_algorithm_beside_the_bare_one(tmp_path, require_speed, amount, name):
     """Through the harness, trace on, it is nearly as fast as bare stable-baselines3 on the same envs, or faster."""
     settings, task, full = CASES[name]
     steps = amount(full, ENOUGH)

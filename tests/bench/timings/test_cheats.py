@@ -19,7 +19,7 @@ def survives(observation, action, next_observation, info):
 
 
 @pytest.mark.parametrize(("name", "success", "share"), [("Pendulum-v1", stands, 0.3), ("CartPole-v1", survives, 0.1)])
-def test_a_search_costs_little_beside_its_steps(require_speed, amount, name, success, share: float):
+def test_a_search_costs_little_beside_its_steps(require_speed, amount, name, success, share):
     """Rewards and measures are asked in every step, and actions are bred; the environment's own steps cost most."""
     steps = amount(60_000, 2_000)
     env = gymnasium.make(name)

@@ -4,7 +4,6 @@ import hashlib
 import os
 import statistics
 import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -74,9 +73,7 @@ def _copy(ring: Ring, path: Path) -> None:
 
 
 @pytest.mark.parametrize("algorithm", [pytest.param("sb3-sac", id="sac"), "sac-fast"])
-def test_a_checkpoint_of_a_full_buffer_beside_a_copy(
-    tmp_path: Path, require_ratio: Callable[..., None], amount: Callable[[int, int], int], algorithm: str
-):
+def test_a_checkpoint_of_a_full_buffer_beside_a_copy(tmp_path, require_ratio, amount, algorithm):
     """The first one writes all transitions, a later one what is new: a tenth. Read again it is the same."""
     state, env = _standing(algorithm, 160)
     (name,) = (name for name, value in state.items() if isinstance(value, Ring))
@@ -94,9 +91,7 @@ def test_a_checkpoint_of_a_full_buffer_beside_a_copy(
 
 
 @pytest.mark.parametrize("algorithm", ["sb3-sac", "sac-fast", "td3", "ppo", "spg", "dqn", "ddqn", "random", "ik"])
-def test_a_checkpoint_takes_two_hundredths_of_a_training_at_most(
-    tmp_path: Path, is_timed: bool, amount: Callable[[int, int], int], algorithm: str
-):
+def test_a_checkpoint_takes_two_hundredths_of_a_training_at_most(tmp_path, is_timed, amount, algorithm):
     """One every ten minutes of training; up to 0.006 % of them were measured."""
     state, env = _standing(algorithm, amount(1_600, 160))
     begin = time.process_time()

@@ -1,8 +1,6 @@
 """`harness run --sim mujoco --algo sb3-sac`, beside stable-baselines3 alone that does the same trainings."""
 
 import sys
-from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 
@@ -25,7 +23,7 @@ for seed in seeds:
 """The trainings of one job, one after the other, without a record and without an evaluation."""
 
 
-def test_the_default_run_beside_its_bare_trainings(tmp_path: Path, amount, require_ratio: Callable[..., None]):
+def test_the_default_run_beside_its_bare_trainings(tmp_path, amount, require_ratio):
     """Of fewer steps, and so with a larger share of evaluations and starts; both rewards, two processes each."""
     seeds, steps = amount(SEEDS, 1), amount(STEPS, 2)
     programs = amount(2, 1)

@@ -62,7 +62,7 @@ def write_run(path: Path, seed: int, k2: float, rows: int = ROWS) -> None:
 
 
 @pytest.mark.bench
-def test_twenty_files_beside_reading_them(tmp_path: Path, require_speed, amount):
+def test_twenty_files_beside_reading_them(tmp_path, require_speed, amount):
     """Ten base-line files and ten K2 files of the published size, rewards found out and both etas split.
 
     0.54 of the speed of reading was measured, and 1.9 times the memory; a third, and 3 times, are held.
@@ -87,7 +87,7 @@ def test_twenty_files_beside_reading_them(tmp_path: Path, require_speed, amount)
 
 
 @pytest.mark.slow
-def test_ten_million_rows_take_hardly_more_memory(tmp_path: Path):
+def test_ten_million_rows_take_hardly_more_memory(tmp_path):
     """A file of 1e7 rows takes less than twice the memory of one of 1e5: it is never in memory as a whole."""
     short, long = tmp_path / "short.csv", tmp_path / "long.csv"
     write_run(short, 0, 1.5, 100_000)

@@ -3,7 +3,6 @@
 import json
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -50,7 +49,7 @@ def write_events(folder: Path, seeds: int, points: int) -> None:
 
 @pytest.mark.bench
 @pytest.mark.parametrize("write", [write_monitors, write_events])
-def test_forty_logs_are_answered_at_once(tmp_path: Path, amount: Callable, require_ratio: Callable, write: Callable):
+def test_forty_logs_are_answered_at_once(tmp_path, amount, require_ratio, write):
     """A thousand rows each, sorted by their names and compared."""
     write(tmp_path, amount(20, 3), amount(1_000, 50))
     begin = time.perf_counter()

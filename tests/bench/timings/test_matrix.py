@@ -37,7 +37,7 @@ def _run(cells: tuple[Cell, ...], folder: Path, at_once: int) -> list[Manifest]:
     return manifests
 
 
-def test_two_jobs_beside_one(cells: tuple[Cell, ...], tmp_path: Path, require_ratio: Callable[..., None]):
+def test_two_jobs_beside_one(cells, tmp_path, require_ratio):
     """Both are at work nearly all of the time, and waste nothing of it. Processes that start are counted."""
     took = [cpu_seconds(lambda at_once=n: _run(cells, tmp_path / str(at_once), at_once)) for n in (1, 2)]
     began = time.perf_counter()
@@ -47,7 +47,7 @@ def test_two_jobs_beside_one(cells: tuple[Cell, ...], tmp_path: Path, require_ra
     require_ratio(sum(manifest.seconds for manifest in both) / whole, AT_ONCE, f"({whole:.1f} s)", "at once")
 
 
-def test_a_cell_is_mostly_its_training(cells: tuple[Cell, ...], tmp_path: Path, require_ratio: Callable[..., None]):
+def test_a_cell_is_mostly_its_training(cells, tmp_path, require_ratio):
     """The median of those that follow the first one, which starts the process."""
     shares = [manifest.training_seconds / manifest.seconds for manifest in _run(cells, tmp_path / "all", 1)[1:]]
     require_ratio(statistics.median(shares), TRAINING)

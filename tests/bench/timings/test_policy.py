@@ -33,9 +33,7 @@ def _layer(policy: Network, name: str) -> tuple[Float32, Float32]:
 @pytest.mark.parametrize("kind", [SquashedGaussian, Gaussian, Deterministic, Greedy])
 @pytest.mark.parametrize("activation", ["relu", "tanh"])
 @pytest.mark.parametrize("is_normalised", [False, True])
-def test_policy_beside_its_layers_alone(
-    require_speed, amount, kind: type[Network], activation: str, is_normalised: bool
-):
+def test_policy_beside_its_layers_alone(require_speed, amount, kind, activation, is_normalised):
     """One observation through 64x64 takes at most 2.5 times as long as its three layers, written out in numpy.
 
     The rest is the scaling of the observation, the box of the actions, and calls of Python. 1.1 to 2 times as long was

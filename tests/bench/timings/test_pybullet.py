@@ -61,7 +61,7 @@ def _positions(arm: Arm) -> list[float]:
 
 
 @pytest.mark.parametrize(("calls", "least"), [(SUBSTEPS, 0.72), (1, 0.72)], ids=["a call a substep", "one call"])
-def test_one_env_beside_the_bare_loop(tmp_path, require_speed, step_through, amount, calls: int, least: float):
+def test_one_env_beside_the_bare_loop(tmp_path, require_speed, step_through, amount, calls, least):
     """Observation, reward and trace on, one env does most of the steps of the bare API on the same motion.
 
     A loop that calls Bullet for each substep, and the fastest there is, in which Bullet takes all substeps of a period

@@ -1,7 +1,6 @@
 """What recording two rewards costs: of a step that is free, and of a training by stable-baselines3."""
 
 import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -47,9 +46,7 @@ def _record(env: Any, path: Path) -> Any:
 
 
 @pytest.mark.bench
-def test_recording_two_rewards_beside_gymnasium_s_own_statistics(
-    tmp_path: Path, require_speed: Callable[..., None], amount: Callable[[int, int], int]
-):
+def test_recording_two_rewards_beside_gymnasium_s_own_statistics(tmp_path, require_speed, amount):
     """The env's payment is recorded as a third. Gymnasium's wrapper only adds up what each episode paid.
 
     Rewards get copies of action, observation and info, so that none spoils what others see. Measured side by side: 0.06
@@ -72,9 +69,7 @@ def test_recording_two_rewards_beside_gymnasium_s_own_statistics(
 
 
 @pytest.mark.bench
-def test_recorded_training_beside_a_bare_one(
-    tmp_path: Path, require_speed: Callable[..., None], amount: Callable[[int, int], int]
-):
+def test_recorded_training_beside_a_bare_one(tmp_path, require_speed, amount):
     """PPO of stable-baselines3 on Pendulum."""
     ppo = pytest.importorskip("stable_baselines3").PPO
     steps = amount(2_048, 64)
@@ -95,9 +90,7 @@ def test_recorded_training_beside_a_bare_one(
 
 
 @pytest.mark.bench
-def test_what_who_watches_needs_takes_a_hundredth_of_a_training_at_most(
-    tmp_path: Path, is_timed: bool, amount: Callable[[int, int], int]
-):
+def test_what_who_watches_needs_takes_a_hundredth_of_a_training_at_most(tmp_path, is_timed, amount):
     """Measured: 0.08 % of a core for a cell's blocks, once a second; 0.6 % for a full part, every 4 seconds.
 
     Where 1,500 steps a second were recorded, writing took 0.5 % of a core; written every 5 seconds, 0.3 %.

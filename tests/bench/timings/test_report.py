@@ -3,7 +3,6 @@
 import json
 import statistics
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -47,7 +46,7 @@ def copies(tmp_path: Path, steps: int, proposed: list[str], seeds: int, executor
 
 
 @pytest.mark.usefixtures("toys")
-def test_copies_are_compared(tmp_path: Path):
+def test_copies_are_compared(tmp_path):
     """Every reward with the baseline over all seeds, split by what the other would have paid."""
     folder = copies(tmp_path, 300, many_rewards(2), 6, "here")
     for combination in json.loads(report(folder).out)["combinations"]:
@@ -59,7 +58,7 @@ def test_copies_are_compared(tmp_path: Path):
 @pytest.mark.slow
 @pytest.mark.bench
 @pytest.mark.parametrize("name", FOLDERS)
-def test_report_of_many_cells(tmp_path: Path, require_ratio: Callable[..., None], name: str):
+def test_report_of_many_cells(tmp_path, require_ratio, name):
     """Of 20,000 steps each, however they are put together: CPU time beside reading, memory beside that of 8 cells."""
     folder = copies(tmp_path, 20_000, *FOLDERS[name], "processes")
     turns = [(measure(sys.executable, "-c", READ, folder), report(folder)) for _ in range(3)]
@@ -73,7 +72,7 @@ def test_report_of_many_cells(tmp_path: Path, require_ratio: Callable[..., None]
 
 @pytest.mark.slow
 @pytest.mark.bench
-def test_first_report_of_a_thousand_cells(tmp_path: Path, require_ratio: Callable[..., None]):
+def test_first_report_of_a_thousand_cells(tmp_path, require_ratio):
     """Where nothing is kept, as of a folder that was merged: it reads all traces, and holds one at a time."""
     folder = copies(tmp_path, 55_000, ["arp"], 500, "processes", kept=False)
     first = report(folder)

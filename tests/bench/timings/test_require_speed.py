@@ -18,7 +18,7 @@ def test_candidate_is_slow(require_speed):
 
 
 @pytest.mark.parametrize(("selected", "status"), [("bench", 1), ("not slow", 0)])
-def test_missed_bound_fails_under_its_mark_alone(tmp_path, selected: str, status: int):
+def test_missed_bound_fails_under_its_mark_alone(tmp_path, selected, status):
     """With ``-m bench`` the ratio is printed and the test fails; elsewhere it passes."""
     shutil.copy(Path(__file__).with_name("conftest.py"), tmp_path)
     (tmp_path / "test_missed.py").write_text(MISSED)

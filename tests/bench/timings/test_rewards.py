@@ -31,7 +31,7 @@ def terms(step):
 
 @pytest.mark.parametrize("num_envs", [1, 64, 1024])
 @pytest.mark.parametrize("function", [one, terms])
-def test_a_step_costs_little_more(require_speed, step_through, amount, function, num_envs: int):
+def test_a_step_costs_little_more(require_speed, step_through, amount, function, num_envs):
     """Without dynamics, where a reward is the largest part of a step that it can be."""
     simulator = choose(REGISTRY, "simulators", "kinematic").build(REGISTRY, "simulators")
     rewards = choose(REGISTRY, "rewards", "baseline").build(REGISTRY, "rewards"), reward_class(function)()

@@ -12,7 +12,7 @@ pytestmark = pytest.mark.bench
 
 
 @pytest.mark.parametrize(("argument", "times"), [("--help", 4), ("describe", 5)])
-def test_light_commands_beside_their_library(require_speed, argument: str, times: int):
+def test_light_commands_beside_their_library(require_speed, argument, times):
     """They take a few times as long as `python -c "import typer"`.
 
     2.6 and 3.6 was measured: 0.2 s where that takes 0.07. With numpy a help took 6.
@@ -41,7 +41,7 @@ def register_commands(register):
 """
 
 
-def test_help_with_fifty_plugins_beside_bare_starts(require_speed, tmp_path: Path):
+def test_help_with_fifty_plugins_beside_bare_starts(require_speed, tmp_path):
     """One of them is broken. 16 bare starts are 0.3 s where Python starts in 18 ms."""
     for number in range(50):
         name = f"plugin_{number}"

@@ -61,9 +61,7 @@ def _ours(program: Path, agents: int, steps: int) -> Callable[[], None]:
 
 
 @pytest.mark.parametrize("agents", [1, 8])
-def test_steps_beside_the_bare_loop(
-    tmp_path: Path, require_ratio, amount, agents: int, monkeypatch: pytest.MonkeyPatch
-):
+def test_steps_beside_the_bare_loop(tmp_path, require_ratio, amount, agents, monkeypatch):
     """Wall time, for two processes wait for each other; they take turns, and the median of the turns' ratios counts."""
     try:
         import harness_plugins.unity_player.connection  # noqa: F401

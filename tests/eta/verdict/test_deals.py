@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from harness.eta.verdict.deals import MOST_DEALS, Strata, count_deals, deals_of, smallest_p
+from harness.eta.verdict.deals import MOST_DEALS, count_deals, deals_of, smallest_p
 
 SECOND, LAST = "00011100111101010001", "01010010100100011111"
 
@@ -23,7 +23,7 @@ def test_the_first_way_is_as_they_were_trained():
 
 
 @pytest.mark.parametrize("strata", [((0, 4, 4),), ((0, 2, 2), (1, 3, 1)), ((0, 20, 8),), ((0, 3, 0), (1, 3, 3))])
-def test_a_stratum_keeps_its_labels(strata: Strata):
+def test_a_stratum_keeps_its_labels(strata):
     """As many of each reward as were trained in it."""
     deals, begin = deals_of(strata), 0
     for _, baselines, proposed in strata:
@@ -41,7 +41,7 @@ def test_unequal_numbers_are_dealt_in_all_ways():
 
 
 @pytest.mark.parametrize(("baselines", "proposed"), [(3, 0), (0, 2)])
-def test_a_stratum_of_one_side_has_one_way(baselines: int, proposed: int):
+def test_a_stratum_of_one_side_has_one_way(baselines, proposed):
     """There is nothing to swap."""
     assert count_deals(((0, baselines, proposed),)) == 1
     assert deals_of(((0, baselines, proposed),)).tolist() == [[0.0] * baselines + [1.0] * proposed]
@@ -81,7 +81,7 @@ def test_deals_cannot_be_written_to():
 
 
 @pytest.mark.parametrize(("seeds", "p"), [(3, 0.1), (4, 2 / 70), (5, 2 / 252)])
-def test_the_smallest_p_is_that_of_the_two_most_extreme_ways(seeds: int, p: float):
+def test_the_smallest_p_is_that_of_the_two_most_extreme_ways(seeds, p):
     """Four seeds are the fewest that can show anything at 0.05."""
     assert smallest_p(seeds, seeds) == pytest.approx(p)
 
@@ -93,7 +93,7 @@ def test_the_smallest_p_of_many_seeds_is_that_of_the_drawn_ways():
 
 
 @pytest.mark.parametrize(("baselines", "proposed"), [(10, 5), (3, 6), (2, 2)])
-def test_the_smallest_p_of_unequal_numbers_is_that_of_the_single_most_extreme_way(baselines: int, proposed: int):
+def test_the_smallest_p_of_unequal_numbers_is_that_of_the_single_most_extreme_way(baselines, proposed):
     """All labels swapped are another experiment there: the proposed reward would have the baseline's trainings."""
     ways = count_deals(((0, baselines, proposed),))
     smallest = 2 / ways if baselines == proposed else 1 / ways

@@ -5,7 +5,6 @@ tables of the documentation; bounds are those of the documentation, widened by t
 """
 
 import json
-import math
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -13,11 +12,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.eta.verdict.looks import ONE_PLACE, SEVERAL_PLACES, LookRuling, Looks, rule_in_looks
-from harness.eta.verdict.question import Question
-from harness.eta.verdict.race import RACE, Race, race
-from harness.eta.verdict.ruling import LEVEL, opposed_in, rule, rule_places
-from tests.eta.scenarios import Trainings
+from harness.eta import RACE, LookRuling, Looks, Question, Race, race, rule, rule_in_looks
+from harness.eta.verdict.looks import ONE_PLACE, SEVERAL_PLACES
+from harness.eta.verdict.ruling import LEVEL, opposed_in, rule_places
+from tests.eta.scenarios import Trainings, error, is_kept
 
 RECORDS = Path(__file__).parents[3] / "results/reference/engines"
 MEASURES = (
@@ -30,20 +28,12 @@ DENSE_LIKE = Trainings(effect=0.13)
 """As `dense` over the eight simulators of an experiment: 13 points on average."""
 
 
-def error(share: float, experiments: int) -> float:
-    """Three standard errors of a share of so many experiments."""
-    return 3.0 * math.sqrt(share * (1.0 - share) / experiments)
-
-
 def decided(values: list[np.ndarray]) -> bool:
     """Whether an experiment that trains all seeds at once claims anything about the robot."""
     questions = [Question.of(it) for it in values]
     wholes = rule(questions)
-    if any(it.is_decided for it in wholes):
-        return True
-    return questions[0].places > 1 and any(
-        it.is_decided for question, whole in zip(questions, wholes, strict=True) for it in rule_places(question, whole)
-    )
+    places = [] if questions[0].places == 1 else map(rule_places, questions, wholes)
+    return any(it.is_decided for found in (wholes, *places) for it in found)
 
 
 def unequal(
@@ -71,12 +61,11 @@ def test_a_few_null_experiments_claim_little():
 @pytest.mark.parametrize("rewards", [1, 2, 5])
 @pytest.mark.parametrize("places", [1, 8])
 @pytest.mark.parametrize("seeds", [4, 6, 10, 20])
-def test_null_experiments_err_as_rarely_as_they_say(seeds: int, places: int, rewards: int):
+def test_null_experiments_err_as_rarely_as_they_say(seeds, places, rewards):
     """In 5 % of them at most; in one place above 1.5 %, but for four seeds, which are nearly too few."""
     experiments = 1000 if places == 1 else 300
     wrong = share_decided(NULL, seeds, places, rewards, experiments)
-    print(f"{seeds:3} seeds, {places} places, {rewards} rewards: {wrong:.3f}")  # noqa: T201
-    assert wrong <= LEVEL + error(LEVEL, experiments)
+    assert is_kept(f"{seeds:3} seeds, {places} places, {rewards} rewards", wrong, LEVEL, experiments)
     if places == 1 and seeds > 4:
         assert wrong >= 0.015 - error(0.015, experiments)
 
@@ -84,12 +73,11 @@ def test_null_experiments_err_as_rarely_as_they_say(seeds: int, places: int, rew
 @pytest.mark.slow
 @pytest.mark.parametrize(("baselines", "proposed"), [(10, 5), (5, 10), (20, 6)])
 @pytest.mark.parametrize("rewards", [1, 2])
-def test_unequal_numbers_of_trainings_err_as_rarely(baselines: int, proposed: int, rewards: int):
+def test_unequal_numbers_of_trainings_err_as_rarely(baselines, proposed, rewards):
     """All count, and in 5 % at most of the experiments without an effect anything is claimed."""
     experiments, rng = 1000, np.random.default_rng([baselines, proposed, rewards])
     wrong = np.mean([decided(unequal(NULL, rng, baselines, proposed, rewards)) for _ in range(experiments)])
-    print(f"{baselines} against {proposed}, {rewards} rewards: {wrong:.3f}")  # noqa: T201
-    assert wrong <= LEVEL + error(LEVEL, experiments)
+    assert is_kept(f"{baselines} against {proposed}, {rewards} rewards", wrong, LEVEL, experiments)
 
 
 @pytest.mark.slow
@@ -104,15 +92,12 @@ def test_the_trainings_that_one_reward_has_more_of_find_more():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("spread", [(0.24, 0.10), (0.10, 0.24), (0.09, 0.27)])
+@pytest.mark.parametrize(("spread", "bound"), [((0.24, 0.10), 0.075), ((0.10, 0.24), 0.075), ((0.09, 0.27), 0.10)])
 @pytest.mark.parametrize("seeds", [4, 6, 10, 20])
-def test_unequal_spreads_are_called_a_difference_more_often(seeds: int, spread: tuple[float, float]):
+def test_unequal_spreads_are_called_a_difference_more_often(seeds, spread, bound):
     """Equal means: with spreads of 0.24 and 0.10 in 7.5 % at ten seeds, with 1 : 3 in 10 %."""
-    experiments = 2000
-    wrong = share_decided(replace(NULL, spread=spread), seeds, 1, 1, experiments)
-    print(f"{seeds:3} seeds, spreads {spread}: {wrong:.3f}")  # noqa: T201
-    bound = 0.075 if 0.24 in spread else 0.10
-    assert wrong <= bound + error(bound, experiments)
+    wrong = share_decided(replace(NULL, spread=spread), seeds, 1, 1, 2000)
+    assert is_kept(f"{seeds:3} seeds, spreads {spread}", wrong, bound, 2000)
 
 
 # Several places
@@ -127,7 +112,7 @@ def pools(rng: np.random.Generator, seeds: int, effects: list[float], places: in
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("seeds", "power", "experiments"), [(6, 0.48, 300), (8, 0.67, 150)])
-def test_four_rewards_that_help_in_four_places_are_found(seeds: int, power: float, experiments: int):
+def test_four_rewards_that_help_in_four_places_are_found(seeds, power, experiments):
     """By 13 points each, each of them so often; Bonferroni's correction finds 0.35 and 0.55."""
     rng = np.random.default_rng(seeds)
     found = [np.mean([it.is_decided for it in rule(pools(rng, seeds, [0.13] * 4))]) for _ in range(experiments)]
@@ -138,14 +123,13 @@ def test_four_rewards_that_help_in_four_places_are_found(seeds: int, power: floa
 @pytest.mark.slow
 @pytest.mark.parametrize("effects", [[0.0] * 4, [0.13, 0.13, 0.0, 0.0]])
 @pytest.mark.parametrize(("seeds", "experiments"), [(6, 1000), (8, 300)])
-def test_rewards_that_do_nothing_in_four_places_are_seldom_called(seeds: int, experiments: int, effects: list[float]):
+def test_rewards_that_do_nothing_in_four_places_are_seldom_called(seeds, experiments, effects):
     """In 5 % of the experiments at most, also beside two that help."""
     rng, wrong = np.random.default_rng([seeds, 4]), 0
     for _ in range(experiments):
         ruled = zip(rule(pools(rng, seeds, effects)), effects, strict=True)
         wrong += any(ruling.is_decided for ruling, effect in ruled if effect == 0.0)
-    print(f"{seeds} seeds, {effects}: {wrong / experiments:.3f}")  # noqa: T201
-    assert wrong / experiments <= LEVEL + error(LEVEL, experiments)
+    assert is_kept(f"{seeds} seeds, {effects}", wrong / experiments, LEVEL, experiments)
 
 
 @pytest.mark.slow
@@ -159,7 +143,7 @@ def test_rewards_that_do_nothing_in_four_places_are_seldom_called(seeds: int, ex
         ([0.3, 0.3, 0.3, -0.3], 0.40, 1.0),
     ],
 )
-def test_a_place_is_seldom_called_opposed_where_none_is(effects: list[float], low: float, high: float):
+def test_a_place_is_seldom_called_opposed_where_none_is(effects, low, high):
     """With six seeds; where one place loses what three gain it is told in nearly half of the experiments."""
     experiments, rng, opposed = 500, np.random.default_rng(4), 0
     for _ in range(experiments):
@@ -178,7 +162,7 @@ def recorded(proposed: str) -> list[np.ndarray]:
     """Of each place of the engines' records: success, minus the time, success while training, (2, trainings, 3)."""
     found = []
     for path in sorted(RECORDS.glob("*/results.json")):
-        for pair in json.loads(path.read_text(encoding="utf-8"))["combinations"]:
+        for pair in json.loads(path.read_text())["combinations"]:
             if pair["is_control"] or pair["proposed"] != proposed:
                 continue
             by_name = {(it["name"], it["manner"]): it["trainings"].values() for it in pair["behaviour"]}
@@ -189,7 +173,7 @@ def recorded(proposed: str) -> list[np.ndarray]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("seeds", "power", "before"), [(6, 0.48, 0.28), (10, 0.64, 0.40)])
-def test_three_measures_find_more_than_two_of_the_engines_records(seeds: int, power: float, before: float):
+def test_three_measures_find_more_than_two_of_the_engines_records(seeds, power, before):
     """`dense` against the baseline, trainings drawn anew from the ten recorded: at 5 %, and two measures at 4 %."""
     each, rng, found = 30, np.random.default_rng(seeds), []
     for values in recorded("dense"):
@@ -206,7 +190,7 @@ def test_three_measures_find_more_than_two_of_the_engines_records(seeds: int, po
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seeds", [6, 10])
-def test_three_measures_err_as_rarely_as_they_say(seeds: int):
+def test_three_measures_err_as_rarely_as_they_say(seeds):
     """Both sides drawn from the trainings of both rewards: 5 %."""
     each, rng, found = 30, np.random.default_rng(seeds), []
     for values in [*recorded("dense"), *recorded("arp")]:
@@ -214,8 +198,7 @@ def test_three_measures_err_as_rarely_as_they_say(seeds: int):
         for _ in range(each):
             (ruling,) = rule([Question.of(pool[rng.integers(0, len(pool), (2, seeds))][:, :, None])])
             found.append(ruling.is_decided)
-    print(f"{seeds} seeds: {np.mean(found):.3f} of {len(found)}")  # noqa: T201
-    assert np.mean(found) <= LEVEL + error(LEVEL, len(found))
+    assert is_kept(f"{seeds} seeds", np.mean(found), LEVEL, len(found))
 
 
 # Looks
@@ -240,22 +223,11 @@ def in_looks(trainings: list[Trainings], looks: Looks, places: int, rng: np.rand
                 break
 
 
-def trained(rulings: list[LookRuling], looks: Looks, places: int) -> int:
-    """How many trainings an experiment took; the baseline goes on as long as any reward does."""
-    ends = [looks.seeds[it.look] for it in rulings]
-    return places * (sum(ends) + max(ends))
-
-
-def is_answered(ruling: LookRuling) -> bool:
-    """Whether there is an answer: better, worse or small."""
-    return ruling.is_decided or ruling.small is not None
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("effect", "power", "seeds"), [(0.0, None, 32), (0.15, 0.78, 23), (0.20, 0.95, 18), (0.30, 0.99, 12)]
 )
-def test_until_decided_finds_effects_in_one_place(effect: float, power: float | None, seeds: float):
+def test_until_decided_finds_effects_in_one_place(effect, power, seeds):
     """With so many seeds on average; without an effect it errs in 5 %."""
     experiments, looks = 2000 if effect == 0.0 else 400, Looks(ONE_PLACE)
     rng = np.random.default_rng(int(100 * effect))
@@ -277,8 +249,9 @@ def test_until_decided_answers_two_rewards_in_eight_places():
     rng, found, small, count = np.random.default_rng(8), 0, 0, 0.0
     for _ in range(experiments):
         ends = list(in_looks([DENSE_LIKE, NULL], looks, places, rng))
-        found, small = found + ends[0].is_decided, small + is_answered(ends[1])
-        count += trained(ends, looks, places) / experiments
+        found, small = found + ends[0].is_decided, small + (ends[1].is_decided or ends[1].small is not None)
+        seeds = [looks.seeds[it.look] for it in ends]  # the baseline goes on as long as any reward does
+        count += places * (sum(seeds) + max(seeds)) / experiments
     print(f"decided {found / experiments:.2f}, answered {small / experiments:.2f}, trainings {count:.0f}")  # noqa: T201
     assert found / experiments >= 0.99 - error(0.99, experiments)
     assert small / experiments >= 0.90 - error(0.90, experiments)
@@ -287,13 +260,12 @@ def test_until_decided_answers_two_rewards_in_eight_places():
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("places", "rewards", "experiments"), [(1, 2, 300), (4, 2, 300), (8, 2, 100)])
-def test_a_sequential_study_without_effects_claims_nothing(places: int, rewards: int, experiments: int):
+def test_a_sequential_study_without_effects_claims_nothing(places, rewards, experiments):
     """In 95 % of the studies at least, all looks and rewards together."""
     looks = Looks(SEVERAL_PLACES if places >= 4 else ONE_PLACE, asked=rewards)
     rng = np.random.default_rng([places, rewards])
     wrong = sum(any(it.is_decided for it in in_looks([NULL] * rewards, looks, places, rng)) for _ in range(experiments))
-    print(f"{places} places, {rewards} rewards: {wrong / experiments:.3f} of {experiments} studies")  # noqa: T201
-    assert wrong / experiments <= LEVEL + error(LEVEL, experiments)
+    assert is_kept(f"{places} places, {rewards} rewards", wrong / experiments, LEVEL, experiments)
 
 
 def test_by_hand_looks_err_more_often():
@@ -308,15 +280,11 @@ def test_by_hand_looks_err_more_often():
 # The race
 
 
-def spread_at(success: float) -> float:
-    """From seed to seed, as the records have it at such a mean: less towards 1."""
-    return 0.156 if success > 0.75 else 0.19
-
-
 def raced(means: list[float], rng: np.random.Generator) -> tuple[Race, int]:
-    """How a race of candidates with these mean successes ends, and its trainings."""
+    """How a race of candidates with these mean successes ends, and its trainings; spread as the records have it."""
     values = {
-        f"candidate {at}": mean + spread_at(mean) * rng.normal(size=(1, RACE[-1])) for at, mean in enumerate(means)
+        f"candidate {at}": mean + (0.156 if mean > 0.75 else 0.19) * rng.normal(size=(1, RACE[-1]))
+        for at, mean in enumerate(means)
     }
     found = race(values, RACE, dict.fromkeys(values, len(RACE)))
     last = RACE[found.looks - 1]
@@ -341,9 +309,8 @@ def test_a_race_of_eight_finds_the_best():
 @pytest.mark.parametrize(
     "means", [[0.6] * 8, [0.8, 0.8], [0.8, 0.8, *[0.6] * 6], [0.8, 0.8, 0.8, *[0.3] * 5], [0.8, 0.78, *[0.2] * 6]]
 )
-def test_a_race_seldom_throws_out_the_best(means: list[float]):
+def test_a_race_seldom_throws_out_the_best(means):
     """In 5 % at most, also where others are as good, and where many that are worse have left."""
     experiments, rng = 1000, np.random.default_rng(9)
     wrong = float(np.mean(["candidate 0" not in raced(means, rng)[0].living for _ in range(experiments)]))
-    print(f"{means}: {wrong:.3f}")  # noqa: T201
-    assert wrong <= LEVEL + error(LEVEL, experiments)
+    assert is_kept(str(means), wrong, LEVEL, experiments)

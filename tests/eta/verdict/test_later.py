@@ -6,9 +6,9 @@ Nothing does anything in these experiments, so every answer is false. ``pytest -
 import numpy as np
 import pytest
 
-from harness.eta.verdict.question import Question
-from harness.eta.verdict.ruling import LEVEL, rule
-from tests.eta.verdict.test_errors import error
+from harness.eta import Question, rule
+from harness.eta.verdict.ruling import LEVEL
+from tests.eta.scenarios import error, is_kept
 
 EXPERIMENTS = 1000
 
@@ -19,13 +19,6 @@ def answers(values: np.ndarray) -> bool:
     return any(it.is_decided for it in rule(questions))
 
 
-def share(wrong: int, bound: float, what: str) -> None:
-    """See that a share of the experiments is within three of its standard errors of a bound."""
-    found = wrong / EXPERIMENTS
-    print(f"{what}: {found:.3f}")  # noqa: T201
-    assert found <= bound + error(bound, EXPERIMENTS)
-
-
 @pytest.mark.slow
 def test_rewards_that_are_added_later():
     """The last report keeps its word. Whoever counts each report on the way has 2 points more."""
@@ -34,8 +27,8 @@ def test_rewards_that_are_added_later():
         values = rng.normal(size=(5, 10))
         reports = [answers(values[: 2 + count]) for count in range(4)]
         last, ever = last + reports[-1], ever + any(reports)
-    share(last, LEVEL, "four rewards, added one by one: the last report")
-    share(ever, 0.09, "any report on the way")
+    assert is_kept("four rewards, added one by one: the last report", last / EXPERIMENTS, LEVEL, EXPERIMENTS)
+    assert is_kept("any report on the way", ever / EXPERIMENTS, 0.09, EXPERIMENTS)
 
 
 @pytest.mark.slow
@@ -45,7 +38,7 @@ def test_a_new_folder_for_each_reward():
     for _ in range(EXPERIMENTS):
         values = rng.normal(size=(5, 10))
         ever += any(answers(values[[0, at]]) for at in range(1, 5))
-    share(ever, 0.17, "four folders with a reward each")
+    assert is_kept("four folders with a reward each", ever / EXPERIMENTS, 0.17, EXPERIMENTS)
     assert ever / EXPERIMENTS > LEVEL + error(LEVEL, EXPERIMENTS)
 
 
@@ -56,7 +49,7 @@ def test_seeds_that_are_added_when_the_answer_did_not_come():
     for _ in range(EXPERIMENTS):
         values = rng.normal(size=(2, 16))
         ever += any(answers(values[:, :seeds]) for seeds in (6, 10, 16))
-    share(ever, 0.11, "seeds added twice")
+    assert is_kept("seeds added twice", ever / EXPERIMENTS, 0.11, EXPERIMENTS)
 
 
 @pytest.mark.slow
@@ -65,5 +58,5 @@ def test_a_new_folder_when_the_answer_did_not_come():
     rng, ever = np.random.default_rng(4), 0
     for _ in range(EXPERIMENTS):
         ever += any(answers(rng.normal(size=(2, 10))) for _ in range(3))
-    share(ever, 1.0 - (1.0 - LEVEL) ** 3, "three folders of the same study")
+    assert is_kept("three folders of the same study", ever / EXPERIMENTS, 1.0 - (1.0 - LEVEL) ** 3, EXPERIMENTS)
     assert ever / EXPERIMENTS > LEVEL + error(LEVEL, EXPERIMENTS)

@@ -6,18 +6,9 @@ import numpy as np
 import pytest
 
 from harness.arrays import Float
+from harness.eta import Looks, Question, rule, rule_in_looks
 from harness.eta.verdict.least_p import both_sides, crossed_before
-from harness.eta.verdict.looks import (
-    MANY_PLACES,
-    ONE_PLACE,
-    SEVERAL_PLACES,
-    Looks,
-    check_looks,
-    looks_for,
-    rule_in_looks,
-)
-from harness.eta.verdict.question import Question
-from harness.eta.verdict.ruling import rule
+from harness.eta.verdict.looks import MANY_PLACES, ONE_PLACE, SEVERAL_PLACES, check_looks, looks_for
 
 LOOKS = Looks((4, 6, 8, 12))
 
@@ -98,13 +89,13 @@ def test_a_small_difference_ends_it():
     ("seeds", "futile"),
     [((2, 3, 4, 6), [False, False, True, True]), (ONE_PLACE, [False, True, True, True, True, True])],
 )
-def test_small_differences_end_it_at_the_last_five_looks_from_four_seeds(seeds: tuple[int, ...], futile: list[bool]):
+def test_small_differences_end_it_at_the_last_five_looks_from_four_seeds(seeds, futile):
     """Before that a few seeds are alike by luck."""
     looks = Looks(seeds)
     assert [looks.is_futile_at(look) for look in range(len(seeds))] == futile
 
 
-def test_usual_looks_depend_on_the_places(subtests: pytest.Subtests):
+def test_usual_looks_depend_on_the_places(subtests):
     """Two seeds in each of four places are as many as eight in one."""
     for places in range(1, 10):
         with subtests.test(places=places):
@@ -120,13 +111,13 @@ def test_usual_looks_depend_on_the_places(subtests: pytest.Subtests):
         ((1, 4), "at least 2 seeds"),
     ],
 )
-def test_looks_that_cannot_be_used_say_why(seeds: tuple[int, ...], told: str):
+def test_looks_that_cannot_be_used_say_why(seeds, told):
     """What is allowed, with an example."""
     assert told in check_looks(seeds)
 
 
 @pytest.mark.parametrize("seeds", [ONE_PLACE, SEVERAL_PLACES, (2,), (3, 7)])
-def test_looks_that_increase_are_fine(seeds: tuple[int, ...]):
+def test_looks_that_increase_are_fine(seeds):
     """Those of the harness among them."""
     assert check_looks(seeds) == ""
 
@@ -140,7 +131,7 @@ def perfect_beside(steady: float) -> Question:
 
 
 @pytest.mark.parametrize(("steady", "seeds"), [(0.5, 8), (0.7, 16), (0.8, 24)])
-def test_trainings_that_all_succeed_are_believed_at_a_look_that_luck_hardly_reaches(steady: float, seeds: int):
+def test_trainings_that_all_succeed_are_believed_at_a_look_that_luck_hardly_reaches(steady, seeds):
     """Twice the chance of no failure, and what luck had at earlier looks, is below what may be spent."""
     found = rule_in_looks(perfect_beside(steady), Looks(ONE_PLACE), len(ONE_PLACE))
     assert found.is_decided
@@ -148,7 +139,7 @@ def test_trainings_that_all_succeed_are_believed_at_a_look_that_luck_hardly_reac
     assert found.p > 2.0 * (steady - 0.01) ** seeds
 
 
-def test_luck_has_one_level_over_all_looks(subtests: pytest.Subtests):
+def test_luck_has_one_level_over_all_looks(subtests):
     """Failures alone, 20,000 experiments with as many failures as the steady baseline misses: below 5 % in all."""
     for places in [1, 4]:
         for share in [0.1, 0.2, 0.35, 0.5]:

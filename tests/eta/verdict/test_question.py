@@ -8,7 +8,8 @@ import scipy.stats
 from hypothesis import given, strategies as st
 
 from harness.arrays import Float
-from harness.eta.verdict.question import LEAST_SPREAD, Question
+from harness.eta import Question
+from harness.eta.verdict.question import LEAST_SPREAD
 
 
 def values_of(seeds: int, places: int = 1, measures: int = 1, effect: float = 0.0, seed: int = 0) -> Float:
@@ -26,7 +27,7 @@ def with_counts(values: Float, baselines: int, proposed: int) -> Float:
 
 
 @given(st.integers(3, 12), st.integers(0, 1000))
-def test_the_statistic_of_one_place_is_welchs_t(seeds: int, seed: int):
+def test_the_statistic_of_one_place_is_welchs_t(seeds, seed):
     """As scipy computes it."""
     values = values_of(seeds, effect=0.5, seed=seed)
     theirs = scipy.stats.ttest_ind(values[1, :, 0, 0], values[0, :, 0, 0], equal_var=False)
@@ -36,7 +37,7 @@ def test_the_statistic_of_one_place_is_welchs_t(seeds: int, seed: int):
 
 
 @given(st.integers(3, 8), st.integers(2, 4), st.integers(0, 1000))
-def test_the_statistic_of_several_places_is_that_of_the_mean_over_them(seeds: int, places: int, seed: int):
+def test_the_statistic_of_several_places_is_that_of_the_mean_over_them(seeds, places, seed):
     """Seeds that were trained in all places are the unit."""
     values = values_of(seeds, places, effect=0.5, seed=seed)
     means = values[..., 0].mean(axis=2)
@@ -104,7 +105,7 @@ def test_a_training_that_is_missing_takes_none_of_the_other_reward_with_it():
 
 
 @given(st.integers(2, 7), st.integers(2, 7), st.integers(1, 3), st.integers(0, 1000))
-def test_rows_are_not_paired(baselines: int, proposed: int, places: int, seed: int):
+def test_rows_are_not_paired(baselines, proposed, places, seed):
     """Where the trainings of a side stand changes nothing."""
     values = with_counts(values_of(7, places, 2, effect=0.7, seed=seed), baselines, proposed)
     rng, mixed = np.random.default_rng(seed), values.copy()
@@ -149,7 +150,7 @@ def test_subsets_of_places_of_unequal_sides_have_the_statistic_of_their_mean():
 
 
 @pytest.mark.parametrize(("seeds", "is_testable"), [(1, False), (2, True)])
-def test_one_seed_has_no_spread(seeds: int, is_testable: bool):
+def test_one_seed_has_no_spread(seeds, is_testable):
     """And so no test."""
     assert Question.of(values_of(seeds)).is_testable == is_testable
 

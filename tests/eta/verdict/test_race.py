@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from harness.arrays import Float
-from harness.eta.verdict.race import CLOSE, RACE, race, spent
+from harness.eta import RACE, race
+from harness.eta.verdict.race import CLOSE, spent
 
 
 def values_of(mean: float, spread: float = 0.05, places: int = 1, seed: int = 0) -> Float:

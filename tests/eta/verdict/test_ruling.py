@@ -8,8 +8,8 @@ import pytest
 import scipy.stats
 
 from harness.arrays import Float
-from harness.eta.verdict.question import Question
-from harness.eta.verdict.ruling import LEVEL, Ruling, better_in, opposed_in, rule, rule_places
+from harness.eta import Question, Ruling, rule
+from harness.eta.verdict.ruling import LEVEL, better_in, opposed_in, rule_places
 
 
 def values_of(seeds: int, places: int = 1, measures: int = 1, effect: float = 0.0, seed: int = 0) -> Float:
@@ -30,7 +30,7 @@ def ruling_of(question: Question) -> Ruling:
     return found
 
 
-def test_p_of_one_question_is_that_of_all_permutations(subtests: pytest.Subtests):
+def test_p_of_one_question_is_that_of_all_permutations(subtests):
     """As scipy finds it, with the same statistic, also where one reward has more trainings."""
     for baselines, proposed, effect in [
         (3, 3, 0.5),
@@ -55,7 +55,7 @@ def test_p_of_one_question_is_that_of_all_permutations(subtests: pytest.Subtests
             assert ruling_of(Question.of(values)).p == pytest.approx(theirs.pvalue)
 
 
-def test_p_of_as_many_trainings_of_each_stays(subtests: pytest.Subtests):
+def test_p_of_as_many_trainings_of_each_stays(subtests):
     """To the last bit, as it was when only trainings with a namesake under the other reward counted."""
     rows = [
         (4, 1, 1, 0.5, 0, (0.11428571428571428,)),
@@ -80,7 +80,7 @@ def test_p_of_as_many_trainings_of_each_stays(subtests: pytest.Subtests):
         (9, False, (0.02015, 0.3631)),
     ],
 )
-def test_p_of_looks_in_places_with_seeds_of_their_own_stays(seeds: int, is_drawn: bool, p: tuple[float, ...]):
+def test_p_of_looks_in_places_with_seeds_of_their_own_stays(seeds, is_drawn, p):
     """To the last bit: two places, the second half of the seeds of each at a second look."""
     values, drawn = np.full((2, 2 * seeds, 2, 2), np.nan), values_of(seeds, 2, 2, 0.7, seeds)
     values[:, :seeds, 0], values[:, seeds:, 1] = drawn[:, :, 0], drawn[:, :, 1]
@@ -239,7 +239,7 @@ def test_without_an_answer_no_place_is_opposed():
 
 
 @pytest.mark.parametrize(("affected", "least"), [(4, 3), (1, 1)])
-def test_better_in_so_many_places_at_least(affected: int, least: int):
+def test_better_in_so_many_places_at_least(affected, least):
     """Never more than those in which something happens."""
     values = values_of(10, places=4, seed=3)
     values[1, :, :affected] += 5.0
@@ -294,7 +294,7 @@ def all_or_nothing(succeeded: int, failed: int, steady: float = 0.8, seconds: fl
 
 
 @pytest.mark.parametrize(("succeeded", "failed"), [(6, 0), (10, 0), (11, 1)])
-def test_where_all_trainings_succeed_p_is_no_smaller_than_that_luck_is_rare(succeeded: int, failed: int):
+def test_where_all_trainings_succeed_p_is_no_smaller_than_that_luck_is_rare(succeeded, failed):
     """Twice the chance of so few failures where they would make the means equal."""
     question = all_or_nothing(succeeded, failed)
     found, free = ruling_of(question), ruling_of(Question.of(question.values))
@@ -325,7 +325,7 @@ def test_what_no_failure_could_make_up_for_has_no_least_p():
 
 
 @pytest.mark.parametrize("end", [np.nan, -np.inf])
-def test_a_measure_without_a_known_end_has_the_least_p_of_the_first_one(end: float):
+def test_a_measure_without_a_known_end_has_the_least_p_of_the_first_one(end):
     """What a failure would cost in it is not known."""
     question = all_or_nothing(10, 0, seconds=9.0)
     question.ends[0, 1, 0] = end
@@ -339,7 +339,7 @@ def test_many_trainings_without_a_failure_are_believed():
 
 
 @pytest.mark.parametrize(("at_the_end", "is_floored"), [(2, True), (3, False)])
-def test_a_reward_of_which_more_than_a_few_reach_the_same_end_asks_for_nothing(at_the_end: int, is_floored: bool):
+def test_a_reward_of_which_more_than_a_few_reach_the_same_end_asks_for_nothing(at_the_end, is_floored):
     """One in five are few. Beyond, the two are spread alike: the baseline is just cut off at 100 %."""
     question = all_or_nothing(10, 0, steady=0.7)
     question.values[0, :at_the_end, 0, 0] = 0.96

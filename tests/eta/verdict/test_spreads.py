@@ -4,7 +4,6 @@
 documentation, widened by three standard errors of the simulation.
 """
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -12,8 +11,9 @@ import numpy as np
 import pytest
 
 from harness.arrays import Float
-from harness.eta.verdict.question import Question
-from harness.eta.verdict.ruling import LEVEL, rule
+from harness.eta import Question, rule
+from harness.eta.verdict.ruling import LEVEL
+from tests.eta.scenarios import error, is_kept
 
 HORIZON, FASTEST = 5.0, 2.0
 """Seconds that a training which fails, or succeeds, takes to the target."""
@@ -74,17 +74,12 @@ def share_decided(study: Study, experiments: int) -> float:
     return sum(any(it.is_decided for it in rule(study.questions(rng))) for _ in range(experiments)) / experiments
 
 
-def error(share: float, experiments: int) -> float:
-    """Three standard errors of a share of so many experiments."""
-    return 3.0 * math.sqrt(share * (1.0 - share) / experiments)
-
-
 MOST = 0.08
 """What is promised from six seeds on."""
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_few_experiments_of_steady_against_all_or_nothing_claim_little(kind: str):
+def test_a_few_experiments_of_steady_against_all_or_nothing_claim_little(kind):
     """Without the least p it were one in four, and with four rewards beside a steady baseline seven of ten."""
     wrong = share_decided(Study(KINDS[kind], (0.8, 0.8), 6, rewards=4), 100)
     assert wrong <= MOST + error(MOST, 100)
@@ -95,14 +90,13 @@ def test_a_few_experiments_of_steady_against_all_or_nothing_claim_little(kind: s
 @pytest.mark.parametrize("mean", [0.5, 0.8, 0.2])
 @pytest.mark.parametrize(("places", "rewards"), [(1, 1), (1, 4), (4, 1), (4, 4)])
 @pytest.mark.parametrize(("seeds", "experiments"), [(4, 300), (6, 300), (10, 100), (20, 60)])
-def test_steady_against_all_or_nothing_errs_seldom(
-    seeds: int, experiments: int, places: int, rewards: int, mean: float, kind: str
-):
+def test_steady_against_all_or_nothing_errs_seldom(seeds, experiments, places, rewards, mean, kind):
     """In 8 % at most from four seeds on, on success alone and with a time and a learning that follow it."""
     for measures in (1, 3):
         wrong = share_decided(Study(KINDS[kind], (mean, mean), seeds, places, rewards, measures), experiments)
-        print(f"{kind}, {mean}, {seeds} seeds, {places} places, {rewards} rewards, {measures}: {wrong:.3f}")  # noqa: T201
-        assert wrong <= MOST + error(MOST, experiments)
+        assert is_kept(
+            f"{kind}, {mean}, {seeds} seeds, {places} places, {rewards} rewards, {measures}", wrong, MOST, experiments
+        )
 
 
 def clipped(rng: np.random.Generator, mean: float, shape: tuple[int, int]) -> Float:
@@ -115,7 +109,7 @@ def clipped(rng: np.random.Generator, mean: float, shape: tuple[int, int]) -> Fl
     ("mean", "effect", "seeds", "power"),
     [(0.45, 0.2, 6, 0.38), (0.45, 0.2, 10, 0.62), (0.45, 0.2, 20, 0.90), (0.8, 0.2, 6, 0.31), (0.8, 0.2, 10, 0.58)],
 )
-def test_answers_about_rewards_of_one_kind_are_kept(mean: float, effect: float, seeds: int, power: float):
+def test_answers_about_rewards_of_one_kind_are_kept(mean, effect, seeds, power):
     """Success alone, +20 points: in the middle all of them, towards 100 % at most 4 % fewer."""
     experiments, rng = 1000, np.random.default_rng(seeds)
     study = Study((clipped, clipped), (mean, mean + effect), seeds)
@@ -130,13 +124,12 @@ def test_answers_about_rewards_of_one_kind_are_kept(mean: float, effect: float, 
 @pytest.mark.slow
 @pytest.mark.parametrize("mean", [0.5, 0.8, 1.0])
 @pytest.mark.parametrize("seeds", [6, 10])
-def test_rewards_that_could_swap_names_err_as_before(seeds: int, mean: float):
+def test_rewards_that_could_swap_names_err_as_before(seeds, mean):
     """All-or-nothing under both, and cut off at 100 % under both: in 5 % at most."""
     experiments = 1000
     for draw in (all_or_nothing, clipped):
         wrong = share_decided(Study((draw, draw), (mean, mean), seeds, rewards=2), experiments)
-        print(f"{draw.__name__}, {mean}, {seeds} seeds: {wrong:.3f}")  # noqa: T201
-        assert wrong <= LEVEL + error(LEVEL, experiments)
+        assert is_kept(f"{draw.__name__}, {mean}, {seeds} seeds", wrong, LEVEL, experiments)
 
 
 @pytest.mark.slow
@@ -144,7 +137,7 @@ def test_rewards_that_could_swap_names_err_as_before(seeds: int, mean: float):
     ("mean", "spread", "rewards", "most"),
     [(0.8, 0.10, 1, 0.08), (0.8, 0.18, 1, 0.08), (0.8, 0.18, 4, 0.15), (0.95, STEADY, 1, 0.70)],
 )
-def test_what_is_left_beside_a_baseline_that_is_not_so_steady(mean: float, spread: float, rewards: int, most: float):
+def test_what_is_left_beside_a_baseline_that_is_not_so_steady(mean, spread, rewards, most):
     """A reward that succeeds or fails, beside a baseline cut off at 100 %: the more, the closer its mean is to that."""
     experiments = 300
 
@@ -154,5 +147,4 @@ def test_what_is_left_beside_a_baseline_that_is_not_so_steady(mean: float, sprea
     for seeds in (6, 10):
         study = Study((spread_out, all_or_nothing), (mean, mean), seeds, rewards=rewards)
         wrong = share_decided(study, experiments)
-        print(f"{mean}, spread {spread}, {rewards} rewards, {seeds} seeds: {wrong:.3f}")  # noqa: T201
-        assert wrong <= most + error(most, experiments)
+        assert is_kept(f"{mean}, spread {spread}, {rewards} rewards, {seeds} seeds", wrong, most, experiments)

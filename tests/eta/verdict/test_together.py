@@ -5,9 +5,7 @@ import pytest
 from scipy.special import stdtrit
 
 from harness.arrays import Float
-from harness.eta.behaviour_change import Quantity, change_of
-from harness.eta.swaps import swaps_of
-from harness.eta.verdict.question import Question
+from harness.eta import Quantity, Question, change_of, swaps_of
 from harness.eta.verdict.together import Together
 
 SUCCESS = Quantity("success_rate", "", "higher", "deterministic", 100)
@@ -93,7 +91,7 @@ def test_a_change_over_places_lies_between_those_of_the_places():
 
 
 @pytest.mark.parametrize("baseline", [{0: -1.0, 1: 1.5}, {0: 0.0, 1: 0.0}])
-def test_values_of_either_sign_count_relative_to_their_size(baseline: dict[int, float]):
+def test_values_of_either_sign_count_relative_to_their_size(baseline):
     """A return of about 0 is no unit; neither is a baseline of nothing."""
     found = Together.of([change_of(TIME, baseline, {0: 2.0, 1: 2.0}, swaps_of(range(2)))])
     size = np.mean(np.abs([*baseline.values(), 2.0, 2.0]))

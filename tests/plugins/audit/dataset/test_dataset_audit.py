@@ -19,10 +19,11 @@ from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 from harness.reward.forms import reward_class
 from harness.reward.terms import sum_of
-from harness.score.places import parse_places, pay_episode
+from harness.score.places import parse_places
 from harness_plugins.audit.dataset.audit_dataset import audit_dataset
 from harness_plugins.datasets import dataset as sizes
 from tests.record.dataset.written import episode, opened, write_lerobot, write_minari
+from tests.score.test_places import pay_episode
 
 PLACES = "end_effector=0:3,target=3:6"
 STEPS = 12

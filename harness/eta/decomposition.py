@@ -312,17 +312,14 @@ def _range(count: int, compared: int, of: Callable[[Float], Float], undefined: s
         return Ratio(None, notes=(f"{count} runs of the baseline: halves of them need at least {LEAST_RUNS}",))
     half = count // 2
     first, second = (of(shares) for shares in split_halves(count))
+    tail = (1.0 - CONFIDENCE) / 2.0
+    widening = quantile(CONFIDENCE, count - 1) / NormalDist().inv_cdf(1.0 - tail)  # as so few runs know their spread
     with np.errstate(all="ignore"):
-        logarithms = np.log(first / second) * math.sqrt(half / compared) * _widening(count)
+        logarithms = np.log(first / second) * math.sqrt(half / compared) * widening
     if not np.isfinite(logarithms).all():
         return Ratio(None, notes=(f"a half of the baseline's runs has {undefined}",))
-    tail = (1.0 - CONFIDENCE) / 2.0
     low, high = np.exp(np.quantile(logarithms, [tail, 1.0 - tail]))
     return Ratio(1.0, float(low), float(high), (told or f"halves of {count} runs, scaled to all",))
-
-
-def _widening(runs: int) -> float:
-    return quantile(CONFIDENCE, runs - 1) / NormalDist().inv_cdf(0.5 + CONFIDENCE / 2.0)
 
 
 def split_halves(count: int, splits: int = SPLITS) -> tuple[Float, Float]:
