@@ -1,22 +1,18 @@
 """A built-in algorithm that leaves anything out of its checkpoints is found by the checks."""
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 import pytest
 
 from harness.algorithm import needs_goals
-from harness.env import ReachVectorEnv
-from harness.policy import Policy
-from harness.progress import Progress, Ring, TrainingState
+from harness.progress import Progress, Ring
 from harness.registry.registry import load_registry
-from harness_plugins.kit.algorithms import a_training_goes_on_where_it_stood, checkpoints_change_nothing
+from harness_plugins.kit.kits import KITS
 
 REGISTRY = load_registry()
-SMALL: dict[str, Any] = {"net_arch": (8,), "batch_size": 16}
-SELDOM: dict[str, Any] = {**SMALL, "learning_starts": 50, "train_freq": 5}
-SETTINGS: dict[str, dict[str, Any]] = {
+CHECKS = {check.name: check for check in KITS["algorithms"].contract}
+SMALL = {"net_arch": (8,), "batch_size": 16}
+SELDOM = {**SMALL, "learning_starts": 50, "train_freq": 5}
+SETTINGS = {
     "sac-fast": {**SMALL, "learning_starts": 125, "buffer_size": 100, "train_freq": 3},
     "spg": {"net_arch": (8,), "decisions": 7, "num_envs": 4, "restart": 3},
     "ppo": {**SMALL, "rollout": 64, "schedule": "linear", "num_envs": 2},
@@ -28,52 +24,36 @@ SETTINGS: dict[str, dict[str, Any]] = {
 }
 """Small ones, which use all that they keep: buffers that are full, delays that no checkpoint divides."""
 NEEDED = {
-    "sac-fast": (
-        "rng", "observation", "rounds", "decisions", "replay", "learner.targets", "learner.actor.parameters",
-        "learner.actor.first", "learner.critics.second", "learner.critics.steps", "learner.coefficient.first",
-        "learner.coefficient.value",
-    ),
-    "spg": ("rng", "observation", "updates", "policy.log_std", "policy.adam.0.exp_avg", "baseline.adam.1.exp_avg_sq"),
-    "ppo": ("model.policy.optimizer.0.exp_avg", "model._last_obs", "done"),
-    "dqn": ("model._n_calls", "model.exploration_rate", "model.policy.q_net_target.q_net.0.weight", "model.actions"),
-    "td3": ("model._n_updates", "model.policy.actor_target.mu.0.weight", "model.numpy.rest", "done"),
-    "sb3-sac": (
-        "model.torch", "model.replay", "model.actor.optimizer.0.exp_avg", "model.numpy.keys", "model._last_obs",
-        "model.num_timesteps", "model.policy.actor.mu.weight", "model.policy.critic_target.qf0.0.bias",
-        "model.critic.optimizer.1.exp_avg_sq", "model.ent_coef_optimizer.0.exp_avg", "model.variable.log_ent_coef",
-    ),
-    "her": (
-        "model.replay", "model.episodes.ep_length", "model.episodes._current_ep_start", "model._last_obs.columns_0",
-    ),
-}  # fmt: skip
+    "sac-fast": """rng observation rounds decisions replay learner.targets learner.actor.parameters learner.actor.first
+        learner.critics.second learner.critics.steps learner.coefficient.first learner.coefficient.value""",
+    "spg": "rng observation updates policy.log_std policy.adam.0.exp_avg baseline.adam.1.exp_avg_sq",
+    "ppo": "model.policy.optimizer.0.exp_avg model._last_obs done",
+    "dqn": "model._n_calls model.exploration_rate model.policy.q_net_target.q_net.0.weight model.actions",
+    "td3": "model._n_updates model.policy.actor_target.mu.0.weight model.numpy.rest done",
+    "sb3-sac": """model.torch model.replay model.actor.optimizer.0.exp_avg model.numpy.keys model._last_obs
+        model.num_timesteps model.policy.actor.mu.weight model.policy.critic_target.qf0.0.bias
+        model.critic.optimizer.1.exp_avg_sq model.ent_coef_optimizer.0.exp_avg model.variable.log_ent_coef""",
+    "her": "model.replay model.episodes.ep_length model.episodes._current_ep_start model._last_obs.columns_0",
+}
 """Of what each keeps, one of every sort."""
-BY_SB3 = ("ppo", "dqn", "ddqn", "td3", "sb3-sac", "her")
-"""One thing of each shows in every run that the check sees through the library; the others are slow ones."""
-CASES = [
-    pytest.param(algorithm, name, marks=[pytest.mark.slow] * (algorithm in BY_SB3 and index > 0))
-    for algorithm, names in NEEDED.items()
-    for index, name in enumerate(names)
-]
+QUICK = ("sac-fast", "spg")
+"""Of the others, by stable-baselines3, one thing of each shows in every run that the check sees through the library."""
 
 
 class Spoiling(Progress):
     """Hands on checkpoints with one thing spoiled."""
 
-    def __init__(self, inner: Progress, name: str) -> None:
+    def __init__(self, inner, name):
         self._inner, self._name = inner, name
 
-    def checkpoint(self, steps: int, make: Callable[[], TrainingState]) -> None:
-        def spoiled() -> TrainingState:
-            state = make()
-            return {**state, self._name: spoil(state[self._name])}
+    def checkpoint(self, steps, make):
+        self._inner.checkpoint(steps, lambda: {**(state := make()), self._name: spoil(state[self._name])})
 
-        self._inner.checkpoint(steps, spoiled)
-
-    def restored(self) -> TrainingState | None:
+    def restored(self):
         return self._inner.restored()
 
 
-def spoil(value: Any) -> Any:
+def spoil(value):
     """Another number, another generator, or one other row."""
     if isinstance(value, Ring):
         columns = {name: array.copy() for name, array in value.columns.items()}
@@ -93,28 +73,41 @@ def spoil(value: Any) -> Any:
 class Spoiled:
     """An algorithm whose checkpoints lack one thing."""
 
-    def __init__(self, algorithm: Any, name: str) -> None:
+    def __init__(self, algorithm, name):
         self._algorithm, self._name = algorithm, name
         self.num_envs, self.action_spaces = algorithm.num_envs, algorithm.action_spaces
         self.needs_goals = needs_goals(algorithm)
 
-    def train(self, env: ReachVectorEnv, steps: int, seed: int, progress: Progress) -> Policy:
-        policy: Policy = self._algorithm.train(env, steps, seed, Spoiling(progress, self._name))
-        return policy
+    def train(self, env, steps, seed, progress):
+        return self._algorithm.train(env, steps, seed, Spoiling(progress, self._name))
 
 
-@pytest.mark.parametrize(("algorithm", "name"), CASES)
-def test_whatever_a_checkpoint_lacks_is_found(algorithm: str, name: str):
-    """A weight, a moment, a generator, a counter, an observation, one row of the replay buffer."""
-    built: Any = REGISTRY.get("algorithms", algorithm).load()(**SETTINGS[algorithm])
-    with pytest.raises(AssertionError, match="something is not in the checkpoint"):
-        a_training_goes_on_where_it_stood(Spoiled(built, name))
+def slow(is_slow, *case):
+    """A case of a parametrized test."""
+    return pytest.param(*case, marks=[pytest.mark.slow] * is_slow)
 
 
-@pytest.mark.parametrize("check", [checkpoints_change_nothing, a_training_goes_on_where_it_stood])
+def build(algorithm):
+    """With its small settings."""
+    return REGISTRY.get("algorithms", algorithm).load()(**SETTINGS[algorithm])
+
+
 @pytest.mark.parametrize(
-    "algorithm", [pytest.param(name, marks=[pytest.mark.slow] * (name in BY_SB3[1:])) for name in SETTINGS]
+    ("algorithm", "name"),
+    [
+        slow(algorithm not in QUICK and index > 0, algorithm, name)
+        for algorithm, names in NEEDED.items()
+        for index, name in enumerate(names.split())
+    ],
 )
-def test_nothing_is_found_where_nothing_is_lacking(algorithm: str, check: Callable[..., None]):
+def test_whatever_a_checkpoint_lacks_is_found(algorithm, name):
+    """A weight, a moment, a generator, a counter, an observation, one row of the replay buffer."""
+    with pytest.raises(AssertionError, match="something is not in the checkpoint"):
+        CHECKS["algo-resume"](Spoiled(build(algorithm), name))
+
+
+@pytest.mark.parametrize("check", ["algo-checkpoint-silent", "algo-resume"])
+@pytest.mark.parametrize("algorithm", [slow(name not in (*QUICK, "ppo"), name) for name in SETTINGS])
+def test_nothing_is_found_where_nothing_is_lacking(algorithm, check):
     """With the same settings."""
-    check(REGISTRY.get("algorithms", algorithm).load()(**SETTINGS[algorithm]))
+    CHECKS[check](build(algorithm))

@@ -3,10 +3,7 @@
 import io
 import subprocess
 import sys
-from collections.abc import Callable, Iterable
-from functools import cache
-from pathlib import Path
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -16,17 +13,9 @@ from harness.errors import ContractViolation
 from harness.log.format import HEAD
 from harness.log.open_log import formats_of
 from harness.motion import MODES
-from harness.reach import ReachTask
 from harness.registry.registry import load_registry
-from harness.robot import Robot
+from harness.robot.ground_clearance import build_solids
 from harness_plugins.kit import (
-    ALGORITHM_CHECKS,
-    LOG_CHECKS,
-    METRIC_CHECKS,
-    REWARD_CHECKS,
-    ROBOT_CHECKS,
-    SIMULATOR_CHECKS,
-    TASK_CHECKS,
     Check,
     IdealSimulator,
     check_algorithm,
@@ -36,186 +25,153 @@ from harness_plugins.kit import (
     check_task,
     violations,
 )
-from harness_plugins.kit.algorithms import (
-    a_training_goes_on_where_it_stood,
-    checkpoints_change_nothing,
-    the_policy_acts_as_it_trained,
-    the_return_rises,
-)
 from harness_plugins.kit.contract import require
-from harness_plugins.kit.simulators.states import frames_show_the_target, render_gives_a_frame_or_says_why_not
-from harness_plugins.kit.tasks import (
-    draws_depend_on_the_stream_alone,
-    episodes_are_alike_where_it_says_so,
-    starts_are_in_the_joint_ranges,
-    targets_are_points,
-    targets_can_be_reached,
-    targets_do_not_depend_on_the_count,
-)
-from harness_plugins.kit.trainings import NegativeDistance
+from harness_plugins.kit.kits import KITS
+
+from .mutants import metrics
 
 REGISTRY = load_registry()
 ROBOT = harness.load_robot("fd100", REGISTRY)
-FRAME_CHECKS = (render_gives_a_frame_or_says_why_not, frames_show_the_target)
-DRAW_CHECKS = (
-    starts_are_in_the_joint_ranges,
-    targets_are_points,
-    targets_can_be_reached,
-    targets_do_not_depend_on_the_count,
-    draws_depend_on_the_stream_alone,
-    episodes_are_alike_where_it_says_so,
-)
+FRAMES = {"sim-render", "sim-render-target"}
+DRAWS = {"task-starts", "task-targets", "task-targets-in-reach", "task-targets-count", "task-draws", "task-varies"}
 """Of a task, what looks at its starts and targets alone."""
-OTHER_CHECKS = tuple(check for check in SIMULATOR_CHECKS if check not in FRAME_CHECKS)
 LARGE = ("sb3-sac", "her", "td3", "dqn", "ddqn")
 """Their default networks take long to train; `SMALLER` ones show the same in most checks."""
 SMALLER = {"net_arch": (16,), "batch_size": 32}
-SLOW = {(name, the_return_rises) for name in (*LARGE, "ppo")}
-"""Whole trainings of up to half a minute; the other algorithms' show in every run that the check is able to fail."""
-SLOW |= {
-    (name, check)
-    for name in LARGE
-    for check in (the_policy_acts_as_it_trained, checkpoints_change_nothing, a_training_goes_on_where_it_stood)
-}
-"""The same, or several trainings; `test_checkpoint_mutants` runs the last two with smaller networks."""
-SLOW |= {
-    (name, check)
-    for name in ("her", "td3", "ddqn")
-    for check in ALGORITHM_CHECKS
-    if check.name in {"algo-every-env", "algo-same-seed", "algo-other-seed", "algo-budget"}
-}
-"""Their trainings are those of `sb3-sac` and `dqn`, which show it in every run, with another update."""
-CHECKS = [
-    *SIMULATOR_CHECKS,
-    *REWARD_CHECKS,
-    *ALGORITHM_CHECKS,
-    *METRIC_CHECKS,
-    *TASK_CHECKS,
-    *LOG_CHECKS,
-]
+LONG = {"algo-learns", "algo-acts-as-trained", "algo-checkpoint-silent", "algo-resume"}
+"""Whole trainings of half a minute, or several; `test_checkpoint_mutants` runs the last two with small networks."""
+ALIKE = {"algo-every-env", "algo-same-seed", "algo-other-seed", "algo-budget"}
+"""The trainings of `her`, `td3` and `ddqn` are those of `sb3-sac` and `dqn`, which show these, with another update."""
+SLOW = {"ppo": {"algo-learns"}, "sb3-sac": LONG, "dqn": LONG, **dict.fromkeys(("her", "td3", "ddqn"), LONG | ALIKE)}
 
 
-def registered(kind: str) -> pytest.MarkDecorator:
+def registered(kind):
     """Every registered thing of a kind."""
     return pytest.mark.parametrize("name", REGISTRY.names(kind))
 
 
-def registered_with_slow_ones(kind: str, checks: tuple[Check, ...]) -> pytest.MarkDecorator:
-    """Every registered thing of a kind with the checks that are quick, and once more with those that are `SLOW`."""
-    cases = []
-    for name in REGISTRY.names(kind):
-        quick, slow = ([check for check in checks if ((name, check) in SLOW) is is_slow] for is_slow in (False, True))
-        cases += [pytest.param(name, quick, id=name)] if quick else []
-        cases += [pytest.param(name, slow, id=f"{name}-slow", marks=pytest.mark.slow)] if slow else []
-    return pytest.mark.parametrize(("name", "checks"), cases)
-
-
-def broken(checks: Iterable[Check], *subject: Any) -> list[str]:
+def broken(kind, *subject, only=(), but=()):
     """What is wrong, each with the name of its check."""
+    checks = [check for check in KITS[kind].contract if check.name not in but and (not only or check.name in only)]
     return [str(violation) for violation in violations(checks, *subject)]
 
 
-def broken_in(folder: Path, checks: Iterable[Check], *subject: Any) -> list[str]:
-    """The same of checks that work in a folder: each has an empty one of its own."""
-    found: list[str] = []
-    for check in checks:
-        (own := folder / check.name).mkdir()
-        found += broken([check], *subject, own)
-    return found
-
-
-@cache
-def robot_of(task: str) -> Robot:
-    """The robot of a registered task."""
-    return harness.load_robot(REGISTRY.get("tasks", task).load()().robot, REGISTRY)
-
-
-def build(kind: str, name: str) -> Any:
-    """A registered thing with its defaults; the test is skipped where the library is not installed."""
+def build(kind, name, **settings):
+    """A registered thing; the test is skipped where the library is not installed."""
     spec = REGISTRY.get(kind, name)
     if spec.missing:
         pytest.skip(f"{', '.join(spec.missing)} is not installed: {spec.remedy}")
-    return spec.load()()
+    return spec.load()(**settings)
 
 
 @registered("simulators")
-def test_simulator(name: str):
+def test_simulator(name):
     """Every registered simulator keeps the contract on the FD100."""
-    assert broken(OTHER_CHECKS, build("simulators", name), ROBOT) == []
+    assert broken("simulators", build("simulators", name), ROBOT, but=FRAMES) == []
 
 
 @pytest.mark.usefixtures("egl")
 @registered("simulators")
-def test_simulator_renders(name: str):
+def test_simulator_renders(name):
     """Every registered simulator keeps the contract of rendering, without a display."""
-    assert broken(FRAME_CHECKS, build("simulators", name), ROBOT) == []
+    assert broken("simulators", build("simulators", name), ROBOT, only=FRAMES) == []
+
+
+@pytest.mark.slow
+@registered("simulators")
+def test_simulators_last(name):
+    """10,000 periods of every installed simulator."""
+    assert list(violations(KITS["simulators"].long, build("simulators", name), ROBOT)) == []
+
+
+@pytest.mark.parametrize("without", ["a field", "drives"])
+def test_servo_checks_are_left_out_where_there_are_no_such_drives(without, monkeypatch):
+    """A simulator without the field, or a robot without `[servo]`, opens nothing for them."""
+    mujoco = build("simulators", "mujoco")
+    monkeypatch.setattr(type(mujoco), "open", lambda *_: pytest.fail("it was opened"))
+    simulator, robot = (IdealSimulator(), ROBOT) if without == "a field" else (mujoco, replace(ROBOT, servo=None))
+    servo = {check.name for check in KITS["simulators"].contract if check.name.startswith("sim-servo")}
+    assert len(servo) == 7
+    assert broken("simulators", simulator, robot, only=servo) == []
+
+
+def with_its_robot(task):
+    """A task, and its robot."""
+    return task, harness.load_robot(task.robot, REGISTRY)
 
 
 @registered("tasks")
-def test_task(name: str):
+def test_task(name):
     """Every registered task keeps the contract with its own robot."""
-    assert broken(TASK_CHECKS, build("tasks", name), robot_of(name)) == []
+    assert broken("tasks", *with_its_robot(build("tasks", name))) == []
 
 
 @registered("tasks")
-def test_task_with_every_action_mode(name: str, monkeypatch: pytest.MonkeyPatch, subtests: pytest.Subtests):
+def test_task_with_every_action_mode(name, monkeypatch, subtests):
     """Every registered task keeps the contract whatever the learner does in it; what is drawn is as in `test_task`."""
     monkeypatch.setattr("harness_plugins.kit.tasks.LONGEST", 25)  # `test_task` takes as many as the kit does
-    checks = [check for check in TASK_CHECKS if check not in DRAW_CHECKS]
     for action in MODES:
         with subtests.test(action=action):
-            task, robot = REGISTRY.get("tasks", name).load()(action=action), robot_of(name)
-            assert broken(checks, task, robot) == []
+            task, robot = with_its_robot(build("tasks", name, action=action))
+            assert broken("tasks", task, robot, but=DRAWS) == []
             assert all(map(np.array_equal, draws(task, robot), draws(build("tasks", name), robot)))
 
 
-def draws(task: Any, robot: Robot) -> tuple[Any, ...]:
+def draws(task, robot):
     """A start, some targets, and whether these are relative."""
     rng = np.random.default_rng(0)
     return task.draw_start(robot, rng), *task.draw_targets(robot, rng, 8)
 
 
-@registered("rewards")
-def test_reward(name: str):
-    """Every registered reward keeps the contract."""
-    assert broken(REWARD_CHECKS, build("rewards", name)) == []
+@pytest.mark.parametrize(
+    ("kind", "name"), [(kind, name) for kind in ("rewards", "metrics") for name in REGISTRY.names(kind)]
+)
+def test_function(kind, name):
+    """Every registered reward and metric keeps the contract."""
+    assert broken(kind, build(kind, name)) == []
 
 
-@registered_with_slow_ones("algorithms", ALGORITHM_CHECKS)
-def test_algorithm(name: str, checks: list[Check]):
-    """Every registered algorithm keeps the contract, learning included."""
-    is_smaller = name in LARGE and (name, checks[0]) not in SLOW
-    algorithm = REGISTRY.get("algorithms", name).load()(**SMALLER) if is_smaller else build("algorithms", name)
-    assert broken(checks, algorithm) == []
+@registered("algorithms")
+def test_algorithm(name):
+    """Every registered algorithm keeps the contract."""
+    settings = SMALLER if name in LARGE else {}
+    assert broken("algorithms", build("algorithms", name, **settings), but=SLOW.get(name, ())) == []
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", LARGE)
-def test_algorithm_with_its_default_networks(name: str):
-    """Every check of those that the runs before did with smaller ones."""
-    assert broken([check for check in ALGORITHM_CHECKS if (name, check) not in SLOW], build("algorithms", name)) == []
+@pytest.mark.parametrize("name", SLOW)
+def test_algorithm_with_its_default_networks(name):
+    """All of it, learning included."""
+    assert broken("algorithms", build("algorithms", name)) == []
 
 
 @registered("robots")
-def test_robot(name: str):
-    """Every registered robot keeps the contract."""
-    assert broken(ROBOT_CHECKS, harness.load_robot(name, REGISTRY)) == []
+def test_robot(name):
+    """Every registered robot keeps the contract, and nothing is warned of."""
+    kit, robot = KITS["robots"], harness.load_robot(name, REGISTRY)
+    but = {"robot-simulators"} if name != "fd100" else ()
+    assert broken("robots", robot, but=but) == []
+    assert list(violations(kit.advice, robot)) == []
 
 
-@registered("metrics")
-def test_metric(name: str):
-    """Every registered metric keeps the contract."""
-    assert broken(METRIC_CHECKS, build("metrics", name)) == []
+def test_an_arm_that_a_simulator_drops_a_solid_of_is_found(monkeypatch):
+    """With the simulator's name and the link's, as ``harness check --robot`` says it."""
+    monkeypatch.setattr("harness_plugins.simulators.kinematic.build_solids", lambda shapes: build_solids(shapes[:-1]))
+    (violation,) = broken("robots", ROBOT, only={"robot-simulators"})
+    assert "robot-simulators: " in violation
+    assert "Simulator 'kinematic' has no solid for link 'tool0'" in violation
 
 
 @registered("logs")
-def test_log_format(name: str, tmp_path: Path):
+def test_log_format(name, tmp_path):
     """Every registered log format keeps the contract, where the library that it needs is installed."""
-    assert broken_in(tmp_path, LOG_CHECKS, build("logs", name)) == []
+    for check in KITS["logs"].contract:
+        (own := tmp_path / check.name).mkdir()
+        assert broken("logs", build("logs", name), own, only={check.name}) == []
 
 
 @registered("logs")
-def test_log_format_is_told_apart(name: str, tmp_path: Path):
+def test_log_format_is_told_apart(name, tmp_path):
     """The example of a log format is recognised by that format, and by no other."""
     example = build("logs", name).write_example(tmp_path)
     with example.open("rb") if example.is_file() else io.BytesIO() as file:
@@ -223,23 +179,8 @@ def test_log_format_is_told_apart(name: str, tmp_path: Path):
     assert [each for each, it in formats_of(REGISTRY).items() if it.recognises(example, head)] == [name]
 
 
-def test_ideal_simulator():
-    """The kit's own simulator keeps the contract."""
-    assert broken(SIMULATOR_CHECKS, IdealSimulator(), ROBOT) == []
-
-
-def test_reward_of_the_easy_task():
-    """The kit's own reward keeps the contract."""
-    assert broken(REWARD_CHECKS, NegativeDistance()) == []
-
-
-def test_every_check_says_what_it_holds():
-    """Every check has a docstring for the author of a plugin."""
-    assert [check.name for check in CHECKS if len(check.fact) <= 40] == []
-
-
 @pytest.mark.parametrize("check", [check_simulator, check_reward, check_algorithm, check_metric, check_task])
-def test_first_violation_is_raised(check: Callable[..., None]):
+def test_first_violation_is_raised(check):
     """Something that is no plugin at all fails at the first check, which the error names."""
     with pytest.raises(ContractViolation, match="settings-frozen: object is no dataclass") as caught:
         check(object())
@@ -247,10 +188,8 @@ def test_first_violation_is_raised(check: Callable[..., None]):
 
 
 def test_all_is_well_without_an_error():
-    """What keeps the contract passes through all checks without a word, on the default robot."""
-    assert check_simulator(IdealSimulator()) is None
-    assert check_reward(NegativeDistance()) is None
-    assert check_task(ReachTask()) is None
+    """What keeps the contract passes through all checks without a word."""
+    assert check_metric(metrics.Sound()) is None
 
 
 def test_a_check_writes_what_it_was_given():
@@ -265,7 +204,7 @@ def test_a_check_writes_what_it_was_given():
 def test_whatever_a_check_meets_is_a_violation():
     """An exception of the plugin is told like a broken promise, with its cause."""
 
-    def divides(_: object) -> None:
+    def divides(_):
         raise ZeroDivisionError("by nothing")
 
     (violation,) = violations([Check("divides", divides)], object())

@@ -10,7 +10,7 @@ from harness.errors import SchemaError
 from harness.log.open_log import find_logs, open_logs
 from harness.registry.choice import choose
 from harness.registry.given import read_given
-from harness.registry.registry import Registry, load_registry
+from harness.registry.registry import load_registry
 from harness_plugins.kit import LOG_CHECKS, violations
 
 FILE = Path(__file__).parents[2] / "examples" / "log-format" / "black_box.py"
@@ -19,13 +19,13 @@ STEPS = ((0, 1, False, 0.25, 0.75), (0, 2, True, -1.5, 0.125), (1, 1, False, 2.0
 
 
 @pytest.fixture(scope="module")
-def registry() -> Registry:
+def registry():
     """The built-in plugins, and those of the file."""
     return load_registry(given=read_given([str(FILE)]))
 
 
 @pytest.fixture
-def recorded(tmp_path: Path) -> Path:
+def recorded(tmp_path):
     """A black box, written byte by byte as its format says, by other code than the example's."""
     content = b"BLACKBOX" + (1).to_bytes(2, "little") + (11).to_bytes(4, "little")
     for episode, step, fell, pay, height in STEPS:
@@ -41,7 +41,7 @@ def test_reader_is_one_short_file():
     assert len(FILE.read_text(encoding="utf-8").splitlines()) <= MOST_LINES
 
 
-def test_reader_keeps_the_contract(registry: Registry, tmp_path: Path):
+def test_reader_keeps_the_contract(registry, tmp_path):
     """All of it."""
     reader = choose(registry, "logs", "black_box").build(registry, "logs")
     for check in LOG_CHECKS:
@@ -49,7 +49,7 @@ def test_reader_keeps_the_contract(registry: Registry, tmp_path: Path):
         assert list(violations([check], reader, tmp_path / check.name)) == []
 
 
-def test_numbers_are_those_of_the_file(registry: Registry, recorded: Path):
+def test_numbers_are_those_of_the_file(registry, recorded):
     """It is found by what it is, and every step is as it was written."""
     (log,) = open_logs(recorded, registry)
     names = ("episode", "step", "terminated", "reward/recorded", "behaviour/height")
@@ -57,7 +57,7 @@ def test_numbers_are_those_of_the_file(registry: Registry, recorded: Path):
     assert (log.facts.seed, log.rewards, log.measures) == (11, ("recorded",), ("height",))
 
 
-def test_changed_step_is_refused(registry: Registry, recorded: Path):
+def test_changed_step_is_refused(registry, recorded):
     """By its checksum; a folder of such logs says which one it was, and why."""
     content = bytearray(recorded.read_bytes())
     content[30] ^= 1

@@ -1,7 +1,6 @@
 """How the kit tells memory that grows from caches that fill and empty."""
 
 import gc
-from collections.abc import Iterator
 
 import pytest
 
@@ -12,7 +11,7 @@ KEPT: list[bytes] = []
 
 
 @pytest.fixture(autouse=True)
-def _forget() -> Iterator[None]:
+def _forget():
     KEPT.clear()
     yield
     KEPT.clear()
