@@ -2,7 +2,9 @@
 
 from pathlib import Path
 
-from harness.authoring.folder_parts import PART_BYTES, add_parts, parts_of
+from harness.authoring import add_parts, parts_of
+
+PART_BYTES = 4 * 2**20
 
 
 def test_a_folder_comes_together_again(tmp_path: Path):

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 import harness
-from harness.authoring import GroundContact
+from harness.authoring import GroundContact, link_frames
 from harness.errors import UsageError
-from harness.robot.kinematics import link_frames
 
 ROBOTS = ("fd100", "unity-arm")
 RNG = np.random.default_rng(3)

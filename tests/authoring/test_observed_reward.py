@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
+import harness
 from harness.authoring import ObservedReward
-from harness.env.ideal import IdealSimulator
-from harness.env.vector_env import ReachVectorEnv
+from harness.env import ReachVectorEnv
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
-from harness.robot.robot import load_robot
 from harness.score.places import parse_places
+from harness_plugins.kit import IdealSimulator
 
 POSITIONS = parse_places("end_effector=0:3,target=3:6,renewed=3:6")
 ALONE = parse_places("distance=0:1,renewed=1:2")
@@ -41,7 +41,7 @@ def test_it_pays_what_the_task_pays(name: str):
     registry = load_registry()
     reward = choose(registry, "rewards", name).build(registry, "rewards")
     task = choose(registry, "tasks", "fd100-reach:horizon=30").build(registry, "tasks")
-    env = ReachVectorEnv(IdealSimulator(), load_robot("fd100", registry), task, reward, 1)
+    env = ReachVectorEnv(IdealSimulator(), harness.load_robot("fd100", registry), task, reward, 1)
     pays, rng = ObservedReward(reward, parse_places("distance=0:1")), np.random.default_rng(0)
     before = env.reset(seed=0)[1]["distance"]
     pays.reset()

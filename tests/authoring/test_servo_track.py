@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from harness.authoring.servo_track import ServoTrack
+from harness.authoring import ServoTrack
 from harness.robot.servo import Servo
 
 STEP = 0.005

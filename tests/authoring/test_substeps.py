@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import harness
-from harness.authoring.substeps import Substeps
-from harness.env.make import make_env
+from harness.authoring import Substeps
 from harness.errors import UsageError
 from harness.motion import Setting, build_motion
 from harness.registry.choice import choose
@@ -33,7 +32,7 @@ def test_parts_that_do_not_divide_are_a_usage_error(count: int, parts: int):
 @pytest.mark.parametrize("simulator", SIMULATORS[1:])
 def test_every_engine_says_that_it_cannot_divide(simulator: str):
     """Through the env: the first step that would need a part of a physics step is refused."""
-    env = make_env(f"{simulator}:substeps=20", "fd100-reach:action=movel:parts=3")
+    env = harness.make_env(f"{simulator}:substeps=20", "fd100-reach:action=movel:parts=3")
     env.reset(seed=0)
     try:
         with pytest.raises(UsageError, match=r"substeps=20 .* 3 parts"):

@@ -95,19 +95,10 @@ def test_code_is_clean(tmp_path: Path):
             assert ended.returncode == 0, ended.stdout + ended.stderr
 
 
-def test_reward_keeps_its_contract(load: Callable[[str], type]):
+@pytest.mark.parametrize(("kind", "check"), [("reward", check_reward), ("metric", check_metric), ("task", check_task)])
+def test_code_keeps_its_contract(load: Callable[[str], type], kind: str, check: Callable[..., None]):
     """As it is written, before its author changes anything."""
-    check_reward(load("reward")())
-
-
-def test_metric_keeps_its_contract(load: Callable[[str], type]):
-    """As it is written."""
-    check_metric(load("metric")())
-
-
-def test_task_keeps_its_contract(load: Callable[[str], type]):
-    """As it is written."""
-    check_task(load("task")())
+    check(load(kind)())
 
 
 def test_reward_has_few_lines_of_ones_own():

@@ -55,22 +55,6 @@ def test_import_that_leaves_is_a_finding(opened):
     assert "SystemExit" in finding.sentence
 
 
-def test_unknown_name_is_the_users_mistake(opened):
-    """It is told apart from what is wrong with a plugin."""
-    outline = opened(name="mien").outline
-    assert "'mien'" in outline.mistake
-    assert outline.findings == ()
-
-
-def test_what_fails_a_check_is_told_with_its_line(opened):
-    """And with the traceback behind it."""
-    finding = run_check(opened(value="1 / 0"), "reward-finite-edges")
-    assert finding.verdict == "error"
-    assert finding.sentence.startswith("raised ZeroDivisionError")
-    assert ", line " in finding.sentence
-    assert "Traceback" in finding.story
-
-
 def test_check_of_what_cannot_be_built_any_more_fails(opened):
     """A plugin may work in the first process, and not in the one that replaced it."""
     finding = run_check(opened(top="raise ValueError('only once')"), "reward-finite-edges")
