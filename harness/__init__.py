@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 import wrapt
 
 from harness.hookspecs import Register, hookimpl
-from harness.registry.moved import find_old_names
 
 if TYPE_CHECKING:
     from harness.env.make import make_env
@@ -60,4 +59,3 @@ def _register_envs(gymnasium: Any) -> None:
 
 
 wrapt.when_imported("gymnasium")(_register_envs)
-find_old_names()

@@ -13,8 +13,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from harness.registry.moved import new_name, why_gone
-
 ROOT = Path(__file__).parent.parent
 HOMES = {"harness": ROOT / "harness", "harness_plugins": ROOT / "plugins", "harness_robots": ROOT / "robots"}
 PAGES = [
@@ -35,8 +33,6 @@ FILE = re.compile(r"`((?:\w+/)*\w+\.py)`")
 PYTHON = re.compile(r"^```python\n(.*?)^```", re.DOTALL | re.MULTILINE)
 CLASS = re.compile(r"^class (\w+)", re.MULTILINE)
 
-OF_OLD_NAMES = {ROOT / "docs/renamed.md", HOMES["harness"] / "registry/moved.py"}
-"""What says where old names went; tests/docs/test_renamed.py and tests/registry/test_moved.py hold it to the code."""
 FILES_OF_READERS = {"behaviour.py"}
 """Files of the reader's own whose name means something to the harness."""
 ENTRY_POINTS = {"harness.pytest_plugin"}
@@ -88,21 +84,15 @@ def _names_in_examples(text: str) -> Iterator[Name]:
 
 
 def _leads_somewhere(name: str) -> bool:
-    """Whether a dotted name goes from a package of ours to something that exists; old names do not."""
+    """Whether a dotted name goes from a package of ours to something that exists."""
     parts = name.split(".")
     if name in ENTRY_POINTS:
         return True
-    if any(_is_old(".".join(parts[:count])) for count in range(2, len(parts) + 1)):
-        return False
     for count in range(len(parts), 0, -1):
         module = ".".join(parts[:count])
         if _is_module(module):
             return _has(importlib.import_module(module), parts[count:])
     return False
-
-
-def _is_old(name: str) -> bool:
-    return new_name(name) is not None or bool(why_gone(name))
 
 
 @cache
@@ -162,8 +152,8 @@ def prose_of(source: str) -> str:
 
 def test_every_name_that_people_read_exists():
     """In the pages, and in the docstrings and comments of the code."""
-    texts = {path: path.read_text(encoding="utf-8") for path in PAGES if path not in OF_OLD_NAMES}
-    texts |= {path: prose_of(path.read_text(encoding="utf-8")) for path in MODULES if path not in OF_OLD_NAMES}
+    texts = {path: path.read_text(encoding="utf-8") for path in PAGES}
+    texts |= {path: prose_of(path.read_text(encoding="utf-8")) for path in MODULES}
     wrong = [
         f"{path.relative_to(ROOT)}:{name.line}: {name.text}"
         for path, text in texts.items()
@@ -188,9 +178,6 @@ WRONG = {
         "```python\nfrom harness.policy import Policy\n\nPolicy.loads(x)\n```",
         "harness.policy.Policy.loads",
     ),
-    "old module": ("as `harness.metric.Way`", "harness.metric.Way"),
-    "old name": ("a `harness.record.trace.Trace`", "harness.record.trace.Trace"),
-    "name that is gone": ("see harness.score.recording", "harness.score.recording"),
 }
 
 

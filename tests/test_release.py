@@ -6,7 +6,6 @@ from pathlib import Path
 
 import harness
 from harness.registry.hooks import API_VERSION
-from harness.registry.moved import GONE_IN
 
 ROOT = Path(__file__).parents[1]
 VERSION: str = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
@@ -34,12 +33,6 @@ def test_changelog_of_the_version_is_short():
     """What a user has to know."""
     text = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8").partition(f"\n## {VERSION} (")[2].partition("\n## ")[0]
     assert 200 < len(text.split()) <= 2_000
-
-
-def test_old_names_work_for_one_version():
-    """Their warnings name the version that comes after the one that moved them: this one, or the next."""
-    first, second, _ = map(int, VERSION.split("."))
-    assert GONE_IN in {f"{first}.{second + 1}.0", f"{first}.{second + 2}.0"}
 
 
 def test_new_plugins_are_written_for_these_interfaces():

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from harness.authoring.face import Renamed, lazy_names
+from harness.authoring.face import lazy_names
 
 if TYPE_CHECKING:
     from harness.authoring.act_without_learning import act_for
@@ -65,7 +65,6 @@ _HOMES = {
     "reach_position": "harness.robot.inverse_kinematics",
     "servo_of": "harness.simulator",
 }
-RENAMED: dict[str, Renamed] = {}
 """Old names, which still work for one minor version."""
 
-__getattr__ = lazy_names(__name__, _HOMES, RENAMED)
+__getattr__ = lazy_names(__name__, _HOMES)

@@ -77,4 +77,4 @@ _HOMES = homes_in(__file__)
 
 __all__ = sorted(_HOMES)  # noqa: PLE0605
 
-__getattr__ = lazy_names(__name__, _HOMES, {})
+__getattr__ = lazy_names(__name__, _HOMES)

@@ -1,38 +1,21 @@
-"""Names that a package promises to keep, looked up when they are first used, and the names that it has renamed."""
+"""Names that a package promises to keep, looked up when they are first used."""
 
 import ast
 import importlib
-import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 
-class Renamed(NamedTuple):
-    """What replaces an old name."""
-
-    new: str
-    """The name to use instead."""
-    gone_in: str
-    """The version in which the old name is gone. The version before it warns."""
-
-
-def lazy_names(module: str, homes: Mapping[str, str], renamed: Mapping[str, Renamed]) -> Callable[[str], Any]:
-    """A module's ``__getattr__``: importing the module imports nothing heavy, and old names warn.
+def lazy_names(module: str, homes: Mapping[str, str]) -> Callable[[str], Any]:
+    """A module's ``__getattr__``: importing the module imports nothing heavy.
 
     Args:
         module: Name of the module.
         homes: The module of each public name, by name.
-        renamed: What replaces each old name, by old name. Using an old name gives the new one and a
-            `DeprecationWarning`.
     """
 
     def look_up(name: str) -> Any:
-        if name in renamed:
-            new, gone_in = renamed[name]
-            message = f"{module}.{name} is called {new} now; the old name goes in version {gone_in}"
-            warnings.warn(message, DeprecationWarning, stacklevel=2)
-            return look_up(new)
         if name not in homes:
             raise AttributeError(f"module '{module}' has no attribute '{name}'")
         return getattr(importlib.import_module(homes[name]), name)

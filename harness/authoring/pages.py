@@ -119,4 +119,4 @@ if TYPE_CHECKING:
 else:
     _HOMES = homes_in(__file__)
     __all__ = sorted(_HOMES)  # noqa: PLE0605
-    __getattr__ = lazy_names(__name__, _HOMES, {})
+    __getattr__ = lazy_names(__name__, _HOMES)

@@ -23,6 +23,7 @@ from harness.experiment.progress.trackers import OnTrouble, Trackers, Tracking, 
 from harness.experiment.run_options import DEFAULTS, RunArguments, RunOptions
 from harness.experiment.trials.tried_plan import try_plan
 from harness.record.cell import Cell
+from harness.record.earlier import ALGORITHMS
 from harness.record.floor import Floor, floors_in
 from harness.record.manifest import Manifest, read_manifest
 from harness.record.out_folder import storage_errors
@@ -32,7 +33,6 @@ from harness.record.united_plan import refuse_mixed
 from harness.registry.allowed import allow_typed
 from harness.registry.choice import Choice, split_list
 from harness.registry.given import Given as Plugins, read_given, require_given, split_measures
-from harness.registry.moved import ALGORITHMS
 from harness.registry.registry import Registry, load_registry
 from harness.results import Results
 from harness.results.load import read_results

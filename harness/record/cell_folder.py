@@ -7,9 +7,8 @@ from harness.files.bounded import digest_of
 from harness.files.sums import SUMS
 from harness.files.whole_file import files_in, is_partial
 from harness.record.cell import Cell
-from harness.record.folder import EVALUATION, EVALUATIONS, LOG, MANIFEST, POLICY, RANDOM, SCORES, TENSORBOARD, TRACE
+from harness.record.folder import EVALUATIONS, LOG, MANIFEST, POLICY, SCORES, TENSORBOARD
 from harness.record.manifest import Ending, Manifest, read_manifest
-from harness.record.trace import read_trace
 
 REMEDY = "run again to replace it"
 PAID_LATER = "scores"
@@ -28,8 +27,6 @@ def examine(folder: Path, cell: Cell) -> Manifest:
         manifest = _own_manifest(folder, cell)
         require_files(folder, manifest)
         _require_unmixed(folder, manifest)
-        if not manifest.files and manifest.status == "done":
-            _require_readable(folder)
     except NewerFormat:
         raise
     except SchemaError as error:
@@ -62,14 +59,12 @@ def require_files(folder: Path, record: Ending) -> None:
 
 
 def is_named(record: Ending, name: str) -> bool:
-    """Whether a record names a file, or files of a folder. All that lies in cells of version 0.1 is theirs."""
-    return not record.files or name in record.files or any(known.startswith(f"{name}/") for known in record.files)
+    """Whether a record names a file, or files of a folder."""
+    return name in record.files or any(known.startswith(f"{name}/") for known in record.files)
 
 
 def added_files(folder: Path, record: Ending) -> list[str]:
     """Files in `folder` that its record does not name, nor a command of the harness adds. No report reads them."""
-    if not record.files:
-        return []
     there = [path for path in files_in(folder) if path.name not in (MANIFEST, SUMS) and not is_partial(path)]
     names = [path.relative_to(folder).as_posix() for path in there if not path.name.startswith(PAID_LATER)]
     return [name for name in names if name not in record.files]
@@ -95,9 +90,3 @@ def _own_manifest(folder: Path, cell: Cell) -> Manifest:
     if manifest.cell.id != cell.id:
         raise SchemaError(f"{folder} holds another cell, {manifest.cell.id}")
     return manifest
-
-
-def _require_readable(folder: Path) -> None:
-    """The least that can be asked of a done cell of version 0.1, which names no digests."""
-    for name in (TRACE, EVALUATION, RANDOM):
-        read_trace(folder / name, ["reward"]).rows()

@@ -75,12 +75,6 @@ class TraceFacts(LogFacts):
 
     episodes: EpisodeFacts = NOTHING_KNOWN
 
-    def __getattr__(self, name: str) -> Any:
-        """A fact of the episodes, `trace.facts.horizon`, as metrics of version 0.2 ask for it."""
-        if name in EpisodeFacts.__dataclass_fields__:
-            return getattr(self.episodes, name)
-        raise AttributeError(f"no fact '{name}' is known of a trace")
-
 
 def episode_facts(log: Log) -> EpisodeFacts:
     """What is known of the episodes of a log; nothing, of one that is no trace."""

@@ -3,6 +3,7 @@
 import shutil
 from pathlib import Path
 
+from harness.files.bounded import digest_of
 from harness.files.whole_file import sync
 
 MANIFEST, LOG = "manifest.json", "log.txt"
@@ -32,6 +33,12 @@ DERIVED = "derived"
 def partial_folder(folder: Path) -> Path:
     """Where a cell's folder grows until it is complete."""
     return folder.with_name(f".{folder.name}.partial")
+
+
+def digests_in(folder: Path) -> dict[str, str]:
+    """SHA-256 of every file in a folder but its manifest, by its path there; links are left out."""
+    paths = [path for path in sorted(folder.rglob("*")) if path.is_file() and not path.is_symlink()]
+    return {str(path.relative_to(folder).as_posix()): digest_of(path) for path in paths if path != folder / MANIFEST}
 
 
 def other_manner(deterministic: bool) -> str:

@@ -8,13 +8,14 @@ from typing import Any, ClassVar, Self, TypeVar
 
 from pydantic import TypeAdapter
 
-from harness.files.bounded import digest_of, reading
+from harness.files.bounded import reading
 from harness.files.sealed import read_sealed, seal
 from harness.files.whole_file import write_whole
 from harness.record import file_forms as forms
 from harness.record.cell import Cell
+from harness.record.earlier import whole_manifest
 from harness.record.file_forms import Status, require_form
-from harness.record.folder import MANIFEST
+from harness.record.folder import MANIFEST, digests_in
 
 SEALED_SINCE = 2
 """The first format of manifests, those of added folders included, that names the digests of its folder's files."""
@@ -37,7 +38,7 @@ class Ending:
         seconds: Wall time of all of it, [s].
         environment: Versions, machine, engine, commit, command, hashes of the sources; see
             `harness.experiment.provenance.describe_environment`.
-        files: SHA-256 of every other file in the folder, by its path there; cells of version 0.1 have none.
+        files: SHA-256 of every other file in the folder, by its path there.
     """
 
     status: Status
@@ -132,15 +133,10 @@ def read_record(
     path = folder / MANIFEST
     data = read_sealed(path, noun, newest, SEALED_SINCE)
     with reading(path, noun):
+        data = whole_manifest(data, folder)
         require_form(form, data)
         del data["format"]
         return read(data)
-
-
-def digests_in(folder: Path) -> dict[str, str]:
-    """SHA-256 of every file in a folder but its manifest, by its path there; links are left out."""
-    paths = [path for path in sorted(folder.rglob("*")) if path.is_file() and not path.is_symlink()]
-    return {str(path.relative_to(folder).as_posix()): digest_of(path) for path in paths if path != folder / MANIFEST}
 
 
 def now() -> str:

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 from harness.errors import NewerFormat, SchemaError, UsageError
-from harness.files.bounded import digest_of
 from harness.files.whole_file import files_in, is_partial
 from harness.record.added import Owner, owners
 from harness.record.cell import Cell
@@ -119,8 +118,8 @@ def _choose_cell(cell: Cell, stores: Iterable[Store], left_out: list[LeftOut]) -
 
 def _require_alike(cell: Cell, done: Sequence[tuple[Store, Manifest]]) -> None:
     """See that a cell that is done in several folders recorded the same steps in all."""
-    recorded = [_digests_of_steps(store, manifest) for store, manifest in done] if len(done) > 1 else []
-    for (store, _), digests in zip(done, recorded, strict=False):
+    recorded = [_digests_of_steps(manifest) for _, manifest in done]
+    for (store, _), digests in zip(done, recorded, strict=True):
         if digests != recorded[0]:
             raise UsageError(
                 f"Cell {cell.id} ({cell.title}) was trained in '{done[0][0].folder}' and in '{store.folder}', and the "
@@ -128,14 +127,13 @@ def _require_alike(cell: Cell, done: Sequence[tuple[Store, Manifest]]) -> None:
             )
 
 
-def _digests_of_steps(store: Store, manifest: Manifest) -> dict[str, str]:
+def _digests_of_steps(manifest: Manifest) -> dict[str, str]:
     """SHA-256 of the files that hold a cell's steps: the trace, or in an environment all parts of both recordings.
 
     The facts beside the steps of a recording do not count: they name versions, which may differ between machines.
     """
     recorded = (TRACE, *(f"{recording}/{STEPS}" for recording in (TRAINING_RECORDING, EVALUATION_RECORDING)))
-    named = {name: digest for name, digest in manifest.files.items() if name.startswith(recorded)}
-    return named or {TRACE: digest_of(store.cell_folder(manifest.cell) / TRACE)}  # version 0.1 named none
+    return {name: digest for name, digest in manifest.files.items() if name.startswith(recorded)}
 
 
 def _choose_added(cell: Cell, stores: Iterable[Store], added: Mapping[str, Owner], merged: Merged) -> None:

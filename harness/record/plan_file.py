@@ -14,12 +14,13 @@ from harness.files.sealed import read_sealed, seal, unseal
 from harness.files.whole_file import write_whole
 from harness.record import file_forms as forms
 from harness.record.cell import Cell
+from harness.record.earlier import whole_plan
 from harness.record.terms import FIRST, Terms
 from harness.registry.toml_file import read_toml
 
 EXPERIMENT, PLAN = "experiment.toml", "plan.json"
 FORMAT = SEALED_SINCE = 2
-"""Format 1, of version 0.1, has no digest, and names no experiment."""
+"""Format 1, of version 0.1, has no digest."""
 PLAN_BYTES = 2**28
 """Most that is read of a plan: 100,000 cells of 2,600 bytes each."""
 
@@ -31,9 +32,9 @@ class StoredPlan:
     Attributes:
         baseline: Label of the reward that the others are compared with.
         a_a: Whether the newest experiment compares the baseline with itself.
-        control: By each seed the other seed that the baseline is trained with again for that; version 0.1 had none.
+        control: By each seed the other seed that the baseline is trained with again for that.
         cells: Of all experiments that were run here.
-        experiment: The newest one, every default filled in; empty in folders of version 0.1.
+        experiment: The newest one, every default filled in.
         note: What there is to say where the file is damaged, and this was put together from the cells; else empty.
         terms: What was agreed on before the first training.
     """
@@ -116,11 +117,13 @@ def read_plan(folder: Path) -> StoredPlan:
     path = folder / PLAN
     data = read_sealed(path, "plan", FORMAT, SEALED_SINCE, PLAN_BYTES)
     with reading(path, "plan"):
+        if data.get("experiment", {}) == {} or not {"control", "terms"} <= data.keys():
+            data = whole_plan(data, experiment_in(folder))
         forms.require_form(forms.PLAN, data)
         cells = tuple(dict.fromkeys(Cell.from_json(cell) for cell in data["cells"]))  # each counts once
-        control = {int(seed): int(other) for seed, other in data.get("control", [])}
-        terms = Terms.from_json(data.get("terms", {}))
-        return StoredPlan(data["baseline"], data["a_a"], control, cells, data.get("experiment", {}), terms=terms)
+        control = {int(seed): int(other) for seed, other in data["control"]}
+        terms = Terms.from_json(data["terms"])
+        return StoredPlan(data["baseline"], data["a_a"], control, cells, data["experiment"], terms=terms)
 
 
 def is_experiment_of_plan(folder: Path) -> bool:

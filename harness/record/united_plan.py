@@ -7,7 +7,7 @@ from typing import Any
 
 from harness.errors import UsageError
 from harness.record.cell import Cell
-from harness.record.plan_file import StoredPlan, experiment_in
+from harness.record.plan_file import StoredPlan
 from harness.record.terms import FIRST, Terms
 
 LISTS = ("sim", "algo", "reward")
@@ -27,7 +27,6 @@ def unite(plans: Sequence[tuple[Path, StoredPlan]]) -> StoredPlan:
         UsageError: They have several baselines, or some are in an environment and others are not.
     """
     (first, whole), *others = plans
-    whole = _with_experiment(first, whole)
     for folder, plan in others:
         if plan.baseline != whole.baseline:
             raise UsageError(
@@ -35,7 +34,7 @@ def unite(plans: Sequence[tuple[Path, StoredPlan]]) -> StoredPlan:
                 "only experiments with one baseline can be merged"
             )
         refuse_mixed(f"'{first}' and '{folder}'", whole.cells, plan.cells)
-        whole = _unite(whole, _with_experiment(folder, plan))
+        whole = _unite(whole, plan)
     return whole
 
 
@@ -50,11 +49,6 @@ def refuse_mixed(where: str, cells: Iterable[Cell], others: Iterable[Cell]) -> N
             f"{where}: an experiment in an environment and one with a robot of the harness do not go into one folder. "
             "Name another"
         )
-
-
-def _with_experiment(folder: Path, plan: StoredPlan) -> StoredPlan:
-    """In a folder of version 0.1 the experiment stands beside the plan."""
-    return plan if plan.experiment else replace(plan, experiment=experiment_in(folder))
 
 
 def _unite(one: StoredPlan, other: StoredPlan) -> StoredPlan:

@@ -1,21 +1,15 @@
 """Whether a module's hooks are ones that exist, called as they are."""
 
 import inspect
-from collections.abc import Iterator, Mapping
-from types import FunctionType, MappingProxyType, ModuleType
-from typing import Any
+from collections.abc import Iterator
+from types import FunctionType, ModuleType
 
 from harness.hookspecs import KINDS, PROJECT
 from harness.registry.names import did_you_mean
 
 API_VERSION = 2
 """Version of the interfaces. A plugin may state the one it was written for as ``harness_api = 2``."""
-EARLIER: Mapping[int, Mapping[str, str]] = MappingProxyType(
-    {1: {"register_executors": "an executor gets job.options in place of job.checkpoint_every and job.tensorboard"}}
-)
-"""Earlier versions whose plugins still work: but for those that implement one of these hooks, and what to change."""
 HOOKS = tuple(f"register_{kind}" for kind in KINDS)
-WHAT_MOVED = "docs/renamed.md says what changed"
 ARGUMENT = "register"
 """What every hook takes, by this name."""
 
@@ -27,36 +21,14 @@ def hooks_of(module: ModuleType) -> list[FunctionType]:
 
 def fault_of(module: ModuleType) -> str:
     """Why the hooks of a module cannot be called, with what was meant; empty if they can."""
-    if outdated := _outdated(module):
-        return outdated
+    wanted = getattr(module, "harness_api", API_VERSION)
+    if wanted != API_VERSION:
+        return f"written for harness_api {wanted}, this is {API_VERSION}"
     faults = [fault for hook in hooks_of(module) for fault in _faults_of(hook)]
     faults += [f"{name} is not marked: write @harness.hookimpl above it" for name in _unmarked(module)]
     if faults:
         return "; ".join(faults)
     return "" if hooks_of(module) else "implements no hook: mark its functions with @harness.hookimpl"
-
-
-def remark_on(module: ModuleType) -> str:
-    """What to tell of a module that works although it was written for an earlier version; empty if there is nothing."""
-    wanted = _wanted_by(module)
-    return f"written for harness_api {wanted}, this is {API_VERSION}: {WHAT_MOVED}" if wanted != API_VERSION else ""
-
-
-def _outdated(module: ModuleType) -> str:
-    """Why a module that was written for another version cannot be used; empty if it can."""
-    wanted = _wanted_by(module)
-    written = f"written for harness_api {wanted}, this is {API_VERSION}"
-    if wanted == API_VERSION:
-        return ""
-    earlier = next((hooks for version, hooks in EARLIER.items() if version == wanted), None)
-    if earlier is None:
-        return written
-    changed = [what for hook, what in earlier.items() if hook in map(_name_of, hooks_of(module))]
-    return f"{written}: {'; '.join(changed)} ({WHAT_MOVED})" if changed else ""
-
-
-def _wanted_by(module: ModuleType) -> Any:
-    return getattr(module, "harness_api", API_VERSION)
 
 
 def _faults_of(hook: FunctionType) -> Iterator[str]:

@@ -15,9 +15,8 @@ import pluggy
 from harness.errors import PluginError, UsageError, one_line, sentence
 from harness.hookspecs import KINDS, NOUNS, PROJECT, Hooks
 from harness.registry.given import Given, PluginClass, PluginFile
-from harness.registry.hooks import fault_of, hooks_of, remark_on
+from harness.registry.hooks import fault_of, hooks_of
 from harness.registry.libraries import module_of
-from harness.registry.moved import old_names_in
 from harness.registry.names import did_you_mean, unknown_name
 from harness.registry.plugin_module import class_of_file, import_file
 from harness.registry.spec import OURS, Spec, canonical
@@ -45,8 +44,6 @@ class Plugin:
     """``ok``, ``broken``, ``incompatible`` or ``off`` (left out by HARNESS_PLUGINS)."""
     reason: str = ""
     registered: tuple[str, ...] = ()
-    remarks: tuple[str, ...] = ()
-    """What its author should change although it works: names that moved, interfaces of an earlier version."""
     own: tuple[str, ...] = ()
     """In a file of rewards or measures: the functions that are none, ``clip(x)``."""
 
@@ -59,11 +56,6 @@ class Plugin:
     def complaint(self) -> str:
         """A line that says whose it is and what is wrong with it."""
         return f"{self._title} is {self.status}: {self.reason}"
-
-    @property
-    def advice(self) -> list[str]:
-        """A line for each remark, which says whose plugin it is about."""
-        return [f"{self._title}: {remark}" for remark in self.remarks]
 
     @property
     def _title(self) -> str:
@@ -175,8 +167,7 @@ class Registry:
     def complaints(self) -> list[str]:
         """What there is to know before names are used: plugins that did not load, names that several claim."""
         at_fault = [sentence(plugin.complaint) for plugin in self.plugins if plugin.is_at_fault]
-        advice = [sentence(line) for plugin in self.plugins for line in plugin.advice]
-        return [*at_fault, *self.conflicts(), *self.notes, *advice]
+        return [*at_fault, *self.conflicts(), *self.notes]
 
     def why_no_reward(self, name: str) -> str:
         """Why a name is that of a function in a file and of no reward; empty if it is no such name."""
@@ -307,8 +298,7 @@ def _load_plugin(point: EntryPoint, origin: Origin, manager: pluggy.PluginManage
     except (Exception, SystemExit) as error:  # the same for its hooks
         registry.plugins.append(_plugin(point, origin, "broken", one_line(error)))
         return
-    plugin = _plugin(point, origin, "ok", registered=_add(specs, registry))
-    registry.plugins.append(replace(plugin, remarks=tuple(filter(None, [remark_on(module)]))))
+    registry.plugins.append(_plugin(point, origin, "ok", registered=_add(specs, registry)))
 
 
 def _load_given(given: Given, manager: pluggy.PluginManager, registry: Registry) -> None:
@@ -341,8 +331,7 @@ def _load_file(file: PluginFile, manager: pluggy.PluginManager, registry: Regist
     told = (*_add(specs, registry), *(f"{it.noun} {it.name} of environments" for it in functions if not it.spec))
     plugin = _given_plugin(file, origin, file.module, told)
     own = own_functions(file, module) if functions else ()
-    remarks = [remark_on(module), *old_names_in(file.source)]
-    registry.plugins.append(replace(plugin, remarks=tuple(filter(None, remarks)), own=own))
+    registry.plugins.append(replace(plugin, own=own))
 
 
 def _given_plugin(given: Given, origin: Origin, module: str, registered: tuple[str, ...]) -> Plugin:

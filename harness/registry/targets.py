@@ -6,17 +6,15 @@ import inspect
 import re
 import symtable
 import sys
-from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from harness.errors import HarnessError, one_line
 from harness.registry.members import missing_members, sample_of
-from harness.registry.moved import old_names_in
 from harness.registry.names import did_you_mean
 from harness.registry.registry import Plugin, Registry
-from harness.registry.spec import OURS, Spec
+from harness.registry.spec import Spec
 
 _STAR = re.compile(r"^\s*from\s+\S+\s+import\s+\*", re.MULTILINE)
 
@@ -65,55 +63,18 @@ def why_unfit(spec: Spec) -> str:
     return f"{spec.title} {missing}" if missing else ""
 
 
-def examined(registry: Registry, why_not: Callable[[Spec], str] = why_absent) -> list[Plugin]:
-    """Every plugin of a registry, as broken where something speaks against a target that it registered.
-
-    Those of others get a remark for each old name that the plugin's module imports, or that of a target.
-
-    Args:
-        registry: The plugins.
-        why_not: What speaks against one: `why_absent`, or `why_unfit`, which imports it.
-    """
+def examined(registry: Registry) -> list[Plugin]:
+    """Every plugin of a registry, as broken where a target that it registered cannot be found, see `why_absent`."""
     absent: dict[tuple[str, str], list[str]] = {}
-    targets: dict[tuple[str, str], list[str]] = {}
     for spec in registry.all_specs():
-        owner = spec.plugin, spec.distribution
-        targets.setdefault(owner, []).append(spec.target.split(":")[0])
-        if reason := why_not(spec):
-            absent.setdefault(owner, []).append(reason)
+        if reason := why_absent(spec):
+            absent.setdefault((spec.plugin, spec.distribution), []).append(reason)
     return [
-        replace(
-            plugin,
-            status="broken" if owner in absent else plugin.status,
-            reason="; ".join(absent.get(owner, [plugin.reason])),
-            remarks=(*plugin.remarks, *_old_names_of(plugin, targets.get(owner, []))),
-        )
-        for plugin in registry.plugins
-        for owner in [(plugin.name, plugin.distribution)]
+        replace(it, status="broken", reason="; ".join(absent[owner]))
+        if (owner := (it.name, it.distribution)) in absent
+        else it
+        for it in registry.plugins
     ]
-
-
-def _old_names_of(plugin: Plugin, targets: Iterable[str]) -> Iterator[str]:
-    """A line for each old name that a plugin of others imports, or its targets; modules are read, not imported."""
-    if plugin.status != "ok" or plugin.distribution == OURS:
-        return
-    told = set(plugin.remarks)
-    for module in dict.fromkeys([plugin.module, *targets]):
-        for line in old_names_in(_source_of(module)):
-            if line not in told:
-                told.add(line)
-                yield f"{line}, in {module}"
-
-
-def _source_of(module: str) -> str:
-    """The text of a module; empty if there is none that Python could read."""
-    try:
-        found = importlib.util.find_spec(module)
-        source = Path(found.origin).read_text(encoding="utf-8") if found and found.origin else ""
-        compile(source, module, "exec", dont_inherit=True)
-    except (Exception, SystemExit):  # a package around it may do anything at import; the target is blamed for it
-        return ""
-    return source
 
 
 def _names_in(source: str, path: str) -> set[str]:

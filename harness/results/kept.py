@@ -63,7 +63,7 @@ class Kept:
             folder: The experiment's folder, or another one in which recordings lie.
             name: The cell's id, or the path of the recording in that folder.
             files: The folder of the files whose results they are.
-            digests: SHA-256 of its files by name, as its manifest names them; in cells of version 0.1 none.
+            digests: SHA-256 of its files by name, as its manifest names them.
         """
         self._derived = folder / DERIVED
         self._folder, self._files, self._owner = self._derived / name, files, f"{FORMAT} {name}"

@@ -5,11 +5,9 @@ from pathlib import Path
 
 from harness.eta.curve import Kind
 from harness.eta.equal import Key, equal_trainings
-from harness.files.bounded import read_text, reading
 from harness.record.cell import Cell
 from harness.record.folder import TRACE
 from harness.record.manifest import Manifest
-from harness.record.plan_file import EXPERIMENT
 from harness.record.store import Store
 from harness.registry.given import plugin_flags
 from harness.registry.registry import Registry
@@ -72,16 +70,8 @@ class Records:
 
     @property
     def experiment_text(self) -> str:
-        """The newest experiment as an experiment file. In a folder of version 0.1 it is the text of the file itself.
-
-        Raises:
-            SchemaError: That file cannot be read.
-        """
-        path = self.folder / EXPERIMENT
-        if self.plan.experiment or not path.is_file():
-            return self.plan.experiment_text
-        with reading(path, "experiment file"):
-            return read_text(path)
+        """The newest experiment as an experiment file."""
+        return self.plan.experiment_text
 
     @property
     def plugin_flags(self) -> str:

@@ -64,8 +64,7 @@ def show_installation(own: "Sequence[str]") -> int:
         say(f"commit {commit}")
     plugins = examined(registry)
     at_fault = [plugin for plugin in plugins if plugin.is_at_fault]
-    advice = [line for plugin in plugins for line in plugin.advice]
-    notes = registry.conflicts() + hidden_commands(registry, own) + registry.notes + advice
+    notes = registry.conflicts() + hidden_commands(registry, own) + registry.notes
     fine = [] if at_fault or notes else [f"plugins {len(registry.plugins)}, all fine"]
     for line in [*(plugin.complaint for plugin in at_fault), *notes, *fine]:
         say(line)

@@ -45,4 +45,4 @@ _NAMES = {
 
 __all__ = sorted(name for names in _NAMES.values() for name in names)  # noqa: PLE0605
 
-__getattr__ = lazy_names(__name__, {name: home for home, names in _NAMES.items() for name in names}, {})
+__getattr__ = lazy_names(__name__, {name: home for home, names in _NAMES.items() for name in names})

@@ -6,7 +6,7 @@ promises. Importing this package imports neither torch nor the library. They are
 
 from typing import TYPE_CHECKING
 
-from harness.authoring.face import Renamed, lazy_names
+from harness.authoring.face import lazy_names
 
 if TYPE_CHECKING:
     from .callback import ProgressCallback
@@ -38,7 +38,6 @@ _HOMES = {
     "WatchCallback": "harness_plugins.sb3.watch_callback",
     "train": "harness_plugins.sb3.training",
 }
-RENAMED: dict[str, Renamed] = {}
 """Names that were given up. They are kept for one minor version."""
 
-__getattr__ = lazy_names("harness_plugins.sb3", _HOMES, RENAMED)
+__getattr__ = lazy_names("harness_plugins.sb3", _HOMES)

@@ -5,13 +5,11 @@ import inspect
 import re
 import subprocess
 import sys
-import warnings
 from pathlib import Path
 
 import pytest
 
 import harness.authoring
-from harness.authoring.face import Renamed, lazy_names
 
 PAGE = Path(__file__).parents[2] / "docs" / "authoring.md"
 TEXT = PAGE.read_text(encoding="utf-8")
@@ -90,30 +88,3 @@ def test_an_unknown_name_is_an_attribute_error():
     """As of any module."""
     with pytest.raises(AttributeError, match=r"'harness\.authoring' has no attribute 'reach_positon'"):
         _ = harness.authoring.reach_positon
-
-
-def test_a_name_that_was_given_up_warns_and_works():
-    """It says what to use, and from when on it is gone."""
-    look_up = lazy_names("mine", {"loads": "json"}, {"load_text": Renamed("loads", "0.4")})
-    with pytest.warns(
-        DeprecationWarning, match=r"mine\.load_text is called loads now; .* goes in version 0\.4"
-    ) as seen:
-        assert look_up("load_text")("[1]") == [1]
-    assert seen[0].filename == __file__
-
-
-def test_a_name_that_stays_does_not_warn():
-    """Only what was given up does."""
-    look_up = lazy_names("mine", {"loads": "json"}, {"load_text": Renamed("loads", "0.4")})
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        assert look_up("loads")("[1]") == [1]
-
-
-@pytest.mark.parametrize("module", MODULES)
-def test_what_a_name_became_is_public(module: str):
-    """An old name leads to one that is listed, and is not listed itself."""
-    face = importlib.import_module(module)
-    for old, renamed in face.RENAMED.items():
-        assert renamed.new in face.__all__
-        assert old not in face.__all__

@@ -1,6 +1,3 @@
-import pytest
-
-from harness.registry.moved import GONE_IN
 from harness_plugins.doctor.doctor import OPTIONAL
 
 
@@ -61,21 +58,6 @@ def test_broken_plugins_are_told(harness, rendering, install):
     assert "plugin 'broken' of broken 1.0 is broken: ModuleNotFoundError" in out
     assert "versions" in out
     assert status == 1
-
-
-@pytest.mark.filterwarnings("ignore:harness.record.trace.Trace moved:DeprecationWarning")
-def test_old_names_are_told(harness, rendering, install):
-    """A plugin that works and imports a name that moved, or was written for earlier interfaces, has a line for each."""
-    rendering("true")
-    source = "import harness\n@harness.hookimpl\ndef register_rewards(register): pass\n"
-    install("earlier", f"from harness.record.trace import Trace\nharness_api = 1\n{source}")
-    status, out, _ = harness("doctor")
-    title = "plugin 'earlier' of earlier 1.0: "
-    moved = f"harness.record.trace.Trace moved: from harness.log import Log (the old name goes with {GONE_IN})"
-    assert f"{title}written for harness_api 1, this is 2: docs/renamed.md says what changed\n" in out
-    assert f"{title}{moved}, in " in out
-    assert "all fine" not in out
-    assert status == 0
 
 
 def test_plugins_are_told_with_their_versions(harness, rendering, monkeypatch):

@@ -47,7 +47,9 @@ def test_loose_recordings_are_reported_as_before(here: Path):
 
 def test_experiment_in_an_environment_is_reported_as_before(here: Path):
     """Its cells are done, and their returns are the same."""
-    (told,) = load_results(here / "experiment").studies
+    results = load_results(here / "experiment")
+    (told,) = results.studies
+    assert results.plan.note == ""  # the plan was read, and not put together from the cells
     assert told.study is not None
     assert len(told.study.runs.members) == len(Store.open(here / "experiment").read_plan().cells) == 4
     assert _returns(told.study) == TOLD["experiment"]

@@ -1,7 +1,5 @@
 """A cell's trace by the door of all logs: names, facts of its manifest, and a training that is under way."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -89,13 +87,3 @@ def test_terms_of_a_trace(tmp_path):
     with TraceWriter(tmp_path / TRACE, 2, 2, extras={"reward/near": 1}) as writer:
         writer.append(np.full((2, len(SCALARS) + 5), 0.5))
     assert {name: paid.tolist() for name, paid in terms_of(read_trace(tmp_path / TRACE)).items()} == {"near": [0.5] * 2}
-
-
-def test_facts_of_episodes_are_told_by_name_too(tmp_path):
-    """As metrics of version 0.2 ask for them; what is no fact is an AttributeError."""
-    with TraceWriter(tmp_path / TRACE, 2, 2, facts=replace(FACTS, work=(1.5,))):
-        pass
-    facts = read_trace(tmp_path / TRACE).facts
-    assert (facts.horizon, facts.work) == (2, (1.5,))  # type: ignore[attr-defined]
-    with pytest.raises(AttributeError, match="no fact 'colour'"):
-        facts.colour  # type: ignore[attr-defined]  # noqa: B018

@@ -12,8 +12,6 @@ import pytest
 from harness.errors import PluginError, UsageError
 from harness.hookspecs import KINDS
 from harness.registry import registry as module
-from harness.registry.given import read_given
-from harness.registry.moved import GONE_IN
 from harness.registry.names import did_you_mean, unknown_name
 from harness.registry.registry import VARIABLE, Plugin, Registry, Wanted, installed, load_registry
 from harness.registry.spec import OURS, Spec
@@ -212,11 +210,7 @@ INCOMPATIBLE = {
     ),
     "newer interfaces": ("harness_api = 3\n" + _reward(), "written for harness_api 3, this is 2"),
     "interfaces that never were": ("harness_api = [1]\n" + _reward(), "written for harness_api [1], this is 2"),
-    "an executor of 0.1": (
-        "harness_api = 1\n" + _plugin_with("pass", "register_executors(register)"),
-        "written for harness_api 1, this is 2: an executor gets job.options in place of job.checkpoint_every and "
-        "job.tensorboard (docs/renamed.md says what changed)",
-    ),
+    "earlier interfaces": ("harness_api = 1\n" + _reward(), "written for harness_api 1, this is 2"),
     "no hook": ("import harness\n", "implements no hook: mark its functions with"),
     "strange hook": (
         _plugin_with("pass", "paint(register)"),
@@ -244,39 +238,7 @@ def test_plugin_may_state_this_version_of_the_interfaces(write_plugin: Write):
     """`harness_api = 2` loads, and there is nothing to remark; so does one that states none."""
     for stated in ("harness_api = 2\n", ""):
         plugin = _only(load_registry([write_plugin(stated + _reward(), f"mine{len(stated)}")]))
-        assert (plugin.status, plugin.remarks) == ("ok", ())
-
-
-def test_plugin_for_the_first_interfaces_loads_with_a_remark(write_plugin: Write):
-    """Of version 0.1.0: what it registers can be used."""
-    registry = load_registry([write_plugin("harness_api = 1\n" + _reward(), "mine")])
-    plugin = _only(registry)
-    assert (plugin.status, registry.names("rewards")) == ("ok", ["mine"])
-    assert plugin.remarks == ("written for harness_api 1, this is 2: docs/renamed.md says what changed",)
-    assert [line.partition(": ")[2] for line in registry.complaints()] == [plugin.remarks[0]]
-
-
-def test_plugin_that_imports_a_name_that_is_gone_is_told_the_new_one(write_plugin: Write):
-    """In one line, which `harness describe`, `plugins` and `doctor` show."""
-    plugin = _only(load_registry([write_plugin("from harness.score.recording import Chunk\n" + _reward(), "mine")]))
-    assert plugin.status == "broken"
-    gone = "harness.score.recording is gone: see harness.log.Log, which is used in another way"
-    assert plugin.reason == f"ModuleNotFoundError: {gone}"
-
-
-def test_plugin_file_that_imports_an_old_name_is_told_the_new_one(tmp_path: Path):
-    """One that was given by hand loads, with a remark for each old name in it."""
-    path = tmp_path / "mine.py"
-    path.write_text(
-        "from harness.metric import Metric\nfrom dataclasses import dataclass\n"
-        "@dataclass(frozen=True)\nclass Mine:\n"
-        "    def initial_carry(self, begin_distance): return ()\n"
-        "    def __call__(self, carry, sample): return carry, sample.distance\n"
-    )
-    with pytest.warns(DeprecationWarning, match="harness.metric"):
-        plugin = _only(load_registry([], given=read_given([path])))
-    moved = "harness.metric.Metric moved: from harness.measure import Measure"
-    assert (plugin.status, plugin.remarks) == ("ok", (f"{moved} (the old name goes with {GONE_IN})",))
+        assert plugin.status == "ok"
 
 
 def test_module_named_by_two_entry_points_loads_once(write_plugin: Write):

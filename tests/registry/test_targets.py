@@ -1,6 +1,5 @@
 """Targets compared with what their kind asks for: each way to be wrong is told, and what is right is not."""
 
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,7 +14,6 @@ from harness.hookspecs import KINDS
 from harness.log import LogFormat
 from harness.measure import Measure
 from harness.registry.members import MEMBERS, missing_members, require_members
-from harness.registry.moved import GONE_IN
 from harness.registry.registry import Registry, load_registry
 from harness.registry.spec import Spec
 from harness.registry.targets import examined, why_absent, why_unfit
@@ -112,20 +110,6 @@ def test_plugin_with_an_absent_target_is_broken():
     registry.plugins += [_plugin("one", "cem-algo"), _plugin("two", "other")]
     registry.specs["rewards", "mine"] = [_spec("no_such_module_here:Mine")]
     assert [plugin.status for plugin in examined(registry)] == ["broken", "ok"]
-
-
-def test_old_names_of_targets_are_remarks_and_nothing_is_imported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    """Each once, with the first module that imports it; a module that cannot be read has none."""
-    monkeypatch.syspath_prepend(tmp_path)
-    for name, source in {"old_one": "", "old_two": "raise SystemExit\n", "old_bad": "def\n"}.items():
-        (tmp_path / f"{name}.py").write_text(f"from harness.record.trace import Trace\n{source}Mine = 1\n")
-    registry = Registry()
-    registry.plugins += [_plugin("one", "cem-algo")]
-    registry.specs["rewards", "mine"] = [_spec(f"{name}:Mine") for name in ("old_bad", "old_one", "old_two")]
-    (plugin,) = examined(registry, lambda spec: "")
-    moved = f"harness.record.trace.Trace moved: from harness.log import Log (the old name goes with {GONE_IN})"
-    assert plugin.remarks == (f"{moved}, in old_one",)
-    assert "old_two" not in sys.modules
 
 
 def _plugin(name: str, distribution: str) -> Any:

@@ -1,0 +1,38 @@
+"""What folders of versions 0.1 and 0.2 lack, or name otherwise: every reader gets what a folder of this version has."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from harness.files.sums import SUMS
+from harness.record.folder import EVALUATION, RANDOM, SCORES, TRACE, digests_in
+from harness.record.trace import read_trace
+
+ALGORITHMS: Mapping[str, str] = MappingProxyType({"sac": "sb3-sac"})
+"""The present name of each algorithm whose name in cells of 0.2 means another one now."""
+
+
+def whole_plan(data: dict[str, Any], experiment: Mapping[str, Any]) -> dict[str, Any]:
+    """What ``plan.json`` says. That of 0.1 has no experiment, which stands beside it; the others came later.
+
+    Args:
+        data: What the file holds.
+        experiment: What the file ``experiment.toml`` beside it holds.
+    """
+    told = data if data.get("experiment", {}) != {} else {**data, "experiment": experiment}
+    return {"control": [], "terms": {}, **told}
+
+
+def whole_manifest(data: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """What ``manifest.json`` says. That of 0.1 names no digests: the files count that are there and can be read.
+
+    Raises:
+        SchemaError: A trace of a done cell cannot be read.
+    """
+    if "files" in data:
+        return data
+    if "id" in data and data.get("status") == "done":
+        for name in (TRACE, EVALUATION, RANDOM):
+            read_trace(folder / name, ["reward"]).rows()
+    return {**data, "files": {name: it for name, it in digests_in(folder).items() if name not in (SCORES, SUMS)}}
