@@ -7,7 +7,7 @@ import pytest
 from harness_plugins.kit.memory import PLAYS, require_nothing_kept
 
 STEPS = 100
-KEPT: list[bytes] = []
+KEPT = []
 
 
 @pytest.fixture(autouse=True)
@@ -23,21 +23,16 @@ def test_what_keeps_something_in_every_play_is_told():
         require_nothing_kept(lambda: KEPT.extend(bytes(200) for _ in range(STEPS)), STEPS, "steps")
 
 
-def test_cache_that_fills_now_and_then_is_allowed():
-    """As those of libraries: in the next play nothing is added."""
-    sizes = iter([0, 50_000, 50_000, 0])
-    require_nothing_kept(lambda: KEPT.append(bytes(next(sizes))), STEPS, "steps")
-
-
-def test_cache_that_was_filled_at_the_beginning_is_allowed():
-    """By the first play."""
-    sizes = iter([1_000_000, 0])
-    require_nothing_kept(lambda: KEPT.append(bytes(next(sizes))), STEPS, "steps")
+@pytest.mark.parametrize("sizes", [(0, 50_000, 50_000, 0), (1_000_000, 0)])
+def test_cache_that_fills_is_allowed(sizes):
+    """Now and then, as those of libraries, with nothing added in the next play; or by the first play."""
+    left = iter(sizes)
+    require_nothing_kept(lambda: KEPT.append(bytes(next(left))), STEPS, "steps")
 
 
 def test_it_is_played_no_more_than_it_takes():
     """Twice if nothing is kept, else until the end."""
-    calls: list[int] = []
+    calls = []
     require_nothing_kept(lambda: calls.append(0), STEPS, "steps")
     assert len(calls) == 2
     assert gc.get_freeze_count() == 0
