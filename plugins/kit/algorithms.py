@@ -23,7 +23,7 @@ from harness.env import ReachVectorEnv
 from harness.policy import Policy, load_policy
 from harness.progress import TrainingState
 
-from .contract import Check, check, raise_first, require, settings_are_frozen, settings_survive_json
+from .contract import check, raise_first, require, settings_are_frozen, settings_survive_json
 from .trainings import (
     ENV_SEED,
     Told,
@@ -455,7 +455,7 @@ def a_training_goes_on_where_it_stood(algorithm: Algorithm) -> None:
             require(not difference, f"a training that {where} {difference}: something is not in the checkpoint")
 
 
-ALGORITHM_CHECKS: tuple[Check, ...] = (
+ALGORITHM_CHECKS = (
     settings_are_frozen,
     settings_survive_json,
     action_spaces_are_declared,

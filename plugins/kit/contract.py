@@ -4,10 +4,8 @@ import copy
 import dataclasses
 import inspect
 import json
-import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 from harness.authoring.checking import build, values_of
@@ -83,13 +81,6 @@ def raise_first(checks: Iterable[Check], *subject: Any) -> None:
     """Raise the first of the `violations`; the checks after it are not run."""
     for violation in violations(checks, *subject):
         raise violation
-
-
-def raise_first_in_folders(checks: Iterable[Check], plugin: Any, folder: Path | None) -> None:
-    """The same, each check in an empty folder of its own, in `folder` or where temporary files are."""
-    for each in checks:
-        with tempfile.TemporaryDirectory(dir=folder) as place:
-            raise_first([each], plugin, Path(place))
 
 
 @check("settings-frozen")

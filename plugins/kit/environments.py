@@ -25,7 +25,7 @@ from harness.authoring.checking import (
 from harness.environment import AnyEnv, Environment, baseline_of, bounds_of, goal_rewards, lower_is_better
 from harness.errors import UsageError
 
-from .contract import Check, check, raise_first, require, settings_are_frozen, settings_survive_json
+from .contract import check, raise_first, require, settings_are_frozen, settings_survive_json
 
 STEPS, LONGEST = 100, 20_000
 """The steps that are tried, and the most that an episode may take."""
@@ -189,7 +189,7 @@ def _number_or_nan(column: Column, value: Any) -> float:
         return math.nan
 
 
-ENVIRONMENT_CHECKS: tuple[Check, ...] = (
+ENVIRONMENT_CHECKS = (
     settings_are_frozen,
     settings_survive_json,
     the_env_is_one_of_gymnasium,

@@ -22,7 +22,7 @@ from harness.authoring.checking import (
 from harness.log import Log
 from harness.measure import Measure
 
-from .contract import Check, check, raise_first, require, settings_are_frozen, settings_survive_json
+from .contract import check, raise_first, require, settings_are_frozen, settings_survive_json
 
 REWARDS = ("reward", "reward_ground", "reward_target", "reward_step")
 DOF = 2
@@ -160,7 +160,7 @@ def the_trace_is_left_alone(metric: Measure) -> None:
         require(np.array_equal(column, trace[name]), f"the column {name} was changed")
 
 
-METRIC_CHECKS: tuple[Check, ...] = (
+METRIC_CHECKS = (
     settings_are_frozen,
     settings_survive_json,
     unit_and_better_are_declared,

@@ -8,7 +8,7 @@ import numpy as np
 from harness.authoring.checking import is_plain_function, map_steps, rows_of
 from harness.reward import Array, Carry, Paid, Reward, Steps
 
-from .contract import Check, check, raise_first, require, settings_are_frozen, settings_survive_json
+from .contract import check, raise_first, require, settings_are_frozen, settings_survive_json
 from .memory import require_nothing_kept
 from .reward_samples import (
     HORIZON,
@@ -58,10 +58,7 @@ def nothing_is_kept_of_a_step(reward: Reward) -> None:
 
 
 def _bytes_of(carry: Carry) -> int:
-    if isinstance(carry, tuple):
-        return sum(map(_bytes_of, carry))
-    array: Array = carry
-    return int(np.asarray(array).nbytes)
+    return sum(np.asarray(array).nbytes for array in _arrays(carry))
 
 
 BONUS = 0.5
@@ -206,7 +203,7 @@ def no_event_is_paid(reward: Reward) -> None:
         require(jump <= BONUS, f"the value jumps by {jump:.2g} near a distance of {distances[index]:.3f} m")
 
 
-REWARD_CHECKS: tuple[Check, ...] = (
+REWARD_CHECKS = (
     settings_are_frozen,
     settings_survive_json,
     values_have_one_float_per_env,
@@ -224,7 +221,7 @@ REWARD_CHECKS: tuple[Check, ...] = (
     nothing_is_kept_of_a_step,
     a_long_episode_is_paid,
 )
-REWARD_WARNINGS: tuple[Check, ...] = (a_plain_function_works_with_any_array_library,)
+REWARD_WARNINGS = (a_plain_function_works_with_any_array_library,)
 
 
 def _require_floats(name: str, value: Array, num_envs: int) -> None:

@@ -14,7 +14,7 @@ from harness.authoring.commands import choose, load_registry
 from harness.errors import MissingSolid, PluginError, UsageError
 from harness.robot import Robot
 
-from .contract import Check, check, raise_first, require
+from .contract import check, raise_first, require
 
 POSES = 20
 STEP = 1e-6
@@ -163,7 +163,7 @@ def simulators_have_all_solids(robot: Robot) -> None:
             require(False, str(error) if name in str(error) else f"{name}: {error}")
 
 
-ROBOT_CHECKS: tuple[Check, ...] = (
+ROBOT_CHECKS = (
     limits_are_finite,
     home_is_in_the_joint_ranges,
     home_is_above_the_ground,
@@ -174,7 +174,7 @@ ROBOT_CHECKS: tuple[Check, ...] = (
     meshes_can_be_read,
 )
 """What needs no simulator."""
-SIMULATED_ROBOT_CHECKS: tuple[Check, ...] = (simulators_have_all_solids,)
+SIMULATED_ROBOT_CHECKS = (simulators_have_all_solids,)
 """What opens every installed simulator."""
 
 

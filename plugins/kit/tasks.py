@@ -14,7 +14,7 @@ from harness.goal import Goal, Situation
 from harness.robot import Robot
 from harness.task import Task, goal_of, varies
 
-from .contract import Check, check, raise_first, require, settings_are_frozen, settings_survive_json
+from .contract import check, raise_first, require, settings_are_frozen, settings_survive_json
 from .trainings import NegativeDistance
 
 COUNT = 16
@@ -111,7 +111,7 @@ def goals_show_numbers_in_their_bounds(task: Task, robot: Robot) -> None:
     if goal is None:
         return
     low, high = goal.bounds()
-    env = ReachVectorEnv(IdealSimulator(), robot, task, NegativeDistance(), 3)
+    env = _env(task, robot)
     env.action_space.seed(0)
     env.reset(seed=0)
     for _ in range(decisions_of(task)):
@@ -122,7 +122,7 @@ def goals_show_numbers_in_their_bounds(task: Task, robot: Robot) -> None:
         require(inside, "what the goal shows leaves its bounds {} .. {}: {}", low, high, seen)
 
 
-GOAL_CHECKS: tuple[Check, ...] = (
+GOAL_CHECKS = (
     goals_are_described,
     errors_are_numbers,
     errors_are_zero_at_the_goal,
@@ -294,13 +294,12 @@ def episodes_are_alike_where_it_says_so(task: Task, robot: Robot) -> None:
 @check("task-targets-in-reach")
 def targets_can_be_reached(task: Task, robot: Robot) -> None:
     """Every target is above the ground, and the arm can reach at least 95 of 100 within `epsilon` in some pose."""
-    places, starts = _places(task, robot)
+    places, missed = _targets(task, robot)
     low = places[places[:, 2] < 0.0]
     require(
         not len(low),
         f"{len(low)} of {TARGETS} targets are under the ground z = 0, as {_point(low)} m: nothing can get there",
     )
-    missed = places[~_are_reached(task, robot, places, starts)]
     told = _out_of_reach(missed, task, robot)
     require(len(missed) <= MOST_MISSED * TARGETS, f"{told}; draw others, or keep those that reach_position reaches")
 
@@ -383,7 +382,7 @@ def observing_changes_nothing(task: Task, robot: Robot) -> None:
     require(not shared, "an observation is not the caller's own: the next one changes it")
 
 
-TASK_CHECKS: tuple[Check, ...] = (
+TASK_CHECKS = (
     settings_are_frozen,
     settings_survive_json,
     numbers_are_in_their_ranges,
@@ -415,21 +414,20 @@ def _require_array(name: str, array: Any, shape: tuple[int, ...]) -> None:
 @check("task-all-targets-in-reach", "warning")
 def all_targets_can_be_reached(task: Task, robot: Robot) -> None:
     """None of 128 targets is out of reach: on such targets even the best policy fails."""
-    places, starts = _places(task, robot)
-    missed = places[~_are_reached(task, robot, places, starts)]
+    _, missed = _targets(task, robot)
     require(not len(missed), f"{_out_of_reach(missed, task, robot)}: no policy succeeds on those")
 
 
-TASK_WARNINGS: tuple[Check, ...] = (all_targets_can_be_reached,)
+TASK_WARNINGS = (all_targets_can_be_reached,)
 
 
-def _places(task: Task, robot: Robot) -> tuple[Float, Float]:
-    """Where some targets are, (TARGETS, 3), [m], and joint positions that their episodes may start at."""
+def _targets(task: Task, robot: Robot) -> tuple[Float, Float]:
+    """Where some targets are, (TARGETS, 3), [m], and those of them that are out of reach."""
     rng = np.random.default_rng(0)
     position, relative = task.draw_targets(robot, rng, TARGETS)
     starts = np.array([task.draw_start(robot, rng) for _ in range(TARGETS)])
     places: Float = np.where(relative[:, None], robot.end_effector(starts) + position, position)
-    return places, starts
+    return places, places[~_are_reached(task, robot, places, starts)]
 
 
 def _out_of_reach(missed: Float, task: Task, robot: Robot) -> str:

@@ -155,15 +155,7 @@ def trainings(algorithm: Algorithm, steps: int, seed: int = 0) -> Iterator[Train
         yield train(algorithm, steps, seed, space)
 
 
-def train(
-    algorithm: Algorithm,
-    steps: int,
-    seed: int = 0,
-    space: ActionSpace | None = None,
-    bonus: float = 0.0,
-    env: int = 0,
-    hindsight_bonus: float = 0.0,
-) -> Training:
+def train(algorithm: Algorithm, steps: int, seed: int = 0, space: ActionSpace | None = None, **paid: Any) -> Training:
     """Train on the easy task for `steps`, or a few more to make it a multiple of the algorithm's envs.
 
     A training that was done before is not done again, see `train_anew`: most checks look at the same one.
@@ -173,16 +165,14 @@ def train(
         steps: Environment steps.
         seed: Of the algorithm.
         space: The kind of action; None for the first that the algorithm takes.
-        bonus: Paid on top on every step of one env.
-        env: Which one.
-        hindsight_bonus: Paid on top of what is paid again for other goals.
+        paid: See `train_anew`.
     """
-    wanted = space or min(algorithm.action_spaces)
     try:
         hash(algorithm)
     except TypeError:  # not frozen: another check says so
-        return train_anew(algorithm, steps, seed, wanted, bonus, env, hindsight_bonus)
-    return _train_once(algorithm, steps, seed, wanted, bonus, env, hindsight_bonus)  # type: ignore[arg-type]  # it has a hash
+        return train_anew(algorithm, steps, seed, space, **paid)
+    wanted = space or min(algorithm.action_spaces)
+    return _train_once(algorithm, steps, seed, wanted, **paid)  # type: ignore[arg-type]  # it has a hash
 
 
 def train_anew(
@@ -194,7 +184,17 @@ def train_anew(
     env: int = 0,
     hindsight_bonus: float = 0.0,
 ) -> Training:
-    """The same as `train`, whatever was done before."""
+    """The same as `train`, whatever was done before.
+
+    Args:
+        algorithm: What learns.
+        steps: Environment steps.
+        seed: Of the algorithm.
+        space: The kind of action; None for the first that the algorithm takes.
+        bonus: Paid on top on every step of one env.
+        env: Which one.
+        hindsight_bonus: Paid on top of what is paid again for other goals.
+    """
     watched = WatchedEnv(algorithm.num_envs, space or min(algorithm.action_spaces), needs_goals(algorithm))
     watched.bonus[env], watched.hindsight_bonus = bonus, hindsight_bonus
     watched.reset(seed=ENV_SEED)

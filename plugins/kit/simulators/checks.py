@@ -4,7 +4,7 @@ from harness import load_robot
 from harness.robot import Robot
 from harness.simulator import Simulator
 
-from ..contract import Check, raise_first, settings_are_frozen, settings_survive_json
+from ..contract import raise_first, settings_are_frozen, settings_survive_json
 from .calls import (
     a_simulation_has_its_methods,
     an_env_in_a_batch_is_as_one_alone,
@@ -67,7 +67,7 @@ SERVO_CONTRACT = servo_check(
     ),
 )
 
-SIMULATOR_CHECKS: tuple[Check, ...] = (
+SIMULATOR_CHECKS = (
     settings_are_frozen,
     settings_survive_json,
     a_simulation_has_its_methods,
@@ -104,7 +104,7 @@ SIMULATOR_CHECKS: tuple[Check, ...] = (
     *SERVO_CHECKS,
 )
 
-SIMULATOR_WARNINGS: tuple[Check, ...] = (frames_were_tried,)
+SIMULATOR_WARNINGS = (frames_were_tried,)
 
 
 def check_simulator(simulator: Simulator, robot: Robot | None = None) -> None:

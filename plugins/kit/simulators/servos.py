@@ -179,7 +179,7 @@ def reset_forgets_commands(simulator: Simulator, robot: Robot, servo: Servo) -> 
     require(same(fresh, again), "with drive=servo an arm that was reset moves by commands of before the reset")
 
 
-SERVO_CHECKS: tuple[Check, ...] = (
+SERVO_CHECKS = (
     drives_keep_their_limits,
     commands_come_late,
     stronger_drives_follow_better,

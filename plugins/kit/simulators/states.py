@@ -1,5 +1,6 @@
 """What a state holds after `reset` and `place`, what an arm on the ground is told, and what a frame shows."""
 
+from collections.abc import Callable
 from itertools import cycle, islice
 
 import numpy as np
@@ -86,19 +87,13 @@ MAX_PLACEMENT_ERROR = 1e-6
 @check("sim-reset")
 def reset_puts_the_arm_there_at_rest(simulator: Simulator, robot: Robot) -> None:
     """After `reset` the joints of the masked envs rest where the call put them, also after a motion."""
-    with opened(simulator, robot) as simulation:
-        drive_out_and_back(simulation, robot)
-        qpos = poses_near_home(robot, NUM_ENVS)
-        _require_there_at_rest(simulation.reset(qpos, np.ones(NUM_ENVS, bool)), qpos)
+    _require_there_at_rest(simulator, robot, lambda sim, qpos: sim.reset(qpos, np.ones(NUM_ENVS, bool)))
 
 
 @check("sim-place")
 def place_puts_the_arm_there_at_rest(simulator: Simulator, robot: Robot) -> None:
     """After `place` the joints of all envs rest where the call put them, also after a motion."""
-    with opened(simulator, robot) as simulation:
-        drive_out_and_back(simulation, robot)
-        qpos = poses_near_home(robot, NUM_ENVS)
-        _require_there_at_rest(simulation.place(qpos), qpos)
+    _require_there_at_rest(simulator, robot, lambda sim, qpos: sim.place(qpos))
 
 
 @check("sim-reset-mask")
@@ -111,7 +106,12 @@ def reset_leaves_the_other_envs_alone(simulator: Simulator, robot: Robot) -> Non
         require(same([part(before, ~mask)], [part(after, ~mask)]), "the envs outside the mask changed")
 
 
-def _require_there_at_rest(state: State, qpos: Float) -> None:
+def _require_there_at_rest(simulator: Simulator, robot: Robot, put: Callable[[Simulation, Float], State]) -> None:
+    """See that arms are where they were put after a motion, and rest."""
+    qpos = poses_near_home(robot, NUM_ENVS)
+    with opened(simulator, robot) as simulation:
+        drive_out_and_back(simulation, robot)
+        state = copied(put(simulation, qpos))
     error = np.abs(state.qpos - qpos).max()
     require(error < MAX_PLACEMENT_ERROR, f"the joints are {error:.2g} rad or m from where they were put")
     require((state.qvel == 0.0).all(), f"the joints are not at rest: {state.qvel} rad/s or m/s")
