@@ -12,9 +12,8 @@ import typer.main
 
 from harness.cli.app import build_app
 from harness.errors import UsageError
-from harness.record.trace import SCALARS
-from harness.registry.choice import choose
-from harness.registry.registry import Registry, load_registry
+from harness.record import SCALARS
+from harness.registry import Registry, choose, load_registry
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "note.md"

@@ -7,10 +7,8 @@ from pathlib import Path
 import pyarrow.parquet as pq
 import pytest
 
-from harness.experiment.plan import Plan
-from harness.record.cell import Cell
-from harness.record.folder import EVALUATION, TRACE
-from harness.record.store import RESULTS
+from harness.experiment import Plan
+from harness.record import EVALUATION, RESULTS, TRACE, Cell
 from harness.results import Results
 
 ROOT = Path(__file__).parents[1]

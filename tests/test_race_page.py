@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from harness.arrays import Float
-from harness.eta.verdict.race import race
+from harness.eta import race
 from harness.report.rows.ratios import format_number
 from tests.test_reference import RACES, REFERENCE
 

@@ -4,7 +4,7 @@ from typing import ClassVar
 
 import pytest
 
-from harness.registry.registry import load_registry
+from harness.registry import load_registry
 from harness.simulator import family_of
 
 REGISTRY = load_registry()

@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.eta.return_split import split_returns
-from harness.eta.swaps import swaps_of
+from harness.eta import split_returns, swaps_of
 from tests.test_reference import REFERENCE, ROOT, STUDIES, comparisons_of, three, unfounded, with_interval
 
 PAGES = ROOT / "docs" / "studies"

@@ -12,7 +12,7 @@ import gymnasium
 import pytest
 
 from harness.cli.app import main
-from harness.record.recording.recorded_training import read_recording
+from harness.record import read_recording
 
 PAGE = (Path(__file__).parents[1] / "docs" / "your-environment.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"^```python\n(.*?)^```", PAGE, re.DOTALL | re.MULTILINE)

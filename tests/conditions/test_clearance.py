@@ -8,9 +8,7 @@ import pytest
 import harness
 from harness.conditions.clearance import Clearance
 from harness.conditions.obstacles import NUMBERS, distance_from
-from harness.robot import Robot
-from harness.robot.kinematics import link_frames
-from harness.robot.shapes import Shape
+from harness.robot import Robot, Shape, link_frames
 
 ARM = harness.load_robot("fd100")
 SHAPES = {

@@ -8,7 +8,7 @@ from harness.conditions import Conditions
 from harness.conditions.clearance import MARGIN, Clearance, draw_clutter
 from harness.conditions.obstacles import distance_from, there
 from harness.reach import ReachTask
-from harness.robot.inverse_kinematics import reach_position
+from harness.robot import reach_position
 
 ARM = harness.load_robot("fd100")
 CLEARANCE = Clearance(ARM)

@@ -8,9 +8,7 @@ import pytest
 import harness
 from harness.conditions import Conditions
 from harness.conditions.varied_robot import Factors, draw_factors, draw_robot, vary_robot
-from harness.robot.energy import read_bodies
-from harness.robot.servo import Servo
-from harness.robot.urdf import parse_urdf
+from harness.robot import Servo, parse_urdf, read_bodies
 
 ARM = harness.load_robot("fd100")
 LINKS = len(draw_factors(Conditions(), ARM, 0).masses)

@@ -9,7 +9,7 @@ import pytest
 import harness
 from harness.env import ReachVectorEnv
 from harness.reach import ReachTask
-from harness.robot.inverse_kinematics import reach_position
+from harness.robot import reach_position
 from harness.task import Task
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import NegativeDistance

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import harness
-from harness.env import ReachVectorEnv
-from harness.env.arm_observation import ArmObservation
+from harness.env import ArmObservation, ReachVectorEnv
 from harness.reach import ReachTask
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import NegativeDistance

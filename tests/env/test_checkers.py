@@ -8,9 +8,9 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 from stable_baselines3.common import env_checker
 
-from harness.env.make import ReachEnv
+from harness.env import ReachEnv
 from harness.motion import MODES
-from harness.registry.registry import load_registry
+from harness.registry import load_registry
 
 INNER = [f"discrete:action={mode}" for mode in MODES if mode != "discrete"]
 ACTIONS = [*MODES, *INNER]

@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
 
-from harness.env import ReachVectorEnv
-from harness.env.ideal import IdealSimulation
+from harness.env import IdealSimulation, ReachVectorEnv
 from harness.log import Log
 from harness.reach import ReachTask
-from harness.record.trace import TraceWriter, read_trace
-from harness.robot.inverse_kinematics import reach_position
+from harness.record import TraceWriter, read_trace
+from harness.robot import reach_position
 from harness.score.scorer import pay_log
 from harness.simulator import State
 

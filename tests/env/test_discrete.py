@@ -10,7 +10,7 @@ import pytest
 
 import harness
 from harness.reach import ReachTask
-from harness.record.trace import TraceWriter, read_trace
+from harness.record import TraceWriter, read_trace
 from harness_plugins.tasks.unity import Arp2021
 
 Call = Callable[..., Any]

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.env.ideal import IdealSimulation
+from harness.env import IdealSimulation
 from harness.errors import SimulationDiverged
-from harness.record.trace import TraceWriter
+from harness.record import TraceWriter
 from harness.robot import Robot
 from harness.simulator import State
 from harness_plugins.kit import IdealSimulator

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from harness.env.episodes import Episodes
+from harness.env import Episodes
 from harness.errors import SimulationDiverged
-from harness.record.trace import COLUMN, SCALARS
+from harness.record import COLUMN, SCALARS
 from harness.simulator import State
 
 DOF, ACTIONS = 2, 3

@@ -11,7 +11,7 @@ from gymnasium.vector import AutoresetMode
 import harness
 from harness.errors import UsageError
 from harness.reach import ReachTask
-from harness.record.trace import TraceWriter, read_trace
+from harness.record import TraceWriter, read_trace
 
 Call = Callable[..., Any]
 

@@ -12,9 +12,8 @@ import pytest
 import harness
 from harness.log import Log
 from harness.reach import ReachTask
-from harness.record.trace import TraceWriter, read_trace
-from harness.robot.inverse_kinematics import reach_position
-from harness.robot.kinematics import forward
+from harness.record import TraceWriter, read_trace
+from harness.robot import forward, reach_position
 from harness_plugins.tasks.unity import Arp2021, UnityReach
 
 Call = Callable[..., Any]

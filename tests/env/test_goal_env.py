@@ -9,12 +9,12 @@ from gymnasium.utils.env_checker import check_env
 from stable_baselines3 import SAC, HerReplayBuffer
 from stable_baselines3.common import env_checker
 
+from harness.env import ReachEnv
 from harness.env.goal_env import NEEDED, ReachGoalEnv, forgets_the_way
-from harness.env.make import ReachEnv
 from harness.errors import UsageError
 from harness.reach import ReachTask
+from harness.registry import load_registry
 from harness.registry.choice import build_named
-from harness.registry.registry import load_registry
 from harness.task import Targets
 
 PAYABLE = ["sparse", "potential", "adaptive", "scaled:reward=dense"]

@@ -9,14 +9,13 @@ import pytest
 from pydantic.dataclasses import dataclass
 
 import harness
+from harness import make_env
 from harness.arrays import Float
-from harness.env.make import make_env
 from harness.errors import UsageError
 from harness.goal import Goal, Situation
 from harness.reach import ReachTask
-from harness.record.trace import TraceWriter, read_trace
-from harness.registry.choice import choose
-from harness.registry.registry import load_registry
+from harness.record import TraceWriter, read_trace
+from harness.registry import choose, load_registry
 from harness.robot import Robot
 from harness.score.scorer import pay_log
 from harness.task import goal_of

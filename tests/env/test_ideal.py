@@ -3,7 +3,7 @@
 import numpy as np
 
 import harness
-from harness.env.ideal import IdealSimulator
+from harness.env import IdealSimulator
 
 ROBOT = harness.load_robot("fd100")
 

@@ -9,10 +9,10 @@ import pytest
 
 import harness
 from harness.log import Log
+from harness.record import TraceWriter, read_trace
 from harness.record.cell_log import cell_log
-from harness.record.trace import TraceWriter, read_trace
 from harness.reward.row_steps import TOUCHED, targets_touched
-from harness.robot.inverse_kinematics import reach_position
+from harness.robot import reach_position
 from harness.task import Targets
 from harness_plugins.kit.trainings import NegativeDistance
 from harness_plugins.tasks.unity import Arp2021, UnityReach

@@ -8,7 +8,7 @@ import numpy as np
 
 import harness
 from harness.reach import ReachTask
-from harness.record.trace import TraceWriter, read_trace
+from harness.record import TraceWriter, read_trace
 
 Call = Callable[..., Any]
 ROBOT = harness.load_robot("fd100")

@@ -6,13 +6,10 @@ import numpy as np
 import pytest
 
 import harness
-from harness.env import ReachVectorEnv
-from harness.env.ideal import IdealSimulation
-from harness.env.make import World
+from harness.env import IdealSimulation, ReachVectorEnv, World
 from harness.errors import SchemaError, UsageError
 from harness.reach import ReachTask
-from harness.registry.choice import choose
-from harness.registry.registry import load_registry
+from harness.registry import choose, load_registry
 from harness.simulator import State
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import NegativeDistance

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import harness
-from harness.env.make import ReachEnv
+from harness.env import ReachEnv
 from harness.errors import UsageError
 
 TASK = "fd100-reach:horizon=5"

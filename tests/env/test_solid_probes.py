@@ -6,12 +6,10 @@ import numpy as np
 import pytest
 
 import harness
-from harness.env.ideal import IdealSimulation, IdealSimulator
-from harness.env.solid_probes import DEPTH, GAP, find_missing, missing_in_words, probes_of, require_solids
+from harness.env import IdealSimulation, IdealSimulator, require_solids
+from harness.env.solid_probes import DEPTH, GAP, find_missing, missing_in_words, probes_of
 from harness.errors import MissingSolid
-from harness.robot import Robot
-from harness.robot.ground_clearance import build_solids
-from harness.robot.kinematics import link_frames
+from harness.robot import Robot, build_solids, link_frames
 
 ROBOT = harness.load_robot("fd100")
 PROBES = probes_of(ROBOT)

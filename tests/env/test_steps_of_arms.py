@@ -14,9 +14,9 @@ from harness.env import ReachVectorEnv
 from harness.errors import UsageError
 from harness.log import Log
 from harness.reach import ReachTask
-from harness.record.trace import TERM, TraceWriter, read_trace, terms_of, trace_of
-from harness.registry.choice import choose
-from harness.registry.registry import load_registry
+from harness.record import TraceWriter, read_trace, trace_of
+from harness.record.trace import TERM, terms_of
+from harness.registry import choose, load_registry
 from harness.reward import Carry, MissingField, Steps
 from harness.reward.forms import reward_class
 from harness.score.scorer import pay_log

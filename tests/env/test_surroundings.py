@@ -10,10 +10,9 @@ import pytest
 import harness
 from harness.conditions.clearance import Clearance
 from harness.conditions.varied_robot import draw_robot
-from harness.env import ReachVectorEnv, surroundings
-from harness.env.arm_observation import ArmObservation
+from harness.env import ArmObservation, ReachVectorEnv, surroundings
 from harness.reach import ReachTask
-from harness.record.trace import TraceWriter, read_trace
+from harness.record import TraceWriter, read_trace
 from harness_plugins.simulators.kinematic import Kinematic
 
 Call = Callable[..., Any]

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 import harness
-from harness.env.ideal import IdealSimulation
+from harness.env import IdealSimulation
 from harness.env.surroundings import MOST_IDLE, VariedSimulation
 from harness.robot import Robot
 from harness_plugins.kit import IdealSimulator

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from harness.motion import JointLimits, Motion, Setting
-from harness.robot import Robot
+from harness.robot import Robot, load_robot
 from harness.robot.kinematics import build_chain
-from harness.robot.robot import load_robot
 from harness.robot.urdf import Joint
 
 PERIOD = 0.1

@@ -6,8 +6,7 @@ from hypothesis import given, strategies as st
 
 from harness.errors import UsageError
 from harness.motion.tip import CartesianMode
-from harness.robot import Robot
-from harness.robot.kinematics import forward
+from harness.robot import Robot, forward
 
 COORDINATE = st.floats(-2.0, 2.0).map(lambda number: round(number, 2))
 POINT = st.tuples(COORDINATE, COORDINATE, COORDINATE)

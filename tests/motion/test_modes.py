@@ -5,9 +5,8 @@ import pytest
 from harness.errors import UsageError
 from harness.motion import MODES, Discrete, build_motion
 from harness.reach import ReachTask
-from harness.registry.choice import choose
+from harness.registry import choose, load_registry
 from harness.registry.parameters import parameters_of
-from harness.registry.registry import load_registry
 from harness.robot import Robot
 
 SIZES = {"movej": 6, "movej-absolute": 6, "movel": 3, "movea": 6, "set-joints": 6, "discrete": 6}

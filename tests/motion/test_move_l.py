@@ -5,9 +5,7 @@ import pytest
 
 from harness.errors import UsageError
 from harness.motion import Motion, build_motion
-from harness.robot import Robot
-from harness.robot.kinematics import forward
-from harness.robot.robot import load_robot
+from harness.robot import Robot, forward, load_robot
 
 COUNT = 30
 UCS = "ucs_origin=0.1x0x0,ucs_x=0.1x2x0,ucs_xy=0.1x1x1"

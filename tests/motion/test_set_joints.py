@@ -25,7 +25,7 @@ def test_it_jumps(fd100: Robot, setting_of):
 
 def test_the_unity_arm_turns_as_published(setting_of):
     """Its action times (180, 90, 180, 90, 90) degrees is the pose."""
-    from harness.robot.robot import load_robot
+    from harness.robot import load_robot
 
     robot = load_robot("unity-arm")
     action = np.array([[0.1, -0.2, 0.3, -0.4, 1.0]])

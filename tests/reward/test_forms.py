@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 
 from harness.errors import UsageError
-from harness.registry.choice import choose
-from harness.registry.registry import load_registry
+from harness.registry import choose, load_registry
+from harness.reward import pay
 from harness.reward.forms import FAILED, is_function_of_steps, reward_class
 from harness.reward.needs import Needs, made_up, needs_of, terms_of
-from harness.reward.terms import pay
 from harness_plugins.kit.trainings import NegativeDistance
 
 

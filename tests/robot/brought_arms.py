@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio
 
-from harness.robot.robot import Robot, read_robot
+from harness.robot import Robot, read_robot
 
 BODY = (
     '<inertial><origin xyz="0 0 0.1"/><mass value="1.0"/>'

@@ -2,8 +2,7 @@
 
 import pytest
 
-from harness.robot.shapes import Shape, attach_shapes, read_shapes
-from harness.robot.urdf import parse_urdf
+from harness.robot import Shape, attach_shapes, parse_urdf, read_shapes
 
 ARM = """
 <robot name="arm">

@@ -10,9 +10,8 @@ import pinocchio
 import pytest
 
 from harness.errors import UsageError
-from harness.registry.choice import choose
-from harness.registry.registry import load_registry
-from harness.robot.robot import Robot
+from harness.registry import choose, load_registry
+from harness.robot import Robot
 from tests.robot.brought_arms import ARM, BODY, LIMIT, changed, poses_of, read_arm
 
 WALL = "base = { xyz_m = [1.2, -0.3, 0.9], rpy_deg = [0, 90, 0] }\n"

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from harness.errors import UsageError
-from harness.registry.choice import choose
-from harness.registry.registry import load_registry
-from harness.robot.robot import Robot, read_robot
+from harness.registry import choose, load_registry
+from harness.robot import Robot, read_robot
 from tests.robot.brought_arms import (
     ARM,
     BODY,

@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 from harness.errors import UsageError
+from harness.robot import Robot, parse_urdf
 from harness.robot.chain_end import Tip, find_chain_end, tip_of
-from harness.robot.robot import Robot
-from harness.robot.urdf import Urdf, parse_urdf
+from harness.robot.urdf import Urdf
 from tests.robot.brought_arms import ARM, JAW, changed, read_arm
 
 

@@ -7,10 +7,9 @@ from pathlib import Path
 import pytest
 
 from harness.errors import PluginError, UsageError
-from harness.registry.registry import Registry
-from harness.registry.spec import Spec
-from harness.robot import Description
-from harness.robot.robot import is_path, load_robot, read_robot
+from harness.registry import Registry, Spec
+from harness.robot import Description, load_robot, read_robot
+from harness.robot.robot import is_path
 from tests.robot.brought_arms import ARM, read_arm
 
 NOTHING = Registry()

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import harness
-from harness.registry.registry import load_registry
-from harness.robot.energy import GRAVITY, energy, least_work, read_bodies
-from harness.robot.robot import Robot, read_robot
+from harness.registry import load_registry
+from harness.robot import Robot, read_bodies, read_robot
+from harness.robot.energy import GRAVITY, energy, least_work
 
 REGISTRY = load_registry()
 SLIDER = """

@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 
 from harness.errors import UsageError
-from harness.robot.ground_clearance import Solids, build_solids
-from harness.robot.kinematics import Chain, build_chain, forward, link_frames, transform
-from harness.robot.shapes import Shape
-from harness.robot.urdf import parse_urdf, read_chain
+from harness.robot import Chain, Shape, Solids, build_solids, forward, link_frames, parse_urdf, read_chain
+from harness.robot.kinematics import build_chain, transform
 
 Shapes = tuple[tuple[Shape, ...], ...]
 CORNERS = np.array(np.meshgrid([-0.1, 0.1], [-0.2, 0.2], [-0.3, 0.3])).reshape(3, -1).T

@@ -3,8 +3,8 @@
 import numpy as np
 
 import harness
-from harness.robot.inverse_kinematics import reach_pose, reach_position
-from harness.robot.kinematics import forward, rotation_between
+from harness.robot import forward, reach_pose, reach_position
+from harness.robot.kinematics import rotation_between
 
 ROBOT = harness.load_robot("fd100")
 COUNT = 200

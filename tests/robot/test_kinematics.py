@@ -6,15 +6,8 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from harness.errors import UsageError
-from harness.robot.kinematics import (
-    build_chain,
-    end_effector_position,
-    forward,
-    pose_jacobian,
-    position_jacobian,
-    rotation_between,
-)
-from harness.robot.urdf import parse_urdf, read_chain
+from harness.robot import end_effector_position, forward, parse_urdf, read_chain
+from harness.robot.kinematics import build_chain, pose_jacobian, position_jacobian, rotation_between
 
 MASS = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
 

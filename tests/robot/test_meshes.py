@@ -14,7 +14,8 @@ from hypothesis.extra.numpy import arrays
 from hypothesis.strategies import integers, sampled_from
 
 from harness.errors import UsageError
-from harness.robot.meshes import distinct, locate_mesh, needs_extra, read_mesh
+from harness.robot import read_mesh
+from harness.robot.meshes import distinct, locate_mesh, needs_extra
 
 CORNERS = np.array([[[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 0, 0], [0, 0, 1], [1, 0, 0]]], dtype=np.float32)
 """Of two triangles with an edge in common."""

@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 
 from harness.errors import UsageError
-from harness.robot.kinematics import build_chain, forward
+from harness.robot import forward, load_robot, parse_urdf, read_chain, read_shapes
+from harness.robot.kinematics import build_chain
 from harness.robot.normal_urdf import NormalUrdf, named, normal_urdf
-from harness.robot.robot import load_robot
-from harness.robot.shapes import read_shapes
-from harness.robot.urdf import Urdf, parse_urdf, read_chain
+from harness.robot.urdf import Urdf
 from tests.robot.test_meshes import CORNERS, binary_stl, collada
 
 BODY = '<inertial><mass value="1"/><inertia ixx="1" iyy="2" izz="3" ixy="0" ixz="0" iyz="0"/></inertial>'

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from harness.errors import UsageError
-from harness.registry.registry import load_registry
+from harness.registry import load_registry
+from harness.robot import load_robot, read_robot
 from harness.robot.packages import find_installed, is_installed, locate
-from harness.robot.robot import load_robot, read_robot
 from tests.robot.brought_arms import ARM, changed
 
 URDF = "fake_arms:arms/one/one.urdf"

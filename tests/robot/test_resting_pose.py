@@ -9,10 +9,9 @@ from hypothesis import given, strategies as st
 from scipy.spatial.transform import Rotation
 
 from harness.errors import UsageError
-from harness.robot.ground_clearance import build_solids
-from harness.robot.kinematics import Chain, build_chain, end_effector_position, link_frames
+from harness.robot import Chain, Shape, build_solids, end_effector_position, link_frames
+from harness.robot.kinematics import build_chain
 from harness.robot.resting_pose import choose_home
-from harness.robot.shapes import Shape
 from harness.robot.urdf import Joint
 
 

@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from harness.errors import UsageError
-from harness.robot import robot as robot_module
-from harness.robot.robot import read_robot
+from harness.robot import read_robot, robot as robot_module
 from tests.robot.test_meshes import CORNERS, binary_stl, collada
 
 URDF = """

@@ -4,7 +4,8 @@ import numpy as np
 from hypothesis import given, strategies as st
 from scipy.spatial.transform import Rotation
 
-from harness.robot.kinematics import axes_of_rotation, rotation_between, rotation_of_axes
+from harness.robot import rotation_of_axes
+from harness.robot.kinematics import axes_of_rotation, rotation_between
 
 QUATERNIONS = st.lists(st.floats(-1.0, 1.0), min_size=4, max_size=4).filter(lambda q: np.linalg.norm(q) > 0.1)
 ROTATIONS = QUATERNIONS.map(lambda q: Rotation.from_quat(q).as_matrix()[None])

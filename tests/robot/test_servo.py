@@ -9,9 +9,8 @@ from hypothesis import given, strategies as st
 
 import harness
 from harness.errors import UsageError
-from harness.robot.energy import energy, read_bodies
-from harness.robot.robot import Robot, read_robot
-from harness.robot.servo import Servo
+from harness.robot import Robot, Servo, read_bodies, read_robot
+from harness.robot.energy import energy
 
 URDF = """
 <robot name="arm">

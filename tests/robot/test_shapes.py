@@ -8,9 +8,8 @@ import pytest
 from scipy.spatial import ConvexHull
 
 from harness.errors import UsageError
+from harness.robot import Shape, attach_shapes, parse_urdf, read_shapes
 from harness.robot.kinematics import transform
-from harness.robot.shapes import Shape, attach_shapes, read_shapes
-from harness.robot.urdf import parse_urdf
 
 Shapes = tuple[tuple[Shape, ...], ...]
 

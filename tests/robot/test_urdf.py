@@ -6,7 +6,8 @@ import re
 import pytest
 
 from harness.errors import UsageError
-from harness.robot.urdf import Joint, parse_urdf, read_chain
+from harness.robot import parse_urdf, read_chain
+from harness.robot.urdf import Joint
 
 ARM = """
 <robot name="arm">

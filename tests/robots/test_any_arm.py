@@ -14,9 +14,8 @@ import pytest
 
 import harness
 from harness.errors import UsageError
-from harness.registry.registry import load_registry
-from harness.robot import Robot
-from harness.robot.robot import read_robot
+from harness.registry import load_registry
+from harness.robot import Robot, read_robot
 from harness_plugins.bullet_arms import Clients, FreeArm, file_of_arm
 from harness_plugins.kit.simulators.checks import SIMULATOR_CHECKS
 from harness_plugins.kit.simulators.states import frames_show_the_target, render_gives_a_frame_or_says_why_not
@@ -166,8 +165,7 @@ def test_simulators_agree_on_ground_contact(robot: Robot):
 
 def _height(robot: Robot, qpos: np.ndarray) -> np.ndarray:
     """Of the lowest point of the moving links, (n,), [m]."""
-    from harness.robot.ground_clearance import build_solids
-    from harness.robot.kinematics import link_frames
+    from harness.robot import build_solids, link_frames
 
     return build_solids(robot.joint_shapes).lowest(link_frames(robot.chain, qpos))
 

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 import harness_robots
-from harness.robot.robot import read_robot
+from harness.robot import read_robot
 
 ROBOT = read_robot(harness_robots.FD100)
 LINKS = ElementTree.fromstring(ROBOT.urdf).findall("link")

@@ -8,8 +8,7 @@ import pinocchio
 import pytest
 
 import harness
-from harness.robot import Robot
-from harness.robot.urdf import parse_urdf, read_chain
+from harness.robot import Robot, parse_urdf, read_chain
 
 DIGESTS = {
     "fd100": (

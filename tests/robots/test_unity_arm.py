@@ -12,8 +12,7 @@ import pytest
 
 import harness
 import harness_robots
-from harness.robot.kinematics import forward
-from harness.robot.robot import read_robot
+from harness.robot import forward, read_robot
 
 ROBOT = read_robot(harness_robots.UNITY_ARM)
 LINKS = {link.get("name"): link for link in ElementTree.fromstring(ROBOT.urdf).findall("link")}

@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 from harness.record.scene import Scene
-from harness.robot import Robot
-from harness.robot.kinematics import child_frames, end_effector_position
-from harness.robot.robot import load_robot
+from harness.robot import Robot, child_frames, end_effector_position, load_robot
+from harness.scene import scene_of
 from harness.scene.picture import chain_of, corners_of
-from harness.scene.scene import FEWEST, GREY, TRIANGLES, scene_of
+from harness.scene.scene import FEWEST, GREY, TRIANGLES
 from tests.scene.conftest import meshed
 
 RNG = np.random.default_rng(5)

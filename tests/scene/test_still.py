@@ -3,7 +3,7 @@
 import numpy as np
 
 from harness.robot import Robot
-from harness.scene.picture import StillFrames
+from harness.scene import StillFrames
 
 
 def test_a_frame_has_its_size_and_shows_the_target(robot: Robot):

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.env.vector_env import ReachVectorEnv
+from harness.env import ReachVectorEnv
 
 RATIOS = pytest.StashKey[dict[str, dict[str, float]]]()
 """What a run measured: by the name of a timing its ratio and its bound."""

@@ -5,9 +5,9 @@ from typing import Any
 import pytest
 
 import harness
-from harness.env.make import ReachEnv
+from harness.env import ReachEnv
 from harness.progress import Progress
-from harness.record.trace import TraceWriter
+from harness.record import TraceWriter
 from harness_plugins.algorithms.ddqn import Ddqn
 from harness_plugins.algorithms.dqn import Dqn
 from harness_plugins.algorithms.ppo import Ppo

@@ -11,12 +11,13 @@ import numpy as np
 import pytest
 
 import harness
-from harness.env.make import build_world
+from harness.env import build_world
+from harness.experiment import expand
 from harness.experiment.checkpoints.checkpoint import Checkpoint, read_checkpoint, store
-from harness.experiment.plan import Experiment, expand
+from harness.experiment.plan import Experiment
 from harness.experiment.run_cell import SECONDS
 from harness.progress import Progress, Ring, TrainingState
-from harness.registry.registry import load_registry
+from harness.registry import load_registry
 from tests.bench.timings.conftest import cpu_seconds
 
 pytestmark = pytest.mark.bench

@@ -10,7 +10,7 @@ from dm_control.suite import base
 from dm_control.utils import rewards
 
 import harness
-from harness.record.trace import TraceWriter
+from harness.record import TraceWriter
 from harness_plugins.mujoco_model import TARGET, TOUCH
 
 pytestmark = pytest.mark.bench

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import harness
-from harness.record.trace import TraceWriter
-from harness.registry.registry import load_registry
+from harness.record import TraceWriter
+from harness.registry import load_registry
 
 pytestmark = pytest.mark.bench
 SUBSTEPS, PERIOD = 20, 0.1

@@ -8,11 +8,10 @@ from pathlib import Path
 import pytest
 
 from harness.executor import CellOptions, Job
+from harness.experiment import check_experiment, expand
 from harness.experiment.jobs import run_jobs
-from harness.experiment.plan import check_experiment, expand
-from harness.record.cell import Cell
-from harness.record.manifest import Manifest, read_manifest
-from harness.registry.registry import load_registry
+from harness.record import Cell, Manifest, read_manifest
+from harness.registry import load_registry
 from tests.bench.timings.conftest import cpu_seconds
 
 pytestmark = pytest.mark.bench

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import harness
-from harness.record.trace import TraceWriter
+from harness.record import TraceWriter
 
 pytestmark = pytest.mark.bench
 

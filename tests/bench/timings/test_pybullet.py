@@ -7,7 +7,7 @@ import pybullet
 import pytest
 
 import harness
-from harness.record.trace import TraceWriter
+from harness.record import TraceWriter
 from harness_plugins.bullet_arms import Arm, exact_timestep
 from harness_plugins.simulators.pybullet import PyBullet
 

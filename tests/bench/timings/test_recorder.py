@@ -10,9 +10,8 @@ import pytest
 
 import harness
 from harness.experiment.telling import TELL_EVERY
+from harness.record import TrainingFacts, read_recording
 from harness.record.blocks import Blocks
-from harness.record.recording.facts import TrainingFacts
-from harness.record.recording.recorded_training import read_recording
 from harness.record.recording.recording_writer import WRITE_EVERY, RecordingWriter
 
 

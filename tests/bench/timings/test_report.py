@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from harness.experiment.experiment import run
-from harness.record.folder import DERIVED
-from harness.registry.registry import load_registry
+from harness.record import DERIVED
+from harness.registry import load_registry
 from tests.bench.timings.processes import Taken, measure
 from tests.copied_cells import copy_experiment, keep_as_a_run_does, many_rewards
 

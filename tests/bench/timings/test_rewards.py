@@ -6,8 +6,7 @@ import pytest
 import harness
 from harness.env import ReachVectorEnv
 from harness.reach import ReachTask
-from harness.registry.choice import choose
-from harness.registry.registry import load_registry
+from harness.registry import choose, load_registry
 from harness.reward.forms import reward_class
 
 pytestmark = pytest.mark.bench

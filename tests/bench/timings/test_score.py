@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from harness.arrays import Float
-from harness.record.trace import trace_of
-from harness.registry.choice import choose
-from harness.registry.registry import load_registry
+from harness.record import trace_of
+from harness.registry import choose, load_registry
 from harness.reward import Reward
 from harness.reward.row_steps import Rows
 from harness.score.scorer import BLOCK, DISTANCES, Scorer, pay_log

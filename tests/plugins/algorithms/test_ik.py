@@ -10,14 +10,13 @@ import pytest
 
 import harness
 from harness.algorithm import learns, why_not
-from harness.env.arm_observation import ArmObservation, kinematics_policy
+from harness.env import ArmObservation, kinematics_policy
 from harness.errors import SchemaError
+from harness.experiment import check_experiment, expand
 from harness.experiment.arm_evaluation import EVALUATION_SEED
-from harness.experiment.plan import check_experiment, expand
 from harness.policy import CARD, InverseKinematics, Uniform, load_policy
 from harness.reach import ReachTask
-from harness.registry.choice import choose
-from harness.registry.registry import load_registry
+from harness.registry import choose, load_registry
 from harness_plugins.algorithms.ik import Ik
 from harness_plugins.kit.trainings import observations, train
 

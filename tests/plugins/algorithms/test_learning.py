@@ -6,9 +6,8 @@ from pathlib import Path
 import pytest
 
 import harness
-from harness.record.folder import EVALUATION, RANDOM
+from harness.record import EVALUATION, RANDOM, read_trace
 from harness.record.returns import mean_return
-from harness.record.trace import read_trace
 from harness.results import Results
 
 pytestmark = pytest.mark.slow

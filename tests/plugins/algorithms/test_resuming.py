@@ -6,10 +6,9 @@ from typing import Any
 import pytest
 
 import harness
-from harness.env import ReachVectorEnv
-from harness.env.make import World
-from harness.registry.choice import build_defaults, choose
-from harness.registry.registry import load_registry
+from harness.env import ReachVectorEnv, World
+from harness.registry import choose, load_registry
+from harness.registry.choice import build_defaults
 from harness_plugins.kit.algorithms import differences, train_with_checkpoints
 
 REGISTRY = load_registry()

@@ -8,7 +8,7 @@ import pytest
 
 from harness.errors import UsageError
 from harness.policy import load_policy
-from harness.registry.parameters import build
+from harness.registry import build
 from harness_plugins.algorithms.sac import Sac
 from harness_plugins.kit.algorithms import the_budget_is_spent_exactly, the_return_rises
 from harness_plugins.kit.trainings import observations, train_anew

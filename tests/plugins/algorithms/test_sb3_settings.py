@@ -5,9 +5,7 @@ from typing import Any
 import pytest
 
 from harness.errors import UsageError
-from harness.registry.choice import choose
-from harness.registry.parameters import build
-from harness.registry.registry import load_registry
+from harness.registry import build, choose, load_registry
 from harness_plugins.algorithms.ddqn import Ddqn
 from harness_plugins.algorithms.dqn import Dqn
 from harness_plugins.algorithms.ppo import Ppo

@@ -11,7 +11,7 @@ from harness.errors import UsageError
 from harness.experiment.arm_evaluation import EVALUATION_SEED
 from harness.policy import Gaussian, Policy, Uniform
 from harness.progress import Progress, TrainingState
-from harness.registry.parameters import build
+from harness.registry import build
 from harness_plugins.algorithms import spg
 from harness_plugins.algorithms.spg import Learner, Segment, Spg
 from harness_plugins.kit.trainings import ENV_SEED, WatchedEnv, observations, train

@@ -6,7 +6,7 @@ import pytest
 
 from harness.errors import UsageError
 from harness.registry.allowed import PROGRAMS, allow_programs, allow_typed
-from harness.robot.robot import Robot, read_robot
+from harness.robot import Robot, read_robot
 from harness_plugins.descriptions.xacro_file import EXAMPLE
 
 pytest.importorskip("xacro")

@@ -11,8 +11,7 @@ from gymnasium.spaces import Box, Dict
 
 from harness.environment import Environment, goal_rewards
 from harness.errors import UsageError
-from harness.registry.choice import choose
-from harness.registry.registry import load_registry
+from harness.registry import choose, load_registry
 from harness_plugins.kit import check_environment
 
 GIVEN = (

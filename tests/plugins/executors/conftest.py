@@ -17,8 +17,8 @@ from typing import Any
 import psutil
 import pytest
 
-from harness.record.cell import Cell
-from harness.registry.choice import Choice
+from harness.record import Cell
+from harness.registry import Choice
 
 
 class TwoNodes:

@@ -8,22 +8,12 @@ import pytest
 
 from harness.authoring.folder_parts import Part, add_parts
 from harness.executor import CellOptions, Event, Job, Word
-from harness.experiment.plan import check_experiment, expand
+from harness.experiment import check_experiment, expand
 from harness.experiment.run_cell import run_cell
-from harness.record.folder import (
-    EVALUATION_RECORDING,
-    LOG,
-    MANIFEST,
-    POLICY,
-    RANDOM,
-    STOCHASTIC,
-    TRAINING_RECORDING,
-    recording_of,
-)
+from harness.record import EVALUATION_RECORDING, LOG, MANIFEST, POLICY, RANDOM
+from harness.record.folder import STOCHASTIC, TRAINING_RECORDING, recording_of
 from harness.record.manifest import digests_in
-from harness.registry.choice import choose
-from harness.registry.given import read_given
-from harness.registry.registry import load_registry
+from harness.registry import choose, load_registry, read_given
 from harness_plugins.ray_cluster.node import Ended, Slot
 
 TOY = Path(__file__).parents[2] / "experiment" / "environments" / "toy.py"

@@ -12,12 +12,9 @@ import pytest
 
 from harness.authoring import run_job
 from harness.executor import CellOptions, Event, Job, Limits
-from harness.record.cell import Cell
+from harness.record import LOG, Cell, partial_folder, read_manifest
 from harness.record.cell_folder import examine
-from harness.record.folder import LOG, partial_folder
-from harness.record.manifest import read_manifest
-from harness.registry.choice import choose
-from harness.registry.registry import Registry
+from harness.registry import Registry, choose
 
 ELSEWHERE = ("ray", "ray:fetch=true", "slurm:cluster=local", "slurm:memory=0.5")
 

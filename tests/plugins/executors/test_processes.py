@@ -12,12 +12,10 @@ from pathlib import Path
 import pytest
 
 from harness.executor import CellOptions, Event, Job, Limits
+from harness.experiment import Order
 from harness.experiment.run_cell import TrainCell
-from harness.experiment.workers.order import Order
-from harness.record.cell import Cell
-from harness.record.folder import LOG, partial_folder
-from harness.record.manifest import read_manifest
-from harness.registry.registry import Registry
+from harness.record import LOG, Cell, partial_folder, read_manifest
+from harness.registry import Registry
 from harness_plugins.executors.processes import Processes
 
 pytestmark = pytest.mark.usefixtures("toys")

@@ -17,12 +17,12 @@ import pytest
 import harness
 from harness.errors import UsageError
 from harness.executor import CellOptions, Event, Job
+from harness.experiment import expand
 from harness.experiment.jobs import run_jobs
-from harness.experiment.plan import Experiment, expand
-from harness.record.cell import Cell
+from harness.experiment.plan import Experiment
+from harness.record import LOG, MANIFEST, Cell
 from harness.record.cell_folder import examine
-from harness.record.folder import LOG, MANIFEST
-from harness.registry.registry import load_registry
+from harness.registry import load_registry
 from harness_plugins.executors.ray import Ray
 
 pytestmark = pytest.mark.slow

@@ -13,9 +13,8 @@ import pytest
 
 from harness.errors import UsageError
 from harness.executor import CellOptions, Event, Job
-from harness.record.cell import Cell
+from harness.record import LOG, Cell, partial_folder
 from harness.record.cell_folder import examine
-from harness.record.folder import LOG, partial_folder
 from harness_plugins.executors.slurm import Slurm
 
 pytestmark = [

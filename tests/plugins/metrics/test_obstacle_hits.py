@@ -2,7 +2,7 @@
 
 import pytest
 
-from harness.record.trace import trace_of
+from harness.record import trace_of
 from harness_plugins.kit.metrics import recorded_trace
 from harness_plugins.metrics.outcomes import ObstacleHits
 

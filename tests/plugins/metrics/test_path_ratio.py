@@ -5,8 +5,8 @@ import pytest
 
 from harness.errors import Unmeasured
 from harness.log import Log
-from harness.record.episode_facts import EpisodeFacts, with_episode_facts
-from harness.record.trace import trace_of
+from harness.record import EpisodeFacts, trace_of
+from harness.record.episode_facts import with_episode_facts
 from harness_plugins.kit.metrics import recorded_trace
 from harness_plugins.metrics.movement import PathRatio
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from harness.log import Log
-from harness.record.trace import trace_of
+from harness.record import trace_of
 from harness_plugins.kit.metrics import recorded_trace
 from harness_plugins.metrics.movement import Smoothness
 

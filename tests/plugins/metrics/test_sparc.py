@@ -5,8 +5,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from harness.log import Log
-from harness.record.episode_facts import EpisodeFacts
-from harness.record.trace import trace_of
+from harness.record import EpisodeFacts, trace_of
 from harness_plugins.kit.metrics import recorded_trace
 from harness_plugins.metrics.movement import Sparc, spectral_arcs
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from harness.errors import Unmeasured
-from harness.record.episode_facts import EpisodeFacts, with_episode_facts
+from harness.record import EpisodeFacts
+from harness.record.episode_facts import with_episode_facts
 from harness_plugins.kit.metrics import recorded_trace
 from harness_plugins.metrics.movement import PathRatio, Spl
 

@@ -3,7 +3,8 @@
 import pytest
 
 from harness.log import Log
-from harness.record.episode_facts import EpisodeFacts, with_episode_facts
+from harness.record import EpisodeFacts
+from harness.record.episode_facts import with_episode_facts
 from harness_plugins.kit.metrics import recorded_trace
 from harness_plugins.metrics.outcomes import TimeToTarget
 

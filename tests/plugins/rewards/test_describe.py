@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from harness.describe import describe_name
-from harness.registry.registry import load_registry
+from harness.registry import load_registry
 
 REGISTRY = load_registry()
 BUILT_IN = [name for name in REGISTRY.names("rewards") if REGISTRY.get("rewards", name).plugin == "rewards"]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from harness.registry.registry import load_registry
+from harness.registry import load_registry
 from harness.reward import Carry, Reward, Steps, pay
 from harness.reward.forms import reward_class
 from harness.reward.steps import map_steps
@@ -41,7 +41,7 @@ both_precisions = pytest.mark.parametrize(("x64", "tolerance"), [(False, 1e-6), 
 
 def build(name: str) -> Reward:
     """A registered reward, or one of the functions."""
-    from harness.registry.choice import choose
+    from harness.registry import choose
 
     if name in FUNCTIONS:
         return reward_class(FUNCTIONS[name])()

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from harness.errors import UsageError
-from harness.registry.parameters import build
+from harness.registry import build
 from harness_plugins.algorithms.sac import Sac
 from harness_plugins.kit import check_reward
 from harness_plugins.rewards.potential import Potential

@@ -6,8 +6,7 @@ from hypothesis import given, settings, strategies as st
 
 import harness
 from harness.errors import UsageError
-from harness.registry.choice import choose
-from harness.registry.registry import load_registry
+from harness.registry import choose, load_registry
 from harness_plugins.kit import check_reward
 from harness_plugins.rewards.aarp import Aarp
 from harness_plugins.rewards.arp import Arp

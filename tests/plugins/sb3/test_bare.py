@@ -6,7 +6,7 @@ import pytest
 import stable_baselines3
 
 import harness
-from harness.env.make import ReachEnv
+from harness.env import ReachEnv
 from harness.progress import Progress
 from harness_plugins.algorithms.ddqn import Ddqn
 from harness_plugins.algorithms.dqn import Dqn

@@ -8,7 +8,7 @@ import pytest
 from stable_baselines3 import A2C, DQN
 from stable_baselines3.common.vec_env import DummyVecEnv, VecMonitor, VecNormalize
 
-from harness.record.recording.recorded_training import read_recording
+from harness.record import read_recording
 from harness_plugins.sb3 import WatchCallback
 
 LEAN = {"lean": lambda step: abs(float(step.observation[2]))}

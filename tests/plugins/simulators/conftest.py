@@ -12,10 +12,8 @@ import pytest
 
 import harness
 from harness.motion import MoveJ
-from harness.registry.registry import load_registry
-from harness.robot import Robot
-from harness.robot.shapes import attach_shapes, read_shapes
-from harness.robot.urdf import parse_urdf
+from harness.registry import load_registry
+from harness.robot import Robot, attach_shapes, parse_urdf, read_shapes
 from harness.simulator import Simulation, State
 
 REGISTRY = load_registry()

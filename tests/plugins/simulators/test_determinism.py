@@ -12,8 +12,8 @@ import pytest
 
 import harness
 from harness.log import Log
-from harness.record.trace import TraceWriter, read_trace
-from harness.registry.registry import load_registry
+from harness.record import TraceWriter, read_trace
+from harness.registry import load_registry
 
 REGISTRY = load_registry()
 SIMULATORS = REGISTRY.names("simulators")

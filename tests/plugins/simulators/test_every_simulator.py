@@ -10,7 +10,7 @@ import pytest
 
 import harness
 from harness.errors import UsageError
-from harness.registry.registry import load_registry
+from harness.registry import load_registry
 from harness.robot import Robot
 
 Call = Callable[..., Any]

@@ -7,11 +7,10 @@ import pytest
 
 import harness
 from harness.reach import ReachTask
-from harness.registry.registry import load_registry
-from harness.robot import Robot
-from harness.robot.robot import read_robot
-from harness.scene.picture import Camera, camera_for, corners_of, seen_of
-from harness.scene.scene import scene_of
+from harness.registry import load_registry
+from harness.robot import Robot, read_robot
+from harness.scene import Camera, camera_for, scene_of
+from harness.scene.picture import corners_of, seen_of
 
 WIDTH, HEIGHT = 160, 120
 COLOURED = 60

@@ -11,8 +11,7 @@ import pytest
 
 import harness
 from harness.errors import UsageError
-from harness.registry.choice import choose
-from harness.registry.registry import load_registry
+from harness.registry import choose, load_registry
 from harness.robot import Robot
 from harness.simulator import Simulation
 

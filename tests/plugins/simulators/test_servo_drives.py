@@ -12,10 +12,8 @@ import pytest
 import harness
 from harness.authoring import ServoTrack
 from harness.errors import UsageError
-from harness.registry.choice import choose
-from harness.registry.registry import load_registry
-from harness.robot import Robot
-from harness.robot.robot import read_robot
+from harness.registry import choose, load_registry
+from harness.robot import Robot, read_robot
 from harness.simulator import State
 from harness_plugins.kit import SIMULATOR_CHECKS, violations
 from harness_plugins.mujoco_model import build_model

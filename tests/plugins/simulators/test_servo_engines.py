@@ -13,11 +13,9 @@ import pytest
 
 import harness
 from harness.errors import UsageError
-from harness.registry.choice import choose
-from harness.registry.registry import load_registry
-from harness.robot import Robot
-from harness.robot.energy import energy, read_bodies
-from harness.robot.robot import read_robot
+from harness.registry import choose, load_registry
+from harness.robot import Robot, read_bodies, read_robot
+from harness.robot.energy import energy
 from harness.simulator import State
 
 REGISTRY = load_registry()

@@ -6,7 +6,7 @@ import numpy as np
 
 import harness
 from harness.authoring import GroundContact
-from harness.robot.inverse_kinematics import reach_position
+from harness.robot import reach_position
 from harness_plugins.tasks.low import Low
 from harness_plugins.tasks.small_target import SmallTarget
 from tests.robot.brought_arms import changed, read_arm

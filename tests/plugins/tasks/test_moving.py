@@ -5,8 +5,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 import harness
-from harness.env import ReachVectorEnv
-from harness.env.arm_observation import kinematics_policy
+from harness.env import ReachVectorEnv, kinematics_policy
 from harness.goal import Situation
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import NegativeDistance

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from harness.registry.registry import load_registry
+from harness.registry import load_registry
 
 REGISTRY = load_registry()
 PAGE = (Path(__file__).parents[3] / "docs" / "tasks.md").read_text(encoding="utf-8")

@@ -2,8 +2,7 @@
 
 import pytest
 
-from harness.registry.choice import choose
-from harness.registry.registry import load_registry
+from harness.registry import choose, load_registry
 from harness_plugins.tasks.worse import ClutteredReach, DelayedReach, NoisyReach, VariedReach
 
 REGISTRY = load_registry()

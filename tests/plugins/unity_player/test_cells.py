@@ -12,8 +12,7 @@ import numpy as np
 import psutil
 import pytest
 
-from harness.record.folder import LOG, MANIFEST
-from harness.record.store import CELLS, Store
+from harness.record import CELLS, LOG, MANIFEST, Store
 from harness.registry.allowed import PROGRAMS
 from tests.plugins.unity_player.conftest import players_of
 
@@ -122,8 +121,7 @@ def test_killed_runs_and_players_lose_nothing(player, tmp_path: Path):
 def test_rewards_are_paid_again_from_the_exported_file(player, start, tmp_path: Path):
     """What a recording holds is all that the rewards of an arm are functions of, in a task of a step per decision."""
     from harness import RecordRewards
-    from harness.registry.choice import choose
-    from harness.registry.registry import load_registry
+    from harness.registry import choose, load_registry
     from harness.score.csv_steps import open_csv
     from harness.score.scorer import pay_log
     from harness_plugins.environments.unity import Unity

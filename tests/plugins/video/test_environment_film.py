@@ -10,11 +10,10 @@ from PIL import Image
 from harness.cli import main
 from harness.errors import UsageError
 from harness.executor import CellOptions
-from harness.experiment.plan import check_experiment, expand
+from harness.experiment import check_experiment, expand
 from harness.experiment.run_cell import run_cell
-from harness.record.store import Store
-from harness.registry.given import read_given
-from harness.registry.registry import load_registry
+from harness.record import Store
+from harness.registry import load_registry, read_given
 from harness.results import Results, load_results
 from harness_plugins.video.environment_film import box_of, environment_film
 from harness_plugins.video.film import HEIGHT, HELD, WIDTH
