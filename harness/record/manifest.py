@@ -8,10 +8,10 @@ from typing import Any, ClassVar, Self, TypeVar
 
 from pydantic import TypeAdapter
 
+import harness.record.file_forms as forms
 from harness.files.bounded import reading
 from harness.files.sealed import read_sealed, seal
 from harness.files.whole_file import write_whole
-from harness.record import file_forms as forms
 from harness.record.cell import Cell
 from harness.record.earlier import whole_manifest
 from harness.record.file_forms import Status, require_form

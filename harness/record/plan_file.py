@@ -8,11 +8,11 @@ from typing import Any, Self
 
 import tomli_w
 
+import harness.record.file_forms as forms
 from harness.errors import SchemaError, UsageError, one_line
 from harness.files.bounded import digest_of, reading
 from harness.files.sealed import read_sealed, seal, unseal
 from harness.files.whole_file import write_whole
-from harness.record import file_forms as forms
 from harness.record.cell import Cell
 from harness.record.earlier import whole_plan
 from harness.record.terms import FIRST, Terms
