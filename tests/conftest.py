@@ -15,7 +15,7 @@ from hypothesis import settings
 
 import harness
 from harness.experiment import ExperimentRun, Plan
-from harness.experiment.workers.workers import News, Order
+from harness.experiment.workers.workers import News
 from harness.policy.discrete import ChoosingNetwork
 from harness.record import Cell, Store
 from harness.registry import Choice, load_registry
@@ -213,7 +213,7 @@ def read_events():
         from tensorboard.backend.event_processing.event_file_loader import EventFileLoader
         from tensorboard.util.tensor_util import make_ndarray
 
-        found: dict[str, list[tuple[int, float]]] = {}
+        found = {}
         for path in sorted(folder.iterdir()):
             for event in EventFileLoader(str(path)).Load():
                 for value in event.summary.value:
@@ -268,7 +268,7 @@ def run_once(toys, run_here, tmp_path_factory):
 @pytest.fixture
 def transferred_here(monkeypatch):
     """Policies are evaluated elsewhere in this process, which is quicker than in workers; the orders that were done."""
-    done: list[Order] = []
+    done = []
 
     def run_here(orders, at_once, on_news):
         for order in orders:

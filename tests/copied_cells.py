@@ -9,7 +9,6 @@ import json
 import os
 import shutil
 import sys
-from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
@@ -56,19 +55,19 @@ class Copier:
         self._cells: list[Cell] = []
         (into / CELLS).mkdir(parents=True)
 
-    def copy(self, trained_with: str, reward: Choice, seeds: Iterable[int], trainings: int) -> None:
+    def copy(self, trained_with, reward, seeds, trainings):
         """Cells that were paid `reward` in place of the one with the label `trained_with`, from so many trainings."""
         sources = [it for it in self._sources if it.status == "done" and it.cell.reward.label == trained_with]
         for number, seed in enumerate(seeds):
             source = sources[number % min(trainings, len(sources))]
             self._leave(self._paid_by(source.cell, reward), replace(source, cell=_with(source.cell, reward, seed)))
 
-    def finish(self, baseline: str) -> None:
+    def finish(self, baseline):
         """Write the plan of all copies."""
         StoredPlan(baseline, False, {}, tuple(self._cells)).write(self._into)
         shutil.rmtree(self._into / "paid")
 
-    def _paid_by(self, cell: Cell, reward: Choice) -> Path:
+    def _paid_by(self, cell, reward):
         """The folder of a real cell, its rows paid by another reward."""
         key = (cell.id, reward)
         if key not in self._paid:
@@ -84,7 +83,7 @@ class Copier:
             (folder / MANIFEST).write_text(json.dumps(self._digests))
         return self._paid[key]
 
-    def _leave(self, paid: Path, manifest: Manifest) -> None:
+    def _leave(self, paid, manifest):
         folder = self._into / CELLS / manifest.cell.id
         shutil.copytree(paid, folder, copy_function=os.link)
         files = json.loads((folder / MANIFEST).read_text())
@@ -145,7 +144,7 @@ def keep_as_a_run_does(folder, registry):
     """Make what is kept of each cell as it ends; copies of one training get copies of it."""
     store, plan = Store(folder), Store(folder).read_plan()
     ended = EndedCells(store, registry, Plan(plan.baseline, plan.cells, (), {}))
-    first: dict[tuple[int, str], Cell] = {}
+    first = {}
     for cell in plan.cells:
         key = ((store.cell_folder(cell) / TRACE).stat().st_ino, cell.reward.label)
         known = first.setdefault(key, cell)

@@ -2,10 +2,7 @@
 
 import os
 import sys
-from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from pathlib import Path
-from typing import Any
 
 import pyarrow.parquet as pq
 import pytest
@@ -28,7 +25,7 @@ class Faults:
         sys.addaudithook(self._hear)  # it cannot be taken away again: it is deaf unless it is armed
 
     @contextmanager
-    def armed(self, folder: Path, at: int = -1, fault: Callable[[], None] = lambda: None) -> Iterator[None]:
+    def armed(self, folder, at=-1, fault=lambda: None):
         """Within this, change number `at`, counted from 0, calls `fault` before it happens."""
         self.count, self._at, self._fault, self._folder = 0, at, fault, str(folder)
         try:
@@ -36,7 +33,7 @@ class Faults:
         finally:
             self._folder = None
 
-    def meet(self, path: object) -> None:
+    def meet(self, path):
         """Something is about to change."""
         if self._folder is None or not str(path).startswith(self._folder):
             return
@@ -44,7 +41,7 @@ class Faults:
         if self.count - 1 == self._at:
             self._fault()
 
-    def _hear(self, event: str, given: tuple[Any, ...]) -> None:
+    def _hear(self, event, given):
         if self._folder is None:
             return
         if event in CHANGES or (event == "open" and isinstance(given[2], int) and given[2] & WRITES):
@@ -55,7 +52,7 @@ FAULTS = Faults()
 
 
 @pytest.fixture
-def faults(monkeypatch: pytest.MonkeyPatch) -> Faults:
+def faults(monkeypatch):
     """What Python tells of by itself, and what libraries write behind its back."""
     for owner, name in ((pq.ParquetWriter, "__init__"), (safetensors.numpy, "save_file")):
         _meet_first(monkeypatch, owner, name, place=1)
@@ -65,11 +62,11 @@ def faults(monkeypatch: pytest.MonkeyPatch) -> Faults:
     return FAULTS
 
 
-def _meet_first(monkeypatch: pytest.MonkeyPatch, owner: Any, name: str, place: int | None) -> None:
+def _meet_first(monkeypatch, owner, name, place):
     """Have a function count as a change of the file in its argument number `place`, or of the folder."""
     original = getattr(owner, name)
 
-    def met(*args: Any, **options: Any) -> Any:
+    def met(*args, **options):
         FAULTS.meet(args[place] if place is not None else FAULTS._folder)
         return original(*args, **options)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from harness.executor import CellOptions, Word
+from harness.executor import CellOptions
 from harness.experiment import arm_evaluation
 from harness.experiment.run_cell import run_cell
 from harness.policy import WEIGHTS
@@ -38,9 +38,9 @@ def _run(cell, folder, **options):
 
 def _told(cell, folder, **options):
     """What a cell tells: by name, (steps, value) in order."""
-    words: list[Word] = []
+    words = []
     assert run_cell(cell, folder, words.append, CellOptions(**options)).status == "done"
-    found: dict[str, list[tuple[int, float]]] = {}
+    found = {}
     for word in words:
         for name, value in word.scalars.items():
             found.setdefault(name, []).append((word.steps, value))

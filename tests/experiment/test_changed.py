@@ -3,7 +3,6 @@
 import importlib
 import shutil
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -56,7 +55,7 @@ def store(tmp_path, learner, one_and_two):
 
 def _run(plan, store, choice="refuse"):
     """The cells that were done."""
-    events: list[Event] = []
+    events = []
     _asked(plan, store, choice).run(events.append)
     return [event.cell for event in events if event.kind == "ended"]
 
@@ -169,7 +168,7 @@ def test_interrupted_cell_stays_until_it_is_replaced(store, one_and_two):
     before = _files(store.folder / "cells")
 
     class Interrupted:
-        def run(self, jobs: Any, at_once: int, on_event: Any) -> None:
+        def run(self, jobs, at_once, on_event):
             partial_folder(jobs[0].folder).mkdir()
             raise KeyboardInterrupt
 
@@ -183,7 +182,7 @@ def test_cell_that_was_lost_while_it_was_done_again_has_failed(store, one_and_tw
     [cell] = one_and_two[0].cells
 
     class Losing:
-        def run(self, jobs: Any, at_once: int, on_event: Any) -> None:
+        def run(self, jobs, at_once, on_event):
             for job in jobs:
                 on_event(Event("ended", job.cell, reason="lost on the way"))
 

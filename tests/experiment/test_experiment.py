@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -15,7 +14,7 @@ from harness.record import LOG, Manifest, Store, partial_folder, read_manifest
 from harness.registry import Choice
 from harness.results import Results
 
-QUICK: dict[str, Any] = {
+QUICK = {
     "sim": "ideal",
     "algo": "wander",
     "reward": "arp",
@@ -34,7 +33,7 @@ def _plan(registry, **keys):
 
 def _ended(plan, store, registry):
     """The cells that a run of the plan, in this process, did."""
-    events: list[Event] = []
+    events = []
     ExperimentRun(plan, store, registry, registry.get("executors", "here").load()()).run(events.append)
     return [event.cell for event in events if event.kind == "ended"]
 
@@ -78,7 +77,7 @@ def test_failed_cells_cost_themselves_alone(toys, tmp_path):
 def test_end_of_a_failed_cell_tells_why(toys, run_here, tmp_path):
     """Who follows a run hears the reason that the manifest has, and of a done cell none."""
     plan = _plan(toys, algo=["wander", "wander:then=raise"], seeds=1)
-    events: list[Event] = []
+    events = []
     run_here(plan, tmp_path, events.append)
     assert {(event.cell.algorithm.label, event.reason) for event in events if event.kind == "ended"} == {
         ("wander", ""),
@@ -111,7 +110,7 @@ def test_reason_of_a_cell_without_a_folder_is_recorded(toys, make_cell, tmp_path
     """What an executor says of a cell that it lost becomes the cell's manifest."""
 
     class Losing:
-        def run(self, jobs: Any, at_once: int, on_event: Any) -> None:
+        def run(self, jobs, at_once, on_event):
             for job in jobs:
                 on_event(Event("ended", job.cell, reason="lost on the way"))
 
@@ -221,7 +220,7 @@ def test_options_out_of_range_are_refused(subtests):
 
 def _done(toys, folder, plan, **options):
     """Label of the algorithm and status of each cell that a run with these options started, in order."""
-    events: list[Event] = []
+    events = []
     executor = toys.get("executors", "here").load()()
     ExperimentRun(plan, Store.claim(folder), toys, executor, RunOptions(**options)).run(events.append)
     return [

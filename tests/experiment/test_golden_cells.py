@@ -9,7 +9,6 @@ import tempfile
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -23,10 +22,10 @@ from harness.registry import load_registry
 from tests.arithmetic import arithmetic
 
 FILE = Path(__file__).parent / "golden_cells.json"
-GOLDEN: dict[str, Any] = json.loads(FILE.read_text())
+GOLDEN = json.loads(FILE.read_text())
 ROWS, COLUMNS = 50, ("action", "qpos", "distance", "reward", "reward/own")
 SMALL = "net_arch=8x8,learning_starts=40,batch_size=8"
-ASKED: dict[str, dict[str, Any]] = {
+ASKED = {
     "kinematic": {"sim": "kinematic", "algo": f"sac-fast:{SMALL}", "reward": "arp", "task": "fd100-reach:horizon=25"},
     "mujoco": {"sim": "mujoco", "algo": "random:num_envs=2", "reward": "dense", "task": "fd100-reach:horizon=25"},
     "environment": {"algo": f"sac-fast:{SMALL}", "task": "gymnasium:id=Pendulum-v1"},

@@ -69,7 +69,7 @@ def test_simulation_that_diverges_tells_nothing(make_cell, toys, monkeypatch):
 
 def test_a_process_asks_once(make_cell, toys, monkeypatch):
     """It does several cells of one simulator, task and robot; another seed is another question."""
-    asked: list[int] = []
+    asked = []
 
     def play(_, episodes, seed):
         asked.append(seed)

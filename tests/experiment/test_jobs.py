@@ -1,10 +1,8 @@
 """Jobs in this process, in a process that did others before, and in one of their own: the same bytes."""
 
-from typing import Any
-
 import pytest
 
-from harness.executor import CellOptions, Event, Job, Limits
+from harness.executor import CellOptions, Job, Limits
 from harness.experiment import check_experiment, expand
 from harness.experiment.jobs import order_of, run_job, run_jobs
 from harness.experiment.workers.order import read_order
@@ -12,7 +10,7 @@ from harness.record import EVALUATION, POLICY, TRACE
 from harness.record.folder import WEIGHTS
 from harness.registry import load_registry
 
-QUICK: dict[str, Any] = {"sim": "kinematic", "algo": "random,sac-fast", "reward": "arp", "seeds": 1, "steps": 320}
+QUICK = {"sim": "kinematic", "algo": "random,sac-fast", "reward": "arp", "seeds": 1, "steps": 320}
 QUICK |= {"evaluation_episodes": 2}
 ALL = {**QUICK, "sim": "kinematic,mujoco,pybullet,dm_control", "algo": "sb3-sac,sac-fast,ppo,td3", "steps": 400}
 RESULTS = (TRACE, EVALUATION, f"{POLICY}/{WEIGHTS}")
@@ -24,7 +22,7 @@ def _cells(experiment):
 
 def _left(cells, folder, options):
     """What cells leave that processes did, one after the other, by the cell and the file."""
-    events: list[Event] = []
+    events = []
     run_jobs([Job(cell, folder / cell.id, options) for cell in cells], 1, events.append)
     assert sum(event.kind == "ended" for event in events) == len(cells)
     assert not [event.reason for event in events if event.reason]

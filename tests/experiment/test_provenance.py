@@ -56,7 +56,7 @@ def register_simulators(register):
 
 def test_a_library_that_is_not_installed_is_not_searched_for(monkeypatch):
     """All distributions are asked for who brings a module, which takes a fifth of a second, only where it is there."""
-    asked: list[str] = []
+    asked = []
     monkeypatch.setattr("importlib.metadata.packages_distributions", lambda: asked.append("all") or {})
     versions_behind([Spec("simulators", "mine", "nowhere:Mine", "s", ("yaml_of_mine",), None, "mine", "mine")])
     assert asked == []

@@ -1,7 +1,5 @@
 """Functions of a step as rewards of an experiment: what its traces keep, and what its manifests tell."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -21,7 +19,7 @@ def run(tmp_path):
     (tmp_path / "slow.py").write_text(SLOW)
 
     def run(*rewards):
-        asked: dict[str, Any] = {"sim": "kinematic", "algo": "random", "seeds": 2, "steps": 300, "jobs": 1}
+        asked = {"sim": "kinematic", "algo": "random", "seeds": 2, "steps": 300, "jobs": 1}
         return harness.run(
             **asked, evaluation_episodes=2, reward=list(rewards), plugins=[tmp_path / "slow.py"], out=tmp_path / "out"
         )

@@ -8,7 +8,7 @@ import pytest
 
 from harness import load_robot
 from harness.env.make import build_world
-from harness.executor import CellOptions, Word
+from harness.executor import CellOptions
 from harness.experiment.arm_evaluation import evaluate
 from harness.experiment.run_cell import run_cell
 from harness.policy import load_policy
@@ -109,14 +109,14 @@ def test_equal_seeds_meet_equal_starts_under_any_reward(make_cell, tmp_path):
 
 def test_progress_is_told(make_cell, tmp_path):
     """Where the training begins, then the number of steps done so far, as the algorithm says it."""
-    told: list[Word] = []
+    told = []
     run_cell(make_cell(steps=3), tmp_path / "cell", told.append)
     assert [word.steps for word in told] == [0, 1, 2, 3, 3]
 
 
 def test_the_last_word_tells_success_and_return(make_cell, tmp_path):
     """However short a training is: of its episodes what their rows in the trace say."""
-    told: list[Word] = []
+    told = []
     run_cell(make_cell(), tmp_path / "cell", told.append)
     trace = read_trace(tmp_path / "cell" / TRACE)
     assert told[-1].scalars[SUCCESS] == 0.0

@@ -19,22 +19,22 @@ class Counting(gymnasium.Env[Any, Any]):
         self.length, self.count, self._fresh = length, 0, fresh
         self._place = np.zeros(1, np.float32)
 
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+    def reset(self, *, seed=None, options=None):
         """Count from 0; nothing is told yet."""
         super().reset(seed=seed)
         self.count = 0
         return self._observed(), {}
 
-    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+    def step(self, action):
         """Count on. `final` is told at the end alone, `other` never in the second step."""
         self.count += 1
         ended = self.count == self.length
-        info: dict[str, Any] = {"left": self.length - self.count, "words": "none"}
+        info = {"left": self.length - self.count, "words": "none"}
         info |= {"final": True} if ended else {}
         info |= {"other": 1.0} if self.count != 2 else {}
         return self._observed(), float(self.count), ended, False, info
 
-    def _observed(self) -> Any:
+    def _observed(self):
         self._place[0] = self.count  # the same array each time, as some envs do; Gymnasium's batches forbid it
         return self._place.copy() if self._fresh else self._place
 

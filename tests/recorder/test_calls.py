@@ -1,7 +1,5 @@
 """What is noted of the calls that an env gets, so that another env can get the same."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 from gymnasium.spaces import Box, Dict, Discrete, MultiDiscrete, Text
@@ -78,7 +76,7 @@ def test_checksum_takes_whatever_envs_observe():
     assert checksum(object()) == 0
 
 
-PROBLEMS: dict[str, tuple[Any, str]] = {
+PROBLEMS = {
     "options": (lambda calls: calls.note_reset(0, 1, {"low": 0}), "its env was reset with options"),
     "a seed of another kind": (lambda calls: calls.note_reset(0, "x", None), "reset with the seed 'x'"),
     "a list": (lambda calls: calls.note_step(0, [1.0, 2.0], None, False), "an action was given as a list"),

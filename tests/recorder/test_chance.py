@@ -1,15 +1,13 @@
 """Generators that a process shares: each way of drawing is seen, and put back to the bit."""
 
 import random
-from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pytest
 
 from harness.recorder.guard import Chance
 
-DRAWS: dict[str, tuple[str, Callable[[], Any]]] = {
+DRAWS = {
     "numpy": ("numpy.random", np.random.rand),
     "numpy many": ("numpy.random", lambda: np.random.rand(2_000)),
     "numpy as many as its words": ("numpy.random", lambda: np.random.randint(0, 2**32, 624, dtype=np.uint32)),

@@ -23,7 +23,7 @@ class Scaled:
     factor: float
     seen: Any = None
 
-    def __call__(self, observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+    def __call__(self, observation, action, next_observation, info):
         """Scale."""
         return self.factor * float(next_observation[0])
 

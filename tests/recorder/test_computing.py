@@ -2,8 +2,6 @@
 
 import math
 import random
-from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pytest
@@ -42,12 +40,12 @@ def _imports(x):
     return x * chance.random()
 
 
-PLAIN: list[Callable[..., Any]] = [
+PLAIN = [
     lambda s, a, n, i: float(n[0] - 0.1 * abs(n[2])),
     lambda s, a, n, i: -math.hypot(*(n[:2] - GOAL)) + exp(i["x"]) + np.linalg.norm(a),
     lambda s, a, n, i: _helper(n[0]) if i.get("ok", False) else max(GAINS),
 ]
-WATCHED: list[Callable[..., Any]] = [
+WATCHED = [
     lambda s, a, n, i: np.random.rand(),
     lambda s, a, n, i: random.random() if s[0] > 1_000 else 0.0,
     lambda s, a, n, i: rand(),

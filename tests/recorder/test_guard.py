@@ -93,7 +93,7 @@ def test_time_counts_for_each_function():
 @pytest.mark.usefixtures("quick")
 def test_alarm_of_somebody_else_is_left_to_him():
     """Its handler, and the time that is left."""
-    heard: list[int] = []
+    heard = []
     before = signal.signal(signal.SIGALRM, lambda number, frame: heard.append(number))
     try:
         guard = Guard()

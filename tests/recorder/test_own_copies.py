@@ -20,11 +20,11 @@ class Holds:
     def __init__(self, held: Any, tell: Callable[[Any], float]) -> None:
         self.held, self.tell, self.calls = held, tell, 0
 
-    def reset(self) -> None:
+    def reset(self):
         """Count from 0."""
         self.calls = 0
 
-    def __call__(self, observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+    def __call__(self, observation, action, next_observation, info):
         """How often it was called, and what it holds."""
         self.calls += 1
         return 100 * self.calls + self.tell(self.held)
@@ -39,7 +39,7 @@ def _record(env, reward, path):
     return read_recording(path)["reward/holds"].tolist()
 
 
-HELD: dict[str, Callable[[Any], tuple[Any, Callable[[Any], float]]]] = {
+HELD = {
     "the env": lambda env: (env, lambda it: it.unwrapped.count),
     "the env below its wrappers": lambda env: (env.unwrapped, lambda it: it.count),
     "an array of the env": lambda env: (env.unwrapped._place, lambda it: it[0]),
@@ -90,10 +90,10 @@ def test_batched_reward_may_hold_the_batch(tmp_path):
     envs = gymnasium.make_vec("CartPole-v1", num_envs=2, vectorization_mode="sync")
 
     class All(Holds):
-        def __call__(self, *told: Any) -> Any:
+        def __call__(self, *told):
             return np.array([env.unwrapped.state[0] for env in self.held.envs])
 
-        def reset(self, mask: Any) -> None:
+        def reset(self, mask):
             """An episode starts."""
 
     reward = All(envs, float)

@@ -7,7 +7,6 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 import gymnasium
 import numpy as np
@@ -32,11 +31,11 @@ class Memory:
     def __init__(self) -> None:
         self.calls = 100
 
-    def reset(self) -> None:
+    def reset(self):
         """Count from 0."""
         self.calls = 0
 
-    def __call__(self, observation: Any, action: Any, next_observation: Any, info: Any) -> int:
+    def __call__(self, observation, action, next_observation, info):
         """How often it was called."""
         self.calls += 1
         return self.calls
@@ -176,7 +175,7 @@ def test_nothing_of_the_machine_is_written_down(record, tmp_path):
     assert str(Path.home()) not in text
 
 
-FAILURES: dict[str, tuple[Any, str]] = {
+FAILURES = {
     "raises": (lambda before, action, after, info: 1 / (after[0] - 2) if after[0] != 2 else 1 / 0, "ZeroDivisionError"),
     "nan": (lambda before, action, after, info: float("nan") if after[0] == 2 else 0.0, "ValueError: it is nan"),
     "infinite": (lambda before, action, after, info: np.inf if after[0] == 2 else 0.0, "ValueError: it is inf"),
@@ -213,7 +212,7 @@ def test_memory_that_cannot_restart_is_given_up(record, tmp_path):
     """As if its first step had failed."""
 
     class Stuck(Memory):
-        def reset(self) -> None:
+        def reset(self):
             raise RuntimeError("stuck")
 
     with pytest.warns(UserWarning, match="episode 0, step 0: RuntimeError: stuck"):
@@ -234,7 +233,7 @@ def test_behaviour_that_is_missing_at_the_end_is_given_up(record, tmp_path):
         _recorded(record(behaviour={"never": "never"}), 3, tmp_path)
 
 
-UNUSABLE: dict[str, tuple[dict[str, Any], str]] = {
+UNUSABLE = {
     "unknown trained_with": ({"trained_with": "v3"}, "trained_with='v3' is none of the rewards"),
     "no function": ({"rewards": {"v1": 3}}, "reward 'v1' is 3: it has to be a function of"),
     "class": ({"rewards": {"v1": Memory}}, "reward 'v1' is <class"),

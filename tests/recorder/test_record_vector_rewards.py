@@ -22,11 +22,11 @@ class Remembering:
     def __init__(self) -> None:
         self.sum = np.nan
 
-    def reset(self) -> None:
+    def reset(self):
         """Begin."""
         self.sum = 0.0
 
-    def __call__(self, before: Any, action: Any, after: Any, info: dict[str, Any]) -> float:
+    def __call__(self, before, action, after, info):
         """Both observations, the action and the info are in it."""
         seen = [*map(float, (before[0], after[0], action[0])), info["left"], "final" in info]
         self.sum += float(np.dot([100, 10, 1, 0.001, 0.0001], seen))
@@ -39,17 +39,17 @@ class RememberingBatch:
     def __init__(self) -> None:
         self.sums = np.full(len(LENGTHS), np.nan)
 
-    def reset(self, mask: Any) -> None:
+    def reset(self, mask):
         """Begin in some envs."""
         self.sums[mask] = 0
 
-    def __call__(self, before: Any, actions: Any, after: Any, infos: dict[str, Any]) -> Any:
+    def __call__(self, before, actions, after, infos):
         """Observations and actions."""
         self.sums += 100 * before[:, 0] + 10 * after[:, 0] + actions[:, 0]
         return self.sums
 
 
-GIVEN: dict[str, Any] = {
+GIVEN = {
     "trained_with": "own",
     "rewards": {"sum": Remembering()},
     "behaviour": {"left": "left", "final": "final"},
@@ -155,16 +155,16 @@ def test_observations_of_several_parts(tmp_path):
         action_space = gymnasium.spaces.Dict({"go": gymnasium.spaces.Discrete(2)})
         count = 0
 
-        def reset(self, *, seed: int | None = None, options: Any = None) -> tuple[Any, dict[str, Any]]:
+        def reset(self, *, seed=None, options=None):
             super().reset(seed=seed)
             self.count = 0
             return self._seen(), {}
 
-        def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        def step(self, action):
             self.count += 1
             return self._seen(), 0.0, self.count == 2, False, {"nested": {"deep": self.count}}
 
-        def _seen(self) -> Any:
+        def _seen(self):
             return {"a": np.full(2, self.count, np.float32), "b": (self.count,)}
 
     def seen(before, action, after, info):

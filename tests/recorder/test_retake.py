@@ -1,6 +1,5 @@
 """Recordings paid by rewards that were written later: the same calls, the same steps, or nothing."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +11,7 @@ import harness
 from harness.errors import UsageError
 from harness.record import read_recording
 from harness.record.recording.scores import scores_name
-from harness.recorder.retake import Later, Retake
-from harness.reward import Given
+from harness.recorder import Later, Retake
 
 
 def low(observation, action, next_observation, info):
@@ -24,18 +22,18 @@ def low(observation, action, next_observation, info):
 class Worst:
     """The lowest height of the episode so far."""
 
-    def reset(self) -> None:
+    def reset(self):
         """An episode starts."""
         self.worst = 1.0
 
-    def __call__(self, observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+    def __call__(self, observation, action, next_observation, info):
         """Look at one more step."""
         self.worst = min(self.worst, float(next_observation[0]))
         return self.worst
 
 
-REWARDS: dict[str, Given] = {"low": low}
-MEASURES: dict[str, Given] = {"worst": Worst()}
+REWARDS = {"low": low}
+MEASURES = {"worst": Worst()}
 
 
 def _act(env, steps):
@@ -82,7 +80,7 @@ def test_reward_pays_what_it_would_have_paid(tmp_path):
 
 def test_episodes_that_the_recorder_cut_are_cut_again(tmp_path):
     """An evaluation with a horizon can be paid later too."""
-    told: dict[str, Any] = {"trained_with": "own", "rewards": {"own": "own"}, "episodes": 2, "horizon": 20}
+    told = {"trained_with": "own", "rewards": {"own": "own"}, "episodes": 2, "horizon": 20}
     harness.evaluate_policy(lambda seen: np.zeros(1), "Pendulum-v1", tmp_path, seed=0, **told)
     _retake().score(tmp_path)
     assert len(read_recording(tmp_path)["reward/low"]) == 40
@@ -152,14 +150,14 @@ def _step_apart(env):
     class Apart(gymnasium.Wrapper[Any, Any, Any, Any]):
         steps = 0
 
-        def step(self, action: Any) -> Any:
+        def step(self, action):
             self.steps += 1
             return super().step(action if self.steps < 20 else -action)
 
     return Apart(env)
 
 
-REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
+REFUSED = {
     "other physics": (lambda: gymnasium.make("Pendulum-v1", g=9.0), "episode 0, step 0: the environment does not answ"),
     "later": (lambda: _step_apart(gymnasium.make("Pendulum-v1")), "does not answer as it did"),
     "an earlier end": (lambda: gymnasium.make("Pendulum-v1", max_episode_steps=20), "episode 0, step 19: the environm"),
@@ -198,7 +196,7 @@ def test_recording_of_an_earlier_version_is_refused():
 
 def test_steps_are_told_while_they_are_taken(tmp_path):
     """Counted over all envs of the recording."""
-    told: list[int] = []
+    told = []
     _record(tmp_path / "run", steps=7)
     Retake(lambda: gymnasium.make("Pendulum-v1"), lambda env: Later(REWARDS, {}), told.append).score(tmp_path / "run")
     assert told == [1, 2, 3, 4, 5, 6, 7]

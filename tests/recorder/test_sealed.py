@@ -3,7 +3,7 @@
 import copy
 import json
 import pickle
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,7 +21,7 @@ class Pair(NamedTuple):
     right: Any
 
 
-WRITES: dict[str, Callable[[Any], Any]] = {
+WRITES = {
     "item": lambda info: info.__setitem__("a", 0),
     "pop": lambda info: info.pop("x"),
     "update": lambda info: info.update(y=1),

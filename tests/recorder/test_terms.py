@@ -12,8 +12,7 @@ import harness
 from harness.errors import SchemaError, UsageError
 from harness.record import TrainingFacts, read_recording
 from harness.record.recording.recorded_training import facts_name, weighed
-from harness.recorder.recorder import GivenUp
-from harness.recorder.retake import Later, Retake
+from harness.recorder import GivenUp, Later, Retake
 from harness.reward.terms import sum_of
 from tests.record.recording.told import terms_of
 
@@ -103,7 +102,7 @@ def test_before_the_first_step_there_are_zeros_and_the_info_of_the_reset(countin
 
 def test_choice_before_the_first_step_is_0(tmp_path):
     """Of a Discrete action."""
-    seen: list[Any] = []
+    seen = []
     _recorded(tmp_path / "run", 1, "CartPole-v1", rewards={"look": lambda step: seen.append(step.before.action) or 0.0})
     assert seen[0] == 0
     assert isinstance(seen[0], int | np.integer)
@@ -141,9 +140,9 @@ FAILS = {
 @pytest.mark.parametrize("vector", [False, True])
 def test_what_is_wrong_with_a_reward_is_told_by_name(counting, tmp_path, reward, at, told, vector):
     """It is NaN from that step on, with all of its terms, and the others go on."""
-    given: dict[str, Any] = {"trained_with": "own", "rewards": {"it": reward, "fine": lambda step: {"c": 1.0}}}
+    given = {"trained_with": "own", "rewards": {"it": reward, "fine": lambda step: {"c": 1.0}}}
     if vector:
-        env: Any = harness.RecordVectorRewards(
+        env = harness.RecordVectorRewards(
             SyncVectorEnv([lambda: counting(3, fresh=True)] * 2), tmp_path / "run", **given
         )
     else:
@@ -184,10 +183,10 @@ def test_terms_may_be_given_by_name(counting, tmp_path):
     """Keys of info and functions of both forms; one with a memory is restarted."""
 
     class Count:
-        def reset(self) -> None:
+        def reset(self):
             self.count = 0
 
-        def __call__(self, step: Any) -> float:
+        def __call__(self, step):
             self.count += 1
             return float(self.count)
 
@@ -209,13 +208,13 @@ class Parts(gymnasium.Env[Any, Any]):
 
     observation_space = action_space = gymnasium.spaces.Box(-1.0, 1.0, (1,))
 
-    def reset(self, **given: Any) -> Any:
+    def reset(self, **given):
         """Count from 0."""
         super().reset(**given)
         self.count = 0
         return np.zeros(1, np.float32), {}
 
-    def step(self, action: Any) -> Any:
+    def step(self, action):
         """Count on."""
         self.count += 1
         told = {"near": 1.0, "far": 2.0} if self.count < 3 else 5.0
@@ -338,7 +337,7 @@ def test_batch_records_what_single_envs_do(counting, tmp_path, mode):
         tmp_path / "batch", trained_with="own", rewards={"each": each, "whole": whole}, batched=["whole"],
     )  # fmt: skip
     env.reset(seed=0)
-    taken: list[list[float]] = [[], []]
+    taken = [[], []]
     ended = np.zeros(2, bool)
     for action in actions:
         for number in np.flatnonzero(~ended if mode == AutoresetMode.NEXT_STEP else [True, True]):

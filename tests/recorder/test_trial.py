@@ -2,7 +2,6 @@
 
 import random
 import warnings
-from typing import Any
 
 import gymnasium
 import numpy as np
@@ -11,9 +10,9 @@ import pytest
 import harness
 from harness.errors import UsageError
 from harness.record import read_recording
-from harness.recorder.recorder import GivenUp, Noted
+from harness.recorder import GivenUp, Noted
 
-MEMORY: dict[str, Any] = {}
+MEMORY = {}
 GENERATOR = np.random.default_rng(0)
 ACTION = np.array([0.5], np.float32)
 
@@ -62,7 +61,7 @@ def since_attribute(observation, action, next_observation, info):
     return float(next_observation[0]) - since_attribute.seen  # type: ignore[attr-defined]
 
 
-TABLE: dict[float, float] = {}
+TABLE = {}
 
 
 def remembers_answers(observation, action, next_observation, info):
@@ -80,7 +79,7 @@ class NoReset:
 
     count = 0
 
-    def __call__(self, observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+    def __call__(self, observation, action, next_observation, info):
         """How often it was called."""
         self.count += 1
         return float(self.count)
@@ -91,11 +90,11 @@ class Shared:
 
     total = 0.0
 
-    def reset(self) -> None:
+    def reset(self):
         """Begin anew."""
         type(self).total = 0.0
 
-    def __call__(self, observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+    def __call__(self, observation, action, next_observation, info):
         """The sum of what was seen."""
         type(self).total += float(next_observation[0])
         return self.total
@@ -106,10 +105,10 @@ class Beside:
 
     sums = [0.0]  # noqa: RUF012 # that is the fault
 
-    def reset(self) -> None:
+    def reset(self):
         """Begin nothing anew."""
 
-    def __call__(self, observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+    def __call__(self, observation, action, next_observation, info):
         """The sum of what was seen."""
         self.sums[0] += float(next_observation[0])
         return self.sums[0]
@@ -118,11 +117,11 @@ class Beside:
 class Sums:
     """As it should be."""
 
-    def reset(self) -> None:
+    def reset(self):
         """Begin anew."""
         self.total, self.rng = 0.0, np.random.default_rng(3)
 
-    def __call__(self, observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+    def __call__(self, observation, action, next_observation, info):
         """The sum of what was seen, and noise of its own."""
         self.total += float(next_observation[0])
         return self.total + self.rng.normal()
@@ -131,11 +130,11 @@ class Sums:
 class Begins:
     """Sets anew in its first step what the last episode has left, as an arm's reward for Unity does."""
 
-    def reset(self) -> None:
+    def reset(self):
         """An episode starts."""
         self.is_begun = False
 
-    def __call__(self, observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+    def __call__(self, observation, action, next_observation, info):
         """How much more than in the first step."""
         if not self.is_begun:
             self.first, self.is_begun = {"seen": np.asarray(next_observation)}, True
@@ -148,7 +147,7 @@ class Curriculum(Sums):
     def __init__(self) -> None:
         self.steps = 0
 
-    def __call__(self, observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+    def __call__(self, observation, action, next_observation, info):
         """Another reward after 50,000 steps."""
         self.steps += 1
         return float(next_observation[0]) if self.steps < 50_000 else 0.0
@@ -202,7 +201,7 @@ class Change:
 
     last = None
 
-    def __call__(self, observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+    def __call__(self, observation, action, next_observation, info):
         """The change."""
         last, self.last = self.last, float(next_observation[0])
         return 0.0 if last is None else self.last - last
@@ -241,10 +240,10 @@ def test_batched_memory_is_right_over_many_episodes(counting, tmp_path, mode):
     """An env that was only reset has no number that could be compared."""
 
     class Both:
-        def reset(self, mask: Any) -> None:
+        def reset(self, mask):
             self.total = np.where(mask, 0.0, getattr(self, "total", np.zeros(2)))
 
-        def __call__(self, observation: Any, action: Any, next_observation: Any, info: Any) -> Any:
+        def __call__(self, observation, action, next_observation, info):
             self.total = self.total + next_observation[:, 0]
             return self.total
 

@@ -11,7 +11,7 @@ from gymnasium.wrappers import NormalizeObservation, NormalizeReward, TransformR
 import harness
 from harness.errors import UsageError
 from harness.record import read_recording
-from harness.recorder.recorder import Noted
+from harness.recorder import Noted
 
 ACTION = np.array([0.5], np.float32)
 REWARDS = {"own": "own", "raw": lambda s, a, n, i: float(n[0])}
@@ -20,7 +20,7 @@ REWARDS = {"own": "own", "raw": lambda s, a, n, i: float(n[0])}
 class Bonus(gymnasium.RewardWrapper[Any, Any]):
     """Somebody's own reward."""
 
-    def reward(self, reward: Any) -> float:
+    def reward(self, reward):
         """One more."""
         return float(reward) + 1.0
 
@@ -98,16 +98,16 @@ def test_policy_of_a_model_that_learned_normalised_observations_is_told(counting
     class Normalize:
         norm_obs = True
 
-        def normalize_obs(self, seen: Any) -> Any:
+        def normalize_obs(self, seen):
             return seen
 
     class Model:
         normalize = Normalize()
 
-        def get_vec_normalize_env(self) -> Any:
+        def get_vec_normalize_env(self):
             return self.normalize
 
-        def predict(self, seen: Any) -> Any:
+        def predict(self, seen):
             return ACTION, None
 
     model = Model()

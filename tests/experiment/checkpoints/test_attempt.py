@@ -26,20 +26,21 @@ def _begin(cell, folder, restore=lambda state: None):
 
 def test_first_attempt_begins_at_the_start(make_cell, tmp_path):
     """With nothing to say, and with the log that the worker has opened already."""
-    (tmp_path / LOG).write_text("")
+    (tmp_path / LOG).write_text("warming up\n")
     attempt = _begin(make_cell(), tmp_path)
     assert (attempt.begun_from, attempt.parts, attempt.note, attempt.every) == (0, (), "", 100)
-    assert (tmp_path / LOG).read_text() == ""
+    assert (tmp_path / LOG).read_text() == "warming up\n"
 
 
 def test_next_attempt_goes_on_from_the_checkpoint(make_cell, tmp_path):
-    """The note and the log say from where."""
-    _leave_checkpoint(tmp_path, make_cell())
+    """The note and the log say from where; the killed process's seconds count up to its checkpoint."""
+    _leave_checkpoint(tmp_path, make_cell(), seconds=1000.0)
     attempt = _begin(make_cell(), tmp_path)
-    assert attempt.begun_from == 7
-    assert attempt.note == "went on after 7 steps"
+    assert (attempt.begun_from, attempt.note) == (7, "went on after 7 steps")
     assert "this one went on after 7 steps" in (tmp_path / LOG).read_text()
     assert (tmp_path / CHECKPOINT).exists()
+    time.sleep(0.01)
+    assert 1000.01 <= attempt.seconds < 1100.0
 
 
 def test_checkpoint_that_the_simulator_does_not_come_back_to_is_of_no_use(make_cell, tmp_path):
@@ -53,14 +54,6 @@ def test_checkpoint_that_the_simulator_does_not_come_back_to_is_of_no_use(make_c
     assert attempt.begun_from == 0
     assert attempt.note.endswith("is of no use: the simulator does not repeat itself")
     assert [path.name for path in tmp_path.iterdir()] == [LOG]
-
-
-def test_seconds_of_the_killed_process_count(make_cell, tmp_path):
-    """Up to its checkpoint: what it did after that is lost."""
-    _leave_checkpoint(tmp_path, make_cell(), seconds=1000.0)
-    attempt = _begin(make_cell(), tmp_path)
-    time.sleep(0.01)
-    assert 1000.01 <= attempt.seconds < 1100.0
 
 
 def test_checkpoint_of_another_cell_is_of_no_use(make_cell, tmp_path):

@@ -13,7 +13,7 @@ from harness.authoring.generator_state import pack_generator, restore_generator
 from harness.errors import SchemaError
 from harness.executor import CellOptions
 from harness.experiment import ExperimentRun, run_cell as cell_progress
-from harness.experiment.checkpoints.checkpoint import ABOUT, Checkpoint, begin_attempt, read_checkpoint
+from harness.experiment.checkpoints.checkpoint import Checkpoint, read_checkpoint
 from harness.experiment.checkpoints.trace_parts import TraceParts, discard_parts, part_of, require_parts
 from harness.experiment.run_cell import run_cell
 from harness.files.bounded import digest_of
@@ -25,7 +25,6 @@ from harness.record import (
     SCALARS,
     TRACE,
     EpisodeFacts,
-    Manifest,
     Store,
     TraceWriter,
     partial_folder,
@@ -40,17 +39,17 @@ from harness_plugins.kit.trainings import WatchedEnv
 
 ORIGIN = {"cell": "a", "versions": {"numpy": "2"}, "commit": "", "sources": {}}
 FACTS = EpisodeFacts(horizon=5, control_period=0.1)
-RANDOM = {"algorithm": Choice("random", (), "random"), "steps": 3000}
 
 
-def _learner(name, **settings):
-    return {"algorithm": Choice(name, tuple(settings.items()), name), "steps": 400}
+def _learner(name, steps=400, **settings):
+    return {"algorithm": Choice(name, tuple(settings.items()), name), "steps": steps}
 
 
+RANDOM = _learner("random", 3000)
 LEARNERS = {
     "spg": _learner("spg", num_envs=5, decisions=8, restart=3),
     "sac-fast": _learner("sac-fast", learning_starts=50, buffer_size=130),
-    "sac-fast, 3 envs": {**_learner("sac-fast", learning_starts=50, num_envs=3, train_freq=2), "steps": 399},
+    "sac-fast, 3 envs": _learner("sac-fast", 399, learning_starts=50, num_envs=3, train_freq=2),
     "sb3-sac": _learner("sb3-sac", learning_starts=50, batch_size=32),
     "ppo": _learner("ppo", rollout=64, num_envs=2, schedule="linear"),
 }
@@ -154,22 +153,16 @@ def test_damaged_checkpoint_starts_over(train_in_a_process, make_cell, tmp_path)
 
 
 def test_checkpoint_comes_back(tmp_path):
-    """Numbers, arrays of any type, and what is said of them."""
+    """Numbers, arrays of any type, and what is said of them; a later one replaces it."""
     algorithm = {"done": np.array(7), "bytes": np.arange(3, dtype=np.uint8), "turned": np.ones((2, 3), np.float32).T}
-    _checkpoint(algorithm=algorithm, seconds=1.5).write(tmp_path)
+    for steps in (6, 7):
+        _checkpoint(steps=steps, algorithm=algorithm, seconds=1.5).write(tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == [CHECKPOINT]
     back = read_checkpoint(tmp_path, ORIGIN)
     assert (back.steps, back.seconds, back.parts, int(back.env["count"])) == (7, 1.5, (), 5)
     for name, array in algorithm.items():
         assert (back.algorithm[name].dtype, back.algorithm[name].shape) == (array.dtype, array.shape)
         np.testing.assert_array_equal(back.algorithm[name], array)
-
-
-def test_later_checkpoint_replaces_the_earlier_one(tmp_path):
-    """There is one file."""
-    for steps in (7, 8):
-        _checkpoint(steps=steps).write(tmp_path)
-    assert [path.name for path in tmp_path.iterdir()] == [CHECKPOINT]
-    assert read_checkpoint(tmp_path, ORIGIN).steps == 8
 
 
 @pytest.mark.parametrize("key", ORIGIN)
@@ -180,9 +173,11 @@ def test_other_origin_is_refused(tmp_path, key):
         read_checkpoint(tmp_path, {**ORIGIN, key: "other"})
 
 
-def test_newer_format_is_refused(tmp_path):
-    """What it means is not known."""
-    safetensors.numpy.save_file({}, tmp_path / CHECKPOINT, {ABOUT: json.dumps({"format": 99})})
+def test_checkpoint_that_cannot_be_read_is_refused(tmp_path):
+    """A missing one, and one of a newer format: what it means is not known."""
+    with pytest.raises(SchemaError, match="it cannot be read"):
+        read_checkpoint(tmp_path, ORIGIN)
+    safetensors.numpy.save_file({}, tmp_path / CHECKPOINT, {"harness.checkpoint": json.dumps({"format": 99})})
     with pytest.raises(SchemaError, match="it has format 99, this version reads 2"):
         read_checkpoint(tmp_path, ORIGIN)
 
@@ -197,12 +192,6 @@ def test_every_flipped_byte_is_found(tmp_path):
         (tmp_path / CHECKPOINT).write_bytes(flipped)
         with pytest.raises(SchemaError):
             read_checkpoint(tmp_path, ORIGIN)
-
-
-def test_missing_checkpoint_is_refused(tmp_path):
-    """As a damaged one."""
-    with pytest.raises(SchemaError, match="it cannot be read"):
-        read_checkpoint(tmp_path, ORIGIN)
 
 
 # ------------------------------------------------------------------------------------------------- trace in parts
@@ -299,7 +288,7 @@ def test_state_of_no_such_generator_is_refused(packed):
 )
 def test_checkpoints_are_made_as_the_options_say(make_cell, tmp_path, monkeypatch, seconds, every, count):
     """By the clock, which a cell of ten minutes outlasts, by steps, or not at all."""
-    made: list[int] = []
+    made = []
     write = Checkpoint.write
 
     def counted(self, folder):
@@ -315,19 +304,16 @@ def test_checkpoints_are_made_as_the_options_say(make_cell, tmp_path, monkeypatc
 
 def test_checkpoints_are_made_unless_somebody_says_otherwise():
     """A long cell that is killed does not start over."""
-    assert CellOptions().checkpoint_every is None
-    assert cell_progress.SECONDS == 600.0
-
-
-def test_first_attempt_has_nothing_to_say(make_cell, tmp_path):
-    """A folder with no more than a log is a fresh one; the log stays."""
-    (tmp_path / LOG).write_text("warming up\n")
-    attempt = begin_attempt(make_cell(), tmp_path, ORIGIN, 5, lambda state: None)
-    assert (attempt.begun_from, attempt.parts, attempt.note, attempt.every) == (0, (), "", 5)
-    assert (tmp_path / LOG).read_text() == "warming up\n"
+    assert (CellOptions().checkpoint_every, cell_progress.SECONDS) == (None, 600.0)
 
 
 # -------------------------------------------------------------------------------------------------------- plans
+
+
+@pytest.fixture
+def store(make_cell, make_plan, tmp_path):
+    """Of one cell."""
+    return Store.create(tmp_path, make_plan(make_cell()))
 
 
 def _begun(store, cell, name=CHECKPOINT):
@@ -337,19 +323,16 @@ def _begun(store, cell, name=CHECKPOINT):
     return partial
 
 
-def test_run_keeps_what_can_be_gone_on_from(make_cell, make_plan, tmp_path):
+def test_run_keeps_what_can_be_gone_on_from(make_cell, store):
     """Partial folders with a checkpoint stay; others go."""
-    one, two = make_cell(), make_cell(seed=1)
-    store = Store.create(tmp_path, make_plan(one, two))
-    kept, gone = _begun(store, one), _begun(store, two, TRACE)
+    kept, gone = _begun(store, make_cell()), _begun(store, make_cell(seed=1), TRACE)
     store.discard_partial()
     assert (kept.exists(), gone.exists()) == (True, False)
 
 
-def test_cell_whose_process_alone_was_killed_is_reopened(make_cell, make_plan, tmp_path):
+def test_cell_whose_process_alone_was_killed_is_reopened(make_cell, store):
     """It was recorded as failed, with its checkpoint: that is in the partial folder again."""
     cell = make_cell()
-    store = Store.create(tmp_path, make_plan(cell))
     _begun(store, cell)
     store.record(cell, "failed", "its process was ended by SIGKILL")
     partial = store.reopen(cell)
@@ -357,13 +340,11 @@ def test_cell_whose_process_alone_was_killed_is_reopened(make_cell, make_plan, t
     assert not store.cell_folder(cell).exists()
 
 
-def test_failed_cell_without_a_checkpoint_stays(make_cell, make_plan, tmp_path):
+def test_failed_cell_without_a_checkpoint_stays(make_cell, store):
     """Until its next attempt replaces it."""
-    cell = make_cell()
-    store = Store.create(tmp_path, make_plan(cell))
-    store.record(cell, "failed", "no luck")
-    store.reopen(cell)
-    assert read_manifest(store.cell_folder(cell)).reason == "no luck"
+    store.record(make_cell(), "failed", "no luck")
+    store.reopen(make_cell())
+    assert read_manifest(store.cell_folder(make_cell())).reason == "no luck"
 
 
 def test_run_tells_where_a_cell_went_on(
@@ -379,6 +360,6 @@ def test_run_tells_where_a_cell_went_on(
     store, notes = Store.create(tmp_path, plan), []
     train_in_a_process(cell, store.cell_folder(cell), 1000, until=2500)
     ExperimentRun(plan, store, toys, Processes()).run(lambda event: notes.append(event.note))
-    manifest: Manifest = read_manifest(store.cell_folder(cell))
+    manifest = read_manifest(store.cell_folder(cell))
     assert manifest.note.startswith("went on after ")
     assert notes[-1] == manifest.note

@@ -22,7 +22,7 @@ class Buffer:
         }
         self.written = 0
 
-    def write(self, rows: int) -> Ring:
+    def write(self, rows):
         """Add so many."""
         for number in range(self.written, self.written + rows):
             self.columns["seen"][number % CAPACITY] = number
@@ -30,7 +30,7 @@ class Buffer:
         self.written += rows
         return Ring(self.columns, self.written)
 
-    def holds(self, ring: Ring) -> bool:
+    def holds(self, ring):
         """Whether a restored ring holds the same, at the same places."""
         there = min(self.written, CAPACITY)
         return ring.written == self.written and all(

@@ -1,7 +1,6 @@
 """Evaluations of cells in environments: along the budget, in both manners, of random actions, of the null control."""
 
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -15,7 +14,7 @@ from harness.results.measured import LEARNING
 from harness.results.ranking import ranking_of
 
 HERE = Path(__file__).parent
-TOLD: dict[str, Any] = {"task": "toy", "algo": "random", "steps": 64, "seeds": 2, "evaluation_episodes": 3, "jobs": 1}
+TOLD = {"task": "toy", "algo": "random", "steps": 64, "seeds": 2, "evaluation_episodes": 3, "jobs": 1}
 
 
 def _run(out, **given):

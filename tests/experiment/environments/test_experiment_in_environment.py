@@ -14,28 +14,24 @@ import pytest
 
 from harness.cli import main
 from harness.errors import UsageError
-from harness.executor import CellOptions, Word
+from harness.executor import CellOptions
 from harness.experiment import RunOptions, check_experiment, expand
 from harness.experiment.experiment import check, prepare
 from harness.experiment.run_cell import run_cell
 from harness.policy import load_policy
 from harness.progress import RETURN, SUCCESS
 from harness.record import (
-    EVALUATION_RECORDING,
     LOG,
     MANIFEST,
     POLICY,
-    RANDOM,
     Store,
     TrainingFacts,
     partial_folder,
     read_manifest,
     read_recording,
 )
-from harness.record.folder import STOCHASTIC, TRAINING_RECORDING, recording_of
 from harness.record.manifest import digests_in
 from harness.record.merge import merge
-from harness.record.recording.recorded_training import facts_name
 from harness.record.recording.recording_writer import write_recording
 from harness.record.status import read_status
 from harness.record.verify import verify
@@ -89,15 +85,13 @@ def results(folder):
 def test_every_reward_of_the_environment_trains(registry):
     """By default all of them, the first as the baseline; simulator and robot are not the harness's."""
     plan = _plan(registry)
-    assert [(cell.reward.label, cell.seed) for cell in plan.cells] == [
-        ("near", 0),
-        ("right", 0),
-        ("near", 1),
-        ("right", 1),
-    ]
-    assert plan.baseline == "near"
+    pairs = [(reward, seed) for seed in range(2) for reward in ("near", "right")]
+    assert [(cell.reward.label, cell.seed) for cell in plan.cells] == pairs
+    assert (plan.baseline, plan.cells[0].title) == ("near", "toy · random · near · seed 0")
     assert all(cell.is_in_environment for cell in plan.cells)
-    assert plan.cells[0].title == "toy · random · near · seed 0"
+    assert expand(check_experiment(plan.resolved), registry).cells == plan.cells  # `experiment.toml` is one again
+    named = _plan(registry, baseline="right", reward=[])
+    assert (named.baseline, {cell.reward.label for cell in named.cells}) == ("right", {"right"})
 
 
 @pytest.mark.parametrize("member", ["lower_is_better", "bounds"])
@@ -108,18 +102,6 @@ def test_members_name_measures(tmp_path, member):
     file.write_text(text if member == "bounds" else text.replace('frozenset({"distance"})', 'frozenset({"far"})'))
     with pytest.raises(UsageError, match=f"slip: {member} names 'far', which is none of"):
         _plan(load_registry(given=read_given([file])), task="slip")
-
-
-def test_a_resolved_experiment_plans_the_same_cells(registry):
-    """`experiment.toml` is an experiment file again."""
-    plan = _plan(registry)
-    assert expand(check_experiment(plan.resolved), registry).cells == plan.cells
-
-
-def test_a_baseline_may_be_named(registry):
-    """Any of the rewards; without a proposed one it trains alone."""
-    plan = _plan(registry, baseline="right", reward=[])
-    assert (plan.baseline, {cell.reward.label for cell in plan.cells}) == ("right", {"right"})
 
 
 @pytest.mark.parametrize(
@@ -154,18 +136,11 @@ def test_an_algorithm_that_does_not_fit_is_skipped(registry, task, algo, steps, 
 
 
 def test_a_cell_leaves_its_folder(folder, registry):
-    """Recordings of training and evaluation, the policy, and what it was made with."""
-    cell = _plan(registry).cells[1]
-    place = Store.open(folder).cell_folder(cell)
-    there = {path.name for path in place.iterdir()} - {LOG}
-    assert there == {
-        TRAINING_RECORDING,
-        EVALUATION_RECORDING,
-        *map(recording_of, (STOCHASTIC, RANDOM)),
-        POLICY,
-        MANIFEST,
-    }
-    training, evaluation = read_recording(place / TRAINING_RECORDING), read_recording(place / EVALUATION_RECORDING)
+    """Recordings of training and evaluation, the policy, and what it was made with; the note is empty."""
+    store, cell = Store.open(folder), _plan(registry).cells[1]
+    place, names = store.cell_folder(cell), ("training", "evaluation", "stochastic", "random", POLICY, MANIFEST)
+    assert {path.name for path in place.iterdir()} - {LOG} == {*names}
+    training, evaluation = read_recording(place / "training"), read_recording(place / "evaluation")
     assert (training.facts.trained_with, training.facts.seed, len(training)) == ("right", 0, STEPS)
     assert list(training.facts.behaviour) == ["success", "distance"]
     assert training.facts.lower_is_better == ("distance",)
@@ -173,8 +148,13 @@ def test_a_cell_leaves_its_folder(folder, registry):
     assert evaluation.facts.evaluation
     assert (evaluation["terminated"] | evaluation["truncated"]).sum() == 3
     assert load_policy(place / POLICY).kind == "uniform"
-    manifest = Store.open(folder).examine(cell)
-    assert set(manifest.environment["sources"]) == {"environments", "algorithms"}
+    manifest = store.examine(cell)
+    assert (set(manifest.environment["sources"]), manifest.note) == ({"environments", "algorithms"}, "")
+
+
+def _left(folder):
+    """Digests of every file but the log and the manifest."""
+    return {name: it for name, it in digests_in(folder).items() if name != LOG}
 
 
 @pytest.mark.parametrize(
@@ -185,34 +165,32 @@ def test_the_same_cell_is_the_same_recording(registry, given, tmp_path, task, al
     cell = _plan(registry, task=task, algo=algo).cells[0]
     for name in ("one", "other"):
         assert _done(cell, tmp_path / name, given).status == "done"
-    one, other = (
-        {name: it for name, it in digests_in(tmp_path / name).items() if name != LOG} for name in ("one", "other")
-    )
-    assert one == other
-    assert any(name.startswith(TRAINING_RECORDING) for name in one)
+    assert _left(tmp_path / "one") == _left(tmp_path / "other")
+    assert any(name.startswith("training") for name in _left(tmp_path / "one"))
 
 
 def test_the_learner_is_paid_by_the_reward_of_its_cell(registry, given, tmp_path):
     """And told of success, as other processes see it."""
-    words: list[Word] = []
+    words = []
     cell = _plan(registry).cells[1]
     _done(cell, tmp_path / "cell", given, words)
-    training = read_recording(tmp_path / "cell" / TRAINING_RECORDING)
+    training = read_recording(tmp_path / "cell" / "training")
     ended = np.flatnonzero(training["terminated"] | training["truncated"])
     paid = np.add.reduceat(training["reward/right"], [0, *(ended[:-1] + 1)])[: len(ended)]
     assert words[-1].steps == STEPS
     told = next(word.scalars for word in reversed(words) if RETURN in word.scalars)
     assert told[RETURN] == pytest.approx(paid.mean())
     assert told[SUCCESS] == pytest.approx(training["behaviour/success"][ended].mean())
+    assert not [name for word in words for name in word.scalars if name.startswith("Evaluation/")]  # nobody listens
 
 
 def test_trackers_get_the_evaluation(registry, given, tmp_path):
     """What the reward of the cell paid an episode, and every measure of behaviour, after the last step."""
-    words: list[Word] = []
+    words = []
     options = CellOptions(plugins=given, tracked=True)
     run_cell(_plan(registry).cells[1], tmp_path / "cell", words.append, options)
     (told,) = (word for word in words if any(name.startswith("Evaluation/") for name in word.scalars))
-    evaluation = read_recording(tmp_path / "cell" / EVALUATION_RECORDING)
+    evaluation = read_recording(tmp_path / "cell" / "evaluation")
     ends = evaluation["terminated"] | evaluation["truncated"]
     assert told.steps == STEPS
     assert told.scalars == pytest.approx(
@@ -224,26 +202,16 @@ def test_trackers_get_the_evaluation(registry, given, tmp_path):
     )
 
 
-def test_without_a_tracker_no_evaluation_is_told(registry, given, tmp_path):
-    """Nobody would look at it."""
-    words: list[Word] = []
-    _done(_plan(registry).cells[1], tmp_path / "cell", given, words)
-    assert not [name for word in words for name in word.scalars if name.startswith("Evaluation/")]
-
-
 def test_a_killed_cell_without_a_checkpoint_starts_over(registry, given, tmp_path):
     """What it left is thrown away, the manifest says so, and the result is as if nothing had happened."""
     cell = _plan(registry).cells[0]
     _done(cell, tmp_path / "whole", given)
     left = partial_folder(tmp_path / "killed")
-    (left / TRAINING_RECORDING).mkdir(parents=True)
-    (left / TRAINING_RECORDING / "recording-0.json").write_text("half")
+    (left / "training").mkdir(parents=True)
+    (left / "training" / "recording-0.json").write_text("half")
     manifest = _done(cell, tmp_path / "killed", given)
     assert manifest.note.startswith("started over")
-    whole, killed = (digests_in(tmp_path / name) for name in ("whole", "killed"))
-    assert {name: it for name, it in killed.items() if name != LOG} == {
-        name: it for name, it in whole.items() if name != LOG
-    }
+    assert _left(tmp_path / "whole") == _left(tmp_path / "killed")
 
 
 @pytest.fixture
@@ -290,62 +258,41 @@ def test_a_reward_that_only_looks_on_fails_alone(broken, tmp_path):
     failed, _, remembers = manifest.note.partition("; ")
     assert failed == "reward right given up in the training, episode 1, step 2: SystemExit: the arm fell off"
     assert remembers.startswith("reward 'right': it remembers something beyond reset()")  # it counts episodes
-    training = read_recording(tmp_path / "cell" / TRAINING_RECORDING)
+    training = read_recording(tmp_path / "cell" / "training")
     unknown = np.isnan(training["reward/right"])
     assert (unknown.sum(), np.flatnonzero(~unknown).max()) == (STEPS - 10, 9)
     for name in ("reward/near", "behaviour/success", "behaviour/distance"):
         assert not np.isnan(training[name]).any()
 
 
-def _cut_short(registry, given, folder, words=None):
-    """A cell in an env that ends no episode; evaluations are cut after five steps."""
-    cell = _plan(registry, task="toy:endless=true", evaluation_horizon=5).cells[0]
-    return _done(cell, folder, given, words)
-
-
 def test_an_evaluation_of_endless_episodes_ends(registry, given, tmp_path):
-    """Each is cut at the cell's horizon, and is recorded as truncated."""
-    assert _cut_short(registry, given, tmp_path / "cell").status == "done"
-    evaluation = read_recording(tmp_path / "cell" / EVALUATION_RECORDING)
+    """Each is cut at the cell's horizon, and is recorded as truncated; the manifest says what never ended."""
+    manifest = _done(_plan(registry, task="toy:endless=true", evaluation_horizon=5).cells[0], tmp_path / "cell", given)
+    evaluation = read_recording(tmp_path / "cell" / "evaluation")
     assert (evaluation.facts.cut, evaluation.facts.horizon) == (3, 5)
     assert np.flatnonzero(evaluation["truncated"]).tolist() == [4, 9, 14]
-
-
-def test_a_manifest_says_what_never_ended(registry, given, tmp_path):
-    """In the training, and in the evaluation."""
-    assert _cut_short(registry, given, tmp_path / "cell").note == (
+    assert (manifest.status, manifest.note) == (
+        "done",
         "no episode of the training ended: give the environment a time limit; "
-        "3 of 3 evaluation episodes were cut after 5 steps"
+        "3 of 3 evaluation episodes were cut after 5 steps",
     )
-
-
-def test_a_manifest_has_no_note_where_episodes_end(folder):
-    """There is nothing to know of it."""
-    assert {manifest.note for manifest in Store.open(folder).manifests()} == {""}
 
 
 def test_the_horizon_of_evaluations_belongs_to_a_cell(registry):
-    """Where it is not the default: cells of a version without it keep their ids."""
-    usual, named, other = (
-        _plan(registry, **keys).cells[0] for keys in ({}, {"evaluation_horizon": 10_000}, {"evaluation_horizon": 9})
-    )
+    """Where it is not the default, which a resolved experiment names: cells of a version without it keep their ids."""
+    plans = [_plan(registry, **keys) for keys in ({}, {"evaluation_horizon": 10_000}, {"evaluation_horizon": 9})]
+    usual, named, other = (plan.cells[0] for plan in plans)
     assert usual.id == named.id != other.id
     assert (usual.evaluation_horizon, other.evaluation_horizon) == (10_000, 9)
-
-
-def test_a_resolved_experiment_names_the_horizon(registry):
-    """The default too, so that who reads it knows."""
-    assert _plan(registry).resolved["evaluation_horizon"] == 10_000
+    assert plans[0].resolved["evaluation_horizon"] == 10_000
 
 
 def test_a_horizon_of_evaluations_goes_with_environments_alone(registry):
     """A task of an arm has its own."""
-    asked = {"sim": "kinematic", "algo": "random", "evaluation_horizon": 9}
+    asked = {"sim": "kinematic", "algo": "random"}
     with pytest.raises(UsageError, match="--evaluation-horizon goes with an environment"):
-        expand(check_experiment(asked), registry)
-    assert (
-        "evaluation_horizon" not in expand(check_experiment({**asked, "evaluation_horizon": None}), registry).resolved
-    )
+        expand(check_experiment({**asked, "evaluation_horizon": 9}), registry)
+    assert "evaluation_horizon" not in expand(check_experiment(asked), registry).resolved
 
 
 def test_the_plan_says_when_evaluations_are_cut(capsys, tmp_path):
@@ -398,12 +345,11 @@ def test_a_folder_does_not_mix_with_experiments_of_arms(folder):
 def test_a_study_compares_the_cells(results):
     """Trainings and evaluations of all seeds, the plan's baseline first."""
     (told,) = results.studies
-    assert told.study is not None
     assert told.study.runs.trained == ("near", "right")
-    assert told.study.comparisons[0].seeds == (0, 1)
-    assert told.study.comparisons[0].measured.deciding == ("success",)
+    (comparison,) = results.combinations
     assert results.combinations == told.study.comparisons
-    assert results.combinations[0].group.task.label == "toy"
+    assert (comparison.seeds, comparison.group.task.label) == ((0, 1), "toy")
+    assert comparison.measured.deciding == ("success",)
     assert all(run.evaluation is not None for run in told.study.runs.members.values())
 
 
@@ -411,11 +357,9 @@ def test_a_study_compares_the_cells(results):
 def test_chosen_measures_are_shown_beside_the_one_that_decides(folder, asked, shown):
     """No other claim is made."""
     (told,) = load_results(folder, metrics=asked, plugins=[TOY]).studies
-    assert told.study is not None
     (comparison,) = told.study.comparisons
-    assert (
-        told.study.runs.measures == tuple(dict.fromkeys(change.name for change in comparison.measured.changes)) == shown
-    )
+    changes = tuple(dict.fromkeys(change.name for change in comparison.measured.changes))
+    assert told.study.runs.measures == changes == shown
 
 
 def test_measure_that_no_environment_has_is_refused(folder):
@@ -456,7 +400,6 @@ def test_folders_merge(registry, given, tmp_path):
             _done(cell, store.cell_folder(cell), given)
     merge([tmp_path / "0", tmp_path / "1"], tmp_path / "both")
     (told,) = load_results(tmp_path / "both", plugins=[TOY]).studies
-    assert told.study is not None
     assert told.study.comparisons[0].seeds == (0, 1)
 
 
@@ -477,7 +420,7 @@ def _write_again(cell, part, change):
     read_manifest(cell).write(cell)
 
 
-@pytest.mark.parametrize("part", [TRAINING_RECORDING, EVALUATION_RECORDING])
+@pytest.mark.parametrize("part", ["training", "evaluation"])
 def test_two_trainings_of_a_cell_that_differ_are_refused(folder, tmp_path, part):
     """In a step of their training, or of their evaluation; the message names the cell and both folders."""
     shutil.copytree(folder, tmp_path / "other")
@@ -495,7 +438,7 @@ def test_versions_make_no_other_training_of_a_cell(folder, tmp_path):
     shutil.copytree(folder, tmp_path / "other")
     cell = Store.open(folder).read_plan().cells[1]
     folder_there = Store(tmp_path / "other").cell_folder(cell)
-    facts = folder_there / TRAINING_RECORDING / facts_name(0)
+    facts = folder_there / "training" / "recording-0.json"
     replace(TrainingFacts.read(facts), versions={"python": "3.99"}).write(facts)
     read_manifest(folder_there).write(folder_there)
     assert len(merge([folder, tmp_path / "other"], tmp_path / "both").plan.cells) == 4
@@ -536,7 +479,7 @@ def test_table_has_what_the_policies_did(results):
     rows = pq.read_table(results.write_table()).to_pylist()
     assert len(rows) == 4
     for row, cell in zip(rows, results.done_cells, strict=True):
-        recorded = read_recording(results.store.cell_folder(cell) / EVALUATION_RECORDING)
+        recorded = read_recording(results.store.cell_folder(cell) / "evaluation")
         ended = recorded["terminated"] | recorded["truncated"]
         assert row["behaviour_distance"] == pytest.approx(recorded["behaviour/distance"][ended].mean())
         assert row["return_near"] == pytest.approx(recorded["reward/near"].sum() / ended.sum())
@@ -561,8 +504,7 @@ def test_records_hold_what_the_report_says(folder, tmp_path, report):
     """JSON, a row for each cell, and the comparisons as a table; they are read without any cell."""
     target = tmp_path / "records"
     report(folder, "--summary", target)
-    kept = {*RECORDS, "figures"}
-    assert {path.name for path in target.iterdir()} == kept
+    assert {path.name for path in target.iterdir()} == {*RECORDS, "figures"}
     told = json.loads((target / "results.json").read_text())
     assert told == json.loads(report(folder, "--json"))
     assert [study["algorithm"] for study in told["studies"]] == ["random"]

@@ -1,7 +1,5 @@
 """A folder of twelve reward files, five of which spoil things: the other seven say what they say without the five."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -56,7 +54,7 @@ def _recorded(folder, bodies):
         )
     assert ended.value.code == 0
     store = Store.open(folder / "out")
-    found: dict[str, Any] = {}
+    found = {}
     for cell in store.read_plan().cells:
         for path in sorted(recordings_in(store.cell_folder(cell))):
             recording = read_recording(path)

@@ -1,14 +1,12 @@
 """What a report needs, made as cells end."""
 
-from typing import Any
-
 import pytest
 
 from harness.experiment import check_experiment, expand
 from harness.record import DERIVED
 from harness.results.cell_results import CellResults
 
-GIVEN: dict[str, Any] = {
+GIVEN = {
     "sim": "ideal", "algo": "wander", "task": "fd100-reach:horizon=5", "seeds": 1, "steps": 12,
     "evaluation_episodes": 3, "reward": "arp,dense",
 }  # fmt: skip

@@ -16,7 +16,7 @@ class Times:
 
     now = 1000.0
 
-    def __call__(self) -> float:
+    def __call__(self):
         """The time."""
         return self.now
 

@@ -1,7 +1,5 @@
 """`results.parquet` while cells run."""
 
-from typing import Any
-
 import pyarrow.parquet as pq
 import pytest
 
@@ -12,7 +10,7 @@ from harness.record.verify import verify
 from harness.results.cell_results import CellResults
 from harness.results.done_cells import DoneCells
 
-GIVEN: dict[str, Any] = {
+GIVEN = {
     "sim": "ideal", "algo": "wander", "task": "fd100-reach:horizon=5", "seeds": 2, "steps": 12,
     "evaluation_episodes": 3, "reward": "arp",
 }  # fmt: skip
@@ -23,7 +21,7 @@ class Clock:
 
     now = 0.0
 
-    def __call__(self) -> float:
+    def __call__(self):
         """Seconds."""
         return self.now
 
@@ -128,7 +126,7 @@ def test_table_that_lacks_nothing_is_not_written(table):
 def test_cell_is_measured_once(table, plan, monkeypatch):
     """Its row is kept for the next tables."""
     so_far, _, store = table
-    asked: list[str] = []
+    asked = []
     measured = CellResults.measured
     monkeypatch.setattr(CellResults, "measured", lambda of, floor: (asked.append(of.cell.id), measured(of, floor))[1])
     so_far.add(read_manifest(store.cell_folder(plan.cells[0])))

@@ -161,7 +161,7 @@ def test_one_that_hangs_holds_nobody_up(make_cell, tmp_path):
         def begin(self, cell):
             forever.wait()
 
-    troubles: list[str] = []
+    troubles = []
     trackers = Trackers({"slow": Hanging()}, troubles.append, within=0.05)
     begun = time.monotonic()
     trackers.begin(tracked_cell(make_cell(), 0.0, tmp_path))

@@ -89,7 +89,7 @@ def test_reward_that_changes_the_env_is_told_as_such(tried):
 
 def test_what_is_left_out_is_not_asked(tried):
     """It may be what ends a process."""
-    asked: list[str] = []
+    asked = []
     assert tried(bad="return 1 / 0", without={"reward_bad"}, asked=asked) == Tried()
     assert {*asked} == {"", "reward_own", "behaviour_last", "behaviour_place"}
 

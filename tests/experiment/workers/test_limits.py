@@ -12,7 +12,7 @@ class Times:
     def __init__(self) -> None:
         self.now = 100.0
 
-    def __call__(self) -> float:
+    def __call__(self):
         """The time."""
         return self.now
 

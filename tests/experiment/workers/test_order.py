@@ -1,21 +1,19 @@
 """What a worker is told to do."""
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 
 from harness.executor import CellOptions
 from harness.experiment import Order
 from harness.experiment.installation import Describe
 from harness.experiment.run_cell import TrainCell
-from harness.experiment.workers.order import Work, read_order
-from harness.record import Cell
+from harness.experiment.workers.order import read_order
 from harness.registry import Choice
 from harness.registry.given import PluginClass, PluginFile
 from harness_plugins.transfer.jobs import EvaluateElsewhere
 
 PLUGINS = (PluginFile("/a/mine.py", "x = 'ü'\n"), PluginClass("rewards", "mine:Mine"))
-WORKS: dict[str, Callable[[Cell], Work]] = {
+WORKS = {
     "train": lambda cell: TrainCell(cell, CellOptions(checkpoint_every=100, tracked=True)),
     "evaluate elsewhere": lambda cell: EvaluateElsewhere(Path("/a/cell"), Choice("mujoco", (("substeps", 4),), "m")),
     "train by a file": lambda cell: TrainCell(cell, CellOptions(plugins=PLUGINS)),

@@ -12,7 +12,7 @@ from harness.experiment.workers import workers as worker_process
 @pytest.fixture
 def started(monkeypatch):
     """Commands that would have been started."""
-    commands: list[list[str]] = []
+    commands = []
 
     def note(command, **options):
         commands.append(command)

@@ -1,13 +1,12 @@
 """Where the files of a cluster's jobs lie, and for how long."""
 
 import stat
-from typing import Any
 
 import pytest
 
 from harness.errors import UsageError
 
-PARAMETERS: dict[str, Any] = {"name": "harness", "slurm_max_num_timeout": 0}
+PARAMETERS = {"name": "harness", "slurm_max_num_timeout": 0}
 
 
 @pytest.fixture(autouse=True)

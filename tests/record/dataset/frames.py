@@ -1,8 +1,7 @@
 """LeRobot's folders as its own library lays them out: frames, totals and the list of episodes."""
 
 import json
-from collections.abc import Mapping, Sequence
-from pathlib import Path
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -14,12 +13,12 @@ Frames = Mapping[str, Any]
 
 
 def write_frames(
-    folder: Path,
-    episodes: Sequence[Frames],
-    version: str = "v3.0",
-    listed: Mapping[str, Sequence[Any]] | None = {},  # only read
-    **how: Any,
-) -> Path:
+    folder,
+    episodes,
+    version="v3.0",
+    listed: Mapping = {},  # only read
+    **how,
+):
     """A data set of such episodes; `listed` says more of each, and None leaves out the list of episodes."""
     tables, begin = [], 0
     for number, one in enumerate(episodes):
@@ -44,24 +43,24 @@ def write_frames(
     return folder
 
 
-def info_of(folder: Path) -> dict[str, Any]:
+def info_of(folder):
     """What ``meta/info.json`` says."""
-    told: dict[str, Any] = json.loads((folder / "meta/info.json").read_text())
+    told = json.loads((folder / "meta/info.json").read_text())
     return told
 
 
-def _column(values: np.ndarray) -> Any:
+def _column(values):
     if values.ndim == 1:
         return np.float32(values) if values.dtype == np.float64 else values
     return pa.FixedSizeListArray.from_arrays(np.float32(values).ravel(), values.shape[1])
 
 
-def _feature(values: np.ndarray) -> dict[str, Any]:
+def _feature(values):
     kind = "float32" if values.dtype == np.float64 else str(values.dtype)
     return {"dtype": kind, "shape": list(values.shape[1:]) or [1], "names": None}
 
 
-def _list(folder: Path, lengths: Sequence[int], version: str, listed: Mapping[str, Sequence[Any]]) -> None:
+def _list(folder, lengths, version, listed):
     rows = [
         {
             "episode_index": number,

@@ -1,8 +1,7 @@
 """Data sets as their own libraries lay them out, written by the fewest calls."""
 
 import json
-from collections.abc import Mapping, Sequence
-from pathlib import Path
+from collections.abc import Mapping
 from typing import Any
 
 import h5py
@@ -10,7 +9,6 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from harness.log import Log
 from harness.record.dataset.open_dataset import open_dataset
 from harness.registry import load_registry
 
@@ -18,7 +16,7 @@ Episode = Mapping[str, Any]
 """``observations`` (steps + 1, n), ``actions``, ``rewards``, ``infos``; ``attrs`` of the episode."""
 
 
-def episode(steps: int, seed: int = 0, success: bool = False, **attrs: Any) -> Episode:
+def episode(steps, seed=0, success=False, **attrs):
     """Numbers that are drawn, and a success in the last step or none."""
     rng = np.random.default_rng(seed)
     return {
@@ -30,12 +28,12 @@ def episode(steps: int, seed: int = 0, success: bool = False, **attrs: Any) -> E
     }
 
 
-def opened(text: str, **settings: Any) -> Log:
+def opened(text, **settings):
     """The data set that a user's text names, with the installed formats."""
     return open_dataset(text, load_registry(), **settings)
 
 
-def write_minari(folder: Path, episodes: Sequence[Episode], **metadata: Any) -> Path:
+def write_minari(folder, episodes, **metadata):
     """A Minari data set."""
     (folder / "data").mkdir(parents=True)
     told = {"data_format": "hdf5", "minari_version": "0.5.4", "env_spec": '{"id": "Arm-v0"}', **metadata}
@@ -51,7 +49,7 @@ def write_minari(folder: Path, episodes: Sequence[Episode], **metadata: Any) -> 
     return folder
 
 
-def _put(group: Any, key: str, value: Any) -> None:
+def _put(group, key, value):
     if isinstance(value, tuple):
         value = {f"_index_{number}": part for number, part in enumerate(value)}
     if isinstance(value, Mapping):
@@ -63,13 +61,13 @@ def _put(group: Any, key: str, value: Any) -> None:
 
 
 def write_lerobot(
-    folder: Path,
-    episodes: Sequence[Episode],
-    version: str = "v3.0",
-    row_group_size: int = 1_000,
-    drop: Sequence[str] = (),
-    **info: Any,
-) -> Path:
+    folder,
+    episodes,
+    version="v3.0",
+    row_group_size=1_000,
+    drop=(),
+    **info,
+):
     """A LeRobot data set; frames do not have what was seen after the last one."""
     tables = [_frames(number, one, drop) for number, one in enumerate(episodes)]
     if version == "v3.0":
@@ -97,7 +95,7 @@ def write_lerobot(
     return folder
 
 
-def _frames(number: int, one: Episode, drop: Sequence[str]) -> pa.Table:
+def _frames(number, one, drop):
     steps = len(one["rewards"])
     columns = {
         "observation.state": pa.array(list(np.float32(one["observations"][:-1])), pa.list_(pa.float32())),

@@ -8,7 +8,6 @@ import pyarrow.parquet as pq
 import pytest
 
 from harness.errors import SchemaError
-from harness.log import Log
 from harness.record import TrainingFacts, read_recording
 from harness.record.recording.facts import ActionFacts, Source
 from harness.record.recording.recording_writer import RecordingWriter
@@ -114,7 +113,7 @@ def test_reward_whose_name_has_a_slash_is_no_term(tmp_path):
     writer = RecordingWriter(tmp_path, facts)
     writer.append([[0, 0, 0, 0, 1.0, 2.0, 1.0, True, False]])
     writer.close()
-    log: Log = read_recording(tmp_path)
+    log = read_recording(tmp_path)
     assert (log.rewards, log.terms_of("mine/calm")) == (("mine/calm", "own"), ("effort",))
     assert (log["reward/mine/calm"][0], log["reward/own"][0], log["reward/mine/calm/effort"][0]) == (1.0, 2.0, 1.0)
 
