@@ -9,7 +9,7 @@ import pytest
 
 from harness.executor import CellOptions, Word
 from harness.experiment import Order
-from harness.experiment.run_cell import TrainCell
+from harness.experiment.run_cell import TrainCell, run_cell
 from harness.experiment.workers.worker import DONE
 
 WORKER = [sys.executable, "-m", "harness.experiment.workers.worker"]
@@ -33,3 +33,16 @@ def train_in_a_process():
             worker.wait()
 
     return train
+
+
+@pytest.fixture
+def done(toys, tmp_path_factory):
+    """The folder of a cell that was done without a break, only to be read: one that was done before is there."""
+
+    def done(cell, **options):
+        folder = tmp_path_factory.getbasetemp() / "done" / f"{cell.id} {options}"
+        if not folder.exists():
+            assert run_cell(cell, folder, lambda word: None, CellOptions(**options)).status == "done"
+        return folder
+
+    return done

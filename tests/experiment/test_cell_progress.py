@@ -11,9 +11,20 @@ from harness.experiment import arm_evaluation
 from harness.experiment.run_cell import run_cell
 from harness.policy import WEIGHTS
 from harness.progress import RETURN, SPEED, SUCCESS
-from harness.record import EVALUATION, LOG, MANIFEST, POLICY, RANDOM, TRACE, EpisodeFacts, read_manifest, read_trace
+from harness.record import (
+    EVALUATION,
+    LOG,
+    MANIFEST,
+    POLICY,
+    RANDOM,
+    TRACE,
+    EpisodeFacts,
+    partial_folder,
+    read_manifest,
+    read_trace,
+)
 from harness.record.episode_facts import episode_facts
-from harness.record.folder import DETERMINISTIC, EVALUATIONS, SCENE, STOCHASTIC, evaluation_files
+from harness.record.folder import DETERMINISTIC, STOCHASTIC, evaluation_files
 from harness.registry import Choice
 from harness.score.scorer import SCORED
 
@@ -29,11 +40,6 @@ WATCHED = (
     "Losses/Value Loss",
     "Policy/Entropy",
 )
-
-
-def _run(cell, folder, **options):
-    assert run_cell(cell, folder, lambda steps: None, CellOptions(**options)).status == "done"
-    return folder
 
 
 def _told(cell, folder, **options):
@@ -54,28 +60,32 @@ def _require_equal_results(one, other):
     assert (one / POLICY / WEIGHTS).read_bytes() == (other / POLICY / WEIGHTS).read_bytes()
 
 
-def test_one_evaluation_at_the_end_is_the_default(make_cell, tmp_path):
+def test_one_evaluation_at_the_end_is_the_default(make_cell, done):
     """A training that tells of its policy all the time leaves none before."""
-    folder = _run(make_cell(**NARRATE), tmp_path / "cell")
-    assert {path.name for path in folder.iterdir()} == {TRACE, POLICY, EVALUATION, STOCHASTIC, RANDOM, SCENE, MANIFEST}
+    names = {path.name for path in done(make_cell(**NARRATE)).iterdir()}
+    assert names == {TRACE, POLICY, EVALUATION, STOCHASTIC, RANDOM, "scene.json", MANIFEST}
 
 
 @pytest.mark.parametrize(
-    ("every", "num_envs", "steps", "due"),
-    [(5, 1, 12, [5, 10]), (6, 1, 12, [6]), (4, 3, 12, [6, 9]), (1, 6, 12, [6]), (13, 1, 12, [])],
+    ("every", "num_envs", "due"),
+    [(5, 1, [5, 10]), (6, 1, [6]), (4, 3, [6, 9]), (1, 6, [6]), (13, 1, [])],
     ids=["multiples", "not at the end", "at or after", "several at once", "never"],
 )
-def test_an_evaluation_is_due_at_or_after_each_multiple(make_cell, tmp_path, every, num_envs, steps, due):
+def test_an_evaluation_is_due_at_or_after_each_multiple(make_cell, done, every, num_envs, due):
     """Once for each, at the first word of the training; the end has the evaluation that is always there."""
     algorithm = Choice("narrate", (("num_envs", num_envs),), "narrate")
-    folder = _run(make_cell(algorithm=algorithm, steps=steps, evaluate_every=every), tmp_path / "cell")
-    assert list(evaluation_files(folder)) == due
+    assert list(evaluation_files(done(make_cell(algorithm=algorithm, evaluate_every=every)))) == due
 
 
-def test_an_evaluation_is_of_the_policy_as_it_was_then(make_cell, tmp_path):
+@pytest.fixture
+def often(make_cell, done):
+    """A cell that is evaluated after 5, 10 and 12 steps."""
+    return done(make_cell(**NARRATE, evaluate_every=5))
+
+
+def test_an_evaluation_is_of_the_policy_as_it_was_then(often):
     """It meets the starts and targets of the final one, and acts otherwise."""
-    folder = _run(make_cell(**NARRATE, evaluate_every=5), tmp_path / "cell")
-    traces = [read_trace(path) for path in (*evaluation_files(folder).values(), folder / EVALUATION)]
+    traces = [read_trace(path) for path in (*evaluation_files(often).values(), often / EVALUATION)]
     first = [trace["action"][trace["step"] == 1] for trace in traces]
     np.testing.assert_allclose([action[0, 0] for action in first], np.tanh([5 / 12, 10 / 12, 1.0]), rtol=1e-6)
     for name in ("qpos", "target_x", "target_y", "target_z"):
@@ -83,12 +93,12 @@ def test_an_evaluation_is_of_the_policy_as_it_was_then(make_cell, tmp_path):
         np.testing.assert_array_equal(starts[0], starts[2])
 
 
-def test_an_evaluation_is_a_trace_like_the_final_one(make_cell, tmp_path):
-    """The same columns, a finished episode of each env, and what a score needs."""
-    folder = _run(make_cell(**NARRATE, evaluate_every=5), tmp_path / "cell")
-    files = [folder / EVALUATIONS / "5.parquet", folder / EVALUATION]
-    assert pq.read_schema(files[0]).equals(pq.read_schema(files[1]), check_metadata=True)
-    assert len(read_trace(files[0], [*SCORED, "episode", "reward"]).episodes) == 2
+def test_an_evaluation_is_a_trace_like_the_final_one(often):
+    """The same columns, a finished episode of each env, and what a score needs; in the manner of the cell alone."""
+    assert sorted(path.name for path in (often / "evaluations").iterdir()) == ["10.parquet", "5.parquet"]
+    early, final = often / "evaluations" / "5.parquet", often / EVALUATION
+    assert pq.read_schema(early).equals(pq.read_schema(final), check_metadata=True)
+    assert len(read_trace(early, [*SCORED, "episode", "reward"]).episodes) == 2
 
 
 @pytest.mark.parametrize(
@@ -96,12 +106,11 @@ def test_an_evaluation_is_a_trace_like_the_final_one(make_cell, tmp_path):
     [NARRATE, SPG, pytest.param(SAC, marks=pytest.mark.slow)],
     ids=["toy", "spg", "sb3-sac"],
 )
-def test_evaluations_disturb_nothing(make_cell, tmp_path, fields):
+def test_evaluations_disturb_nothing(make_cell, done, fields):
     """The trace of the training and its policy are the same, bit for bit, with them and without."""
-    every = max(make_cell(**fields).steps // 4, 1)
-    often = _run(make_cell(**fields, evaluate_every=every), tmp_path / "often")
+    often = done(make_cell(**fields, evaluate_every=make_cell(**fields).steps // 4))
     assert len(evaluation_files(often)) == 3
-    _require_equal_results(often, _run(make_cell(**fields), tmp_path / "once"))
+    _require_equal_results(often, done(make_cell(**fields)))
 
 
 def test_time_of_evaluations_is_no_time_of_training(make_cell, tmp_path, monkeypatch):
@@ -117,87 +126,69 @@ def test_time_of_evaluations_is_no_time_of_training(make_cell, tmp_path, monkeyp
     assert manifest.training_seconds < manifest.seconds - 1.9
 
 
-def test_killed_cell_evaluates_nothing_twice(train_in_a_process, make_cell, tmp_path):
+def test_killed_cell_evaluates_nothing_twice(train_in_a_process, make_cell, done, tmp_path):
     """Evaluations before the checkpoint stay as they are; in the end there are those of a cell that nobody killed."""
-    cell = make_cell(**SAC_FAST, evaluate_every=320)
-    _run(cell, tmp_path / "whole", checkpoint_every=640)
-    train_in_a_process(cell, tmp_path / "killed", every=640, until=1440)
-    partial = next(tmp_path.glob(".killed*"))
-    before = {steps: path.stat().st_mtime_ns for steps, path in evaluation_files(partial).items()}
-    train_in_a_process(cell, tmp_path / "killed", every=640)
-    begun = read_manifest(tmp_path / "killed").resumed_from
-    kept = {steps: path.stat().st_mtime_ns for steps, path in evaluation_files(tmp_path / "killed").items()}
-    assert begun == 1280
-    assert {steps: when for steps, when in kept.items() if steps <= begun} == {
-        steps: when for steps, when in before.items() if steps <= begun
-    }
-    whole, killed = (evaluation_files(tmp_path / name) for name in ("whole", "killed"))
-    assert list(killed) == list(whole) == [320, 640, 960, 1280, 1600]
-    assert all(path.read_bytes() == whole[steps].read_bytes() for steps, path in killed.items())
-    _require_equal_results(tmp_path / "whole", tmp_path / "killed")
+    cell, killed = make_cell(**SAC_FAST, evaluate_every=320), tmp_path / "killed"
+    whole = done(cell, checkpoint_every=640)
+    train_in_a_process(cell, killed, every=640, until=1440)
+    before = {path.name: path.stat().st_mtime_ns for path in evaluation_files(partial_folder(killed)).values()}
+    train_in_a_process(cell, killed, every=640)
+    assert read_manifest(killed).resumed_from == 1280
+    found = evaluation_files(killed)
+    assert list(found) == list(evaluation_files(whole)) == [320, 640, 960, 1280, 1600]
+    for steps, path in found.items():
+        assert path.read_bytes() == evaluation_files(whole)[steps].read_bytes()
+        assert steps > 1280 or path.stat().st_mtime_ns == before[path.name]
+    _require_equal_results(whole, killed)
 
 
-def test_stochastic_evaluation_is_reproducible(make_cell, tmp_path):
+@pytest.fixture
+def drawn(make_cell, done):
+    """The same cell, evaluated by drawn actions."""
+    return done(make_cell(**NARRATE, deterministic=False))
+
+
+def test_stochastic_evaluation_is_reproducible(make_cell, done, drawn):
     """Draws of one evaluation depend on nothing that was drawn before, in another evaluation for one."""
-    one = _run(make_cell(**NARRATE, deterministic=False), tmp_path / "one")
-    other = _run(make_cell(**NARRATE, deterministic=False, evaluate_every=5), tmp_path / "other")
-    _require_equal_results(one, other)
+    _require_equal_results(drawn, done(make_cell(**NARRATE, deterministic=False, evaluate_every=5)))
 
 
-def test_stochastic_evaluation_draws(make_cell, tmp_path):
-    """Only the evaluation is another one: the policy is the same."""
-    drawn = _run(make_cell(**NARRATE, deterministic=False), tmp_path / "drawn")
-    likeliest = _run(make_cell(**NARRATE), tmp_path / "likeliest")
+def test_stochastic_evaluation_draws(make_cell, done, drawn):
+    """Only the evaluation is another one: the policy is the same. Each cell leaves the other's manner too."""
+    likeliest = done(make_cell(**NARRATE))
     traces = [read_trace(folder / EVALUATION) for folder in (drawn, likeliest)]
     spread = [np.ptp(trace["action"][trace["step"] > 0], axis=0).max() for trace in traces]
     assert spread[0] > 0.1
     assert spread[1] == 0.0
-    assert pq.read_table(drawn / TRACE).equals(pq.read_table(likeliest / TRACE))
-    assert not pq.read_table(drawn / EVALUATION).equals(pq.read_table(likeliest / EVALUATION))
-
-
-def test_cell_leaves_its_final_evaluation_in_the_other_manner(make_cell, tmp_path):
-    """Row by row what the same training leaves whose evaluations are in that manner."""
-    likeliest = _run(make_cell(**NARRATE), tmp_path / "likeliest")
-    drawn = _run(make_cell(**NARRATE, deterministic=False), tmp_path / "drawn")
-    for one, other in (
-        (likeliest / STOCHASTIC, drawn / EVALUATION),
-        (likeliest / EVALUATION, drawn / DETERMINISTIC),
-    ):
-        assert pq.read_table(one).equals(pq.read_table(other))
+    pairs = [(TRACE, TRACE), (STOCHASTIC, EVALUATION), (EVALUATION, DETERMINISTIC)]
+    assert all(pq.read_table(likeliest / one).equals(pq.read_table(drawn / other)) for one, other in pairs)
     assert not (likeliest / DETERMINISTIC).exists()
     assert not (drawn / STOCHASTIC).exists()
-
-
-def test_evaluations_before_the_end_are_in_the_manner_of_the_cell_alone(make_cell, tmp_path):
-    """The other manner is recorded once, at the end."""
-    folder = _run(make_cell(**NARRATE, evaluate_every=5), tmp_path / "cell")
-    assert sorted(path.name for path in (folder / EVALUATIONS).iterdir()) == ["10.parquet", "5.parquet"]
 
 
 @pytest.mark.parametrize(
     ("deterministic", "episodes"),
     [(True, {EVALUATION: 1, STOCHASTIC: 3, RANDOM: 3}), (False, {EVALUATION: 3, DETERMINISTIC: 1, RANDOM: 3})],
 )
-def test_task_that_does_not_vary_has_one_deterministic_episode(make_cell, tmp_path, deterministic, episodes):
+def test_task_that_does_not_vary_has_one_deterministic_episode(make_cell, done, deterministic, episodes):
     """All of them would be alike; drawn actions differ."""
     task = Choice("arp-2021", (("horizon", 5),), "arp-2021:horizon=5")
     world = {"simulator": Choice("kinematic", (), "kinematic"), "robot": "unity-arm", "task": task}
     cell = make_cell(**NARRATE, **world, deterministic=deterministic, evaluation_episodes=3, evaluate_every=5)
-    folder = _run(cell, tmp_path / "cell")
+    folder = done(cell)
     assert {name: len(read_trace(folder / name).episodes) for name in episodes} == episodes
     before = {len(read_trace(path).episodes) for path in evaluation_files(folder).values()}
     assert before == {episodes[EVALUATION]}
 
 
-def test_every_evaluation_tells_the_facts_of_its_episodes(make_cell, tmp_path):
+def test_every_evaluation_tells_the_facts_of_its_episodes(often):
     """Steps of the kinematics and work are there for each env, the former the same in all of them."""
-    folder = _run(make_cell(**NARRATE, evaluate_every=5), tmp_path / "cell")
-    paths = (*evaluation_files(folder).values(), folder / EVALUATION, folder / STOCHASTIC, folder / RANDOM)
+    paths = (*evaluation_files(often).values(), *(often / name for name in (EVALUATION, STOCHASTIC, RANDOM)))
     facts = [episode_facts(read_trace(path)) for path in paths]
     assert {(one.horizon, one.control_period, one.ik_steps) for one in facts} == {(5, 0.1, facts[0].ik_steps)}
     assert {(len(one.ik_steps), len(one.work)) for one in facts} == {(2, 2)}
     assert min(facts[-1].work) > 0.0
+    assert episode_facts(read_trace(often / TRACE)) == EpisodeFacts(horizon=5, control_period=0.1)  # before it trains
 
 
 def test_kinematics_are_asked_once_in_a_cell(make_cell, tmp_path, monkeypatch):
@@ -210,14 +201,8 @@ def test_kinematics_are_asked_once_in_a_cell(make_cell, tmp_path, monkeypatch):
 
     monkeypatch.setattr(arm_evaluation, "_play", play)
     monkeypatch.setattr(arm_evaluation, "_answer", lru_cache(arm_evaluation._answer.__wrapped__))
-    _run(make_cell(**NARRATE, evaluate_every=5), tmp_path / "cell")
+    run_cell(make_cell(**NARRATE, evaluate_every=5), tmp_path / "cell", lambda word: None)
     assert len(asked) == 1
-
-
-def test_training_tells_what_is_known_before_it(make_cell, tmp_path):
-    """Horizon and control period; nothing of single episodes."""
-    folder = _run(make_cell(**NARRATE), tmp_path / "cell")
-    assert episode_facts(read_trace(folder / TRACE)) == EpisodeFacts(horizon=5, control_period=0.1)
 
 
 def test_what_is_told_is_passed_on_when_asked_for(make_cell, tmp_path):
@@ -234,10 +219,9 @@ def test_nothing_but_the_harness_s_own_numbers_is_passed_on_unasked(make_cell, t
     assert set(_told(make_cell(**NARRATE), tmp_path / "cell")) <= {SUCCESS, RETURN, SPEED}
 
 
-def test_what_is_told_changes_nothing(make_cell, tmp_path):
+def test_what_is_told_changes_nothing(make_cell, done):
     """A cell that is tracked has the files and the results of one that is not."""
-    tracked = _run(make_cell(**NARRATE), tmp_path / "tracked", tracked=True)
-    alone = _run(make_cell(**NARRATE), tmp_path / "alone")
+    tracked, alone = done(make_cell(**NARRATE), tracked=True), done(make_cell(**NARRATE))
     _require_equal_results(tracked, alone)
     assert {path.name for path in tracked.iterdir()} == {path.name for path in alone.iterdir()}
 
@@ -249,8 +233,8 @@ def test_metric_that_raises_costs_no_cell(make_cell, tmp_path, monkeypatch):
         raise ZeroDivisionError("a metric")
 
     monkeypatch.setattr("harness.experiment.arm_world.evaluation_scalars", fail)
-    folder = _run(make_cell(**NARRATE), tmp_path / "cell", tracked=True)
-    assert "ZeroDivisionError: a metric" in (folder / LOG).read_text()
+    assert _told(make_cell(**NARRATE), tmp_path / "cell", tracked=True)
+    assert "ZeroDivisionError: a metric" in (tmp_path / "cell" / LOG).read_text()
 
 
 @pytest.mark.slow

@@ -14,7 +14,6 @@ from harness.experiment.run_cell import run_cell
 from harness.policy import load_policy
 from harness.progress import RETURN, SUCCESS
 from harness.record import EVALUATION, LOG, MANIFEST, POLICY, RANDOM, TRACE, partial_folder, read_manifest, read_trace
-from harness.record.folder import SCENE, STOCHASTIC
 from harness.record.returns import mean_return
 from harness.registry import Choice, read_given
 from harness.robot import robot
@@ -32,110 +31,78 @@ def _that(make_cell, then):
 
 
 def test_done_cell_leaves_its_folder(make_cell, tmp_path):
-    """Trace, policy, evaluation, the floor of random actions and the manifest; nothing beside the folder."""
+    """Trace, policy, evaluation, random actions and the manifest: when, how long, what it ran on; nothing beside it."""
     manifest = _run(make_cell(), tmp_path / "cell")
     assert (manifest.status, manifest.reason, manifest.cell) == ("done", "", make_cell())
-    assert {path.name for path in (tmp_path / "cell").iterdir()} == {
-        TRACE,
-        POLICY,
-        EVALUATION,
-        STOCHASTIC,
-        RANDOM,
-        SCENE,
-        MANIFEST,
-    }
-    assert [path.name for path in tmp_path.iterdir()] == ["cell"]
-
-
-def test_manifest_in_the_folder_is_the_one_returned(make_cell, tmp_path):
-    """With when, how long, and what it ran on."""
-    manifest = _run(make_cell(), tmp_path / "cell")
     assert read_manifest(tmp_path / "cell") == manifest
     assert 0.0 < manifest.training_seconds <= manifest.seconds
     assert set(manifest.environment["sources"]) == {"simulators", "tasks", "algorithms", "rewards", "robots"}
+    left = {TRACE, POLICY, EVALUATION, "stochastic.parquet", RANDOM, "scene.json", MANIFEST}
+    assert {path.name for path in (tmp_path / "cell").iterdir()} == left
+    assert [path.name for path in tmp_path.iterdir()] == ["cell"]
 
 
-def test_trace_has_every_step_of_training(make_cell, tmp_path):
+def test_trace_has_every_step_of_training(make_cell, done):
     """As many rows as steps, and one more per episode."""
-    _run(make_cell(steps=12), tmp_path / "cell")
-    trace = read_trace(tmp_path / "cell" / TRACE)
+    trace = read_trace(done(make_cell()) / TRACE)
     assert np.count_nonzero(trace["step"]) == 12
     assert np.count_nonzero(trace["step"] == 0) == trace["episode"].max() + 1
 
 
-def test_evaluations_have_one_finished_episode_per_env(make_cell, tmp_path):
+def test_evaluations_have_one_finished_episode_per_env(make_cell, done):
     """The trained policy and random actions meet the same starts and targets; who ends early waits for the others."""
     easy = Choice("fd100-reach", (("horizon", 30), ("epsilon", 0.4)), "easy")
-    _run(make_cell(evaluation_episodes=8, task=easy), tmp_path / "cell")
-    trained, floor = (read_trace(tmp_path / "cell" / name) for name in (EVALUATION, RANDOM))
+    folder = done(make_cell(evaluation_episodes=8, task=easy))
+    trained, floor = (read_trace(folder / name) for name in (EVALUATION, RANDOM))
     for trace in (trained, floor):
         assert sorted(trace["env"][trace.last_rows]) == list(range(8))
         assert set(trace["episode"]) == {0}
     assert len(set(floor["step"][floor.last_rows])) > 1
-    starts = [[trace[name][trace["step"] == 0] for name in ("qpos", "target_x")] for trace in (trained, floor)]
-    np.testing.assert_array_equal(starts[0][0], starts[1][0])
-    np.testing.assert_array_equal(starts[0][1], starts[1][1])
+    for name in ("qpos", "target_x"):
+        np.testing.assert_array_equal(*(trace[name][trace["step"] == 0] for trace in (trained, floor)))
 
 
-def test_saved_policy_is_the_one_that_was_evaluated(make_cell, toys, tmp_path):
+def test_saved_policy_is_the_one_that_was_evaluated(make_cell, toys, done, tmp_path):
     """Loaded from the folder and evaluated again, it does the same, bit for bit."""
-    _run(make_cell(), tmp_path / "cell")
-    policy = load_policy(tmp_path / "cell" / POLICY)
+    policy = load_policy(done(make_cell()) / POLICY)
     world = build_world(make_cell(), load_robot("fd100"), toys)
     evaluate(world, policy.act, make_cell().evaluation_episodes, tmp_path / "again.parquet")
-    assert pq.read_table(tmp_path / "again.parquet").equals(pq.read_table(tmp_path / "cell" / EVALUATION))
+    assert pq.read_table(tmp_path / "again.parquet").equals(pq.read_table(done(make_cell()) / EVALUATION))
 
 
-def test_same_cell_leaves_the_same_trace(make_cell, tmp_path):
+def test_same_cell_leaves_the_same_trace(make_cell, done, tmp_path):
     """Bit for bit, evaluation included; another seed leaves another."""
-    for name, seed in (("one", 0), ("two", 0), ("three", 1)):
-        _run(make_cell(seed=seed), tmp_path / name)
+    _run(make_cell(), tmp_path / "one")
     for file in (TRACE, EVALUATION, RANDOM):
-        one, two = (pq.read_table(tmp_path / name / file) for name in ("one", "two"))
-        assert one.equals(two)
-    assert not pq.read_table(tmp_path / "one" / TRACE).equals(pq.read_table(tmp_path / "three" / TRACE))
+        assert pq.read_table(tmp_path / "one" / file).equals(pq.read_table(done(make_cell()) / file))
+    assert not pq.read_table(tmp_path / "one" / TRACE).equals(pq.read_table(done(make_cell(seed=1)) / TRACE))
 
 
-def test_equal_seeds_meet_equal_starts_under_any_reward(make_cell, tmp_path):
+def test_equal_seeds_meet_equal_starts_under_any_reward(make_cell, done):
     """What a reward is compared on is the same for both."""
-    for name in ("baseline", "arp"):
-        _run(make_cell(reward=Choice(name, (), name)), tmp_path / name)
-    starts = []
-    for name in ("baseline", "arp"):
-        trace = read_trace(tmp_path / name / TRACE)
-        starts.append(trace["begin_distance"][trace["step"] == 0])
-    assert starts[0].tolist() == starts[1].tolist()
+    cells = [make_cell(reward=Choice(name, (), name)) for name in ("baseline", "arp")]
+    one, other = (read_trace(done(cell) / TRACE) for cell in cells)
+    assert one["begin_distance"][one["step"] == 0].tolist() == other["begin_distance"][other["step"] == 0].tolist()
 
 
 def test_progress_is_told(make_cell, tmp_path):
-    """Where the training begins, then the number of steps done so far, as the algorithm says it."""
+    """Where the training begins, then the steps done so far; the last word tells success and return of its episodes."""
     told = []
-    run_cell(make_cell(steps=3), tmp_path / "cell", told.append)
-    assert [word.steps for word in told] == [0, 1, 2, 3, 3]
-
-
-def test_the_last_word_tells_success_and_return(make_cell, tmp_path):
-    """However short a training is: of its episodes what their rows in the trace say."""
-    told = []
-    run_cell(make_cell(), tmp_path / "cell", told.append)
+    run_cell(make_cell(steps=6), tmp_path / "cell", told.append)
+    assert [word.steps for word in told] == [0, 1, 2, 3, 4, 5, 6, 6]
     trace = read_trace(tmp_path / "cell" / TRACE)
     assert told[-1].scalars[SUCCESS] == 0.0
     assert told[-1].scalars[RETURN] == pytest.approx(mean_return(trace))
 
 
 def test_cell_that_raises_is_failed(make_cell, tmp_path):
-    """The reason is one line with the kind of the error; the traceback is in the log."""
+    """The reason is one line with the kind of the error; the traceback is in the log, what was recorded is there."""
     manifest = _run(_that(make_cell, "raise"), tmp_path / "cell")
     assert (manifest.status, manifest.reason) == ("failed", "RuntimeError: the arm fell off")
     assert read_manifest(tmp_path / "cell") == manifest
     log = (tmp_path / "cell" / LOG).read_text()
     assert log.startswith("Traceback")
     assert "toy_arm.py" in log
-
-
-def test_failed_cell_keeps_its_readable_trace(make_cell, tmp_path):
-    """What was recorded before the failure is there to look at."""
-    _run(_that(make_cell, "raise"), tmp_path / "cell")
     assert np.count_nonzero(read_trace(tmp_path / "cell" / TRACE)["step"]) == 12
 
 
