@@ -1,7 +1,10 @@
 """The how-to pages whose programs measure or train: with less work they do what the pages say."""
 
+import os
 import runpy
 import shlex
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -10,6 +13,7 @@ import pytest
 
 from harness.env import ReachVectorEnv
 from harness.policy import load_policy
+from harness.results import load_results
 from tests.docs.pages import ROOT, blocks_of
 
 STEP = "benchmark(env.step, env.action_space.sample())"
@@ -17,15 +21,15 @@ TWICE = "benchmark(lambda action: (env.step(action), env.step(action)), env.acti
 
 
 def _blocks(page: str, language: str) -> list[str]:
-    text = (ROOT / "docs/how-to" / page).read_text(encoding="utf-8")
+    text = (ROOT / "docs" / page).read_text(encoding="utf-8")
     return [it.text for it in blocks_of(page, text) if it.language == language]
 
 
 def test_a_package_that_became_slower_is_noticed(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch):
     """By the commands of the page: twice the work fails. The same work passes, on a busy machine not at once."""
     monkeypatch.delenv("PYTEST_XDIST_WORKER", raising=False)  # beside other workers pytest-benchmark measures nothing
-    [program] = _blocks("timings.md", "python")
-    keep, compare = (shlex.split(it)[1:] for it in _blocks("timings.md", ""))
+    [program] = _blocks("how-to/timings.md", "python")
+    keep, compare = (shlex.split(it)[1:] for it in _blocks("how-to/timings.md", ""))
 
     def became_slower(arguments: list[str], step: str = STEP) -> bool:
         (pytester.path / "test_speed.py").write_text(program.replace(STEP, step), encoding="utf-8")
@@ -44,7 +48,7 @@ def search(toys: object, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Cal
     """Do so many trials by the program of the page, with few steps; what its names hold in the end."""
     pytest.importorskip("optuna")
     monkeypatch.chdir(tmp_path)
-    [program] = _blocks("tune.md", "python")
+    [program] = _blocks("how-to/tune.md", "python")
     for long, short in (("10_000, [1000, 1001], 100", "60, [1000], 4"), (", out=", ", executor='here', out=")):
         assert long in program
         program = program.replace(long, short)
@@ -84,3 +88,21 @@ def test_settings_are_chosen_by_episodes_that_nothing_else_uses(
     told["success"](next(map(load_policy, Path("tuning").glob("*/cells/*/policy"))))
     assert seeds[before:] == [20_230_705]
     assert seeds[:before].count(20_230_705) == 2  # of a trial for each reward
+
+
+def test_the_jobs_of_an_array_make_one_experiment(tmp_path):
+    """Each job does one seed; merged, they are the experiment."""
+    [script] = _blocks("executors.md", "bash")
+    merge = next(it for it in _blocks("executors.md", "") if "merge" in it)
+    (tmp_path / "array.sh").write_text(script)
+    (tmp_path / "experiment.toml").write_text(
+        'sim = "kinematic"\nalgo = "random"\nreward = "arp"\nseeds = 2\nsteps = 60\nevaluation_episodes = 2\n'
+    )
+    with_harness = {**os.environ, "PATH": os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])}
+    for job in "01":
+        told = with_harness | {"SLURM_ARRAY_TASK_ID": job}
+        subprocess.run(["bash", "array.sh"], cwd=tmp_path, env=told, check=True, capture_output=True)
+    subprocess.run(["bash", "-ec", merge], cwd=tmp_path, env=with_harness, check=True, capture_output=True)
+    assert {(cell.reward.name, cell.seed) for cell in load_results(tmp_path / "all").done_cells} == {
+        (reward, seed) for reward in ("baseline", "arp") for seed in (0, 1)
+    }
