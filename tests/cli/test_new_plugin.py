@@ -40,14 +40,28 @@ def test_commands_hold_a_folder_with_a_blank(harness, tmp_path):
 
 @pytest.mark.parametrize(
     "arguments",
-    [("exporter", "zz"), ("reward", "Arp"), ("reward", "arp"), ("command", "status"), ("command", "export")],
-    ids=["kind", "name", "taken", "own command", "plugin's command"],
+    [
+        ("exporter", "zz", "No kind of plugin 'exporter'"),
+        ("reward", "Arp", "Did you mean 'arp'"),
+        ("reward", "arp", "The name 'arp' is taken: there is a reward"),
+        ("reward", "rewards", "The name 'rewards' is taken: there is a plugin"),
+        ("command", "status", "The name 'status' is taken"),
+        ("command", "export", "The name 'export' is taken"),
+    ],
+    ids=["kind", "name", "taken", "taken by a plugin", "own command", "plugin's command"],
 )
 def test_what_cannot_be_is_a_usage_error(harness, tmp_path, arguments):
-    """One line, exit status 2, nothing written."""
-    answer = harness("new-plugin", *arguments)
+    """One line, exit status 2, nothing written: two that claim one name stand in each other's way."""
+    *given, told = arguments
+    answer = harness("new-plugin", *given)
     assert (answer.status, answer.out, len(answer.err.splitlines())) == (2, "", 1)
+    assert told in answer.err
     assert not list(tmp_path.iterdir())
+
+
+def test_name_of_another_kind_is_free(harness):
+    """A metric may be called as a reward is: nobody mixes them up."""
+    assert harness("new-plugin", "metric", "arp").status == 0
 
 
 def test_help_names_every_kind(harness):

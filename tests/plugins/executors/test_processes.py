@@ -31,14 +31,6 @@ def _run(cells: list[Cell], folder: Path, at_once: int = 1, options: CellOptions
     return {event.cell.id: event for event in events}
 
 
-def _is_running(pid: int) -> bool:
-    try:
-        os.kill(pid, 0)
-    except ProcessLookupError:
-        return False
-    return True
-
-
 def test_every_cell_starts_progresses_and_ends(make_cell: Callable[..., Cell], tmp_path: Path):
     """`on_event` hears of the start, each number of steps, with numbers at the last, and the end, in order."""
     cell, events = make_cell(steps=3), []
@@ -63,13 +55,6 @@ def test_two_at_once(make_cell: Callable[..., Cell], tmp_path: Path):
     kinds = [event.kind for event in events if event.kind != "progress"]
     assert kinds[:3] == ["started", "started", "ended"]
     assert kinds.count("ended") == 3
-
-
-def test_no_job_is_no_work(tmp_path: Path):
-    """An empty plan ends at once, without an event."""
-    events: list[Event] = []
-    Processes().run([], 1, events.append)
-    assert not events
 
 
 @pytest.mark.parametrize("then", ["raise", "sys.exit"])
@@ -110,23 +95,6 @@ def test_plugin_that_asks_gets_no_answer(that: Callable[..., Cell], tmp_path: Pa
     cell = that("ask")
     _run([cell], tmp_path)
     assert read_manifest(tmp_path / cell.id).reason.startswith("EOFError")
-
-
-def test_interrupt_leaves_no_worker(that: Callable[..., Cell], tmp_path: Path):
-    """KeyboardInterrupt passes on, and the worker that was in the middle of a cell is gone."""
-    note = tmp_path / "pid"
-    os.mkfifo(note)
-    cell = that("wait", str(note))
-
-    def interrupt(event: Event) -> None:
-        if event.kind == "progress" and event.steps == cell.steps:
-            pids.append(int(note.read_text()))  # comes when the worker waits
-            raise KeyboardInterrupt
-
-    pids: list[int] = []
-    with pytest.raises(KeyboardInterrupt):
-        Processes().run([Job(cell, tmp_path / cell.id)], 1, interrupt)
-    assert not _is_running(pids[0])
 
 
 def test_worker_ends_with_its_parent(that: Callable[..., Cell], tmp_path: Path):
