@@ -17,7 +17,7 @@ import harness
 from harness.experiment.provenance import describe_machine, source_commit
 from harness.report.figures.chart import Axis, Chart, Dots, Flag, Note
 from harness.report.figures.ratio_axis import ticks
-from harness_plugins.committed.svg import TitledChart, draw_svg
+from harness_plugins.committed import TitledChart, draw_svg
 
 BEHIND = ("gymnasium", "mujoco", "numpy", "pybullet", "stable-baselines3", "torch")
 """The packages that the ratios depend on."""

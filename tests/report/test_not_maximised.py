@@ -27,7 +27,7 @@ from harness.report.rows.race import race_told
 from harness.report.tables.comparison import comparison_table
 from harness.report.tables.overview import overview_table
 from harness.results import Results, load_results
-from harness_plugins.committed.records import write_summary
+from harness_plugins.committed import write_summary
 
 SWING = Path(__file__).parents[1] / "experiment" / "environments" / "swing.py"
 TOLD = "large was not maximised: it pays random actions more than the policies of all 5 trainings"

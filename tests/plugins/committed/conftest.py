@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from harness_plugins.committed.records import write_summary
+from harness.results import Results
+from harness_plugins.committed import write_summary
 from tests.report.conftest import barriers, build, driver, launch, mixed, show  # noqa: F401 -- fixtures
 
 
@@ -18,3 +19,15 @@ def summarise(build: Callable, tmp_path: Path) -> Callable[..., Path]:  # noqa: 
         return tmp_path / name
 
     return write
+
+
+@pytest.fixture
+def figures(tmp_path: Path) -> Callable[[Results], dict[str, bytes]]:
+    """Gives the figures of a summary by what they show; of each kind one, so of one combination."""
+
+    def draw(results: Results) -> dict[str, bytes]:
+        write_summary(results, tmp_path / "drawn")
+        paths = (tmp_path / "drawn" / "figures").glob("*.svg")
+        return {path.name.split(".")[-2]: path.read_bytes() for path in paths}
+
+    return draw

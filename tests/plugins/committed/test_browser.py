@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import pytest
 
 from harness.report.figures.chart import Chart, Note, Word, linear_axis
-from harness_plugins.committed.svg import TitledChart, draw_svg
+from harness_plugins.committed import TitledChart, draw_svg
 
 pytestmark = pytest.mark.slow
 REFERENCE = Path(__file__).parents[3] / "results" / "reference"

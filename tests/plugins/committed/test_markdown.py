@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import pytest
 
-from harness_plugins.committed.markdown import duration_text, effort_of, missing_text
-from harness_plugins.committed.records import write_summary
+from harness_plugins.committed import write_summary
+from harness_plugins.committed.markdown import duration_text, effort_of
 from tests.report.conftest import MIXTURE
 
 
@@ -130,28 +130,30 @@ def test_mixture_is_marked(mixed, tmp_path):
     assert text.index(f"**{MIXTURE}.**") < text.index("**The robot:")
 
 
-def test_failed_and_pending_cells_are_counted(build):
-    """Of both rewards of the combination, and of no other."""
-    ended = {("arp", 1): ("failed", "it broke"), ("baseline", 2): ("pending", ""), ("relative", 0): ("failed", "x")}
-    results = build(proposed={"arp": (9, 30), "relative": (9, 30)}, ended=ended)
-    told = {combination.proposed: missing_text(results, combination) for combination in results.combinations}
-    assert told == {"arp": "1 failed, 1 pending of 6 cells", "relative": "1 failed, 1 pending of 6 cells"}
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({}, ["", ""]),
+        (
+            {("arp", 1): ("failed", "it broke"), ("baseline", 2): ("pending", ""), ("relative", 0): ("failed", "x")},
+            ["1 failed, 1 pending of 6 cells"] * 2,
+        ),
+    ],
+)
+def test_what_is_not_done_is_counted(summarise, given, told):
+    """Of both rewards of the combination, and of no other; nothing where all are done."""
+    assert lacking(page(summarise, proposed={"arp": (9, 30), "relative": (9, 30)}, ended=given)) == told
 
 
-def test_nothing_is_said_where_all_are_done(build):
-    """An empty text."""
-    results = build()
-    assert missing_text(results, results.combinations[0]) == ""
-
-
-def test_null_control_counts_both_trainings_of_the_baseline(build):
+@pytest.mark.parametrize(("seed", "told"), [(0, ["1 failed of 6 cells"] * 2), (5, ["", "1 failed of 6 cells"])])
+def test_null_control_counts_both_trainings_of_the_baseline(summarise, seed, told):
     """Those with other seeds belong to it alone."""
-    results = build(a_a=True, ended={("baseline", 0): ("failed", "it broke")})
-    told = {combination.proposed: missing_text(results, combination) for combination in results.combinations}
-    assert told == {"baseline": "1 failed of 6 cells", "arp": "1 failed of 6 cells"}
-    results = build(a_a=True, ended={("baseline", 5): ("failed", "it broke")})
-    told = {combination.proposed: missing_text(results, combination) for combination in results.combinations}
-    assert told == {"baseline": "1 failed of 6 cells", "arp": ""}
+    assert lacking(page(summarise, a_a=True, ended={("baseline", seed): ("failed", "it broke")})) == told
+
+
+def lacking(text):
+    """The last column of the table of all combinations."""
+    return [line.split(" | ")[-1].strip("| ") for line in re.findall(r"^\| \d+ \|.*", text, re.MULTILINE)]
 
 
 def test_seconds_are_added_and_the_span_is_from_first_to_last(build):
@@ -160,12 +162,6 @@ def test_seconds_are_added_and_the_span_is_from_first_to_last(build):
     later = replace(second, started="2026-01-01T00:00:10+00:00", seconds=100.0)
     effort = effort_of([later, first, third])
     assert (effort.cells, effort.seconds, effort.span) == (2, 112.5, 110.0)
-
-
-def test_nothing_ran_no_span():
-    """There is no time to tell."""
-    effort = effort_of([])
-    assert (effort.cells, effort.seconds, effort.span) == (0, 0, None)
 
 
 @pytest.mark.parametrize(

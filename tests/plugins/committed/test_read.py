@@ -9,7 +9,7 @@ from harness.errors import SchemaError, UsageError
 from harness.report.document import report_text
 from harness.report.rows.ratios import interval_text
 from harness.results.overview import decider_text, measure_text
-from harness_plugins.committed.read import committed_table, committed_text, is_committed, refuse_committed
+from harness_plugins.committed import committed_table, committed_text, is_committed, refuse_committed
 
 
 @pytest.fixture

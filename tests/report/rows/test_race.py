@@ -17,7 +17,7 @@ from harness.report.rows.comparison import question
 from harness.report.rows.race import RaceTold, race_told
 from harness.report.tables.overview import race_lines
 from harness.results.overview import pay_texts
-from harness_plugins.committed.records import write_summary
+from harness_plugins.committed import write_summary
 from tests.results.in_looks import RACE, Folder, folder_in_looks
 
 
