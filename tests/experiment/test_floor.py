@@ -1,11 +1,19 @@
 """Random actions are evaluated by one cell for all that share simulator, task and robot."""
 
-from harness.record import RANDOM, Store
+import pytest
+
+from harness.record import RANDOM
 from harness.record.floor import Floor, floors_in
 from harness.registry import Choice
 
 ARP = Choice("arp", (("k1", 1.0), ("k2", 1.5)), "arp")
 SLOWER = Choice("fd100-reach", (("horizon", 6),), "fd100-reach:horizon=6")
+
+
+@pytest.fixture
+def run(make_plan, run_here, tmp_path):
+    """Run these cells, in one folder."""
+    return lambda *cells: run_here(make_plan(*cells), tmp_path / "out")
 
 
 def _with_floor(results):
@@ -14,70 +22,44 @@ def _with_floor(results):
     return [cell for cell in cells if (results.store.cell_folder(cell) / RANDOM).is_file()]
 
 
-def test_the_first_cell_does_it_for_all(
-    make_cell,
-    make_plan,
-    run_here,
-    tmp_path,
-):
+def test_the_first_cell_does_it_for_all(make_cell, run):
     """Of each task one; rewards and seeds share."""
     cells = [make_cell(seed=seed, reward=reward) for seed in range(2) for reward in (make_cell().reward, ARP)]
     other = make_cell(task=SLOWER)
-    results = run_here(make_plan(*cells, other), tmp_path / "out")
+    results = run(*cells, other)
     assert _with_floor(results) == [cells[0], other]
     assert floors_in(results.manifests, results.store) == {Floor.of(cells[0]): cells[0], Floor.of(other): other}
 
 
-def test_every_cell_is_held_against_it(
-    make_cell,
-    make_plan,
-    run_here,
-    tmp_path,
-):
+def test_every_cell_is_held_against_it(make_cell, run):
     """What random actions do is told beside each policy."""
     cells = [make_cell(seed=seed) for seed in range(3)]
-    results = run_here(make_plan(*cells), tmp_path / "out")
+    results = run(*cells)
     values = [results.measured(cell).random for cell in cells]
     assert values[0]["final_distance"] is not None
     assert values[0] == values[1] == values[2]
 
 
-def test_a_floor_that_is_there_is_not_made_again(
-    make_cell,
-    make_plan,
-    run_here,
-    tmp_path,
-):
+def test_a_floor_that_is_there_is_not_made_again(make_cell, run):
     """A later run adds seeds."""
     first, second = make_cell(), make_cell(seed=1)
-    run_here(make_plan(first), tmp_path / "out")
-    assert _with_floor(run_here(make_plan(first, second), tmp_path / "out")) == [first]
+    run(first)
+    assert _with_floor(run(first, second)) == [first]
 
 
-def test_a_floor_that_was_lost_is_made_again(
-    make_cell,
-    make_plan,
-    run_here,
-    tmp_path,
-):
+def test_a_floor_that_was_lost_is_made_again(make_cell, run):
     """The cell that had it is damaged: the next run does it again, floor and all."""
     first, second = make_cell(), make_cell(seed=1)
-    plan = make_plan(first, second)
-    results = run_here(plan, tmp_path / "out")
+    results = run(first, second)
     (results.store.cell_folder(first) / RANDOM).unlink()
     assert results.store.examine(first).status == "damaged"
-    assert _with_floor(run_here(plan, tmp_path / "out")) == [first]
+    assert _with_floor(run(first, second)) == [first]
 
 
-def test_without_a_floor_nothing_is_said_of_random_actions(
-    make_cell,
-    make_plan,
-    run_here,
-    tmp_path,
-):
+def test_without_a_floor_nothing_is_said_of_random_actions(make_cell, run):
     """The cell that was to do them failed."""
     breaks = Choice("wander", (("then", "raise"),), "wander:then=raise")
     cells = [make_cell(algorithm=breaks), make_cell(seed=1)]
-    results = run_here(make_plan(*cells), tmp_path / "out")
+    results = run(*cells)
     assert set(results.measured(cells[1]).random.values()) == {None}
-    assert Store(tmp_path / "out").examine(cells[1]).status == "done"
+    assert results.store.examine(cells[1]).status == "done"

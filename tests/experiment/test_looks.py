@@ -10,8 +10,7 @@ from harness.eta.verdict.race import RACE
 from harness.experiment import RunOptions, check_experiment, expand
 from harness.experiment.experiment import prepare
 from harness.experiment.looks import own_seed
-from harness.record import Store
-from harness.record.terms import NEW
+from harness.record import Store, Terms
 from harness.registry import Choice
 
 
@@ -21,40 +20,30 @@ def planned(registry, **fields):
     return expand(check_experiment({**given, "until": "decided", **fields}), registry)
 
 
-def test_one_place_has_the_looks_of_one_place(toys):
-    """And a margin of ten points."""
-    terms = planned(toys).terms
-    assert (terms.looks, terms.asked, terms.margin, terms.race) == (ONE_PLACE, 1, 0.10, False)
+FOUR = [f"fd100-reach:horizon={steps}" for steps in (5, 6, 7, 8)]
+TWO = {"reward": ["dense", "arp"]}
 
 
-def test_four_places_have_fewer_seeds_in_each(toys):
-    """Their seeds add up."""
-    tasks = ["fd100-reach:horizon=5", "fd100-reach:horizon=6", "fd100-reach:horizon=7", "fd100-reach:horizon=8"]
-    assert planned(toys, task=tasks).terms.looks == SEVERAL_PLACES
-
-
-def test_every_reward_but_the_baseline_is_a_question(toys):
-    """The level is shared between them."""
-    assert planned(toys, reward=["dense", "arp"]).terms.asked == 2
-
-
-def test_all_of_a_race_are_candidates(toys):
-    """The baseline among them."""
-    terms = planned(toys, until="best", reward=["dense", "arp"]).terms
-    assert (terms.looks, terms.asked, terms.race) == (RACE, 3, True)
+@pytest.mark.parametrize(
+    ("fields", "terms"),
+    [
+        ({}, Terms(ONE_PLACE, 1, 0.10, averaged=5)),
+        ({"task": FOUR}, Terms(SEVERAL_PLACES, 1, 0.10, averaged=5)),
+        (TWO, Terms(ONE_PLACE, 2, 0.10, averaged=5)),
+        ({**TWO, "until": "best"}, Terms(RACE, 3, 0.10, race=True, averaged=5)),
+        ({"until": "", "seeds": 2}, Terms(averaged=5)),
+    ],
+    ids=["one place", "seeds of several add up", "two questions share the level", "all of a race", "no looks"],
+)
+def test_terms_of_an_experiment(toys, fields, terms):
+    """Its looks, how many rewards are asked about, of a race the baseline too, and a margin of ten points."""
+    assert planned(toys, **fields).terms == terms
 
 
 def test_all_seeds_of_the_last_look_are_planned(toys):
     """They are foreseen before the first one is trained."""
     plan = planned(toys, looks=[2, 3])
     assert len(plan.cells) == 2 * 3
-
-
-def test_without_looks_all_seeds_are_trained_at_once(toys):
-    """As ever."""
-    plan = planned(toys, until="", seeds=2)
-    assert plan.terms == NEW
-    assert sorted({cell.seed for cell in plan.cells}) == [0, 1]
 
 
 def test_places_have_seeds_of_their_own(make_cell):
@@ -67,13 +56,12 @@ def test_places_have_seeds_of_their_own(make_cell):
 
 def test_a_seed_of_its_own_is_the_same_on_every_machine(make_cell):
     """It follows from the place and the seed."""
-    assert own_seed(make_cell(seed=3)).seed == own_seed(make_cell(seed=3)).seed
     assert own_seed(make_cell(seed=3)).seed == 701951709
 
 
-def test_what_cannot_be_asked_says_why(toys, subtests):
-    """Before anything is written."""
-    rows = [
+@pytest.mark.parametrize(
+    ("fields", "told"),
+    [
         ({"looks": [8, 6]}, "looks=8,6: the numbers of seeds have to increase"),
         ({"looks": [1, 6]}, "the first look needs at least 2 seeds"),
         ({"looks": []}, "the numbers of seeds have to increase"),
@@ -84,10 +72,12 @@ def test_what_cannot_be_asked_says_why(toys, subtests):
         ({"until": "tomorrow"}, "until"),
         ({"reward": []}, "there is no reward to compare with the baseline"),
         ({"reward": ["baseline", "dense"]}, "the null control"),
-    ]
-    for fields, told in rows:
-        with subtests.test(fields=fields, told=told), pytest.raises(UsageError, match=told):
-            planned(toys, **fields)
+    ],
+)
+def test_what_cannot_be_asked_says_why(toys, fields, told):
+    """Before anything is written."""
+    with pytest.raises(UsageError, match=told):
+        planned(toys, **fields)
 
 
 @pytest.fixture

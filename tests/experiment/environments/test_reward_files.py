@@ -10,8 +10,7 @@ import harness
 from harness.cli import main
 from harness.errors import UsageError
 from harness.experiment import check_experiment, expand
-from harness.record import EVALUATION_RECORDING, Store, read_recording
-from harness.record.folder import TRAINING_RECORDING
+from harness.record import Store, read_recording
 from harness.record.verify import verify
 from harness.registry import load_registry, read_given
 from harness.results import load_results
@@ -52,6 +51,7 @@ class effort:
         self.sum += abs(float(action[0]))
         return self.sum
 """
+SHORT = {"task": PENDULUM, "algo": "random", "steps": 20, "evaluation_episodes": 1, "jobs": 1, "seeds": 1}
 LATER = "def later(observation, action, next_observation, info):\n    return -abs(float(next_observation[2]))\n"
 
 
@@ -145,12 +145,10 @@ def test_crash_costs_only_the_cells_that_it_pays(trained):
     }  # fmt: skip
     for manifest in results.done:
         given_up, remembers = manifest.note.split("; ")
-        assert (
-            given_up
-            == "reward crashes given up in the training, episode 1, step 0: ZeroDivisionError: division by zero"
-        )
+        told = "reward crashes given up in the training, episode 1, step 0: ZeroDivisionError: division by zero"
+        assert given_up == told
         assert remembers.startswith("reward 'crashes': it remembers something beyond reset()")
-        training = read_recording(results.store.cell_folder(manifest.cell) / TRAINING_RECORDING)
+        training = read_recording(results.store.cell_folder(manifest.cell) / "training")
         assert list(training.rewards) == ["own", "calm", "crashes", "upright"]
         assert not np.isnan(training["reward/calm"]).any()
 
@@ -158,7 +156,6 @@ def test_crash_costs_only_the_cells_that_it_pays(trained):
 def test_first_measure_of_the_file_decides(trained):
     """None is called success; the file says of which less is better."""
     (told,) = load_results(trained).studies
-    assert told.study is not None
     assert (told.study.comparisons[0].measured.deciding, told.study.runs.measures) == (
         ("height",),
         ("height", "effort"),
@@ -173,7 +170,6 @@ def test_named_measure_decides(files, tmp_path):
     for measure, deciding in (((), "height"), (["effort"], "effort")):
         results = harness.run(**given, plugins=plugins, measure=measure, out=tmp_path / "runs")
         (told,) = results.studies
-        assert told.study is not None
         assert told.study.comparisons[0].measured.deciding == (deciding,)
     assert len(Store.open(tmp_path / "runs").read_plan().cells) == 4
 
@@ -181,19 +177,23 @@ def test_named_measure_decides(files, tmp_path):
 def test_edit_of_a_file_beside_is_noticed(tmp_path):
     """Done cells that the reward trained are not mixed with new ones; those of others stay."""
     folder = _lay(tmp_path / "rewards", calm=CALM, _scale="SPEED = 0.1")
-    given = {"task": PENDULUM, "algo": "random", "steps": 20, "evaluation_episodes": 1, "jobs": 1, "seeds": 1}
-    harness.run(**given, plugins=[folder / "calm.py"], out=tmp_path / "runs")
+    harness.run(**SHORT, plugins=[folder / "calm.py"], out=tmp_path / "runs")
     _lay(folder, _scale="SPEED = 0.2")
     with pytest.raises(UsageError, match=r"1 done cell was made by another reward calm \("):
-        harness.run(**given, plugins=[folder / "calm.py"], out=tmp_path / "runs")
+        harness.run(**SHORT, plugins=[folder / "calm.py"], out=tmp_path / "runs")
 
 
 def test_measures_that_are_gone_are_noticed(files, tmp_path):
     """New cells would lack what decides."""
-    given = {"task": PENDULUM, "algo": "random", "steps": 20, "evaluation_episodes": 1, "jobs": 1, "seeds": 1}
-    harness.run(**given, reward=[], plugins=[files / "behaviour.py"], out=tmp_path / "runs")
+    harness.run(**SHORT, reward=[], plugins=[files / "behaviour.py"], out=tmp_path / "runs")
     with pytest.raises(UsageError, match=r"another measure height \(\w{8}, now none\)"):
-        harness.run(**given, reward=[], out=tmp_path / "runs")
+        harness.run(**SHORT, reward=[], out=tmp_path / "runs")
+
+
+@pytest.fixture
+def later(tmp_path):
+    """Of a file with a reward that was written later."""
+    return "--plugin", _lay(tmp_path, later=LATER) / "later.py"
 
 
 @pytest.fixture
@@ -210,18 +210,17 @@ def say(capsys, monkeypatch):
     return run
 
 
-def test_later_file_pays_the_old_recordings(trained, tmp_path, say):
+def test_later_file_pays_the_old_recordings(trained, later, say):
     """Trainings and evaluations, by taking their actions again. Then the report has it, and nothing is damaged."""
-    _lay(tmp_path, later=LATER)
-    status, told, _ = say("score", trained, "--plugin", tmp_path / "later.py")
+    status, told, _ = say("score", trained, *later)
     assert (status, told.count("210 steps by later"), told.count("200 steps by later")) == (0, 6, 13)
     for manifest in load_results(trained).done:
-        for part in (TRAINING_RECORDING, EVALUATION_RECORDING):
+        for part in ("training", "evaluation"):
             recording = read_recording(Store.open(trained).cell_folder(manifest.cell) / part)
             assert -8.0 <= recording["reward/later"].min() < recording["reward/later"].max() <= 0.0
     assert not verify(trained)
     assert "later  " in say("report", trained)[1]
-    assert say("score", trained, "--plugin", tmp_path / "later.py")[1].count("nothing to do") == 19
+    assert say("score", trained, *later)[1].count("nothing to do") == 19
 
 
 def test_later_measure_measures_the_old_recordings(trained, tmp_path, say):
@@ -229,7 +228,7 @@ def test_later_measure_measures_the_old_recordings(trained, tmp_path, say):
     _lay(tmp_path, behaviour=BEHAVIOUR.replace("height", "tip").replace("effort", "work"))
     assert say("score", trained, "--plugin", tmp_path / "behaviour.py")[0] == 0
     cell = next(it.cell for it in load_results(trained).done)
-    recording = read_recording(Store.open(trained).cell_folder(cell) / TRAINING_RECORDING)
+    recording = read_recording(Store.open(trained).cell_folder(cell) / "training")
     assert np.array_equal(recording["behaviour/tip"], recording["behaviour/height"])
     assert np.array_equal(recording["behaviour/work"], recording["behaviour/effort"])
     assert recording.facts.lower_is_better == ("effort", "work")
@@ -249,7 +248,7 @@ def test_mended_file_pays_what_it_could_not(trained, files, tmp_path, say):
     _lay(tmp_path, crashes=CRASHES.replace("1 / (1 - self.episodes)", "0.5"))
     assert say("score", trained, "--plugin", tmp_path / "crashes.py")[0] == 0
     cell = next(it.cell for it in load_results(trained).done)
-    assert set(read_recording(Store.open(trained).cell_folder(cell) / TRAINING_RECORDING)["reward/crashes"]) == {0.5}
+    assert set(read_recording(Store.open(trained).cell_folder(cell) / "training")["reward/crashes"]) == {0.5}
 
 
 def _loose(folder):
@@ -263,28 +262,25 @@ def _loose(folder):
     return folder
 
 
-def test_later_file_pays_loose_recordings(tmp_path, say):
+def test_later_file_pays_loose_recordings(tmp_path, later, say):
     """In the env of the id in the recording."""
-    _lay(tmp_path, later=LATER)
-    status, told, _ = say("score", _loose(tmp_path / "runs"), "--plugin", tmp_path / "later.py", "--json")
+    status, told, _ = say("score", _loose(tmp_path / "runs"), *later, "--json")
     assert status == 0
     assert json.loads(told)["recordings"] == [
         {"folder": f"{tmp_path}/runs/own-0", "names": ["later"], "steps": 20, "failed": [], "refused": ""}
     ]
 
 
-def test_loose_recording_is_paid_in_the_environment_that_is_named(tmp_path, say):
+def test_loose_recording_is_paid_in_the_environment_that_is_named(tmp_path, later, say):
     """Another one answers otherwise, and pays nothing."""
-    _lay(tmp_path, later=LATER)
     runs = _loose(tmp_path / "runs")
-    status, told, _ = say("score", runs, "--plugin", tmp_path / "later.py", "--task", f"{PENDULUM},made_with=g=9.0")
+    status, told, _ = say("score", runs, *later, "--task", f"{PENDULUM},made_with=g=9.0")
     assert (status, "does not answer as it did" in told) == (1, True)
-    assert say("score", runs, "--plugin", tmp_path / "later.py", "--task", PENDULUM)[0] == 0
+    assert say("score", runs, *later, "--task", PENDULUM)[0] == 0
 
 
-def test_id_in_a_recording_imports_nothing(tmp_path, say):
+def test_id_in_a_recording_imports_nothing(tmp_path, later, say):
     """A folder may come from anybody."""
-    _lay(tmp_path, later=LATER)
     runs = _loose(tmp_path / "runs")
     from dataclasses import replace
 
@@ -293,7 +289,7 @@ def test_id_in_a_recording_imports_nothing(tmp_path, say):
     path = runs / "own-0" / "recording-0.json"
     facts = TrainingFacts.read(path)
     replace(facts, spec={**facts.spec, "id": "antigravity:Pendulum-v1"}).write(path)
-    status, told, _ = say("score", runs, "--plugin", tmp_path / "later.py")
+    status, told, _ = say("score", runs, *later)
     assert (status, "which Gymnasium cannot make by itself. Name an environment" in told) == (1, True)
 
 
@@ -305,10 +301,9 @@ def test_id_in_a_recording_imports_nothing(tmp_path, say):
         (("--task", PENDULUM), "--task does not go with an experiment"),
     ],
 )
-def test_what_cannot_be_scored_is_refused(trained, tmp_path, say, arguments, told):
+def test_what_cannot_be_scored_is_refused(trained, later, say, arguments, told):
     """With what to give."""
-    _lay(tmp_path, later=LATER)
-    plugin = ("--plugin", tmp_path / "later.py") if arguments else ()
+    plugin = later if arguments else ()
     status, _, err = say("score", trained, *plugin, *arguments)
     assert status == 2
     assert told in err
