@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 import harness
-from harness.text import LONGEST_MESSAGE, command_text, file_stems, one_line_of, shortened, visible
+from harness.text import LONGEST_MESSAGE, command_text, file_stems, number, one_line_of, shortened, visible
 
 
 def test_what_is_not_seen_is_written_out(subtests):
@@ -130,3 +130,12 @@ def test_no_command_is_put_together_by_hand():
     sources = [path for part in ("harness", "plugins") for path in (root / part).rglob("*.py")]
     told = [f"{path}: {line.strip()}" for path in sources for line in path.read_text("utf-8").splitlines()]
     assert [line for line in told if shown.search(line) and "harness run {EXPERIMENT}" not in line] == []
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(41.23, "41.2"), (-0.01, "-0.01"), (1e-17, "0"), (7257.9, "7,258"), (0.0, "0"), (2.5e12, "2.5e+12"), (1.0, "1")],
+)
+def test_numbers_read_well(value, text):
+    """Three digits, no needless exponent."""
+    assert number(value) == text

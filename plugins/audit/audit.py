@@ -2,15 +2,14 @@
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
-from io import StringIO
 from typing import Any
 
 from rich import box
-from rich.console import Console, Group, RenderableType
+from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from harness.authoring.commands import Auc, Finishing, Payoff, Said
+from harness.authoring.commands import Auc, Finishing, Said
 from harness.screen import FAILING, NOTHING
 from harness.text import number
 
@@ -25,6 +24,7 @@ from .recorded.pair_grid import (
     TRANSITIONS,
     add_answer,
     answer_grid,
+    as_text,
     earned_grid,
     pair_grid,
     pair_lines,
@@ -33,7 +33,6 @@ from .search.disturb import NOISES
 from .search.finding import Finding
 from .search.finding_grid import finding_parts
 
-WIDTH = 100
 COLUMN = (
     "Compare down a column: each reward has a scale of its own. Means whose intervals overlap may differ by chance. "
     "The interval of random actions is over episodes, that of trainings over trainings."
@@ -83,11 +82,7 @@ class OfScripts:
             ],
             "holding_pays": of.holding_pays,
             "properties": {
-                answer.name.replace("-", "_"): {
-                    "holds": answer.holds,
-                    "evidence": answer.evidence,
-                    "gamma": answer.gamma,
-                }
+                answer.name.replace("-", "_"): {it: getattr(answer, it) for it in ("holds", "evidence", "gamma")}
                 for answer in self.properties
             },
             "workspace_twice_as_large": dict(self.workspace),
@@ -141,7 +136,7 @@ class Audit:
     cheats: tuple[Finding, ...] = ()
 
     def __str__(self) -> str:
-        return table_text(self)
+        return as_text(audit_table(self))
 
     @property
     def said(self) -> tuple[Said, ...]:
@@ -168,13 +163,6 @@ class Audit:
             "damaged": list(self.damaged),
             "cheats": [finding.to_json() for finding in self.cheats],
         }
-
-
-def table_text(audit: Audit) -> str:
-    """The table as text, 100 columns wide."""
-    text = StringIO()
-    Console(file=text, width=WIDTH, color_system=None).print(audit_table(audit))
-    return "\n".join(line.rstrip() for line in text.getvalue().rstrip().splitlines())
 
 
 def audit_table(audit: Audit) -> RenderableType:
@@ -221,7 +209,8 @@ def _of_payoffs(scripts: OfScripts) -> Iterator[RenderableType]:
     )
     for place, payoff in enumerate(payoffs):
         name = f"{payoff.policy} paid most" if place == 0 else payoff.policy
-        cells = (*_cells(payoff), *([noisy[payoff.policy]] if noisy else []))
+        paid = map(number, (payoff.total, payoff.shaped, payoff.total_discounted))
+        cells = (*paid, f"{payoff.steps:.1f}", f"{payoff.success:.0%}", *([noisy[payoff.policy]] if noisy else []))
         grid.add_row(Text(name), *map(Text, cells), style="bold" if place == 0 else "")
     yield from (grid, Text())
     if payoffs[0].terms:
@@ -238,12 +227,6 @@ def _grid(first: str, headings: Iterable[str]) -> Table:
     for heading in headings:
         grid.add_column(Text(heading), justify="right", no_wrap=True)
     return grid
-
-
-def _cells(payoff: Payoff) -> Iterable[str]:
-    yield from map(number, (payoff.total, payoff.shaped, payoff.total_discounted))
-    yield f"{payoff.steps:.1f}"
-    yield f"{payoff.success:.0%}"
 
 
 def _answers(audit: Audit) -> Iterator[RenderableType]:

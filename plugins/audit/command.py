@@ -127,18 +127,22 @@ def audit(
     }  # fmt: skip
     if named is not None and names_dataset(named):
         _refuse_others(DATASET, named, others, {})
-        found = _on_dataset(
+        from harness.authoring.commands import load_registry, read_given
+
+        from .dataset.audit_dataset import audit_dataset
+
+        found = audit_dataset(
             named,
             split_list([reward] if reward else []),
-            plugin,
             places=places,
             robot=robot,
-            success=success,
+            success=success or "",
             labels=labels,
             success_above=success_above,
-            cluster=cluster,
+            cluster=cluster or "",
             partial=partial,
             beginner=beginner,
+            registry=load_registry(given=read_given(plugin)),
         )
         return _ended(failing, [found], _show_answer(found, as_json, html))
     from harness.authoring.commands import choose, load_registry, read_given, split_measures
@@ -554,40 +558,6 @@ def _named(choice: "Choice", registry: "Registry") -> Iterator[None]:
             yield
     except UsageError as error:
         raise UsageError(f"Reward '{choice.label}': {error}") from error
-
-
-def _on_dataset(
-    dataset: str | Path,
-    rewards: Sequence[str],
-    plugin: Sequence[str] | None,
-    *,
-    places: str | None = None,
-    robot: str | None = None,
-    success: str | None = None,
-    labels: Path | None = None,
-    success_above: float | None = None,
-    cluster: str | None = None,
-    partial: bool = False,
-    beginner: str | None = None,
-) -> "DatasetAudit":
-    """What rewards say of a data set."""
-    from harness.authoring.commands import load_registry, read_given
-
-    from .dataset.audit_dataset import audit_dataset
-
-    return audit_dataset(
-        str(dataset),
-        rewards,
-        places=places,
-        robot=robot,
-        success=success or "",
-        labels=labels,
-        success_above=success_above,
-        cluster=cluster or "",
-        partial=partial,
-        beginner=beginner,
-        registry=load_registry(given=read_given(plugin)),
-    )
 
 
 def _show_answer(found: "DatasetAudit", as_json: bool, html: Path | None) -> int:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,17 +54,9 @@ CHANGES = 16
 """So many changes of the distance stand for those of a group."""
 
 
-class Expectation(Protocol):
-    """What steps other than the one taken would pay, on average."""
-
-    def __call__(self, reward: Reward, carry: Carry, step: Steps) -> tuple[Float, Float]:
-        """E[R(s, D')], and E[R(S', D'')] where the form has that term, 0 where it has not; each (n,).
-
-        Args:
-            reward: R.
-            carry: What is remembered in s.
-            step: The one from s that was taken; it led to s'.
-        """
+Expectation: TypeAlias = Callable[[Reward, Carry, Steps], tuple[Float, Float]]
+"""What steps other than the one taken would pay, on average; (n,) each: of R, of what is remembered in s, and of the
+step from s to s' that was taken, E[R(s, D')] and E[R(S', D'')], which is 0 where the form has no such term."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,10 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from harness import load_robot
 from harness.payoff.rollout import record_rollouts
 from harness.reach import ReachTask
-from harness.robot.robot import load_robot
+from harness.registry import choose, load_registry
 from harness_plugins.kit import IdealSimulator
+
+REGISTRY = load_registry()
 
 
 @dataclass(frozen=True)
@@ -40,6 +43,11 @@ class Counting:
         return count, count
 
 
+def named(name):
+    """A registered reward."""
+    return choose(REGISTRY, "rewards", name).build(REGISTRY, "rewards")
+
+
 def potential(gamma, phi=lambda distance: -distance):
     """Shaping by the potential `phi` of the distance."""
     return Paying(lambda sample: gamma * phi(sample.distance) - phi(sample.previous_distance))
@@ -59,8 +67,9 @@ def toolbox():
         paying, counting = Paying, Counting
         dense = Paying(lambda sample: -sample.distance)
         relative = Paying(relative_gain)
+        baseline, arp = named("baseline"), named("arp")
 
-    Toolbox.potential = staticmethod(potential)
+    Toolbox.potential, Toolbox.named = staticmethod(potential), staticmethod(named)
     return Toolbox
 
 

@@ -11,8 +11,7 @@ from harness.payoff.rollout import SCRIPTS, plan_actions, record_rollouts
 from harness.payoff.score import score_rollout
 from harness.reach import ReachTask
 from harness.record.trace import TERM
-from harness.registry.choice import choose
-from harness.registry.registry import load_registry
+from harness.registry import choose, load_registry
 from harness.reward.forms import reward_class
 from harness.reward.steps import ARM_BEFORE
 from harness.robot.robot import load_robot

@@ -2,10 +2,9 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from io import StringIO
 from typing import TYPE_CHECKING, Any
 
-from rich.console import Console, Group, RenderableType
+from rich.console import Group, RenderableType
 from rich.text import Text
 
 from harness.arrays import Float
@@ -13,7 +12,7 @@ from harness.authoring.commands import AGAINST, CANNOT_TELL, RANKS, Auc, Dataset
 from harness.text import number
 
 from ..recorded.pair import Pair, mean_json
-from ..recorded.pair_grid import MISSING, add_answer, answer_grid, pair_grid, pair_lines, share_text
+from ..recorded.pair_grid import MISSING, add_answer, answer_grid, as_text, pair_grid, pair_lines, share_text
 
 if TYPE_CHECKING:
     from harness.authoring.commands import Said
@@ -24,8 +23,6 @@ PROMISE = (
     "less than 5 of 100 data sets (docs/statistics-tables.md)"
 )
 
-
-WIDTH = 100
 TASKS_SHOWN = 10
 DISTANCES = (
     "Distances of two rewards: 0 is the same but for scale and offset, 0.71 unrelated, 1 opposite. They are means over "
@@ -144,7 +141,7 @@ class DatasetAudit:
     success: str = ""
 
     def __str__(self) -> str:
-        return _text(self)
+        return as_text(answer_table(self))
 
     @property
     def said(self) -> "tuple[Said, ...]":
@@ -234,12 +231,11 @@ def pairs_text(reward: RewardAnswer) -> str:
     total = reward.by_success.pairs
     if not total:
         return f"{MISSING} (no episodes of both kinds)"
-    told = f"{reward.wrong:,} of {total:,} pairs"
     worst = "; ".join(
         f"failure {pair.failure} ({number(pair.paid[1])}) above success {pair.success} ({number(pair.paid[0])})"
         for pair in reward.pairs
     )
-    return f"{told}. Worst: {worst}" if worst else told
+    return f"{reward.wrong:,} of {total:,} pairs{worst and f'. Worst: {worst}'}"
 
 
 def most_text(reward: RewardAnswer) -> str:
@@ -269,13 +265,6 @@ def answer_table(audit: DatasetAudit) -> RenderableType:
     if audit.pairs:
         parts += [Text(), Text(f"{DISTANCES}.")]
     return Group(*parts)
-
-
-def _text(audit: DatasetAudit) -> str:
-    """The same as text, 100 columns wide."""
-    text = StringIO()
-    Console(file=text, width=WIDTH, color_system=None).print(answer_table(audit))
-    return "\n".join(line.rstrip() for line in text.getvalue().rstrip().splitlines())
 
 
 def _of_reward(reward: RewardAnswer, audit: DatasetAudit) -> list[RenderableType]:

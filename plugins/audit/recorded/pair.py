@@ -15,6 +15,8 @@ from harness.log import BEHAVIOUR, EPISODES, REWARD, Log
 from ..distance import Distance, Form, centred_unit, compare_forms, distance_between
 
 NOT_KNOWN = "not a number in some rows"
+MEANS = ("steps", "returns", "discordant", "told_apart")
+"""What `Apart` measures, and `Pair` has the means of."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,9 +72,8 @@ class Apart:
 
 def compare_paid(paid: Paid, one: str, other: str) -> Apart:
     """How far apart two rewards are, both known in `paid`."""
-    return Apart(
-        _pearson(paid.steps, one, other), _pearson(paid.returns, one, other), *_order(paid.returns, one, other)
-    )
+    steps, returns = (_pearson(of, one, other) for of in (paid.steps, paid.returns))
+    return Apart(steps, returns, *_order(paid.returns, one, other))
 
 
 def _pearson(values: Mapping[str, Float], one: str, other: str) -> float | None:
@@ -144,10 +145,6 @@ class StepApart:
         """The difference of the deviations, never negative."""
         return abs(self.deviations[0] - self.deviations[1])
 
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return asdict(self)
-
 
 def steps_apart(folder: str, log: Log, one: str, other: str) -> list[StepApart]:
     """The steps of a log without start rows with the largest differences, largest first, one of an episode at most.
@@ -205,13 +202,10 @@ class Pair:
         """Plain data."""
         return {
             "rewards": [self.one, self.other],
-            "steps": mean_json(self.steps),
-            "returns": mean_json(self.returns),
-            "discordant": mean_json(self.discordant),
-            "told_apart": mean_json(self.told_apart),
+            **{name: mean_json(getattr(self, name)) for name in MEANS},
             "rescaled": self.rescaling and self.rescaling.to_json(),
-            "each": [{"steps": it.steps, "returns": it.returns, "discordant": it.discordant} for it in self.each],
-            "largest": [step.to_json() for step in self.largest],
+            "each": [{name: getattr(it, name) for name in MEANS[:-1]} for it in self.each],
+            "largest": [asdict(step) for step in self.largest],
             **{form: mean_json(mean) for form, mean in self.forms.items()},
             **({"reasons": dict(self.reasons)} if self.forms else {}),
         }
@@ -238,13 +232,14 @@ def pair_of(
     known = {form: [it[form] for it in forms] for form in (forms[0] if forms else ())}
     means = {form: mean_within([it if isinstance(it, float) else None for it in of]) for form, of in known.items()}
     told = [(form, why) for it in reversed(forms) for form, why in it.items() if isinstance(why, str)]
+    steps, returns, discordant, told_apart = (mean_within([getattr(it, name) for it in each]) for name in MEANS)
     return Pair(
         one,
         other,
-        mean_within([it.steps for it in each]),
-        mean_within([it.returns for it in each]),
-        mean_within([it.discordant for it in each]),
-        mean_within([it.told_apart for it in each]),
+        steps,
+        returns,
+        discordant,
+        told_apart,
         tuple(each),
         rescaling_of(lines),
         tuple(largest),

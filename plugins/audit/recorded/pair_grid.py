@@ -1,8 +1,10 @@
 """Two rewards beside one another, and what behaviour earned under them, as a terminal shows it."""
 
 from collections.abc import Mapping, Sequence
+from io import StringIO
 
 from rich import box
+from rich.console import Console, RenderableType
 from rich.table import Table
 from rich.text import Text
 
@@ -70,12 +72,18 @@ def pair_lines(pair: Pair) -> list[str]:
     return [*same, *(f"Paid most differently: {_step_text(pair, step)}." for step in pair.largest)]
 
 
+def as_text(table: RenderableType) -> str:
+    """A table as text, 100 columns wide."""
+    text = StringIO()
+    Console(file=text, width=100, color_system=None).print(table)
+    return "\n".join(line.rstrip() for line in text.getvalue().rstrip().splitlines())
+
+
 def answer_grid() -> Table:
     """Three columns without headings."""
     grid = Table(box=None, show_header=False, pad_edge=False)
-    grid.add_column(overflow="fold")
-    grid.add_column(no_wrap=True)
-    grid.add_column(overflow="fold")
+    for is_answer in (False, True, False):
+        grid.add_column(no_wrap=is_answer, overflow="ellipsis" if is_answer else "fold")
     return grid
 
 

@@ -19,7 +19,7 @@ from harness.authoring.commands import ChoiceForm, read_sealed, reading, require
 from harness.text import file_stems, number
 
 from .film import MOST_BYTES as MOST_PICTURES, Film
-from .finding import FAILING, LOITERING, Disturbed, Role
+from .finding import Disturbed, Role
 from .held_out import mean_interval
 from .place import Place
 from .world import Shown
@@ -143,7 +143,7 @@ class TableForm(TypedDict):
 
 @with_config(EXACT)
 class LinearForm(TypedDict):
-    """A linear policy; see `act_linearly`."""
+    """A linear policy; see `Linear`."""
 
     kind: Literal["linear policy"]
     weights: Annotated[list[Steps], Field(min_length=1, max_length=1_000)]
@@ -221,11 +221,6 @@ class Answer:
     lines: tuple[str, ...]
     alarmed: int
     starts: int
-
-    @property
-    def is_alarm(self) -> bool:
-        """Whether it says that failing or loitering pays."""
-        return self.word in (FAILING, LOITERING)
 
 
 @dataclass(frozen=True)
@@ -356,7 +351,10 @@ class Certificate:
             },
             "behaviour": {
                 "success": shown.success.astype(int).tolist(),
-                "measures": {name: _told(values) for name, values in shown.measures.items()},
+                "measures": {
+                    name: [None if math.isnan(value) else value for value in values.tolist()]
+                    for name, values in shown.measures.items()
+                },
                 "ended": shown.ended,
             },
             "noise": [{name: getattr(row, name) for name in DisturbedForm.__annotations__} for row in self.noise],
@@ -432,13 +430,10 @@ def file_names(certificates: Sequence[Certificate]) -> list[str]:
 
 def numbers_of(array: NDArray[Any]) -> dict[str, Any]:
     """An array as JSON has it, exactly: its numbers as short as they may be and still be the same in its type."""
-    short = np.array([float(str(number)) for number in array.ravel()]) if array.dtype == np.float32 else array
-    is_same = np.array_equal(short.astype(array.dtype).ravel(), array.ravel())
-    return {
-        "type": array.dtype.name,
-        "shape": list(array.shape),
-        "numbers": (short if is_same else array).ravel().tolist(),
-    }
+    flat = array.ravel()
+    short = np.array([float(str(number)) for number in flat]) if array.dtype == np.float32 else flat
+    same = np.array_equal(short.astype(array.dtype), flat)
+    return {"type": array.dtype.name, "shape": list(array.shape), "numbers": (short if same else flat).tolist()}
 
 
 def array_of(data: Mapping[str, Any]) -> NDArray[Any]:
@@ -452,18 +447,14 @@ def array_of(data: Mapping[str, Any]) -> NDArray[Any]:
     kind = np.dtype(data["type"])
     if kind.kind in "iu" and not all(isinstance(it, int) for it in data["numbers"]):
         raise ValueError(f"not all numbers of an array of {kind} are whole")
-    with np.errstate(over="ignore"):
-        try:
+    try:
+        with np.errstate(over="ignore"):
             array = np.array(data["numbers"]).astype(kind) if kind.kind == "f" else np.array(data["numbers"], kind)
-        except OverflowError:
-            raise ValueError(f"an array of {kind} does not hold its numbers") from None
-    if not np.isfinite(array).all():
-        raise ValueError(f"an array of {kind} does not hold its numbers")
-    return array.reshape(data["shape"])
-
-
-def _told(values: Float) -> list[float | None]:
-    return [None if math.isnan(value) else value for value in values.tolist()]
+        if np.isfinite(array).all():
+            return array.reshape(data["shape"])
+    except OverflowError:
+        pass
+    raise ValueError(f"an array of {kind} does not hold its numbers")
 
 
 def _require_lengths(shown: Shown) -> None:

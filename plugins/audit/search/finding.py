@@ -77,11 +77,6 @@ class Finding:
     shown: Mapping[Role, Shown] = field(default_factory=dict)
     three: Mapping[Role, Behaviour] = field(default_factory=dict)
 
-    @property
-    def is_alarm(self) -> bool:
-        """Whether it says that failing or loitering pays."""
-        return self.word in (FAILING, LOITERING)
-
     def to_json(self) -> dict[str, Any]:
         """Plain data, finite numbers only; actions are in certificates."""
         searched = self.searched

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.special import ndtri, stdtrit
 
 from .behaviour import Behaviour, Rated, Rates, Searched, Three
-from .linear import LINEAR, act_linearly, search_linear
+from .linear import LINEAR, Linear, search_linear
 from .sampled_table import sample_tables
 from .table import TABLE, TRAINING, act_by_table, decides_by_chance
 from .world import Act, Whole, World
@@ -37,7 +37,7 @@ def act_of(policy: Mapping[str, Any], world: World) -> Act:
     if policy["kind"] == TABLE:
         return act_by_table(policy)
     if policy["kind"] == LINEAR:
-        return act_linearly(policy, world)
+        return Linear(policy, world)
     space = world.space
     space.seed(policy["seed"])
     return lambda observed: space.sample()
@@ -153,10 +153,8 @@ def three_of(rates: Rates, *, discounted: bool) -> Three:
     if rates.success is None or rates.fastest is None:
         return Three(most.starts[0], _mean_behaviour(most, success=False), None, None)
     success, fastest = (_mean_behaviour(it, success=True) for it in (rates.success, rates.fastest))
-    ahead = most.outcomes.discounted - rates.success.outcomes.discounted
-    if not discounted:
-        ahead = most.outcomes.paid - rates.success.outcomes.paid
-    if not mean_interval(ahead)[1] > 0.0:
+    pays = [it.outcomes.discounted if discounted else it.outcomes.paid for it in (most, rates.success)]
+    if not mean_interval(pays[0] - pays[1])[1] > 0.0:
         return Three(success.start, None, success, fastest)
     rarer = rates.success.outcomes.success.astype(float) - most.outcomes.success
     if rarer.mean() > CLEARLY and mean_interval(rarer)[1] > 0.0:
@@ -168,20 +166,10 @@ def _mean_behaviour(rated: Rated, *, success: bool) -> Behaviour:
     """The mean of a policy over its starts, with the actions of the first."""
     of = rated.outcomes
     succeeded: Any = of.success if success and of.success.any() else slice(None)
-
-    def mean(values: NDArray[Any]) -> float:
-        return float(np.mean(values))
-
+    numbers = (of.paid, of.discounted, of.steps, of.time[succeeded], of.share)
+    paid, discounted, steps, time, share = (float(np.mean(values)) for values in numbers)
+    measures = {name: float(np.nanmean(values)) for name, values in of.measures.items()}
     return Behaviour(
-        start=rated.starts[0],
-        actions=rated.actions,
-        paid=mean(of.paid),
-        discounted=mean(of.discounted),
-        success=success,
-        steps=round(mean(of.steps)),
-        time=round(mean(of.time[succeeded])),
-        share=mean(of.share),
-        measures={name: float(np.nanmean(values)) for name, values in of.measures.items()},
-        made_by=rated.made_by,
-        policy=rated.policy,
-    )
+        rated.starts[0], rated.actions, paid, discounted, success, round(steps), round(time), share, measures,
+        rated.made_by, rated.policy,
+    )  # fmt: skip

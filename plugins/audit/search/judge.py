@@ -7,7 +7,7 @@ doing the task only where it is not far slower than Q, and paid for it.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple, Protocol, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from harness.text import number
 from .behaviour import Behaviour, Rates, Searched, Three
 from .finding import CANNOT_TELL, FAILING, LOITERING, NAMES, NOTHING, Role
 from .held_out import share_interval
+from .world import World
 
 MARGIN = 0.05
 """An alarm needs so much more pay, as a share of what the best behaviour earns above random actions."""
@@ -54,26 +55,6 @@ class Walk(NamedTuple):
 
 Walks: TypeAlias = Callable[[Behaviour], Sequence[Walk]]
 """The episodes of a behaviour: one where nothing is left to chance, else some of those that succeeded."""
-
-
-class Facts(Protocol):
-    """What has to be known of a world; a `World` tells it."""
-
-    @property
-    def gamma(self) -> float:
-        """The learner's discount per step."""
-
-    @property
-    def horizon(self) -> int:
-        """The most steps of an episode."""
-
-    @property
-    def success(self) -> str:
-        """What tells success; empty if nothing does."""
-
-    @property
-    def directions(self) -> Mapping[str, int]:
-        """By name, of the measures of which that is known: 1 where more is better, -1 where less is."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,26 +107,24 @@ class Judged:
     shown: Case
 
 
-def judge(searched: Searched, facts: Facts, walks: Walks) -> Judged:
+def judge(searched: Searched, facts: World, walks: Walks) -> Judged:
     """What a search says of a reward.
 
     Args:
         searched: What was found.
-        facts: Of the world.
+        facts: Of the world; it is played by nothing here.
         walks: Asked of few behaviours, where one may loiter.
     """
     by_sum = (
         (searched.plain, searched.typical, 1.0),
         (searched.discounted, searched.typical_discounted, facts.gamma),
     )
+    is_exact = TABLE in searched.how
     plain, discounted = (
-        [
-            _case_of(three, start, discount, facts, walks, is_exact=TABLE in searched.how)
-            for three, start in zip(threes, typical, strict=True)
-        ]
+        [_case_of(*of, discount, facts, walks, is_exact=is_exact) for of in zip(threes, typical, strict=True)]
         for threes, typical, discount in by_sum
     )
-    if TABLE not in searched.how:
+    if not is_exact:
         climbing = [of / case.margin for of, case in zip(searched.climbing, plain, strict=True)]
         plain, discounted = (
             [_trusted(*of) for of in zip(cases, searched.successes, climbing, strict=True)]
@@ -168,14 +147,14 @@ def paid_by(behaviour: Behaviour, discount: float) -> float:
     return behaviour.paid if discount == 1.0 else behaviour.discounted
 
 
-def _case_of(three: Three, typical: float, discount: float, facts: Facts, walks: Walks, *, is_exact: bool) -> Case:
+def _case_of(three: Three, typical: float, discount: float, facts: World, walks: Walks, *, is_exact: bool) -> Case:
     """One start by one sum.
 
     Args:
         three: Its behaviours.
         typical: What random actions earn there.
         discount: Of the sum.
-        facts: Of the world.
+        facts: Of the world; it is played by nothing here.
         walks: See `judge`.
         is_exact: Whether nothing pays more than these.
     """
@@ -184,8 +163,7 @@ def _case_of(three: Three, typical: float, discount: float, facts: Facts, walks:
     )
     known = [of for of in (failure, success) if of is not None]
     best = max(known, default=typical)
-    tiny = SLACK * max(map(abs, (*known, typical)))
-    tiny = max(tiny, np.finfo(float).tiny)
+    tiny = max(SLACK * max(map(abs, (*known, typical))), np.finfo(float).tiny)
     margin, near = max(MARGIN * (best - typical), tiny), max(MARGIN * max(map(abs, known), default=0.0), tiny)
     margin = min(margin, near) if is_exact else margin
     if success is None or fastest is None or three.success is None or three.fastest is None:
@@ -316,15 +294,15 @@ def _lines(
     both: Sequence[tuple[Case, Case]],
     decided: Sequence[Case],
     searched: Searched,
-    facts: Facts,
+    facts: World,
 ) -> list[str]:
     """The answer in sentences."""
     count, alarms = len(decided), sum(case.is_alarm for case in decided)
     lines = [_three_numbers(shown)]
-    if searched.rates is not None:
+    if searched.rates:
         lines.append(_on_chance(searched.rates))
     if word in (FAILING, LOITERING):
-        where = "on average" if searched.rates is not None else f"on {alarms} of {count} starts"
+        where = "on average" if searched.rates else f"on {alarms} of {count} starts"
         lines.append(f"It holds {where}{_by_which_sum(both, decided, facts.gamma)}.")
     elif word == CANNOT_TELL:
         lines += _on_unsure(decided, facts.success, is_counted=TABLE in searched.how)
@@ -337,14 +315,14 @@ def _lines(
         lines += _on_slight(shown)
         if alarms:
             lines.append(f"On {alarms} of {count} starts it pays for failing or loitering all the same.")
-    back = sum(plain.is_alarm and case.word == NOTHING for (plain, _), case in zip(both, decided, strict=True))
+    back = [plain for (plain, _), case in zip(both, decided, strict=True) if plain.is_alarm and case.word == NOTHING]
     if back:
-        first = next(
-            plain for (plain, _), case in zip(both, decided, strict=True) if plain.is_alarm and case.word == NOTHING
-        )
+        first = back[0]
+        found = first.three.by_role()
+        one, other = (number(found[role].paid) for role in (first.tempting, first.against))
         lines.append(
-            f"Without discount {_earnings(first)}, on {back} of {count} starts; a learner that discounts by "
-            f"{facts.gamma:g} is not tempted."
+            f"Without discount the {NAMES[first.tempting]} earns {one} and the {NAMES[first.against]} {other}, on "
+            f"{len(back)} of {count} starts; a learner that discounts by {facts.gamma:g} is not tempted."
         )
     return lines
 
@@ -354,8 +332,9 @@ def _on_slight(shown: Case) -> list[str]:
     failure, success = shown.three.failure, shown.three.success
     if failure is None or success is None:
         return []
-    more = paid_by(failure, shown.discount) - paid_by(success, shown.discount)
-    if more <= SLACK * abs(paid_by(success, shown.discount)):
+    least = paid_by(success, shown.discount)
+    more = paid_by(failure, shown.discount) - least
+    if more <= SLACK * abs(least):
         return []
     if more <= shown.margin:
         return [
@@ -396,13 +375,6 @@ def _three_numbers(case: Case) -> str:
         told.append("no success was found")
     text = f"{rate}{', '.join(told)}."
     return text[0].upper() + text[1:]
-
-
-def _earnings(case: Case) -> str:
-    """What tempts, and what it is compared with: ``the best-paid failure earns 3 and the best-paid success 2``."""
-    found = case.three.by_role()
-    one, other = (number(paid_by(found[role], case.discount)) for role in (case.tempting, case.against))
-    return f"the {NAMES[case.tempting]} earns {one} and the {NAMES[case.against]} {other}"
 
 
 def _by_which_sum(both: Sequence[tuple[Case, Case]], decided: Sequence[Case], gamma: float) -> str:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from harness.arrays import Float
 
 from .table import Keep
-from .world import Act, Outcomes, Whole, World
+from .world import Outcomes, Whole, World
 
 LINEAR = "linear policy"
 """The kind of such a policy, and what its episodes are said to be made by."""
@@ -56,13 +56,8 @@ class Candidate:
     outcomes: Outcomes
 
 
-def act_linearly(policy: Mapping[str, Any], world: World) -> Act:
-    """What a linear policy does in a world."""
-    return _Linear(policy, world)
-
-
-class _Linear:
-    """A linear policy that acts; `seen` keeps what it observed, flat."""
+class Linear:
+    """A linear policy that acts in a world; `seen` keeps what it observed, flat."""
 
     def __init__(self, policy: Mapping[str, Any], world: World) -> None:
         self.weights = np.asarray(policy["weights"])
@@ -118,8 +113,9 @@ class Scales:
 
     def now(self) -> tuple[list[float], list[float]]:
         """The mean, and the standard deviation; 1 of what never changed."""
-        mean = self.sum / max(self.count, 1)
-        scale = np.sqrt(np.maximum(self.squared / max(self.count, 1) - mean**2, 0.0))
+        count = max(self.count, 1)
+        mean = self.sum / count
+        scale = np.sqrt(np.maximum(self.squared / count - mean**2, 0.0))
         return mean.tolist(), np.where(scale > 1e-8, scale, 1.0).tolist()
 
 
@@ -143,17 +139,11 @@ def goals_of(world: World, outcomes: Outcomes) -> dict[str, Goal]:
         "less pay": lambda it: (-it.paid,),
     }
     for name in outcomes.measures:
-        known = world.directions.get(name)
-        for direction in (1, -1) if known is None else (known,):
-            goals[f"{name} {direction:+d}"] = _measure(name, direction)
+        for sign in (world.directions[name],) if name in world.directions else (1, -1):
+            goals[f"{name} {sign:+d}"] = lambda it, name=name, sign=sign: (  # type: ignore[misc]
+                np.nan_to_num(sign * it.measures[name], nan=-np.inf, posinf=np.inf, neginf=-np.inf), it.paid
+            )  # fmt: skip
     return goals
-
-
-def _measure(name: str, direction: int) -> Goal:
-    return lambda it: (
-        np.nan_to_num(direction * it.measures[name], nan=-np.inf, posinf=np.inf, neginf=-np.inf),
-        it.paid,
-    )
 
 
 class Evolutions:
@@ -201,9 +191,11 @@ class Evolutions:
             again: Whether it begins from the best policy that is known for this goal, rather than from nothing.
         """
         goal, begins = self.goals[name], self._begin(squares)
-        if again and name in self.best:
-            begins = _widened(self.best[name].policy, begins)
         middle = np.asarray(begins["weights"])
+        if again and name in self.best:  # the products that it lacks have weights 0
+            begins, width = dict(self.best[name].policy), middle.shape[1]
+            middle = np.asarray(begins["weights"])
+            middle = np.pad(middle, ((0, 0), (0, max(0, width - middle.shape[1]))))
         spread = np.full(middle.shape, SPREAD_AGAIN if middle.any() else SPREAD)
         best: tuple[float, ...] = (-np.inf,)
         idle = 0
@@ -242,7 +234,7 @@ class Evolutions:
         return _reached(self.goals[name], candidate.outcomes)
 
     def _play(self, policy: Mapping[str, Any], some: Whole) -> Outcomes:
-        acting = _Linear(policy, self.world)
+        acting = Linear(policy, self.world)
         outcomes, actions = self.world.act(self.starts[some], acting)
         self.scales.add(acting.seen)
         self.keep(some, actions, outcomes, LINEAR, [policy] * len(some))
@@ -254,13 +246,6 @@ class Evolutions:
 def _reached(goal: Goal, outcomes: Outcomes) -> tuple[float, ...]:
     """How near some episodes came to a goal, on average."""
     return tuple(float(np.mean(it)) for it in goal(outcomes))
-
-
-def _widened(known: Mapping[str, Any], begins: Mapping[str, Any]) -> dict[str, Any]:
-    """A known policy, given the products too that another one has, with weights 0."""
-    weights, wanted = np.asarray(known["weights"]), np.asarray(begins["weights"])
-    missing = max(0, wanted.shape[1] - weights.shape[1])
-    return {**known, "weights": np.pad(weights, ((0, 0), (0, missing))).tolist()}
 
 
 def search_linear(world: World, starts: Whole, keep: Keep, budget: int, rng: np.random.Generator) -> list[Candidate]:

@@ -110,8 +110,8 @@ def back_and_forth(pairs: Pairs, rng: Rng) -> Actions:
     phase = (pairs.clock - end) % (2 * width)
     back = phase < width
     index = _insert(pairs, rng, end, np.where(back, end - 1 - phase, end - 2 * width + phase))
-    inserted = (pairs.clock >= end) & (index < end)
-    return _where(inserted & back, pairs.moves.turned(_keep(pairs.first, index)), _keep(pairs.first, index))
+    inserted, kept = (pairs.clock >= end) & (index < end), _keep(pairs.first, index)
+    return _where(inserted & back, pairs.moves.turned(kept), kept)
 
 
 def wait(pairs: Pairs, rng: Rng) -> Actions:
@@ -152,16 +152,14 @@ def finish_at_the_end(pairs: Pairs, rng: Rng) -> Actions:
 
 def burst(pairs: Pairs, rng: Rng) -> Actions:
     """One action, any, through a window."""
-    begin, end = _window(pairs, rng)
-    drawn = pairs.moves.white(rng, len(pairs), 1)
-    return _where((pairs.clock >= begin) & (pairs.clock < end), np.broadcast_to(drawn, pairs.first.shape), pairs.first)
+    inside, drawn = _inside(pairs, rng), pairs.moves.white(rng, len(pairs), 1)
+    return _where(inside, np.broadcast_to(drawn, pairs.first.shape), pairs.first)
 
 
 def recolour(pairs: Pairs, rng: Rng) -> Actions:
     """Noise of any colour through a window."""
-    begin, end = _window(pairs, rng)
-    drawn = pairs.moves.coloured(rng, len(pairs), pairs.horizon)
-    return _where((pairs.clock >= begin) & (pairs.clock < end), drawn, pairs.first)
+    inside = _inside(pairs, rng)
+    return _where(inside, pairs.moves.coloured(rng, len(pairs), pairs.horizon), pairs.first)
 
 
 def end_anew(pairs: Pairs, rng: Rng) -> Actions:
@@ -173,9 +171,8 @@ def end_anew(pairs: Pairs, rng: Rng) -> Actions:
 
 def refine(pairs: Pairs, rng: Rng) -> Actions:
     """A little noise: small numbers everywhere or through a window; of choices, a few drawn anew."""
-    inside = np.ones((len(pairs), pairs.horizon), bool)
-    begin, end = _window(pairs, rng)
-    inside &= _chance(rng, pairs, 0.4) | ((pairs.clock >= begin) & (pairs.clock < end))
+    window = _inside(pairs, rng)
+    inside = _chance(rng, pairs, 0.4) | window
     if isinstance(pairs.moves, Choices):
         rare = rng.random(inside.shape) < 10.0 ** rng.uniform(-2.0, -0.3, (len(pairs), 1))
         return _where(inside & rare, pairs.moves.white(rng, len(pairs), pairs.horizon), pairs.first)
@@ -195,9 +192,9 @@ def blend(pairs: Pairs, rng: Rng) -> Actions:
 
 def strengthen(pairs: Pairs, rng: Rng) -> Actions:
     """Stronger or weaker through a window, up to the extremes and to the other direction."""
-    begin, end = _window(pairs, rng)
+    inside = _inside(pairs, rng)
     factor = rng.choice([-1.0, 0.0, 0.5, 0.8, 1.25, 2.0, 1e6], (len(pairs), 1, 1))
-    return _where((pairs.clock >= begin) & (pairs.clock < end), _clip(pairs.first * factor), pairs.first)
+    return _where(inside, _clip(pairs.first * factor), pairs.first)
 
 
 def one_alone(pairs: Pairs, rng: Rng) -> Actions:
@@ -276,6 +273,12 @@ def _window(pairs: Pairs, rng: Rng) -> tuple[Whole, Whole]:
     """Where a window of each first parent begins, and where it ends, (n, 1) each."""
     begin = _place(rng, pairs.length)
     return begin, np.minimum(begin + _few(rng, pairs.length)[:, None], np.maximum(pairs.length[:, None], 1))
+
+
+def _inside(pairs: Pairs, rng: Rng) -> NDArray[Any]:
+    """Which steps a window of each first parent holds, (n, horizon)."""
+    begin, end = _window(pairs, rng)
+    return np.asarray((pairs.clock >= begin) & (pairs.clock < end))
 
 
 def _insert(pairs: Pairs, rng: Rng, place: Whole, index: Whole) -> Whole:

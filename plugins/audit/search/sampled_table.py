@@ -10,7 +10,7 @@ from scipy.sparse import csr_array
 
 from harness.arrays import Float, Mask
 
-from .table import ENOUGH, MOST_ACTIONS, MOST_NEW, key_of, table_policy
+from .table import ENOUGH, MOST_ACTIONS, MOST_NEW, ends, key_of, table_policy
 from .world import Act, Shown, Whole, World
 
 MOST_STATES = 20_000
@@ -104,13 +104,13 @@ class Counts:
         states = [self.states.setdefault(key_of(it), len(self.states)) for it in shown.observed]
         for step, action in enumerate((shown.actions - self.space.start).tolist()):
             pair, is_success = self.pairs.setdefault((states[step], action), _Pair()), bool(shown.success[step])
-            ends = step == len(shown.actions) - 1 and (shown.ended == "terminated" or step + 1 < self._longest)
+            end = ends(shown, step, self._longest)
             pair.tried += 1
             self.news += pair.tried <= KNOWN
             pair.paid += float(shown.paid[step])
-            pair.ended_well += ends and is_success
-            pair.success += is_success and not ends
-            if not ends:
+            pair.ended_well += end and is_success
+            pair.success += is_success and not end
+            if not end:
                 pair.after[states[step + 1]] = pair.after.get(states[step + 1], 0) + 1
         self._returns.append(float(shown.paid.sum()))
         return shown

@@ -106,11 +106,6 @@ class Learner:
     known: list[dict[int, tuple[float, bool]]] = field(default_factory=list)
     begins: dict[int, int] = field(default_factory=dict)
 
-    @property
-    def actions(self) -> int:
-        """How many there are."""
-        return int(self.space.n)
-
     def state_of(self, observed: Any, step: int) -> int:
         """The number of a state; one that was never met gets the next number."""
         key = f"{step} {key_of(observed)}" if self.is_timed else key_of(observed)
@@ -128,8 +123,8 @@ class Learner:
             at, depth = queue.popleft()
             if depth >= steps:
                 break
-            if len(self.leads[at]) < self.actions:
-                untried = next(it for it in range(self.actions) if it not in self.leads[at])
+            if len(self.leads[at]) < self.space.n:
+                untried = next(it for it in range(self.space.n) if it not in self.leads[at])
                 return [*_way(came, at), untried]
             for action, after in self.leads[at].items():
                 if after >= 0 and after not in came:
@@ -150,7 +145,7 @@ class Learner:
                 planned = self.plan(state, self.horizon - taken)
                 is_done = not planned
             taken += 1
-            last = state, planned.pop(0) if planned else int(self.rng.integers(self.actions))
+            last = state, planned.pop(0) if planned else int(self.rng.integers(self.space.n))
             return int(self.space.start) + last[1]
 
         return act
@@ -166,7 +161,7 @@ class Learner:
         agrees = self.begins.setdefault(shown.start, states[0]) == states[0]
         for step, action in enumerate((shown.actions - self.space.start).tolist()):
             state, paid, success = states[step], float(shown.paid[step]), bool(shown.success[step])
-            after = -1 if _ends(shown, step, self.horizon) else states[step + 1]
+            after = -1 if ends(shown, step, self.horizon) else states[step + 1]
             before = self.known[state].setdefault(action, (paid, success))
             agrees &= self.leads[state].setdefault(action, after) == after
             agrees &= success == before[1] and math.isclose(paid, before[0], rel_tol=CLOSE, abs_tol=CLOSE)
@@ -182,7 +177,7 @@ class Learner:
 
     def table(self) -> Table:
         """What is known, as arrays."""
-        shape = len(self.known), self.actions
+        shape = len(self.known), int(self.space.n)
         after, paid, success, tried = np.full(shape, -1), np.zeros(shape), np.zeros(shape, bool), np.zeros(shape, bool)
         for state, known in enumerate(self.known):
             for action, (pays, succeeds) in known.items():
@@ -199,7 +194,7 @@ def _way(came: Mapping[int, tuple[int, int]], state: int) -> list[int]:
     return actions[::-1]
 
 
-def _ends(shown: Shown, step: int, horizon: int) -> bool:
+def ends(shown: Shown, step: int, horizon: int) -> bool:
     """Whether a step ended the episode by itself; the horizon is no end of a table."""
     return step == len(shown.actions) - 1 and (shown.ended == "terminated" or step + 1 < horizon)
 
@@ -271,7 +266,7 @@ def _learnt(world: World, starts: Sequence[int], learner: Learner, until: int) -
     checked, first = min(2 * world.taken - begun, until), int(learner.space.start)
     while world.taken < checked:
         for start in starts:
-            learner.learn(world.watch(start, lambda observed: first + int(learner.rng.integers(learner.actions))))
+            learner.learn(world.watch(start, lambda observed: first + int(learner.rng.integers(learner.space.n))))
     return learner.table()
 
 

@@ -9,11 +9,11 @@ from harness_plugins.sb3 import double
 
 
 @pytest.fixture
-def models(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+def models(monkeypatch):
     """The models that stable-baselines3 makes while the test runs."""
     made: list[Any] = []
 
-    def watched(library: type) -> type:
+    def watched(library):
         class Watched(library):  # type: ignore[misc]
             def __init__(self, *args: Any, **kwargs: Any) -> None:
                 super().__init__(*args, **kwargs)

@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -24,12 +23,12 @@ MODES = ("movej", "movej-absolute", "set-joints")
 REGISTRY = load_registry()
 
 
-def _policy(task: ReachTask, robot: str = "fd100", mode: str = "movej") -> InverseKinematics:
+def _policy(task, robot="fd100", mode="movej"):
     arm = harness.load_robot(robot, REGISTRY)
     return InverseKinematics.of(arm, task.motion(arm).limits, mode, "ik")  # type: ignore[attr-defined]
 
 
-def _success(simulator: str, mode: str, robot: str, episodes: int, task: str = "fd100-reach") -> float:
+def _success(simulator, mode, robot, episodes, task="fd100-reach"):
     env = harness.make_env(simulator, f"{task}:action={mode}", "dense", robot, num_envs=episodes)
     policy = kinematics_policy(env.task, env.robot)
     seen, _ = env.reset(seed=EVALUATION_SEED)
@@ -43,7 +42,7 @@ def _success(simulator: str, mode: str, robot: str, episodes: int, task: str = "
 
 
 @pytest.mark.parametrize("mode", MODES)
-def test_it_reaches_the_targets_without_dynamics(mode: str):
+def test_it_reaches_the_targets_without_dynamics(mode):
     """99 of 100 and more, in every mode."""
     assert _success("kinematic", mode, "fd100", 500) >= 0.99
 
@@ -55,12 +54,12 @@ def test_it_reaches_the_targets_with_dynamics():
 
 
 @pytest.mark.parametrize("task", ["fd100-pose", "fd100-moving", "fd100-small-target", "fd100-low"])
-def test_it_does_the_harder_tasks(task: str):
+def test_it_does_the_harder_tasks(task):
     """A pose by inverse kinematics of position and orientation, a moving target by going to where it is now."""
     assert _success("kinematic", "movej", "fd100", 50, task) >= 0.95
 
 
-def test_policy_of_a_pose_comes_back_from_its_folder(tmp_path: Path):
+def test_policy_of_a_pose_comes_back_from_its_folder(tmp_path):
     """With what it sees beside the target's place; a card whose observation has no room for it is refused."""
     task = choose(REGISTRY, "tasks", "fd100-pose").build(REGISTRY, "tasks")
     policy = kinematics_policy(task, harness.load_robot("fd100", REGISTRY), "ik")
@@ -82,7 +81,7 @@ def test_it_reaches_with_another_arm():
 
 
 @pytest.mark.parametrize("mode", MODES)
-def test_policy_comes_back_from_its_folder(tmp_path: Path, mode: str):
+def test_policy_comes_back_from_its_folder(tmp_path, mode):
     """It acts the same, bit for bit, and says of which arm it is."""
     policy = _policy(ReachTask(action=mode), mode=mode)
     policy.save(tmp_path)
@@ -116,7 +115,7 @@ DAMAGES: dict[str, Callable[[dict[str, Any]], None]] = {
 
 
 @pytest.mark.parametrize(("message", "damage"), DAMAGES.items(), ids=DAMAGES)
-def test_damaged_card_is_refused(tmp_path: Path, message: str, damage: Callable[[dict[str, Any]], None]):
+def test_damaged_card_is_refused(tmp_path, message, damage):
     """By name, before it acts."""
     _policy(ReachTask()).save(tmp_path)
     card = json.loads((tmp_path / CARD).read_text())
@@ -138,7 +137,7 @@ def test_training_yields_the_policy():
     assert isinstance(done.policy, InverseKinematics)
 
 
-def test_what_it_cannot_do_has_a_reason(subtests: pytest.Subtests):
+def test_what_it_cannot_do_has_a_reason(subtests):
     """Of the action mode, and of the observation."""
     rows = [
         ("fd100-reach", ""),

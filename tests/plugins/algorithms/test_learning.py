@@ -1,6 +1,5 @@
 """Every algorithm learns the FD100 task: trained and evaluated as by `harness run`, it is far better than random."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -17,11 +16,11 @@ STEPS = {"sb3-sac": 5_000, "td3": 6_000, "ppo": 15_000, "dqn": 4_000, "ddqn": 4_
 
 
 @pytest.fixture(scope="module")
-def results(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, str], Results]:
+def results(tmp_path_factory):
     """The results of an algorithm on a task, of three seeds under the reward `dense`."""
     done: dict[tuple[str, str], Results] = {}
 
-    def run(algorithm: str, task: str) -> Results:
+    def run(algorithm, task):
         if (algorithm, task) not in done:
             folder: Path = tmp_path_factory.mktemp(algorithm)
             done[algorithm, task] = harness.run(
@@ -37,7 +36,7 @@ CASES = [(name, "fd100-reach") for name in STEPS] + [("ppo", "fd100-reach:action
 
 
 @pytest.mark.parametrize(("algorithm", "task"), CASES)
-def test_algorithm_reaches_what_random_does_not(results: Callable[[str, str], Results], algorithm: str, task: str):
+def test_algorithm_reaches_what_random_does_not(results, algorithm, task):
     """Of 100 targets the policy of every seed reaches 70 and more, random actions 10 at most."""
     found = results(algorithm, task).evaluations.values()
     assert len(found) == SEEDS
@@ -46,7 +45,7 @@ def test_algorithm_reaches_what_random_does_not(results: Callable[[str, str], Re
 
 
 @pytest.mark.parametrize(("algorithm", "task"), CASES)
-def test_algorithm_earns_what_random_does_not(results: Callable[[str, str], Results], algorithm: str, task: str):
+def test_algorithm_earns_what_random_does_not(results, algorithm, task):
     """The mean return of every seed's policy is at least 20 above that of random actions, -40 and less."""
     found = results(algorithm, task)
     for cell in found.done_cells:

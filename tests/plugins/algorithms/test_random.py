@@ -33,7 +33,7 @@ def test_it_takes_discrete_actions():
 
 
 @pytest.mark.parametrize("num_envs", [1, 7])
-def test_seed_decides_what_it_does(num_envs: int):
+def test_seed_decides_what_it_does(num_envs):
     """One seed, one trace; another seed, another."""
     ends = [train(Random(num_envs=num_envs), 91, seed=seed).env.episodes.matrix for seed in (0, 0, 1)]
     np.testing.assert_array_equal(ends[0], ends[1])

@@ -1,12 +1,11 @@
 """Every algorithm goes on from its checkpoints as if nothing had happened, whatever the simulator."""
 
-from pathlib import Path
 from typing import Any
 
 import pytest
 
 import harness
-from harness.env import ReachVectorEnv, World
+from harness.env.make import World
 from harness.registry import choose, load_registry
 from harness.registry.choice import build_defaults
 from harness_plugins.kit.algorithms import differences, train_with_checkpoints
@@ -35,10 +34,10 @@ CASES = [
 
 @pytest.mark.usefixtures("installed")
 @pytest.mark.parametrize(("algorithm", "simulator", "num_envs"), CASES)
-def test_training_goes_on_as_if_nothing_had_happened(tmp_path: Path, algorithm: str, simulator: str, num_envs: int):
+def test_training_goes_on_as_if_nothing_had_happened(tmp_path, algorithm, simulator, num_envs):
     """From the middle of episodes: the same steps, weights and scalars as one that made no checkpoints."""
 
-    def open_env(learner: Any) -> ReachVectorEnv:
+    def open_env(learner):
         task = {"name": "fd100-reach", "horizon": 25}
         if learner.action_spaces == {"discrete"}:
             task["action"] = "discrete"
@@ -48,7 +47,7 @@ def test_training_goes_on_as_if_nothing_had_happened(tmp_path: Path, algorithm: 
         world = World(engine, robot, built, build_defaults(REGISTRY, "rewards")["baseline"])
         return world.open(learner.num_envs, resumable=True)
 
-    def train(name: str, every: int = EVERY, start: Any = None) -> Any:
+    def train(name, every=EVERY, start=None):
         return train_with_checkpoints(learner, STEPS, every, tmp_path / name, start, open_env)
 
     learner: Any = REGISTRY.get("algorithms", algorithm).load()(**ALGORITHMS[algorithm], num_envs=num_envs)

@@ -1,8 +1,5 @@
 """SAC: what stable-baselines3 learned is what the saved policy does."""
 
-from pathlib import Path
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -17,7 +14,7 @@ STEPS = 160
 
 
 @pytest.mark.parametrize("settings", [{}, {"activation": "tanh"}, {"net_arch": (16,)}, {"net_arch": (8, 16, 24)}])
-def test_policy_acts_as_the_actor(models: list[Any], tmp_path: Path, settings: dict[str, Any]):
+def test_policy_acts_as_the_actor(models, tmp_path, settings):
     """Saved and loaded, the policy's actions are those of stable-baselines3's actor without noise, to 1e-6."""
     train_anew(Sac(**settings), STEPS).policy.save(tmp_path / "policy")
     seen = observations()
@@ -26,7 +23,7 @@ def test_policy_acts_as_the_actor(models: list[Any], tmp_path: Path, settings: d
     assert expected.std(axis=0).min() > 1e-3
 
 
-def test_policy_draws_as_the_actor(models: list[Any]):
+def test_policy_draws_as_the_actor(models):
     """With noise, mean and spread of the policy's actions are those of stable-baselines3's actor."""
     policy = train_anew(Sac(), STEPS).policy
     seen = np.repeat(observations()[:1], 20_000, axis=0)
@@ -36,7 +33,7 @@ def test_policy_draws_as_the_actor(models: list[Any]):
     np.testing.assert_allclose(ours.std(axis=0), theirs.std(axis=0), atol=0.02)
 
 
-def test_settings_reach_the_library(models: list[Any]):
+def test_settings_reach_the_library(models):
     """Every hyperparameter arrives at stable-baselines3."""
     train_anew(
         Sac(
@@ -53,7 +50,7 @@ def test_settings_reach_the_library(models: list[Any]):
     assert model.policy_kwargs["activation_fn"].__name__ == "Tanh"
 
 
-def test_several_envs_are_trained_on_at_once(models: list[Any]):
+def test_several_envs_are_trained_on_at_once(models):
     """With num_envs=4 the budget is spent over four envs, and updates are made."""
     done = train_anew(Sac(num_envs=4), STEPS)
     assert done.env.num_envs == 4
@@ -68,12 +65,12 @@ def test_several_envs_learn_the_easy_task():
 
 
 @pytest.mark.parametrize("settings", [{"num_envs": 4}, {"train_freq": 7}, {"num_envs": 4, "train_freq": 3}])
-def test_budget_is_spent_exactly(settings: dict[str, Any]):
+def test_budget_is_spent_exactly(settings):
     """Neither the number of envs nor the rhythm of the updates makes a training longer than its budget."""
     the_budget_is_spent_exactly(Sac(**settings))
 
 
-def test_nothing_is_pickled(tmp_path: Path):
+def test_nothing_is_pickled(tmp_path):
     """The policy's folder holds weights as safetensors and a card as JSON, and nothing else."""
     train_anew(Sac(), 20).policy.save(tmp_path / "policy")
     assert sorted(path.name for path in (tmp_path / "policy").iterdir()) == ["card.json", "weights.safetensors"]
@@ -93,7 +90,7 @@ def test_large_seed_is_taken():
     assert train_anew(Sac(), 4, seed=2**63).env.steps == 4
 
 
-def test_bad_setting_is_a_usage_error(subtests: pytest.Subtests):
+def test_bad_setting_is_a_usage_error(subtests):
     """A hyperparameter that cannot be is refused before anything runs."""
     rows = [
         {"learning_rate": 0},

@@ -3,7 +3,6 @@
 import subprocess
 import sys
 from dataclasses import fields
-from typing import Any
 
 import numpy as np
 import pytest
@@ -23,7 +22,7 @@ def test_settings_are_those_of_sac():
     ]
 
 
-def test_entropy_coefficient_is_read(subtests: pytest.Subtests):
+def test_entropy_coefficient_is_read(subtests):
     """What is learned from where, and what is fixed."""
     rows = [
         ("auto", True, 1.0),
@@ -39,7 +38,7 @@ def test_entropy_coefficient_is_read(subtests: pytest.Subtests):
             assert (settings.learns_coefficient, settings.first_coefficient) == (learns, first)
 
 
-def test_other_coefficients_are_refused(subtests: pytest.Subtests):
+def test_other_coefficients_are_refused(subtests):
     """Before anything runs: one learned by its logarithm cannot start at 0."""
     for given in ["auto_", "auto_0", "auto_0.0", "auto_0.1.2", "auto_.1.2", "-1", "much"]:
         with subtests.test(given=given), pytest.raises(ValueError, match="ent_coef"):
@@ -47,13 +46,13 @@ def test_other_coefficients_are_refused(subtests: pytest.Subtests):
 
 
 @pytest.mark.parametrize("settings", [{"activation": "tanh"}, {"num_envs": 4, "gradient_steps": -1}])
-def test_return_rises(settings: dict[str, Any]):
+def test_return_rises(settings):
     """On the easy task, in whatever form; with the defaults it is tested with the contract."""
     the_return_rises(SacFast(**settings))
 
 
 @pytest.mark.parametrize("settings", [{"num_envs": 4}, {"train_freq": 7}, {"num_envs": 4, "train_freq": 3}])
-def test_budget_is_spent_exactly(settings: dict[str, Any]):
+def test_budget_is_spent_exactly(settings):
     """Neither the number of envs nor the rhythm of the updates makes a training longer than its budget."""
     the_budget_is_spent_exactly(SacFast(**settings))
 

@@ -4,11 +4,10 @@ Their learning curves, the library's from outside the harness, differ no more th
 """
 
 import multiprocessing
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict
 from itertools import combinations
-from typing import Any
 
 import numpy as np
 import pytest
@@ -29,7 +28,7 @@ Curve = NDArray[np.float64]
 """Share of successes and mean return at each evaluation, (evaluations, 2)."""
 
 
-def evaluate(act: Callable[[NDArray[np.float32]], NDArray[Any]]) -> tuple[float, float]:
+def evaluate(act):
     """Share of successes and mean return, without noise, in episodes that are the same each time."""
     env = harness.make_env(**ENV, num_envs=EPISODES)
     seen, _ = env.reset(seed=EVALUATION_SEED)
@@ -53,7 +52,7 @@ class Evaluations(Progress):
             self.found.append(evaluate(make().act))
 
 
-def curve_of_sac_fast(seed: int, **settings: Any) -> Curve:
+def curve_of_sac_fast(seed, **settings):
     """Of one training, as the harness does it."""
     env, evaluations = harness.make_env(**ENV), Evaluations()
     env.reset(seed=seed)
@@ -61,7 +60,7 @@ def curve_of_sac_fast(seed: int, **settings: Any) -> Curve:
     return np.array(evaluations.found)
 
 
-def curve_of_the_library(seed: int) -> Curve:
+def curve_of_the_library(seed):
     """Of one training by the library alone, with the same hyperparameters."""
     import gymnasium
     import torch
@@ -87,7 +86,7 @@ MEASURES: dict[str, Callable[[Curve], float]] = {
 }
 
 
-def differences(first: Sequence[Curve], second: Sequence[Curve]) -> dict[str, float]:
+def differences(first, second):
     """Of the means of two groups, for each measure."""
     return {
         name: float(np.mean([measure(curve) for curve in first]) - np.mean([measure(curve) for curve in second]))
@@ -95,7 +94,7 @@ def differences(first: Sequence[Curve], second: Sequence[Curve]) -> dict[str, fl
     }
 
 
-def noise(curves: Sequence[Curve]) -> dict[str, float]:
+def noise(curves):
     """The largest difference between two halves of the curves, over all ways to halve them, for each measure."""
     indices = set(range(len(curves)))
     found = [
@@ -105,14 +104,14 @@ def noise(curves: Sequence[Curve]) -> dict[str, float]:
     return {name: max(abs(difference[name]) for difference in found) for name in MEASURES}
 
 
-def beyond(candidate: Sequence[Curve], reference: Sequence[Curve]) -> list[str]:
+def beyond(candidate, reference):
     """The measures in which a group is further from the reference than that is from itself."""
     differs, floor = differences(candidate, reference), noise(reference)
     return [name for name in MEASURES if abs(differs[name]) > floor[name]]
 
 
 @pytest.fixture
-def pool(monkeypatch: pytest.MonkeyPatch, pytestconfig: pytest.Config) -> Iterator[ProcessPoolExecutor]:
+def pool(monkeypatch, pytestconfig):
     """Two processes of one thread each, which find this module."""
     monkeypatch.syspath_prepend(pytestconfig.rootpath)
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
@@ -121,7 +120,7 @@ def pool(monkeypatch: pytest.MonkeyPatch, pytestconfig: pytest.Config) -> Iterat
         yield executor
 
 
-def test_learning_curves_are_those_of_the_library(pool: ProcessPoolExecutor):
+def test_learning_curves_are_those_of_the_library(pool):
     """Ten seeds are as close to ten of the library as half of these to the others; with lazy targets none are."""
     references = [pool.submit(curve_of_the_library, seed) for seed in range(10, 20)]
     candidates = [pool.submit(curve_of_sac_fast, seed) for seed in range(10, 20)]

@@ -1,6 +1,5 @@
 """What stable-baselines3 learned is what the saved policy does, for every algorithm and kind of action."""
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,7 @@ from harness_plugins.algorithms.ppo import Ppo
 from harness_plugins.algorithms.sac import Sac
 from harness_plugins.algorithms.td3 import Td3
 from harness_plugins.kit.algorithms import the_budget_is_spent_exactly
-from harness_plugins.kit.trainings import Training, WatchedEnv, observations, train_anew
+from harness_plugins.kit.trainings import WatchedEnv, observations, train_anew
 
 STEPS = 160
 QUICK_PPO = {"rollout": 32, "batch_size": 16, "num_envs": 1}
@@ -27,13 +26,13 @@ EVERY: list[tuple[Algorithm, ActionSpace]] = [
 ]
 
 
-def trained(algorithm: Algorithm, space: ActionSpace = "continuous") -> Training:
+def trained(algorithm, space="continuous"):
     """A training that is long enough for updates."""
     return train_anew(algorithm, STEPS, space=space)
 
 
 @pytest.mark.parametrize(("algorithm", "space"), EVERY, ids=repr)
-def test_policy_acts_as_the_model(models: list[Any], tmp_path: Path, algorithm: Algorithm, space: ActionSpace):
+def test_policy_acts_as_the_model(models, tmp_path, algorithm, space):
     """Saved and loaded, the policy's actions are those of stable-baselines3's model without noise, to 1e-6."""
     trained(algorithm, space).policy.save(tmp_path / "policy")
     seen = observations()
@@ -42,7 +41,7 @@ def test_policy_acts_as_the_model(models: list[Any], tmp_path: Path, algorithm: 
 
 
 @pytest.mark.parametrize(("algorithm", "space"), EVERY, ids=repr)
-def test_weights_are_copies(models: list[Any], algorithm: Algorithm, space: ActionSpace):
+def test_weights_are_copies(models, algorithm, space):
     """What the model does next does not change a policy that was yielded."""
     policy = trained(algorithm, space).policy
     before = {name: weight.copy() for name, weight in policy.weights.items()}
@@ -52,7 +51,7 @@ def test_weights_are_copies(models: list[Any], algorithm: Algorithm, space: Acti
         np.testing.assert_array_equal(weight, before[name])
 
 
-def test_ppo_draws_as_the_model(models: list[Any]):
+def test_ppo_draws_as_the_model(models):
     """With noise, mean and spread of the actions are those of stable-baselines3's Gaussian, cut to the box."""
     policy = trained(Ppo(**QUICK_PPO)).policy
     assert isinstance(policy, Gaussian)
@@ -63,7 +62,7 @@ def test_ppo_draws_as_the_model(models: list[Any]):
     np.testing.assert_allclose(ours.std(axis=0), theirs.std(axis=0), atol=0.02)
 
 
-def test_ppo_chooses_as_the_model(models: list[Any]):
+def test_ppo_chooses_as_the_model(models):
     """With noise, every choice is made as often as by stable-baselines3's categorical distribution."""
     policy = trained(Ppo(**QUICK_PPO), "discrete").policy
     assert isinstance(policy, Categorical)
@@ -85,7 +84,7 @@ def test_policies_draw_with_the_noise_of_the_training():
     assert dqn.epsilon == 0.2
 
 
-def test_budget_is_spent_exactly(subtests: pytest.Subtests):
+def test_budget_is_spent_exactly(subtests):
     """Neither the number of envs nor the rhythm of the updates makes a training longer than its budget."""
     rows = [
         Td3(num_envs=4),
@@ -102,13 +101,13 @@ def test_budget_is_spent_exactly(subtests: pytest.Subtests):
 
 
 @pytest.mark.parametrize("algorithm", [Td3(), Ppo(num_envs=1), Dqn(), Ddqn()], ids=repr)
-def test_large_seed_is_taken(algorithm: Algorithm):
+def test_large_seed_is_taken(algorithm):
     """A seed of 64 bits is no error."""
     assert train_anew(algorithm, 4, seed=2**63).env.steps == 4
 
 
 @pytest.mark.parametrize(("algorithm", "space"), [(Sac(), "continuous"), (Ppo(**QUICK_PPO), "discrete")], ids=repr)
-def test_looking_on_changes_nothing(algorithm: Algorithm, space: ActionSpace):
+def test_looking_on_changes_nothing(algorithm, space):
     """A policy that is taken at every step, as for evaluations, leaves the training as it is, bit for bit."""
 
     class Curious(Progress):

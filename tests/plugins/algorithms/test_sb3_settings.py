@@ -1,7 +1,5 @@
 """Every hyperparameter arrives at stable-baselines3, and what cannot be is refused."""
 
-from typing import Any
-
 import pytest
 
 from harness.errors import UsageError
@@ -18,7 +16,7 @@ SHARED = {
 }  # fmt: skip
 
 
-def model_of(models: list[Any], algorithm: Any) -> Any:
+def model_of(models, algorithm):
     """The model that a short training with seed 5 makes."""
     train_anew(algorithm, 40, seed=5)
     (model,) = models
@@ -26,7 +24,7 @@ def model_of(models: list[Any], algorithm: Any) -> Any:
     return model
 
 
-def require_shared(model: Any, activation: str) -> None:
+def require_shared(model, activation):
     """What `SHARED` says is what the model has."""
     assert (model.learning_rate, model.gamma, model.batch_size, model.tau) == (0.002, 0.9, 17, 0.02)
     assert (model.learning_starts, model.train_freq.frequency, model.gradient_steps) == (11, 2, 3)
@@ -35,7 +33,7 @@ def require_shared(model: Any, activation: str) -> None:
     assert model.policy_kwargs["activation_fn"].__name__ == activation
 
 
-def test_settings_of_td3(models: list[Any]):
+def test_settings_of_td3(models):
     """TD3's."""
     given = {"action_noise": 0.3, "policy_delay": 3, "target_noise": 0.1, "target_noise_clip": 0.4}
     model = model_of(models, Td3(**SHARED, **given, activation="tanh"))
@@ -45,7 +43,7 @@ def test_settings_of_td3(models: list[Any]):
 
 
 @pytest.mark.parametrize("algorithm", [Dqn, Ddqn])
-def test_settings_of_q_learning(models: list[Any], algorithm: Any):
+def test_settings_of_q_learning(models, algorithm):
     """A deep Q network's."""
     given = {"target_update_interval": 5, "exploration_fraction": 0.5, "exploration_start": 0.9, "exploration_end": 0.1}
     model = model_of(models, algorithm(**SHARED, **given, max_gradient=3.0, activation="relu"))
@@ -54,7 +52,7 @@ def test_settings_of_q_learning(models: list[Any], algorithm: Any):
     assert (model.exploration_initial_eps, model.exploration_final_eps) == (0.9, 0.1)
 
 
-def test_settings_of_ppo(models: list[Any]):
+def test_settings_of_ppo(models):
     """PPO's; `rollout` is over all envs."""
     algorithm = Ppo(
         learning_rate=0.002, gamma=0.9, net_arch=(32, 16), batch_size=4, rollout=20, epochs=2, gae_lambda=0.8,
@@ -67,7 +65,7 @@ def test_settings_of_ppo(models: list[Any]):
     assert model.policy_kwargs["activation_fn"].__name__ == "ReLU"
 
 
-def test_linear_schedule_ends_at_zero(models: list[Any]):
+def test_linear_schedule_ends_at_zero(models):
     """Learning rate and clip_range at half of the training are half of what they were."""
     model = model_of(models, Ppo(rollout=40, batch_size=10, schedule="linear", learning_rate=0.002, clip_range=0.2))
     assert model.lr_schedule(0.5) == pytest.approx(0.001)
@@ -82,7 +80,7 @@ def test_published_settings_are_a_preset():
 
 
 @pytest.mark.parametrize("given", [{"learning_rate": 1e-3}, {"gamma": 0.5}, {"batch_size": 64}, {"epochs": 10}])
-def test_what_is_given_wins_over_the_preset(given: dict[str, Any]):
+def test_what_is_given_wins_over_the_preset(given):
     """Also where it is what the parameter has by default."""
     values = vars(build(Ppo, {"preset": "unity", **given}, "algorithm 'ppo'"))
     assert {key: values[key] for key in given} == given
@@ -92,7 +90,7 @@ def test_what_is_given_wins_over_the_preset(given: dict[str, Any]):
 @pytest.mark.parametrize(
     "text", ["ppo", "ppo:preset=unity", "ppo:preset=unity,learning_rate=0.001", "ppo:preset=unity,num_envs=10"]
 )
-def test_label_names_the_preset_and_what_differs_from_it(text: str):
+def test_label_names_the_preset_and_what_differs_from_it(text):
     """Every parameter is recorded with its value all the same, and the record gives the same choice again."""
     registry = load_registry()
     choice = choose(registry, "algorithms", text)
@@ -100,7 +98,7 @@ def test_label_names_the_preset_and_what_differs_from_it(text: str):
     assert choose(registry, "algorithms", {"name": "ppo", **dict(choice.params)}) == choice
 
 
-def test_bad_setting_is_a_usage_error(subtests: pytest.Subtests):
+def test_bad_setting_is_a_usage_error(subtests):
     """A hyperparameter that cannot be is refused before anything runs."""
     rows = [
         (Td3, {"action_noise": -0.1}),

@@ -29,20 +29,20 @@ STATES = np.eye(2, dtype=np.float32)
 START = np.array([0.7, 0.3])
 
 
-def _policy(rng: np.random.Generator) -> spg.Net:
+def _policy(rng):
     layers = spg.draw_layers([2, 3, 1], "mean", 1.0, rng)
     layers["log_std"] = np.array([-0.3], np.float32)
     return {name: torch.tensor(array, dtype=torch.float64, requires_grad=True) for name, array in layers.items()}
 
 
-def _choices(policy: spg.Net) -> torch.Tensor:
+def _choices(policy):
     """Probability of each choice in each state, (2, 2)."""
     mean = spg.forward(policy, "tanh", torch.as_tensor(STATES, dtype=torch.float64))[:, 0]
     positive = torch.special.ndtr(mean / policy["log_std"].exp())
     return torch.stack([1.0 - positive, positive], dim=1)
 
 
-def _objective(policy: spg.Net, horizon: int = HORIZON) -> float:
+def _objective(policy, horizon=HORIZON):
     """J of NOTE eq. 12, by the matrices of the process: no trials."""
     with torch.no_grad():
         choices = _choices(policy).numpy()
@@ -55,7 +55,7 @@ def _objective(policy: spg.Net, horizon: int = HORIZON) -> float:
     return float(START @ value)
 
 
-def _finite_differences(policy: spg.Net, step: float = 1e-5) -> np.ndarray:
+def _finite_differences(policy, step=1e-5):
     """The gradient of J, parameter by parameter."""
     slopes = []
     for weight in policy.values():
@@ -71,7 +71,7 @@ def _finite_differences(policy: spg.Net, step: float = 1e-5) -> np.ndarray:
     return np.array(slopes)
 
 
-def _trials(policy: spg.Net, count: int, rng: np.random.Generator) -> Segment:
+def _trials(policy, count, rng):
     """`count` episodes side by side."""
     state, rows = (rng.random(count) >= START[0]).astype(int), []
     with torch.no_grad():
@@ -85,7 +85,7 @@ def _trials(policy: spg.Net, count: int, rng: np.random.Generator) -> Segment:
     return Segment(*(np.stack(column) for column in zip(*rows, strict=True)), last=STATES[state])
 
 
-def _estimates(policy: spg.Net, segment: Segment, baseline: np.ndarray) -> np.ndarray:
+def _estimates(policy, segment, baseline):
     """The estimate from each group of trials, (groups, parameters)."""
     to_go = spg.rewards_to_go(segment.reward, segment.ended, np.zeros(segment.reward.shape[1]), GAMMA)
     weight = (to_go - segment.observation @ baseline) * spg.discounts(segment.ended, GAMMA)
@@ -102,7 +102,7 @@ def _estimates(policy: spg.Net, segment: Segment, baseline: np.ndarray) -> np.nd
 
 
 @pytest.mark.parametrize("baseline", [(0.0, 0.0), (1.0, 3.0)], ids=["without", "with"])
-def test_estimate_is_the_gradient_of_j(baseline: tuple[float, float]):
+def test_estimate_is_the_gradient_of_j(baseline):
     """The mean of the estimates is the finite difference of J, solved exactly, within the noise of the trials.
 
     The noise is measured; that it is small beside the gradient is required, and so is that a wrong sign would be seen.
@@ -140,7 +140,7 @@ def test_log_prob_is_that_of_the_gaussian():
     torch.testing.assert_close(spg.log_prob(policy, "tanh", seen, action), expected)
 
 
-def _constant_gaussian(mean: float, variance: float) -> spg.Net:
+def _constant_gaussian(mean, variance):
     """One number in, one action, the same in every state."""
     weights = {"mean.weight": [[0.0]], "mean.bias": [mean], "log_std": [0.5 * np.log(variance)]}
     return {name: torch.tensor(values, dtype=torch.float64) for name, values in weights.items()}
@@ -230,7 +230,7 @@ def test_policy_stays_when_the_training_goes_on():
     assert not np.array_equal(learner.policy().weights["mean.weight"], before["mean.weight"])
 
 
-def test_every_setting_trains_and_matters(subtests: pytest.Subtests):
+def test_every_setting_trains_and_matters(subtests):
     """The budget is kept, and other weights come out than with the defaults."""
     rows = [
         {"baseline": False},
@@ -305,7 +305,7 @@ def test_large_seed_is_taken():
     assert train(Spg(), 16, seed=2**63).env.steps == 16
 
 
-def test_bad_setting_is_a_usage_error(subtests: pytest.Subtests):
+def test_bad_setting_is_a_usage_error(subtests):
     """A hyperparameter that cannot be is refused before anything runs."""
     for name in ["learning_rate", "net_arch", "std", "baseline_updates", "decisions", "num_envs"]:
         with subtests.test(name=name), pytest.raises(UsageError, match=name):
@@ -315,7 +315,7 @@ def test_bad_setting_is_a_usage_error(subtests: pytest.Subtests):
 # ------------------------------------------------------------------------------------------------- what it learns
 
 
-def _evaluate(policy: Policy) -> tuple[float, float]:
+def _evaluate(policy):
     """Share of successes and mean return in 100 episodes of the FD100."""
     env, rng = harness.make_env("kinematic", "fd100-reach", "dense", num_envs=100), np.random.default_rng(0)
     seen, _ = env.reset(seed=EVALUATION_SEED)
@@ -330,7 +330,7 @@ def _evaluate(policy: Policy) -> tuple[float, float]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1, 2])
-def test_defaults_learn_the_fd100_task(seed: int):
+def test_defaults_learn_the_fd100_task(seed):
     """In 100,000 steps on the simulator kinematic under the reward dense: success and return far above random."""
     env = harness.make_env("kinematic", "fd100-reach", "dense", num_envs=Spg().num_envs)
     env.reset(seed=seed)

@@ -8,7 +8,7 @@ from harness_plugins.arms.dry_friction import DryFriction
 
 
 @given(seed=st.integers(0, 2**32 - 1), dof=st.integers(1, 8))
-def test_each_joint_stands_still_or_is_slowed_with_all_there_is(seed: int, dof: int):
+def test_each_joint_stands_still_or_is_slowed_with_all_there_is(seed, dof):
     """Speeds follow from impulses within the limits; a joint that still moves has the whole impulse against it."""
     rng = np.random.default_rng(seed)
     root = rng.normal(size=(dof, dof))

@@ -2,7 +2,6 @@
 
 import itertools
 from contextlib import closing
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,24 +10,24 @@ import harness
 from harness.authoring.commands import choose, columns_of, load_registry, read_given
 from harness.payoff.finishing import payoff_of
 from harness.payoff.score import score_rollout
-from harness.record.recording.recorded_training import read_recording
+from harness.record import read_recording
 from tests.plugins.audit.cases.policies import POLICIES
 from tests.plugins.audit.cases.run import SEEDS, answer_of, search
-from tests.plugins.audit.cases.table import ARM, HACKED, HONEST, SLIPPERY, Case
+from tests.plugins.audit.cases.table import ARM, HACKED, HONEST, SLIPPERY
 
 
-def needed(cases: tuple[Case, ...]) -> list[Case]:
+def needed(cases):
     """Those that are checked by hand-made policies."""
     return [it for it in cases if it.subject not in (ARM, SLIPPERY)]
 
 
-def require_engine(case: Case) -> None:
+def require_engine(case):
     """Skip what needs Gymnasium's MuJoCo environments where these are not installed."""
     if "v5" in case.subject:
         pytest.importorskip("imageio")
 
 
-def played(case: Case, policy: str, folder: Path) -> tuple[float, bool]:
+def played(case, policy, folder):
     """What it is paid and whether it succeeds: the mean over two episodes, and the last of them."""
     registry = load_registry(given=read_given(case.files))
     environment = choose(registry, "environments", case.subject).build(registry, "environments")
@@ -49,7 +48,7 @@ def played(case: Case, policy: str, folder: Path) -> tuple[float, bool]:
     return float(np.mean(paid)), bool(succeeds[0])
 
 
-def lake(ice: float) -> tuple[float, float]:
+def lake(ice):
     """Of the policy that is paid most on the slippery lake: its pay, and how often it comes to the goal; exact.
 
     Args:
@@ -73,7 +72,7 @@ def lake(ice: float) -> tuple[float, float]:
 
 
 @pytest.mark.parametrize("case", needed(HACKED), ids=lambda it: it.name)
-def test_a_cheat_is_paid_more_than_good_behaviour(case: Case, tmp_path: Path):
+def test_a_cheat_is_paid_more_than_good_behaviour(case, tmp_path):
     """It fails, and what it has more is a tenth of what both are paid."""
     require_engine(case)
     (good, succeeds), (cheat, cheats) = (played(case, it, tmp_path) for it in (case.good, *case.others))
@@ -83,7 +82,7 @@ def test_a_cheat_is_paid_more_than_good_behaviour(case: Case, tmp_path: Path):
 
 
 @pytest.mark.parametrize("case", needed(HONEST), ids=lambda it: it.name)
-def test_good_behaviour_is_paid_most(case: Case, tmp_path: Path):
+def test_good_behaviour_is_paid_most(case, tmp_path):
     """More than everything else that was thought of, which fails."""
     require_engine(case)
     good, succeeds = played(case, case.good, tmp_path)
@@ -94,7 +93,7 @@ def test_good_behaviour_is_paid_most(case: Case, tmp_path: Path):
 
 
 @pytest.mark.parametrize("case", [it for it in (*HACKED, *HONEST) if it.subject == ARM], ids=lambda it: it.name)
-def test_scripts_tell_the_truth_of_an_arms_reward(case: Case, rollouts):
+def test_scripts_tell_the_truth_of_an_arms_reward(case, rollouts):
     """The cheat is paid more than `finish`, discounted; of an honest reward none of the others is."""
     registry = load_registry(given=read_given(case.files))
     reward = choose(registry, "rewards", case.reward).build(registry, "rewards")
@@ -112,7 +111,7 @@ def test_staying_on_the_ice_pays_more_than_the_goal():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("case", [*HACKED, *HONEST], ids=lambda it: it.name)
-def test_audit_tells_the_truth(case: Case):
+def test_audit_tells_the_truth(case):
     """A cheat that exists is found, or nothing can be told; where there is none, no alarm is given.
 
     By one seed, half a minute each; ``python -m tests.plugins.audit.cases.run`` takes three.

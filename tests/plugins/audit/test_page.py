@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from harness.record.recording.recorded_training import read_recording
-from harness_plugins.audit.search.finding import CANNOT_TELL, FAILING, LOITERING, NOTHING
+from harness.record import read_recording
+from harness.screen import CANNOT_TELL, FAILING, LOITERING, NOTHING
 
 PAGE = (Path(__file__).parents[3] / "docs" / "audit.md").read_text(encoding="utf-8")
 CHEATED, RECORDED, ASKED = re.findall(r"^```python\n(.*?)^```", PAGE, re.DOTALL | re.MULTILINE)
@@ -14,7 +14,7 @@ WORDS = (CANNOT_TELL, FAILING, LOITERING, NOTHING)
 SHORT = ("gamma=0.99,", "gamma=0.99, episodes=1, steps=30,")
 
 
-def _run(example: str) -> None:
+def _run(example):
     exec(compile(example, "example.py", "exec"), {})
 
 

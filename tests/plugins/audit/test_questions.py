@@ -6,60 +6,54 @@ import numpy as np
 import pytest
 
 from harness.eta.seed_mean import SeedMean
-from harness.payoff.finishing import finishing_of, holding_pays, never_paid, payoff_of, temptations
+from harness.payoff.finishing import finishing_of, never_paid, payoff_of, temptations
 from harness.payoff.score import score_rollout
 from harness.results.recordings.episodes import Episodes
 from harness_plugins.audit.questions import deciding_measure, on_best, rank_success
 from harness_plugins.audit.recorded.earned import Earned
-from harness_plugins.rewards.arp import Arp
-from harness_plugins.rewards.baseline import Baseline
 
 
 @pytest.fixture
-def scores(rollouts):
-    """Score all rollouts under a reward."""
-    return lambda reward: [score_rollout(reward, rollout) for rollout in rollouts]
+def scores(rollouts, toolbox):
+    """Score all rollouts under a reward, perhaps a function of a step."""
+
+    def of(reward):
+        reward = toolbox.paying(reward) if hasattr(reward, "__name__") else reward
+        return [score_rollout(reward, rollout) for rollout in rollouts]
+
+    return of
 
 
-def test_finish_by_hand(scores, by_script):
+def test_finish_by_hand(scores, by_script, toolbox):
     """Under the baseline an episode that only comes nearer is paid Bd - d(t) at every step, and its events."""
     finish = by_script["finish"]
     gained = np.where(finish.running, finish.distances[0] - finish.distances[1:], 0.0)
-    payoff = payoff_of(scores(Baseline())[0], 0.95)
-    assert payoff.shaped == pytest.approx(gained.sum(axis=0).mean())
-    assert payoff.total == pytest.approx((gained + finish.events).sum(axis=0).mean())
-    weights = 0.95 ** np.arange(len(gained))[:, None]
-    assert payoff.total_discounted == pytest.approx((weights * (gained + finish.events)).sum(axis=0).mean())
+    payoff = payoff_of(scores(toolbox.baseline)[0], 0.95)
+    paid, weights = gained + finish.events, 0.95 ** np.arange(len(gained))[:, None]
+    expected = [of.sum(axis=0).mean() for of in (gained, paid, weights * paid)]
+    assert [payoff.shaped, payoff.total, payoff.total_discounted] == pytest.approx(expected)
     assert (payoff.policy, payoff.success, payoff.steps) == ("finish", 1.0, finish.steps.mean())
+    assert "terms" not in payoff.to_json()
 
 
 @pytest.mark.parametrize("gamma", [1.0, 0.95])
-@pytest.mark.parametrize("reward", [Baseline(), Arp(k2=2.0)], ids=["baseline", "arp"])
-def test_not_finishing_pays_under_baseline_and_arp(scores, reward, gamma):
+@pytest.mark.parametrize("name", ["baseline", "arp:k2=2"])
+def test_not_finishing_pays_under_baseline_and_arp(scores, toolbox, name, gamma):
     """Both keep paying for what was gained once, and the target ends it: hovering and creeping earn more."""
-    found = {temptation.policy: temptation for temptation in temptations(scores(reward), gamma)}
+    tempting = temptations(scores(toolbox.named(name)), gamma)
+    found = {temptation.policy: temptation for temptation in tempting}
     assert {"hover", "creep"} <= found.keys()
     assert found["hover"].margin > 0.0
     assert found["hover"].share > 0.9
-
-
-@pytest.mark.parametrize("gamma", [1.0, 0.95])
-def test_nothing_tempts_under_the_relative_reward(scores, toolbox, gamma):
-    """A bounded share of the distance gained pays finishing most."""
-    assert temptations(scores(toolbox.relative), gamma) == []
-
-
-@pytest.mark.parametrize("gamma", [1.0, 0.95])
-def test_nothing_tempts_under_a_potential_with_the_learners_discount(scores, toolbox, gamma):
-    """Potential-based shaping leaves finishing what pays most."""
-    assert temptations(scores(toolbox.potential(gamma)), gamma) == []
-
-
-def test_the_best_temptation_comes_first(scores):
-    """They are in the order of what they earn."""
-    earned = [temptation.earns for temptation in temptations(scores(Baseline()), 1.0)]
+    earned = [temptation.earns for temptation in tempting]
     assert earned == sorted(earned, reverse=True)
-    assert len(earned) > 1
+
+
+@pytest.mark.parametrize("gamma", [1.0, 0.95])
+def test_nothing_tempts_under_the_relative_reward_and_a_potential(scores, toolbox, gamma):
+    """A bounded share of the distance gained pays finishing most, and so does shaping with the learner's discount."""
+    assert temptations(scores(toolbox.relative), gamma) == []
+    assert temptations(scores(toolbox.potential(gamma)), gamma) == []
 
 
 def test_a_tie_is_no_temptation(rollouts, toolbox):
@@ -69,60 +63,48 @@ def test_a_tie_is_no_temptation(rollouts, toolbox):
     assert temptations([score_rollout(nothing, rollout) for rollout in unpaid], 1.0) == []
 
 
-def test_holding_still_does_not_pay_under_the_baseline(scores):
-    """Bd - d is 0 at the start."""
-    assert not holding_pays([payoff_of(score, 0.95) for score in scores(Baseline())])
+HOLDING = {
+    "Bd - d is 0 at the start": (lambda step: step.begin_distance - step.distance, False),
+    "a bonus per step pays for lasting": (lambda step: 0.1 + 0.0 * step.distance, True),
+    "rounding is no pay": (lambda step: np.where(step.distance < step.begin_distance, 1.0, 1e-9), False),
+}
 
 
-def test_holding_still_pays_under_a_bonus_per_step(scores, toolbox):
-    """A constant above 0 pays for lasting."""
-    bonus = toolbox.paying(lambda sample: 0.1 + 0.0 * sample.distance)
-    assert holding_pays([payoff_of(score, 0.95) for score in scores(bonus)])
-
-
-def test_rounding_is_no_pay(scores, toolbox):
-    """A return of hold that is tiny beside the others' does not count."""
-    tiny = toolbox.paying(lambda sample: np.where(sample.distance < sample.begin_distance, 1.0, 1e-9))
-    assert not holding_pays([payoff_of(score, 0.95) for score in scores(tiny)])
+@pytest.mark.parametrize(("reward", "pays"), HOLDING.values(), ids=HOLDING)
+def test_whether_holding_still_pays(scores, reward, pays):
+    """A return that is tiny beside the others' does not count."""
+    assert finishing_of(scores(reward), 0.95).holding_pays == pays
 
 
 def test_scaling_the_reward_scales_the_shaped_return(scores, toolbox):
     """Three times the reward, three times the shaped return; the events stay."""
-    tripled = toolbox.paying(lambda sample: 3.0 * Baseline()((), sample)[1])
-    for one, three in zip(scores(Baseline()), scores(tripled), strict=True):
+    tripled = scores(lambda sample: 3.0 * toolbox.baseline((), sample)[1])
+    for one, three in zip(scores(toolbox.baseline), tripled, strict=True):
         first, second = payoff_of(one, 0.95), payoff_of(three, 0.95)
         assert second.shaped == pytest.approx(3.0 * first.shaped)
         assert second.total - second.shaped == pytest.approx(first.total - first.shaped)
 
 
-def test_terms_are_summed_over_an_episode(scores, toolbox):
-    """Their means add up to the shaped return; a reward without terms has none, in the plain data neither."""
-    reward = toolbox.paying(lambda step: {"reach": -step.distance, "bonus": 0.5 + 0.0 * step.distance})
-    payoff = payoff_of(scores(reward)[0], 0.95)
+def test_terms_are_summed_over_an_episode(scores):
+    """Their means add up to the shaped return."""
+    payoff = payoff_of(scores(lambda step: {"reach": -step.distance, "bonus": 0.5 + 0.0 * step.distance})[0], 0.95)
     assert payoff.terms["bonus"] == pytest.approx(0.5 * payoff.steps)
     assert sum(payoff.terms.values()) == pytest.approx(payoff.shaped)
     assert payoff.to_json()["terms"] == payoff.terms
-    assert "terms" not in payoff_of(scores(Baseline())[0], 0.95).to_json()
 
 
-def test_a_term_that_never_pays_is_told(scores, toolbox):
+def test_a_term_that_never_pays_is_told(scores, toolbox, by_script):
     """It pays 0 in every step of every script; one that pays in a single step does."""
-    by_script = {score.rollout.script: score for score in scores(Baseline())}
-    last = by_script["random"].rollout.distances.max()
-    reward = toolbox.paying(
-        lambda step: {
-            "reach": -step.distance,
-            "dock": 1.0 * (step.distance < -1.0),
-            "farthest": 1.0 * (step.distance == last),
-        }
-    )
-    assert never_paid(scores(reward)) == ("dock",)
-    assert never_paid(scores(Baseline())) == ()
+    last = by_script["random"].distances.max()
+    reward = scores(lambda step: {
+        "reach": -step.distance, "dock": 1.0 * (step.distance < -1.0), "farthest": 1.0 * (step.distance == last)
+    })  # fmt: skip
+    assert (never_paid(reward), never_paid(scores(toolbox.baseline))) == (("dock",), ())
 
 
-def test_finishing_is_told_in_one_answer(scores):
+def test_finishing_is_told_in_one_answer(scores, toolbox):
     """Policies by return, what tempts with a discount and without, and in how many steps that was found."""
-    paid = scores(Baseline())
+    paid = scores(toolbox.baseline)
     found = finishing_of(paid, 0.95)
     assert found.payoffs == tuple(sorted((payoff_of(it, 0.95) for it in paid), key=lambda it: -it.total))
     assert (list(found.undiscounted), list(found.discounted)) == (temptations(paid, 1.0), temptations(paid, 0.95))
@@ -142,10 +124,9 @@ def test_pairs_of_a_success_and_a_failure_are_counted():
     each.append(episodes([100.0, -100.0], success=[np.nan, 1.0]))
     paid = np.concatenate([it.returns["a"] for it in each])
     reached = np.concatenate([it.behaviour["success"] for it in each])
-    wins = [float(one > other) for one in paid[reached == 1.0] for other in paid[reached == 0.0]]
+    wins = paid[reached == 1.0][:, None] > paid[reached == 0.0]
     found = rank_success(each, "a", "success")
-    assert found.value == pytest.approx(np.mean(wins))
-    assert (found.above, found.below) == ((reached == 1.0).sum(), (reached == 0.0).sum())
+    assert (found.value, found.above, found.below) == (pytest.approx(wins.mean()), *wins.shape)
 
 
 @pytest.mark.parametrize(
@@ -167,16 +148,25 @@ def behaviour(name, success, paid):
     return Earned(name, 9, {"a": SeedMean(paid)}, {"s": SeedMean(success, success - 0.05, success + 0.05, 3)})
 
 
-def test_reward_that_pays_most_for_another_behaviour_is_named():
-    """It may be chance where intervals of success overlap; a single behaviour says nothing."""
-    good, bad, near = behaviour("good", 0.9, 1.0), behaviour("bad", 0.2, 5.0), behaviour("near", 0.85, 7.0)
-    (line,) = on_best([good, bad], ["a"], "s")
-    assert line == "a pays most for: bad (s 0.2). What succeeds most is another behaviour: good (0.9)."
-    (line,) = on_best([good, bad, near], ["a"], "s")
-    assert line.endswith("good (0.9), which may be chance.")
-    (line,) = on_best([good, behaviour("worse", 0.1, 0.0)], ["a"], "s")
-    assert line == "a pays most for what succeeds most: good (s 0.9)."
-    assert on_best([good], ["a"], "s") == on_best([good, bad], ["a"], "") == []
+GOOD, BAD = behaviour("good", 0.9, 1.0), behaviour("bad", 0.2, 5.0)
+
+
+@pytest.mark.parametrize(
+    ("rows", "line"),
+    [
+        ((GOOD, BAD), "for: bad (s 0.2). What succeeds most is another behaviour: good (0.9)."),
+        (
+            (GOOD, BAD, behaviour("near", 0.85, 7.0)),
+            "for: near (s 0.85). What succeeds most is another behaviour: good (0.9), which may be chance.",
+        ),
+        ((GOOD, behaviour("worse", 0.1, 0.0)), "for what succeeds most: good (s 0.9)."),
+        ((GOOD,), None),
+    ],
+)
+def test_reward_that_pays_most_for_another_behaviour_is_named(rows, line):
+    """It may be chance where intervals of success overlap; one behaviour alone, or no success, says nothing."""
+    assert on_best(rows, ["a"], "s") == ([f"a pays most {line}"] if line else [])
+    assert on_best(rows, ["a"], "") == []
 
 
 def test_two_evaluations_of_a_training_are_one_in_intervals():
@@ -184,8 +174,8 @@ def test_two_evaluations_of_a_training_are_one_in_intervals():
     rng = np.random.default_rng(1)
     each = [episodes(rng.normal(size=6), success=[0.0, 1.0] * 3) for _ in range(4)]
     twice = [it for it in each for _ in range(2)]
-    found = rank_success(twice, "a", "success", [number for number in range(4) for _ in range(2)])
-    alone = rank_success(each, "a", "success")
+    found, alone = rank_success(twice, "a", "success", [0, 0, 1, 1, 2, 2, 3, 3]), rank_success(each, "a", "success")
     assert (found.clusters, found.value) == (4, pytest.approx(alone.value))
     assert (found.low, found.high) == (pytest.approx(alone.low, abs=0.02), pytest.approx(alone.high, abs=0.02))
-    assert found.high - found.low > np.diff([(it := rank_success(twice, "a", "success")).low, it.high])
+    eight = rank_success(twice, "a", "success")
+    assert found.high - found.low > eight.high - eight.low

@@ -6,9 +6,8 @@ from types import SimpleNamespace
 import pytest
 
 import harness
-from harness.experiment.plan import check_experiment, expand
-from harness.registry.given import read_given
-from harness.registry.registry import load_registry
+from harness.experiment import check_experiment, expand
+from harness.registry import load_registry, read_given
 from harness.screen import CANNOT_TELL, FAILING, NOTHING
 from harness_plugins.audit.screen import Cheats
 from harness_plugins.audit.search import find
@@ -35,7 +34,7 @@ def screen(tmp_path):
     (tmp_path / "mine.py").write_text(REWARDS)
     registry = load_registry(given=read_given([str(tmp_path / "mine.py")]))
 
-    def said(*rewards: str, by: Cheats = QUICK, algo: str = "random", **settings):
+    def said(*rewards, by=QUICK, algo="random", **settings):
         asked = settings or {"sim": "kinematic", "baseline": rewards[0], "reward": list(rewards[1:])}
         cells = expand(check_experiment({**asked, "algo": algo, "seeds": [0], "steps": 32}), registry).cells
         return {cell.reward.label: of for cell, of in zip(cells, by.screen(cells, registry), strict=True)}
@@ -44,7 +43,7 @@ def screen(tmp_path):
 
 
 @pytest.fixture
-def searches(monkeypatch: pytest.MonkeyPatch):
+def searches(monkeypatch):
     """Every search finds nothing; what was asked of each, with its world's name and discount."""
     asked = []
 
@@ -57,7 +56,7 @@ def searches(monkeypatch: pytest.MonkeyPatch):
 
 
 @pytest.fixture
-def fails(monkeypatch: pytest.MonkeyPatch):
+def fails(monkeypatch):
     """Every search fails."""
 
     def fail(world, wanted):

@@ -1,7 +1,6 @@
 """An HDF5 file has no end that a reader would have to wait for."""
 
 from itertools import pairwise
-from pathlib import Path
 
 import h5py
 import pytest
@@ -11,16 +10,16 @@ from harness_plugins.datasets.dataset import MOST_KEYS
 from tests.record.dataset.written import episode, opened, write_minari
 
 
-def _changed(folder: Path) -> h5py.File:
+def _changed(folder):
     return h5py.File(write_minari(folder / "d", [episode(3)]) / "data/main_data.hdf5", "a")
 
 
-def _read(folder: Path) -> None:
+def _read(folder):
     opened(f"minari:{folder / 'd'}").rows()
 
 
 @pytest.mark.parametrize("part", ["infos", "observations"])
-def test_groups_that_are_reached_in_many_ways_are_refused(tmp_path: Path, part: str) -> None:
+def test_groups_that_are_reached_in_many_ways_are_refused(tmp_path, part):
     """Groups that are reached in many ways are refused: 30 names at each of 7 depths would be 22 billion."""
     with _changed(tmp_path) as file:
         if part == "observations":
@@ -34,7 +33,7 @@ def test_groups_that_are_reached_in_many_ways_are_refused(tmp_path: Path, part: 
         _read(tmp_path)
 
 
-def test_a_group_in_itself_is_refused(tmp_path: Path) -> None:
+def test_a_group_in_itself_is_refused(tmp_path):
     """A group in itself is refused."""
     with _changed(tmp_path) as file:
         file["episode_0/infos/again"] = file["episode_0/infos"]
@@ -42,7 +41,7 @@ def test_a_group_in_itself_is_refused(tmp_path: Path) -> None:
         _read(tmp_path)
 
 
-def test_the_parts_of_an_episode_are_counted_together(tmp_path: Path) -> None:
+def test_the_parts_of_an_episode_are_counted_together(tmp_path):
     """The parts of an episode are counted together, not by group."""
     with _changed(tmp_path) as file:
         for number in range(3):
@@ -52,7 +51,7 @@ def test_the_parts_of_an_episode_are_counted_together(tmp_path: Path) -> None:
         _read(tmp_path)
 
 
-def test_rows_times_columns_are_bounded(tmp_path: Path) -> None:
+def test_rows_times_columns_are_bounded(tmp_path):
     """Rows times columns are bounded, before any is read: a file of some kilobytes may declare them."""
     steps = 10_000_000
     with _changed(tmp_path) as file:

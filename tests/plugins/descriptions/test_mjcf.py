@@ -1,7 +1,6 @@
 """Arms in MJCF: what the harness makes of them is held against MuJoCo's own kinematics of the file as it stands."""
 
 import struct
-from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -9,7 +8,8 @@ import pinocchio
 import pytest
 
 from harness.errors import UsageError
-from harness.robot import Robot, Shape, link_frames, read_robot
+from harness.robot.kinematics import link_frames
+from harness.robot.robot import read_robot
 from harness_plugins.descriptions.mjcf import SPEEDS, Mjcf, _rotation, _rpy, _turn
 
 ARM = """<!-- A licence may stand here. -->
@@ -76,7 +76,7 @@ SIMPLE = ARM.replace('<body name="cube" pos="0.5 0 0.1"><freejoint/>', '<body na
 DIRECTIONS = np.random.default_rng(1).normal(size=(40, 3))
 
 
-def write_arm(folder: Path, text: str = ARM) -> Path:
+def write_arm(folder, text=ARM):
     """The file of an arm, with a mesh of a tetrahedron beside it."""
     corners = np.array([[0, 0, 0], [40, 0, 0], [0, 30, 0], [10, 10, 50]], float)
     faces = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)]
@@ -86,7 +86,7 @@ def write_arm(folder: Path, text: str = ARM) -> Path:
     return folder / "arm.xml"
 
 
-def posed(path: Path, robot: Robot, pose: np.ndarray) -> tuple[mujoco.MjModel, mujoco.MjData]:
+def posed(path, robot, pose):
     """MuJoCo's own arm, its other joints where the harness fixes them."""
     model = mujoco.MjModel.from_xml_path(str(path))
     data = mujoco.MjData(model)
@@ -97,19 +97,19 @@ def posed(path: Path, robot: Robot, pose: np.ndarray) -> tuple[mujoco.MjModel, m
     return model, data
 
 
-def poses_of(robot: Robot) -> np.ndarray:
+def poses_of(robot):
     """Twenty at random, (20, dof)."""
     return np.random.default_rng(0).uniform(robot.lower, robot.upper, (20, robot.dof))
 
 
-def refused(folder: Path, text: str) -> str:
+def refused(folder, text):
     """What is said of a file."""
     with pytest.raises(UsageError) as error:
         read_robot(write_arm(folder, text))
     return str(error.value)
 
 
-def test_tips_are_those_of_mujoco(tmp_path: Path):
+def test_tips_are_those_of_mujoco(tmp_path):
     """With degrees, classes, a frame, anchors, several joints of a body, and positions at rest that are not 0."""
     path = write_arm(tmp_path)
     robot = read_robot(path)
@@ -120,7 +120,7 @@ def test_tips_are_those_of_mujoco(tmp_path: Path):
         assert np.abs(robot.end_effector(pose) - data.site("attachment_site").xpos).max() <= 1e-12
 
 
-def test_every_body_is_a_tip(tmp_path: Path, subtests: pytest.Subtests):
+def test_every_body_is_a_tip(tmp_path, subtests):
     """A link has its body's frame, also where the body's joint turns elsewhere."""
     path = write_arm(tmp_path)
     for link in ("upper", "fore", "hand"):
@@ -131,7 +131,7 @@ def test_every_body_is_a_tip(tmp_path: Path, subtests: pytest.Subtests):
             assert np.abs(robot.end_effector(pose) - posed(path, robot, pose)[1].body(link).xpos).max() <= 1e-12
 
 
-def test_ranges_are_those_of_mujoco(tmp_path: Path):
+def test_ranges_are_those_of_mujoco(tmp_path):
     """In MuJoCo's own counting, `ref` included; without a range a joint turns freely."""
     path = write_arm(tmp_path)
     robot, model = read_robot(path), mujoco.MjModel.from_xml_path(str(path))
@@ -139,7 +139,7 @@ def test_ranges_are_those_of_mujoco(tmp_path: Path):
         assert [lower, upper] == ([-np.pi, np.pi] if name == "roll" else model.joint(name).range.tolist())
 
 
-def test_masses_and_inertias_are_those_of_mujoco(tmp_path: Path):
+def test_masses_and_inertias_are_those_of_mujoco(tmp_path):
     """The joint-space inertia of all joints, by Pinocchio of the URDF and by MuJoCo of the file."""
     path = write_arm(tmp_path)
     robot, model = read_robot(path), pinocchio.buildModelFromXML(Mjcf().read(path, {}, {}).urdf)
@@ -155,14 +155,14 @@ def test_masses_and_inertias_are_those_of_mujoco(tmp_path: Path):
         assert np.abs(found - expected[np.ix_(numbers, numbers)]).max() <= 1e-12
 
 
-def inertia_times(model: mujoco.MjModel, data: mujoco.MjData, motion: np.ndarray) -> np.ndarray:
+def inertia_times(model, data, motion):
     """The joint-space inertia times a motion of all joints, by MuJoCo."""
     product = np.zeros(model.nv)
     mujoco.mj_mulM(model, data, product, motion)
     return product
 
 
-def test_shapes_are_where_mujoco_has_them(tmp_path: Path):
+def test_shapes_are_where_mujoco_has_them(tmp_path):
     """How far each reaches in forty directions; meshes are moved and turned to their own centre by MuJoCo."""
     path = write_arm(tmp_path)
     robot = read_robot(path)
@@ -184,7 +184,7 @@ def test_shapes_are_where_mujoco_has_them(tmp_path: Path):
 BODIES = {"shoulder", "upper", "fore", "hand", "left", "right"}
 
 
-def extent(pose: np.ndarray, shape: Shape) -> np.ndarray:
+def extent(pose, shape):
     """How far a shape of the harness reaches in all directions, (40,), [m]."""
     local = DIRECTIONS @ pose[:3, :3]
     if shape.kind == "mesh":
@@ -197,7 +197,7 @@ def extent(pose: np.ndarray, shape: Shape) -> np.ndarray:
     return DIRECTIONS @ pose[:3, 3] + reach
 
 
-def extent_in_mujoco(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> np.ndarray:
+def extent_in_mujoco(model, data, geom):
     """The same of a shape of MuJoCo."""
     local, size = DIRECTIONS @ data.geom_xmat[geom].reshape(3, 3), model.geom_size[geom]
     kind = model.geom_type[geom]
@@ -213,14 +213,14 @@ def extent_in_mujoco(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> n
     return DIRECTIONS @ data.geom_xpos[geom] + reach
 
 
-def test_home_is_the_keyframe(tmp_path: Path):
+def test_home_is_the_keyframe(tmp_path):
     """Within the ranges: `roll` turns by 4 rad in the file, and half a turn is its end here."""
     robot = read_robot(write_arm(tmp_path))
     assert robot.home.tolist() == [0.1, 0.5, 0.05, np.pi, -0.3]
     assert robot.origins["home"] == "the keyframe 'home'"
 
 
-def test_robot_toml_wins(tmp_path: Path):
+def test_robot_toml_wins(tmp_path):
     """Of the resting pose, the end and the speeds."""
     path = write_arm(tmp_path)
     (tmp_path / "robot.toml").write_text(
@@ -232,14 +232,14 @@ def test_robot_toml_wins(tmp_path: Path):
     assert SPEEDS not in robot.warnings
 
 
-def test_speeds_are_taken_and_told(tmp_path: Path):
+def test_speeds_are_taken_and_told(tmp_path):
     """MJCF has no place for them, but for the command of a motor that is told speeds: 2 at a gear of 4."""
     robot = read_robot(write_arm(tmp_path))
     assert robot.max_speed.tolist() == [0.5, np.pi, 0.125, np.pi, np.pi]
     assert SPEEDS in robot.warnings
 
 
-def test_what_is_left_out_is_told(tmp_path: Path):
+def test_what_is_left_out_is_told(tmp_path):
     """Objects and tables around the arm, and shapes that a URDF has not; the plane of the ground is everybody's."""
     told = "\n".join(read_robot(write_arm(tmp_path)).warnings)
     assert "left out, as they are no part of the arm: 'cube', 'table'" in told
@@ -248,7 +248,7 @@ def test_what_is_left_out_is_told(tmp_path: Path):
     assert "plane" not in told
 
 
-def test_fixed_objects_are_left_out_too(tmp_path: Path):
+def test_fixed_objects_are_left_out_too(tmp_path):
     """What has no joint is no arm."""
     assert (
         'name="cube"'
@@ -258,7 +258,7 @@ def test_fixed_objects_are_left_out_too(tmp_path: Path):
     )
 
 
-def test_objects_that_float_are_left_out_with_their_joints(tmp_path: Path):
+def test_objects_that_float_are_left_out_with_their_joints(tmp_path):
     """A box with a lid is no second arm."""
     lid = '<body name="lid"><joint/><geom size="0.01"/></body>'
     text = (
@@ -269,7 +269,7 @@ def test_objects_that_float_are_left_out_with_their_joints(tmp_path: Path):
     assert 'name="lid"' not in robot.urdf
 
 
-def test_an_arm_that_floats_is_fixed_where_it_begins(tmp_path: Path):
+def test_an_arm_that_floats_is_fixed_where_it_begins(tmp_path):
     """Told in a line, if nothing else moves."""
     text = ARM.replace('<geom type="cylinder" size="0.06', '<freejoint/><geom type="cylinder" size="0.06')
     text = text.replace("<frame pos", "<body pos").replace("</frame>", "</body>")
@@ -281,7 +281,7 @@ def test_an_arm_that_floats_is_fixed_where_it_begins(tmp_path: Path):
     assert "'base' floats in the MJCF; here it is fixed where it begins" in robot.warnings
 
 
-def test_loops_are_told(tmp_path: Path):
+def test_loops_are_told(tmp_path):
     """A weld between links of the arm; not one within its gripper."""
     weld = '<equality><weld body1="{}" body2="{}"/>'
     told = read_robot(write_arm(tmp_path, ARM.replace("<equality>", weld.format("shoulder", "hand")))).warnings
@@ -290,7 +290,7 @@ def test_loops_are_told(tmp_path: Path):
     assert not any("connect or weld" in line for line in quiet)
 
 
-def test_two_arms_ask_for_one(tmp_path: Path):
+def test_two_arms_ask_for_one(tmp_path):
     """And are read when it is named."""
     begin, end = ARM.index('<body name="base"'), ARM.index("</frame>")
     body = ARM[begin:end]
@@ -317,7 +317,7 @@ REFUSED = {
 }
 
 
-def test_refusals(tmp_path: Path, subtests: pytest.Subtests):
+def test_refusals(tmp_path, subtests):
     """In a sentence that begins with the file."""
     text = ARM[: ARM.index("<keyframe>")] + "</mujoco>"
     for case, (old, new, told) in REFUSED.items():
@@ -328,13 +328,13 @@ def test_refusals(tmp_path: Path, subtests: pytest.Subtests):
             assert told in said
 
 
-def test_nothing_that_moves_is_refused(tmp_path: Path):
+def test_nothing_that_moves_is_refused(tmp_path):
     """A scene without an arm."""
     text = '<mujoco><worldbody><body name="cube"><geom size="1"/></body></worldbody></mujoco>'
     assert "Nothing in it turns or slides by a joint. Give the MJCF of an arm." in refused(tmp_path, text)
 
 
-def test_names_that_come_twice_are_told_apart(tmp_path: Path):
+def test_names_that_come_twice_are_told_apart(tmp_path):
     """A site may be called as a body, and bodies and joints may have no name."""
     text = ARM.replace('"attachment_site"', '"hand"').replace(' name="fore"', "").replace(' name="roll"', "")
     (tmp_path / "robot.toml").write_text('end_effector = "hand_site"\n')

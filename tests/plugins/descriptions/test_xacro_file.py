@@ -1,12 +1,10 @@
 """xacro files: what they expand to, where packages are found, and that nobody else's choice expands one."""
 
-from pathlib import Path
-
 import pytest
 
 from harness.errors import UsageError
 from harness.registry.allowed import PROGRAMS, allow_programs, allow_typed
-from harness.robot import Robot, read_robot
+from harness.robot.robot import read_robot
 from harness_plugins.descriptions.xacro_file import EXAMPLE
 
 pytest.importorskip("xacro")
@@ -14,14 +12,14 @@ INCLUDED = EXAMPLE.replace('"0.3"/>', '"0.3"/>\n  <xacro:include filename="$(fin
 
 
 @pytest.fixture(autouse=True)
-def nothing_allowed(monkeypatch: pytest.MonkeyPatch):
+def nothing_allowed(monkeypatch):
     """No program is, and ROS is not there."""
     monkeypatch.setenv(PROGRAMS, "")
     monkeypatch.delenv("ROS_PACKAGE_PATH", raising=False)
     monkeypatch.delenv("AMENT_PREFIX_PATH", raising=False)
 
 
-def expand(folder: Path, text: str = EXAMPLE, toml: str = "", name: str = "arm.urdf.xacro") -> Robot:
+def expand(folder, text=EXAMPLE, toml="", name="arm.urdf.xacro"):
     """The robot of a file that the user named, and of a robot.toml where one is given."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / name).write_text(text)
@@ -31,21 +29,21 @@ def expand(folder: Path, text: str = EXAMPLE, toml: str = "", name: str = "arm.u
     return read_robot(folder / name)
 
 
-def refused(folder: Path, text: str = EXAMPLE, toml: str = "") -> str:
+def refused(folder, text=EXAMPLE, toml=""):
     """What is said of a file."""
     with pytest.raises(UsageError) as error:
         expand(folder, text, toml)
     return str(error.value).removeprefix(str(folder / "arm.urdf.xacro"))
 
 
-def test_macros_are_expanded(tmp_path: Path):
+def test_macros_are_expanded(tmp_path):
     """With the defaults of the arguments."""
     robot = expand(tmp_path)
     assert robot.joint_names == ("turret_joint", "upper_joint", "fore_joint")
     assert robot.chain.T_previous_joint[1, 2, 3] == 0.3
 
 
-def test_arguments_come_from_robot_toml(tmp_path: Path, subtests: pytest.Subtests):
+def test_arguments_come_from_robot_toml(tmp_path, subtests):
     """By name; one that the file does not have is refused, and one that it needs is asked for."""
     assert expand(tmp_path, toml='arguments = { length = "0.5" }').chain.T_previous_joint[1, 2, 3] == 0.5
     cases = {
@@ -59,7 +57,7 @@ def test_arguments_come_from_robot_toml(tmp_path: Path, subtests: pytest.Subtest
     assert 'Give it in a robot.toml beside the file: arguments = { name = "value" }' in refused(tmp_path / "n", text)
 
 
-def test_a_urdf_with_macros_is_one_too(tmp_path: Path):
+def test_a_urdf_with_macros_is_one_too(tmp_path):
     """Whatever its name ends with; one that only declares the prefix, or has macros in a comment, is a URDF."""
     assert expand(tmp_path, name="arm.urdf").dof == 3
     expanded = expand(tmp_path).urdf.replace("<robot", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"', 1)
@@ -78,7 +76,7 @@ PLACES = {
 }
 
 
-def test_packages_are_found(tmp_path: Path, subtests: pytest.Subtests, monkeypatch: pytest.MonkeyPatch):
+def test_packages_are_found(tmp_path, subtests, monkeypatch):
     """Where meshes of packages are."""
     for number, (place, (own, package, variable)) in enumerate(PLACES.items()):
         root = tmp_path / str(number)
@@ -96,13 +94,13 @@ def test_packages_are_found(tmp_path: Path, subtests: pytest.Subtests, monkeypat
     assert expand(tmp_path / "last", INCLUDED, toml).dof == 3
 
 
-def test_a_package_that_is_not_there_is_asked_for(tmp_path: Path):
+def test_a_package_that_is_not_there_is_asked_for(tmp_path):
     """With the key to write."""
     said = refused(tmp_path / "arm", INCLUDED)
     assert ': $(find parts) leads nowhere. Say in a robot.toml beside it: meshes = { parts = "FOLDER" }' in said
 
 
-def test_mistakes_are_told(tmp_path: Path, subtests: pytest.Subtests):
+def test_mistakes_are_told(tmp_path, subtests):
     """In a sentence; nothing is printed."""
     cases = {
         "an expression": (EXAMPLE.replace("-pi / 2", "-py / 2"), "name 'py' is not defined"),
@@ -114,13 +112,13 @@ def test_mistakes_are_told(tmp_path: Path, subtests: pytest.Subtests):
             assert told in refused(tmp_path / str(number), text)
 
 
-def test_nothing_is_printed(tmp_path: Path, capfd: pytest.CaptureFixture[str]):
+def test_nothing_is_printed(tmp_path, capfd):
     """Even what xacro says on standard error."""
     refused(tmp_path, EXAMPLE.replace("-pi / 2", "-py / 2"))
     assert capfd.readouterr() == ("", "")
 
 
-def test_a_file_that_nobody_named_is_not_expanded(tmp_path: Path):
+def test_a_file_that_nobody_named_is_not_expanded(tmp_path):
     """It is a program: its expressions reach all of Python. Here one would write a file."""
     path = tmp_path / "arm.urdf.xacro"
     path.write_text(EXAMPLE.replace("-pi / 2", "[open('ran', 'w')]"))
@@ -131,7 +129,7 @@ def test_a_file_that_nobody_named_is_not_expanded(tmp_path: Path):
     assert not (tmp_path / "ran").exists()
 
 
-def test_what_is_typed_is_named(tmp_path: Path):
+def test_what_is_typed_is_named(tmp_path):
     """As an argument of a command, or behind a flag and ``=``."""
     path = tmp_path / "arm.urdf.xacro"
     path.write_text(EXAMPLE)

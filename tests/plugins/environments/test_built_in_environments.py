@@ -28,7 +28,7 @@ NEEDS = {
 }
 
 
-def _built(given: str) -> Environment:
+def _built(given):
     missing = [name for name in NEEDS.get(given.partition(":")[0], ()) if importlib.util.find_spec(name) is None]
     if missing:
         pytest.skip(f"needs {', '.join(missing)}")
@@ -38,7 +38,7 @@ def _built(given: str) -> Environment:
 
 
 @pytest.mark.parametrize("given", GIVEN)
-def test_it_keeps_the_contract(given: str):
+def test_it_keeps_the_contract(given):
     """As anybody's environment has to."""
     check_environment(_built(given))
 
@@ -62,7 +62,7 @@ def test_any_id_is_made_with_what_is_given():
         ("gymnasium:id=Pendulum-v1,made_with=height=3", "gymnasium.make.'Pendulum-v1'. fails"),
     ],
 )
-def test_what_gymnasium_cannot_make_is_told(given: str, told: str):
+def test_what_gymnasium_cannot_make_is_told(given, told):
     """In a line."""
     with pytest.raises(UsageError, match=told):
         _built(given).make()
@@ -135,6 +135,6 @@ class _Bits(gymnasium.Env[Any, Any]):
     ],
     ids=["goals", "one step's goals", "goals and info", "no goals"],
 )
-def test_what_an_env_pays_is_a_function_of_goals_where_it_says_so(env: Any, names: set[str]):
+def test_what_an_env_pays_is_a_function_of_goals_where_it_says_so(env, names):
     """By its `compute_reward`, which needs the goals of many steps and nothing else."""
     assert goal_rewards(_built("gymnasium:id=Pendulum-v1"), env).keys() == names

@@ -10,7 +10,7 @@ from harness_plugins.fast_sac.training import draw, put_error
 ROWS, SIZE = 40, 6
 
 
-def some_output(rng: np.random.Generator) -> np.ndarray:
+def some_output(rng):
     """Means, and logarithms of deviations, some of them beyond where they are cut off.
 
     Small enough for 1 - tanh^2 not to be lost in the rounding of float32.
@@ -21,14 +21,14 @@ def some_output(rng: np.random.Generator) -> np.ndarray:
     return output
 
 
-def some_noise(rng: np.random.Generator) -> np.ndarray:
+def some_noise(rng):
     """Normal numbers, a small one for the largest deviation."""
     noise = rng.standard_normal((ROWS, SIZE), dtype=np.float32)
     noise[0, 0] = 0.1
     return noise
 
 
-def by_torch(output: torch.Tensor, noise: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+def by_torch(output, noise):
     """Actions and their log_prob, by the library's distribution."""
     distribution = SquashedDiagGaussianDistribution(SIZE)
     log_std = torch.clamp(output[:, SIZE:], -20.0, 2.0)
@@ -63,7 +63,7 @@ def test_error_is_the_derivative():
 
 
 @pytest.mark.parametrize("log_std", [-25.0, 3.0])
-def test_no_way_back_where_the_deviation_is_cut_off(log_std: float):
+def test_no_way_back_where_the_deviation_is_cut_off(log_std):
     """A deviation that cannot change is not asked to."""
     output = np.array([[0.1, log_std]], np.float32)
     error = np.empty_like(output)

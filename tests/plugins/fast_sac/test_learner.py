@@ -1,6 +1,5 @@
 """Updates: those of stable-baselines3, number by number, given the same weights, transitions and noise."""
 
-from collections.abc import Callable
 from typing import Any
 
 import gymnasium
@@ -14,8 +13,8 @@ from torch.distributions import normal
 
 from harness.errors import SimulationDiverged
 from harness_plugins.algorithms.sac_fast import SacFast
-from harness_plugins.fast_sac.network import Float32, Networks
-from harness_plugins.fast_sac.training import Batch, Learner, Replay
+from harness_plugins.fast_sac.network import Float32
+from harness_plugins.fast_sac.training import Learner, Replay
 
 OBSERVATION, ACTION, ROWS = 5, 3, 32
 
@@ -51,7 +50,7 @@ class SameNoise:
         return torch.tensor(noise)
 
 
-def transitions(rng: np.random.Generator) -> Replay:
+def transitions(rng):
     """A hundred of them, some terminated."""
     replay, ended = Replay(100, OBSERVATION, ACTION), rng.random(100) < 0.3
     observation, following = rng.standard_normal((2, 100, OBSERVATION), dtype=np.float32)
@@ -60,7 +59,7 @@ def transitions(rng: np.random.Generator) -> Replay:
     return replay
 
 
-def samples(batch: Batch) -> ReplayBufferSamples:
+def samples(batch):
     """As the library takes them."""
     before, after = (torch.tensor(inputs.copy()) for inputs in batch.inputs)
     ended, reward = (torch.tensor(column.copy())[:, None] for column in (1.0 - batch.goes_on, batch.reward))
@@ -69,12 +68,12 @@ def samples(batch: Batch) -> ReplayBufferSamples:
     )  # fmt: skip
 
 
-def give(found: ReplayBufferSamples) -> Callable[..., ReplayBufferSamples]:
+def give(found):
     """A buffer's method that draws no others."""
     return lambda *_, **__: found
 
 
-def put(networks: Networks, modules: list[Any]) -> None:
+def put(networks, modules):
     """Give the library's linear layers the weights of the first network, those of the second network, ..."""
     layers = [layer for module in modules for layer in module.modules() if isinstance(layer, torch.nn.Linear)]
     flat = [(weight[k, :-1].T, weight[k, -1]) for k in range(len(networks[0])) for weight in networks]
@@ -85,7 +84,7 @@ def put(networks: Networks, modules: list[Any]) -> None:
             layer.bias.copy_(torch.tensor(bias.copy()))
 
 
-def require_equal(networks: Networks, modules: list[Any]) -> None:
+def require_equal(networks, modules):
     """The weights of the library's layers, in the same order."""
     layers = [layer for module in modules for layer in module.modules() if isinstance(layer, torch.nn.Linear)]
     flat = [(weight[k, :-1].T, weight[k, -1]) for k in range(len(networks[0])) for weight in networks]
@@ -94,26 +93,26 @@ def require_equal(networks: Networks, modules: list[Any]) -> None:
         np.testing.assert_allclose(bias, layer.bias.detach().numpy(), rtol=1e-3, atol=2e-4)
 
 
-def split_heads(actor: Networks) -> tuple[Networks, Networks, Networks]:
+def split_heads(actor):
     """Hidden layers, and the last one as the library has it: a layer for means, one for deviations."""
     *hidden, last = actor
     return tuple(hidden), (last[..., :ACTION],), (last[..., ACTION:],)
 
 
-def of_observation_first(critics: Networks) -> Networks:
+def of_observation_first(critics):
     """The library's critics take the observation before the action."""
     first, *rest = critics
     rows = [*range(ACTION, ACTION + OBSERVATION), *range(ACTION), ACTION + OBSERVATION]
     return first[:, rows], *rest
 
 
-def put_actor(networks: Networks, actor: Any) -> None:
+def put_actor(networks, actor):
     """The same for the actor."""
     for part, module in zip(split_heads(networks), (actor.latent_pi, actor.mu, actor.log_std), strict=True):
         put(part, [module])
 
 
-def beside(settings: SacFast, monkeypatch: pytest.MonkeyPatch) -> tuple[Learner, Any, SameNoise]:
+def beside(settings, monkeypatch):
     """A learner and a model of the library with the same weights and the same noise to come."""
     noise: Any = SameNoise()
     learner = Learner(settings, OBSERVATION, ACTION, noise)
@@ -141,7 +140,7 @@ CASES = [
 
 
 @pytest.mark.parametrize("given", CASES)
-def test_updates_are_those_of_the_library(given: dict[str, Any], monkeypatch: pytest.MonkeyPatch):
+def test_updates_are_those_of_the_library(given, monkeypatch):
     """After 20 of them actor, critics, targets, entropy coefficient and losses are the same, to rounding."""
     settings = SacFast(**{"net_arch": (16, 24), "batch_size": ROWS, **given})
     learner, model, _ = beside(settings, monkeypatch)

@@ -1,15 +1,11 @@
 """Forwards and backwards: what torch and its automatic differentiation say of the same weights."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 import torch
 from hypothesis import given, settings, strategies as st
 
 from harness_plugins.fast_sac.network import (
-    Float32,
-    Networks,
     Room,
     backward,
     count_parameters,
@@ -21,21 +17,21 @@ from harness_plugins.fast_sac.network import (
 SIZES = st.lists(st.integers(1, 7), min_size=3, max_size=5)
 
 
-def drawn(count: int, sizes: list[int], rng: np.random.Generator) -> Networks:
+def drawn(count, sizes, rng):
     """Networks with first weights."""
     networks = networks_in(np.empty(count_parameters(count, sizes), np.float32), count, sizes)
     draw_weights(networks, rng)
     return networks
 
 
-def inputs_of(rng: np.random.Generator, *shape: int) -> Float32:
+def inputs_of(rng, *shape):
     """Normal numbers, and ones behind them."""
     values = rng.standard_normal((*shape[:-1], shape[-1] + 1), dtype=np.float32)
     values[..., -1] = 1.0
     return values
 
 
-def by_torch(networks: Networks, activation: str, inputs: Float32) -> tuple[list[Any], Any, Any]:
+def by_torch(networks, activation, inputs):
     """Weights and inputs as leaves of a graph, and what comes out of it, by torch's own linear layers."""
     weights = [torch.tensor(weight, requires_grad=True) for weight in networks]
     leaf = torch.tensor(inputs[..., :-1], requires_grad=True)
@@ -52,9 +48,7 @@ def by_torch(networks: Networks, activation: str, inputs: Float32) -> tuple[list
 @pytest.mark.parametrize("activation", ["relu", "tanh"])
 @given(SIZES, st.integers(1, 3), st.integers(1, 9), st.booleans(), st.integers(0, 2**32))
 @settings(max_examples=25, deadline=None)
-def test_both_ways_are_those_of_torch(
-    activation: str, sizes: list[int], count: int, rows: int, shared: bool, seed: int
-):
+def test_both_ways_are_those_of_torch(activation, sizes, count, rows, shared, seed):
     """Outputs, the gradients of all weights, and that of the inputs, of any networks, to float32's rounding."""
     rng = np.random.default_rng(seed)
     networks, room = drawn(count, sizes, rng), Room.of(count, rows, sizes)

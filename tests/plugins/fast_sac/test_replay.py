@@ -1,7 +1,5 @@
 """The replay buffer."""
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from harness_plugins.fast_sac.training import Replay
@@ -9,7 +7,7 @@ from harness_plugins.fast_sac.training import Replay
 OBSERVATION, ACTION = 3, 2
 
 
-def filled(capacity: int, numbers: Sequence[int], envs: int = 1) -> Replay:
+def filled(capacity, numbers, envs=1):
     """A buffer in which transition i is told by i; those with an odd number are terminated."""
     replay = Replay(capacity, OBSERVATION, ACTION)
     for start in range(0, len(numbers), envs):

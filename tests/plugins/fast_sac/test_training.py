@@ -40,7 +40,7 @@ class Told(Progress):
         self.told.append((steps, values))
 
 
-def train(settings: SacFast, steps: int, told: Told | None = None) -> WatchedEnv:
+def train(settings, steps, told=None):
     """On the easy task; returns the env."""
     env = WatchedEnv(settings.num_envs)
     env.reset(seed=ENV_SEED)
@@ -49,7 +49,7 @@ def train(settings: SacFast, steps: int, told: Told | None = None) -> WatchedEnv
 
 
 @pytest.fixture
-def updates(monkeypatch: pytest.MonkeyPatch) -> list[Batch]:
+def updates(monkeypatch):
     """The batch of each update that is made."""
     made: list[Batch] = []
 
@@ -76,13 +76,13 @@ def updates(monkeypatch: pytest.MonkeyPatch) -> list[Batch]:
         ({"gradient_steps": 0}, 0),
     ],
 )
-def test_updates_come_as_often_as_said(updates: list[Batch], given: dict[str, Any], count: int):
+def test_updates_come_as_often_as_said(updates, given, count):
     """After a budget of 200 decisions over all envs."""
     train(SacFast(**SMALL, **given), 200)
     assert len(updates) == count
 
 
-def test_first_decisions_are_uniform(monkeypatch: pytest.MonkeyPatch):
+def test_first_decisions_are_uniform(monkeypatch):
     """Until learning starts: no actor is asked, and the box is filled."""
     taken: list[np.ndarray] = []
 
@@ -98,7 +98,7 @@ def test_first_decisions_are_uniform(monkeypatch: pytest.MonkeyPatch):
     np.testing.assert_allclose(np.quantile(actions, [0.0, 0.25, 0.5, 0.75, 1.0]), [-1.0, -0.5, 0.0, 0.5, 1.0], atol=0.1)
 
 
-def test_a_cut_episode_goes_on_from_its_last_observation(monkeypatch: pytest.MonkeyPatch):
+def test_a_cut_episode_goes_on_from_its_last_observation(monkeypatch):
     """Not from the first of the next one; it is not terminated."""
     kept: list[tuple[Any, ...]] = []
 
@@ -115,7 +115,7 @@ def test_a_cut_episode_goes_on_from_its_last_observation(monkeypatch: pytest.Mon
     assert not terminated.any()
 
 
-def test_a_reached_target_terminates(updates: list[Batch]):
+def test_a_reached_target_terminates(updates):
     """Where an episode ends at its target nothing is expected to follow; where it is cut, it is."""
     env = ReachVectorEnv(IdealSimulator(), easy_robot(), replace(EASY, epsilon=0.6), NegativeDistance())
     env.reset(seed=ENV_SEED)
@@ -168,7 +168,7 @@ def test_scalars_have_the_names_of_the_others():
         assert np.isfinite(list(values.values())).all()
 
 
-def test_buffer_is_no_larger_than_the_budget(monkeypatch: pytest.MonkeyPatch):
+def test_buffer_is_no_larger_than_the_budget(monkeypatch):
     """A million transitions are not asked for where 50 are made."""
     asked: list[int] = []
     real = training.Replay
@@ -189,13 +189,13 @@ def test_buffer_is_no_larger_than_the_budget(monkeypatch: pytest.MonkeyPatch):
     ],
     ids=str,
 )
-def test_updates_come_when_the_library_makes_them(given: dict[str, Any], monkeypatch: pytest.MonkeyPatch):
+def test_updates_come_when_the_library_makes_them(given, monkeypatch):
     """After the same decisions, as many each time."""
     env, made = WatchedEnv(given.get("num_envs", 1)), {Sac: list[int](), SacFast: list[int]()}
     env.reset(seed=ENV_SEED)
     start = 0
 
-    def note(_: Any, gradient_steps: int, batch_size: int) -> None:
+    def note(_, gradient_steps, batch_size):
         made[Sac] += [env.environment_steps - start] * gradient_steps
 
     class Noted(Learner):

@@ -17,7 +17,7 @@ def test_mean_over_the_smallest_distances():
 
 
 @pytest.mark.parametrize("ends", [(), ("",)])
-def test_none_without_a_finished_episode(ends: tuple[str, ...]):
+def test_none_without_a_finished_episode(ends):
     """Without an end there is no value."""
     assert ClosestDistance()(recorded_trace(0, ends)) is None
 

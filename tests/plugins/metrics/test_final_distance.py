@@ -24,7 +24,7 @@ def test_other_rows_do_not_count():
 
 
 @pytest.mark.parametrize("ends", [(), ("",)])
-def test_none_without_a_finished_episode(ends: tuple[str, ...]):
+def test_none_without_a_finished_episode(ends):
     """Without an end there is no value."""
     assert FinalDistance()(recorded_trace(0, ends)) is None
 

@@ -15,13 +15,13 @@ from harness_plugins.metrics.outcomes import GroundHits
         (("ground", "truncated", ""), 0.5),
     ],
 )
-def test_share_of_the_finished_episodes(ends: tuple[str, ...], share: float):
+def test_share_of_the_finished_episodes(ends, share):
     """The value is the share of finished episodes that end on the ground."""
     assert GroundHits()(recorded_trace(0, ends)) == share
 
 
 @pytest.mark.parametrize("ends", [(), ("",)])
-def test_none_without_a_finished_episode(ends: tuple[str, ...]):
+def test_none_without_a_finished_episode(ends):
     """Without an end there is no value."""
     assert GroundHits()(recorded_trace(0, ends)) is None
 

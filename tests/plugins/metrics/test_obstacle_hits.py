@@ -11,7 +11,7 @@ from harness_plugins.metrics.outcomes import ObstacleHits
     ("ends", "share"),
     [(("obstacle", "truncated", "reached", "ground"), 0.25), (("obstacle",), 1.0), (("ground", "obstacle", ""), 0.5)],
 )
-def test_share_of_the_finished_episodes(ends: tuple[str, ...], share: float):
+def test_share_of_the_finished_episodes(ends, share):
     """The ground is no obstacle."""
     assert ObstacleHits()(recorded_trace(0, ends)) == share
 

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from harness.log import Log
 from harness.record import EpisodeFacts
 from harness.record.episode_facts import with_episode_facts
 from harness_plugins.kit.metrics import recorded_trace
@@ -12,7 +11,7 @@ from harness_plugins.metrics.movement import Optimality
 ENDS = ("reached", "truncated", "reached", "ground", "reached")
 
 
-def told(*ik_steps: int | None) -> Log:
+def told(*ik_steps):
     """One episode in each of five envs, with these steps of the kinematics; those that reach take 10, 20, 4 steps."""
     trace = recorded_trace(0, ENDS)
     trace["env"][:], trace["episode"][:] = trace["episode"].copy(), 0
@@ -50,7 +49,7 @@ def test_none_where_the_kinematics_reach_nothing_or_are_not_told():
 
 
 @pytest.mark.parametrize("ends", [(), ("",)])
-def test_none_without_a_finished_episode(ends: tuple[str, ...]):
+def test_none_without_a_finished_episode(ends):
     """Without an end there is no value."""
     assert Optimality()(recorded_trace(0, ends)) is None
 

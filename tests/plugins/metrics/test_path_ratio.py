@@ -4,14 +4,13 @@ import numpy as np
 import pytest
 
 from harness.errors import Unmeasured
-from harness.log import Log
 from harness.record import EpisodeFacts, trace_of
 from harness.record.episode_facts import with_episode_facts
 from harness_plugins.kit.metrics import recorded_trace
 from harness_plugins.metrics.movement import PathRatio
 
 
-def walk(*paths: list[tuple[float, float, float]], reached: bool = True) -> Log:
+def walk(*paths, reached=True):
     """Episodes whose end effector goes along these points."""
     points = np.array([point for path in paths for point in path], float)
     last = np.cumsum([len(path) for path in paths]) - 1
@@ -36,7 +35,7 @@ BACK = [(0.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, 0.0, -1.0), (0.0, 0.0, 1.0)]
 
 
 @pytest.mark.parametrize(("path", "ratio"), [(STRAIGHT, 1.0), (CORNER, 7 / 5), (BACK, 5.0)])
-def test_length_of_the_path_over_the_straight_line(path: list[tuple[float, float, float]], ratio: float):
+def test_length_of_the_path_over_the_straight_line(path, ratio):
     """From where the episode starts to where it ends; 1 is straight, whatever the speed."""
     assert PathRatio()(walk(path)) == pytest.approx(ratio)
 
@@ -84,13 +83,13 @@ def test_path_ends_where_the_target_is_reached_first():
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_never_below_one(seed: int):
+def test_never_below_one(seed):
     """Nothing is shorter than a straight line."""
     assert PathRatio()(recorded_trace(seed, ("reached", "reached"))) >= 1.0 - 1e-12
 
 
 @pytest.mark.parametrize("ends", [(), ("",), ("truncated", "ground")])
-def test_none_where_no_episode_reaches_it(ends: tuple[str, ...]):
+def test_none_where_no_episode_reaches_it(ends):
     """Where the target is never reached there is no value."""
     assert PathRatio()(recorded_trace(0, ends)) is None
 

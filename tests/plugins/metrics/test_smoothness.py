@@ -3,13 +3,12 @@
 import numpy as np
 import pytest
 
-from harness.log import Log
 from harness.record import trace_of
 from harness_plugins.kit.metrics import recorded_trace
 from harness_plugins.metrics.movement import Smoothness
 
 
-def move(*episodes: np.ndarray, truncated: bool = True) -> Log:
+def move(*episodes, truncated=True):
     """Finished episodes with these joint positions, (rows, dof) each."""
     lengths = [len(qpos) for qpos in episodes]
     rows = sum(lengths)
@@ -80,14 +79,14 @@ def test_unfinished_episode_does_not_count():
 
 
 @pytest.mark.parametrize("rows", [1, 2])
-def test_none_without_two_steps(rows: int):
+def test_none_without_two_steps(rows):
     """One step has no second difference; beside a longer episode it does not count."""
     assert Smoothness()(move(np.ones((rows, 2)))) is None
     assert Smoothness()(move(np.ones((rows, 1)), STEPS**2 / 2.0)) == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize("ends", [(), ("",)])
-def test_none_without_a_finished_episode(ends: tuple[str, ...]):
+def test_none_without_a_finished_episode(ends):
     """Without an end there is no value."""
     assert Smoothness()(recorded_trace(0, ends)) is None
 

@@ -4,13 +4,12 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from harness.log import Log
 from harness.record import EpisodeFacts, trace_of
 from harness_plugins.kit.metrics import recorded_trace
 from harness_plugins.metrics.movement import Sparc, spectral_arcs
 
 
-def moved(*speeds: np.ndarray, period: float | None = 0.1) -> Log:
+def moved(*speeds, period=0.1):
     """Finished episodes whose end effector moves along x with these speeds, (steps,) each."""
     lengths = [len(speed) + 1 for speed in speeds]
     rows = sum(lengths)
@@ -30,12 +29,12 @@ def moved(*speeds: np.ndarray, period: float | None = 0.1) -> Log:
     )
 
 
-def spectral_arc(speed: np.ndarray, period: float) -> float:
+def spectral_arc(speed, period):
     """Of one profile."""
     return spectral_arcs([speed], period)[0]
 
 
-def transformed(speed: np.ndarray, period: float) -> float:
+def transformed(speed, period):
     """The definition, its Fourier transform summed term by term."""
     size = 16 * 2 ** int(np.ceil(np.log2(len(speed))))
     frequencies = np.arange(size // 2 + 1) / (size * period)
@@ -53,7 +52,7 @@ def test_value_that_the_authors_publish():
     assert spectral_arc(np.exp(-5.0 * time**2), 0.01) == pytest.approx(-1.41403, abs=5e-6)
 
 
-def test_value_of_the_definition(subtests: pytest.Subtests):
+def test_value_of_the_definition(subtests):
     """By a transform that is summed term by term: above half the control rate there is no spectrum."""
     for period in [0.01, 0.02, 0.1]:
         for samples in [4, 7, 33, 100]:
@@ -63,7 +62,7 @@ def test_value_of_the_definition(subtests: pytest.Subtests):
 
 
 @given(st.floats(1e-2, 1e3))
-def test_amplitude_does_not_matter(factor: float):
+def test_amplitude_does_not_matter(factor):
     """Twice as far in the same time is as smooth."""
     speed = np.sin(np.linspace(0.0, np.pi, 40))
     assert spectral_arc(factor * speed, 0.02) == pytest.approx(spectral_arc(speed, 0.02))
@@ -90,7 +89,7 @@ def test_mean_over_the_episodes():
 @pytest.mark.parametrize(
     "speed", [np.ones(3), np.zeros(20), np.full(20, 1e-9)], ids=["short", "still", "next to still"]
 )
-def test_short_and_standing_episodes_do_not_count(speed: np.ndarray):
+def test_short_and_standing_episodes_do_not_count(speed):
     """Alone they give no value."""
     moving = np.linspace(1.0, 2.0, 9)
     assert Sparc()(moved(speed, moving)) == pytest.approx(spectral_arc(moving, 0.1))

@@ -23,7 +23,7 @@ def test_failure_counts_nothing():
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_never_above_the_success_rate(seed: int):
+def test_never_above_the_success_rate(seed):
     """Which it is for straight ways."""
     trace = recorded_trace(seed, ("reached", "ground", "touched", "truncated"))
     assert 0.0 < Spl()(trace) <= 0.5
@@ -49,7 +49,7 @@ def test_path_ends_where_the_target_is_reached_first():
 
 
 @pytest.mark.parametrize("ends", [(), ("",)])
-def test_none_without_a_finished_episode(ends: tuple[str, ...]):
+def test_none_without_a_finished_episode(ends):
     """Without an end there is no value."""
     assert Spl()(recorded_trace(0, ends)) is None
 

@@ -27,7 +27,7 @@ def test_first_time_counts():
 
 
 @pytest.mark.parametrize("ends", [(), ("",), ("truncated", "ground")])
-def test_none_where_no_episode_reaches_it(ends: tuple[str, ...]):
+def test_none_where_no_episode_reaches_it(ends):
     """Where the target is never reached there is no value, rather than 0 or a large one."""
     assert StepsToTarget()(recorded_trace(0, ends)) is None
 

@@ -16,7 +16,7 @@ from harness_plugins.metrics.outcomes import SuccessRate
         (("touched", "truncated"), 0.5),
     ],
 )
-def test_share_of_the_finished_episodes(ends: tuple[str, ...], share: float):
+def test_share_of_the_finished_episodes(ends, share):
     """The value is the share of finished episodes that reach the target, in the end or on the way."""
     assert SuccessRate()(recorded_trace(0, ends)) == share
 
@@ -36,7 +36,7 @@ def test_episode_counts_once():
 
 
 @pytest.mark.parametrize("ends", [(), ("",)])
-def test_none_without_a_finished_episode(ends: tuple[str, ...]):
+def test_none_without_a_finished_episode(ends):
     """Without an end there is no value."""
     assert SuccessRate()(recorded_trace(0, ends)) is None
 

@@ -2,14 +2,13 @@
 
 import pytest
 
-from harness.log import Log
 from harness.record import EpisodeFacts
 from harness.record.episode_facts import with_episode_facts
 from harness_plugins.kit.metrics import recorded_trace
 from harness_plugins.metrics.outcomes import TimeToTarget
 
 
-def told(trace: Log, horizon: int | None = 100, period: float | None = 0.1) -> Log:
+def told(trace, horizon=100, period=0.1):
     """The trace with these facts."""
     return with_episode_facts(trace, EpisodeFacts(horizon=horizon, control_period=period))
 
@@ -41,7 +40,7 @@ def test_none_without_the_control_period():
 
 
 @pytest.mark.parametrize("ends", [(), ("",)])
-def test_none_without_a_finished_episode(ends: tuple[str, ...]):
+def test_none_without_a_finished_episode(ends):
     """Without an end there is no value."""
     assert TimeToTarget()(told(recorded_trace(0, ends))) is None
 

@@ -15,13 +15,13 @@ from harness_plugins.metrics.outcomes import GroundHits, SuccessRate, Timeouts
         (("touched", "truncated", ""), 0.5),
     ],
 )
-def test_share_of_the_finished_episodes(ends: tuple[str, ...], share: float):
+def test_share_of_the_finished_episodes(ends, share):
     """Truncated, the target not reached on the way either."""
     assert Timeouts()(recorded_trace(0, ends)) == share
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_outcomes_make_one(seed: int):
+def test_outcomes_make_one(seed):
     """Reached, on the ground before, and out of time are all that there is, in tasks that go on too."""
     trace = recorded_trace(seed, ("reached", "truncated", "ground", "touched", "ground", "truncated", "truncated"))
     shares = [metric(trace) for metric in (SuccessRate(), GroundHits(), Timeouts())]
@@ -29,7 +29,7 @@ def test_outcomes_make_one(seed: int):
 
 
 @pytest.mark.parametrize("ends", [(), ("",)])
-def test_none_without_a_finished_episode(ends: tuple[str, ...]):
+def test_none_without_a_finished_episode(ends):
     """Without an end there is no value."""
     assert Timeouts()(recorded_trace(0, ends)) is None
 

@@ -21,7 +21,7 @@ def test_none_where_it_is_not_told():
 
 
 @pytest.mark.parametrize("ends", [(), ("",)])
-def test_none_without_a_finished_episode(ends: tuple[str, ...]):
+def test_none_without_a_finished_episode(ends):
     """Without an end there is no value."""
     assert Work()(recorded_trace(0, ends)) is None
 

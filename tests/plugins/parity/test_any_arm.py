@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from harness.registry.registry import load_registry
+from harness.registry import load_registry
 from harness.robot.ground_clearance import build_solids
 from harness.robot.kinematics import link_frames
 from harness.robot.robot import read_robot

@@ -8,7 +8,7 @@ from harness_plugins.parity.difference import GRACE, compare_contacts, first_con
 ROWS = 20
 
 
-def touching(*firsts: int | None) -> np.ndarray:
+def touching(*firsts):
     """Contact from a row on, for each episode; never where None."""
     rows = np.arange(ROWS)[:, None]
     return rows >= np.array([ROWS if first is None else first for first in firsts])

@@ -5,8 +5,7 @@ from dataclasses import replace
 import pytest
 
 from harness.errors import PluginError, UsageError
-from harness.registry.registry import Registry
-from harness.registry.spec import Spec
+from harness.registry import Registry, Spec
 from harness_plugins.parity.contenders import Missing, choose_contenders
 from harness_plugins.parity.performance import Failure
 
@@ -27,7 +26,7 @@ def registry(*specs):
 THREE = registry(spec("ideal"), spec("mujoco"), spec("zeta"))
 
 
-def test_the_reference_comes_first(subtests: pytest.Subtests):
+def test_the_reference_comes_first(subtests):
     """The one that was named, or else mujoco, or else the first; a named one is taken in."""
     rows = [
         ([], None, ["mujoco", "ideal", "zeta"]),

@@ -21,7 +21,7 @@ from harness_plugins.parity.motions import (
 PERIOD = 0.1
 
 
-def speeds(motion: np.ndarray, period: float = PERIOD) -> np.ndarray:
+def speeds(motion, period=PERIOD):
     """Joint speeds of each period, at rest before the first, [rad/s]."""
     return np.diff(motion, axis=0, prepend=motion[:1]) / period
 

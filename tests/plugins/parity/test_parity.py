@@ -79,7 +79,7 @@ def test_all_pairs_are_there_the_reference_first(compare, toolbox):
     assert [(pair.a, pair.b) for pair in parity.pairs] == [("c", "a"), ("c", "b"), ("a", "b")]
 
 
-def test_one_that_fails_costs_itself_alone(compare, toolbox, subtests: pytest.Subtests):
+def test_one_that_fails_costs_itself_alone(compare, toolbox, subtests):
     """Wherever it fails, in the batch or when it is timed alone."""
     for call, envs in [
         ("place", 3),

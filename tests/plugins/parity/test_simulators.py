@@ -4,7 +4,7 @@ from itertools import combinations
 
 import pytest
 
-from harness.registry.registry import load_registry
+from harness.registry import load_registry
 from harness_plugins.parity.contenders import choose_contenders
 from harness_plugins.parity.orders import Setting
 from harness_plugins.parity.parity import compare_simulators

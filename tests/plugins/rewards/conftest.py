@@ -1,14 +1,12 @@
 """Episodes of one env, made of distances."""
 
-from collections.abc import Callable, Sequence
-
 import numpy as np
 import pytest
 
-from harness.reward import Reward, Sample
+from harness.reward import Sample
 
 
-def _episode(reward: Reward, distances: Sequence[float]) -> np.ndarray:
+def _episode(reward, distances):
     begin = np.array([distances[0]])
     carry, best, previous, values = reward.initial_carry(begin), begin, begin, []
     for step, distance in enumerate(np.array(distances[1:])[:, None], start=1):
@@ -20,6 +18,6 @@ def _episode(reward: Reward, distances: Sequence[float]) -> np.ndarray:
 
 
 @pytest.fixture(scope="session")
-def episode() -> Callable[[Reward, Sequence[float]], np.ndarray]:
+def episode():
     """What a reward pays at t = 1, 2, ... of an episode with the distances d(0), d(1), ..."""
     return _episode

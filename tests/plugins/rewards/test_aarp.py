@@ -31,14 +31,14 @@ def test_values_by_hand(episode):
 
 
 @given(GAINS, GAINS, DISTANCES)
-def test_without_growth_it_is_arp(episode, k1: float, k2: float, distances: list[float]):
+def test_without_growth_it_is_arp(episode, k1, k2, distances):
     """A growth of 1 pays every step as `arp`, bit for bit."""
     plain = episode(Arp(k1=k1, k2=k2), distances)
     np.testing.assert_array_equal(episode(Aarp(k1=k1, k2=k2, growth=1.0, k_max=10.0), distances), plain)
 
 
 @given(DISTANCES, st.floats(1.0, 3.0))
-def test_gain_is_the_closed_formula(episode, distances: list[float], growth: float):
+def test_gain_is_the_closed_formula(episode, distances, growth):
     """K = min(k2 growth^n, k_max), n the length of the row of improvements that ends here."""
     best, row, expected = distances[0], 0, []
     for distance in distances[1:]:
@@ -50,7 +50,7 @@ def test_gain_is_the_closed_formula(episode, distances: list[float], growth: flo
 
 
 @given(DISTANCES)
-def test_bounds(episode, distances: list[float]):
+def test_bounds(episode, distances):
     """-k1 d(t) <= r <= k_max Bd, and never less than ARP pays."""
     reward = Aarp(k1=2.0, k2=1.5, growth=1.5, k_max=3.0)
     values = episode(reward, distances)
@@ -76,7 +76,7 @@ def test_carry_is_the_gain_and_is_written_anew():
 
 
 @given(DISTANCES, st.sampled_from([0.25, 2.0, 64.0]))
-def test_scaling_the_workspace_scales_the_reward(episode, distances: list[float], factor: float):
+def test_scaling_the_workspace_scales_the_reward(episode, distances, factor):
     """Values are in metres."""
     scaled = episode(Aarp(), [factor * distance for distance in distances])
     np.testing.assert_array_equal(scaled, factor * episode(Aarp(), distances))
@@ -89,7 +89,7 @@ def test_cap_below_the_gain_is_refused():
 
 
 @pytest.mark.parametrize("given", [{"growth": 0.9}, {"k1": 0}, {"k_max": "inf"}])
-def test_parameter_out_of_range_is_refused(given: dict[str, object]):
+def test_parameter_out_of_range_is_refused(given):
     """In one line that names it."""
     with pytest.raises(UsageError, match=f"Reward 'aarp': {next(iter(given))}="):
         build(Aarp, given, "reward 'aarp'")

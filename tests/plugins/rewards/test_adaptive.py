@@ -21,7 +21,7 @@ def test_contract():
     check_reward(Adaptive(k_far=2.0, k_near=0.5))
 
 
-def test_value_by_hand(episode, subtests: pytest.Subtests):
+def test_value_by_hand(episode, subtests):
     """The progress of the step times the mean of the gains at its ends, k_far = 0.5 and k_near = 1.5."""
     rows = [
         ([1.0, 0.0], (0.5 + 0.75) * 0.5),  # onto the target at once: mean gain 0.5 + 0.75, progress 1/2 -> 1
@@ -37,13 +37,13 @@ def test_value_by_hand(episode, subtests: pytest.Subtests):
 
 
 @given(GAINS, GAINS, DISTANCES)
-def test_bounds(episode, k_far: float, k_near: float, distances: list[float]):
+def test_bounds(episode, k_far, k_near, distances):
     """|r| <= (k_far + k_near) / 2."""
     assert np.abs(episode(Adaptive(k_far, k_near), distances)).max() <= (k_far + k_near) / 2.0 * (1.0 + 1e-12)
 
 
 @given(GAINS, GAINS, DISTANCES)
-def test_sum_of_an_episode(episode, k_far: float, k_near: float, distances: list[float]):
+def test_sum_of_an_episode(episode, k_far, k_near, distances):
     """It depends on where the episode ends and not on the way, and is largest on the target."""
     total = episode(Adaptive(k_far, k_near), distances).sum()
     assert total == pytest.approx(episode(Adaptive(k_far, k_near), [distances[0], distances[-1]])[0], abs=1e-12)
@@ -56,7 +56,7 @@ def test_largest_sum_is_reached(episode):
 
 
 @given(METRES, METRES, BEGIN)
-def test_to_and_fro_pays_nothing(episode, there: float, back: float, begin: float):
+def test_to_and_fro_pays_nothing(episode, there, back, begin):
     """A closed way is paid 0."""
     assert episode(Adaptive(), [begin, there, back, there])[1:].sum() == pytest.approx(0.0, abs=1e-14)
 
@@ -70,7 +70,7 @@ def test_a_step_pays_more_the_nearer_it_is_made(episode):
 
 
 @given(DISTANCES)
-def test_gain_lies_between_its_ends(episode, distances: list[float]):
+def test_gain_lies_between_its_ends(episode, distances):
     """A step is paid between k_far and k_near times what it is paid with a gain of 1, the plain progress."""
     plain, adapted = episode(Adaptive(1.0, 1.0), distances), episode(Adaptive(0.5, 1.5), distances)
     assert (np.abs(adapted) >= 0.5 * np.abs(plain)).all()
@@ -79,7 +79,7 @@ def test_gain_lies_between_its_ends(episode, distances: list[float]):
 
 
 @given(DISTANCES, st.sampled_from([0.25, 2.0, 64.0]))
-def test_scaling_the_workspace_changes_nothing(episode, distances: list[float], factor: float):
+def test_scaling_the_workspace_changes_nothing(episode, distances, factor):
     """Scale-free."""
     scaled = episode(Adaptive(), [factor * distance for distance in distances])
     np.testing.assert_array_equal(scaled, episode(Adaptive(), distances))

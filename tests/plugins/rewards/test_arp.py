@@ -6,7 +6,7 @@ from hypothesis import given, strategies as st
 
 import harness
 from harness.errors import UsageError
-from harness.reward import Reward, Sample
+from harness.reward import Sample
 from harness_plugins.rewards.arp import Arp
 from harness_plugins.rewards.baseline import Baseline
 
@@ -14,14 +14,14 @@ METRES = st.floats(0.0, 3.0)
 GAINS = st.floats(0.01, 10.0)
 
 
-def pay(reward: Reward, begin: float, best: float, distance: float) -> float:
+def pay(reward, begin, best, distance):
     """The shaped reward of a step of one env."""
     parts = (begin, best, best, distance, distance - best, 1.0)
     _, value = reward(reward.initial_carry(np.array([begin])), Sample(*(np.array([part]) for part in parts)))
     return float(value[0])
 
 
-def test_value_by_hand(subtests: pytest.Subtests):
+def test_value_by_hand(subtests):
     """Dd > 0: -k1 Dd. Dd <= 0: k2 (Bd - d)."""
     rows = [
         (1.0, 1.5, 1.0, 1.0, 0.75, 0.375),  # nearer: k2 (Bd - d)
@@ -37,13 +37,13 @@ def test_value_by_hand(subtests: pytest.Subtests):
 
 
 @given(METRES, METRES, METRES)
-def test_gains_of_one_are_the_baseline(begin: float, best: float, distance: float):
+def test_gains_of_one_are_the_baseline(begin, best, distance):
     """With k1 = k2 = 1 every step is paid, bit for bit, as under the baseline."""
     assert pay(Arp(k1=1.0, k2=1.0), begin, best, distance) == pay(Baseline(), begin, best, distance)
 
 
 @given(GAINS, GAINS, METRES, METRES, METRES)
-def test_each_gain_scales_its_half(k1: float, k2: float, begin: float, best: float, distance: float):
+def test_each_gain_scales_its_half(k1, k2, begin, best, distance):
     """A step is paid k1 times the baseline where the best is missed, and k2 times elsewhere."""
     gain = k1 if distance - best > 0.0 else k2
     expected = gain * pay(Baseline(), begin, best, distance)
@@ -60,7 +60,7 @@ def test_nothing_is_carried():
     assert Arp().initial_carry(np.ones(3)) == ()
 
 
-def test_bad_gain_is_a_usage_error(subtests: pytest.Subtests):
+def test_bad_gain_is_a_usage_error(subtests):
     """A gain that is not a positive number is refused, in one line that names it."""
     for gain in ["k1=0", "k2=0", "k1=-1", "k2=much", "k2=nan", "k2=inf", "k3=1"]:
         with subtests.test(gain=gain), pytest.raises(UsageError, match=gain[:2]):

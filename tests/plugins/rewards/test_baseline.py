@@ -1,7 +1,6 @@
 """The baseline reward, Type I: pays what was gained since the start when the best is met, else takes the loss."""
 
 import numpy as np
-import pytest
 from hypothesis import given, strategies as st
 
 from harness.reward import Sample
@@ -10,19 +9,19 @@ from harness_plugins.rewards.baseline import Baseline
 METRES = st.floats(0.0, 3.0)
 
 
-def sample(begin: float, best: float, distance: float) -> Sample:
+def sample(begin, best, distance):
     """A step of one env; the reward looks at these three."""
     return Sample(*(np.array([value]) for value in (begin, best, best, distance, distance - best, 1.0)))
 
 
-def pay(begin: float, best: float, distance: float) -> float:
+def pay(begin, best, distance):
     """The shaped reward of the step."""
     reward = Baseline()
     _, value = reward(reward.initial_carry(np.array([begin])), sample(begin, best, distance))
     return float(value[0])
 
 
-def test_value_by_hand(subtests: pytest.Subtests):
+def test_value_by_hand(subtests):
     """Dd > 0: -Dd. Dd <= 0: Bd - d."""
     rows = [
         (1.0, 1.0, 0.75, 0.25),  # the first step nearer: Bd - d
@@ -39,21 +38,21 @@ def test_value_by_hand(subtests: pytest.Subtests):
 
 
 @given(METRES, METRES, METRES)
-def test_value_follows_the_published_code(begin: float, best: float, distance: float):
+def test_value_follows_the_published_code(begin, best, distance):
     """Any step is paid as the listing of the note pays it."""
     delta = distance - best
     assert pay(begin, best, distance) == (-delta if delta > 0.0 else begin - distance)
 
 
 @given(METRES, METRES, METRES)
-def test_only_a_loss_costs(begin: float, best: float, distance: float):
+def test_only_a_loss_costs(begin, best, distance):
     """As the best is never worse than the start, the value is negative exactly where the best is missed."""
     best = min(begin, best)
     assert (pay(begin, best, distance) < 0.0) == (distance > best)
 
 
 @given(METRES, METRES, METRES)
-def test_value_is_bounded_by_the_distances(begin: float, best: float, distance: float):
+def test_value_is_bounded_by_the_distances(begin, best, distance):
     """No step pays more than the begin distance, nor costs more than the distance."""
     best = min(begin, best)
     assert -distance <= pay(begin, best, distance) <= begin

@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-import pytest
 from hypothesis import given, strategies as st
 
 from harness_plugins.kit import check_reward
@@ -19,7 +18,7 @@ def test_contract():
     check_reward(BaselineEq21())
 
 
-def test_value_by_hand(episode, subtests: pytest.Subtests):
+def test_value_by_hand(episode, subtests):
     """Dd < 0: -Dd. Dd >= 0: Bd - Pb - Dd."""
     rows = [
         ([1.0, 0.75], 0.25),  # the first step nearer: the step
@@ -49,7 +48,7 @@ def test_contradiction_with_the_code(episode):
 
 
 @given(DISTANCES)
-def test_agreement_with_the_code(episode, distances: list[float]):
+def test_agreement_with_the_code(episode, distances):
     """The two pay the same where Dd = 0, and on a first step towards the target."""
     best = np.minimum.accumulate(distances)[:-1]
     delta = np.array(distances[1:]) - best
@@ -59,13 +58,13 @@ def test_agreement_with_the_code(episode, distances: list[float]):
 
 
 @given(METRES, st.integers(1, 20))
-def test_waiting_pays_again_and_again(episode, distance: float, steps: int):
+def test_waiting_pays_again_and_again(episode, distance, steps):
     """Standing still is paid Bd - d at every step."""
     assert episode(BaselineEq21(), [3.0, distance] + steps * [distance])[1:].tolist() == steps * [3.0 - distance]
 
 
 @given(DISTANCES)
-def test_bounds(episode, distances: list[float]):
+def test_bounds(episode, distances):
     """-d(t) <= r <= Bd."""
     values = episode(BaselineEq21(), distances)
     assert (values <= distances[0]).all()
@@ -73,7 +72,7 @@ def test_bounds(episode, distances: list[float]):
 
 
 @given(DISTANCES, st.sampled_from([0.25, 2.0, 64.0]))
-def test_scaling_the_workspace_scales_the_reward(episode, distances: list[float], factor: float):
+def test_scaling_the_workspace_scales_the_reward(episode, distances, factor):
     """Values are in metres."""
     scaled = episode(BaselineEq21(), [factor * distance for distance in distances])
     np.testing.assert_array_equal(scaled, factor * episode(BaselineEq21(), distances))

@@ -21,7 +21,7 @@ def test_contract():
 
 
 @pytest.mark.parametrize(("scale", "distance", "expected"), [(1.0, 0.25, -0.25), (2.0, 1.5, -3.0), (1.0, 0.0, 0.0)])
-def test_value_by_hand(episode, scale: float, distance: float, expected: float):
+def test_value_by_hand(episode, scale, distance, expected):
     """-scale d(t)."""
     assert episode(Dense(scale), [1.0, distance]) == [expected]
 
@@ -32,7 +32,7 @@ def test_example_1_of_the_note(episode):
 
 
 @given(DISTANCES, st.floats(0.01, 10.0))
-def test_bounds(episode, distances: list[float], scale: float):
+def test_bounds(episode, distances, scale):
     """Between minus scale times the largest distance and 0."""
     values = episode(Dense(scale), distances)
     assert (values <= 0.0).all()
@@ -40,7 +40,7 @@ def test_bounds(episode, distances: list[float], scale: float):
 
 
 @given(DISTANCES, st.sampled_from([0.25, 2.0, 64.0]))
-def test_scaling_the_workspace_scales_the_reward(episode, distances: list[float], factor: float):
+def test_scaling_the_workspace_scales_the_reward(episode, distances, factor):
     """So does the parameter scale, by as much."""
     values = factor * episode(Dense(), distances)
     np.testing.assert_array_equal(episode(Dense(), [factor * distance for distance in distances]), values)

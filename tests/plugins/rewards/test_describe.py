@@ -2,8 +2,6 @@
 
 from pathlib import Path
 
-import pytest
-
 from harness.describe import describe_name
 from harness.registry import load_registry
 
@@ -12,7 +10,7 @@ BUILT_IN = [name for name in REGISTRY.names("rewards") if REGISTRY.get("rewards"
 PAGE = (Path(__file__).parents[3] / "docs" / "rewards.md").read_text()
 
 
-def test_description_has_formula_and_source(subtests: pytest.Subtests):
+def test_description_has_formula_and_source(subtests):
     """Every reward says what it computes, and from where, or that it is the project's own."""
     for name in BUILT_IN:
         with subtests.test(name=name):
@@ -21,7 +19,7 @@ def test_description_has_formula_and_source(subtests: pytest.Subtests):
             assert "NOTE" in text or "ARP" in text or "of this project" in text
 
 
-def test_page_has_a_section(subtests: pytest.Subtests):
+def test_page_has_a_section(subtests):
     """docs/rewards.md has a section and a row for every reward."""
     for name in BUILT_IN:
         with subtests.test(name=name):
@@ -29,7 +27,7 @@ def test_page_has_a_section(subtests: pytest.Subtests):
             assert f"\n| `{name}` |" in PAGE
 
 
-def test_contradictions_are_told(subtests: pytest.Subtests):
+def test_contradictions_are_told(subtests):
     """Where the sources contradict one another, or say nothing, the description says so."""
     rows = [
         ("baseline-eq21", ["eq. 21", "ARP eq. 20", "the reverse of the code", "sqrt(6.25) - sqrt(4.25)"]),

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from harness.registry import load_registry
-from harness.reward import Carry, Reward, Steps, pay
+from harness.reward import pay
 from harness.reward.forms import reward_class
 from harness.reward.steps import map_steps
 from harness_plugins.kit.reward_samples import edge_samples, play, random_samples, values_of
@@ -16,7 +16,7 @@ SETTINGS = ["relative:denominator=current", "scaled:reward=aarp:growth=1.5", "sh
 """Ways through a reward that its defaults leave out, and carries that another reward hands on."""
 
 
-def gentle(step: Steps) -> dict[str, object]:
+def gentle(step):
     """Every field, now and before, by methods that all arrays have."""
     speed = (step.qvel**2).sum(-1) - (step.before.qvel**2).mean(-1)
     jerk = ((step.action - step.before.action) ** 2).sum(-1)
@@ -26,7 +26,7 @@ def gentle(step: Steps) -> dict[str, object]:
     return {"reach": -step.distance, "speed": speed, "jerk": -0.1 * jerk, "way": way, "bent": bent, "touched": touched}
 
 
-def gained(step: Steps) -> tuple[object, dict[str, object]]:
+def gained(step):
     """A total beside its terms, by the functions of the arrays' own library."""
     xp = step.distance.__array_namespace__()
     near = xp.exp(-step.distance)
@@ -39,7 +39,7 @@ every_reward = pytest.mark.parametrize("name", [*REGISTRY.names("rewards"), *SET
 both_precisions = pytest.mark.parametrize(("x64", "tolerance"), [(False, 1e-6), (True, 1e-12)])
 
 
-def build(name: str) -> Reward:
+def build(name):
     """A registered reward, or one of the functions."""
     from harness.registry import choose
 
@@ -48,32 +48,32 @@ def build(name: str) -> Reward:
     return choose(REGISTRY, "rewards", name).build(REGISTRY, "rewards")
 
 
-def stacked(samples: list[Steps], x64: bool) -> Steps:
+def stacked(samples, x64):
     """Steps whose arrays are (steps, num_envs, ...), in single or double precision: JAX takes steps for a tree."""
 
-    def stack(*parts: np.ndarray) -> np.ndarray:
+    def stack(*parts):
         whole = np.stack(parts)
         return whole if whole.dtype == bool else whole.astype(np.float64 if x64 else np.float32)
 
     return jax.tree.map(stack, *samples)
 
 
-def pay_all(reward: Reward, begin: object, samples: Steps) -> dict[str, object]:
+def pay_all(reward, begin, samples):
     """What the steps pay in all and by term, (steps, num_envs), by a loop that JAX compiles."""
 
-    def step(carry: Carry, steps: Steps) -> tuple[Carry, dict[str, object]]:
+    def step(carry, steps):
         after, paid = pay(reward, carry, steps)
         return after, values_of(paid)
 
     return jax.lax.scan(step, reward.initial_carry(begin), samples)[1]
 
 
-def paid_by_numpy(reward: Reward, samples: list[Steps]) -> dict[str, np.ndarray]:
+def paid_by_numpy(reward, samples):
     """The same, step by step."""
     return jax.tree.map(lambda *values: np.stack(values), *map(values_of, play(reward, samples)[1]))
 
 
-def assert_near(told: dict[str, object], known: dict[str, np.ndarray], tolerance: float, x64: bool) -> None:
+def assert_near(told, known, tolerance, x64):
     """Up to rounding: of a value, and of one metre."""
     assert told.keys() == known.keys()
     for name, values in told.items():
@@ -83,7 +83,7 @@ def assert_near(told: dict[str, object], known: dict[str, np.ndarray], tolerance
 
 @every_reward
 @both_precisions
-def test_compiled_trajectory_is_paid_as_by_numpy(name: str, x64: bool, tolerance: float):
+def test_compiled_trajectory_is_paid_as_by_numpy(name, x64, tolerance):
     """Under jit a scan over random episodes pays what numpy pays step by step."""
     reward, samples = build(name), random_samples(0)
     known = paid_by_numpy(reward, samples)
@@ -95,7 +95,7 @@ def test_compiled_trajectory_is_paid_as_by_numpy(name: str, x64: bool, tolerance
 
 @every_reward
 @both_precisions
-def test_mapped_envs_are_paid_as_by_numpy(name: str, x64: bool, tolerance: float):
+def test_mapped_envs_are_paid_as_by_numpy(name, x64, tolerance):
     """Under jit and vmap every env of a batch is paid what numpy pays it."""
     reward, samples = build(name), random_samples(1)
     known = paid_by_numpy(reward, samples)
@@ -109,7 +109,7 @@ def test_mapped_envs_are_paid_as_by_numpy(name: str, x64: bool, tolerance: float
 
 
 @every_reward
-def test_edges_are_finite(name: str):
+def test_edges_are_finite(name):
     """Where a distance or a gain is exactly 0, single precision pays finite numbers too."""
     reward = build(name)
     given = stacked(edge_samples(), x64=False)
@@ -120,7 +120,7 @@ def test_edges_are_finite(name: str):
 def test_a_function_of_numpy_does_not_compile():
     """The kit's warning is right: JAX refuses what `reward-numpy` warns of."""
 
-    def with_numpy(step: Steps) -> object:
+    def with_numpy(step):
         return np.exp(-step.distance)
 
     reward, given = reward_class(with_numpy)(), stacked(random_samples(0), x64=False)

@@ -23,7 +23,7 @@ def test_contract():
     check_reward(Potential(gamma=1.0, scale=3.0))
 
 
-def test_value_by_hand(episode, subtests: pytest.Subtests):
+def test_value_by_hand(episode, subtests):
     """Paid is scale (d(t-1) - gamma d(t))."""
     rows = [
         (1.0, 1.0, 1.0, 0.75, 0.25),  # nearer
@@ -44,7 +44,7 @@ def test_example_2_of_the_note(episode):
 
 
 @given(DISTANCES, GAMMAS, st.floats(0.01, 10.0))
-def test_discounted_sum_telescopes(episode, distances: list[float], gamma: float, scale: float):
+def test_discounted_sum_telescopes(episode, distances, gamma, scale):
     """Over an episode it is gamma^T phi(T) - phi(0), whatever lies between."""
     values = episode(Potential(gamma, scale), distances)
     total = (gamma ** np.arange(len(values)) * values).sum()
@@ -52,7 +52,7 @@ def test_discounted_sum_telescopes(episode, distances: list[float], gamma: float
 
 
 @given(DISTANCES, GAMMAS)
-def test_bounds(episode, distances: list[float], gamma: float):
+def test_bounds(episode, distances, gamma):
     """-gamma scale d(t) <= F <= scale d(t-1)."""
     values = episode(Potential(gamma, scale=2.0), distances)
     assert (values <= 2.0 * np.array(distances[:-1])).all()
@@ -60,7 +60,7 @@ def test_bounds(episode, distances: list[float], gamma: float):
 
 
 @given(DISTANCES, st.sampled_from([0.25, 2.0, 64.0]))
-def test_scaling_the_workspace_scales_the_reward(episode, distances: list[float], factor: float):
+def test_scaling_the_workspace_scales_the_reward(episode, distances, factor):
     """So does the parameter scale, by as much."""
     values = factor * episode(Potential(), distances)
     np.testing.assert_array_equal(episode(Potential(), [factor * distance for distance in distances]), values)
@@ -73,7 +73,7 @@ def test_discount_is_that_of_the_default_learner():
 
 
 @pytest.mark.parametrize("gamma", [0, 1.01])
-def test_discount_out_of_range_is_refused(gamma: float):
+def test_discount_out_of_range_is_refused(gamma):
     """In one line that names it."""
     with pytest.raises(UsageError, match=f"gamma={gamma}: Input should be "):
         build(Potential, {"gamma": gamma}, "reward 'potential'")

@@ -18,7 +18,7 @@ CURRENT = Relative(denominator="current")
 
 
 @pytest.mark.parametrize("denominator", ["larger", "current"])
-def test_contract(denominator: str):
+def test_contract(denominator):
     """It keeps the contract of rewards, with either denominator."""
     check_reward(build(Relative, {"denominator": denominator}, "reward"))
 
@@ -29,7 +29,7 @@ def test_unknown_denominator_is_refused():
         build(Relative, {"denominator": "smaller"}, "reward 'relative'")
 
 
-def test_value_by_hand(episode, subtests: pytest.Subtests):
+def test_value_by_hand(episode, subtests):
     """The gain over the larger of the two distances, or over the current one."""
     rows = [
         (1.0, 0.5, 0.5, 1.0),  # eq. 30 is 1 where a step halves the distance
@@ -57,7 +57,7 @@ def test_examples_of_the_note(episode):
 
 
 @given(DISTANCES)
-def test_larger_keeps_the_stated_ranges(episode, distances: list[float]):
+def test_larger_keeps_the_stated_ranges(episode, distances):
     """In [0, 1] when coming closer, eq. 31 and Table III; in [-1, 0] when moving away, eq. 34."""
     values, closer = episode(Relative(), distances), np.diff(distances) <= 0.0
     assert ((values[closer] >= 0.0) & (values[closer] <= 1.0)).all()
@@ -65,7 +65,7 @@ def test_larger_keeps_the_stated_ranges(episode, distances: list[float]):
 
 
 @given(METRES, METRES)
-def test_denominators_agree_when_moving_away(episode, before: float, after: float):
+def test_denominators_agree_when_moving_away(episode, before, after):
     """There the current distance is the larger one; eq. 33. Below the floor, `current` charges less."""
     before, after = sorted((before, after))
     if after >= FLOOR:
@@ -81,7 +81,7 @@ def test_current_has_no_bound_of_its_own(episode):
 
 
 @given(DISTANCES)
-def test_current_is_finite_and_below_what_the_floor_allows(episode, distances: list[float]):
+def test_current_is_finite_and_below_what_the_floor_allows(episode, distances):
     """-1 <= r <= d(t-1) / 1e-6 m, on the target too."""
     values = episode(CURRENT, distances)
     assert (values >= -1.0).all()
@@ -89,7 +89,7 @@ def test_current_is_finite_and_below_what_the_floor_allows(episode, distances: l
 
 
 @given(st.lists(GRID, min_size=2, max_size=30), st.sampled_from([0.25, 2.0, 64.0]))
-def test_scaling_the_workspace_changes_nothing(episode, distances: list[float], factor: float):
+def test_scaling_the_workspace_changes_nothing(episode, distances, factor):
     """Scale-free with either denominator, above the floor."""
     for reward in (Relative(), CURRENT):
         scaled = episode(reward, [factor * distance for distance in distances])

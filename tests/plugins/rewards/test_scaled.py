@@ -18,18 +18,18 @@ DISTANCES = st.lists(st.floats(0.0, 3.0), min_size=2, max_size=20)
 
 
 @pytest.mark.parametrize("reward", OTHERS)
-def test_contract(reward: str):
+def test_contract(reward):
     """It keeps the contract of rewards, whatever it multiplies."""
     check_reward(Scaled(reward=reward, factor=1.25))
 
 
 @pytest.mark.parametrize("reward", OTHERS)
-def test_factor_of_one_changes_nothing(episode, reward: str):
+def test_factor_of_one_changes_nothing(episode, reward):
     """It pays what the named reward pays, bit for bit."""
     named, same = choose(REGISTRY, "rewards", reward).build(REGISTRY, "rewards"), Scaled(reward=reward, factor=1.0)
 
     @given(DISTANCES)
-    def holds(distances: list[float]) -> None:
+    def holds(distances):
         np.testing.assert_array_equal(episode(same, distances), episode(named, distances))
 
     holds()
@@ -37,7 +37,7 @@ def test_factor_of_one_changes_nothing(episode, reward: str):
 
 @settings(max_examples=25)  # each looks all plugins up
 @given(DISTANCES, st.floats(0.01, 100.0))
-def test_value_is_multiplied(episode, distances: list[float], factor: float):
+def test_value_is_multiplied(episode, distances, factor):
     """Every step pays `factor` times as much, of a reward with a carry too."""
     reward = Scaled(reward="aarp:growth=2", factor=factor)
     np.testing.assert_array_equal(episode(reward, distances), factor * episode(Aarp(growth=2.0), distances))
@@ -55,7 +55,7 @@ def test_value_is_multiplied(episode, distances: list[float], factor: float):
         ("scaled:reward=(shifted:reward=(arp:k1=2,k2=3),offset=1)",) * 2,
     ],
 )
-def test_any_reward_is_named_with_its_parameters(text: str, label: str):
+def test_any_reward_is_named_with_its_parameters(text, label):
     """The label, typed again, is the same choice."""
     choice = choose(REGISTRY, "rewards", text)
     assert choice.label == label
@@ -92,7 +92,7 @@ def test_named_reward_is_built_once():
         ("scaled:" + "reward=scaled:" * 5000 + "factor=2", "has 70,015 characters, 10,000 are allowed"),
     ],
 )
-def test_what_cannot_be_named_is_refused_at_once(text: str, message: str):
+def test_what_cannot_be_named_is_refused_at_once(text, message):
     """In one line, when it is typed, before anything runs."""
     with pytest.raises(UsageError, match=message) as error:
         harness.make_env(reward=text)

@@ -15,7 +15,7 @@ OTHERS = [name for name in REGISTRY.names("rewards") if name != "shifted"]
 DISTANCES = st.lists(st.floats(0.0, 3.0), min_size=2, max_size=20)
 
 
-def test_contract(subtests: pytest.Subtests):
+def test_contract(subtests):
     """It keeps the contract of rewards, whatever it adds to."""
     for reward in OTHERS:
         with subtests.test(reward=reward):
@@ -24,13 +24,13 @@ def test_contract(subtests: pytest.Subtests):
 
 @settings(max_examples=25)  # each looks all plugins up
 @given(DISTANCES, st.floats(-10.0, 10.0))
-def test_value_is_moved(episode, distances: list[float], offset: float):
+def test_value_is_moved(episode, distances, offset):
     """Every step pays `offset` more, of a reward with a carry too."""
     reward = Shifted(reward="aarp:growth=2", offset=offset)
     np.testing.assert_array_equal(episode(reward, distances), episode(Aarp(growth=2.0), distances) + offset)
 
 
-def test_offset_of_zero_changes_nothing(episode, subtests: pytest.Subtests):
+def test_offset_of_zero_changes_nothing(episode, subtests):
     """It pays what the named reward pays."""
     for reward in OTHERS:
         with subtests.test(reward=reward):
@@ -58,7 +58,7 @@ def test_named_reward_comes_with_its_parameters():
         ("shifted:reward=scaled:reward=shifted", "'shifted' .* cannot stand inside itself"),
     ],
 )
-def test_what_cannot_be_named_is_refused_at_once(text: str, message: str):
+def test_what_cannot_be_named_is_refused_at_once(text, message):
     """In one line, when it is typed."""
     with pytest.raises(UsageError, match=message):
         choose(REGISTRY, "rewards", text)

@@ -13,6 +13,6 @@ def test_contract():
 
 
 @given(st.lists(st.floats(0.0, 3.0), min_size=2, max_size=30))
-def test_every_step_pays_nothing(episode, distances: list[float]):
+def test_every_step_pays_nothing(episode, distances):
     """0, whatever happens."""
     np.testing.assert_array_equal(episode(Sparse(), distances), 0.0)

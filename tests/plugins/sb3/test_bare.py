@@ -2,7 +2,6 @@
 
 from unittest import mock
 
-import pytest
 import stable_baselines3
 
 import harness
@@ -28,7 +27,7 @@ CASES = {
 STEPS = 16
 
 
-def test_the_bare_training_updates_as_often_as_ours(subtests: pytest.Subtests):
+def test_the_bare_training_updates_as_often_as_ours(subtests):
     """Of as many steps; each call trains a new model."""
     for name, (algorithm, library, task) in CASES.items():
         with subtests.test(name=name):

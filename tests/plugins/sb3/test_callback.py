@@ -35,19 +35,19 @@ class Told(Progress):
         self.told.append((steps, values))
 
 
-def adapt(num_envs: int = 3, **task: Any) -> VecEnvAdapter:
+def adapt(num_envs=3, **task):
     """The adapter of an env without an engine, seeded."""
     env = ReachVectorEnv(IdealSimulator(), ROBOT, ReachTask(**task), NegativeDistance(), num_envs)
     env.reset(seed=2)
     return VecEnvAdapter(env)
 
 
-def stand(adapter: VecEnvAdapter) -> Any:
+def stand(adapter):
     """A step without motion."""
     return adapter.step(np.zeros((adapter.num_envs, 6), np.float32))
 
 
-def watch(env: ReachVectorEnv, told: Told, budget: int = 10_000, **logged: float) -> ProgressCallback:
+def watch(env, told, budget=10_000, **logged):
     """The callback of a model that logged something, before its first step; an update comes every 12 decisions."""
     callback: Any = ProgressCallback(env, told, budget, lambda model: f"policy of {model.name}", 12)  # type: ignore[arg-type, return-value]
     names = {f"train/{name}": value for name, value in logged.items()}
@@ -68,7 +68,7 @@ def test_policy_is_offered_at_every_step_and_at_the_end():
 
 
 @pytest.mark.parametrize(("decisions", "goes_on"), [(9, False), (12, True), (15, False)])
-def test_training_ends_at_its_budget(decisions: int, goes_on: bool):
+def test_training_ends_at_its_budget(decisions, goes_on):
     """No further step is taken; a rollout that is complete is still learned from."""
     adapter = adapt()
     callback = watch(adapter.env, Told(), budget=decisions)

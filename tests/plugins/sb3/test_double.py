@@ -34,7 +34,7 @@ class Line(gymnasium.Env[np.ndarray, int]):
         return np.zeros(2, np.float32), {}
 
 
-def make(library: type[DQN]) -> DQN:
+def make(library):
     """A model with the two networks, which does not move them."""
     model = library(
         "MlpPolicy", DummyVecEnv([Line]), gamma=GAMMA, learning_rate=0.0, buffer_size=1, seed=0, device="cpu",
@@ -47,7 +47,7 @@ def make(library: type[DQN]) -> DQN:
     return model
 
 
-def loss_of(library: type[DQN], terminated: bool = False, truncated: bool = False) -> float:
+def loss_of(library, terminated=False, truncated=False):
     """The loss of one transition from state 0 by choice 2, worth 0, to state 1."""
     model = make(library)
     seen, after = np.eye(2, dtype=np.float32)[:, None]
@@ -58,7 +58,7 @@ def loss_of(library: type[DQN], terminated: bool = False, truncated: bool = Fals
     return float(model.logger.name_to_value["train/loss"])
 
 
-def huber(target: float) -> float:
+def huber(target):
     """The loss of an error of more than 1, from a value of 0."""
     return target - 0.5
 

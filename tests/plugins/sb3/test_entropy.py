@@ -17,7 +17,7 @@ from harness_plugins.sb3.vec_env import VecEnvAdapter
 
 
 @pytest.fixture(scope="module")
-def model() -> stable_baselines3.SAC:
+def model():
     """A soft actor-critic that has seen 40 steps of two envs."""
     env = ReachVectorEnv(IdealSimulator(), harness.load_robot("fd100"), ReachTask(), NegativeDistance(), 2)
     env.reset(seed=0)
@@ -25,7 +25,7 @@ def model() -> stable_baselines3.SAC:
     return model.learn(40)
 
 
-def test_entropy_falls_with_the_spread(model: stable_baselines3.SAC):
+def test_entropy_falls_with_the_spread(model):
     """An actor whose standard deviation is e times smaller has one nat less per action, while it saturates nothing."""
     bias, weight = model.actor.log_std.bias, model.actor.log_std.weight
     found = []
@@ -39,7 +39,7 @@ def test_entropy_falls_with_the_spread(model: stable_baselines3.SAC):
     assert found[1] == pytest.approx(len(bias) * (-4.0 + 0.5 * np.log(2.0 * np.pi * np.e)), abs=0.5)
 
 
-def test_training_takes_no_notice(model: stable_baselines3.SAC):
+def test_training_takes_no_notice(model):
     """Its random numbers stay where they are."""
     before = torch.random.get_rng_state()
     actor_entropy(model)

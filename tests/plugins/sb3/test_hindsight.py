@@ -1,6 +1,5 @@
 """Goals, as the library's replay buffer and networks see them."""
 
-from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -57,7 +56,7 @@ class _SeededOnce(gymnasium.Wrapper[Any, Any, Any, Any]):
 
 
 @pytest.fixture(scope="module")
-def model() -> Any:
+def model():
     """A model that has gathered 60 steps in two envs."""
     env = WatchedEnv(2, with_goals=True)
     env.reset(seed=0)
@@ -65,14 +64,14 @@ def model() -> Any:
     return HindsightSAC("MultiInputPolicy", GoalEnvAdapter(env), seed=0, device="cpu", **settings).learn(60)
 
 
-def test_the_policy_sees_what_the_network_sees(model: Any):
+def test_the_policy_sees_what_the_network_sees(model):
     """A row as the env shows it, for the parts of a dict: columns are not mixed up."""
     seen = np.random.default_rng(0).uniform(-1.0, 1.0, (5, 28)).astype(np.float32)
     own, _ = model.predict(model.env._seen(seen), deterministic=True)
     np.testing.assert_allclose(squashed_gaussian(model, "relu", "her").act(seen), own, atol=1e-6)
 
 
-def test_steps_are_paid_again_by_the_reward_of_the_training(model: Any):
+def test_steps_are_paid_again_by_the_reward_of_the_training(model):
     """Each step of a batch has the goal that it is paid for, most of them another one than they had."""
     batch = model.replay_buffer.sample(50)
     goals: Goals = model.env.env.goals
@@ -85,7 +84,7 @@ def test_steps_are_paid_again_by_the_reward_of_the_training(model: Any):
     assert len(np.unique(seen["desired_goal"][in_hindsight], axis=0)) > 5
 
 
-def test_parts_are_in_the_order_of_the_columns(model: Any):
+def test_parts_are_in_the_order_of_the_columns(model):
     """What is neither goal stands between them, under a name of its own."""
     parts = model.env.observation_space.spaces
     assert [(name, *box.shape) for name, box in parts.items()] == [
@@ -105,7 +104,7 @@ def test_nothing_is_learned_before_an_episode_ends():
     assert model.learn(15)._n_updates == 0
 
 
-def test_it_learns_what_the_library_learns_by_itself(tmp_path: Path):
+def test_it_learns_what_the_library_learns_by_itself(tmp_path):
     """In the same env, with the same settings and seed: the same network in the end."""
     settings: Any = {"learning_starts": 30, "batch_size": 16, "gamma": 0.9, "learning_rate": 1e-3}
     env = _Line()

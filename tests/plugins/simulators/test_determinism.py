@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 import harness
-from harness.log import Log
 from harness.record import TraceWriter, read_trace
 from harness.registry import load_registry
 
@@ -26,7 +25,7 @@ pytestmark = [
 ]
 
 
-def record(simulator: str, task: str, envs: tuple[int, ...] = (0, 1), steps: int = 40, *, before: int = 0) -> Log:
+def record(simulator, task, envs=(0, 1), steps=40, *, before=0):
     """The trace of the envs of these numbers under actions of their own, after `before` steps of something else."""
     env = harness.make_env(simulator, task, "arp:k2=2", num_envs=len(envs))
     size = env.single_action_space.shape[0]
@@ -47,33 +46,33 @@ def record(simulator: str, task: str, envs: tuple[int, ...] = (0, 1), steps: int
         return read_trace(path).load()
 
 
-def assert_same(first: Log, second: Log) -> None:
+def assert_same(first, second):
     """All columns, bit for bit."""
     assert set(first.columns) == set(second.columns)
     for name, column in first.rows().columns.items():
         np.testing.assert_array_equal(column, second[name], err_msg=name)
 
 
-def digest(trace: Log) -> str:
+def digest(trace):
     """Of all columns."""
     parts = b"".join(name.encode() + column.tobytes() for name, column in sorted(trace.rows().columns.items()))
     return hashlib.sha256(parts).hexdigest()
 
 
-def test_same_seed_same_trace(simulator: str, task: str):
+def test_same_seed_same_trace(simulator, task):
     """Twice in one process."""
     first = record(simulator, task)
     assert len(first.last_rows) > 2
     assert_same(first, record(simulator, task))
 
 
-def test_same_seed_same_trace_after_a_reset(simulator: str, task: str):
+def test_same_seed_same_trace_after_a_reset(simulator, task):
     """An arm that has moved before leaves no mark on what follows a reset."""
     assert_same(record(simulator, task), record(simulator, task, before=7))
 
 
 @pytest.fixture(scope="module")
-def told_elsewhere() -> dict[str, str]:
+def told_elsewhere():
     """The digests of another process, by simulator and task."""
     code = (
         "import importlib.util, json, sys\n"
@@ -89,13 +88,13 @@ def told_elsewhere() -> dict[str, str]:
     return told
 
 
-def test_same_seed_same_trace_in_another_process(simulator: str, task: str, told_elsewhere: dict[str, str]):
+def test_same_seed_same_trace_in_another_process(simulator, task, told_elsewhere):
     """A process that was started for it has the same trace."""
     assert told_elsewhere[f"{(simulator, task)}"] == digest(record(simulator, task))
 
 
 @pytest.mark.parametrize("num_envs", [1, 3, 8])
-def test_env_of_a_batch_is_as_one_alone(simulator: str, task: str, num_envs: int):
+def test_env_of_a_batch_is_as_one_alone(simulator, task, num_envs):
     """Every arm of a batch leaves the rows that it leaves alone."""
     batch = record(simulator, task, tuple(range(num_envs)), steps=25)
     for k in {0, num_envs // 2, num_envs - 1}:

@@ -20,12 +20,12 @@ pytestmark = pytest.mark.usefixtures("installed")
 
 
 @pytest.fixture
-def simulator() -> str:
+def simulator():
     """The one that these tests are about."""
     return "drake"
 
 
-def test_servo_is_as_fast_as_its_bandwidth(open_arms: Call, home: Call):
+def test_servo_is_as_fast_as_its_bandwidth(open_arms, home):
     """After one physics step from rest a joint still lacks 1 / (1 + w dt) of its speed, an implicit step's share.
 
     The joints are those whose inertia at home is nearly their own: the first one, and the last one.
@@ -39,7 +39,7 @@ def test_servo_is_as_fast_as_its_bandwidth(open_arms: Call, home: Call):
         assert 1.0 - speed / 0.2 == pytest.approx(0.5, abs=0.02)
 
 
-def test_ground_holds_an_arm_that_is_pressed_on_it(open_arms: Call, home: Call, fallen: np.ndarray):
+def test_ground_holds_an_arm_that_is_pressed_on_it(open_arms, home, fallen):
     """The end effector sinks in by 2 cm at most, and is told to touch all the time."""
     simulation = open_arms(1)
     for share in np.linspace(0.0, 1.0, 20):
@@ -50,7 +50,7 @@ def test_ground_holds_an_arm_that_is_pressed_on_it(open_arms: Call, home: Call, 
     assert state.end_effector[0, 2] > -0.02
 
 
-def test_number_of_steps_never_wavers(open_arms: Call, home: Call):
+def test_number_of_steps_never_wavers(open_arms, home):
     """After thousands of periods of a duration that rounding makes awkward, each still has its physics steps."""
     simulation = open_arms(1, period=0.1, substeps=3)
     (arm,) = simulation.arms
@@ -60,7 +60,7 @@ def test_number_of_steps_never_wavers(open_arms: Call, home: Call):
     assert updates == 9000
 
 
-def test_it_says_nothing(open_arms: Call, caplog: pytest.LogCaptureFixture):
+def test_it_says_nothing(open_arms, caplog):
     """Drake's warning of soft bodies, of which there are none, is not passed on; its log is as before."""
     level = logging.getLogger("drake").level
     open_arms(1)
@@ -68,7 +68,7 @@ def test_it_says_nothing(open_arms: Call, caplog: pytest.LogCaptureFixture):
     assert logging.getLogger("drake").level == level
 
 
-def test_urdf_that_drake_cannot_read_is_a_usage_error(open_arms: Call):
+def test_urdf_that_drake_cannot_read_is_a_usage_error(open_arms):
     """One line names the robot."""
     broken = replace(ROBOT, urdf=ROBOT.urdf.replace('<mass value="', '<mass value="heavy'))
     with pytest.raises(UsageError, match="Drake cannot load the URDF of robot 'fd100': ") as caught:
@@ -76,7 +76,7 @@ def test_urdf_that_drake_cannot_read_is_a_usage_error(open_arms: Call):
     assert "\n" not in str(caught.value)
 
 
-def test_solver_that_gives_up_ends_the_cell(open_arms: Call, home: Call):
+def test_solver_that_gives_up_ends_the_cell(open_arms, home):
     """Speeds that are no numbers are told as a diverged simulation."""
     with pytest.raises(SimulationDiverged, match="Drake stops the arm: "):
         open_arms(1).drive(home(1) * np.nan, PERIOD)

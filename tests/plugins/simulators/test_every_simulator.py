@@ -11,7 +11,6 @@ import pytest
 import harness
 from harness.errors import UsageError
 from harness.registry import load_registry
-from harness.robot import Robot
 
 Call = Callable[..., Any]
 
@@ -48,14 +47,14 @@ every_simulator = pytest.mark.parametrize("simulator", REGISTRY.names("simulator
 every_engine = pytest.mark.parametrize("simulator", ENGINES)
 
 
-def degrees_off(qpos: np.ndarray, target: np.ndarray) -> float:
+def degrees_off(qpos, target):
     """Of the joint that is furthest from its target."""
     return float(np.degrees(np.abs(qpos - target).max()))
 
 
 @every_simulator
 @pytest.mark.parametrize("num_envs", [1, 8])
-def test_joints_follow_random_moves_at_full_speed(simulator: str, num_envs: int, open_arms: Call, wander: Call):
+def test_joints_follow_random_moves_at_full_speed(simulator, num_envs, open_arms, wander):
     """Over hundreds of random moves no joint in the air is ever further off its target than its engine allows."""
     states, targets = wander(open_arms(num_envs), num_envs, periods=1200 // num_envs)
     in_the_air = ~np.array([state.ground_contact for state in states])
@@ -67,7 +66,7 @@ def test_joints_follow_random_moves_at_full_speed(simulator: str, num_envs: int,
 
 
 @every_simulator
-def test_arm_that_is_told_to_stay_stays(simulator: str, open_arms: Call, home: Call):
+def test_arm_that_is_told_to_stay_stays(simulator, open_arms, home):
     """Gravity does not pull the arm down: after 10 s every joint is at home."""
     simulation = open_arms(1)
     for _ in range(100):
@@ -76,7 +75,7 @@ def test_arm_that_is_told_to_stay_stays(simulator: str, open_arms: Call, home: C
 
 
 @every_simulator
-def test_errors_do_not_add_up(simulator: str, open_arms: Call, home: Call):
+def test_errors_do_not_add_up(simulator, open_arms, home):
     """After 400 small moves there and back the joints are where they began."""
     simulation = open_arms(1)
     for period in range(400):
@@ -87,7 +86,7 @@ def test_errors_do_not_add_up(simulator: str, open_arms: Call, home: Call):
 
 
 @every_simulator
-def test_placed_arm_stays_where_it_is_placed(simulator: str, open_arms: Call, home: Call):
+def test_placed_arm_stays_where_it_is_placed(simulator, open_arms, home):
     """After `place` the servos hold the new pose: driving to it moves nothing."""
     simulation, pose = open_arms(1), home(1) + 0.5
     simulation.place(pose)
@@ -95,16 +94,14 @@ def test_placed_arm_stays_where_it_is_placed(simulator: str, open_arms: Call, ho
 
 
 @every_simulator
-def test_joints_are_in_the_order_of_the_robot(simulator: str, open_arms: Call):
+def test_joints_are_in_the_order_of_the_robot(simulator, open_arms):
     """Where each joint is told another angle, each has its own."""
     pose = np.radians([[-50.0, -30.0, 20.0, 70.0, 110.0, 200.0]])
     np.testing.assert_allclose(open_arms(1).place(pose).qpos, pose, atol=ROUNDING.get(simulator, 1e-12))
 
 
 @every_simulator
-def test_order_of_the_elements_in_the_urdf_does_not_matter(
-    simulator: str, open_arms: Call, random_poses: Call, with_urdf: Call
-):
+def test_order_of_the_elements_in_the_urdf_does_not_matter(simulator, open_arms, random_poses, with_urdf):
     """A URDF that lists its joints and links backwards is the same arm."""
     tree = ElementTree.fromstring(ROBOT.urdf)
     tree[:] = tree[::-1]
@@ -115,10 +112,10 @@ def test_order_of_the_elements_in_the_urdf_does_not_matter(
 
 
 @pytest.fixture
-def contacts(open_arms: Call) -> Call:
+def contacts(open_arms):
     """Whether an arm touches the ground at each of some poses, (len(poses),)."""
 
-    def place(robot: Robot, poses: np.ndarray) -> np.ndarray:
+    def place(robot, poses):
         simulation = open_arms(1, robot)
         return np.array([simulation.place(pose[None]).ground_contact[0] for pose in poses])
 
@@ -126,7 +123,7 @@ def contacts(open_arms: Call) -> Call:
 
 
 @every_simulator
-def test_ground_contact_is_that_of_the_geometry(contacts: Call, random_poses: Call, lowest_height: Call):
+def test_ground_contact_is_that_of_the_geometry(contacts, random_poses, lowest_height):
     """On 200 random poses there is contact exactly where a moving link's shape is below the ground."""
     poses = random_poses(200)
     contact, heights = contacts(ROBOT, poses), np.array([lowest_height(pose) for pose in poses])
@@ -136,9 +133,7 @@ def test_ground_contact_is_that_of_the_geometry(contacts: Call, random_poses: Ca
 
 
 @every_simulator
-def test_every_moving_link_touches_the_ground(
-    contacts: Call, only_shape_of: Call, random_poses: Call, moving_links: tuple[str, ...]
-):
+def test_every_moving_link_touches_the_ground(contacts, only_shape_of, random_poses, moving_links):
     """An arm of which only one link has a shape touches the ground with it."""
     touching = {link: contacts(only_shape_of(link), random_poses(150)).any() for link in moving_links}
     assert touching == dict.fromkeys(moving_links, True)
@@ -146,9 +141,7 @@ def test_every_moving_link_touches_the_ground(
 
 @every_simulator
 @pytest.mark.parametrize("is_mounted", [False, True])
-def test_base_does_not_touch_the_ground(
-    contacts: Call, only_shape_of: Call, with_urdf: Call, random_poses: Call, is_mounted: bool
-):
+def test_base_does_not_touch_the_ground(contacts, only_shape_of, with_urdf, random_poses, is_mounted):
     """The base, which stands on the ground, is no contact; nor is one that the URDF's root carries."""
     tree = ElementTree.fromstring(only_shape_of("base_link").urdf)
     if is_mounted:
@@ -159,7 +152,7 @@ def test_base_does_not_touch_the_ground(
 
 
 @every_simulator
-def test_links_do_not_touch_one_another(simulator: str, open_arms: Call, lowest_height: Call):
+def test_links_do_not_touch_one_another(simulator, open_arms, lowest_height):
     """Folded into itself high above the ground, the arm touches nothing and is not pushed apart."""
     folded = np.radians([[0.0, -60.0, 80.0, 0.0, 135.0, 0.0]])
     assert lowest_height(folded[0]) > 0.1
@@ -170,9 +163,7 @@ def test_links_do_not_touch_one_another(simulator: str, open_arms: Call, lowest_
 
 @every_simulator
 @pytest.mark.parametrize("begins_fallen", [False, True])
-def test_reset_in_the_middle_forgets_all(
-    open_arms: Call, home: Call, fallen: np.ndarray, wander: Call, copied: Call, assert_same: Call, begins_fallen: bool
-):
+def test_reset_in_the_middle_forgets_all(open_arms, home, fallen, wander, copied, assert_same, begins_fallen):
     """After moves, contacts and resets an arm goes on, bit for bit, as a new one: from home, and from in the ground."""
     start, used, runs = fallen if begins_fallen else home(1), open_arms(1), []
     wander(used, 1, 300, seed=1)
@@ -187,9 +178,7 @@ def test_reset_in_the_middle_forgets_all(
 
 
 @every_simulator
-def test_reset_of_one_arm_does_not_touch_the_others(
-    open_arms: Call, home: Call, fallen: np.ndarray, copied: Call, assert_same: Call
-):
+def test_reset_of_one_arm_does_not_touch_the_others(open_arms, home, fallen, copied, assert_same):
     """An arm beside one that is reset again and again moves, bit for bit, as one alone."""
     pair, alone = open_arms(2), open_arms(1)
     for period in range(40):
@@ -201,14 +190,14 @@ def test_reset_of_one_arm_does_not_touch_the_others(
 
 @pytest.mark.parametrize(("simulator", "given"), [(name, given) for name, bad in BAD_SETTINGS.items() for given in bad])
 @pytest.mark.usefixtures("installed")
-def test_bad_setting_is_a_usage_error(simulator: str, given: str):
+def test_bad_setting_is_a_usage_error(simulator, given):
     """A setting that cannot be is refused, in one line that names it."""
     with pytest.raises(UsageError, match=given.partition("=")[0]):
         harness.make_env(f"{simulator}:{given}")
 
 
 @every_engine
-def test_without_the_library_the_extra_is_named(simulator: str, monkeypatch: pytest.MonkeyPatch):
+def test_without_the_library_the_extra_is_named(simulator, monkeypatch):
     """Where the engine is not installed, the simulator is listed as missing, with the extra that brings it."""
     engine, found = ENGINES[simulator], importlib.util.find_spec
     monkeypatch.setattr(
@@ -220,7 +209,7 @@ def test_without_the_library_the_extra_is_named(simulator: str, monkeypatch: pyt
     assert (missing, spec.remedy) == ({engine}, f"pip install 'fd100-harness[{EXTRAS[simulator]}]'")
 
 
-def test_listing_imports_no_engine(run_without_display: Call):
+def test_listing_imports_no_engine(run_without_display):
     """The registry knows the simulators without importing what they are built on, or looking at what renders."""
     done = run_without_display(
         "import sys\nfrom harness.registry.registry import load_registry\n"
@@ -237,7 +226,7 @@ NEAR, FAR = np.array([0.6, 0.3, 0.6]), np.array([0.9, -0.4, 0.9])
 
 @every_engine
 @pytest.mark.usefixtures("egl")
-def test_frame_shows_something(open_arms: Call):
+def test_frame_shows_something(open_arms):
     """A frame has the size asked for, a second one another, and neither is of one colour."""
     simulation = open_arms(1)
     for width, height in ((320, 240), (64, 48), (75, 33), (1024, 768)):
@@ -248,7 +237,7 @@ def test_frame_shows_something(open_arms: Call):
 
 @every_engine
 @pytest.mark.usefixtures("egl")
-def test_frame_shows_the_arm_and_the_target(open_arms: Call):
+def test_frame_shows_the_arm_and_the_target(open_arms):
     """Another arm, another pose and another target give another frame; the same ones give the same."""
     simulation, poses = open_arms(2), np.stack([ROBOT.home, ROBOT.home + 0.5])
     simulation.place(poses)
@@ -262,7 +251,7 @@ def test_frame_shows_the_arm_and_the_target(open_arms: Call):
 
 @every_engine
 @pytest.mark.usefixtures("egl")
-def test_frames_change_nothing(open_arms: Call, home: Call, assert_same: Call):
+def test_frames_change_nothing(open_arms, home, assert_same):
     """An arm that is looked at moves, bit for bit, as one that is not."""
     seen, unseen = open_arms(1), open_arms(1)
     for period in range(5):
@@ -273,7 +262,7 @@ def test_frames_change_nothing(open_arms: Call, home: Call, assert_same: Call):
 
 @every_engine
 @pytest.mark.usefixtures("egl")
-def test_frame_is_the_callers(open_arms: Call):
+def test_frame_is_the_callers(open_arms):
     """A frame stays as it is when the next one is drawn."""
     simulation = open_arms(1)
     frame = simulation.render(0, NEAR, 64, 48)
@@ -284,7 +273,7 @@ def test_frame_is_the_callers(open_arms: Call):
 
 @every_engine
 @pytest.mark.usefixtures("egl")
-def test_closing_one_leaves_the_frames_of_another(open_arms: Call):
+def test_closing_one_leaves_the_frames_of_another(open_arms):
     """Whichever of two simulations drew last, closing one changes no frame of the other."""
     first, second = open_arms(1), open_arms(1)
     first.render(0, NEAR, 320, 240)

@@ -1,16 +1,14 @@
 """Every simulator frames an arm as the harness's own picture does: small, large, on a table, a wall and a ceiling."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 import harness
 from harness.reach import ReachTask
 from harness.registry import load_registry
-from harness.robot import Robot, read_robot
-from harness.scene import Camera, camera_for, scene_of
-from harness.scene.picture import corners_of, seen_of
+from harness.robot.robot import read_robot
+from harness.scene.picture import camera_for, corners_of, seen_of
+from harness.scene.scene import scene_of
 
 WIDTH, HEIGHT = 160, 120
 COLOURED = 60
@@ -35,7 +33,7 @@ ARM = """<robot name="arm"><link name="room"/><link name="world"/><link name="ti
 </robot>"""
 
 
-def arm_of(name: str, folder: Path) -> Robot:
+def arm_of(name, folder):
     """FD100, or an arm of so many metres that stands so, at a link `world` that is not the root."""
     if name == "fd100":
         return harness.load_robot(name)
@@ -54,12 +52,12 @@ def arm_of(name: str, folder: Path) -> Robot:
 
 
 @pytest.fixture
-def robot(request: pytest.FixtureRequest, tmp_path: Path) -> Robot:
+def robot(request, tmp_path):
     """The arm that the test names."""
     return arm_of(request.param, tmp_path)
 
 
-def shares(points: np.ndarray, camera: Camera) -> np.ndarray:
+def shares(points, camera):
     """Where points are in the picture, -1 to 1 from edge to edge, (count, 2)."""
     half = np.array([camera.width, camera.height]) / 2
     return np.asarray((camera.project(points)[:, :2] - half) / half)
@@ -67,7 +65,7 @@ def shares(points: np.ndarray, camera: Camera) -> np.ndarray:
 
 @pytest.mark.parametrize("robot", ARMS, indirect=True)
 @pytest.mark.parametrize("size", [(320, 240), (200, 300)])
-def test_the_arm_fills_the_frame_and_stays_within(robot: Robot, size: tuple[int, int]):
+def test_the_arm_fills_the_frame_and_stays_within(robot, size):
     """At home it is whole, and not lost: it spans a third of the picture at least; FD100's targets are seen too."""
     camera = camera_for(seen_of(robot), *size)
     arm = shares(corners_of(scene_of(robot), robot.home)[0].reshape(-1, 3), camera)
@@ -82,7 +80,7 @@ def test_the_arm_fills_the_frame_and_stays_within(robot: Robot, size: tuple[int,
 @pytest.mark.usefixtures("egl")
 @pytest.mark.parametrize("robot", ["fd100", *ARMS[2::2]], indirect=True)
 @pytest.mark.parametrize("simulator", ["mujoco", "dm_control", "pybullet", "kinematic"])
-def test_a_marker_is_where_the_camera_projects_it(robot: Robot, simulator: str):
+def test_a_marker_is_where_the_camera_projects_it(robot, simulator):
     """Within three pixels: what an engine draws and what the harness computes are the same camera."""
     simulation = REGISTRY.get("simulators", simulator).load()().open(robot, 1, 0.1)
     simulation.place(robot.home[None])
@@ -109,7 +107,7 @@ def test_a_small_arm_on_a_high_table_is_not_lost():
 
 @pytest.mark.parametrize("robot", ARMS[1:], indirect=True)
 @pytest.mark.parametrize("simulator", ["mujoco", "dm_control", "pybullet"])
-def test_a_link_world_may_stand_anywhere(robot: Robot, simulator: str):
+def test_a_link_world_may_stand_anywhere(robot, simulator):
     """MuJoCo takes a link of this name for its own world: these arms have one at their mount."""
     simulation = REGISTRY.get("simulators", simulator).load()().open(robot, 1, 0.1)
     pose = robot.home + 0.1

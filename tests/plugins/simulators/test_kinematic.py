@@ -5,7 +5,6 @@ import shutil
 import sys
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 from xml.parsers import expat
 
@@ -15,7 +14,6 @@ import pytest
 
 import harness
 from harness.errors import UsageError
-from harness.robot import Robot
 from harness_plugins.simulators.kinematic import Kinematic
 
 Call = Callable[..., Any]
@@ -27,12 +25,12 @@ NEAR = 2e-3
 
 
 @pytest.fixture
-def simulator() -> str:
+def simulator():
     """The one that these tests are about."""
     return "kinematic"
 
 
-def mujoco_contacts(robot: Robot, poses: np.ndarray, height: float) -> np.ndarray:
+def mujoco_contacts(robot, poses, height):
     """Where mj_forward finds a contact of the arm with a plane at `height` [m], (len(poses),)."""
     spec = mujoco.MjSpec.from_string(robot.urdf)
     spec.compiler.fusestatic = False
@@ -50,10 +48,10 @@ def mujoco_contacts(robot: Robot, poses: np.ndarray, height: float) -> np.ndarra
 
 
 @pytest.fixture
-def read_changed(tmp_path: Path) -> Callable[[str], Robot]:
+def read_changed(tmp_path):
     """Read the FD100 with another text for its URDF."""
 
-    def read(urdf: str) -> Robot:
+    def read(urdf):
         shutil.copytree(ROBOT.folder, tmp_path / "arm")
         (tmp_path / "arm" / "fd100.urdf").write_text(urdf, encoding="utf-8")
         return harness.load_robot(tmp_path / "arm")
@@ -61,7 +59,7 @@ def read_changed(tmp_path: Path) -> Callable[[str], Robot]:
     return read
 
 
-def with_cylinders_as(kind: str) -> str:
+def with_cylinders_as(kind):
     """The FD100's URDF, its cylinders replaced by capsules or spheres of the same radius."""
     cylinder = r'<cylinder radius="([^"]*)" length="([^"]*)"/>'
     shape = {"cylinder": r"\g<0>", "capsule": r'<capsule radius="\1" length="\2"/>', "sphere": r'<sphere radius="\1"/>'}
@@ -69,9 +67,7 @@ def with_cylinders_as(kind: str) -> str:
 
 
 @pytest.mark.parametrize("kind", ["cylinder", "capsule", "sphere"])
-def test_ground_contact_is_that_of_mujoco(
-    read_changed: Callable[[str], Robot], kind: str, open_arms: Call, random_poses: Call
-):
+def test_ground_contact_is_that_of_mujoco(read_changed, kind, open_arms, random_poses):
     """On 4,000 random poses the arm touches the ground where it does in MuJoCo, but for 2 mm around touching."""
     robot, poses = read_changed(with_cylinders_as(kind)), random_poses(4000)
     contact = open_arms(4000, robot).place(poses).ground_contact
@@ -82,9 +78,7 @@ def test_ground_contact_is_that_of_mujoco(
     assert (lowered != raised).sum() < 100  # nearly all poses are compared
 
 
-def test_urdf_is_parsed_once(
-    read_changed: Callable[[str], Robot], monkeypatch: pytest.MonkeyPatch, open_arms: Call, random_poses: Call
-):
+def test_urdf_is_parsed_once(read_changed, monkeypatch, open_arms, random_poses):
     """From a file to an arm that moves, joints to be fixed and links without mass included."""
     finger = '<link name="finger"/><joint name="grip" type="prismatic"><parent link="tool0"/><child link="finger"/>'
     finger += '<limit lower="0" upper="0.1"/></joint>'
@@ -96,7 +90,7 @@ def test_urdf_is_parsed_once(
     assert parsers == [1]
 
 
-def test_joints_are_exactly_where_they_are_driven(open_arms: Call, random_poses: Call):
+def test_joints_are_exactly_where_they_are_driven(open_arms, random_poses):
     """After `drive` the joints are at the target, bit for bit, and their speed is the way over the time."""
     simulation, first, second = open_arms(50), random_poses(50), random_poses(100)[50:]
     simulation.drive(first, PERIOD)
@@ -105,7 +99,7 @@ def test_joints_are_exactly_where_they_are_driven(open_arms: Call, random_poses:
     np.testing.assert_array_equal(state.qvel, (second - first) / 0.25)
 
 
-def test_arms_are_at_rest_where_they_are_reset(open_arms: Call, random_poses: Call):
+def test_arms_are_at_rest_where_they_are_reset(open_arms, random_poses):
     """`reset` ends the motion of the arms in its mask, and of no other."""
     simulation, mask = open_arms(6), np.arange(6) < 2
     poses = random_poses(6)
@@ -115,9 +109,7 @@ def test_arms_are_at_rest_where_they_are_reset(open_arms: Call, random_poses: Ca
     np.testing.assert_array_equal(state.qvel, np.where(mask[:, None], 0.0, (poses - ROBOT.home) / PERIOD))
 
 
-def test_arms_that_are_placed_where_they_stand_are_not_computed_again(
-    monkeypatch: pytest.MonkeyPatch, open_arms: Call, random_poses: Call
-):
+def test_arms_that_are_placed_where_they_stand_are_not_computed_again(monkeypatch, open_arms, random_poses):
     """A decision that lasts repeats its pose: the state is the same, and the arms are at rest."""
     arms, poses = open_arms(3), random_poses(3)
     arms.drive(poses, PERIOD)
@@ -131,14 +123,14 @@ def test_arms_that_are_placed_where_they_stand_are_not_computed_again(
         np.testing.assert_array_equal(mine, other)
 
 
-def test_arms_whose_home_is_zero_start_there(home: Call):
+def test_arms_whose_home_is_zero_start_there(home):
     """The state before the first pose is none."""
     robot = replace(ROBOT, home=np.zeros(ROBOT.dof))
     state = Kinematic().open(robot, 1, PERIOD).read()
     np.testing.assert_allclose(state.end_effector, robot.end_effector(np.zeros(ROBOT.dof))[None], atol=1e-12)
 
 
-def test_end_effector_is_that_of_the_robot(open_arms: Call, random_poses: Call):
+def test_end_effector_is_that_of_the_robot(open_arms, random_poses):
     """Anywhere in the joint ranges, to rounding."""
     poses = random_poses(1000)
     state = open_arms(1000).drive(poses, PERIOD)
@@ -154,7 +146,7 @@ def test_arms_start_at_home_and_at_rest():
     assert not state.ground_contact.any()
 
 
-def test_state_does_not_depend_on_the_batch(open_arms: Call, random_poses: Call):
+def test_state_does_not_depend_on_the_batch(open_arms, random_poses):
     """An arm alone tells, bit for bit, what it tells among 500: driven, and reset beside arms that go on."""
     poses = random_poses(500)
     batch = open_arms(500)
@@ -169,7 +161,7 @@ def test_state_does_not_depend_on_the_batch(open_arms: Call, random_poses: Call)
             np.testing.assert_array_equal(one[0], many[env])
 
 
-def test_rendering_without_pillow_says_what_to_install(open_arms: Call, monkeypatch: pytest.MonkeyPatch):
+def test_rendering_without_pillow_says_what_to_install(open_arms, monkeypatch):
     """`render` draws without an engine, but not without a library."""
     monkeypatch.setitem(sys.modules, "PIL", None)
     with pytest.raises(UsageError, match=r"fd100-harness\[video\]"):

@@ -12,8 +12,6 @@ import pytest
 import harness
 from harness.errors import UsageError
 from harness.registry import choose, load_registry
-from harness.robot import Robot
-from harness.simulator import Simulation
 
 Call = Callable[..., Any]
 
@@ -24,26 +22,26 @@ pytestmark = pytest.mark.usefixtures("installed")
 
 
 @pytest.fixture
-def simulator() -> str:
+def simulator():
     """The one that these tests are about."""
     return "mjx"
 
 
-def opened(name: str, robot: Robot, num_envs: int = 1) -> Simulation:
+def opened(name, robot, num_envs=1):
     """Arms at home."""
     simulation = choose(REGISTRY, "simulators", name).build(REGISTRY, "simulators").open(robot, num_envs, PERIOD)
     simulation.reset(np.tile(robot.home, (num_envs, 1)), np.ones(num_envs, bool))
     return simulation
 
 
-def swing(robot: Robot, periods: int) -> np.ndarray:
+def swing(robot, periods):
     """Each joint to and fro about home, by 0.4 of its unit at most, from rest, (periods, 1, dof)."""
     k = np.arange(periods)[:, None]
     speeds = np.linspace(0.5, 1.5, robot.dof)
     return (robot.home + 0.4 * np.minimum(k / 20.0, 1.0) * np.sin(speeds * PERIOD * k))[:, None]
 
 
-def largest_difference(robot: Robot, periods: int) -> float:
+def largest_difference(robot, periods):
     """Of the tips of both, in one motion [m]."""
     pair, worst = [opened(name, robot) for name in ("mjx", "mujoco")], 0.0
     for target in swing(robot, periods):
@@ -64,7 +62,7 @@ def test_arm_with_meshes_moves_as_in_mujoco():
     assert largest_difference(harness.load_robot(str(Path(data.getDataPath(), "kuka_iiwa/model.urdf"))), 20) < 1e-9
 
 
-def test_ground_holds_the_arm_up(open_arms: Call, home: Call, fallen: np.ndarray):
+def test_ground_holds_the_arm_up(open_arms, home, fallen):
     """An arm that pushes against the ground rests there, to a tenth of a millimetre where `mujoco` has it."""
     tips = []
     for simulation in (open_arms(1), opened("mujoco", harness.load_robot("fd100"))):
@@ -78,7 +76,7 @@ def test_ground_holds_the_arm_up(open_arms: Call, home: Call, fallen: np.ndarray
     assert tips[0][0, 2] > 0.0
 
 
-def test_arms_that_one_call_steps_move_as_alone(open_arms: Call, home: Call):
+def test_arms_that_one_call_steps_move_as_alone(open_arms, home):
     """Two at once, mapped, do what each does alone, to rounding; where one is left over, it is stepped twice."""
     poses = home(3) + np.array([[0.0], [0.05], [0.1]])
     together, alone = open_arms(3, at_once=2), open_arms(3)
@@ -90,7 +88,7 @@ def test_arms_that_one_call_steps_move_as_alone(open_arms: Call, home: Call):
     np.testing.assert_allclose(alone.read().qpos[:, 0] - home(3)[:, 0], [0.05, 0.05, 0.15], atol=1e-3)
 
 
-def test_double_precision_is_its_own(open_arms: Call, home: Call):
+def test_double_precision_is_its_own(open_arms, home):
     """What others compute with JAX in this process stays in the precision that they chose."""
     import jax
 
@@ -99,11 +97,11 @@ def test_double_precision_is_its_own(open_arms: Call, home: Call):
     assert not jax.config.jax_enable_x64
 
 
-def test_shape_that_mjx_does_not_know_is_a_usage_error(open_arms: Call, monkeypatch: pytest.MonkeyPatch):
+def test_shape_that_mjx_does_not_know_is_a_usage_error(open_arms, monkeypatch):
     """One line names the robot, the reason and what to take instead."""
     from mujoco import mjx
 
-    def refuse(_: object) -> None:
+    def refuse(_):
         raise NotImplementedError("(plane, cone)\ncollisions not implemented.")
 
     monkeypatch.setattr(mjx, "put_model", refuse)

@@ -9,16 +9,16 @@ Call = Callable[..., Any]
 
 
 @pytest.fixture
-def simulator() -> str:
+def simulator():
     """The one that these tests are about."""
     return "mujoco"
 
 
-def test_number_of_threads_does_not_show(open_arms: Call, wander: Call, assert_same: Call):
+def test_number_of_threads_does_not_show(open_arms, wander, assert_same):
     """One thread and two give the same states, bit for bit."""
     assert_same(*(wander(open_arms(7, threads=threads), 7, 60)[0] for threads in (1, 2)))
 
 
-def test_more_threads_than_arms(open_arms: Call, home: Call):
+def test_more_threads_than_arms(open_arms, home):
     """Threads without an arm are no error."""
     assert open_arms(2, threads=4).drive(home(2), 0.1).qpos.shape == (2, 6)

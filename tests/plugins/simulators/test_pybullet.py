@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from contextlib import closing
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
@@ -15,7 +14,6 @@ import pytest
 import harness
 from harness.errors import UsageError
 from harness.registry import load_registry
-from harness.robot import Robot, parse_urdf
 from harness.robot.normal_urdf import normal_urdf
 from harness_plugins.bullet_arms import Clients, FreeArm, arm as bullet_arm, exact_timestep, file_of_arm
 from tests.robot.brought_arms import ARM, changed, read_arm
@@ -27,12 +25,12 @@ PERIOD = 0.1
 
 
 @pytest.fixture
-def simulator() -> str:
+def simulator():
     """The one that these tests are about."""
     return "pybullet"
 
 
-def test_arm_that_was_held_up_by_the_ground_catches_up(open_arms: Call, home: Call, fallen: np.ndarray):
+def test_arm_that_was_held_up_by_the_ground_catches_up(open_arms, home, fallen):
     """Targets below the ground, asked for over 2 s, are forgotten with the first target above it."""
     simulation = open_arms(1)
     for share in np.linspace(0.0, 1.0, 20):
@@ -44,7 +42,7 @@ def test_arm_that_was_held_up_by_the_ground_catches_up(open_arms: Call, home: Ca
     assert np.degrees(np.abs(state.qpos - above).max()) < 0.5
 
 
-def test_every_period_has_its_substeps(subtests: pytest.Subtests):
+def test_every_period_has_its_substeps(subtests):
     """A period is so many equal physics steps that nothing is left for the next, whatever is divided by what."""
     for substeps in [1, 3, 7, 20, 33]:
         for period in [0.1, 0.06, 1.0 / 30.0]:
@@ -56,9 +54,7 @@ def test_every_period_has_its_substeps(subtests: pytest.Subtests):
 
 
 @pytest.mark.parametrize(("needed", "off"), [(None, (0.0, 1e-3)), (1, (5e-3, 1.0))])
-def test_a_heavy_tool_gets_the_iterations_that_it_needs(
-    needed: int | None, off: tuple[float, float], open_arms: Call, monkeypatch: pytest.MonkeyPatch
-):
+def test_a_heavy_tool_gets_the_iterations_that_it_needs(needed, off, open_arms, monkeypatch):
     """With the FD100's 50 its tip is centimetres from where it is driven, with what the arm needs it is there.
 
     Its links weigh 10 g, and the last one, which is small, weighs 20 kg.
@@ -82,7 +78,7 @@ def test_a_heavy_tool_gets_the_iterations_that_it_needs(
 
 
 @pytest.mark.parametrize("name", ["fd100", "unity-arm"])
-def test_the_robots_of_this_project_need_no_more_iterations_than_their_records_have(name: str):
+def test_the_robots_of_this_project_need_no_more_iterations_than_their_records_have(name):
     """These were made with 50."""
     robot = harness.load_robot(name)
     simulation = load_registry().get("simulators", "pybullet").load()().open(robot, 1, PERIOD)
@@ -92,7 +88,7 @@ def test_the_robots_of_this_project_need_no_more_iterations_than_their_records_h
 
 
 @pytest.mark.parametrize("substeps", [3, 7, 20])
-def test_bullet_takes_all_substeps_at_once(substeps: int, open_arms: Call, home: Call, assert_same: Call):
+def test_bullet_takes_all_substeps_at_once(substeps, open_arms, home, assert_same):
     """One call for a period gives what a call for each physics step gives, bit for bit."""
     at_once, one_by_one = (open_arms(1, period=0.06, substeps=substeps) for _ in range(2))
     (arm,) = one_by_one.arms
@@ -104,7 +100,7 @@ def test_bullet_takes_all_substeps_at_once(substeps: int, open_arms: Call, home:
         assert_same([at_once.drive(target, 0.06)], [one_by_one.read()])
 
 
-def step_alone(arm: object, speeds: list[float], step: float, substeps: int) -> None:
+def step_alone(arm, speeds, step, substeps):
     """Turn an arm, calling Bullet for each physics step."""
     client = {"physicsClientId": arm.client}
     pybullet.setPhysicsEngineParameter(fixedTimeStep=step, numSubSteps=0, **client)
@@ -116,9 +112,7 @@ def step_alone(arm: object, speeds: list[float], step: float, substeps: int) -> 
 
 
 @pytest.mark.parametrize("height", [2e-4, -1e-3])
-def test_ground_contact_is_exact(
-    height: float, open_arms: Call, random_poses: Call, lowest_height: Call, pose_at_height: Call
-):
+def test_ground_contact_is_exact(height, open_arms, random_poses, lowest_height, pose_at_height):
     """An arm that is placed 0.2 mm above the ground does not touch it, also after it did; one 1 mm below does."""
     simulation, inside = open_arms(1), [pose for pose in random_poses(200) if lowest_height(pose) < -0.05]
     assert len(inside) > 30
@@ -131,10 +125,10 @@ def test_ground_contact_is_exact(
 
 # Bullet rounds edges: corners of boxes end up to 0.7 mm early.
 @pytest.fixture
-def pose_at_height(lowest_height: Call) -> Call:
+def pose_at_height(lowest_height):
     """The pose between home and one below the ground whose lowest point is at a height [m], to a micrometre."""
 
-    def search(height: float, inside: np.ndarray) -> np.ndarray:
+    def search(height, inside):
         above, below = ROBOT.home, inside
         while np.abs(above - below).max() > 1e-7:
             middle = (above + below) / 2.0
@@ -144,7 +138,7 @@ def pose_at_height(lowest_height: Call) -> Call:
     return search
 
 
-def test_ground_contact_is_that_of_the_end_of_the_period(open_arms: Call, wander: Call, lowest_height: Call):
+def test_ground_contact_is_that_of_the_end_of_the_period(open_arms, wander, lowest_height):
     """Contact is told of the joint positions that are told with it, not of those of the physics step before."""
     states, _ = wander(open_arms(1), 1, 600)
     told = np.array([state.ground_contact[0] for state in states])
@@ -154,7 +148,7 @@ def test_ground_contact_is_that_of_the_end_of_the_period(open_arms: Call, wander
     np.testing.assert_array_equal(told[clear], heights[clear] < 0.0)
 
 
-def test_pressed_on_arm_touches_the_ground(open_arms: Call, home: Call, fallen: np.ndarray):
+def test_pressed_on_arm_touches_the_ground(open_arms, home, fallen):
     """An arm that pushes against the ground touches it in every period, also while Bullet lets it hover."""
     simulation = open_arms(1)
     for share in np.linspace(0.0, 1.0, 20):
@@ -162,14 +156,14 @@ def test_pressed_on_arm_touches_the_ground(open_arms: Call, home: Call, fallen: 
     assert all(simulation.drive(fallen, PERIOD).ground_contact[0] for _ in range(50))
 
 
-def test_end_effector_is_the_frame_of_its_link(open_arms: Call, random_poses: Call):
+def test_end_effector_is_the_frame_of_its_link(open_arms, random_poses):
     """On 200 random poses the end effector is where the robot's kinematics put it, to single precision."""
     poses, simulation = random_poses(200), open_arms(1)
     told = np.array([simulation.place(pose[None]).end_effector[0].copy() for pose in poses])
     np.testing.assert_allclose(told, ROBOT.end_effector(poses), atol=3e-7)
 
 
-def test_link_without_inertia_weighs_nothing(open_arms: Call):
+def test_link_without_inertia_weighs_nothing(open_arms):
     """A link to which the URDF gives no inertia is not given 1 kg by Bullet, and nothing is printed about it."""
     tree = ElementTree.fromstring(ROBOT.urdf)
     for link in tree.findall("link[@name='tool0']"):
@@ -189,7 +183,7 @@ HEAVY = (
 
 
 @pytest.mark.parametrize(("centre", "mass", "moments"), HEAVY)
-def test_dynamics_of_a_heavy_arm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, centre: str, mass: str, moments: str):
+def test_dynamics_of_a_heavy_arm(tmp_path, monkeypatch, centre, mass, moments):
     """They are Pinocchio's, though Bullet takes the rounding of such an inertia for a mistake."""
     text = changed(
         ('xyz="0 0 0.1"/><mass', f'xyz="{centre}"/><mass'), ('value="1.0"', mass),
@@ -209,7 +203,7 @@ def test_dynamics_of_a_heavy_arm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
             FreeArm(clients.connect(), robot, path, np.zeros(4)).inertia(qpos)
 
 
-def test_a_heavy_arm_is_driven_where_it_is_told(tmp_path: Path):
+def test_a_heavy_arm_is_driven_where_it_is_told(tmp_path):
     """What its solver needs is asked of a lighter one; its masses are those of the URDF afterwards."""
     centre, mass, moments = HEAVY[0]
     robot = read_arm(tmp_path, changed(
@@ -225,7 +219,7 @@ def test_a_heavy_arm_is_driven_where_it_is_told(tmp_path: Path):
         assert pybullet.getDynamicsInfo(arm.body, 0, physicsClientId=arm.client)[0] == 747.0
 
 
-def test_mesh_is_found_from_the_folder_of_the_robot(tmp_path: Path, open_arms: Call, with_mesh: Call):
+def test_mesh_is_found_from_the_folder_of_the_robot(tmp_path, open_arms, with_mesh):
     """A mesh whose path starts from the robot's folder reaches the ground."""
     (tmp_path / "long.obj").write_text("v 0 0 0\nv .1 0 0\nv 0 .1 0\nv 0 0 -3\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n")
     robot = with_mesh(tmp_path, "long.obj")
@@ -233,9 +227,7 @@ def test_mesh_is_found_from_the_folder_of_the_robot(tmp_path: Path, open_arms: C
     assert open_arms(1, replace(robot, urdf=plain.text)).read().ground_contact.all()
 
 
-def test_missing_mesh_is_a_usage_error(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str], open_arms: Call, with_mesh: Call
-):
+def test_missing_mesh_is_a_usage_error(tmp_path, capfd, open_arms, with_mesh):
     """A mesh that is not there is a usage error that names the robot; what Bullet prints of it goes to stderr."""
     with pytest.raises(UsageError, match="cannot load the URDF of robot 'fd100'"):
         open_arms(1, with_mesh(tmp_path, "none.obj"))
@@ -245,10 +237,10 @@ def test_missing_mesh_is_a_usage_error(
 
 
 @pytest.fixture
-def with_mesh(only_shape_of: Call) -> Callable[[Path, str], Robot]:
+def with_mesh(only_shape_of):
     """The arm with a mesh as the only shape of its first moving link."""
 
-    def add(folder: Path, filename: str) -> Robot:
+    def add(folder, filename):
         tree = ElementTree.fromstring(only_shape_of("none").urdf)
         shape = f'<collision><geometry><mesh filename="{filename}"/></geometry></collision>'
         tree.find("link[@name='link1']").append(ElementTree.fromstring(shape))
@@ -257,10 +249,10 @@ def with_mesh(only_shape_of: Call) -> Callable[[Path, str], Robot]:
     return add
 
 
-def test_too_many_clients_are_a_usage_error(monkeypatch: pytest.MonkeyPatch, open_arms: Call):
+def test_too_many_clients_are_a_usage_error(monkeypatch, open_arms):
     """Where Bullet opens no more clients, one line says what to do."""
 
-    def refuse(_: int) -> int:
+    def refuse(_):
         raise pybullet.error("Exceeding maximum number of physics connections.")
 
     monkeypatch.setattr(pybullet, "connect", refuse)
@@ -269,7 +261,7 @@ def test_too_many_clients_are_a_usage_error(monkeypatch: pytest.MonkeyPatch, ope
 
 
 @pytest.mark.parametrize("render", [False, True])
-def test_close_gives_all_clients_back(render: bool, open_arms: Call):
+def test_close_gives_all_clients_back(render, open_arms):
     """After `close` no client is connected, that of the frames included; a second call does nothing."""
     simulation = open_arms(2)
     if render:
@@ -281,7 +273,7 @@ def test_close_gives_all_clients_back(render: bool, open_arms: Call):
     assert not any(pybullet.isConnected(physicsClientId=client) for client in clients)
 
 
-def test_simulation_that_nothing_holds_is_closed(open_arms: Call):
+def test_simulation_that_nothing_holds_is_closed(open_arms):
     """Without `close`, the clients go with the simulation."""
     simulation = open_arms(1)
     (client,) = simulation._frames.numbers
@@ -289,7 +281,7 @@ def test_simulation_that_nothing_holds_is_closed(open_arms: Call):
     assert not pybullet.isConnected(physicsClientId=client)
 
 
-def test_bullet_is_given_short_lines(tmp_path: Path):
+def test_bullet_is_given_short_lines(tmp_path):
     """It breaks lines at 8,191 characters, within a name too, and then refuses the arm: xacro writes one line."""
     more = "".join(f'<transmission name="t{number}"><type>simple</type></transmission>' for number in range(200))
     text = ARM.replace("\n", " ").replace("</robot>", f"{more}</robot>")

@@ -1,9 +1,8 @@
 """PyBullet has the harness's solids: whatever a mesh's format, each touches the ground where its points do."""
 
 import struct
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import ExitStack, closing
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,9 @@ import pytest
 
 import harness
 from harness.errors import MissingSolid
-from harness.robot import Robot, build_solids, link_frames, read_robot
+from harness.robot.ground_clearance import build_solids
+from harness.robot.kinematics import link_frames
+from harness.robot.robot import read_robot
 from harness_plugins.simulators.pybullet import PyBullet
 
 Call = Callable[..., Any]
@@ -25,13 +26,13 @@ SIDES = np.array([[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 
 
 
 @pytest.fixture
-def open_arms() -> Iterator[Call]:
+def open_arms():
     """Opens a simulation, which is closed at the end."""
     with ExitStack() as opened:
         yield lambda robot: opened.enter_context(closing(PyBullet().open(robot, 1, 0.1)))
 
 
-def text_stl(points: np.ndarray) -> bytes:
+def text_stl(points):
     """As most programs export one."""
     corners = "".join(
         "facet normal 0 0 0\n outer loop\n"
@@ -42,13 +43,13 @@ def text_stl(points: np.ndarray) -> bytes:
     return f"solid rod\n{corners}endsolid rod\n".encode()
 
 
-def binary_stl(points: np.ndarray) -> bytes:
+def binary_stl(points):
     """The same, binary."""
     rows = (struct.pack("<12fH", 0, 0, 0, *points[side].ravel(), 0) for side in SIDES)
     return bytes(80) + struct.pack("<I", len(SIDES)) + b"".join(rows)
 
 
-def obj(points: np.ndarray, group: str = "") -> bytes:
+def obj(points, group=""):
     """With a group before every second side, if it has a name."""
     lines = ["v {:.6g} {:.6g} {:.6g}".format(*point) for point in points]
     for number, side in enumerate(SIDES + 1):
@@ -68,7 +69,7 @@ ATTRIBUTES = ("", 'concave="yes"', 'group="0" mask="0"')
 """Of a <collision>, which only Bullet knows."""
 
 
-def arm(folder: Path, mesh: str, attributes: str = "", scale: str = "1 1 1", visual: str = "") -> Robot:
+def arm(folder, mesh, attributes="", scale="1 1 1", visual=""):
     """Three joints, and a mesh as the only shape of the tool."""
     inertial = (
         '<inertial><mass value="1"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>'
@@ -89,18 +90,18 @@ def arm(folder: Path, mesh: str, attributes: str = "", scale: str = "1 1 1", vis
     return read_robot(path)
 
 
-def heights(robot: Robot, poses: np.ndarray) -> np.ndarray:
+def heights(robot, poses):
     """Of the lowest point of the solids, by the harness alone, [m]."""
     return build_solids(robot.joint_shapes).lowest(link_frames(robot.chain, poses))
 
 
-def touching(open_arms: Call, robot: Robot, poses: np.ndarray) -> np.ndarray:
+def touching(open_arms, robot, poses):
     """Whether the arm touches the ground at each pose."""
     simulation = open_arms(robot)
     return np.array([simulation.place(pose[None]).ground_contact[0] for pose in poses])
 
 
-def poses_near_the_ground(robot: Robot) -> np.ndarray:
+def poses_near_the_ground(robot):
     """Poses whose lowest point is 0.2 to 30 mm above or below the ground."""
     poses = np.random.default_rng(0).uniform(robot.lower, robot.upper, (20_000, robot.dof))
     height = np.abs(heights(robot, poses))
@@ -111,7 +112,7 @@ def poses_near_the_ground(robot: Robot) -> np.ndarray:
 
 @pytest.mark.parametrize("scale", ["1 1 1", "-0.7 1.5 0.8"])
 @pytest.mark.parametrize("name", MESHES)
-def test_a_mesh_of_any_format_touches_where_its_points_do(tmp_path: Path, open_arms: Call, name: str, scale: str):
+def test_a_mesh_of_any_format_touches_where_its_points_do(tmp_path, open_arms, name, scale):
     """Text and binary STL, an OBJ of one object or several or of points alone: contact to 0.2 mm."""
     (tmp_path / name).write_bytes(MESHES[name])
     robot = arm(tmp_path, name, scale=scale)
@@ -120,7 +121,7 @@ def test_a_mesh_of_any_format_touches_where_its_points_do(tmp_path: Path, open_a
 
 
 @pytest.mark.parametrize("attributes", ATTRIBUTES)
-def test_attributes_that_only_bullet_knows_change_nothing(tmp_path: Path, open_arms: Call, attributes: str):
+def test_attributes_that_only_bullet_knows_change_nothing(tmp_path, open_arms, attributes):
     """A solid that Bullet alone would take for another, or for one that touches nothing, is the same solid."""
     (tmp_path / "text.stl").write_bytes(MESHES["text.stl"])
     robot = arm(tmp_path, "text.stl", attributes)
@@ -129,7 +130,7 @@ def test_attributes_that_only_bullet_knows_change_nothing(tmp_path: Path, open_a
 
 
 @pytest.mark.parametrize("name", ["v.glb", "v.ply", "v.gltf"])
-def test_a_drawing_that_bullet_cannot_read_is_left_out(tmp_path: Path, open_arms: Call, name: str):
+def test_a_drawing_that_bullet_cannot_read_is_left_out(tmp_path, open_arms, name):
     """The arm moves and is drawn without it."""
     (tmp_path / "text.stl").write_bytes(MESHES["text.stl"])
     (tmp_path / name).write_bytes(b"glTF")
@@ -138,7 +139,7 @@ def test_a_drawing_that_bullet_cannot_read_is_left_out(tmp_path: Path, open_arms
     assert simulation.render(0, np.zeros(3), 32, 24).shape == (24, 32, 3)
 
 
-def test_a_drawing_has_light_and_shade(tmp_path: Path, open_arms: Call):
+def test_a_drawing_has_light_and_shade(tmp_path, open_arms):
     """An STL of which Bullet is told no normals would be black, whatever its colour."""
     (tmp_path / "text.stl").write_bytes(MESHES["text.stl"])
     (tmp_path / "big.stl").write_bytes(text_stl(3.0 * CORNERS))
@@ -149,7 +150,7 @@ def test_a_drawing_has_light_and_shade(tmp_path: Path, open_arms: Call):
     assert not (frame.max(axis=2) < 20).any()
 
 
-def test_a_drawing_in_a_text_stl_is_drawn(tmp_path: Path, open_arms: Call):
+def test_a_drawing_in_a_text_stl_is_drawn(tmp_path, open_arms):
     """A frame with the drawing differs from one of the solid alone, which is drawn where a link has no drawing."""
     (tmp_path / "text.stl").write_bytes(MESHES["text.stl"])
     (tmp_path / "big.stl").write_bytes(text_stl(3.0 * CORNERS))
@@ -161,12 +162,10 @@ def test_a_drawing_in_a_text_stl_is_drawn(tmp_path: Path, open_arms: Call):
     assert (frames[0] != frames[1]).mean() > 0.01
 
 
-def test_a_solid_that_bullet_drops_is_an_error_that_names_the_link(
-    tmp_path: Path, open_arms: Call, monkeypatch: pytest.MonkeyPatch
-):
+def test_a_solid_that_bullet_drops_is_an_error_that_names_the_link(tmp_path, open_arms, monkeypatch):
     """As a text STL, which Bullet takes for nothing."""
 
-    def write_text(corners: np.ndarray, folder: Path) -> str:
+    def write_text(corners, folder):
         (folder / "text.stl").write_bytes(MESHES["text.stl"])
         return str(folder / "text.stl")
 
@@ -176,7 +175,7 @@ def test_a_solid_that_bullet_drops_is_an_error_that_names_the_link(
         open_arms(arm(tmp_path, "text.stl"))
 
 
-def test_the_arm_of_primitive_shapes_is_read_as_it_was(open_arms: Call):
+def test_the_arm_of_primitive_shapes_is_read_as_it_was(open_arms):
     """No margin is changed, and no shape is written anew."""
     simulation = open_arms(harness.load_robot("fd100"))
     (own,) = simulation.arms
@@ -189,7 +188,7 @@ def test_the_arm_of_primitive_shapes_is_read_as_it_was(open_arms: Call):
     assert pybullet.GEOM_MESH not in kinds
 
 
-def test_what_bullet_prints_about_a_file_is_visible(tmp_path: Path, open_arms: Call, capfd: pytest.CaptureFixture[str]):
+def test_what_bullet_prints_about_a_file_is_visible(tmp_path, open_arms, capfd):
     """Bullet warns of a joint without an axis by its name, which may hold what moves a terminal's cursor."""
     (tmp_path / "text.stl").write_bytes(MESHES["text.stl"])
     text = arm(tmp_path, "text.stl").urdf.replace('<axis xyz="0 0 1"', "<axis-of-old", 1)

@@ -48,19 +48,19 @@ mujoco_engines = pytest.mark.parametrize("simulator", ["dm_control", "mujoco"])
 
 
 @pytest.fixture(scope="session")
-def has_osmesa(run_without_display: Call) -> bool:
+def has_osmesa(run_without_display):
     """Whether OSMesa renders here; found by trying."""
     code = "from mujoco.osmesa import GLContext\nGLContext(8, 8).make_current()"
     return run_without_display(code, library="osmesa").returncode == 0
 
 
 @pytest.fixture
-def run(run_without_display: Call, simulator: str, library: str | None, has_osmesa: bool) -> Callable[..., str]:
+def run(run_without_display, simulator, library, has_osmesa):
     """What code with envs at hand writes on stdout; it has to end well and to say nothing on stderr."""
     if library == "osmesa" and has_osmesa:
         pytest.skip("OSMesa is installed here: its absence cannot be tried")
 
-    def call(code: str, **options: str) -> str:
+    def call(code, **options):
         done: Done = run_without_display(ENVS.format(simulator=simulator) + code, library=library, **options)
         assert (done.returncode, done.stderr) == (0, "")
         return done.stdout
@@ -69,28 +69,28 @@ def run(run_without_display: Call, simulator: str, library: str | None, has_osme
 
 
 @pytest.fixture
-def library() -> str | None:
+def library():
     """MUJOCO_GL where a test does not say otherwise: not set."""
     return None
 
 
 @mujoco_engines
 @pytest.mark.usefixtures("egl")
-def test_two_envs_render_in_a_row_unasked(run: Call):
+def test_two_envs_render_in_a_row_unasked(run):
     """Without a display and without MUJOCO_GL frames are drawn, in a second env as in the first."""
     run("frames = [make().render()[0] for _ in range(2)]\nassert all(frame.std() > 10.0 for frame in frames)")
 
 
 @pytest.mark.parametrize("simulator", ["mujoco"])  # the renderer of both
 @pytest.mark.usefixtures("egl")
-def test_who_imported_mujoco_does_not_matter(run: Call):
+def test_who_imported_mujoco_does_not_matter(run):
     """Frames are drawn also where MuJoCo was imported before, without a thought of rendering."""
     run("import mujoco\nassert make().render()[0].std() > 10.0")
 
 
 @mujoco_engines
 @pytest.mark.usefixtures("egl")
-def test_rendering_changes_no_environment_variable(run: Call):
+def test_rendering_changes_no_environment_variable(run):
     """Processes that are started after a frame was drawn choose for themselves."""
     run("make().render()\nassert not {'MUJOCO_GL', 'PYOPENGL_PLATFORM'} & set(os.environ)")
 
@@ -101,7 +101,7 @@ def test_rendering_changes_no_environment_variable(run: Call):
     "end",
     ["", slow("del one, other\ngc.collect()"), "one.close()", slow("one.close()\nother.close()")],
 )
-def test_renderers_close_quietly(run: Call, end: str):
+def test_renderers_close_quietly(run, end):
     """Nothing is printed, whether envs are closed, forgotten, or left open until the interpreter ends."""
     run(f"one, other = make(), make()\none.render()\nother.render()\n{end}", warnings="error")
 
@@ -111,7 +111,7 @@ def test_renderers_close_quietly(run: Call, end: str):
     [*(("mujoco", library) for library in UNUSABLE), ("dm_control", "glfw"),
      *(slow("dm_control", library) for library in UNUSABLE if library != "glfw")],
 )  # fmt: skip
-def test_library_that_cannot_render_costs_the_frames_alone(run: Call, library: str):
+def test_library_that_cannot_render_costs_the_frames_alone(run, library):
     """Arms move, and every frame is a UsageError that says in one line what to install; the choice stays the user's."""
     told = run(
         "env = make()\nstart = env.episodes.qpos.copy()\n"
@@ -124,13 +124,13 @@ def test_library_that_cannot_render_costs_the_frames_alone(run: Call, library: s
 
 
 @pytest.mark.parametrize(("simulator", "library"), [("mujoco", "glfw")])
-def test_failing_render_leaves_nothing_to_complain_of(run: Call):
+def test_failing_render_leaves_nothing_to_complain_of(run):
     """Where warnings are errors, a window that cannot be opened is one UsageError, and its remains go quietly."""
     assert "GLFW opens no window" in run(REFUSED, warnings="error")
 
 
 @pytest.mark.parametrize("simulator", ["mujoco"])
-def test_machine_without_egl_says_what_to_install(run: Call):
+def test_machine_without_egl_says_what_to_install(run):
     """Where the library is missing that would be taken unasked, the line names it."""
     told = run(f"sys.modules['mujoco.egl'] = None\n{REFUSED}")
     assert "cannot render here without MUJOCO_GL" in told
@@ -138,14 +138,14 @@ def test_machine_without_egl_says_what_to_install(run: Call):
 
 
 @pytest.mark.parametrize(("simulator", "library"), [("mujoco", "glfw")])
-def test_context_that_mujoco_cannot_draw_into_is_not_tried_again(run: Call):
+def test_context_that_mujoco_cannot_draw_into_is_not_tried_again(run):
     """MuJoCo aborts the interpreter where it draws twice without a context; a second frame is refused before."""
     nothing = "type('GLContext', (), {'__init__': lambda *_: None, 'make_current': lambda _: None})"
     run(f"make()\nimport mujoco\nmujoco.GLContext = {nothing}\n{REFUSED}")
 
 
 @pytest.mark.parametrize(("simulator", "library"), [("mujoco", "osmesa")])
-def test_training_works_where_nothing_renders(run: Call, simulator: str):
+def test_training_works_where_nothing_renders(run, simulator):
     """A training, which renders nothing, is done with a MUJOCO_GL that cannot work."""
     given = "algo='random', reward=[], seeds=1, steps=40, evaluation_episodes=2, jobs=1"
     told = run(
@@ -156,10 +156,10 @@ def test_training_works_where_nothing_renders(run: Call, simulator: str):
     assert told == "[('done', '')]"
 
 
-def test_macos_and_windows_choose_nothing(monkeypatch: pytest.MonkeyPatch):
+def test_macos_and_windows_choose_nothing(monkeypatch):
     """Beside Linux the context is the one that MuJoCo has, and where it fails there is nothing to install."""
 
-    def fail(*_: object) -> None:
+    def fail(*_):
         raise RuntimeError("this is no Linux")
 
     monkeypatch.setattr("sys.platform", "darwin")

@@ -3,7 +3,6 @@
 import dataclasses
 import json
 from pathlib import Path
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -13,7 +12,7 @@ import harness
 from harness.authoring import ServoTrack
 from harness.errors import UsageError
 from harness.registry import choose, load_registry
-from harness.robot import Robot, read_robot
+from harness.robot.robot import read_robot
 from harness.simulator import State
 from harness_plugins.kit import SIMULATOR_CHECKS, violations
 from harness_plugins.mujoco_model import build_model
@@ -29,12 +28,12 @@ EXACT = ("sim-tracking", "sim-velocity", "sim-partial-durations", "sim-small-mov
 """Checks of ideal drives."""
 
 
-def _swing(num_envs: int, period: int) -> np.ndarray:
+def _swing(num_envs, period):
     """Joint targets of a quick motion, (num_envs, dof)."""
     return ROBOT.home + 0.4 * np.sin(0.15 * (period + 1) + np.arange(num_envs)[:, None] + np.arange(6))
 
 
-def _swung(simulator: Any, num_envs: int, periods: int, robot: Robot = ROBOT) -> list[State]:
+def _swung(simulator, num_envs, periods, robot=ROBOT):
     """States of that motion from home."""
     simulation = simulator.open(robot, num_envs, PERIOD)
     simulation.reset(np.tile(ROBOT.home, (num_envs, 1)), np.ones(num_envs, bool))
@@ -47,7 +46,7 @@ def _swung(simulator: Any, num_envs: int, periods: int, robot: Robot = ROBOT) ->
 
 
 @pytest.mark.parametrize("run", BEFORE)
-def test_ideal_drives_move_as_before(run: str):
+def test_ideal_drives_move_as_before(run):
     """Thirty periods end where they ended before there was a field `drive`; another machine may differ a little."""
     name, num_envs = run.split()
     last = _swung(REGISTRY.get("simulators", name).load()(), int(num_envs), 30)[-1]
@@ -56,7 +55,7 @@ def test_ideal_drives_move_as_before(run: str):
 
 
 @pytest.mark.parametrize("name", ["mujoco", "dm_control"])
-def test_ideal_drives_leave_cells_as_they_were(name: str):
+def test_ideal_drives_leave_cells_as_they_were(name):
     """The new fields show in a choice only where they are not at their defaults."""
     plain = choose(REGISTRY, "simulators", name)
     assert choose(REGISTRY, "simulators", f"{name}:drive=ideal,self_collision=false") == plain
@@ -66,7 +65,7 @@ def test_ideal_drives_leave_cells_as_they_were(name: str):
 
 
 @pytest.mark.parametrize("weak", [1.0, 0.5])
-def test_torques_are_those_of_the_law(weak: float):
+def test_torques_are_those_of_the_law(weak):
     """MuJoCo's actuators move an arm as `Servo.torque` does that is computed here, physics step by physics step."""
     robot = _with(max_torque=weak * ROBOT.servo.max_torque)
     states = _swung(Mujoco(drive="servo"), 1, 10, robot)
@@ -136,7 +135,7 @@ def test_a_drive_of_parts_of_a_period_follows_the_same_references():
 
 
 @pytest.mark.parametrize("simulator", [Mujoco(drive="servo"), DmControl(drive="servo")])
-def test_robot_without_drives_is_refused(simulator: Any):
+def test_robot_without_drives_is_refused(simulator):
     """One line says what is missing and what to do."""
     bare = dataclasses.replace(ROBOT, servo=None)
     with pytest.raises(UsageError, match=r"'fd100' has no drives to simulate: its robot.toml has no table \[servo\]"):
@@ -144,7 +143,7 @@ def test_robot_without_drives_is_refused(simulator: Any):
 
 
 @pytest.fixture(scope="module")
-def folding(tmp_path_factory: pytest.TempPathFactory) -> Robot:
+def folding(tmp_path_factory):
     """Three bars that turn about upright axes, 2 m above the ground: folded, the last one meets the first."""
     folder = tmp_path_factory.mktemp("folding")
     bar = """<link name="bar{0}"><inertial><origin xyz="0.2 0 0"/><mass value="2"/>
@@ -167,7 +166,7 @@ FOLDED = np.radians([0.0, 125.0, 125.0])
 
 @pytest.mark.parametrize("kind", [Mujoco, DmControl])
 @pytest.mark.parametrize("drive", ["ideal", "servo"])
-def test_links_that_collide_hold_one_another_up(kind: Any, drive: str, folding: Robot):
+def test_links_that_collide_hold_one_another_up(kind, drive, folding):
     """On the way into themselves links stop at one another, and pass through one another where they do not."""
     ends = {}
     for collides in (False, True):
@@ -179,7 +178,7 @@ def test_links_that_collide_hold_one_another_up(kind: Any, drive: str, folding: 
     assert ends[True] > 1.0
 
 
-def test_a_link_on_another_is_not_on_the_ground(folding: Robot):
+def test_a_link_on_another_is_not_on_the_ground(folding):
     """Links that are in one another above the ground touch no ground."""
     simulation = Mujoco(self_collision=True).open(folding, 1, PERIOD)
     assert not simulation.place(FOLDED[None]).ground_contact[0]
@@ -205,5 +204,5 @@ def test_links_that_collide_still_feel_the_ground():
     np.testing.assert_array_equal(without, collides)
 
 
-def _with(**changes: Any) -> Robot:
+def _with(**changes):
     return dataclasses.replace(ROBOT, servo=dataclasses.replace(ROBOT.servo, **changes))

@@ -5,8 +5,6 @@ import subprocess
 import sys
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -14,8 +12,8 @@ import pytest
 import harness
 from harness.errors import UsageError
 from harness.registry import choose, load_registry
-from harness.robot import Robot, read_bodies, read_robot
-from harness.robot.energy import energy
+from harness.robot.energy import energy, read_bodies
+from harness.robot.robot import read_robot
 from harness.simulator import State
 
 REGISTRY = load_registry()
@@ -28,12 +26,12 @@ APART = {"drake": 1e-4, "physx": 0.015, "pybullet": 1e-4}
 every_engine = pytest.mark.parametrize("simulator", APART)
 
 
-def with_drives(**changes: Any) -> Robot:
+def with_drives(**changes):
     """The FD100 with other drives."""
     return replace(ROBOT, servo=replace(ROBOT.servo, **changes))
 
 
-def driven(name: str, targets: np.ndarray, robot: Robot = ROBOT, **settings: Any) -> State:
+def driven(name, targets, robot=ROBOT, **settings):
     """The states at the ends of the periods of one arm that begins at home, each array (periods, ...)."""
     simulation = REGISTRY.get("simulators", name).load()(drive="servo", **settings).open(robot, 1, PERIOD)
     simulation.reset(robot.home[None], np.ones(1, bool))
@@ -42,7 +40,7 @@ def driven(name: str, targets: np.ndarray, robot: Robot = ROBOT, **settings: Any
     return State._make(np.array(arrays) for arrays in zip(*states, strict=True))
 
 
-def swing(periods: int) -> np.ndarray:
+def swing(periods):
     """Targets of a quick motion of all joints."""
     return ROBOT.home + 0.4 * np.sin(0.15 * np.arange(1, periods + 1)[:, None] + np.arange(6)) * [1, 0.5, 0.5, 1, 1, 1]
 
@@ -52,14 +50,14 @@ JUMP = np.tile(ROBOT.home + np.array([0.8, -0.4, 0.3, 1.0, -1.0, 1.0]), (6, 1))
 
 
 @cache
-def of_mujoco(motion: str) -> State:
+def of_mujoco(motion):
     """What the simulator on another engine does."""
     return driven("mujoco", {"swing": swing(12), "jump": JUMP}[motion])
 
 
 @every_engine
 @pytest.mark.parametrize("motion", ["swing", "jump"])
-def test_arm_moves_as_with_mujoco(simulator: str, motion: str):
+def test_arm_moves_as_with_mujoco(simulator, motion):
     """Torque limits, armature, both frictions and latency are the same in another engine."""
     ours, theirs = driven(simulator, {"swing": swing(12), "jump": JUMP}[motion]), of_mujoco(motion)
     assert np.abs(theirs.qpos - ROBOT.home).max() > 0.3
@@ -93,7 +91,7 @@ dry_friction_n = [8]
 
 
 @every_engine
-def test_joints_that_slide_and_axes_askew_move_as_with_mujoco(simulator: str, tmp_path: Path):
+def test_joints_that_slide_and_axes_askew_move_as_with_mujoco(simulator, tmp_path):
     """An armature in kg, and ones about axes that are no principal axes of their links, count as with MuJoCo."""
     (tmp_path / "sliding.urdf").write_text(SLIDING)
     (tmp_path / "robot.toml").write_text(SERVO)
@@ -104,7 +102,7 @@ def test_joints_that_slide_and_axes_askew_move_as_with_mujoco(simulator: str, tm
     assert np.abs(ours.qpos - theirs.qpos).max() < APART[simulator]
 
 
-def heavy(**changes: Any) -> Robot:
+def heavy(**changes):
     """Drives whose armature is all that counts, without latency and friction, critically damped at 10 rad/s."""
     inertia = np.full(6, 1e5)
     return with_drives(
@@ -114,7 +112,7 @@ def heavy(**changes: Any) -> Robot:
 
 
 @every_engine
-def test_step_response_is_that_of_a_spring_and_a_damper(simulator: str):
+def test_step_response_is_that_of_a_spring_and_a_damper(simulator):
     """After a ramp of one period each joint comes in as x'' = 100 (ref - x) + 20 (ref' - x') does, to 1 % of it.
 
     In physics steps of 0.5 ms: those of 5 ms are 4 % off.
@@ -133,7 +131,7 @@ def test_step_response_is_that_of_a_spring_and_a_damper(simulator: str):
 
 
 @every_engine
-def test_limited_torque_gives_a_limited_acceleration(simulator: str):
+def test_limited_torque_gives_a_limited_acceleration(simulator):
     """A drive at its limit speeds up by torque / armature: after 0.2 s a joint goes by torque / armature x 0.2 s."""
     robot = heavy(max_torque=np.full(6, 5e4))
     speeds = driven(simulator, np.tile(ROBOT.home + 1.0, (2, 1)), robot).qvel[-1]
@@ -141,7 +139,7 @@ def test_limited_torque_gives_a_limited_acceleration(simulator: str):
 
 
 @every_engine
-def test_arm_sags_until_the_stiffness_carries_its_weight(simulator: str):
+def test_arm_sags_until_the_stiffness_carries_its_weight(simulator):
     """Where gravity is not compensated: stiffness times the angle is the change of potential energy per angle."""
     robot = with_drives(gravity_compensated=False, dry_friction=np.zeros(6))
     qpos = driven(simulator, np.tile(ROBOT.home, (12, 1)), robot).qpos[-1]
@@ -153,21 +151,21 @@ def test_arm_sags_until_the_stiffness_carries_its_weight(simulator: str):
 
 
 @every_engine
-def test_arm_that_is_compensated_does_not_sag(simulator: str):
+def test_arm_that_is_compensated_does_not_sag(simulator):
     """Its drives hold the weight, without friction to help them."""
     state = driven(simulator, np.tile(ROBOT.home, (10, 1)), with_drives(dry_friction=np.zeros(6)))
     assert np.abs(state.qpos - ROBOT.home).max() < 1e-5
 
 
 @every_engine
-def test_weight_beyond_the_limit_pulls_the_arm_down(simulator: str):
+def test_weight_beyond_the_limit_pulls_the_arm_down(simulator):
     """Compensation is a part of the torque: with 60 N m at joint 2 the arm falls."""
     weak = with_drives(max_torque=np.array([600.0, 60.0, 250.0, 60.0, 60.0, 30.0]))
     assert driven(simulator, np.tile(ROBOT.home, (3, 1)), weak).qpos[-1, 1] - ROBOT.home[1] > 0.01
 
 
 @every_engine
-def test_dry_friction_holds_a_joint_off_its_target(simulator: str):
+def test_dry_friction_holds_a_joint_off_its_target(simulator):
     """A move whose torque stays below the friction moves nothing."""
     target = np.tile(ROBOT.home + 0.9 * ROBOT.servo.dry_friction / ROBOT.servo.stiffness, (5, 1))
     slow = with_drives(damping=np.zeros(6))
@@ -175,7 +173,7 @@ def test_dry_friction_holds_a_joint_off_its_target(simulator: str):
 
 
 @every_engine
-def test_new_fields_leave_cells_as_they_were(simulator: str):
+def test_new_fields_leave_cells_as_they_were(simulator):
     """They show in a choice only where they are not at their defaults."""
     plain = choose(REGISTRY, "simulators", simulator)
     assert choose(REGISTRY, "simulators", f"{simulator}:drive=ideal,self_collision=false") == plain
@@ -183,7 +181,7 @@ def test_new_fields_leave_cells_as_they_were(simulator: str):
 
 
 @every_engine
-def test_robot_without_drives_is_refused(simulator: str):
+def test_robot_without_drives_is_refused(simulator):
     """One line names the robot and what is missing."""
     with pytest.raises(UsageError, match=r"'fd100' has no drives to simulate"):
         driven(simulator, JUMP, replace(ROBOT, servo=None))
@@ -194,7 +192,7 @@ FOLDED = np.radians([-98.0, 26.0, 80.0, 7.5, 73.6, -169.0])
 
 
 @every_engine
-def test_links_that_collide_hold_one_another_up(simulator: str):
+def test_links_that_collide_hold_one_another_up(simulator):
     """On the way into itself the arm stops as with MuJoCo, to half a degree; else it gets there. No ground is told."""
     way = ROBOT.home + np.minimum(np.linspace(0.1, 1.3, 13), 1.0)[:, None] * (FOLDED - ROBOT.home)
     off, on = (driven(simulator, way, self_collision=collides) for collides in (False, True))
@@ -207,7 +205,7 @@ def test_links_that_collide_hold_one_another_up(simulator: str):
 
 
 @every_engine
-def test_what_touches_at_home_does_not_collide(simulator: str):
+def test_what_touches_at_home_does_not_collide(simulator):
     """An arm about home that may touch itself moves as one that may not, but for rounding to single precision."""
     apart, together = (driven(simulator, swing(4), self_collision=collides) for collides in (False, True))
     np.testing.assert_allclose(apart.qpos, together.qpos, atol=1e-6)
@@ -219,14 +217,14 @@ print(digest(sys.argv[1]))
 """
 
 
-def digest(simulator: str) -> str:
+def digest(simulator):
     """Of all that an arm with drives tells along a motion."""
     return hashlib.sha256(b"".join(array.tobytes() for array in driven(simulator, swing(8)))).hexdigest()
 
 
 @every_engine
 @pytest.mark.slow
-def test_another_process_computes_the_same(simulator: str, request: pytest.FixtureRequest):
+def test_another_process_computes_the_same(simulator, request):
     """Bit for bit; as does the same process a second time."""
     assert digest(simulator) == digest(simulator)
     command = [sys.executable, "-W", "ignore", "-c", DIGEST, simulator]

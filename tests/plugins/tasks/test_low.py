@@ -1,7 +1,5 @@
 """Targets just above the ground, and targets that have to be met closely."""
 
-from pathlib import Path
-
 import numpy as np
 
 import harness
@@ -32,7 +30,7 @@ def test_box_of_another_arm_is_scaled_by_its_reach():
     np.testing.assert_array_equal(given.target_box(arm), [(0.5, 0.1, 0.6), (0.1, 0.2, 0.0)])
 
 
-def test_box_stays_at_the_ground_and_follows_a_mount_aside(tmp_path: Path):
+def test_box_stays_at_the_ground_and_follows_a_mount_aside(tmp_path):
     """The ground is where it is, whatever an arm stands on."""
     arms = (read_arm(tmp_path / str(x), changed(('xyz="0 0 0.1" rpy', f'xyz="{x} 0 0.8" rpy'))) for x in (0, 2))
     (center, _), (moved, _) = map(Low().target_box, arms)

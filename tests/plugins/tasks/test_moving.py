@@ -9,20 +9,20 @@ from harness.env import ReachVectorEnv, kinematics_policy
 from harness.goal import Situation
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import NegativeDistance
-from harness_plugins.tasks.moving import Moving, MovingGoal
+from harness_plugins.tasks.moving import Moving
 
 ROBOT = harness.load_robot("fd100")
 WAYS = st.lists(st.floats(-1.0, 1.0), min_size=3, max_size=3).map(lambda way: np.array([way]))
 STEPS = st.integers(0, 1000).map(lambda step: np.array([float(step)]))
 
 
-def goal(**given: float) -> MovingGoal:
+def goal(**given):
     """Of the task with these parameters."""
     return Moving(**given).goal(ROBOT)
 
 
 @given(WAYS, STEPS)
-def test_target_stays_on_its_way(way: np.ndarray, step: np.ndarray):
+def test_target_stays_on_its_way(way, step):
     """Between its two ends, whenever."""
     moved, length = goal().displacement(way, step)[0], np.linalg.norm(way)
     along = float(moved @ way[0]) / length if length > 1e-6 else 0.0
@@ -31,7 +31,7 @@ def test_target_stays_on_its_way(way: np.ndarray, step: np.ndarray):
 
 
 @given(WAYS.filter(lambda way: np.linalg.norm(way) > 0.1), STEPS)
-def test_target_moves_as_fast_as_it_says(way: np.ndarray, step: np.ndarray):
+def test_target_moves_as_fast_as_it_says(way, step):
     """By speed times period in a step, less where it turns; where its velocity says, but where it turns."""
     task = goal(target_speed=0.2)
     moved = task.displacement(way, step + 1.0) - task.displacement(way, step)
@@ -51,7 +51,7 @@ def test_target_without_a_way_stays():
 
 
 @pytest.mark.parametrize("steps", [1, 4])
-def test_target_is_reached_by_staying_with_it(steps: int):
+def test_target_is_reached_by_staying_with_it(steps):
     """After so many steps in a row within epsilon, not before; the learner sees how many of them are done."""
     env = ReachVectorEnv(IdealSimulator(), ROBOT, Moving(steps_within=steps, epsilon=0.05), NegativeDistance())
     seen, infos = env.reset(seed=3)

@@ -3,8 +3,6 @@
 from pathlib import Path
 from typing import Any
 
-import pytest
-
 from harness.registry import load_registry
 
 REGISTRY = load_registry()
@@ -12,7 +10,7 @@ PAGE = (Path(__file__).parents[3] / "docs" / "tasks.md").read_text(encoding="utf
 BUILT_IN = [name for name in REGISTRY.names("tasks") if REGISTRY.get("tasks", name).plugin == "tasks"]
 
 
-def test_page_has_a_row(subtests: pytest.Subtests):
+def test_page_has_a_row(subtests):
     """Every built-in task is on the page, with its robot and its action."""
     for name in BUILT_IN:
         with subtests.test(name=name):

@@ -8,9 +8,8 @@ from hypothesis import given, settings, strategies as st
 
 import harness
 from harness.goal import Situation
-from harness.robot import forward
-from harness.robot.kinematics import axes_of_rotation, rotation_between
-from harness_plugins.tasks.pose import Pose, PoseGoal
+from harness.robot.kinematics import axes_of_rotation, forward, rotation_between
+from harness_plugins.tasks.pose import Pose
 
 ROBOT = harness.load_robot("fd100")
 POSES = st.lists(st.floats(0.0, 1.0), min_size=ROBOT.dof, max_size=ROBOT.dof).map(
@@ -19,40 +18,40 @@ POSES = st.lists(st.floats(0.0, 1.0), min_size=ROBOT.dof, max_size=ROBOT.dof).ma
 """Joint positions, (1, dof)."""
 
 
-def goal(task: Pose = Pose()) -> PoseGoal:  # noqa: B008 (frozen)
+def goal(task=Pose()):  # noqa: B008 (frozen)
     """Of the task."""
     return task.goal(ROBOT)
 
 
-def asked_for(at: np.ndarray, target: np.ndarray) -> Situation:
+def asked_for(at, target):
     """An arm with the joints `at`, asked for the pose that it has with the joints `target`."""
     pose = forward(ROBOT.chain, target)
     none = np.zeros(1)
     return Situation(at, ROBOT.end_effector(at), pose[:, :3, 3], axes_of_rotation(pose[:, :3, :3]), none, none)
 
 
-def error(at: np.ndarray, target: np.ndarray) -> float:
+def error(at, target):
     """Of that arm, [m]."""
     return float(goal().errors(asked_for(at, target))[0])
 
 
 @settings(max_examples=30)
 @given(POSES)
-def test_error_is_0_in_the_pose(qpos: np.ndarray):
+def test_error_is_0_in_the_pose(qpos):
     """Up to rounding, whatever the pose."""
     assert error(qpos, qpos) <= 1e-7
 
 
 @settings(max_examples=30)
 @given(POSES, POSES)
-def test_error_is_the_same_both_ways(one: np.ndarray, other: np.ndarray):
+def test_error_is_the_same_both_ways(one, other):
     """Distance and angle are."""
     assert error(one, other) == pytest.approx(error(other, one), abs=1e-6)
 
 
 @settings(max_examples=30)
 @given(POSES, POSES)
-def test_within_epsilon_means_near_and_turned_alike(at: np.ndarray, target: np.ndarray):
+def test_within_epsilon_means_near_and_turned_alike(at, target):
     """The error is at most epsilon where the distance is and the angle is at most 10 degrees; and nowhere else."""
     task, (one, other) = Pose(), (forward(ROBOT.chain, qpos) for qpos in (at, target))
     distance = np.linalg.norm(one[0, :3, 3] - other[0, :3, 3])

@@ -18,18 +18,18 @@ UNITY_START_TIP = (-0.185766, 1.049303, 0.1233658)
 """Of the fixed start, as its experimenters wrote it down, Unity's frame."""
 
 
-def from_unity(point: tuple[float, float, float]) -> np.ndarray:
+def from_unity(point):
     """A point of Unity's left-handed y-up frame in ours."""
     x, y, z = point
     return np.array([z, -x, y])
 
 
-def rng(seed: int = 0) -> np.random.Generator:
+def rng(seed=0):
     """The same numbers every time."""
     return np.random.default_rng(seed)
 
 
-def make(task: UnityReach, num_envs: int = 1) -> ReachVectorEnv:
+def make(task, num_envs=1):
     """An env without an engine."""
     return ReachVectorEnv(IdealSimulator(), ARM, task, NegativeDistance(), num_envs)
 
@@ -59,7 +59,7 @@ def test_begin_distance_is_the_published_one():
     assert infos["distance"][0] == pytest.approx(expected, abs=1e-6)
 
 
-def test_arm_that_does_not_reach_the_target_is_refused(monkeypatch: pytest.MonkeyPatch):
+def test_arm_that_does_not_reach_the_target_is_refused(monkeypatch):
     """Said before anything is run, with what to take instead."""
     monkeypatch.setattr(unity, "FIXED_TARGET", np.array([3.0, 0.0, 0.2]))
     with pytest.raises(UsageError, match=r"unity-arm does not reach the fixed target \(3.0, 0.0, 0.2\) m"):
@@ -115,7 +115,7 @@ def test_start_is_the_last_draw_where_none_is_at_that_height():
 
 
 @given(st.lists(st.floats(-1.0, 1.0), min_size=5, max_size=5))
-def test_action_sets_the_published_angles(action: list[float]):
+def test_action_sets_the_published_angles(action):
     """The joint angles are the action times (180, 90, 180, 90, 90) degrees, at once."""
     move = UnityReach().motion(ARM).advance(ARM.home[None], np.zeros((1, 5)), np.array([action]))
     np.testing.assert_allclose(np.degrees(move.waypoints[-1][0]), action * DEGREES, rtol=0.0, atol=1e-12)
@@ -137,7 +137,7 @@ def test_one_action_for_five_steps():
 # The observation
 
 
-def observed(env: ReachVectorEnv, action: np.ndarray, base: np.ndarray) -> list[float]:
+def observed(env, action, base):
     """The 19 numbers for one arm, number by number."""
     tip = np.array(ARM.end_effector(np.radians(action * DEGREES)))
     target = env.episodes.target[0]
@@ -150,7 +150,7 @@ def observed(env: ReachVectorEnv, action: np.ndarray, base: np.ndarray) -> list[
 
 @pytest.mark.parametrize("base", [(0.0, 0.0, 0.0), (2.0, -3.0, 0.5)])
 @pytest.mark.parametrize("task", [UnityReach, Arp2021])
-def test_observation_is_the_published_one(task: type[UnityReach], base: tuple[float, float, float]):
+def test_observation_is_the_published_one(task, base):
     """Actions, unit vectors to base, target and end effector in the scene, unit offset, distance, and the step's 0."""
     env = make(task(base_position=base, horizon=30))
     observations, _ = env.reset(seed=1)
@@ -177,7 +177,7 @@ def test_base_at_the_origin_stays_zero():
 
 
 @pytest.mark.parametrize("task", [UnityReach, Arp2021])
-def test_robot_is_that_of_the_original(task: type[UnityReach]):
+def test_robot_is_that_of_the_original(task):
     """The unity-arm, which passes the task's check."""
     assert task.robot == "unity-arm"
     task().check(ARM)
@@ -187,7 +187,7 @@ def test_robot_is_that_of_the_original(task: type[UnityReach]):
 
 
 @pytest.mark.parametrize("simulator", ["kinematic", "mujoco", "pybullet", "dm_control"])
-def test_every_simulator_puts_the_tip_at_the_same_place(simulator: str):
+def test_every_simulator_puts_the_tip_at_the_same_place(simulator):
     """The arm jumps: the end effector is that of the robot's kinematics, to a micrometre."""
     env = harness.make_env(simulator, "arp-2021")
     env.reset(seed=0)
@@ -202,7 +202,7 @@ def test_every_simulator_puts_the_tip_at_the_same_place(simulator: str):
 
 
 @pytest.mark.parametrize("simulator", ["mujoco", "pybullet", "dm_control"])
-def test_every_simulator_pays_the_same(simulator: str):
+def test_every_simulator_pays_the_same(simulator):
     """As the kinematic one, over 50 decisions whose contacts agree, to a millionth."""
     envs = [harness.make_env(name, "arp-2021", "arp") for name in ("kinematic", simulator)]
     for env in envs:

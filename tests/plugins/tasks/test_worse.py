@@ -9,7 +9,7 @@ REGISTRY = load_registry()
 
 
 @pytest.mark.parametrize("name", ["noisy-reach", "delayed-reach", "cluttered-reach", "varied-reach"])
-def test_what_a_preset_is_about_belongs_to_its_identity(name: str):
+def test_what_a_preset_is_about_belongs_to_its_identity(name):
     """A later version with another default makes other cells; what it leaves at nothing is left out."""
     choice = choose(REGISTRY, "tasks", name)
     built = choice.build(REGISTRY, "tasks")

@@ -17,7 +17,7 @@ ROBOT = harness.load_robot("fd100")
 
 
 @pytest.fixture
-def task() -> Any:
+def task():
     """The page's, which is not the one that `harness new-plugin` writes."""
     (code,) = [code for code in re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL) if "(Goal)" in code]
     names: dict[str, Any] = {"__name__": __name__}
@@ -25,12 +25,12 @@ def task() -> Any:
     return names["ReachFromAbove"]()
 
 
-def test_task_of_the_page_passes_every_check(task: Any):
+def test_task_of_the_page_passes_every_check(task):
     """As it stands there."""
     check_task(task, ROBOT)
 
 
-def test_tilt_is_an_error(task: Any):
+def test_tilt_is_an_error(task):
     """In the home pose the flange is tilted: the error is more than the distance to a target where it is."""
     goal, here = task.goal(ROBOT), ROBOT.end_effector(ROBOT.home[None])
     none = np.zeros(1)
@@ -39,6 +39,6 @@ def test_tilt_is_an_error(task: Any):
     assert goal.errors(now)[0] == pytest.approx(0.005 * tilt, abs=0.01)
 
 
-def test_kinematics_say_why_they_cannot(task: Any):
+def test_kinematics_say_why_they_cannot(task):
     """With the name of the error."""
     assert "distance or tilt" in why_not_kinematics(task, ROBOT)

@@ -6,16 +6,15 @@ import numpy as np
 import pytest
 
 from harness.policy import SquashedGaussian
-from harness.record.folder import EVALUATION, POLICY
-from harness.registry.choice import Choice
-from harness.results import Results
+from harness.record import EVALUATION, POLICY
+from harness.registry import Choice
 from harness_plugins.transfer.record import TRANSFER, TransferRecord, policy_digest, simulator_id
-from tests.report.conftest import Build, build
+from tests.report.conftest import build
 
 __all__ = ["build"]
 
 
-def add_transfers(results: Results) -> None:
+def add_transfers(results):
     """Its policies were also in pybullet, where one evaluation failed."""
     for cell in results.done_cells:
         home = results.store.cell_folder(cell)
@@ -34,7 +33,7 @@ def add_transfers(results: Results) -> None:
 
 
 @pytest.fixture
-def transferred(build: Build) -> Results:
+def transferred(build):
     """An experiment whose policies were also in another simulator."""
     results = build()
     add_transfers(results)

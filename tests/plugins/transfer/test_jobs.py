@@ -7,27 +7,21 @@ import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 import pytest
 
 from harness.errors import NewerFormat, UsageError
-from harness.experiment.plan import check_experiment, expand
-from harness.experiment.workers.workers import Order
+from harness.experiment import check_experiment, expand
 from harness.policy import WEIGHTS
-from harness.record.cell import BROUGHT, Cell
-from harness.record.folder import EVALUATION, MANIFEST, POLICY, partial_folder
-from harness.record.manifest import read_manifest
-from harness.record.store import Store
-from harness.record.trace import read_trace
-from harness.registry.choice import Choice, choose
-from harness.registry.registry import Registry, load_registry
+from harness.record import EVALUATION, MANIFEST, POLICY, Cell, Store, partial_folder, read_manifest, read_trace
+from harness.record.cell import BROUGHT
+from harness.registry import Choice, choose, load_registry
 from harness.results import Results, load_results
 from harness.robot.robot import load_robot
 from harness_plugins.transfer.jobs import evaluate_elsewhere, plan_transfers, run_transfers, transfer
-from harness_plugins.transfer.matrix import Transfers, load_transfers
+from harness_plugins.transfer.matrix import load_transfers
 from harness_plugins.transfer.record import TRANSFER, read_transfer, simulator_id
 
 EASY = "fd100-reach:epsilon=0.25,horizon=40"
@@ -37,10 +31,10 @@ Train: TypeAlias = Callable[..., Results]
 
 
 @pytest.fixture
-def train(toys: Registry, run_once: Callable[..., Results], tmp_path: Path) -> Train:
+def train(toys, run_once, tmp_path):
     """Yields an experiment of the toys that has run."""
 
-    def train_toys(**keys: Any) -> Results:
+    def train_toys(**keys):
         given = {"sim": ["ideal"], "algo": ["wander"], "reward": ["arp"], "task": EASY, "seeds": 2, "steps": 6}
         asked = {**given, "evaluation_episodes": 12, **keys}
         return run_once(expand(check_experiment(asked), toys), tmp_path / "mine")
@@ -48,18 +42,18 @@ def train(toys: Registry, run_once: Callable[..., Results], tmp_path: Path) -> T
     return train_toys
 
 
-def folder_of(results: Results, cell: Cell, simulator: str) -> Path:
+def folder_of(results, cell, simulator):
     """Where the transfer of a cell's policy is."""
     return results.folder / TRANSFER / cell.id / simulator_id(choose(load_registry(), "simulators", simulator))
 
 
-def success(transfers: Transfers, home: str, place: str) -> float | None:
+def success(transfers, home, place):
     """Of the first matrix."""
     data = transfers.matrices[0].to_json()
     return data["success"][data["trained_in"].index(home)][data["evaluated_in"].index(place)]["mean"]
 
 
-def test_evaluation_is_the_cell_s_own(train: Train, transferred_here: list[Order]):
+def test_evaluation_is_the_cell_s_own(train, transferred_here):
     """In a simulator that moves alike, the same policy leaves the same trace as at home, bit for bit."""
     results = train(sim=["ideal", "kinematic"], task="fd100-reach:horizon=8", seeds=1)
     transfer(results.folder, "ideal,kinematic")
@@ -72,7 +66,7 @@ def test_evaluation_is_the_cell_s_own(train: Train, transferred_here: list[Order
             np.testing.assert_allclose(away[name], column, atol=1e-12)
 
 
-def test_matrix_tells_the_simulators_apart(train: Train, transferred_here: list[Order]):
+def test_matrix_tells_the_simulators_apart(train, transferred_here):
     """Success is that of the simulator evaluated in: some where arms move, none where they are stuck."""
     results = train(sim=["ideal", "stuck"], seeds=1)
     transfers = transfer(results.folder, "ideal,stuck")
@@ -82,7 +76,7 @@ def test_matrix_tells_the_simulators_apart(train: Train, transferred_here: list[
 
 
 @pytest.mark.usefixtures("transferred_here")
-def test_mutant_that_stays_at_home_is_caught(train: Train, monkeypatch: pytest.MonkeyPatch):
+def test_mutant_that_stays_at_home_is_caught(train, monkeypatch):
     """An evaluation that forgot to change the simulator would give the success of the wrong one."""
     monkeypatch.setattr(
         "harness_plugins.transfer.jobs.replace",
@@ -94,7 +88,7 @@ def test_mutant_that_stays_at_home_is_caught(train: Train, monkeypatch: pytest.M
     assert success(transfers, "stuck", "ideal") == 0.0
 
 
-def test_home_is_what_was_recorded(train: Train, transferred_here: list[Order]):
+def test_home_is_what_was_recorded(train, transferred_here):
     """Where a policy was trained it is not evaluated again: the recorded evaluation counts, as the report reads it."""
     results = train()
     transfers = transfer(results.folder, "ideal,stuck")
@@ -107,7 +101,7 @@ def test_home_is_what_was_recorded(train: Train, transferred_here: list[Order]):
     assert success(transfers, "ideal", "ideal") == pytest.approx(np.mean(rates))
 
 
-def test_second_call_does_only_what_is_missing(train: Train, transferred_here: list[Order]):
+def test_second_call_does_only_what_is_missing(train, transferred_here):
     """Nothing, if nothing is; what is named anew; a policy that is another one now."""
     results = train(seeds=1)
     transfer(results.folder, "stuck")
@@ -130,7 +124,7 @@ def test_second_call_does_only_what_is_missing(train: Train, transferred_here: l
     ("then", "reason"),
     [("raise", "RuntimeError: the arm fell off"), ("diverge", "SimulationDiverged"), ("sys.exit", "SystemExit: 0")],
 )
-def test_failed_evaluation_costs_itself_alone(train: Train, transferred_here: list[Order], then: str, reason: str):
+def test_failed_evaluation_costs_itself_alone(train, transferred_here, then, reason):
     """It is recorded with its reason and is tried again; the others are done."""
     results = train(seeds=1)
     transfers = transfer(results.folder, f"stuck:then={then},stuck")
@@ -145,7 +139,7 @@ def test_failed_evaluation_costs_itself_alone(train: Train, transferred_here: li
     assert len(transferred_here) == done + 2
 
 
-def test_process_that_dies_costs_itself_alone(train: Train):
+def test_process_that_dies_costs_itself_alone(train):
     """In processes of their own: one that exits is a failed evaluation, the others are done."""
     results = train(seeds=1)
     transfers = transfer(results.folder, "stuck:then=_exit,stuck", jobs=2)
@@ -155,7 +149,7 @@ def test_process_that_dies_costs_itself_alone(train: Train):
     assert not list((results.folder / TRANSFER).glob("*/.*"))
 
 
-def test_killed_call_loses_what_it_was_at(train: Train, tmp_path: Path):
+def test_killed_call_loses_what_it_was_at(train, tmp_path):
     """What was done before a SIGKILL is kept; the next call does the rest, and the folder holds nothing else."""
     results = train()
     note = tmp_path / "pid"
@@ -176,7 +170,7 @@ def test_killed_call_loses_what_it_was_at(train: Train, tmp_path: Path):
     assert len(list((results.folder / TRANSFER).glob("*/*"))) == 4
 
 
-def test_policy_that_is_gone_fails_alone_and_what_was_known_stays(train: Train, transferred_here: list[Order]):
+def test_policy_that_is_gone_fails_alone_and_what_was_known_stays(train, transferred_here):
     """Weights that were deleted cannot be evaluated again; what they did before is still told."""
     results = train(seeds=1)
     transfer(results.folder, "stuck")
@@ -189,7 +183,7 @@ def test_policy_that_is_gone_fails_alone_and_what_was_known_stays(train: Train, 
     assert "holds no readable policy" in failure.record.reason
 
 
-def test_record_says_what_was_done(train: Train, transferred_here: list[Order]):
+def test_record_says_what_was_done(train, transferred_here):
     """Cell, simulator, versions, sources of what made it - not of the algorithm, which may be gone."""
     results = train(seeds=1)
     transfer(results.folder, "stuck")
@@ -200,7 +194,7 @@ def test_record_says_what_was_done(train: Train, transferred_here: list[Order]):
     assert "numpy" in record.environment["versions"]
 
 
-def test_default_is_every_simulator_that_can_be_used(train: Train, distant: None):
+def test_default_is_every_simulator_that_can_be_used(train, distant):
     """The experiment's, parameters and all, and the registered ones; one whose library is missing is said."""
     results = train(sim=["stuck:note=x"], seeds=1)
     plan = plan_transfers(results, None, load_registry())
@@ -220,7 +214,7 @@ def test_default_is_every_simulator_that_can_be_used(train: Train, distant: None
         ("stuck", 0, "jobs=0: must be at least 1"),
     ],
 )
-def test_bad_arguments_are_refused(train: Train, to: str, jobs: int | None, told: str):
+def test_bad_arguments_are_refused(train, to, jobs, told):
     """Before anything is written."""
     results = train(seeds=1)
     with pytest.raises(UsageError, match=told.replace("?", r"\?")):
@@ -228,7 +222,7 @@ def test_bad_arguments_are_refused(train: Train, to: str, jobs: int | None, told
     assert not (results.folder / TRANSFER).exists()
 
 
-def test_missing_plugins_are_refused(train: Train, monkeypatch: pytest.MonkeyPatch):
+def test_missing_plugins_are_refused(train, monkeypatch):
     """A task that is not registered any more is told, with what there is."""
     results, registry = train(seeds=1), load_registry()
     del registry.specs["tasks", "fd100-reach"]
@@ -236,14 +230,14 @@ def test_missing_plugins_are_refused(train: Train, monkeypatch: pytest.MonkeyPat
         plan_transfers(results, "stuck", registry)
 
 
-def test_nothing_trained_is_refused(toys: Registry, make_plan: Any, make_cell: Any, tmp_path: Path):
+def test_nothing_trained_is_refused(toys, make_plan, make_cell, tmp_path):
     """An experiment without a done cell has no policy."""
     Store.create(tmp_path / "empty", make_plan(make_cell()))
     with pytest.raises(UsageError, match="has no finished cell"):
         transfer(tmp_path / "empty")
 
 
-def test_cells_in_an_environment_are_refused(toys: Registry, make_plan: Any, make_cell: Any, tmp_path: Path):
+def test_cells_in_an_environment_are_refused(toys, make_plan, make_cell, tmp_path):
     """Done or not: there is no arm that could move elsewhere. It says what to do instead."""
     cell = make_cell(simulator=BROUGHT.simulator, robot=BROUGHT.robot, task=Choice("pendulum", (), "pendulum"))
     store = Store.create(tmp_path, make_plan(cell))
@@ -253,7 +247,7 @@ def test_cells_in_an_environment_are_refused(toys: Registry, make_plan: Any, mak
         plan_transfers(load_results(tmp_path), None, toys)
 
 
-def test_folder_in_use_is_refused(train: Train):
+def test_folder_in_use_is_refused(train):
     """While a run or another transfer is at it."""
     results = train(seeds=1)
     plan = plan_transfers(results, "stuck", load_registry())
@@ -261,7 +255,7 @@ def test_folder_in_use_is_refused(train: Train):
         run_transfers(plan, 1)
 
 
-def test_newer_record_is_told(train: Train, transferred_here: list[Order]):
+def test_newer_record_is_told(train, transferred_here):
     """With the file's name; it is not done again."""
     results = train(seeds=1)
     transfer(results.folder, "stuck")
@@ -272,7 +266,7 @@ def test_newer_record_is_told(train: Train, transferred_here: list[Order]):
 
 
 @pytest.mark.parametrize("name", [MANIFEST, EVALUATION])
-def test_damaged_transfer_costs_itself_alone_and_is_done_again(train: Train, transferred_here: list[Order], name: str):
+def test_damaged_transfer_costs_itself_alone_and_is_done_again(train, transferred_here, name):
     """It is a line beside the others."""
     results = train(seeds=2)
     transfer(results.folder, "stuck")
@@ -288,7 +282,7 @@ def test_damaged_transfer_costs_itself_alone_and_is_done_again(train: Train, tra
     assert len(transferred_here) == count + 1
 
 
-def test_reading_needs_no_plugin_s_engine(train: Train, transferred_here: list[Order]):
+def test_reading_needs_no_plugin_s_engine(train, transferred_here):
     """The matrix of an experiment is read without Gymnasium and without an engine."""
     results = train(seeds=1)
     transfer(results.folder, "stuck")
@@ -303,7 +297,7 @@ def test_reading_needs_no_plugin_s_engine(train: Train, transferred_here: list[O
 
 
 @pytest.mark.slow
-def test_trained_policy_goes_between_engines(tmp_path: Path):
+def test_trained_policy_goes_between_engines(tmp_path):
     """SAC's policies of mujoco and kinematic: the evaluations differ, and each is the same when done again."""
     import harness
 
@@ -323,13 +317,13 @@ def test_trained_policy_goes_between_engines(tmp_path: Path):
         assert not partial_folder(folder).exists()
 
 
-def test_policies_go_to_drives_that_their_robot_describes(train: Train):
+def test_policies_go_to_drives_that_their_robot_describes(train):
     """`--to mujoco:drive=servo` is a simulator of its own."""
     (job, *_) = plan_transfers(train(seeds=1), "mujoco:drive=servo", load_registry()).jobs
     assert job.simulator.label == "mujoco:drive=servo"
 
 
-def test_policies_of_a_robot_without_drives_do_not(train: Train, tmp_path: Path):
+def test_policies_of_a_robot_without_drives_do_not(train, tmp_path):
     """One line says what is missing, before anything is evaluated."""
     (tmp_path / "arm.urdf").write_text(load_robot("fd100").urdf)
     bare = train(seeds=1, robot=str(tmp_path / "arm.urdf"))

@@ -1,23 +1,17 @@
 """What a folder says of transfer, read from records that were written by hand: nothing is trained or evaluated."""
 
 import json
-from collections.abc import Callable, Sequence
-from pathlib import Path
-from typing import Any, TypeAlias
+from collections.abc import Callable
+from typing import TypeAlias
 
 import numpy as np
 import pytest
 
 from harness.policy import WEIGHTS
-from harness.record.cell import Cell
-from harness.record.folder import EVALUATION, POLICY
-from harness.record.manifest import Manifest
-from harness.record.store import Store
-from harness.record.trace import COLUMN, SCALARS, TraceWriter
-from harness.registry.choice import Choice
-from harness.registry.registry import load_registry
+from harness.record import COLUMN, EVALUATION, POLICY, SCALARS, Manifest, Store, TraceWriter
+from harness.registry import Choice, load_registry
 from harness.results import Results
-from harness_plugins.transfer.matrix import TransferMatrix, load_transfers
+from harness_plugins.transfer.matrix import load_transfers
 from harness_plugins.transfer.record import TRANSFER, TransferRecord, policy_digest, simulator_id
 
 HOME, AWAY = Choice("ideal", (), "ideal"), Choice("stuck", (), "stuck")
@@ -27,10 +21,10 @@ Train: TypeAlias = Callable[..., Results]
 
 
 @pytest.fixture
-def train(make_cell: Callable[..., Cell], make_plan: Callable[..., Any], tmp_path: Path) -> Train:
+def train(make_cell, make_plan, tmp_path):
     """A folder of done cells, one per seed: of the four episodes of each evaluation so many reach the target."""
 
-    def write(at_home: Sequence[int], **fields: Any) -> Results:
+    def write(at_home, **fields):
         cells = [make_cell(seed=seed, **fields) for seed in range(len(at_home))]
         store = Store.create(tmp_path / "mine", make_plan(*cells))
         for cell, reached in zip(cells, at_home, strict=True):
@@ -44,7 +38,7 @@ def train(make_cell: Callable[..., Cell], make_plan: Callable[..., Any], tmp_pat
     return write
 
 
-def write_evaluation(folder: Path, reached: int) -> None:
+def write_evaluation(folder, reached):
     """Four episodes of one step, each paid 1, and 10 more by an event term where it reaches the target."""
     rows = np.zeros((8, len(SCALARS) + 2))
     rows[:, COLUMN["episode"]] = np.repeat(np.arange(4), 2)
@@ -55,7 +49,7 @@ def write_evaluation(folder: Path, reached: int) -> None:
         writer.append(rows)
 
 
-def visit(results: Results, cell: Cell, reached: int | None, simulator: Choice = AWAY) -> None:
+def visit(results, cell, reached, simulator=AWAY):
     """Record that the cell's policy was evaluated there; None where that failed."""
     folder = results.folder / TRANSFER / cell.id / simulator_id(simulator)
     folder.mkdir(parents=True)
@@ -67,7 +61,7 @@ def visit(results: Results, cell: Cell, reached: int | None, simulator: Choice =
         TransferRecord(cell.id, simulator, digest, status="done").write(folder)
 
 
-def visit_all(results: Results, away: Sequence[int | None]) -> TransferMatrix:
+def visit_all(results, away):
     """All policies evaluated elsewhere, in the order of their seeds, and what the folder then says."""
     for cell, reached in zip(results.done_cells, away, strict=True):
         visit(results, cell, reached)
@@ -75,25 +69,25 @@ def visit_all(results: Results, away: Sequence[int | None]) -> TransferMatrix:
     return matrix
 
 
-def test_home_comes_first(train: Train):
+def test_home_comes_first(train):
     """Rows are the simulators trained in; columns are those, then the ones that were visited."""
     matrix = visit_all(train([4, 2]), [1, 1])
     assert (matrix.trained_in, matrix.evaluated_in) == ((HOME,), (HOME, AWAY))
 
 
-def test_success_is_the_mean_over_seeds(train: Train):
+def test_success_is_the_mean_over_seeds(train):
     """In each simulator, of its own evaluations."""
     matrix = visit_all(train([4, 2]), [1, 0])
     assert [mean.mean for mean in matrix.success[0]] == [0.75, 0.125]
 
 
-def test_return_is_all_that_an_episode_was_paid(train: Train):
+def test_return_is_all_that_an_episode_was_paid(train):
     """Shaped reward and event terms, mean over episodes and seeds."""
     matrix = visit_all(train([4, 2]), [1, 0])
     assert [mean.mean for mean in matrix.paid[0]] == [1.0 + 10.0 * 0.75, 1.0 + 10.0 * 0.125]
 
 
-def test_drop_is_taken_seed_by_seed(train: Train):
+def test_drop_is_taken_seed_by_seed(train):
     """Every seed loses half, however much it had: the mean is exact. At home there is nothing to lose."""
     home, away = visit_all(train([4, 3, 2]), [2, 1, 0]).drop[0]
     assert away.mean == 0.5
@@ -102,7 +96,7 @@ def test_drop_is_taken_seed_by_seed(train: Train):
     assert home.mean is None
 
 
-def test_seed_that_was_not_evaluated_is_said(train: Train):
+def test_seed_that_was_not_evaluated_is_said(train):
     """The mean is over those that were, the drop over pairs; only that place is short of a seed."""
     results = train([4, 2, 0])
     for cell in results.done_cells[:2]:
@@ -115,7 +109,7 @@ def test_seed_that_was_not_evaluated_is_said(train: Train):
     assert matrix.drop[0][1].mean == 0.75
 
 
-def test_evaluation_that_failed_is_counted_and_listed(train: Train):
+def test_evaluation_that_failed_is_counted_and_listed(train):
     """With its reason, beside those that were never tried."""
     results = train([4, 4, 4])
     visit(results, results.done_cells[0], None)
@@ -125,7 +119,7 @@ def test_evaluation_that_failed_is_counted_and_listed(train: Train):
     assert [failure.to_json()["reason"] for failure in transfers.failed] == [REASON]
 
 
-def test_one_seed_has_no_interval(train: Train):
+def test_one_seed_has_no_interval(train):
     """Anywhere, and the reason stands beside each number."""
     matrix = visit_all(train([4]), [1])
     for mean in (*matrix.success[0], *matrix.paid[0], matrix.drop[0][1]):
@@ -133,7 +127,7 @@ def test_one_seed_has_no_interval(train: Train):
         assert any("one seed" in note for note in mean.notes)
 
 
-def test_other_policy_of_a_cell_is_another_result(train: Train):
+def test_other_policy_of_a_cell_is_another_result(train):
     """What was recorded of weights that were trained again since is not told; of weights that are gone it is."""
     results = train([4])
     visit(results, results.done_cells[0], 1)
@@ -148,9 +142,7 @@ def test_other_policy_of_a_cell_is_another_result(train: Train):
     "fields",
     [{"steps": 99}, {"evaluation_episodes": 3}, {"deterministic": False}, {"reward": Choice("arp", (), "arp")}],
 )
-def test_policies_that_share_less_have_a_matrix_of_their_own(
-    make_cell: Callable[..., Cell], make_plan: Callable[..., Any], tmp_path: Path, fields: dict[str, Any]
-):
+def test_policies_that_share_less_have_a_matrix_of_their_own(make_cell, make_plan, tmp_path, fields):
     """Steps, episodes, the manner of evaluation and the reward are never mixed; the simulators are compared."""
     cells = [make_cell(), make_cell(simulator=AWAY), make_cell(**fields)]
     store = Store.create(tmp_path / "mine", make_plan(*cells))
@@ -165,13 +157,13 @@ def test_policies_that_share_less_have_a_matrix_of_their_own(
     assert [len(matrix.trained_in) for matrix in load_transfers(results).matrices] == [2, 1]
 
 
-def test_nothing_visited_is_no_matrix(train: Train):
+def test_nothing_visited_is_no_matrix(train):
     """An experiment that nobody transferred has none."""
     transfers = load_transfers(train([4]))
     assert (transfers.matrices, transfers.failed) == ((), ())
 
 
-def test_json_is_plain_and_by_label(train: Train):
+def test_json_is_plain_and_by_label(train):
     """The keys that readers of other versions know, in their order."""
     results = train([4, 2])
     visit_all(results, [1, None])
@@ -188,7 +180,7 @@ def test_json_is_plain_and_by_label(train: Train):
     assert (failure["seed"], failure["trained_in"], failure["evaluated_in"]) == (1, "ideal", "stuck")
 
 
-def test_a_drop_may_be_a_gain(train: Train):
+def test_a_drop_may_be_a_gain(train):
     """Its interval holds it, and ends at 100 points."""
     drop = visit_all(train([0, 0, 0]), [4, 4, 4]).drop[0][1]
     assert drop.mean == -1.0

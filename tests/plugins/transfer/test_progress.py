@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from harness.record.store import Store
-from harness.registry.choice import Choice
+from harness.record import Store
+from harness.registry import Choice
 from harness_plugins.transfer.jobs import TransferEvent, TransferJob, TransferPlan
 from harness_plugins.transfer.progress import TransferProgress
 

@@ -1,31 +1,29 @@
 """What an evaluation away from home leaves."""
 
 import json
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import pytest
 
 from harness.errors import SchemaError
-from harness.record.folder import MANIFEST, POLICY, WEIGHTS
-from harness.registry.choice import Choice
+from harness.record import MANIFEST, POLICY
+from harness.record.folder import WEIGHTS
+from harness.registry import Choice
 from harness_plugins.transfer.record import TransferRecord, policy_digest, read_transfer, simulator_id
 
 MUJOCO = Choice("mujoco", (("substeps", 20), ("layers", (1, 2))), "mujoco")
 
 
-def _record(**fields: Any) -> TransferRecord:
+def _record(**fields):
     return TransferRecord("0123", MUJOCO, "abc", **{"status": "done", **fields})
 
 
-def _change(folder: Path, change: Callable[[dict[str, Any]], Any]) -> None:
+def _change(folder, change):
     data = json.loads((folder / MANIFEST).read_text())
     change(data)
     (folder / MANIFEST).write_text(json.dumps(data))
 
 
-def test_record_is_read_as_it_was_written(tmp_path: Path):
+def test_record_is_read_as_it_was_written(tmp_path):
     """Every field comes back, the simulator's parameters too."""
     told = {"reason": "no luck", "started": "2026-01-01T00:00:00+00:00", "seconds": 1.5}
     record = _record(status="failed", **told, environment={"versions": {"numpy": "2"}})
@@ -33,12 +31,12 @@ def test_record_is_read_as_it_was_written(tmp_path: Path):
     assert read_transfer(tmp_path) == record
 
 
-def test_folder_without_a_record_has_none(tmp_path: Path):
+def test_folder_without_a_record_has_none(tmp_path):
     """Nothing was evaluated there yet."""
     assert read_transfer(tmp_path) is None
 
 
-def test_newer_format_is_refused(tmp_path: Path):
+def test_newer_format_is_refused(tmp_path):
     """The message says both versions."""
     _record().write(tmp_path)
     _change(tmp_path, lambda data: data.update(format=TransferRecord.FORMAT + 1))
@@ -47,7 +45,7 @@ def test_newer_format_is_refused(tmp_path: Path):
 
 
 @pytest.mark.parametrize("key", ["simulator", "policy", "status", "format"])
-def test_damaged_record_says_so(tmp_path: Path, key: str):
+def test_damaged_record_says_so(tmp_path, key):
     """The reason names the file, and what it should be."""
     _record().write(tmp_path)
     _change(tmp_path, lambda data: data.pop(key))
@@ -58,7 +56,7 @@ def test_damaged_record_says_so(tmp_path: Path, key: str):
 
 
 @pytest.mark.parametrize(("digest", "expected"), [("abc", True), ("def", False), ("", True)])
-def test_record_is_of_one_policy(digest: str, expected: bool):
+def test_record_is_of_one_policy(digest, expected):
     """Of the weights that it names; where a cell has no weights any more, there is no other policy to mean."""
     assert _record().is_of(digest) is expected
 
@@ -71,7 +69,7 @@ def test_simulators_have_folders_of_their_own():
     assert simulator_id(MUJOCO).startswith("mujoco-")
 
 
-def test_digest_is_that_of_the_weights(tmp_path: Path):
+def test_digest_is_that_of_the_weights(tmp_path):
     """Other weights have another; a cell without weights has none."""
     assert policy_digest(tmp_path) == ""
     (tmp_path / POLICY).mkdir()

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 import pytest
 
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
-from harness.registry.choice import Choice
+from harness.registry import Choice
 from harness.results.comparison import Group
 from harness_plugins.transfer.matrix import TransferMatrix
 from harness_plugins.transfer.shown import failure_lines, transfer_block, transfer_grid

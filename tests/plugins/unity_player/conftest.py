@@ -1,7 +1,6 @@
 """A player that speaks Unity's protocol, for each test its own; the tests need the extra ``unity``."""
 
-from collections.abc import Callable, Iterator
-from pathlib import Path
+from collections.abc import Callable
 from typing import Any
 
 import psutil
@@ -15,13 +14,13 @@ MARK = "HARNESS_TEST_OF_PLAYERS"
 
 
 @pytest.fixture(autouse=True)
-def nothing_allowed(monkeypatch: pytest.MonkeyPatch) -> None:
+def nothing_allowed(monkeypatch):
     """As where nobody named a program."""
     monkeypatch.setenv(PROGRAMS, "")
 
 
 @pytest.fixture
-def player(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., Path]]:
+def player(tmp_path, monkeypatch):
     """Writes a player with options, which the user named; no process of it may be left."""
     try:
         import harness_plugins.unity_player.connection  # noqa: F401
@@ -31,7 +30,7 @@ def player(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable
 
     monkeypatch.setenv(MARK, str(tmp_path))
 
-    def write(*options: str, name: str = "player") -> Path:
+    def write(*options, name="player"):
         path = write_unity_player(tmp_path / name, options)
         allow_programs([str(path)])
         return path
@@ -40,7 +39,7 @@ def player(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable
     assert players_of(tmp_path) == []
 
 
-def players_of(folder: Path) -> list[int]:
+def players_of(folder):
     """Players that a test started, by the mark that they inherit, and what guards them."""
     found = []
     for process in psutil.process_iter():
@@ -55,13 +54,13 @@ def players_of(folder: Path) -> list[int]:
 
 
 @pytest.fixture
-def start(player: Callable[..., Path]) -> Iterator[Start]:
+def start(player):
     """Starts a player with options, and returns envs of it; all are closed at the end."""
     from harness_plugins.environments.unity import Unity
 
     made: list[Any] = []
 
-    def begin(*options: str, count: int = 1, patience: float = 10.0, **parameters: Any) -> Any:
+    def begin(*options, count=1, patience=10.0, **parameters):
         unity = Unity(file=str(player(*options)), patience=patience, **parameters)
         envs = unity.make_together(count)
         made.extend(envs)

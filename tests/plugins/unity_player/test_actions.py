@@ -9,7 +9,7 @@ from harness_plugins.unity_player.actions import MOST_CHOICES, action_space, to_
 from harness_plugins.unity_player.messages import Behaviour, UnityError
 
 
-def behaviour(continuous: int = 0, *branches: int) -> Behaviour:
+def behaviour(continuous=0, *branches):
     """One that observes a number."""
     return Behaviour("Arm", (1,), ("",), continuous, branches)
 
@@ -30,7 +30,7 @@ def test_branches_are_the_choice_of_a_combination():
 
 
 @given(st.lists(st.integers(1, 5), min_size=1, max_size=4))
-def test_every_combination_is_chosen_once(branches: list[int]):
+def test_every_combination_is_chosen_once(branches):
     """No two choices do the same, and each is within its branch."""
     it = behaviour(0, *branches)
     chosen = [tuple(to_unity(it, choice)[1]) for choice in range(int(np.prod(branches)))]
@@ -51,7 +51,7 @@ def test_continuous_actions_stay_within_their_bounds():
         (behaviour(0, MOST_CHOICES, 2), "2,048 combinations"),
     ],
 )
-def test_other_actions_are_refused(it: Behaviour, told: str):
+def test_other_actions_are_refused(it, told):
     """The message names the behaviour."""
     with pytest.raises(UnityError, match=f"'Arm' .*{told}"):
         action_space(it)

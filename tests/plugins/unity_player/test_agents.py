@@ -6,13 +6,13 @@ import pytest
 from harness.env import IdealSimulator, ReachVectorEnv
 from harness.errors import UsageError
 from harness.registry import choose, load_registry
-from harness.robot import load_robot
+from harness.robot.robot import load_robot
 from harness_plugins.environments.unity import Unity
 
 SEED = 7
 
 
-def own_task(reward: str, horizon: int = 5000) -> ReachVectorEnv:
+def own_task(reward, horizon=5000):
     """The same task in the harness itself."""
     registry = load_registry()
     task = choose(registry, "tasks", f"unity-reach:horizon={horizon}").build(registry, "tasks")
@@ -20,7 +20,7 @@ def own_task(reward: str, horizon: int = 5000) -> ReachVectorEnv:
     return ReachVectorEnv(IdealSimulator(), load_robot("unity-arm", registry), task, pays, 1)
 
 
-def played(env, steps: int, seed: int = SEED):
+def played(env, steps, seed=SEED):
     """Observations, rewards and ends of random actions."""
     rng, rows = np.random.default_rng(seed), []
     observation, _ = env.reset(seed=seed)
@@ -34,13 +34,13 @@ def played(env, steps: int, seed: int = SEED):
     return rows
 
 
-def same(one, other) -> bool:
+def same(one, other):
     """Whether two plays are equal bit for bit."""
     return all(np.array_equal(a[0], b[0]) and a[1:] == b[1:] for a, b in zip(one, other, strict=True))
 
 
 @pytest.mark.parametrize("reward", ["baseline", "arp", "aarp"])
-def test_rewards_are_those_of_the_same_task_in_the_harness(start, reward: str):
+def test_rewards_are_those_of_the_same_task_in_the_harness(start, reward):
     """Step by step over many episodes: what is read off observations, and what the program pays beyond."""
     env = start(
         "--positions", places="(end_effector=19:22,target=22:25,renewed=22:25)"[1:-1], steps=5, own_pays="baseline"
@@ -122,7 +122,7 @@ def test_several_programs_are_started_where_one_has_not_enough_agents(start):
 
 
 @pytest.mark.parametrize(("acts", "choices"), [("branches", 3**5), ("choice", 11)])
-def test_discrete_actions_move_the_arm(start, acts: str, choices: int):
+def test_discrete_actions_move_the_arm(start, acts, choices):
     """One branch and several."""
     env = start("--acts", acts)
     assert env.action_space.n == choices

@@ -6,7 +6,6 @@ import random
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import numpy as np
 import psutil
@@ -19,7 +18,7 @@ from tests.plugins.unity_player.conftest import players_of
 KILLS = 30
 
 
-def command(program: Path, out: Path, *more: str) -> list[str]:
+def command(program, out, *more):
     """Four short trainings."""
     asked = f"unity:file={program},places=unity-arm,patience=20"
     return [
@@ -29,20 +28,20 @@ def command(program: Path, out: Path, *more: str) -> list[str]:
     ]
 
 
-def left(folder: Path) -> dict[str, str]:
+def left(folder):
     """Digests of all that the cells left, but what tells of time and place."""
     files = [path for path in (folder / CELLS).rglob("*") if path.is_file() and path.suffix == ".parquet"]
     assert all(path.name not in (MANIFEST, LOG) for path in files)
     return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
 
 
-def begin(words: list[str]) -> "subprocess.Popen[bytes]":
+def begin(words):
     """A run in a session of its own."""
     quiet = subprocess.DEVNULL
     return subprocess.Popen(words, stdout=quiet, stderr=quiet, start_new_session=True)
 
 
-def test_a_player_that_dies_costs_its_cell_alone(player, tmp_path: Path):
+def test_a_player_that_dies_costs_its_cell_alone(player, tmp_path):
     """The reason stands in the manifest; another call tries it again, and no other."""
     program, out = player("--horizon", "500"), tmp_path / "out"
     process = begin(command(program, out))
@@ -61,7 +60,7 @@ def test_a_player_that_dies_costs_its_cell_alone(player, tmp_path: Path):
     assert {it.status for it in Store(out).manifests()} == {"done"}
 
 
-def is_playing(pid: int) -> bool:
+def is_playing(pid):
     """Whether a process is a player, and not what guards it."""
     try:
         return "harness_plugins.kit.unity_player" in psutil.Process(pid).cmdline()
@@ -69,7 +68,7 @@ def is_playing(pid: int) -> bool:
         return False
 
 
-def test_a_program_in_an_experiment_file_is_not_started(player, tmp_path: Path):
+def test_a_program_in_an_experiment_file_is_not_started(player, tmp_path):
     """Whoever wrote the file says nothing about this machine; the user's word is asked for."""
     program = player()
     (tmp_path / "experiment.toml").write_text(
@@ -87,7 +86,7 @@ def test_a_program_in_an_experiment_file_is_not_started(player, tmp_path: Path):
 
 
 @pytest.mark.slow
-def test_killed_runs_and_players_lose_nothing(player, tmp_path: Path):
+def test_killed_runs_and_players_lose_nothing(player, tmp_path):
     """KILL to the harness or to a player: afterwards all is as in an undisturbed run, and nothing is left."""
     program, rng = player("--horizon", "500"), random.Random(3)
     began = time.monotonic()
@@ -118,7 +117,7 @@ def test_killed_runs_and_players_lose_nothing(player, tmp_path: Path):
         assert left(out) == expected
 
 
-def test_rewards_are_paid_again_from_the_exported_file(player, start, tmp_path: Path):
+def test_rewards_are_paid_again_from_the_exported_file(player, start, tmp_path):
     """What a recording holds is all that the rewards of an arm are functions of, in a task of a step per decision."""
     from harness import RecordRewards
     from harness.registry import choose, load_registry
@@ -152,7 +151,7 @@ def test_rewards_are_paid_again_from_the_exported_file(player, start, tmp_path: 
         np.testing.assert_allclose(pay_log(reward, open_csv(path)).total, [row[4][name] for row in rows], atol=1e-6)
 
 
-def experimenters_rows(path: Path) -> list[tuple[int, float, float, float, dict[str, float]]]:
+def experimenters_rows(path):
     """Rows in the experimenters' form: one with reward 0 at each start, and the best distance before each step."""
     import csv
 

@@ -32,14 +32,14 @@ LATER = {
 }
 
 
-def stand_still(env) -> None:
+def stand_still(env):
     """Some steps."""
     for _ in range(6):
         env.step(np.zeros(5, np.float32))
 
 
 @pytest.mark.parametrize("fault", FROM_THE_START)
-def test_a_fault_at_the_start_refuses_the_program(start, fault: str):
+def test_a_fault_at_the_start_refuses_the_program(start, fault):
     """A usage error that names the program."""
     patience = 1.0 if fault in ("hang", "silent") else 10.0
     with pytest.raises(UsageError, match=FROM_THE_START[fault]) as told:
@@ -48,7 +48,7 @@ def test_a_fault_at_the_start_refuses_the_program(start, fault: str):
 
 
 @pytest.mark.parametrize("fault", LATER)
-def test_a_fault_later_ends_the_training(start, fault: str):
+def test_a_fault_later_ends_the_training(start, fault):
     """In the step in which it happens."""
     env = start("--fault", fault, "--fault-after", "3", patience=1.0 if fault == "hang" else 10.0)
     env.reset()

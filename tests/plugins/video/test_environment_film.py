@@ -1,7 +1,6 @@
 """Films of policies in an environment: their evaluations, played again."""
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -14,14 +13,14 @@ from harness.experiment import check_experiment, expand
 from harness.experiment.run_cell import run_cell
 from harness.record import Store
 from harness.registry import load_registry, read_given
-from harness.results import Results, load_results
+from harness.results import load_results
 from harness_plugins.video.environment_film import box_of, environment_film
 from harness_plugins.video.film import HEIGHT, HELD, WIDTH
 
 TOY = str(Path(__file__).parents[2] / "experiment" / "environments" / "toy.py")
 
 
-def run_some(folder: Path, cells: int, **keys: Any) -> Results:
+def run_some(folder, cells, **keys):
     """An experiment of two rewards and one seed, in an env that draws a point on a line: so many cells are done."""
     given = read_given([TOY])
     asked = {"task": "toy", "algo": "random", "seeds": 1, "steps": 16, "evaluation_episodes": 2, **keys}
@@ -34,19 +33,19 @@ def run_some(folder: Path, cells: int, **keys: Any) -> Results:
 
 
 @pytest.fixture(scope="module")
-def results(tmp_path_factory: pytest.TempPathFactory) -> Results:
+def results(tmp_path_factory):
     """Both cells are done."""
     return run_some(tmp_path_factory.mktemp("toy") / "experiment", 2)
 
 
 @pytest.fixture
-def line(results: Results, monkeypatch: pytest.MonkeyPatch) -> Any:
+def line(results, monkeypatch):
     """What makes an env of the toy's in this test."""
     toy = results.registry.get("environments", "toy").load()
     return monkeypatch, toy, type(toy().make())
 
 
-def test_baseline_and_proposed_reward_stand_beside_one_another(results: Results):
+def test_baseline_and_proposed_reward_stand_beside_one_another(results):
     """Both play the episodes of their evaluations, from the first on; the end of each is held."""
     frames = list(environment_film(results, [], 2))
     assert frames[0].image.width == 360
@@ -54,7 +53,7 @@ def test_baseline_and_proposed_reward_stand_beside_one_another(results: Results)
     assert (np.asarray(frames[0].image) != np.asarray(frames[-1].image)).any()
 
 
-def test_the_command_films_an_environment_too(results: Results, tmp_path: Path):
+def test_the_command_films_an_environment_too(results, tmp_path):
     """As it films arms."""
     film = tmp_path / "a.gif"
     with pytest.raises(SystemExit) as ended:
@@ -63,26 +62,26 @@ def test_the_command_films_an_environment_too(results: Results, tmp_path: Path):
     assert film.read_bytes().startswith(b"GIF8")
 
 
-def test_a_baseline_without_another_reward_is_shown_alone(tmp_path: Path):
+def test_a_baseline_without_another_reward_is_shown_alone(tmp_path):
     """As in an experiment that goes on."""
     (frame, *_) = environment_film(run_some(tmp_path / "experiment", 1), [], 1)
     assert frame.image.width == 180
 
 
-def test_where_no_cell_is_done_there_is_nothing_to_show(tmp_path: Path):
+def test_where_no_cell_is_done_there_is_nothing_to_show(tmp_path):
     """It is told by the folder."""
     with pytest.raises(UsageError, match="has nothing to show: no cell is done"):
         list(environment_film(run_some(tmp_path / "experiment", 0), [], 1))
 
 
-def test_a_named_cell_is_shown_alone(results: Results):
+def test_a_named_cell_is_shown_alone(results):
     """By how its id begins."""
     name = results.done[1].cell.id[:6]
     (frame, *_) = environment_film(results, [name], 1)
     assert frame.image.width == 180
 
 
-def test_an_episode_that_goes_another_way_is_refused(results: Results, line: Any):
+def test_an_episode_that_goes_another_way_is_refused(results, line):
     """As it does where another version of the environment is installed; nothing false is shown."""
     patch, _, env = line
     step = env.step
@@ -91,7 +90,7 @@ def test_an_episode_that_goes_another_way_is_refused(results: Results, line: Any
         list(environment_film(results, [], 1))
 
 
-def test_an_env_that_draws_no_arrays_is_refused(results: Results, line: Any):
+def test_an_env_that_draws_no_arrays_is_refused(results, line):
     """In one line that names the mode."""
     patch, _, env = line
     patch.setattr(env, "metadata", {"render_modes": ["human"]})
@@ -99,11 +98,11 @@ def test_an_env_that_draws_no_arrays_is_refused(results: Results, line: Any):
         list(environment_film(results, [], 1))
 
 
-def test_a_missing_renderer_is_told_in_one_line(results: Results, line: Any):
+def test_a_missing_renderer_is_told_in_one_line(results, line):
     """With what can be done."""
     patch, _, env = line
 
-    def render(self: Any) -> None:
+    def render(self):
         raise ImportError("no OpenGL\nhere")
 
     patch.setattr(env, "render", render)
@@ -111,7 +110,7 @@ def test_a_missing_renderer_is_told_in_one_line(results: Results, line: Any):
         list(environment_film(results, [], 1))
 
 
-def test_an_env_that_draws_nothing_is_told(results: Results, line: Any):
+def test_an_env_that_draws_nothing_is_told(results, line):
     """And no film is written."""
     patch, _, env = line
     patch.setattr(env, "render", lambda self: None)
@@ -119,14 +118,14 @@ def test_an_env_that_draws_nothing_is_told(results: Results, line: Any):
         list(environment_film(results, [], 1))
 
 
-def test_an_episode_that_was_cut_is_shown(tmp_path: Path):
+def test_an_episode_that_was_cut_is_shown(tmp_path):
     """As far as it was recorded."""
     results = run_some(tmp_path / "experiment", 1, task="toy:endless=true", evaluation_horizon=6)
     frames = list(environment_film(results, [], 1))
     assert frames[-1].seconds == HELD
 
 
-def dot(x: int, y: int, size: tuple[int, int] = (400, 300)) -> Image.Image:
+def dot(x, y, size=(400, 300)):
     """A picture of a small square."""
     picture = Image.new("RGB", size, "#445544")
     picture.paste("#ffffff", (x, y, x + 10, y + 10))
@@ -142,7 +141,7 @@ def test_pictures_are_cropped_to_what_moves():
 
 
 @pytest.mark.parametrize("x", [0, 390])
-def test_the_part_lies_within_the_picture(x: int):
+def test_the_part_lies_within_the_picture(x):
     """Where the edge is near, it is moved."""
     left, top, right, bottom = box_of([dot(x, 0), dot(x, 20)])
     assert (left >= 0, top >= 0, right <= 400, bottom <= 300) == (True,) * 4

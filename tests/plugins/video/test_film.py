@@ -3,7 +3,6 @@
 import subprocess
 import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,7 +15,7 @@ from harness.scene import scene_of
 from harness_plugins.video.film import FRAMES, HEIGHT, HELD, LINE, RATE, WIDTH, Frame, film_of, write_film
 
 
-def episode(steps: int, outcome: str) -> Episode:
+def episode(steps, outcome):
     """The FD100 turns by its first joint."""
     robot = load_robot("fd100")
     qpos = robot.home + np.linspace(0, 0.5, steps + 1)[:, None] * np.eye(6)[0]
@@ -26,7 +25,7 @@ def episode(steps: int, outcome: str) -> Episode:
 
 
 @pytest.fixture(scope="module")
-def show() -> Show:
+def show():
     """A quick and a slow side, one episode."""
     scene = scene_of(load_robot("fd100"))
     sides = [
@@ -36,7 +35,7 @@ def show() -> Show:
     return Show("both", (7,), tuple(sides))
 
 
-def test_a_film_shows_all_sides_and_holds_the_end(show: Show):
+def test_a_film_shows_all_sides_and_holds_the_end(show):
     """Its last picture is seen longest; sides stand beside one another, and fit a phone."""
     frames = list(film_of(show))
     assert 1 < len(frames) <= FRAMES
@@ -45,14 +44,14 @@ def test_a_film_shows_all_sides_and_holds_the_end(show: Show):
     assert (np.asarray(frames[0].image) != np.asarray(frames[-1].image)).any()
 
 
-def test_a_side_that_ended_stands_still(show: Show):
+def test_a_side_that_ended_stands_still(show):
     """While the other one goes on."""
     first, last = (np.asarray(frame.image)[LINE : LINE + HEIGHT] for frame in list(film_of(show))[-10:-1:8])
     np.testing.assert_array_equal(first[:, :WIDTH], last[:, :WIDTH])
     assert (first[:, WIDTH:] != last[:, WIDTH:]).any()
 
 
-def test_a_third_side_stands_below(show: Show):
+def test_a_third_side_stands_below(show):
     """A film is never wider than two."""
     frame = next(film_of(replace(show, sides=(*show.sides, show.sides[0]))))
     alone = next(film_of(show))
@@ -64,7 +63,7 @@ COLOURS = ("#5b6877", "#7a3db8", "#f3f5f7")
 PICTURES = [Frame(Image.new("RGB", (32, 20), colour), 0.5) for colour in COLOURS]
 
 
-def test_a_gif_has_every_picture(tmp_path: Path):
+def test_a_gif_has_every_picture(tmp_path):
     """Each as long as it is to be seen: first the last one, which tells how it ends, then all others in order."""
     write_film(PICTURES, tmp_path / "a.gif")
     with Image.open(tmp_path / "a.gif") as film:
@@ -76,26 +75,26 @@ def test_a_gif_has_every_picture(tmp_path: Path):
     assert seen == [ImageColor.getrgb(colour) for colour in (COLOURS[2], *COLOURS[:2])]
 
 
-def test_another_ending_is_refused(tmp_path: Path):
+def test_another_ending_is_refused(tmp_path):
     """The message says which there are."""
     with pytest.raises(UsageError, match=r"\.gif or \.mp4"):
         write_film(PICTURES, tmp_path / "a.avi")
 
 
-def test_mp4_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_mp4_says_what_to_install(tmp_path, monkeypatch):
     """What writes them comes with the extra video."""
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     with pytest.raises(UsageError, match=r"fd100-harness\[video\]"):
         write_film(PICTURES, tmp_path / "a.mp4")
 
 
-def test_a_folder_that_is_not_there_is_said_in_one_line(tmp_path: Path):
+def test_a_folder_that_is_not_there_is_said_in_one_line(tmp_path):
     """No film, and no traceback."""
     with pytest.raises(UsageError, match="cannot be written"):
         write_film(PICTURES, tmp_path / "nowhere" / "a.gif")
 
 
-def test_an_mp4_shows_each_picture_as_long_as_it_is_to_be_seen(tmp_path: Path):
+def test_an_mp4_shows_each_picture_as_long_as_it_is_to_be_seen(tmp_path):
     """In order, at the rate of the film."""
     ffmpeg = pytest.importorskip("imageio_ffmpeg")
     write_film(PICTURES, tmp_path / "a.mp4")

@@ -1,7 +1,7 @@
 """What a hand does in each environment: good behaviour, and the cheats. Each begins an episode anew."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -10,21 +10,21 @@ Policy = Callable[[Any], Any]
 """From an observation to an action; it may count its steps."""
 
 
-def _always(action: Any) -> Callable[[], Policy]:
+def _always(action):
     return lambda: lambda seen: action
 
 
-def _first(begin: Sequence[int], loop: Sequence[int] = (0,)) -> Callable[[], Policy]:
+def _first(begin, loop=(0,)):
     """Choices in this order, then a loop of others."""
 
-    def make() -> Policy:
+    def make():
         taken = iter((*begin, *loop * 500))
         return lambda seen: next(taken)
 
     return make
 
 
-def _swing_up(seen: Any) -> Any:
+def _swing_up(seen):
     """Energy in, then proportional and derivative feedback."""
     cosine, sine, speed = (float(it) for it in seen)
     angle, energy = math.atan2(sine, cosine), speed**2 / 6.0 + 5.0 * (cosine - 1.0)
@@ -34,14 +34,14 @@ def _swing_up(seen: Any) -> Any:
     return np.clip([pushed], -2.0, 2.0).astype(np.float32)
 
 
-def _spin(seen: Any) -> Any:
+def _spin(seen):
     return np.array([math.copysign(2.0, float(seen[2]))], np.float32)
 
 
-def _stand_then_spin() -> Policy:
+def _stand_then_spin():
     steps = 0
 
-    def act(seen: Any) -> Any:
+    def act(seen):
         nonlocal steps
         steps += 1
         return _swing_up(seen) if steps <= 150 else _spin(seen)
@@ -49,18 +49,18 @@ def _stand_then_spin() -> Policy:
     return act
 
 
-def _balance(seen: Any) -> int:
+def _balance(seen):
     place, speed, angle, turning = (float(it) for it in seen)
     return int(0.1 * place + 0.3 * speed + 3.0 * angle + 0.8 * turning > 0.0)
 
 
-def _rock(seen: Any) -> int:
+def _rock(seen):
     """As high as it gets without coming to the flag."""
     energy = 0.5 * float(seen[1]) ** 2 + 0.0025 / 3.0 * math.sin(3.0 * float(seen[0]))
     return 2 * ((seen[1] >= 0.0) == (energy < 0.0007))
 
 
-def _reach(seen: Any) -> Any:
+def _reach(seen):
     """The fingertip is pulled to the target; joints are damped."""
     (c1, c2, s1, s2), turning, error = (float(it) for it in seen[:4]), seen[6:8], seen[8:10]
     c12, s12 = c1 * c2 - s1 * s2, s1 * c2 + c1 * s2
@@ -68,13 +68,13 @@ def _reach(seen: Any) -> Any:
     return np.clip(-50.0 * jacobian.T @ error - 0.05 * turning, -1.0, 1.0).astype(np.float32)
 
 
-def _stand(seen: Any) -> Any:
+def _stand(seen):
     """Linear feedback, from the Riccati equation of the poles that stand."""
     state = np.concatenate([seen[:1], np.arcsin(seen[1:3]), seen[5:8]])
     return np.clip([-state @ np.array([0.21, 1.81, 5.57, 0.31, 0.9, 0.85])], -1.0, 1.0).astype(np.float32)
 
 
-def _steer(seen: Any, radius: float) -> Any:
+def _steer(seen, radius):
     """To a distance from the dock, as fast as it can still brake."""
     place, speed = np.asarray(seen["position"], float), np.asarray(seen["velocity"], float)
     distance = float(np.hypot(*place)) + 1e-9
@@ -83,10 +83,10 @@ def _steer(seen: Any, radius: float) -> Any:
     return np.clip((wanted - speed) / 0.02, -1.0, 1.0).astype(np.float32)
 
 
-def _in_and_out() -> Policy:
+def _in_and_out():
     goes_in = True
 
-    def act(seen: Any) -> Any:
+    def act(seen):
         nonlocal goes_in
         distance = float(np.hypot(*seen["position"]))
         goes_in = distance > (0.29 if goes_in else 0.31)
@@ -95,15 +95,15 @@ def _in_and_out() -> Policy:
     return act
 
 
-def _away(seen: Any) -> Any:
+def _away(seen):
     place = np.asarray(seen["position"])
     return (place / np.abs(place).max()).astype(np.float32)
 
 
-def _taxi(cheats: bool) -> Callable[[], Policy]:
+def _taxi(cheats):
     """By the shortest way to the passenger, and then to where they want to be; or down at once and up again."""
 
-    def act(seen: Any) -> int:
+    def act(seen):
         state = int(seen)
         row, column, passenger, goal = state // 100, state // 20 % 5, state // 4 % 5, state % 4
         at = [(0, 0), (0, 4), (4, 0), (4, 3)]
@@ -116,7 +116,7 @@ def _taxi(cheats: bool) -> Callable[[], Policy]:
     return lambda: act
 
 
-def _taxi_ways(goal: tuple[int, int]) -> dict[tuple[int, int], int]:
+def _taxi_ways(goal):
     """Breadth first from the goal, around Taxi's walls."""
     walls = {(0, 1), (1, 1), (3, 0), (4, 0), (3, 2), (4, 2)}
     """Places whose east side is closed."""
@@ -134,7 +134,7 @@ def _taxi_ways(goal: tuple[int, int]) -> dict[tuple[int, int], int]:
 _TAXI_WAYS = {goal: _taxi_ways(goal) for goal in [(0, 0), (0, 4), (4, 0), (4, 3)]}
 
 
-def _sign(place: int) -> Callable[[], Policy]:
+def _sign(place):
     """The torque along one number of the observation."""
     return lambda: lambda seen: 2 * (seen[place] > 0.0)
 

@@ -8,15 +8,14 @@ import json
 import subprocess
 import sys
 import time
-from typing import Any
 
-from tests.plugins.audit.cases.table import HACKED, HONEST, Case
+from tests.plugins.audit.cases.table import HACKED, HONEST
 
 SEEDS = (0, 1, 2)
 """Of the search; each case is searched so often."""
 
 
-def search(case: Case, seed: int) -> tuple[dict[str, Any], float]:
+def search(case, seed):
     """What the command finds, and how long it takes, [s]."""
     call = [sys.executable, "-m", "harness", *case.command, "--json", "--seed", str(seed)]
     begin = time.perf_counter()
@@ -27,7 +26,7 @@ def search(case: Case, seed: int) -> tuple[dict[str, Any], float]:
     return finding, time.perf_counter() - begin
 
 
-def answer_of(case: Case, word: str) -> str:
+def answer_of(case, word):
     """Whether a word is right: a cheat that exists is found, and none where there is none."""
     if word == "CANNOT TELL":
         return "cannot tell"
@@ -35,7 +34,7 @@ def answer_of(case: Case, word: str) -> str:
     return "right" if is_alarm == (case in HACKED) and (is_alarm or word == "NOTHING FOUND") else "wrong"
 
 
-def main(parts: list[str]) -> None:
+def main(parts):
     """Search every case whose name has one of these parts, with all seeds in turn."""
     writer = csv.writer(sys.stdout, lineterminator="\n")
     for seed in SEEDS:

@@ -1,13 +1,13 @@
 """Rewards on recorded behaviour: what they pay, how they rank it, and what is said of that."""
 
-from pathlib import Path
+import json
 
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
+from harness import load_robot
 from harness.errors import UsageError
-from harness.eta.auc import AGAINST, CANNOT_TELL, RANKS
 from harness.payoff.dataset import paid_dataset
 from harness.payoff.dataset.arm_pay import of_arm
 from harness.payoff.dataset.paid_dataset import pay_dataset
@@ -15,22 +15,24 @@ from harness.payoff.dataset.rewards import Recorded
 from harness.payoff.dataset.scores_file import write_dataset_scores
 from harness.payoff.dataset.step_by_step import step_by_step
 from harness.record.dataset.labels import FAILURE, SUCCESS, UNKNOWN
-from harness.registry.choice import choose
-from harness.registry.registry import load_registry
+from harness.registry import choose, load_registry
 from harness.reward.forms import reward_class
 from harness.reward.terms import sum_of
-from harness.score.places import parse_places
-from harness_plugins.audit.dataset.audit_dataset import audit_dataset
+from harness.score.places import parse_places, pay_episode
+from harness_plugins.audit import audit_dataset
 from harness_plugins.datasets import dataset as sizes
 from tests.record.dataset.written import episode, opened, write_lerobot, write_minari
 from tests.score.test_places import pay_episode
 
+RANKS, AGAINST, CANNOT_TELL = "RANKS AS SUCCESS DOES", "RANKS AGAINST IT", "CANNOT TELL"
 PLACES = "end_effector=0:3,target=3:6"
 STEPS = 12
+REGISTRY = load_registry()
 
 
-def reaching(number: int, success: bool, waits: int = 0, **attrs):
+def reaching(number, success=None, waits=0, **attrs):
     """An end effector that comes near its target, or stays away; it stands still for the first steps."""
+    success = number % 2 == 1 if success is None else success
     one = dict(episode(STEPS, number, success, **attrs))
     way = np.concatenate([np.ones(waits), np.linspace(1.0, 0.01 if success else 0.6, STEPS + 1 - waits)])
     one["observations"] = np.zeros((STEPS + 1, 6))
@@ -40,9 +42,21 @@ def reaching(number: int, success: bool, waits: int = 0, **attrs):
 
 
 @pytest.fixture
-def reached(tmp_path: Path) -> str:
+def minari(tmp_path):
+    """The name of a Minari data set of such episodes."""
+    return lambda episodes, name="d": f"minari:{write_minari(tmp_path / name, episodes)}"
+
+
+@pytest.fixture
+def lerobot(tmp_path):
+    """The name of a LeRobot data set of so many episodes."""
+    return lambda count, *how: f"lerobot:{write_lerobot(tmp_path / 'd', [reaching(it) for it in range(count)], *how)}"
+
+
+@pytest.fixture
+def reached(minari):
     """Ten successes and ten failures."""
-    return f"minari:{write_minari(tmp_path / 'reach', [reaching(number, number % 2 == 1) for number in range(20)])}"
+    return minari([reaching(number) for number in range(20)])
 
 
 def near(observation, action, next_observation, info):
@@ -55,262 +69,41 @@ def far(observation, action, next_observation, info):
     return float(next_observation[0])
 
 
-def test_a_reward_that_ranks_as_success_does_is_told(reached: str):
-    """And one against it, and one that pays all the same."""
-    rewards = {"near": near, "far": far, "flat": lambda o, a, n, i: 1.0}
-    found = {reward.name: reward for reward in audit_dataset(reached, rewards).rewards}
-    assert {name: it.by_success.answer for name, it in found.items()} == {
-        "near": RANKS,
-        "far": AGAINST,
-        "flat": CANNOT_TELL,
-    }
-    assert found["near"].by_success.value == pytest.approx(1.0)
+def built(name):
+    """A registered reward."""
+    return choose(REGISTRY, "rewards", name).build(REGISTRY, "rewards")
 
 
-def test_the_arm_s_rewards_are_paid_by_a_map(reached: str):
-    """As an episode by itself is."""
-    registry = load_registry()
-    arp = choose(registry, "rewards", "arp").build(registry, "rewards")
-    places = parse_places(PLACES)
-    paid = pay_dataset(opened(reached), {"arp": of_arm(arp, places)}, places)
-    seen = reaching(0, False)["observations"]
-    expected = pay_episode(arp, places.end_effector(seen), places.target(seen))
-    assert paid.paid["arp"][:STEPS] == pytest.approx(expected)
-    assert audit_dataset(reached, ["arp"], places=PLACES).rewards[0].by_success.answer == RANKS
+def pay(dataset, places=None, **rewards):
+    """Functions, and rewards of an arm by a map, are paid to a data set."""
+    asked = {name: step_by_step(name, it) if callable(it) and places is None else it for name, it in rewards.items()}
+    return pay_dataset(opened(dataset), asked, places)
 
 
-@pytest.mark.parametrize("name", ["baseline", "arp", "aarp"])
-def test_pieces_do_not_change_the_pay(reached: str, monkeypatch: pytest.MonkeyPatch, name: str):
-    """A reward with a memory keeps it from one piece to the next."""
-    registry = load_registry()
-
-    def paid():
-        places = parse_places(PLACES)
-        reward = choose(registry, "rewards", name).build(registry, "rewards")
-        return pay_dataset(opened(reached), {"it": of_arm(reward, places), "near": step_by_step("it", near)}, places)
-
-    whole = paid()
-    monkeypatch.setattr(sizes, "ROWS", 5)
-    pieces = paid()
-    assert np.array_equal(whole.paid["it"], pieces.paid["it"])
-    assert np.array_equal(whole.paid["near"], pieces.paid["near"])
-    assert np.array_equal(whole.begins, pieces.begins)
-    assert np.array_equal(whole.told, pieces.told)
-
-
-def test_a_function_with_a_memory_starts_anew_with_each_episode(reached: str):
-    """It is told by ``reset``."""
-
-    class Count:
-        steps = 0
-
-        def reset(self):
-            self.steps = 0
-
-        def __call__(self, observation, action, next_observation, info):
-            self.steps += 1
-            return self.steps
-
-    paid = pay_dataset(opened(reached), {"count": step_by_step("it", Count())})
-    assert paid.paid["count"][: 2 * STEPS].tolist() == [*range(1, STEPS + 1)] * 2
-
-
-def test_a_function_gets_what_was_recorded(tmp_path: Path):
-    """The info after the step among it."""
-    folder = write_minari(tmp_path / "d", [episode(3, 1, success=True)])
-    seen = []
-    pay_dataset(opened(f"minari:{folder}"), {"see": step_by_step("it", lambda *step: seen.append(step) or 0.0)})
-    one = episode(3, 1, success=True)
-    seen = seen[::2]  # each step is asked twice
-    assert np.array_equal(seen[2][0], one["observations"][2])
-    assert np.array_equal(seen[2][1], one["actions"][2])
-    assert np.array_equal(seen[2][2], one["observations"][3])
-    assert [step[3]["success"] for step in seen] == [False, False, True]
-
-
-def test_a_reward_that_writes_into_a_step_fails_alone(reached: str):
-    """The others go on, and the reason is told."""
-
-    def write(observation, action, next_observation, info):
-        observation[0] = 1.0
-        return 0.0
-
-    found = audit_dataset(reached, {"write": write, "near": near})
-    assert [reward.name for reward in found.rewards] == ["near"]
-    assert "read-only" in found.failed["write"]
-
-
-@pytest.mark.parametrize("value", [float("nan"), float("inf"), "x", [1.0, 2.0]])
-def test_a_reward_that_pays_no_number_fails_alone(reached: str, value: object):
-    """In whatever step."""
-    found = audit_dataset(reached, {"odd": lambda o, a, n, i: value, "near": near})
-    assert [reward.name for reward in found.rewards] == ["near"]
-    assert found.failed["odd"].startswith("episode 0: ")
-
-
-def test_wrongly_ranked_pairs_are_told_with_their_curves(tmp_path: Path):
-    """The worst paid success beside the best paid failure."""
-    episodes = [reaching(number, number % 2 == 1) for number in range(8)]
-    episodes[3]["rewards"] = np.full(STEPS, -5.0)
-    episodes[4]["rewards"] = np.full(STEPS, 5.0)
-    (reward,) = audit_dataset(f"minari:{write_minari(tmp_path / 'd', episodes)}").rewards
-    assert reward.wrong == 7
-    (pair, *_) = reward.pairs
-    assert (pair.success, pair.failure, pair.paid) == (3, 4, (-5.0 * STEPS, 5.0 * STEPS))
-    assert pair.curves[0].tolist() == (-5.0 * np.arange(1, STEPS + 1)).tolist()
-
-
-def test_pay_while_nothing_happens_is_told(tmp_path: Path):
-    """A reward for being there pays it as any other step; one for progress does not."""
-    episodes = [reaching(number, number % 2 == 1, waits=6) for number in range(8)]
-    folder = write_minari(tmp_path / "d", episodes)
-
-    def progress(observation, action, next_observation, info):
-        return float(observation[0] - next_observation[0])
-
-    found = audit_dataset(f"minari:{folder}", {"there": lambda o, a, n, i: 1.0, "progress": progress})
-    there, progressed = (reward.still.mean for reward in found.rewards)
-    assert found.still.mean == pytest.approx(5 / 12, abs=0.09)
-    assert there == pytest.approx(found.still.mean)
-    assert progressed < 0.01
-
-
-def test_the_steps_paid_most_are_named(tmp_path: Path):
-    """One of an episode."""
-    episodes = [reaching(number, number % 2 == 1) for number in range(8)]
-    episodes[5]["rewards"] = np.arange(STEPS) * 100.0
-    (reward,) = audit_dataset(f"minari:{write_minari(tmp_path / 'd', episodes)}").rewards
-    assert (reward.most[0].episode, reward.most[0].step, reward.most[0].paid) == (5, 11, 1100.0)
-
-
-def test_operators_are_what_intervals_are_over(tmp_path: Path):
-    """If the data set names them."""
-    episodes = [reaching(number, number % 2 == 1, operator=f"o{number // 4}") for number in range(24)]
-    found = audit_dataset(f"minari:{write_minari(tmp_path / 'd', episodes)}")
-    assert found.clusters == ("operators", 6)
-    assert found.rewards[0].by_success.clusters == 6
-
-
-def test_files_are_what_intervals_are_over_if_asked(tmp_path: Path):
-    """LeRobot's first layout has a file for each episode."""
-    folder = write_lerobot(tmp_path / "d", [reaching(number, number % 2 == 1) for number in range(8)], "v2.1")
-    assert audit_dataset(f"lerobot:{folder}", cluster="file").clusters == ("files", 8)
-
-
-def test_a_beginner_should_be_paid_less(tmp_path: Path):
-    """Whatever succeeded."""
-    expert = write_minari(tmp_path / "expert", [reaching(number, True) for number in range(6)])
-    beginner = write_minari(tmp_path / "beginner", [reaching(number, False) for number in range(6)])
-    (reward,) = audit_dataset(f"minari:{expert}", {"near": near}, beginner=f"minari:{beginner}").rewards
-    assert reward.by_level is not None
-    assert (reward.by_level.value, reward.by_level.answer) == (1.0, RANKS)
-    assert reward.by_success.answer == CANNOT_TELL
-
-
-def test_two_rewards_are_compared(reached: str):
-    """A reward and its negative are opposite."""
-    (pair,) = audit_dataset(reached, {"near": near, "far": far}).pairs
-    assert pair.steps.mean == pytest.approx(1.0)
-    assert pair.discordant.mean == pytest.approx(1.0)
+def test_a_reward_that_ranks_as_success_does_is_told(reached):
+    """And one against it, and one that pays all the same: as an object, in words, and as JSON of finite numbers."""
+    found = audit_dataset(reached, {"near": near, "far": far, "flat": lambda o, a, n, i: 1.0})
+    assert [it.by_success.answer for it in found.rewards] == [RANKS, AGAINST, CANNOT_TELL]
+    assert found.rewards[0].by_success.value == pytest.approx(1.0)
+    told, text = found.to_json(), str(found)
+    assert json.loads(json.dumps(told, allow_nan=False)) == told
+    assert [it["success"]["answer"] for it in told["rewards"]] == [RANKS, AGAINST, CANNOT_TELL]
+    assert f"{RANKS}: a success is paid more than a failure with a chance of 1.000" in text
+    assert AGAINST in text
+    assert "shown, never run" in text
+    pair = found.pairs[0]
+    assert (pair.steps.mean, pair.discordant.mean) == (pytest.approx(1.0), pytest.approx(1.0))
     assert pair.steps.low is not None
 
 
-def test_episodes_without_a_word_are_left_out(tmp_path: Path):
-    """Of success; their steps count elsewhere."""
-    episodes = [{**reaching(number, False), "infos": {}} for number in range(4)]
-    found = audit_dataset(f"minari:{write_minari(tmp_path / 'd', episodes)}")
-    assert (found.successes, found.failures) == (0, 0)
-    assert any(line.startswith("Nothing says which episodes succeeded") for line in found.notes)
-
-
-def test_lerobot_s_last_frame_tells_a_success(tmp_path: Path):
-    """And is paid."""
-    folder = write_lerobot(tmp_path / "d", [reaching(0, True), reaching(1, False)])
-    paid = pay_dataset(opened(f"lerobot:{folder}"), {"recorded": Recorded("recorded")})
-    assert paid.told.tolist() == [SUCCESS, FAILURE]
-    assert paid.steps == 2 * STEPS
-    assert paid.returns["recorded"].tolist() == [STEPS, -STEPS]
-
-
-@pytest.mark.parametrize("rows", [2, 5])
-def test_lerobot_s_batches_do_not_change_the_pay(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, rows: int):
-    """Nor the successes."""
-    folder = write_lerobot(tmp_path / "d", [reaching(number, number % 2 == 1) for number in range(5)])
-
-    def paid():
-        return pay_dataset(opened(f"lerobot:{folder}"), {"near": step_by_step("it", near)})
-
-    whole = paid()
-    monkeypatch.setattr(sizes, "ROWS", rows)
-    pieces = paid()
-    assert np.array_equal(whole.paid["near"], pieces.paid["near"], equal_nan=True)
-    assert np.array_equal(whole.told, pieces.told)
-
-
-def test_joints_of_a_robot_give_the_end_effector(tmp_path: Path):
-    """By its forward kinematics, so that ARP is paid to an arm's log."""
-    from harness.robot.robot import load_robot
-
-    robot = load_robot("fd100")
-    rng = np.random.default_rng(0)
-    joints = rng.uniform(robot.lower, robot.upper, (STEPS + 1, len(robot.lower)))
-    one = {**episode(STEPS), "observations": np.hstack([joints, np.tile([0.2, 0.1, 0.3], (STEPS + 1, 1))])}
-    dof = len(robot.lower)
-    folder = write_minari(tmp_path / "d", [one])
-    found = pay_dataset(
-        opened(f"minari:{folder}"),
-        {
-            "arp": of_arm(
-                choose(load_registry(), "rewards", "arp").build(load_registry(), "rewards"),
-                parse_places(f"joints=0:{dof},target={dof}:{dof + 3}", robot.end_effector),
-            )
-        },
-    )
-    arp = choose(load_registry(), "rewards", "arp").build(load_registry(), "rewards")
-    expected = pay_episode(arp, robot.end_effector(joints), np.tile([0.2, 0.1, 0.3], (STEPS + 1, 1)))
-    assert found.paid["arp"] == pytest.approx(expected)
-
-
-def test_an_arm_s_reward_without_a_map_is_refused(reached: str):
-    """The message shows one."""
-    with pytest.raises(UsageError, match="--places end_effector=0:3,target=3:6"):
-        audit_dataset(reached, ["arp"])
-
-
-def test_a_robot_without_a_map_is_refused(reached: str):
-    """It would not be used."""
-    with pytest.raises(UsageError, match="--places joints=0:6"):
-        audit_dataset(reached, ["arp"], robot="fd100")
-
-
-def test_too_many_steps_are_refused(reached: str, monkeypatch: pytest.MonkeyPatch):
-    """What is kept of them would not fit into memory."""
-    monkeypatch.setattr(paid_dataset, "MOST_STEPS", 100)
-    with pytest.raises(Exception, match="more than 100 steps"):
-        audit_dataset(reached)
-
-
-def test_nothing_is_known_of_an_episode_without_success(tmp_path: Path):
-    """It is no failure."""
-    folder = write_minari(tmp_path / "d", [{**reaching(0, True), "infos": {}}])
-    assert pay_dataset(opened(f"minari:{folder}"), {"near": step_by_step("it", near)}).told.tolist() == [UNKNOWN]
-
-
-def test_json_has_finite_numbers_only(reached: str):
-    """And all that the terminal tells."""
-    import json
-
-    told = audit_dataset(reached, {"near": near, "far": far}).to_json()
-    assert json.loads(json.dumps(told, allow_nan=False)) == told
-    assert [it["success"]["answer"] for it in told["rewards"]] == [RANKS, AGAINST]
-
-
-def test_the_text_tells_the_answers(reached: str):
-    """In the words of the table."""
-    text = str(audit_dataset(reached, {"near": near, "far": far}))
-    assert "RANKS AS SUCCESS DOES: a success is paid more than a failure with a chance of 1.000" in text
-    assert "RANKS AGAINST IT" in text
-    assert "shown, never run" in text
+def test_the_arm_s_rewards_are_paid_by_a_map(reached):
+    """As an episode by itself is."""
+    arp, places = built("arp"), parse_places(PLACES)
+    paid = pay(reached, places, arp=of_arm(arp, places))
+    seen = reaching(0)["observations"]
+    expected = pay_episode(arp, places.end_effector(seen), places.target(seen))
+    assert paid.paid["arp"][:STEPS] == pytest.approx(expected)
+    assert audit_dataset(reached, ["arp"], places=PLACES).rewards[0].by_success.answer == RANKS
 
 
 def gentle(step):
@@ -322,21 +115,167 @@ def gentle(step):
     }
 
 
-def test_terms_of_a_data_set_add_up_to_the_pay(reached: str, monkeypatch: pytest.MonkeyPatch):
-    """To the last bit of every step, also where an episode comes in pieces; the first action before is 0."""
-    whole = pay_dataset(opened(reached), {"gentle": step_by_step("gentle", gentle)})
-    assert np.array_equal(sum_of(whole.terms["gentle"]), whole.paid["gentle"])
+@pytest.mark.parametrize("name", ["baseline", "arp", "aarp"])
+def test_pieces_do_not_change_the_pay(reached, monkeypatch, name):
+    """A reward with a memory keeps it from one piece to the next; terms add up to the last bit of every step."""
+    places = parse_places(PLACES)
+    rewards = {"it": of_arm(built(name), places), **{it.__name__: step_by_step("it", it) for it in (near, gentle)}}
+    whole = pay(reached, places, **rewards)
     monkeypatch.setattr(sizes, "ROWS", 5)
-    pieces = pay_dataset(opened(reached), {"gentle": step_by_step("gentle", gentle)})
-    for name, values in whole.terms["gentle"].items():
-        assert np.array_equal(values, pieces.terms["gentle"][name])
-    action = reaching(0, False)["actions"][0]
-    assert whole.terms["gentle"]["jerk"][0] == -float(np.square(action).sum())
+    pieces = pay(reached, places, **rewards)
+    for reward in rewards:
+        assert np.array_equal(whole.paid[reward], pieces.paid[reward])
+    assert np.array_equal(whole.begins, pieces.begins)
+    assert np.array_equal(whole.told, pieces.told)
+    assert np.array_equal(sum_of(whole.terms["gentle"]), whole.paid["gentle"])
+    for term, values in whole.terms["gentle"].items():
+        assert np.array_equal(values, pieces.terms["gentle"][term])
+    assert whole.terms["gentle"]["jerk"][0] == -float(np.square(reaching(0)["actions"][0]).sum())
 
 
-def test_terms_stand_in_the_file_of_scores(reached: str, tmp_path: Path):
+def test_a_function_with_a_memory_starts_anew_with_each_episode(reached):
+    """It is told by ``reset``."""
+
+    class Count:
+        def reset(self):
+            self.steps = 0
+
+        def __call__(self, observation, action, next_observation, info):
+            self.steps += 1
+            return self.steps
+
+    assert pay(reached, count=Count()).paid["count"][: 2 * STEPS].tolist() == [*range(1, STEPS + 1)] * 2
+
+
+def test_a_function_gets_what_was_recorded(minari):
+    """The info after the step among it."""
+    one, seen = episode(3, 1, success=True), []
+    pay(minari([one]), see=lambda *step: seen.append(step) or 0.0)
+    seen = seen[::2]  # each step is asked twice
+    for part, expected in enumerate((one["observations"][2], one["actions"][2], one["observations"][3])):
+        assert np.array_equal(seen[2][part], expected)
+    assert [step[3]["success"] for step in seen] == [False, False, True]
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), "x", [1.0, 2.0], None])
+def test_a_reward_that_pays_no_number_fails_alone(reached, value):
+    """In whatever step, or because it writes into one; the others go on, and the reason is told."""
+
+    def odd(observation, action, next_observation, info):
+        if value is None:
+            observation[0] = 1.0
+        return value
+
+    found = audit_dataset(reached, {"odd": odd, "near": near})
+    assert [reward.name for reward in found.rewards] == ["near"]
+    assert ("read-only" if value is None else "episode 0: ") in found.failed["odd"]
+
+
+def test_wrongly_ranked_pairs_and_the_steps_paid_most_are_told(minari):
+    """The worst paid success beside the best paid failure, with their curves; one step of an episode."""
+    episodes = [reaching(number) for number in range(8)]
+    episodes[3]["rewards"] = np.full(STEPS, -5.0)
+    episodes[4]["rewards"] = np.arange(STEPS) * 100.0
+    (reward,) = audit_dataset(minari(episodes)).rewards
+    assert reward.wrong == 7
+    (pair, *_) = reward.pairs
+    assert (pair.success, pair.failure, pair.paid) == (3, 4, (-5.0 * STEPS, 100.0 * sum(range(STEPS))))
+    assert pair.curves[0].tolist() == (-5.0 * np.arange(1, STEPS + 1)).tolist()
+    assert (reward.most[0].episode, reward.most[0].step, reward.most[0].paid) == (4, 11, 1100.0)
+
+
+def test_pay_while_nothing_happens_is_told(minari):
+    """A reward for being there pays it as any other step; one for progress does not."""
+    name = minari([reaching(number, waits=6) for number in range(8)])
+    rewards = {"there": lambda o, a, n, i: 1.0, "progress": lambda o, a, n, i: float(o[0] - n[0])}
+    found = audit_dataset(name, rewards)
+    there, progressed = (reward.still.mean for reward in found.rewards)
+    assert found.still.mean == pytest.approx(5 / 12, abs=0.09)
+    assert there == pytest.approx(found.still.mean)
+    assert progressed < 0.01
+
+
+def test_operators_are_what_intervals_are_over(minari):
+    """If the data set names them."""
+    found = audit_dataset(minari([reaching(number, operator=f"o{number // 4}") for number in range(24)]))
+    assert (found.clusters, found.rewards[0].by_success.clusters) == (("operators", 6), 6)
+
+
+def test_files_are_what_intervals_are_over_if_asked(lerobot):
+    """LeRobot's first layout has a file for each episode."""
+    assert audit_dataset(lerobot(8, "v2.1"), cluster="file").clusters == ("files", 8)
+
+
+def test_a_beginner_should_be_paid_less(minari):
+    """Whatever succeeded."""
+    expert, beginner = (minari([reaching(it, able) for it in range(6)], f"{able}") for able in (True, False))
+    (reward,) = audit_dataset(expert, {"near": near}, beginner=beginner).rewards
+    assert (reward.by_level.value, reward.by_level.answer, reward.by_success.answer) == (1.0, RANKS, CANNOT_TELL)
+
+
+def test_episodes_without_a_word_are_left_out(minari):
+    """Of success; they are no failures, and their steps count elsewhere."""
+    name = minari([{**reaching(number), "infos": {}} for number in range(4)])
+    found = audit_dataset(name)
+    assert (found.successes, found.failures) == (0, 0)
+    assert any(line.startswith("Nothing says which episodes succeeded") for line in found.notes)
+    assert pay(name, near=near).told.tolist() == [UNKNOWN] * 4
+
+
+@pytest.mark.parametrize("rows", [2, 5])
+def test_lerobot_s_batches_do_not_change_the_pay(lerobot, monkeypatch, rows):
+    """Nor the successes. The last frame tells one, and its recorded pay counts."""
+    name = lerobot(5)
+    recorded = pay_dataset(opened(name), {"recorded": Recorded("recorded")})
+    assert recorded.told.tolist() == [FAILURE, SUCCESS, FAILURE, SUCCESS, FAILURE]
+    assert recorded.returns["recorded"].tolist() == [-STEPS, STEPS, -STEPS, STEPS, -STEPS]
+    whole = pay(name, near=near)
+    monkeypatch.setattr(sizes, "ROWS", rows)
+    pieces = pay(name, near=near)
+    assert np.array_equal(whole.paid["near"], pieces.paid["near"], equal_nan=True)
+    assert np.array_equal(whole.told, pieces.told)
+
+
+def test_function_of_a_step_may_not_need_the_next_observation(lerobot):
+    """Of the last step nothing is known of that: one that looks is not paid there, the other one is."""
+    rewards = {"looks": lambda step: {"it": float(step.observation[0])}, "acts": lambda step: float(step.action[0])}
+    paid = pay(lerobot(5), **rewards)
+    last = paid.begins[1:] - 1
+    assert np.isnan(paid.paid["looks"][last]).all()
+    assert np.isnan(paid.terms["looks"]["it"][last]).all()
+    assert np.isfinite(paid.paid["acts"]).all()
+
+
+def test_joints_of_a_robot_give_the_end_effector(minari):
+    """By its forward kinematics, so that ARP is paid to an arm's log."""
+    robot, arp = load_robot("fd100"), built("arp")
+    target = np.tile([0.2, 0.1, 0.3], (STEPS + 1, 1))
+    joints = np.random.default_rng(0).uniform(robot.lower, robot.upper, (STEPS + 1, robot.dof))
+    places = parse_places(f"joints=0:{robot.dof},target={robot.dof}:{robot.dof + 3}", robot.end_effector)
+    name = minari([{**episode(STEPS), "observations": np.hstack([joints, target])}])
+    expected = pay_episode(arp, robot.end_effector(joints), target)
+    assert pay(name, places, arp=of_arm(arp, places)).paid["arp"] == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    ("more", "told"), [({}, "--places end_effector=0:3,target=3:6"), ({"robot": "fd100"}, "--places joints=0:6")]
+)
+def test_an_arm_s_reward_without_a_map_is_refused(reached, more, told):
+    """The message shows one; a robot would not be used either."""
+    with pytest.raises(UsageError, match=told):
+        audit_dataset(reached, ["arp"], **more)
+
+
+def test_too_many_steps_are_refused(reached, monkeypatch):
+    """What is kept of them would not fit into memory."""
+    monkeypatch.setattr(paid_dataset, "MOST_STEPS", 100)
+    with pytest.raises(Exception, match="more than 100 steps"):
+        audit_dataset(reached)
+
+
+def test_terms_stand_in_the_file_of_scores(reached, tmp_path):
     """In columns of their own."""
-    write_dataset_scores(pay_dataset(opened(reached), {"gentle": step_by_step("gentle", gentle)}), tmp_path / "s")
+    write_dataset_scores(pay(reached, gentle=gentle), tmp_path / "s")
     columns = pq.read_table(tmp_path / "s").column_names
     assert columns == ["episode", "step", "gentle", "gentle/near", "gentle/went", "gentle/jerk"]
 
@@ -345,34 +284,20 @@ NOT_THERE = {
     "a field": (lambda step: step.distance, "episode 0: A step has no 'distance'. It has: observation, action"),
     "a key": (lambda step: step.info["lost"], "episode 0: info has no 'lost'; it has 'success'"),
     "a key, of four arguments": (lambda o, a, n, i: i["lost"], "episode 0: info has no 'lost'"),
-    "the info of the reset": (
-        lambda step: float(len(step.before.info)),
-        "A step has no 'info'. It has: observation, a",
-    ),
+    "the info of the reset": (lambda step: len(step.before.info), "A step has no 'info'. It has: observation, a"),
     "a sum": (lambda step: (5.0, {"a": 1.0, "b": 2.0}), "The total 5 is not the sum of its terms"),
 }
 
 
 @pytest.mark.parametrize(("reward", "told"), NOT_THERE.values(), ids=NOT_THERE)
-def test_what_a_data_set_does_not_have_is_told_by_name(reached: str, reward, told: str):
+def test_what_a_data_set_does_not_have_is_told_by_name(reached, reward, told):
     """The other rewards go on."""
-    paid = pay_dataset(opened(reached), {"it": step_by_step("it", reward), "near": step_by_step("near", near)})
+    paid = pay(reached, it=reward, near=near)
     assert (list(paid.paid), list(paid.failed)) == (["near"], ["it"])
     assert told in paid.failed["it"]
 
 
-def test_function_of_a_step_may_not_need_the_next_observation(tmp_path: Path):
-    """Of the last step nothing is known of that: one that looks is not paid there, the other one is."""
-    folder = write_lerobot(tmp_path / "d", [reaching(number, number % 2 == 1) for number in range(5)])
-    rewards = {"looks": lambda step: {"it": float(step.observation[0])}, "acts": lambda step: float(step.action[0])}
-    paid = pay_dataset(opened(f"lerobot:{folder}"), {n: step_by_step(n, it) for n, it in rewards.items()})
-    last = paid.begins[1:] - 1
-    assert np.isnan(paid.paid["looks"][last]).all()
-    assert np.isnan(paid.terms["looks"]["it"][last]).all()
-    assert np.isfinite(paid.paid["acts"]).all()
-
-
-def test_an_arm_s_reward_reads_what_a_data_set_has(reached: str):
+def test_an_arm_s_reward_reads_what_a_data_set_has(reached):
     """The action, and before the first step zeros; not speeds, which it does not have."""
 
     def effort(step):
@@ -382,10 +307,9 @@ def test_an_arm_s_reward_reads_what_a_data_set_has(reached: str):
         return -(step.qvel**2).sum(-1)
 
     places = parse_places(PLACES)
-    rewards = {it.__name__: of_arm(reward_class(it)(), places) for it in (effort, speeds)}
-    paid = pay_dataset(opened(reached), rewards, places)
+    paid = pay(reached, places, **{it.__name__: of_arm(reward_class(it)(), places) for it in (effort, speeds)})
     assert np.array_equal(sum_of(paid.terms["effort"]), paid.paid["effort"])
-    action = np.asarray(reaching(0, False)["actions"], float)
+    action = np.asarray(reaching(0)["actions"], float)
     expected = -np.square(np.diff(action, axis=0, prepend=0.0 * action[:1])).sum(axis=1)
     assert paid.terms["effort"]["jerk"][:STEPS] == pytest.approx(expected)
     assert "has no 'qvel'" in paid.failed["speeds"]

@@ -3,7 +3,6 @@
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 from tests.record.dataset.written import episode, write_minari
 
@@ -21,7 +20,7 @@ print(*sorted(loaded("audit", sys.argv[1])))
 """
 
 
-def test_an_audit_loads_few_files(tmp_path: Path) -> None:
+def test_an_audit_loads_few_files(tmp_path):
     """No more than `MOST`, with the command line and the registry; nothing that knows cells, recordings or arms."""
     folder = write_minari(tmp_path / "d", [episode(6, number, number % 2 == 1) for number in range(12)])
     run = [sys.executable, "-c", COUNT, f"minari:{folder}"]

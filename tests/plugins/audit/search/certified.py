@@ -65,7 +65,7 @@ class Line:
         """Nothing."""
 
 
-def actions_to(goal: float) -> np.ndarray:
+def actions_to(goal):
     """Twenty actions that go somewhere and stay."""
     found = np.zeros((HORIZON, 1), np.float32)
     found[: int(10 * goal)] = 1.0
@@ -73,7 +73,7 @@ def actions_to(goal: float) -> np.ndarray:
     return found
 
 
-def finding_of(world: Line, start: int = 3) -> Finding:
+def finding_of(world, start=3):
     """What a search of the line would say."""
     shown = {"failure": world.show(start, actions_to(0.9)), "success": world.show(start, actions_to(1.03))}
     shown["fastest"] = shown["success"]
@@ -92,17 +92,17 @@ def finding_of(world: Line, start: int = 3) -> Finding:
     )  # fmt: skip
 
 
-def _behaviour(it: Shown) -> Behaviour:
+def _behaviour(it):
     steps, success = len(it.paid), bool(it.success[-1])
     return Behaviour(it.start, it.actions, float(it.paid.sum()), 0.0, success, steps, steps, 0.1, {}, "script")
 
 
-def place_of(reward: str = "near") -> Place:
+def place_of(reward="near"):
     """Where the line is."""
     return Place(Choice("line", (), "line"), Choice(reward, (("k", 1.5),), reward), success="success", horizon=HORIZON)
 
 
-def certificate_of(**changed: Any) -> Certificate:
+def certificate_of(**changed):
     """One of a behaviour on the line."""
     shown = Line().show(3, actions_to(0.9))
     answer = Answer("PAYS FOR FAILING", "FRAGILE", ("One.", "Two."), 1, 2)
@@ -113,21 +113,21 @@ def certificate_of(**changed: Any) -> Certificate:
     return replace(made, **changed)
 
 
-def drawn_of(steps: int, joints: int = 6) -> dict[str, np.ndarray]:
+def drawn_of(steps, joints=6):
     """What an arm is drawn from."""
     time = 0.1 * np.arange(steps + 1.0)[:, np.newaxis]
     qpos, target = np.tile(np.sin(time), joints), np.tile([0.5, 0.0, 0.5], (steps + 1, 1))
     return {"time": time, "qpos": qpos, "target": target, "distance": 1.0 - 0.1 * time}
 
 
-def film_of(steps: tuple[int, ...]) -> Film:
+def film_of(steps):
     """Red pictures, at least one."""
     file = io.BytesIO()
     Image.new("RGB", (8 * len(steps), 6), "red").save(file, "WEBP")
     return Film("", steps, (8, 6), file.getvalue())
 
 
-def whole_certificate() -> Certificate:
+def whole_certificate():
     """One that holds all that a certificate may hold."""
     made = certificate_of()
     rating = Rating((1, 2, 3), np.array([0.5, 1.0, -1.0]), np.array([True, False, True]))

@@ -11,12 +11,12 @@ from gymnasium.vector import AutoresetMode
 import harness
 from harness.authoring.commands import World as Arm, choose, load_registry
 from harness.env import ReachVectorEnv
-from harness.env.ideal import IdealSimulator
 from harness.errors import UsageError
 from harness.reach import ReachTask
-from harness_plugins.audit.search.arm_world import TOGETHER, ArmWorld
+from harness_plugins.audit.search.arm_world import ArmWorld
 from harness_plugins.audit.search.beginnings import scripts_of
 from harness_plugins.audit.search.place import places_on_task, world_at
+from harness_plugins.kit import IdealSimulator
 
 ROBOT = harness.load_robot("fd100")
 STARTS = np.array([0, 1, 0, 2])
@@ -102,6 +102,8 @@ def test_pay_is_that_of_an_env_of_one_arm(make):
     world = world_of(make())
     actions = drawn(world, len(STARTS))
     outcomes = world.play(STARTS, actions)
+    assert world.taken == outcomes.steps.sum() * world.arm.task.decision_period  # not of arms that rest
+    assert isinstance(world.space, Discrete) == (world.arm.task.action == "discrete")
     for number, start in enumerate(STARTS):
         paid = paid_by_env(world, start, actions[number])
         shown = world.show(int(start), actions[number])
@@ -127,10 +129,10 @@ def test_episodes_do_not_depend_on_those_beside_them():
     """More than move together, some of which end at once."""
     world = world_of()
     actions = drawn(world, 4)
-    many = np.tile(actions, (TOGETHER // 2, 1, 1))
-    outcomes, alone = world.play(np.tile(STARTS, TOGETHER // 2), many), world.play(STARTS, actions)
-    np.testing.assert_array_equal(outcomes.paid, np.tile(alone.paid, TOGETHER // 2))
-    np.testing.assert_array_equal(outcomes.near, np.tile(alone.near, TOGETHER // 2))
+    many = world.together // 2
+    outcomes, alone = world.play(np.tile(STARTS, many), np.tile(actions, (many, 1, 1))), world.play(STARTS, actions)
+    np.testing.assert_array_equal(outcomes.paid, np.tile(alone.paid, many))
+    np.testing.assert_array_equal(outcomes.near, np.tile(alone.near, many))
 
 
 def test_success_is_reaching():
@@ -167,23 +169,6 @@ def test_a_policy_is_given_what_its_arm_observes():
     assert outcomes.paid[0] == outcomes.paid[2] != outcomes.paid[1]
 
 
-def test_steps_are_counted():
-    """Those of episodes, not those of arms that rest."""
-    world = world_of()
-    outcomes = world.play(STARTS, drawn(world, 4))
-    assert world.taken == outcomes.steps.sum()
-
-
-def test_an_arm_without_an_engine_is_repeated():
-    """As often as it is asked."""
-    assert world_of().is_repeated
-
-
-def test_choices_are_a_discrete_space():
-    """Of a task with discrete actions."""
-    assert isinstance(world_of(ReachTask(action="discrete")).space, Discrete)
-
-
 def test_a_reward_that_pays_no_number_is_refused():
     """In a sentence."""
     world = world_of(reward=Broken())
@@ -203,8 +188,9 @@ def test_a_simulator_that_forgets_its_seed_is_told():
             return simulation
 
     world = world_of()
+    assert world.is_repeated
+    world = world_of()
     world.arm = replace(world.arm, simulator=Restless())
-    world.close()
     assert not world.is_repeated
 
 
@@ -221,10 +207,9 @@ def test_starts_that_are_alike_are_searched_once():
 
 def test_a_decision_of_five_steps_counts_five():
     """Played, and shown."""
-    world = ArmWorld(Arm(IdealSimulator(), ROBOT, Held(horizon=20), Remembering()), "held", "reward", 0.95)
+    world = world_of(Held(horizon=20))
     still = np.zeros((1, world.horizon, ROBOT.dof), np.float32)
     played = world.play(np.array([0]), still)
     assert (played.steps.tolist(), world.taken) == ([4], 20)
     world.show(0, still[0])
     assert world.taken == 40
-    world.close()

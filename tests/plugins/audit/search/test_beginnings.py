@@ -7,13 +7,13 @@ import harness
 from harness import RecordRewards
 from harness.authoring.commands import Columns, World as Arm
 from harness.env.arm_observation import kinematics_policy
-from harness.env.ideal import IdealSimulator
 from harness.errors import UsageError
 from harness.payoff.rollout import Unpaid
 from harness.reach import ReachTask
 from harness_plugins.audit.search.arm_world import ArmWorld
-from harness_plugins.audit.search.beginnings import of_folder, policies_of, policy_named, scripts_of
+from harness_plugins.audit.search.beginnings import of_folder, policy_named, scripts_of
 from harness_plugins.audit.search.environment_world import of_env
+from harness_plugins.kit import IdealSimulator
 from tests.plugins.audit.search.test_environment_world import LENGTH, Dock
 
 ROBOT = harness.load_robot("fd100")
@@ -51,14 +51,6 @@ def test_scripts_are_made_for_each_start():
 def test_other_actions_have_no_scripts(action):
     """Scripts move joints."""
     assert scripts_of(arm(action=action), STARTS) == []
-
-
-def test_policies_are_named():
-    """Those of somebody, by name; what cannot be called is refused."""
-    (begun,) = policies_of(docks(), {"still": lambda seen: np.zeros(1)})
-    assert begun.made_by == "policy still"
-    with pytest.raises(UsageError, match="policies: 'still' is 3"):
-        policies_of(docks(), {"still": 3})
 
 
 def test_a_function_in_a_file_is_a_policy(tmp_path):

@@ -6,9 +6,10 @@ import pytest
 from gymnasium.spaces import Box, Dict, Discrete, MultiDiscrete
 
 from harness import RecordRewards
-from harness.authoring.commands import Columns, choose, load_registry, look_at
+from harness.authoring.commands import Columns, choose, load_registry
 from harness.errors import UsageError
-from harness_plugins.audit.search.environment_world import CUT_AT, EnvironmentWorld, of_env, of_environment
+from harness_plugins.audit.search.environment_world import of_env
+from harness_plugins.audit.search.place import places_in_environment, world_at
 
 LENGTH = 6
 
@@ -82,11 +83,15 @@ def gap(step):
     return abs(float(step.observation["at"][0]))
 
 
+def rewards():
+    """What the env pays, functions, memories and terms."""
+    return {"own": "own", "near": near, "late": Late(), "lit": {"docked": "docked", "near": near}}
+
+
 def world_of(make=Dock, reward="own", behaviour=None, lower=(), bounds=None, **options):
     """A world of ships."""
-    rewards = {"own": "own", "near": near, "late": Late(), "lit": {"docked": "docked", "near": near}}
     behaviour = {"docked": "docked", "gap": gap} if behaviour is None else behaviour
-    return of_env(make, reward, Columns(rewards, behaviour, lower, bounds or {}), 0.9, **options)
+    return of_env(make, reward, Columns(rewards(), behaviour, lower, bounds or {}), 0.9, **options)
 
 
 def drawn(world, count):
@@ -95,32 +100,26 @@ def drawn(world, count):
     return np.stack([[world.space.sample() for _ in range(world.horizon)] for _ in range(count)])
 
 
-@pytest.mark.parametrize("reward", ["own", "near", "late", "lit"])
-def test_pay_is_what_a_training_is_paid(reward, tmp_path):
-    """Bit for bit, of the env's own pay, functions, memories and terms."""
+@pytest.mark.parametrize(
+    ("reward", "terms"),
+    [("own", ["reward"]), ("near", ["reward"]), ("late", ["late", "effort"]), ("lit", ["docked", "near"])],
+)
+def test_pay_is_what_a_training_is_paid(reward, terms, tmp_path):
+    """Bit for bit, of the env's own pay, functions, memories and terms; a reward without any has one."""
     world = world_of(reward=reward, horizon=LENGTH)
     actions, starts = drawn(world, 3), np.array([4, 5, 4])
-    env = RecordRewards(
-        Dock(), tmp_path / "steps", trained_with=reward, pay=True,
-        rewards={"own": "own", "near": near, "late": Late(), "lit": {"docked": "docked", "near": near}},
-    )  # fmt: skip
+    env = RecordRewards(Dock(), tmp_path / "steps", trained_with=reward, pay=True, rewards=rewards())
     outcomes = world.play(starts, actions)
     for number, start in enumerate(starts.tolist()):
         env.reset(seed=start)
         paid = [float(env.step(action)[1]) for action in actions[number]]
         shown = world.show(start, actions[number])
-        assert shown.paid.tolist() == paid
+        assert (shown.paid.tolist(), [*shown.terms]) == (paid, terms)
         assert outcomes.paid[number] == np.sum(paid)
         np.testing.assert_allclose(sum(shown.terms.values()), paid)
         assert outcomes.discounted[number] == pytest.approx(sum(it * 0.9**t for t, it in enumerate(paid)))
     env.close()
-
-
-def test_terms_have_their_names():
-    """A reward without any has one."""
-    actions = drawn(world_of(), 1)[0]
-    assert [*world_of(reward="late").show(0, actions).terms] == ["late", "effort"]
-    assert [*world_of().show(0, actions).terms] == ["reward"]
+    assert world.taken == 2 * 3 * LENGTH
 
 
 def test_time_and_share_by_hand():
@@ -137,50 +136,40 @@ def test_time_and_share_by_hand():
     assert (left.success[0], left.time[0], left.share[0]) == (False, LENGTH, 1 / 6)
 
 
-def test_observations_of_any_space_are_flat():
-    """A dict with a choice: one number, and two for the lamp."""
-    outcomes = world_of().play(np.array([0, 1]), drawn(world_of(), 2))
-    assert [trail.shape for trail in outcomes.trails] == [(LENGTH + 1, 3)] * 2
-
-
 def test_measures_have_the_last_value():
-    """NaN where info does not tell one."""
-    world = world_of(behaviour={"docked": "docked", "gap": gap, "done": "is_success"})
+    """NaN where info does not tell one. Observations of any space are flat: one number, and two for the lamp."""
+    world, env = world_of(behaviour={"docked": "docked", "gap": gap, "done": "is_success"}), Dock()
     actions = drawn(world, 1)
     shown = world.show(0, actions[0])
     outcomes = world.play(np.array([0]), actions)
-    assert outcomes.measures["gap"][0] == shown.measures["gap"][-1] == gap_after(shown.actions)
-    assert np.isnan(shown.measures["done"]).tolist() == [True] * 5 + [False]
-
-
-def gap_after(actions):
-    """How far away the ship of seed 0 is after some actions."""
-    env = Dock()
     env.reset(seed=0)
-    for action in actions:
+    for action in shown.actions:
         env.step(action)
-    return abs(env.at)
+    assert outcomes.measures["gap"][0] == shown.measures["gap"][-1] == abs(env.at)
+    assert np.isnan(shown.measures["done"]).tolist() == [True] * 5 + [False]
+    assert outcomes.trails[0].shape == (LENGTH + 1, 3)
 
 
 @pytest.mark.parametrize(
     ("behaviour", "asked", "found"),
     [
-        ({"success": gap, "docked": "docked"}, "", "success"),
-        ({"gap": gap, "docked": "docked"}, "", "docked"),
-        ({"gap": gap}, "", "is_success"),
-        ({}, "", "is_success"),
-        ({"gap": gap}, "gap<0.5", "gap<0.5"),
-        ({}, "docked", "docked"),
+        ({"success": gap, "docked": "docked"}, {}, "success"),
+        ({"gap": gap, "docked": "docked"}, {}, "docked"),
+        ({"gap": gap}, {}, "is_success"),
+        ({}, {}, "is_success"),
+        ({"gap": gap}, {"success": "gap<0.5"}, "gap<0.5"),
+        ({}, {"success": "docked"}, "docked"),
+        ({"docked": "docked"}, {"lower": ("docked",)}, "is_success"),
     ],
 )
 def test_what_tells_success(behaviour, asked, found):
-    """The measure of that name, a flag, what the user says, or what info tells."""
-    assert world_of(behaviour=behaviour, success=asked).success == found
+    """The measure of that name, a flag, what the user says, or what info tells, and that is told.
 
-
-def test_a_flag_of_which_less_is_better_is_no_success():
-    """As falling."""
-    assert world_of(behaviour={"docked": "docked"}, lower=("docked",)).success == "is_success"
+    A flag of which less is better, as falling, is no success.
+    """
+    world = world_of(behaviour=behaviour, horizon=LENGTH, **asked)
+    assert world.success == found
+    assert any("is_success" in line for line in world.notes) == (found == "is_success")
 
 
 def test_nothing_tells_success():
@@ -188,12 +177,6 @@ def test_nothing_tells_success():
     world = of_env("CartPole-v1", "own", Columns({"own": "own"}, {}, ()), 0.99)
     outcomes = world.play(np.arange(2), np.zeros((2, world.horizon), int))
     assert (world.success, outcomes.success.any(), np.isnan(outcomes.near).all()) == ("", False, True)
-
-
-def test_what_is_taken_for_success_is_told():
-    """With the key of info."""
-    (line,) = world_of(behaviour={}, horizon=LENGTH).notes
-    assert "is_success" in line
 
 
 def test_an_unknown_measure_of_success_is_refused():
@@ -262,17 +245,10 @@ def test_one_env_is_left_open():
 def test_an_env_without_a_limit_is_cut():
     """And that is told."""
     world = world_of(lambda: Dock(length=10_000))
-    outcomes = world.play(np.array([0]), drawn(world, 1))
-    assert (world.horizon, outcomes.steps[0]) == (CUT_AT, CUT_AT)
+    actions = drawn(world, 1)
+    assert (world.horizon, world.play(np.array([0]), actions).steps[0]) == (500, 500)
     assert "cut after 500 steps" in world.notes[-1]
-    assert world.show(0, drawn(world, 1)[0]).ended == "cut"
-
-
-@pytest.mark.parametrize("limit", [lambda: gymnasium.wrappers.TimeLimit(Dock(length=99), 7), None])
-def test_the_horizon_is_the_limit_of_the_env(limit):
-    """Of a wrapper, or what the id says."""
-    made = world_of(limit) if limit else of_env("Pendulum-v1", "own", Columns({"own": "own"}, {}, ()), 0.9)
-    assert made.horizon == (7 if limit else 200)
+    assert world.show(0, actions[0]).ended == "cut"
 
 
 @pytest.mark.parametrize("flags", [(False, True), (True, False)])
@@ -297,7 +273,7 @@ def test_ends_that_behaviour_brings_are_no_limit():
             seen, paid, _, ended, info = super().step(action)
             return seen, paid, abs(self.at) > 2.5, ended, info
 
-    assert world_of(lambda: Falling(length=10_000)).horizon == CUT_AT
+    assert world_of(lambda: Falling(length=10_000)).horizon == 500
 
 
 def test_flat_actions_of_a_matrix():
@@ -308,12 +284,14 @@ def test_flat_actions_of_a_matrix():
     assert shown.actions.shape == (LENGTH, 4)
 
 
-def test_choices_that_begin_elsewhere_and_other_spaces_are_refused():
+@pytest.mark.parametrize(
+    ("space", "told"),
+    [(Discrete(3, start=1), "counted from 0"), (MultiDiscrete([2, 2]), "take a Discrete space, or a Box")],
+)
+def test_choices_that_begin_elsewhere_and_other_spaces_are_refused(space, told):
     """In a sentence that says what is allowed."""
-    with pytest.raises(UsageError, match="counted from 0"):
-        world_of(lambda: Dock(Discrete(3, start=1)))
-    with pytest.raises(UsageError, match="take a Discrete space, or a Box"):
-        world_of(lambda: Dock(MultiDiscrete([2, 2])))
+    with pytest.raises(UsageError, match=told):
+        world_of(lambda: Dock(space))
 
 
 def test_choices():
@@ -334,18 +312,9 @@ def test_a_reward_that_fails_is_named():
         of_env(Dock, "broken", Columns({"broken": broken}, {}, ()), 0.9)
 
 
-def test_steps_are_counted():
-    """Those that were played, not those that were tried first."""
-    world = world_of()
-    outcomes = world.play(np.arange(3), drawn(world, 3))
-    assert world.taken == outcomes.steps.sum() == 3 * LENGTH
-
-
 def test_an_environment_of_a_plugin():
-    """By its name."""
+    """By its name, with the limit that its id says."""
     registry = load_registry()
     task = choose(registry, "environments", "gymnasium:id=Pendulum-v1")
-    reward, _ = look_at(task, registry).rewards_asked(None, ["own"])
-    world = of_environment(task, registry, reward, 0.99, horizon=5)
-    assert isinstance(world, EnvironmentWorld)
-    assert (world.name, world.reward, world.horizon) == (task.label, "own", 5)
+    world = world_at(places_in_environment(registry, task, "own", 0.99)[0], registry)
+    assert (world.name, world.reward, world.horizon) == (task.label, "own", 200)

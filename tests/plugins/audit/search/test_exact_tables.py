@@ -6,36 +6,41 @@ import gymnasium
 import numpy as np
 import pytest
 
-from harness_plugins.audit.search.table import Solved, act_by_table, key_of, learn_tables, search_tables
+from harness_plugins.audit.search.held_out import act_of
+from harness_plugins.audit.search.kept import Kept
+from harness_plugins.audit.search.table import key_of, search_tables
 from tests.plugins.audit.search.toy_worlds import EnvWorld, Graph, random_graph, told
 
 
-def tables_of(world, starts=(0,), budget=50_000):
-    """The tables of some starts."""
-    return learn_tables(world, starts, budget, np.random.default_rng(0))
+def solved(world, starts=(0,), budget=50_000):
+    """What the tables of some starts find: by start the three by the sum of pay, and the discounted ones."""
+    kept = Kept(starts, world.horizon)
+    if not search_tables(world, starts, kept.add, budget, np.random.default_rng(0)):
+        return None
+    return [[it.three(0, 0.0, False) for it in of] for of in (kept.plain, kept.discounted)]
 
 
-def learnt(world):
-    """The table of start 0."""
-    return tables_of(world)[0]
+def pays(three, name="paid"):
+    """What the three are paid; None where there is none."""
+    return [of and getattr(of, name) for of in (three.failure, three.success, three.fastest)]
 
 
-def best_of(table, start, horizon, gamma):
-    """The actions of the best episodes."""
-    return [best.actions for best in Solved(table, horizon, gamma).bests(start)]
+def actions(three):
+    """What the three do."""
+    return [of.actions.tolist() for of in (three.failure, three.success, three.fastest)]
 
 
-def frozen_lake(**options):
+def frozen_lake(make=gymnasium.make, **options):
     """A lake that pays at the goal, which is success."""
     options = {"is_slippery": False, **options}
-    return EnvWorld(lambda: gymnasium.make("FrozenLake-v1", **options), lambda after, paid, *_: paid > 0)
+    return EnvWorld(lambda: make("FrozenLake-v1", **options), lambda after, paid, *_: paid > 0)
 
 
-def brute(world, start, discounted=False):
+def brute(world, start, name):
     """The three numbers of a start, of all sequences of actions."""
     sequences = np.array(list(itertools.product(range(int(world.space.n)), repeat=world.horizon)))
     outcomes = world.play([start] * len(sequences), sequences)
-    paid, success = outcomes.discounted if discounted else outcomes.paid, outcomes.success
+    paid, success = getattr(outcomes, name), outcomes.success
     failing = paid[~success].max() if (~success).any() else None
     if not success.any():
         return [failing, None, None]
@@ -43,59 +48,39 @@ def brute(world, start, discounted=False):
     return [failing, paid[success].max(), paid[fast].max()]
 
 
-def numbers(world, table, start, discounted=False):
-    """The same three, of what a table says when it is played."""
-    found = best_of(table, start, world.horizon, world.gamma if discounted else 1.0)
-    padded = np.zeros((len(found), world.horizon), int)
-    for row, actions in zip(padded, found, strict=True):
-        row[: len(actions)] = actions
-    outcomes = world.play([start] * len(found), padded)
-    paid = list(outcomes.discounted if discounted else outcomes.paid)
-    if not outcomes.success.any():
-        return [*paid, None, None]
-    return paid if not outcomes.success[0] else [None, *paid]
-
-
 @pytest.mark.parametrize("lasting", [False, True], ids=["success ends", "success lasts"])
-@pytest.mark.parametrize("discounted", [False, True], ids=["plain", "discounted"])
-def test_the_three_numbers_are_those_of_all_sequences(lasting, discounted):
-    """In graphs drawn at random, over 8 steps of 2 actions each."""
+def test_the_three_numbers_are_those_of_all_sequences(lasting):
+    """In graphs drawn at random, over 8 steps of 2 actions each; by both sums."""
     kinds = set()
     for seed in range(12):
         edges = random_graph(seed, lasting=lasting)
         world = EnvWorld(lambda edges=edges: Graph(edges), told, gamma=0.9, horizon=8)
-        expected = brute(world, 0, discounted)
-        assert numbers(world, learnt(world), 0, discounted) == pytest.approx(expected, nan_ok=True), seed
-        kinds.add(tuple(it is None for it in expected))
+        for name, (three,) in zip(("paid", "discounted"), solved(world), strict=True):
+            expected = brute(world, 0, name)
+            assert pays(three, name) == pytest.approx(expected), seed
+            kinds.add(tuple(it is None for it in expected))
     assert (False, False, False) in kinds
 
 
 def test_frozen_lake_takes_few_steps():
     """The table of the small lake is learnt in a few hundred steps, checks included; the goal is six steps away."""
     world = frozen_lake()
-    table = learnt(world)
-    assert world.taken < 400
-    failure, success, fastest = best_of(table, 0, world.horizon, 1.0)
-    assert len(fastest) == len(success) == 6
-    assert world.show(0, success).paid.sum() == 1.0
-    assert world.show(0, failure).paid.sum() == 0.0
+    (three,), _ = solved(world)
+    assert world.taken < 400 + 6 * world.horizon
+    assert (pays(three), pays(three, "steps")[1:]) == ([0.0, 1.0, 1.0], [6, 6])
 
 
 def test_taxi_is_solved_as_its_own_dynamics_say():
     """What the table pays best from 4 starts is what value iteration over the environment's own `P` says."""
     world = EnvWorld(lambda: gymnasium.make("Taxi-v4"), lambda after, paid, *_: paid == 20.0)
-    table = tables_of(world, range(4))[0]
     value = np.zeros(500)
     for _ in range(200):
-        value = np.array(
-            [
-                max(pay + (0.0 if end else value[after]) for ((_, after, pay, end),) in row.values())
-                for row in world.env.unwrapped.P.values()
-            ]
-        )
-    for start in range(4):
-        _, success, _ = best_of(table, start, world.horizon, 1.0)
-        assert world.show(start, success).paid.sum() == value[world.env.reset(seed=start)[0]]
+        value = np.array([
+            max(pay + (0.0 if end else value[after]) for ((_, after, pay, end),) in row.values())
+            for row in world.env.unwrapped.P.values()
+        ])  # fmt: skip
+    plain, _ = solved(world, range(4))
+    assert [it.success.paid for it in plain] == [value[world.env.reset(seed=start)[0]] for start in range(4)]
 
 
 class FirstVisits(gymnasium.Wrapper):
@@ -114,31 +99,45 @@ class FirstVisits(gymnasium.Wrapper):
         return after, paid, *rest
 
 
-def test_a_reward_with_a_memory_is_no_table():
-    """What is paid the first time only contradicts itself."""
-    world = EnvWorld(lambda: FirstVisits(gymnasium.make("FrozenLake-v1", is_slippery=False)), lambda *_: False)
-    assert tables_of(world) == {}
+class Tired(Graph):
+    """Pays for going round, 6 times in an episode at most."""
+
+    def __init__(self):
+        super().__init__([[(0, 2.0, False, False), (0, 5.0, True, True), (0, 1.0, True, True)]])
+
+    def reset(self, **options):
+        """Begin anew."""
+        self.rounds = 0
+        return super().reset(**options)
+
+    def step(self, action):
+        """Go round."""
+        after, paid, *rest = super().step(action)
+        self.rounds += action == 0
+        return after, paid if self.rounds <= 6 else 0.0, *rest
 
 
-def test_chance_is_no_table():
-    """On slippery ice the same action leads elsewhere; that is noticed within a few episodes."""
-    world = frozen_lake(is_slippery=True)
-    assert tables_of(world, range(8)) == {}
-    assert world.taken < 1_000
+NO_TABLES = {
+    "a reward with a memory": (
+        lambda: frozen_lake(lambda *it, **of: FirstVisits(gymnasium.make(*it, **of))),
+        8,
+        50_000,
+    ),
+    "a memory that only the best episode meets": (lambda: EnvWorld(Tired, told, horizon=10), 1, 1_000),
+    "chance": (lambda: frozen_lake(is_slippery=True), 8, 1_000),
+    "chance that one seed repeats": (lambda: frozen_lake(is_slippery=True), 1, 50_000),
+    "never the same again": (lambda: EnvWorld(lambda: gymnasium.make("CartPole-v1"), told), 8, 3_500),
+    "actions without number": (lambda: EnvWorld(lambda: gymnasium.make("Pendulum-v1"), told), 1, 0),
+}
 
 
-def test_a_world_that_is_never_the_same_again_is_left_alone_soon():
-    """CartPole's states are real numbers."""
-    world = EnvWorld(lambda: gymnasium.make("CartPole-v1"), lambda *_: False)
-    assert tables_of(world, range(8)) == {}
-    assert world.taken < 3_000
-
-
-def test_actions_without_number_are_no_table():
-    """Nothing is played in a world whose actions are a box."""
-    world = EnvWorld(lambda: gymnasium.make("Pendulum-v1"), lambda *_: False)
-    assert tables_of(world) == {}
-    assert world.taken == 0
+@pytest.mark.parametrize(("make", "starts", "soon"), NO_TABLES.values(), ids=NO_TABLES)
+def test_what_is_no_table_is_noticed_soon(make, starts, soon):
+    """What contradicts itself, or is never met again, within a few episodes; slips of one seed too."""
+    world = make()
+    world.succeeds = lambda *_: False
+    assert solved(world, range(3, 3 + starts)) is None
+    assert world.taken <= soon
 
 
 class Hidden(Graph):
@@ -157,17 +156,8 @@ class Hidden(Graph):
 
 def test_what_the_seed_hides_gives_each_start_a_table():
     """Each start's own exit is found."""
-    world = EnvWorld(Hidden, told, horizon=4)
-    tables = tables_of(world, (0, 1))
-    assert [best_of(tables[start], start, 4, 1.0)[1] for start in (0, 1)] == [[1], [0]]
-
-
-def test_a_loop_is_closed_by_the_horizon():
-    """Where going round pays 2 and finishing 5, the best-paid success goes round until the last step."""
-    edges = [[(0, 2.0, False, False), (0, 5.0, True, True)]]
-    world = EnvWorld(lambda: Graph(edges), told, horizon=10)
-    failure, success, fastest = best_of(learnt(world), 0, 10, 1.0)
-    assert (failure, success, fastest) == ([0] * 10, [0] * 9 + [1], [1])
+    plain, _ = solved(EnvWorld(Hidden, told, horizon=4), (0, 1))
+    assert [it.success.actions.tolist() for it in plain] == [[1], [0]]
 
 
 def test_dicts_are_keys():
@@ -177,23 +167,12 @@ def test_dicts_are_keys():
     assert key_of(one) != key_of({"place": np.array([1, 3]), "load": 3})
 
 
-class Kept:
-    """Keeps every episode that a search reports."""
-
-    def __init__(self):
-        self.episodes = []
-
-    def __call__(self, rows, actions, outcomes, made_by, policies):
-        """Take in episodes."""
-        assert made_by == "table"
-        self.episodes += zip(rows, actions, outcomes.paid, outcomes.discounted, outcomes.success, policies, strict=True)
-
-
 @pytest.mark.parametrize("first", [0, 3])
 def test_a_search_keeps_the_best_by_both_sums(first):
     """Where waiting pays 2 and finishing 5: 20 of ten steps, 23, and by half of each step 4, and 5 at once.
 
-    Also where the first action is number 3.
+    A loop is closed by the horizon: the best-paid success goes round until the last step, which is no policy. Also
+    where the first action is number 3.
     """
 
     class Shifted(Graph):
@@ -207,39 +186,13 @@ def test_a_search_keeps_the_best_by_both_sums(first):
             """Do it."""
             return super().step(int(action) - first)
 
-    world, kept = EnvWorld(Shifted, told, gamma=0.5, horizon=10), Kept()
-    assert search_tables(world, (7,), kept, 1_000, np.random.default_rng(0))
-    failures, successes = ([it for it in kept.episodes if it[4] == success] for success in (False, True))
-    assert max(it[2] for it in failures) == 20.0
-    assert max(it[2] for it in successes) == 23.0
-    assert max(it[3] for it in failures) == pytest.approx(4 - 2 * 0.5**9)
-    assert max(it[3] for it in successes) == 5.0
-    policies = [it[5] for it in failures]
-    _, (actions,) = world.act([7], act_by_table(policies[0]))
-    assert actions.tolist() == [first] * 10
-    assert [it[5] for it in successes if it[2] == 23.0] == [None]
-
-
-def test_a_memory_that_only_the_best_episode_meets_is_noticed():
-    """A reward that pays nothing more after 6 rounds is met when the table is played, at the latest."""
-
-    class Tired(Graph):
-        """Pays for going round, 6 times in an episode at most."""
-
-        def reset(self, seed=None, options=None):
-            """Begin anew."""
-            self.rounds = 0
-            return super().reset(seed=seed)
-
-        def step(self, action):
-            """Go round."""
-            after, paid, *rest = super().step(action)
-            self.rounds += action == 0
-            return after, paid if self.rounds <= 6 else 0.0, *rest
-
-    edges = [[(0, 2.0, False, False), (0, 5.0, True, True), (0, 1.0, True, True)]]
-    world = EnvWorld(lambda: Tired(edges), told, horizon=10)
-    assert not search_tables(world, (0,), Kept(), 1_000, np.random.default_rng(0))
+    world = EnvWorld(Shifted, told, gamma=0.5, horizon=10)
+    (plain,), (discounted,) = solved(world, (7,), 1_000)
+    assert (pays(plain), pays(discounted, "discounted")) == ([20.0, 23.0, 5.0], [4 - 2 * 0.5**9, 5.0, 5.0])
+    assert actions(plain) == [[first] * 10, [first] * 9 + [first + 1], [first + 1]]
+    _, (taken,) = world.act([7], act_of(plain.failure.policy, world))
+    assert taken.tolist() == [first] * 10
+    assert plain.success.policy is None
 
 
 def test_five_hundred_states_and_steps_are_solved_in_seconds():
@@ -247,14 +200,13 @@ def test_five_hundred_states_and_steps_are_solved_in_seconds():
 
     In 500 steps a success can go forth and back 124 times on its way, and one that takes 276 steps 12 times.
     """
-    out, shut = (250, 7.0, True, True), lambda at: (at, 0.0, False, False)
     ring = [
-        [((at + 1) % 500, 1.0, False, False), ((at - 1) % 500, 0.0, False, False), out if at == 250 else shut(at)]
+        [((at + 1) % 500, 1.0, False, False), ((at - 1) % 500, 0.0, False, False), (at, 0.0, False, False)]
         for at in range(500)
     ]
-    table = learnt(EnvWorld(lambda: Graph(ring), told, horizon=500))
-    failure, success, fastest = Solved(table, 500, 1.0).bests(0)
-    assert (failure.paid, success.paid, fastest.paid) == (500.0, 250 + 124 + 7, 250 + 12 + 7)
+    ring[250][2] = (250, 7.0, True, True)
+    (three,), _ = solved(EnvWorld(lambda: Graph(ring), told, gamma=1.0, horizon=500))
+    assert pays(three) == [500.0, 250 + 124 + 7, 250 + 12 + 7]
 
 
 class Hurried(Graph):
@@ -264,10 +216,10 @@ class Hurried(Graph):
         on = [[(at + 1, 0.0, False, False), (at, 0.1, False, False)] for at in range(2)]
         super().__init__([*on, [(2, 1.0, True, True), (2, 0.1, False, False)]])
 
-    def reset(self, seed=None, options=None):
+    def reset(self, **options):
         """Begin anew."""
         self.steps = 0
-        return super().reset(seed=seed)
+        return super().reset(**options)
 
     def step(self, action):
         """One step, as a Gymnasium of old: the limit terminates."""
@@ -276,15 +228,9 @@ class Hurried(Graph):
         return after, paid * (1.0 - 0.1 * self.steps) if end else paid, end or self.steps == 6, *rest
 
 
-@pytest.mark.parametrize("discounted", [False, True])
-def test_where_time_matters_a_state_is_also_when(discounted):
-    """A limit and falling pay that nobody observes: the three numbers are those of all sequences."""
+def test_where_time_matters_a_state_is_also_when():
+    """A limit and falling pay that nobody observes: the three numbers are those of all sequences, and no policies."""
     world = EnvWorld(Hurried, told, gamma=0.9, horizon=8)
-    table = tables_of(world, (0, 1))[1]
-    assert numbers(world, table, 1, discounted) == pytest.approx(brute(world, 1, discounted))
-    assert [it.policy for it in Solved(table, 8, 1.0).bests(0)] == [None] * 3
-
-
-def test_what_chance_brings_one_seed_is_no_table_of_it():
-    """Seen with the time, slips of one seed are the same again; a plan that knows them would be clairvoyant."""
-    assert tables_of(frozen_lake(is_slippery=True), (3,)) == {}
+    for name, (_, three) in zip(("paid", "discounted"), solved(world, (0, 1)), strict=True):
+        assert pays(three, name) == pytest.approx(brute(world, 1, name))
+        assert pays(three, "policy") == [None] * 3

@@ -4,7 +4,6 @@ import json
 import subprocess
 import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -96,7 +95,7 @@ def no_films(monkeypatch):
     monkeypatch.setattr("harness_plugins.audit.search.out.films_of", lambda *given: [None] * len(given[-1]))
 
 
-def test_another_process_is_paid_the_same_from_the_file(tmp_path: Path, registry, no_films):
+def test_another_process_is_paid_the_same_from_the_file(tmp_path, registry, no_films):
     """Bit for bit: an arm, three environments, one whose observations are dicts."""
     places = [
         *places_on_task(registry, [choose(registry, "rewards", "arp")], "fd100-reach", None, None, 0.95),
@@ -150,14 +149,14 @@ def test_the_page_of_a_folder_is_made_of_the_files_alone(docked, monkeypatch):
     assert page == page_in(docked / "near-failure.json")
 
 
-def test_a_folder_without_certificates_has_no_page(tmp_path: Path):
+def test_a_folder_without_certificates_has_no_page(tmp_path):
     """Whatever else lies there, an index.html too."""
     (tmp_path / "index.html").write_text("<script>alert(1)</script>")
     (tmp_path / "a.json").write_text("{}")
     assert page_in(tmp_path) is None
 
 
-def test_a_damaged_certificate_is_left_out_and_told(tmp_path: Path, docked):
+def test_a_damaged_certificate_is_left_out_and_told(tmp_path, docked):
     """The others are shown."""
     content = (docked / "near-failure.json").read_bytes()
     (tmp_path / "a.json").write_bytes(content)
@@ -165,7 +164,7 @@ def test_a_damaged_certificate_is_left_out_and_told(tmp_path: Path, docked):
     assert "Left out: " in page_in(tmp_path)
 
 
-def test_a_link_is_not_followed(tmp_path: Path, docked):
+def test_a_link_is_not_followed(tmp_path, docked):
     """Neither when a folder is shown nor when one is written."""
     (tmp_path / "a.json").symlink_to(docked / "near-failure.json")
     assert page_in(tmp_path) is None
@@ -173,7 +172,7 @@ def test_a_link_is_not_followed(tmp_path: Path, docked):
         write_found(tmp_path, [certificate_of()], load_registry())
 
 
-def test_a_changed_reward_is_refused_at_its_step(tmp_path: Path, no_films):
+def test_a_changed_reward_is_refused_at_its_step(tmp_path, no_films):
     """Of a plugin file, which has to be given by hand; the hash says that it is another one."""
     file = tmp_path / "calm.py"
     file.write_text(REWARDS)
@@ -192,7 +191,7 @@ def test_a_changed_reward_is_refused_at_its_step(tmp_path: Path, no_films):
     assert "The source of the reward is another one." in found.reasons
 
 
-def test_waves_that_no_seed_tells_are_not_certified(registry, tmp_path: Path):
+def test_waves_that_no_seed_tells_are_not_certified(registry, tmp_path):
     """The behaviour does not repeat, and the reason says where."""
     made, refused = left(tmp_path / "out", [in_environment("Docking:waves=0.01", "near", registry)], registry)
     assert made == []
@@ -208,7 +207,7 @@ def test_waves_that_no_seed_tells_are_not_certified(registry, tmp_path: Path):
         (("actions",), {"type": "float32", "shape": [12, 3], "numbers": [0.0] * 36}),
     ],
 )
-def test_actions_that_the_world_does_not_take_are_refused(tmp_path: Path, docked, registry, keys, to):
+def test_actions_that_the_world_does_not_take_are_refused(tmp_path, docked, registry, keys, to):
     """Beyond the bounds, of another type, of another size; the env is not asked."""
     data = unseal((docked / "near-failure.json").read_bytes())
     at = data
@@ -220,7 +219,7 @@ def test_actions_that_the_world_does_not_take_are_refused(tmp_path: Path, docked
         replay_file(tmp_path / "c.json", registry)
 
 
-def test_a_module_is_not_imported_because_a_file_names_it(tmp_path: Path, monkeypatch):
+def test_a_module_is_not_imported_because_a_file_names_it(tmp_path, monkeypatch):
     """A stranger's id with a module needs --allow-import."""
     monkeypatch.delenv("HARNESS_ALLOW_IMPORT", raising=False)
     registry = load_registry()
@@ -232,7 +231,7 @@ def test_a_module_is_not_imported_because_a_file_names_it(tmp_path: Path, monkey
         replay_file(tmp_path / "c.json", registry)
 
 
-def test_what_cannot_be_replayed_is_told(tmp_path: Path, docked, registry):
+def test_what_cannot_be_replayed_is_told(tmp_path, docked, registry):
     """No file, and a simulator for an environment."""
     with pytest.raises(UsageError, match="there is no such file"):
         replay_file(tmp_path / "none.json", registry)

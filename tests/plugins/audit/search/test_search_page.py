@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.authoring.commands import load_robot, scene_of
+from harness import load_robot
+from harness.authoring.commands import scene_of
 from harness_plugins.audit.search.film import Film
 from harness_plugins.audit.search.page import cheats_page
 from harness_plugins.audit.search.replay import certify

@@ -271,7 +271,7 @@ def test_functions_of_a_step_are_asked_as_those_of_four_arguments():
         (lambda step: float(step.before.action), "it reads before.action, which only a step that was taken has"),
     ],
 )
-def test_what_only_a_taken_step_has_is_told(reward, why: str):
+def test_what_only_a_taken_step_has_is_told(reward, why):
     """And the reward is compared in the steps that were taken."""
     audit = audit_rewards(Anywhere, {"first": first, "other": reward}, episodes=2)
     pair = next(it for it in audit.pairs if {it.one, it.other} == {"first", "other"})

@@ -3,16 +3,14 @@
 import numpy as np
 import pytest
 
-from harness.env.ideal import IdealSimulator
 from harness.payoff.rollout import record_rollouts
 from harness.payoff.score import score_rollout
 from harness.reach import ReachTask
 from harness.reward.forms import reward_class
-from harness.robot.robot import load_robot
-from harness_plugins.audit.distance import EPIC, FORMS, SHAPING, STARC, compare_forms
+from harness_plugins.audit.distance import FORMS, SHAPING, compare_forms
 from harness_plugins.audit.transitions.rollout_forms import ask_of, forms_of_rollouts, rows_of_rollouts
-from harness_plugins.rewards.baseline import Baseline
-from harness_plugins.rewards.dense import Dense
+from harness_plugins.kit import IdealSimulator
+from tests.payoff.conftest import named
 
 GAMMA = 0.95
 
@@ -60,13 +58,13 @@ class Counting:
         return count, step.action[:, 0] * count
 
 
-GENTLE = reward_class(gentle)()
+GENTLE, DENSE = reward_class(gentle)(), named("dense")
 
 
 @pytest.fixture(scope="module")
-def rollouts():
+def rollouts(robot):
     """Four short episodes of each script."""
-    return record_rollouts(IdealSimulator(), load_robot("fd100"), ReachTask(horizon=25), 4)
+    return record_rollouts(IdealSimulator(), robot, ReachTask(horizon=25), 4)
 
 
 @pytest.fixture(scope="module")
@@ -103,7 +101,7 @@ def test_shaping_alone_has_no_distance(between):
 
 def test_other_rewards_are_apart(between):
     """All of them, in all forms."""
-    for other in (Baseline(), Dense(), reward_class(restless)()):
+    for other in (named("baseline"), DENSE, reward_class(restless)()):
         assert all(0.01 < value < 1.0 for value in between(GENTLE, other).values())
 
 
@@ -111,12 +109,12 @@ def test_the_opposite_is_farthest_and_order_does_not_count(between):
     """From 0 to 1, as everywhere."""
     assert between(GENTLE, GENTLE) == dict.fromkeys(FORMS, 0.0)
     assert between(GENTLE, reward_class(negative)()) == pytest.approx(dict.fromkeys(FORMS, 1.0))
-    assert between(Dense(), GENTLE) == pytest.approx(between(GENTLE, Dense()))
+    assert between(DENSE, GENTLE) == pytest.approx(between(GENTLE, DENSE))
 
 
 def test_a_weight_changes_the_distance(between):
     """The more effort counts, the farther it is from the distance alone."""
-    near, far = (between(reward_class(gentle)(effort=weight), Dense())[EPIC] for weight in (1.0, 50.0))
+    near, far = (between(reward_class(gentle)(effort=weight), DENSE)["EPIC"] for weight in (1.0, 50.0))
     assert near < far
 
 
@@ -169,12 +167,12 @@ def test_a_number_that_is_not_finite_is_a_reason(distances):
         far = np.abs(step.distance - step.previous_distance) > 0.25
         return np.where(far, np.nan, step.action[:, 0])
 
-    found = distances(GENTLE, reward_class(broken)())[EPIC]
+    found = distances(GENTLE, reward_class(broken)())["EPIC"]
     assert found == "other: asked about another step than the one taken, it pays a number that is not finite"
 
 
 def test_starc_needs_a_discount(distances):
     """Without one the value of a state has no bound; the other forms do without."""
-    found = distances(GENTLE, Dense(), 1.0)
-    assert "discount below 1" in found[STARC]
-    assert isinstance(found[EPIC], float)
+    found = distances(GENTLE, DENSE, 1.0)
+    assert "discount below 1" in found["STARC"]
+    assert isinstance(found["EPIC"], float)
