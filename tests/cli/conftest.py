@@ -11,7 +11,7 @@ import pytest
 from harness.cli import main
 from harness.payoff import rollout
 from harness.registry.sources import description
-from harness_plugins.audit.screen import Cheats
+from harness_plugins.audit import Cheats
 from harness_plugins.audit.search import find
 
 SCREENED = find.Search(Cheats().steps, Cheats().starts)

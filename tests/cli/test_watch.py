@@ -12,7 +12,7 @@ from harness.record.returns import mean_return
 from harness.record.running import Running, write_running
 from harness.record.store import Store
 from harness.record.trace import read_trace
-from harness_plugins.audit.search.certificate import write_certificate
+from harness_plugins.audit import write_certificate
 from harness_plugins.watch.recorded import blocks_of_trace
 from harness_plugins.watch.trainings import source_of
 from harness_plugins.watch.watch import HOST, Pages, open_server, pages_of

@@ -35,7 +35,7 @@ from harness.robot.meshes import read_mesh
 from harness.robot.robot import load_robot, read_robot
 from harness.scene.scene import scene_of
 from harness.score.open_steps import open_steps
-from harness_plugins.audit.search.out import page_in
+from harness_plugins.audit import page_in
 from tests.fuzz.mutate import (
     mutate_bytes,
     mutate_csv,

@@ -4,17 +4,16 @@ import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
 
+from harness import load_robot
 from harness.env import ReachVectorEnv
 from harness.errors import UsageError
 from harness.experiment.arm_evaluation import EVALUATION_SEED
-from harness.payoff.rollout import SCRIPTS, plan_actions, record_rollouts
-from harness.payoff.score import score_rollout
+from harness.payoff import SCRIPTS, plan_actions, record_rollouts, score_rollout
 from harness.reach import ReachTask
 from harness.record.trace import TERM
 from harness.registry import choose, load_registry
 from harness.reward.forms import reward_class
 from harness.reward.steps import ARM_BEFORE
-from harness.robot.robot import load_robot
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.tasks.moving import Moving
 from harness_plugins.tasks.pose import Pose

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from harness.errors import SimulationDiverged, UsageError
-from harness.payoff.score import discounted_sum, pay_distances, score_rollout, steps_along
+from harness.payoff import discounted_sum, pay_distances, score_rollout, steps_along
 from harness.reward import MissingField
 
 DISTANCES = np.array([[0.5], [0.4], [0.6], [0.4], [0.1]])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from harness.payoff.rollout import SCRIPTS, plan_actions, record_rollouts
+from harness.payoff import SCRIPTS, plan_actions, record_rollouts
 from harness.reach import ReachTask
 from harness_plugins.kit import IdealSimulator
 

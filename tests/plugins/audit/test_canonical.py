@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from harness.payoff.rollout import Rollout
+from harness.payoff import Rollout
 from harness.reward import Sample
 from harness_plugins.audit.scripts import anywhere, canonical_values, nearby
 

@@ -8,8 +8,7 @@ import pytest
 
 import harness
 from harness.authoring.commands import choose, columns_of, load_registry, read_given
-from harness.payoff.finishing import payoff_of
-from harness.payoff.score import score_rollout
+from harness.payoff import payoff_of, score_rollout
 from harness.record import read_recording
 from tests.plugins.audit.cases.policies import POLICIES
 from tests.plugins.audit.cases.run import SEEDS, answer_of, search

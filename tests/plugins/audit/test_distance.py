@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from harness.payoff.rollout import record_rollouts
+from harness.payoff import record_rollouts
 from harness.reach import ReachTask
 from harness_plugins.audit.distance import SHAPING, compare_forms, distance_between
 from harness_plugins.audit.scripts import anywhere, canonical_values, forms_of_distances, nearby

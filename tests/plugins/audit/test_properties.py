@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from harness.payoff.score import score_rollout
+from harness.payoff import score_rollout
 from harness_plugins.audit.probe import needed_beside_distances, probe_distances
 from harness_plugins.audit.properties import (
     bounded,

@@ -5,9 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.eta.seed_mean import SeedMean
-from harness.payoff.finishing import finishing_of, never_paid, payoff_of, temptations
-from harness.payoff.score import score_rollout
+from harness.eta import SeedMean
+from harness.payoff import finishing_of, never_paid, payoff_of, score_rollout, temptations
 from harness.results.recordings.episodes import Episodes
 from harness_plugins.audit.questions import deciding_measure, on_best, rank_success
 from harness_plugins.audit.recorded.earned import Earned

@@ -9,7 +9,7 @@ import harness
 from harness.experiment import check_experiment, expand
 from harness.registry import load_registry, read_given
 from harness.screen import CANNOT_TELL, FAILING, NOTHING
-from harness_plugins.audit.screen import Cheats
+from harness_plugins.audit import Cheats
 from harness_plugins.audit.search import find
 
 REWARDS = '''"""One that pays for staying away, one for coming."""

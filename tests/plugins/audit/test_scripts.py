@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from harness.errors import SimulationDiverged
-from harness.payoff.score import score_rollout
+from harness.payoff import score_rollout
 from harness.reward.forms import reward_class
 from harness.text import number
+from harness_plugins.audit import audit_reward
 from harness_plugins.audit.probe import needed_beside_distances
-from harness_plugins.audit.scripts import audit_reward
 from tests.payoff.conftest import REGISTRY
 
 FAIR = ("relative", "potential", "adaptive", "sparse", "dense")

@@ -7,8 +7,7 @@ import pytest
 from rich.console import Console
 
 from harness.text import number
-from harness_plugins.audit.audit import audit_table
-from harness_plugins.audit.scripts import audit_reward
+from harness_plugins.audit import audit_reward, audit_table
 
 
 @pytest.fixture(scope="module")

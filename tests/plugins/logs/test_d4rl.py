@@ -12,7 +12,7 @@ import pytest
 
 from harness.errors import SchemaError, UsageError
 from harness.log import Rows
-from harness_plugins.audit.dataset.audit_dataset import audit_dataset
+from harness_plugins.audit import audit_dataset
 from tests.record.dataset.written import opened
 
 LENGTHS = (3, 1, 4)

@@ -8,7 +8,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from harness.errors import NewerFormat, SchemaError, UsageError
-from harness_plugins.audit.dataset.audit_dataset import audit_dataset
+from harness_plugins.audit import audit_dataset
 from harness_plugins.datasets import dataset as sizes
 from tests.record.dataset.frames import write_frames
 from tests.record.dataset.written import episode, opened, write_lerobot

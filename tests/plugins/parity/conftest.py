@@ -5,12 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from harness import load_robot
 from harness.env.ideal import IdealSimulation
-from harness.robot.robot import load_robot
 from harness_plugins.kit import IdealSimulator
+from harness_plugins.parity import Setting, compare_simulators
 from harness_plugins.parity.contenders import Contenders
-from harness_plugins.parity.orders import Setting
-from harness_plugins.parity.parity import compare_simulators
 
 
 @dataclass(frozen=True)

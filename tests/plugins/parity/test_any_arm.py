@@ -11,11 +11,10 @@ from harness.registry import load_registry
 from harness.robot.ground_clearance import build_solids
 from harness.robot.kinematics import link_frames
 from harness.robot.robot import read_robot
-from harness_plugins.parity.contenders import choose_contenders
+from harness_plugins.parity import Setting, choose_contenders, compare_simulators
 from harness_plugins.parity.motions import GroundClearance
-from harness_plugins.parity.orders import SHALLOW, Setting, draw_orders
+from harness_plugins.parity.orders import SHALLOW, draw_orders
 from harness_plugins.parity.page import classes_text
-from harness_plugins.parity.parity import compare_simulators
 
 SETTING = {"steps": 30, "episodes": 2}
 ALL = {"slow", "smooth", "fast", "singular", "contact"}

@@ -6,7 +6,7 @@ import pytest
 
 from harness.errors import PluginError, UsageError
 from harness.registry import Registry, Spec
-from harness_plugins.parity.contenders import Missing, choose_contenders
+from harness_plugins.parity import Missing, choose_contenders
 from harness_plugins.parity.performance import Failure
 
 

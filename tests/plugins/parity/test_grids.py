@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from rich.console import Console
 
-from harness_plugins.parity.contenders import Missing
+from harness_plugins.parity import Missing, parity_table
 from harness_plugins.parity.page import (
     contact_text,
     engines_text,
@@ -15,7 +15,6 @@ from harness_plugins.parity.page import (
     failures,
     not_installed,
     pair_grids,
-    parity_table,
     setting_text,
     simulator_grid,
     title,

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from harness.errors import UsageError
-from harness_plugins.parity.page import JOINTS, TIPS, draw_all_pairs, draw_pairs, write_parity
+from harness_plugins.parity import write_parity
+from harness_plugins.parity.page import JOINTS, TIPS, draw_all_pairs, draw_pairs
 
 
 @pytest.fixture(scope="module")

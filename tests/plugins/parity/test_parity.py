@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness_plugins.parity.contenders import Missing
+from harness_plugins.parity import Missing
 from harness_plugins.parity.parity import NO_DIVES
 
 

@@ -5,9 +5,7 @@ from itertools import combinations
 import pytest
 
 from harness.registry import load_registry
-from harness_plugins.parity.contenders import choose_contenders
-from harness_plugins.parity.orders import Setting
-from harness_plugins.parity.parity import compare_simulators
+from harness_plugins.parity import Setting, choose_contenders, compare_simulators
 
 SIMULATORS = ("mujoco", "dm_control", "pybullet", "drake", "physx", "kinematic")
 

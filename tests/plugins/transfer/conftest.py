@@ -8,7 +8,8 @@ import pytest
 from harness.policy import SquashedGaussian
 from harness.record import EVALUATION, POLICY
 from harness.registry import Choice
-from harness_plugins.transfer.record import TRANSFER, TransferRecord, policy_digest, simulator_id
+from harness_plugins.transfer import TRANSFER, TransferRecord, simulator_id
+from harness_plugins.transfer.record import policy_digest
 from tests.report.conftest import build
 
 __all__ = ["build"]

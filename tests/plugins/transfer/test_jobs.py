@@ -12,6 +12,7 @@ from typing import TypeAlias
 import numpy as np
 import pytest
 
+from harness import load_robot
 from harness.errors import NewerFormat, UsageError
 from harness.experiment import check_experiment, expand
 from harness.policy import WEIGHTS
@@ -19,10 +20,16 @@ from harness.record import EVALUATION, MANIFEST, POLICY, Cell, Store, partial_fo
 from harness.record.cell import BROUGHT
 from harness.registry import Choice, choose, load_registry
 from harness.results import Results, load_results
-from harness.robot.robot import load_robot
-from harness_plugins.transfer.jobs import evaluate_elsewhere, plan_transfers, run_transfers, transfer
-from harness_plugins.transfer.matrix import load_transfers
-from harness_plugins.transfer.record import TRANSFER, read_transfer, simulator_id
+from harness_plugins.transfer import (
+    TRANSFER,
+    load_transfers,
+    plan_transfers,
+    read_transfer,
+    run_transfers,
+    simulator_id,
+    transfer,
+)
+from harness_plugins.transfer.jobs import evaluate_elsewhere
 
 EASY = "fd100-reach:epsilon=0.25,horizon=40"
 """Acting at random reaches some targets; an arm that does not move reaches none."""

@@ -11,8 +11,8 @@ from harness.policy import WEIGHTS
 from harness.record import COLUMN, EVALUATION, POLICY, SCALARS, Manifest, Store, TraceWriter
 from harness.registry import Choice, load_registry
 from harness.results import Results
-from harness_plugins.transfer.matrix import load_transfers
-from harness_plugins.transfer.record import TRANSFER, TransferRecord, policy_digest, simulator_id
+from harness_plugins.transfer import TRANSFER, TransferRecord, load_transfers, simulator_id
+from harness_plugins.transfer.record import policy_digest
 
 HOME, AWAY = Choice("ideal", (), "ideal"), Choice("stuck", (), "stuck")
 REASON = "RuntimeError: it fell"

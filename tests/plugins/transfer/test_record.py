@@ -8,7 +8,8 @@ from harness.errors import SchemaError
 from harness.record import MANIFEST, POLICY
 from harness.record.folder import WEIGHTS
 from harness.registry import Choice
-from harness_plugins.transfer.record import TransferRecord, policy_digest, read_transfer, simulator_id
+from harness_plugins.transfer import TransferRecord, read_transfer, simulator_id
+from harness_plugins.transfer.record import policy_digest
 
 MUJOCO = Choice("mujoco", (("substeps", 20), ("layers", (1, 2))), "mujoco")
 

@@ -3,7 +3,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from harness.eta.seed_mean import SeedMean, mean_over_seeds
+from harness.eta import SeedMean, mean_over_seeds
 from harness.registry import Choice
 from harness.results.comparison import Group
 from harness_plugins.transfer.matrix import TransferMatrix

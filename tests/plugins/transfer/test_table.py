@@ -4,7 +4,7 @@ import pytest
 from rich.console import Console
 
 from harness.report.page.html import write_html
-from harness_plugins.transfer.matrix import load_transfers
+from harness_plugins.transfer import load_transfers
 from harness_plugins.transfer.shown import transfer_table
 
 

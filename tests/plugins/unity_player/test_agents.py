@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from harness.env import IdealSimulator, ReachVectorEnv
+from harness import load_robot
+from harness.env.ideal import IdealSimulator
+from harness.env.vector_env import ReachVectorEnv
 from harness.errors import UsageError
 from harness.registry import choose, load_registry
-from harness.robot.robot import load_robot
 from harness_plugins.environments.unity import Unity
 
 SEED = 7

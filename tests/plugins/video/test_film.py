@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from PIL import Image, ImageColor
 
+from harness import load_robot
 from harness.errors import UsageError
 from harness.results.replay import Episode, Show, Side
-from harness.robot import load_robot
-from harness.scene import scene_of
+from harness.scene.scene import scene_of
 from harness_plugins.video.film import FRAMES, HEIGHT, HELD, LINE, RATE, WIDTH, Frame, film_of, write_film
 
 

@@ -8,17 +8,14 @@ import pytest
 
 from harness import load_robot
 from harness.errors import UsageError
+from harness.payoff import of_arm, pay_dataset, step_by_step, write_dataset_scores
 from harness.payoff.dataset import paid_dataset
-from harness.payoff.dataset.arm_pay import of_arm
-from harness.payoff.dataset.paid_dataset import pay_dataset
 from harness.payoff.dataset.rewards import Recorded
-from harness.payoff.dataset.scores_file import write_dataset_scores
-from harness.payoff.dataset.step_by_step import step_by_step
 from harness.record.dataset.labels import FAILURE, SUCCESS, UNKNOWN
 from harness.registry import choose, load_registry
 from harness.reward.forms import reward_class
 from harness.reward.terms import sum_of
-from harness.score.places import parse_places, pay_episode
+from harness.score.places import parse_places
 from harness_plugins.audit import audit_dataset
 from harness_plugins.datasets import dataset as sizes
 from tests.record.dataset.written import episode, opened, write_lerobot, write_minari

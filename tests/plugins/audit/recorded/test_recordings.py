@@ -10,8 +10,7 @@ from rich.console import Console
 from harness.errors import UsageError
 from harness.log import LogFacts, in_memory
 from harness.log.open_log import Found
-from harness_plugins.audit.audit import audit_table
-from harness_plugins.audit.recorded.recordings import audit_logs, audit_recordings
+from harness_plugins.audit import audit_logs, audit_recordings, audit_table
 from tests.results.recordings.conftest import PULLS, record
 
 PAYS = {"plain": lambda a: a + 1.0, "square": lambda a: (a - 0.5) ** 2}

@@ -11,15 +11,10 @@ import pytest
 from harness.authoring.commands import choose, load_registry, read_given
 from harness.errors import SchemaError, UsageError
 from harness.files.sealed import seal, unseal
+from harness_plugins.audit import page_in, read_certificate, replay_file, write_certificate, write_found
 from harness_plugins.audit.search.behaviour import Behaviour, Searched
-from harness_plugins.audit.search.certificate import read_certificate, write_certificate
 from harness_plugins.audit.search.finding import Finding
-from harness_plugins.audit.search.out import (
-    certificates_of,
-    page_in,
-    replay_file,
-    write_found,
-)
+from harness_plugins.audit.search.out import certificates_of
 from harness_plugins.audit.search.place import Place, places_in_environment, places_on_task, world_at
 from tests.plugins.audit.search.certified import certificate_of
 

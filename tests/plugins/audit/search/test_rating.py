@@ -6,8 +6,9 @@ import gymnasium
 import numpy as np
 import pytest
 
+from harness_plugins.audit import read_certificate, write_certificate
 from harness_plugins.audit.search.behaviour import Rated, Rates
-from harness_plugins.audit.search.certificate import Rating, read_certificate, write_certificate
+from harness_plugins.audit.search.certificate import Rating
 from harness_plugins.audit.search.held_out import mean_interval
 from harness_plugins.audit.search.replay import certify, replay
 from harness_plugins.audit.search.world import Outcomes

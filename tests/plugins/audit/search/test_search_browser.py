@@ -6,7 +6,7 @@ import pytest
 
 from harness import load_robot
 from harness.authoring.commands import scene_of
-from harness_plugins.audit.search.page import cheats_page
+from harness_plugins.audit import cheats_page
 from harness_plugins.audit.search.replay import certify
 from tests.plugins.audit.search.certified import RUNS_ON, Line, drawn_of, film_of, finding_of, place_of
 from tests.report.conftest import barriers, driver, launch, show

@@ -8,8 +8,8 @@ import pytest
 
 from harness import load_robot
 from harness.authoring.commands import scene_of
+from harness_plugins.audit import cheats_page
 from harness_plugins.audit.search.film import Film
-from harness_plugins.audit.search.page import cheats_page
 from harness_plugins.audit.search.replay import certify
 from tests.plugins.audit.search.certified import (
     RUNS_ON,

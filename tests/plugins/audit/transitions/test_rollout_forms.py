@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from harness.payoff.rollout import record_rollouts
-from harness.payoff.score import score_rollout
+from harness.payoff import record_rollouts, score_rollout
 from harness.reach import ReachTask
 from harness.reward.forms import reward_class
 from harness_plugins.audit.distance import FORMS, SHAPING, compare_forms
