@@ -14,11 +14,10 @@ import pyarrow.parquet as pq
 from harness.files.bounded import digest_of
 from harness.files.sealed import seal
 from harness.files.sums import FIRST_LINE, SUMS, note_made
-from harness.record.cell import Cell
-from harness.record.folder import CARD, CHECKPOINT, DERIVED, LOG, MANIFEST, POLICY, SCORES, TRACE
-from harness.record.plan_file import EXPERIMENT, PLAN
+from harness.record import CELLS, DERIVED, EXPERIMENT, LOG, MANIFEST, PLAN, POLICY, REPORT, RESULTS, TRACE, Cell
+from harness.record.folder import CARD, CHECKPOINT, SCORES
 from harness.record.running import RUNNING
-from harness.record.store import CELLS, LOCK, REPORT, RESULTS
+from harness.record.store import LOCK
 from harness.record.verify import DAMAGED
 from harness_plugins.transfer.record import TRANSFER
 

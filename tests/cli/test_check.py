@@ -9,9 +9,10 @@ from typing import Any
 
 import pytest
 
-from harness.experiment.workers.order import Order, read_order
+from harness.experiment import Order
+from harness.experiment.workers.order import read_order
 from harness.experiment.workers.workers import News
-from harness.record.folder import partial_folder
+from harness.record import partial_folder
 from harness_plugins.kit.inspection.inspection import OUTPUT
 
 BLACK_BOX = Path(__file__).parents[2] / "examples" / "log-format" / "black_box.py"

@@ -8,8 +8,7 @@ import pytest
 
 from harness.cli.fail_on import NAMES, Said, decide, named_answers, status_of
 from harness.errors import UsageError
-from harness.eta.auc import RANKS
-from harness.eta.headline import Answer
+from harness.eta import RANKS, Answer
 from harness.screen import CANNOT_TELL, FAILING, LOITERING, NOTHING
 from tests.cli.test_logs import write_monitor
 

@@ -12,7 +12,7 @@ import pytest
 
 from harness.experiment.experiment import run
 from harness.files.keyed_file import machine_key, with_key
-from harness.record.folder import DERIVED, EVALUATION, MANIFEST, TRACE
+from harness.record import DERIVED, EVALUATION, MANIFEST, TRACE
 from tests.cli.forging import Forge, change, column, first_cell, in_manifest, in_plan, table
 
 ROWS = 3_000_000

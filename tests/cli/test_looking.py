@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from harness.experiment.experiment import run
-from harness.record.folder import DERIVED
+from harness.record import DERIVED
 
 LISTEN = """
 import json, os, sys

@@ -1,6 +1,6 @@
 """``harness merge`` as it is typed."""
 
-from harness.record.folder import TRACE
+from harness.record import TRACE
 
 
 def test_two_folders_become_one(harness, quick):

@@ -8,8 +8,9 @@ from rich.console import Console
 from harness.cli.progress import LiveProgress
 from harness.executor import Event
 from harness.progress import RETURN, SPEED, SUCCESS
-from harness.record.cell import BROUGHT, Cell
-from harness.registry.choice import Choice
+from harness.record import Cell
+from harness.record.cell import BROUGHT
+from harness.registry import Choice
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import pytest
 
-from harness.record.store import Store
+from harness.record import Store
 
 BAD = [
     ([], "harness run FILE.toml"),

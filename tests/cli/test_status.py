@@ -3,11 +3,10 @@
 import json
 from pathlib import Path
 
-from harness.experiment.plan import Plan, check_experiment, expand
+from harness.experiment import Plan, check_experiment, expand
+from harness.record import Store
 from harness.record.running import Running, write_running
-from harness.record.store import Store
-from harness.registry.given import read_given
-from harness.registry.registry import load_registry
+from harness.registry import load_registry, read_given
 
 
 def test_a_finished_run_is_all_done(harness, quick):

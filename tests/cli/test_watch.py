@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 
 from harness.errors import UsageError
+from harness.record import Store, read_trace
 from harness.record.blocks import BLOCKS
 from harness.record.returns import mean_return
 from harness.record.running import Running, write_running
-from harness.record.store import Store
-from harness.record.trace import read_trace
 from harness_plugins.audit import write_certificate
 from harness_plugins.watch.recorded import blocks_of_trace
 from harness_plugins.watch.trainings import source_of

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import harness
-from harness.authoring.substeps import Substeps
+from harness.authoring import Substeps
 from harness_plugins.arms.servo import ServoArms
 
 ROBOT = harness.load_robot("fd100")

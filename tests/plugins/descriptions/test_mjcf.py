@@ -8,8 +8,7 @@ import pinocchio
 import pytest
 
 from harness.errors import UsageError
-from harness.robot.kinematics import link_frames
-from harness.robot.robot import read_robot
+from harness.robot import link_frames, read_robot
 from harness_plugins.descriptions.mjcf import SPEEDS, Mjcf, _rotation, _rpy, _turn
 
 ARM = """<!-- A licence may stand here. -->

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness import load_robot
-from harness.env.ideal import IdealSimulation
+from harness.env import IdealSimulation
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.parity import Setting, compare_simulators
 from harness_plugins.parity.contenders import Contenders

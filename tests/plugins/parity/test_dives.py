@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.robot.ground_clearance import build_solids
-from harness.robot.kinematics import link_frames
+from harness.robot import build_solids, link_frames
 from harness_plugins.parity.motions import ACCELERATION, SPEED
 from harness_plugins.parity.orders import DEPTH, dive_motions
 

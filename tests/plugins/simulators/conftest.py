@@ -11,8 +11,7 @@ import pytest
 import harness
 from harness.motion import MoveJ
 from harness.registry import load_registry
-from harness.robot.shapes import attach_shapes, read_shapes
-from harness.robot.urdf import parse_urdf
+from harness.robot import attach_shapes, parse_urdf, read_shapes
 from harness.simulator import State
 
 REGISTRY = load_registry()

@@ -6,9 +6,9 @@ import pytest
 import harness
 from harness.reach import ReachTask
 from harness.registry import load_registry
-from harness.robot.robot import read_robot
-from harness.scene.picture import camera_for, corners_of, seen_of
-from harness.scene.scene import scene_of
+from harness.robot import read_robot
+from harness.scene import camera_for, scene_of
+from harness.scene.picture import corners_of, seen_of
 
 WIDTH, HEIGHT = 160, 120
 COLOURED = 60

@@ -14,6 +14,7 @@ import pytest
 import harness
 from harness.errors import UsageError
 from harness.registry import load_registry
+from harness.robot import parse_urdf
 from harness.robot.normal_urdf import normal_urdf
 from harness_plugins.bullet_arms import Clients, FreeArm, arm as bullet_arm, exact_timestep, file_of_arm
 from tests.robot.brought_arms import ARM, changed, read_arm

@@ -11,9 +11,7 @@ import pytest
 
 import harness
 from harness.errors import MissingSolid
-from harness.robot.ground_clearance import build_solids
-from harness.robot.kinematics import link_frames
-from harness.robot.robot import read_robot
+from harness.robot import build_solids, link_frames, read_robot
 from harness_plugins.simulators.pybullet import PyBullet
 
 Call = Callable[..., Any]

@@ -12,7 +12,7 @@ import harness
 from harness.authoring import ServoTrack
 from harness.errors import UsageError
 from harness.registry import choose, load_registry
-from harness.robot.robot import read_robot
+from harness.robot import read_robot
 from harness.simulator import State
 from harness_plugins.kit import SIMULATOR_CHECKS, violations
 from harness_plugins.mujoco_model import build_model

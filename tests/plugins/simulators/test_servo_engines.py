@@ -12,8 +12,8 @@ import pytest
 import harness
 from harness.errors import UsageError
 from harness.registry import choose, load_registry
-from harness.robot.energy import energy, read_bodies
-from harness.robot.robot import read_robot
+from harness.robot import read_bodies, read_robot
+from harness.robot.energy import energy
 from harness.simulator import State
 
 REGISTRY = load_registry()

@@ -8,7 +8,8 @@ from hypothesis import given, settings, strategies as st
 
 import harness
 from harness.goal import Situation
-from harness.robot.kinematics import axes_of_rotation, forward, rotation_between
+from harness.robot import forward
+from harness.robot.kinematics import axes_of_rotation, rotation_between
 from harness_plugins.tasks.pose import Pose
 
 ROBOT = harness.load_robot("fd100")

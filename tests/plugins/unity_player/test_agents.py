@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from harness import load_robot
-from harness.env.ideal import IdealSimulator
-from harness.env.vector_env import ReachVectorEnv
+from harness.env import IdealSimulator, ReachVectorEnv
 from harness.errors import UsageError
 from harness.registry import choose, load_registry
 from harness_plugins.environments.unity import Unity

@@ -6,7 +6,7 @@ import pytest
 import harness
 from harness import RecordRewards
 from harness.authoring.commands import Columns, World as Arm
-from harness.env.arm_observation import kinematics_policy
+from harness.env import kinematics_policy
 from harness.errors import UsageError
 from harness.payoff.rollout import Unpaid
 from harness.reach import ReachTask
