@@ -33,12 +33,13 @@ def nothing_allowed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(VARIABLE, "")
 
 
-@pytest.fixture
-def place(tmp_path: Path) -> Path:
+@pytest.fixture(scope="module")
+def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a module that leaves a trace when it is imported, and an experiment that names it."""
-    (tmp_path / "evil.py").write_text(EVIL)
-    (tmp_path / "experiment.toml").write_text(EXPERIMENT)
-    return tmp_path
+    folder = tmp_path_factory.mktemp("place")
+    (folder / "evil.py").write_text(EVIL)
+    (folder / "experiment.toml").write_text(EXPERIMENT)
+    return folder
 
 
 def harness(place: Path, *words: str) -> subprocess.CompletedProcess[str]:
@@ -92,18 +93,17 @@ def test_an_experiment_file_imports_nothing(place: Path):
     assert not (place / "ran").exists()
 
 
-def test_the_users_word_is_taken_anywhere_on_the_command_line(place: Path):
-    """The module is imported, in worker processes too."""
+@pytest.fixture(scope="module")
+def trained(place: Path) -> Path:
+    """The same folder with results, as the user's word lets the module be imported, in worker processes too."""
     ended = harness(place, "run", "experiment.toml", "--allow-import", "evil", "--out", "mine")
     assert ended.returncode == 0, ended.stderr
-    assert (place / "ran").exists()
+    (place / "ran").unlink()
+    return place
 
 
 @pytest.mark.parametrize("words", [("video", "mine"), ("report", "mine"), ("score", "mine", "--reward", "own")])
-def test_a_results_folder_imports_nothing(place: Path, words: tuple[str, ...]):
+def test_a_results_folder_imports_nothing(trained: Path, words: tuple[str, ...]):
     """Whoever made it chose the id."""
-    (place / "experiment.toml").write_text(EXPERIMENT)
-    assert harness(place, "run", "experiment.toml", "--allow-import", "evil", "--out", "mine").returncode == 0
-    (place / "ran").unlink()
-    harness(place, *words)
-    assert not (place / "ran").exists()
+    harness(trained, *words)
+    assert not (trained / "ran").exists()

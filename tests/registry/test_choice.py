@@ -9,8 +9,8 @@ import pytest
 from hypothesis import example, given, settings, strategies as st
 
 from harness.errors import UsageError
-from harness.registry.choice import Choice, build_defaults, build_named, choose, parse, split_list
-from harness.registry.registry import Registry, load_registry
+from harness.registry import Choice, Registry, build_defaults, choose, load_registry, parse, split_list
+from harness.registry.choice import build_named
 
 NAMES = st.from_regex(r"[a-z0-9][a-z0-9_-]{0,8}", fullmatch=True)
 KEYS = st.from_regex(r"[a-z_][a-z0-9_]{0,6}", fullmatch=True)

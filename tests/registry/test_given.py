@@ -9,19 +9,16 @@ from pathlib import Path
 import pytest
 
 from harness.errors import UsageError
-from harness.registry.choice import choose
-from harness.registry.given import (
-    PluginClass,
-    PluginFile,
-    class_given,
+from harness.registry import (
+    choose,
     given_from_json,
     given_to_json,
-    plugin_flags,
+    load_registry,
     read_given,
     require_given,
+    source_hash,
 )
-from harness.registry.registry import load_registry
-from harness.registry.sources import source_hash
+from harness.registry.given import PluginClass, PluginFile, class_given, plugin_flags
 
 REWARD = '''
 from dataclasses import dataclass
@@ -81,11 +78,14 @@ def _digest(path: Path) -> str:
 
 
 def test_sources_of_a_file_are_its_bytes(lay: Lay):
-    """The manifest names their SHA-256, wherever the text is loaded from."""
+    """As they were read: the manifest names their SHA-256, and the same text is one module in every process."""
     path = lay()
-    given = read_given([path])
-    target = load_registry([], given).get("rewards", "my_reward").load()
-    assert source_hash(target) == _digest(path) == given[0].need["sha256"]
+    (given,), digest = read_given([path]), _digest(path)
+    assert isinstance(given, PluginFile)
+    assert dataclasses.replace(given, path="/elsewhere/my_reward.py").module == given.module
+    target = load_registry([], [given]).get("rewards", "my_reward").load()
+    path.unlink()  # it may be edited or removed while cells run by it
+    assert source_hash(target) == digest == given.need["sha256"]
 
 
 def test_file_that_is_not_there_any_more_is_loaded_from_its_text(lay: Lay):
@@ -250,19 +250,3 @@ def test_flags_give_what_an_experiment_names(lay: Lay):
     assert plugin_flags(["my rewards/a.py", {"target": "a:B"}]) == " --plugin 'my rewards/a.py' --plugin a:B"
     assert plugin_flags(["a.py; rm x"]) == " --plugin 'a.py; rm x'"
     assert plugin_flags(None) == plugin_flags([5, {}]) == plugin_flags(5) == ""
-
-
-def test_same_text_is_one_module(lay: Lay):
-    """In every process."""
-    file = read_given([lay()])[0]
-    assert isinstance(file, PluginFile)
-    assert dataclasses.replace(file, path="/elsewhere/my_reward.py").module == file.module
-
-
-def test_what_counts_is_the_text_that_was_read(lay: Lay):
-    """The file may be edited or removed while cells run by it."""
-    path = lay()
-    digest = hashlib.sha256(path.read_bytes()).hexdigest()
-    loaded = load_registry(given=read_given([path])).get("rewards", "my_reward").load()
-    path.unlink()
-    assert source_hash(loaded) == digest

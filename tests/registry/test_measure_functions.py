@@ -13,10 +13,7 @@ from harness.log import Log
 from harness.measure import Measure, bounds_of, is_share, needs_of
 from harness.record.episode_facts import episode_facts
 from harness.record.trace import trace_of
-from harness.registry.choice import build_defaults
-from harness.registry.given import read_given
-from harness.registry.registry import Registry, load_registry
-from harness.registry.sources import fingerprint
+from harness.registry import Registry, build_defaults, fingerprint, load_registry, read_given
 from harness_plugins.kit import check_metric
 from harness_plugins.kit.metrics import recorded_trace
 

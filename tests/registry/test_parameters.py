@@ -8,8 +8,8 @@ import pytest
 from pydantic import Field
 
 from harness.errors import PluginError, UsageError
-from harness.registry.parameters import Parameter, build, parameters_of, resolved, values_of
-from harness.registry.registry import Registry
+from harness.registry import Registry, build, parameters_of, values_of
+from harness.registry.parameters import Parameter, resolved
 
 
 @dataclass(frozen=True)

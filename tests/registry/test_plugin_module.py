@@ -10,10 +10,9 @@ from pathlib import Path
 import pytest
 
 from harness.errors import UsageError
-from harness.registry.given import PluginFile, given_from_json, given_to_json, read_given
+from harness.registry import given_from_json, given_to_json, load_registry, read_given, source_hash
+from harness.registry.given import PluginFile
 from harness.registry.plugin_module import COPIES, OLD, _own_folder, file_behind, import_file
-from harness.registry.registry import load_registry
-from harness.registry.sources import source_hash
 
 Lay = Callable[[str, str], Path]
 REWARD = '''

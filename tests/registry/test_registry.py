@@ -11,10 +11,8 @@ import pytest
 
 from harness.errors import PluginError, UsageError
 from harness.hookspecs import KINDS
-from harness.registry import registry as module
-from harness.registry.names import did_you_mean, unknown_name
-from harness.registry.registry import VARIABLE, Plugin, Registry, Wanted, installed, load_registry
-from harness.registry.spec import OURS, Spec
+from harness.registry import OURS, Plugin, Registry, Spec, did_you_mean, load_registry, registry as module, unknown_name
+from harness.registry.registry import VARIABLE, Wanted, installed
 
 Write = Callable[..., EntryPoint]
 
@@ -38,7 +36,9 @@ def _only(registry: Registry) -> Plugin:
     return registry.plugins[0]
 
 
-def _assert_hook_registers(kind: str, write_plugin: Write) -> None:
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_a_hook_registers_is_of_its_kind_alone(write_plugin: Write, kind: str):
+    """Each kind has a hook of its name."""
     import json.decoder
 
     registry = load_registry([write_plugin(ONE_OF_EACH, "mine")])
@@ -46,81 +46,6 @@ def _assert_hook_registers(kind: str, write_plugin: Write) -> None:
     assert (spec.kind, spec.summary, spec.plugin) == (kind, f"a {kind}", "mine")
     assert spec.load() is json.decoder.JSONDecoder
     assert registry.names(kind) == [f"my-{kind}"]
-
-
-def test_register_simulators(write_plugin: Write):
-    """A name that is registered as a simulator is found among the simulators alone."""
-    _assert_hook_registers("simulators", write_plugin)
-
-
-def test_register_algorithms(write_plugin: Write):
-    """A name that is registered as an algorithm is found among the algorithms alone."""
-    _assert_hook_registers("algorithms", write_plugin)
-
-
-def test_register_rewards(write_plugin: Write):
-    """A name that is registered as a reward is found among the rewards alone."""
-    _assert_hook_registers("rewards", write_plugin)
-
-
-def test_register_metrics(write_plugin: Write):
-    """A name that is registered as a metric is found among the metrics alone."""
-    _assert_hook_registers("metrics", write_plugin)
-
-
-def test_register_robots(write_plugin: Write):
-    """A name that is registered as a robot is found among the robots alone."""
-    _assert_hook_registers("robots", write_plugin)
-
-
-def test_register_tasks(write_plugin: Write):
-    """A name that is registered as a task is found among the tasks alone."""
-    _assert_hook_registers("tasks", write_plugin)
-
-
-def test_register_executors(write_plugin: Write):
-    """A name that is registered as an executor is found among the executors alone."""
-    _assert_hook_registers("executors", write_plugin)
-
-
-def test_register_trackers(write_plugin: Write):
-    """A name that is registered as a tracker is found among the trackers alone."""
-    _assert_hook_registers("trackers", write_plugin)
-
-
-def test_register_logs(write_plugin: Write):
-    """A name that is registered as a format of logs is found among those alone."""
-    _assert_hook_registers("logs", write_plugin)
-
-
-def test_register_descriptions(write_plugin: Write):
-    """A name that is registered as a format of robots is found among those alone."""
-    _assert_hook_registers("descriptions", write_plugin)
-
-
-def test_register_screens(write_plugin: Write):
-    """A name that is registered as a screen is found among the screens alone."""
-    _assert_hook_registers("screens", write_plugin)
-
-
-def test_register_sections(write_plugin: Write):
-    """A name that is registered as a section is found among those alone."""
-    _assert_hook_registers("sections", write_plugin)
-
-
-def test_register_environments(write_plugin: Write):
-    """A name that is registered as an environment is found among the environments alone."""
-    _assert_hook_registers("environments", write_plugin)
-
-
-def test_register_commands(write_plugin: Write):
-    """A name that is registered as a command is found among the commands alone."""
-    _assert_hook_registers("commands", write_plugin)
-
-
-def test_every_hook_has_a_test_named_after_it():
-    """A new hook without its test is noticed here."""
-    assert {f"test_register_{kind}" for kind in KINDS} <= set(globals())
 
 
 def test_plugin_says_what_it_registered(write_plugin: Write):
@@ -178,21 +103,6 @@ BROKEN = {
 }
 
 
-@pytest.mark.parametrize(("source", "reason"), BROKEN.values(), ids=BROKEN)
-def test_broken_plugin_is_recorded_and_breaks_no_other(write_plugin: Write, source: str, reason: str):
-    """The reason is one line, nothing of the broken one is registered, and its neighbours load."""
-    broken, before, after = (
-        write_plugin(source, "broken", entry="m-broken"),
-        write_plugin(_reward("before"), "before", entry="a-before"),
-        write_plugin(_reward("after"), "after", entry="z-after"),
-    )
-    registry = load_registry([after, broken, before])
-    assert [plugin.status for plugin in registry.plugins] == ["ok", "broken", "ok"]
-    assert reason in registry.plugins[1].reason
-    assert "\n" not in registry.plugins[1].reason
-    assert registry.names("rewards") == ["after", "before"]
-
-
 def test_name_registered_before_a_hook_broke_is_not_kept(write_plugin: Write):
     """A plugin is loaded as a whole or not at all."""
     source = _reward("half") + "    raise RuntimeError\n"
@@ -223,15 +133,25 @@ INCOMPATIBLE = {
 }
 
 
-@pytest.mark.parametrize(("source", "reason"), INCOMPATIBLE.values(), ids=INCOMPATIBLE)
-def test_incompatible_plugin_is_recorded_and_breaks_no_other(write_plugin: Write, source: str, reason: str):
-    """A plugin for other interfaces registers nothing, and says why in one line."""
-    odd = write_plugin(source, "odd", entry="a-odd")
-    registry = load_registry([odd, write_plugin(_reward(), "good", entry="b-good")])
-    assert [plugin.status for plugin in registry.plugins] == ["incompatible", "ok"]
-    assert reason in registry.plugins[0].reason
-    assert "\n" not in registry.plugins[0].reason
-    assert registry.names("rewards") == ["mine"]
+@pytest.mark.parametrize(
+    ("status", "source", "reason"),
+    [("broken", *it) for it in BROKEN.values()] + [("incompatible", *it) for it in INCOMPATIBLE.values()],
+    ids=[*BROKEN, *INCOMPATIBLE],
+)
+def test_plugin_that_does_not_load_says_why_and_stops_no_other(
+    write_plugin: Write, status: str, source: str, reason: str
+):
+    """In one line; nothing of it is registered, and its neighbours load."""
+    names = ("after", "odd", "before")
+    after, odd, before = (
+        write_plugin(source if it == "odd" else _reward(it), it, entry=f"{at}-{it}")
+        for at, it in zip("zma", names, strict=True)
+    )
+    registry = load_registry([after, odd, before])
+    assert [plugin.status for plugin in registry.plugins] == ["ok", status, "ok"]
+    assert reason in registry.plugins[1].reason
+    assert "\n" not in registry.plugins[1].reason
+    assert registry.names("rewards") == ["after", "before"]
 
 
 def test_plugin_may_state_this_version_of_the_interfaces(write_plugin: Write):

@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from harness.registry import sources
-from harness.registry.sources import digest_of_modules, fingerprint, source_files, source_hash
+from harness.registry import fingerprint, source_hash, sources
+from harness.registry.sources import digest_of_modules, source_files
 from harness_plugins import fast_sac, soft_actor_critic
 from harness_plugins.algorithms import sac_fast
 from harness_plugins.algorithms.sac_fast import SacFast

@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 
 from harness.errors import UsageError
-from harness.registry.given import read_given, split_measures
-from harness.registry.registry import Registry, load_registry
+from harness.registry import Registry, load_registry, read_given, split_measures
 
 Lay = Callable[[str, str], Path]
 ONE = """

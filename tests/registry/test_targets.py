@@ -13,9 +13,8 @@ from harness.executor import Executor
 from harness.hookspecs import KINDS
 from harness.log import LogFormat
 from harness.measure import Measure
+from harness.registry import Registry, Spec, load_registry
 from harness.registry.members import MEMBERS, missing_members, require_members
-from harness.registry.registry import Registry, load_registry
-from harness.registry.spec import Spec
 from harness.registry.targets import examined, why_absent, why_unfit
 from harness.reward import Reward
 from harness.robot.description import DescriptionFormat

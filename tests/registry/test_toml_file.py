@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 
 from harness.errors import UsageError
-from harness.registry.toml_file import MOST_BYTES, MOST_DEPTH, read_toml
+from harness.registry import read_toml
+from harness.registry.toml_file import MOST_BYTES, MOST_DEPTH
 
 
 def test_an_override_wins_over_the_file(tmp_path: Path):

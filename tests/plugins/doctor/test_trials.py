@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from harness.registry.registry import load_registry
+from harness.registry import load_registry
 from harness_plugins.doctor import trials
 from harness_plugins.doctor.trials import Example, Trial, examples, half_installed, take_a_step, try_all
 
