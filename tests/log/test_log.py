@@ -28,17 +28,17 @@ class Source:
 
 
 @pytest.fixture(name="source")
-def _source() -> Source:
+def _source():
     return Source()
 
 
 @pytest.fixture(name="log")
-def _log(source: Source) -> Log:
+def _log(source):
     return Log(FACTS, ("a", "b"), source)
 
 
 @pytest.mark.parametrize("rows", [1, 2, 3, 4, 7, 10, 100])
-def test_pieces_are_all_rows_in_order(log: Log, rows: int):
+def test_pieces_are_all_rows_in_order(log, rows):
     """However the reader's tables fall on them; only the last one may be shorter."""
     pieces = list(log.pieces(["b", "a"], rows))
     assert [len(piece) for piece in pieces[:-1]] == [rows] * (len(pieces) - 1)
@@ -46,27 +46,27 @@ def test_pieces_are_all_rows_in_order(log: Log, rows: int):
     np.testing.assert_array_equal(np.concatenate([piece["b"] for piece in pieces]), 10 * np.arange(10))
 
 
-def test_a_column_is_read_once(log: Log, source: Source):
+def test_a_column_is_read_once(log, source):
     """And only it; the length needs no other."""
     np.testing.assert_array_equal(log["b"], 10 * np.arange(10))
     assert (len(log), log["b"][3]) == (10, 30)
     assert source.asked == [("b",)]
 
 
-def test_columns_are_loaded_in_one_pass(log: Log, source: Source):
+def test_columns_are_loaded_in_one_pass(log, source):
     """Those that are kept are not read again, and those that there are not are left out."""
     log.load(["a", "colour"]).load().load()
     assert source.asked == [("a",), ("b",)]
     assert log.rows()["b"][-1] == 90
 
 
-def test_unknown_column_says_what_there_is(log: Log):
+def test_unknown_column_says_what_there_is(log):
     """With the file's name."""
     with pytest.raises(UsageError, match=r"No column 'c'. runs/a.log has: a, b"):
         log["c"]
 
 
-def test_a_log_that_grows_stays_as_long_as_its_first_column(log: Log, source: Source):
+def test_a_log_that_grows_stays_as_long_as_its_first_column(log, source):
     """Columns that are read later lie beside it row for row."""
     assert len(log["a"]) == 10
     source.rows = 14
@@ -74,7 +74,7 @@ def test_a_log_that_grows_stays_as_long_as_its_first_column(log: Log, source: So
     assert len(Log(FACTS, ("a", "b"), source)) == 14
 
 
-def test_added_columns_stand_beside_the_others(log: Log):
+def test_added_columns_stand_beside_the_others(log):
     """In pieces too; a column of the same name is replaced, in the new log alone."""
     more = log.add({"a": -np.arange(10), "score/x": np.ones(10)})
     assert more.names == ("a", "b", "score/x")
@@ -83,7 +83,7 @@ def test_added_columns_stand_beside_the_others(log: Log):
     assert [piece["a"].tolist() for piece in more.pieces(["a", "b"], 6)][1] == [-6, -7, -8, -9]
 
 
-def test_part_has_the_rows_that_are_named(log: Log):
+def test_part_has_the_rows_that_are_named(log):
     """In that order, those of added columns too."""
     part = log.add({"c": np.arange(10.0)}).part(np.array([7, 2]))
     assert (part["b"].tolist(), part["c"].tolist(), len(part)) == ([70, 20], [7.0, 2.0], 2)

@@ -35,7 +35,7 @@ def test_a_header_that_comes_again_is_no_row():
 
 
 @pytest.mark.parametrize("ending", ["\n", "\r\n", "\r"])
-def test_lines_may_end_in_three_ways(ending: str):
+def test_lines_may_end_in_three_ways(ending):
     """Of Unix, of Windows, and of very old files."""
     table = parse_table(PATH, ending.join(["a,b", "1,2", "3,4", ""]))
     assert table.numbers("b").tolist() == [2.0, 4.0]
@@ -66,7 +66,7 @@ def test_a_last_line_in_quotes_may_end_with_nothing():
         ("a,b\n1,2,3\n", "line 2: it has 3 cells, and there are 2 columns"),
     ],
 )
-def test_what_is_no_table_is_refused(text: str, why: str):
+def test_what_is_no_table_is_refused(text, why):
     """With the line, where there is one."""
     with pytest.raises(SchemaError, match=why):
         parse_table(PATH, text)
@@ -81,7 +81,7 @@ def test_numbers_are_those_that_python_reads():
 
 
 @pytest.mark.parametrize("cell", ["inf", "-inf", "1e200", "x"])
-def test_what_is_no_finite_number_is_refused(cell: str):
+def test_what_is_no_finite_number_is_refused(cell):
     """Also where cells may lack a value."""
     with pytest.raises(SchemaError, match=f"line 3: column 'a' holds {cell}"):
         parse_table(PATH, f"a,b\n1,\n{cell},\n").numbers("a", may_lack=True)
@@ -104,7 +104,7 @@ def test_counts_and_truths_are_what_they_are():
         table.truths("s")
 
 
-def test_a_file_that_is_no_text_is_refused(tmp_path: Path):
+def test_a_file_that_is_no_text_is_refused(tmp_path):
     """In one line that names it."""
     path = tmp_path / "table.csv"
     path.write_bytes(b"a,b\n\xff\xfe,1\n")
@@ -112,7 +112,7 @@ def test_a_file_that_is_no_text_is_refused(tmp_path: Path):
         read_table(path)
 
 
-def test_a_header_is_read_from_the_file_where_the_head_is_too_short(tmp_path: Path):
+def test_a_header_is_read_from_the_file_where_the_head_is_too_short(tmp_path):
     """And is nothing where the file cannot be read."""
     path = tmp_path / "table.csv"
     names = tuple(f"column {number}" for number in range(1000))

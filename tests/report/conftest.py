@@ -2,7 +2,7 @@
 
 import functools
 import shutil
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
@@ -22,7 +22,7 @@ from harness.record.trace import COLUMN, FLAGS, INTEGERS, SCALARS, TraceWriter, 
 from harness.registry.choice import Choice, choose
 from harness.registry.registry import Registry, load_registry
 from harness.results import Results, load_results
-from harness.score.compare import ComparedRuns, compare_logs
+from harness.score.compare import compare_logs
 from harness.score.open_steps import match_steps
 from harness.score.scorer import pay_log
 
@@ -55,14 +55,14 @@ DIP_AND_CLIMB: Run = (9, 30)
 
 
 @pytest.fixture(scope="session")
-def build(tmp_path_factory: pytest.TempPathFactory) -> Build:
+def build(tmp_path_factory):
     """Writes a new experiment's folder and opens it; see `build_results`.
 
     What was asked for before is copied, together with what the first report kept: each test has a folder of its own.
     """
     written: dict[str, Path] = {}
 
-    def build_anew_or_copy(**given: Any) -> Results:
+    def build_anew_or_copy(**given):
         folder = tmp_path_factory.mktemp("experiment")
         if "reached" in given:  # functions, which have no name to be known by
             return build_results(folder, **given)
@@ -81,7 +81,7 @@ MIXTURE = "1 of 6 cells was made by another sac (9340a572; the others f96dd784):
 
 
 @pytest.fixture
-def mixed(build: Build) -> Results:
+def mixed(build):
     """Three seeds of two rewards; the algorithm was edited after the first training."""
     results = build(environment={**ENVIRONMENT, "sources": {"algorithms": NEW}})
     first = results.manifests[0]
@@ -261,10 +261,10 @@ RECORDED = {
 
 
 @pytest.fixture
-def compare(tmp_path: Path) -> Callable[..., ComparedRuns]:
+def compare(tmp_path):
     """Compares two groups of two recorded runs each, of which the last `columns` columns are recorded."""
 
-    def compare_files(columns: int = 6, **flags: Any) -> ComparedRuns:
+    def compare_files(columns=6, **flags):
         groups = []
         for name, rows in RECORDED.items():
             (tmp_path / name).mkdir(exist_ok=True)
@@ -278,7 +278,7 @@ def compare(tmp_path: Path) -> Callable[..., ComparedRuns]:
 
 
 @pytest.fixture(scope="module")
-def driver() -> Iterator[Any]:
+def driver():
     """Playwright, where it and a Chromium are installed."""
     playwright = pytest.importorskip("playwright.sync_api", reason="playwright is missing: pip install playwright")
     if BROWSER is None:
@@ -288,11 +288,11 @@ def driver() -> Iterator[Any]:
 
 
 @pytest.fixture(scope="module")
-def launch(driver: Any) -> Iterator[Callable[..., Any]]:
+def launch(driver):
     """Starts the browser with some flags, once for the same flags."""
     started: dict[tuple[str, ...], Any] = {}
 
-    def start(*flags: str) -> Any:
+    def start(*flags):
         if flags not in started:
             started[flags] = driver.chromium.launch(executable_path=BROWSER, args=["--no-sandbox", *flags])
         return started[flags]
@@ -303,11 +303,11 @@ def launch(driver: Any) -> Iterator[Callable[..., Any]]:
 
 
 @pytest.fixture
-def show(launch: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
+def show(launch):
     """Opens an address; what the browser complained of and asked for are the page's ``complaints`` and ``requests``."""
     contexts = []
 
-    def open_page(address: str, width: int = 1440, scheme: str = "light", flags: Sequence[str] = tuple(WEBGL)) -> Any:
+    def open_page(address, width=1440, scheme="light", flags=tuple(WEBGL)):
         context = launch(*flags).new_context(viewport={"width": width, "height": 900}, color_scheme=scheme)
         contexts.append(context)
         page = context.new_page()
@@ -324,11 +324,11 @@ def show(launch: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
 
 
 @pytest.fixture
-def barriers() -> Callable[[Any], list[str]]:
+def barriers():
     """What axe finds on a page that keeps people out, serious or critical: the rule and the places."""
     axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="pip install axe-playwright-python").Axe()
 
-    def find(page: Any) -> list[str]:
+    def find(page):
         found = [it for it in axe.run(page).response["violations"] if it["impact"] in GRAVE]
         return [f"{it['id']}: {node['html'][:200]}: {node['failureSummary']}" for it in found for node in it["nodes"]]
 

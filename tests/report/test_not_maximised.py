@@ -4,13 +4,12 @@ The toy pays for large actions. Its policies have not learned, and act near 0.
 """
 
 import json
-from collections.abc import Callable
 from dataclasses import replace
 from io import StringIO
 from pathlib import Path
 
 import pytest
-from rich.console import Console, RenderableType
+from rich.console import Console
 
 from harness.eta.verdict.ruling import Ruling
 from harness.executor import CellOptions
@@ -34,7 +33,7 @@ TOLD = "large was not maximised: it pays random actions more than the policies o
 
 
 @pytest.fixture(scope="module", name="results")
-def _results(tmp_path_factory: pytest.TempPathFactory) -> Results:
+def _results(tmp_path_factory):
     return _done(tmp_path_factory.mktemp("swing"), seeds=5)
 
 
@@ -54,7 +53,7 @@ def _words(text: str) -> str:
     return " ".join(text.split())
 
 
-def test_what_is_paid_is_what_was_recorded(results: Results):
+def test_what_is_paid_is_what_was_recorded(results):
     """By the reward that trained, in the evaluations; beside the mean over the episodes of random actions."""
     (comparison,) = results.combinations
     large, small = comparison.measured.paid
@@ -64,14 +63,14 @@ def test_what_is_paid_is_what_was_recorded(results: Results):
     assert (small.reward, small.at_random) == ("small", -large.at_random)
 
 
-def test_the_reward_that_random_actions_please_more_is_named(results: Results):
+def test_the_reward_that_random_actions_please_more_is_named(results):
     """And not the other one, which pays its policies more."""
     (comparison,) = results.combinations
     (told,) = comparison.not_maximised
     assert told.startswith(TOLD)
 
 
-def test_json_says_it(results: Results):
+def test_json_says_it(results):
     """With the numbers behind it."""
     (comparison,) = json.loads(report_text(results))["combinations"]
     assert [told.startswith(TOLD) for told in comparison["not_maximised"]] == [True]
@@ -79,14 +78,14 @@ def test_json_says_it(results: Results):
 
 
 @pytest.mark.parametrize("table", [lambda results: overview_table(results, "more"), comparison_table])
-def test_the_terminal_says_it(results: Results, table: Callable[[Results], RenderableType]):
+def test_the_terminal_says_it(results, table):
     """At a glance, and with all details."""
     output = StringIO()
     Console(file=output, width=80).print(table(results))
     assert _words(output.getvalue()).count(TOLD) == 1
 
 
-def test_page_and_summary_say_it(results: Results, tmp_path: Path):
+def test_page_and_summary_say_it(results, tmp_path):
     """Beside the answer."""
     write_html(results, tmp_path / "report.html")
     assert TOLD in _words((tmp_path / "report.html").read_text())
@@ -94,13 +93,13 @@ def test_page_and_summary_say_it(results: Results, tmp_path: Path):
     assert TOLD in (tmp_path / "summary" / "summary.md").read_text()
 
 
-def test_nothing_is_claimed_while_trainings_are_to_come(results: Results):
+def test_nothing_is_claimed_while_trainings_are_to_come(results):
     """Who looks again and again would find something."""
     (comparison,) = results.combinations
     assert replace(comparison, answer=replace(comparison.answer, ruling=Ruling(missing=2))).not_maximised == ()
 
 
-def test_a_race_says_it_once(tmp_path: Path):
+def test_a_race_says_it_once(tmp_path):
     """As `harness choose` prints it."""
     results = _done(tmp_path, until="best", looks=[4, 5], algo="sac-fast:net_arch=4,learning_starts=16,batch_size=4")
     told = race_told(results)

@@ -3,8 +3,6 @@
 import re
 from pathlib import Path
 
-import pytest
-
 from harness.eta.headline import Answer
 from tests.report.situations import SITUATIONS, judged, whole_text
 
@@ -29,7 +27,7 @@ def test_every_answer_has_a_situation():
     assert set(Answer) - answers == {Answer.LEARNS_SLOWER}
 
 
-def test_a_word_of_better_or_worse_stands_only_where_a_test_decided(subtests: pytest.Subtests):
+def test_a_word_of_better_or_worse_stands_only_where_a_test_decided(subtests):
     """In the sentence and on the card."""
     for situation in SITUATIONS:
         with subtests.test(situation=situation):

@@ -6,7 +6,7 @@ from hypothesis import given, strategies as st
 from harness.report.typography import Piece, pieces_of, to_html, typeset
 
 
-def test_a_sign_is_set(subtests: pytest.Subtests):
+def test_a_sign_is_set(subtests):
     """What a keyboard lacks."""
     rows = [
         ("ruler x behaviour", "ruler × behaviour"),
@@ -23,7 +23,7 @@ def test_a_sign_is_set(subtests: pytest.Subtests):
             assert typeset(plain) == printed
 
 
-def test_what_people_type_stays(subtests: pytest.Subtests):
+def test_what_people_type_stays(subtests):
     """The mutants: labels, dates, ranges and words that look like signs or units."""
     for text in [
         "arp:k2=-2",
@@ -51,7 +51,7 @@ def test_what_people_type_stays(subtests: pytest.Subtests):
         ("", []),
     ],
 )
-def test_a_symbol_has_its_subscript(text: str, pieces: list[Piece]):
+def test_a_symbol_has_its_subscript(text, pieces):
     """A word that only contains one stays."""
     assert pieces_of(text) == pieces
 
@@ -62,6 +62,6 @@ def test_html_is_escaped_and_has_subscripts():
 
 
 @given(st.text(alphabet="x-><=e^0159.% msN_IPetaη[](", max_size=30))
-def test_setting_again_changes_nothing(text: str):
+def test_setting_again_changes_nothing(text):
     """A text may pass through twice."""
     assert typeset(typeset(text)) == typeset(text)

@@ -1,38 +1,75 @@
-"""A small experiment, made by hand."""
+"""Small experiments, made by hand."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from harness.experiment.plan import Plan
-from harness.record.cell import Cell
+from harness.experiment.plan import check_experiment, expand
 from harness.record.store import Store
-from harness.record.terms import Terms
-from harness.registry.registry import Registry, load_registry
-from tests.results.folders import ARP, ARP_RUNS, BASELINE_RUNS, finish
-from tests.results.in_looks import Folder, folder_in_looks
+from harness.registry.registry import load_registry
+from harness.results import Results
+from tests.results.folders import ARP, ARP_RUNS, BASELINE, BASELINE_RUNS, finish
+from tests.results.gentle import run_gentle
+from tests.results.in_looks import folder_in_looks
+
+TOY = {
+    "sim": "ideal", "algo": "narrate", "task": "fd100-reach:horizon=5", "seeds": 2, "steps": 12,
+    "evaluation_episodes": 3, "reward": "arp,dense",
+}  # fmt: skip
 
 
-@pytest.fixture(scope="module")
-def registry() -> Registry:
+@pytest.fixture(scope="session")
+def registry():
     """The installed plugins, their metrics above all."""
     return load_registry()
 
 
 @pytest.fixture
-def experiment(make_cell: Callable[..., Cell], make_plan: Callable[..., Plan], tmp_path: Path) -> Store:
-    """Three seeds of both rewards, all done."""
-    cells = [make_cell(seed=seed, reward=reward) for seed in range(3) for reward in (make_cell().reward, ARP)]
-    store = Store.create(tmp_path, make_plan(*cells))
-    for cell in cells:
-        finish(store, cell, (ARP_RUNS if cell.reward == ARP else BASELINE_RUNS)[cell.seed])
-    return store
+def both(make_cell):
+    """Cells of two rewards for each of so many seeds."""
+    return lambda seeds, rewards=(BASELINE, ARP), **fields: [
+        make_cell(seed=seed, reward=reward, **fields) for seed in range(seeds) for reward in rewards
+    ]
 
 
 @pytest.fixture
-def folder_of(
-    make_cell: Callable[..., Cell], make_plan: Callable[..., Plan], registry: Registry, tmp_path: Path
-) -> Callable[[Terms], Folder]:
+def made(make_plan, registry, tmp_path):
+    """Opens an experiment of cells, each left as `how` says, see `finish`; one of which it says None has not run."""
+
+    def make(cells, how=lambda cell: {}, *, plugins=registry, **plan):
+        store = Store.create(tmp_path / "made", make_plan(*cells, **plan))
+        for cell in cells:
+            if (given := how(cell)) is not None:
+                finish(store, cell, **given)
+        return Results(store.folder, plugins)
+
+    return make
+
+
+@pytest.fixture
+def experiment(both, made):
+    """Three seeds of both rewards, all done."""
+    return made(both(3), lambda cell: {"distances": (ARP_RUNS if cell.reward == ARP else BASELINE_RUNS)[cell.seed]})
+
+
+@pytest.fixture
+def folder_of(make_cell, make_plan, registry, tmp_path):
     """An experiment that trains in looks, nothing done yet."""
     return lambda terms: folder_in_looks(terms, make_cell, make_plan, registry, tmp_path)
+
+
+@pytest.fixture(scope="session")
+def ran(tmp_path_factory) -> Path:
+    """Trainings with a reward that has terms, and with the baseline."""
+    return run_gentle(tmp_path_factory.mktemp("gentle"), reward=["gentle"])
+
+
+@pytest.fixture
+def ran_toys(toys, run_once, run_here, tmp_path):
+    """Two seeds of some rewards, run by a toy; anew, or copied where a test ran the same before."""
+
+    def run(*, anew=False, **given):
+        asked = {**TOY, **given}
+        return (run_here if anew else run_once)(expand(check_experiment(asked), toys), tmp_path / "out")
+
+    return run

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from harness.record.cell import Cell
-from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, TRACE, other_manner
 from harness.record.manifest import Manifest
 from harness.record.store import Store
 from harness.record.trace import COLUMN, SCALARS, TraceWriter
@@ -47,7 +46,7 @@ def fail(store: Store, cell: Cell, reason: str) -> None:
 def finish(
     store: Store,
     cell: Cell,
-    distances: Sequence[float],
+    distances: Sequence[float] = (1.0, 0.5),
     trained: Sequence[bool] = (True,),
     floor: Sequence[bool] = (False,),
     rewards: Sequence[float] | None = None,
@@ -70,14 +69,13 @@ def finish(
         rewards = paid(distances, dict(cell.reward.params).get("k2", 1.0))
     folder = store.cell_folder(cell)
     folder.mkdir()
-    _write_training(folder / TRACE, distances, rewards)
-    _write_evaluation(folder / EVALUATION, trained)
-    _write_evaluation(folder / RANDOM, floor)
+    _write_training(folder / "trace.parquet", distances, rewards)
+    evaluations = {"evaluation": trained, "random": floor}
     if otherwise is not None:
-        _write_evaluation(folder / other_manner(cell.deterministic), otherwise)
-    for steps, reached in learned.items():
-        (folder / EVALUATIONS).mkdir(exist_ok=True)
-        _write_evaluation(folder / EVALUATIONS / f"{steps}.parquet", reached)
+        evaluations["stochastic" if cell.deterministic else "deterministic"] = otherwise
+    (folder / "evaluations").mkdir()
+    for name, reached in {**evaluations, **{f"evaluations/{steps}": it for steps, it in learned.items()}}.items():
+        _write_evaluation(folder / f"{name}.parquet", reached)
     Manifest(cell, status="done", started=f"2026-01-01T00:00:{cell.seed % 60:02}+00:00", seconds=1.5).write(folder)
 
 

@@ -1,46 +1,40 @@
 """One reward alone: what it paid for."""
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from harness.record.folder import TRACE
 from harness.record.trace import read_trace
-from harness.results import Results, load_results
+from harness.results import load_results
 from tests.results.gentle import GENTLE, run_gentle
 
 
-@pytest.fixture(name="ran", scope="module")
-def _ran(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return run_gentle(tmp_path_factory.mktemp("alone"), reward=["gentle"], baseline="none")
-
-
-@pytest.fixture(name="results")
-def _results(ran: Path) -> Results:
+@pytest.fixture(name="results", scope="module")
+def _results(tmp_path_factory):
+    ran = run_gentle(tmp_path_factory.mktemp("alone"), reward=["gentle"], baseline="none")
     return load_results(ran, plugins=[ran.parent / GENTLE])
 
 
-def test_nothing_is_compared(results: Results):
+def test_nothing_is_compared(results):
     """There is one reward, and its trainings are told."""
     (alone,) = results.alone
     assert results.combinations == ()
     assert (alone.reward, alone.seeds) == ("gentle", (0, 1, 2))
 
 
-def test_pay_at_the_start_is_that_of_the_first_tenth_of_the_episodes(results: Results):
+def test_pay_at_the_start_is_that_of_the_first_tenth_of_the_episodes(results):
     """Worked out apart, from the traces."""
     means = []
     for cell in results.done_cells:
-        trace = read_trace(results.store.cell_folder(cell) / TRACE)
+        trace = read_trace(results.store.cell_folder(cell) / "trace.parquet")
         ended = sorted(trace.episodes, key=lambda rows: rows[-1])
         first = ended[: max(1, round(0.1 * len(ended)))]
         means.append(np.mean([trace["reward"][rows].sum() for rows in first]))
     assert results.alone[0].paid.start.mean == pytest.approx(np.mean(means), rel=1e-12)
 
 
-def test_measures_have_every_stage(results: Results):
+def test_measures_have_every_stage(results):
     """What decides in a comparison comes first; random actions stand beside it."""
     first, second = results.alone[0].behaviour[:2]
     assert (first.measure.name, second.measure.name) == ("success_rate", "time_to_target")
@@ -48,19 +42,19 @@ def test_measures_have_every_stage(results: Results):
     assert all(value is not None and value > 0.0 for value in told)
 
 
-def test_terms_are_those_of_the_reward_alone(results: Results):
+def test_terms_are_those_of_the_reward_alone(results):
     """Beside no baseline."""
     (found,) = results.terms
     assert (found.baseline, found.is_compared, found.never) == ("", False, ("dock",))
 
 
-def test_json_has_all_of_it(results: Results):
+def test_json_has_all_of_it(results):
     """Plain data, without a number that JSON does not have."""
     told = json.loads(json.dumps(results.alone[0].to_json(), allow_nan=False))
     assert set(told) >= {"reward", "seeds", "return", "behaviour", "learning"}
     assert len(told["learning"]["success_rate"]) == 20
 
 
-def test_two_rewards_are_not_alone(tmp_path: Path):
+def test_two_rewards_are_not_alone(ran):
     """They are compared."""
-    assert load_results(run_gentle(tmp_path, reward=["gentle"], seeds=1, steps=60)).alone == ()
+    assert load_results(ran).alone == ()

@@ -1,7 +1,6 @@
 """One proposed reward against the baseline."""
 
 import json
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -16,7 +15,7 @@ from harness.eta.index import Ratio
 from harness.eta.scored_sums import BB, BK, KB, KK
 from harness.eta.swaps import swaps_of
 from harness.eta.verdict.ruling import Ruling
-from harness.record.cell import BROUGHT, Cell
+from harness.record.cell import BROUGHT
 from harness.registry.choice import Choice
 from harness.results.comparison import Behaviour, Comparison, Group, Judged, Number, StepChange
 from harness.results.verdicts import with_verdicts
@@ -48,7 +47,7 @@ SEEDS = tuple(range(6))
 
 
 @pytest.fixture(name="combination")
-def _combination() -> Comparison:
+def _combination():
     return Comparison(
         GROUP,
         "baseline",
@@ -63,11 +62,11 @@ def _combination() -> Comparison:
 
 
 @pytest.fixture(name="empty")
-def _empty() -> Comparison:
+def _empty():
     return Comparison(GROUP, "baseline", "arp", (), number=Number(why_none="no training with baseline is done"))
 
 
-def test_cells_that_differ_are_in_other_groups(make_cell: Callable[..., Cell], subtests: pytest.Subtests):
+def test_cells_that_differ_are_in_other_groups(make_cell, subtests):
     """Whatever decides a result, reward and seed apart."""
     for field in ["simulator", "robot", "task", "algorithm", "steps", "evaluation_episodes", "evaluate_every"]:
         with subtests.test(field=field):
@@ -75,19 +74,19 @@ def test_cells_that_differ_are_in_other_groups(make_cell: Callable[..., Cell], s
             assert Group.of(make_cell()) != Group.of(make_cell(**{field: other}))
 
 
-def test_manners_of_evaluation_are_not_mixed(make_cell: Callable[..., Cell]):
+def test_manners_of_evaluation_are_not_mixed(make_cell):
     """Policies that drew their actions are not compared with some that did not, and the group says which."""
     groups = [Group.of(make_cell(deterministic=given)) for given in (True, False)]
     assert [group.manner for group in groups] == ["deterministically", "stochastically"]
     assert [group.to_json()["deterministic"] for group in groups] == [True, False]
 
 
-def test_rewards_and_seeds_share_a_group(make_cell: Callable[..., Cell]):
+def test_rewards_and_seeds_share_a_group(make_cell):
     """They are what is compared."""
     assert Group.of(make_cell()) == Group.of(make_cell(seed=7, reward=Choice("arp")))
 
 
-def test_rewards_are_what_is_compared_in_a_combination(make_cell: Callable[..., Cell]):
+def test_rewards_are_what_is_compared_in_a_combination(make_cell):
     """So its group has a simulator and no reward; that of policies from several simulators has it the other way."""
     cell = make_cell()
     group, policies = Group.of(cell), Group.of(cell, compared="simulator")
@@ -104,7 +103,7 @@ def test_title_names_all_that_is_shared():
     assert list(GROUP.to_json()) == ["simulator", "algorithm", "robot", "task", "steps", "deterministic"]
 
 
-def test_runs_are_split_where_both_were_scored(combination: Comparison, empty: Comparison):
+def test_runs_are_split_where_both_were_scored(combination, empty):
     """By the other's reward; without it, or without a seed, they are not."""
     alone = decompose({pair: CURVES[pair] for pair in (BB, KK)})
     assert combination.number.is_split
@@ -112,7 +111,7 @@ def test_runs_are_split_where_both_were_scored(combination: Comparison, empty: C
     assert not empty.number.is_split
 
 
-def test_etas_and_indices_are_the_decompositions(combination: Comparison):
+def test_etas_and_indices_are_the_decompositions(combination):
     """They are at hand without it."""
     found = combination.number.decomposition
     assert (combination.number.eta_n, combination.number.eta_p) == (found.eta_n, found.eta_p)
@@ -120,13 +119,13 @@ def test_etas_and_indices_are_the_decompositions(combination: Comparison):
     assert combination.to_json()["proposed_index"] == found.proposed.to_json()
 
 
-def test_success_is_found_among_the_changes(combination: Comparison, empty: Comparison):
+def test_success_is_found_among_the_changes(combination, empty):
     """By its name, in the manner that decides; there may be none."""
     assert combination.decisive is CHANGES[1]
     assert empty.decisive is None
 
 
-def test_manner_with_the_most_episodes_decides(combination: Comparison, subtests: pytest.Subtests):
+def test_manner_with_the_most_episodes_decides(combination, subtests):
     """Of equally many the cells' own; a training, which explores, never does."""
     rows = [
         (True, {"deterministic": 20, "stochastic": 20, "while training": 900}, "deterministic"),
@@ -145,7 +144,7 @@ def test_manner_with_the_most_episodes_decides(combination: Comparison, subtests
             )
 
 
-def test_deciding_manner_gives_the_answer(combination: Comparison):
+def test_deciding_manner_gives_the_answer(combination):
     """The policies get better acting one way and worse the other."""
     assert ruled(combination).headline.answer is Answer.HELPS
     drawn = replace(
@@ -160,7 +159,7 @@ def ruled(comparison: Comparison) -> Comparison:
     return found
 
 
-def test_an_evaluation_on_the_way_is_a_hint(combination: Comparison):
+def test_an_evaluation_on_the_way_is_a_hint(combination):
     """Better or worse by its corrected p, and no answer."""
     none, worse = (StepChange(5, (change("success_rate", "after 5 steps", value),)) for value in (0.5, 0.25))
     assert none.answer == "cannot tell"
@@ -169,14 +168,14 @@ def test_an_evaluation_on_the_way_is_a_hint(combination: Comparison):
     assert (told["steps"], told["answer"], [it["name"] for it in told["behaviour"]]) == (5, "worse", ["success_rate"])
 
 
-def test_null_control_names_its_sides_apart(combination: Comparison):
+def test_null_control_names_its_sides_apart(combination):
     """Both are the baseline."""
     control = replace(combination, proposed="baseline")
     assert control.is_control
     assert "75.2% with baseline (other seeds), 50.2% with baseline; " in control.headline.robot
 
 
-def test_questions_decide_how_many_seeds_it_takes(combination: Comparison):
+def test_questions_decide_how_many_seeds_it_takes(combination):
     """More questions asked together, more seeds at most."""
     unsure = replace(
         combination, measured=replace(combination.measured, changes=(change("success_rate", "deterministic", 0.5),))
@@ -189,7 +188,7 @@ def test_questions_decide_how_many_seeds_it_takes(combination: Comparison):
     assert few[1] < many[1]
 
 
-def test_outcomes_are_those_of_every_claim(combination: Comparison, empty: Comparison):
+def test_outcomes_are_those_of_every_claim(combination, empty):
     """Both etas first, then measures, then those along the budget."""
     moment = StepChange(5, (change("success_rate", "after 5 steps", 0.5),))
     found = replace(combination, measured=replace(combination.measured, along=(moment,))).outcomes
@@ -198,7 +197,7 @@ def test_outcomes_are_those_of_every_claim(combination: Comparison, empty: Compa
     assert empty.outcomes == []
 
 
-def test_without_a_seed_the_reason_stands_everywhere(empty: Comparison):
+def test_without_a_seed_the_reason_stands_everywhere(empty):
     """In both ratios, in the answer, and nowhere a number."""
     reason = "no training with baseline is done"
     assert empty.number.eta_n == empty.number.eta_p == Ratio(None, notes=(reason,))
@@ -207,7 +206,7 @@ def test_without_a_seed_the_reason_stands_everywhere(empty: Comparison):
     assert empty.headline.robot == f"Nothing to compare: {reason}."
 
 
-def test_json_is_plain_and_the_same_with_and_without_seeds(combination: Comparison, empty: Comparison):
+def test_json_is_plain_and_the_same_with_and_without_seeds(combination, empty):
     """The same keys in the same order, without NaN and without curves."""
     full, nothing = (json.loads(json.dumps(one.to_json(), allow_nan=False)) for one in (combination, empty))
     assert list(full) == list(nothing)
@@ -217,7 +216,7 @@ def test_json_is_plain_and_the_same_with_and_without_seeds(combination: Comparis
     assert (full["claims"], full["episodes"]) == (5, {"deterministic": 20})
 
 
-def test_repr_is_a_line(combination: Comparison, empty: Comparison):
+def test_repr_is_a_line(combination, empty):
     """What was compared, where, in how many seeds, and the answer; a comparison holds curves of every step."""
     assert repr(combination) == (
         "<Comparison in ideal · wander · fd100 · fd100-reach: arp against baseline, 6 seeds: cannot tell>"
@@ -225,7 +224,7 @@ def test_repr_is_a_line(combination: Comparison, empty: Comparison):
     assert "0 seeds" in repr(empty)
 
 
-def test_notebook_gets_both_answers(combination: Comparison):
+def test_notebook_gets_both_answers(combination):
     """In words, escaped."""
     told = replace(combination, proposed="<b>")._repr_html_()
     assert told.count("<p>") == 3

@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -27,7 +26,7 @@ class Maker:
 
 
 @pytest.fixture(name="open_kept")
-def _open_kept(tmp_path: Path) -> Callable[[], Kept]:
+def _open_kept(tmp_path):
     """Opens what is kept of one cell, as a new process does."""
     (tmp_path / "cell").mkdir()
     (tmp_path / "cell" / "file").write_text("content")
@@ -35,7 +34,7 @@ def _open_kept(tmp_path: Path) -> Callable[[], Kept]:
 
 
 @pytest.fixture(name="folder")
-def _folder(tmp_path: Path) -> Path:
+def _folder(tmp_path):
     return tmp_path / DERIVED / "cell"
 
 
@@ -49,34 +48,34 @@ def made_again(open_kept: Callable[[], Kept], made_of: str = "x") -> list[int]:
     return [number.calls, rewards.calls]
 
 
-def test_made_once(open_kept: Callable[[], Kept]):
+def test_made_once(open_kept):
     """And found from then on."""
     assert made_again(open_kept) == [1, 1]
     assert made_again(open_kept) == [0, 0]
 
 
-def test_what_follows_from_something_else_is_made_again(open_kept: Callable[[], Kept]):
+def test_what_follows_from_something_else_is_made_again(open_kept):
     """Another file, another plugin: another digest."""
     made_again(open_kept, "x")
     assert made_again(open_kept, "y") == [1, 1]
     assert made_again(open_kept, "y") == [0, 0]
 
 
-def test_rewards_of_before_are_removed(open_kept: Callable[[], Kept], folder: Path):
+def test_rewards_of_before_are_removed(open_kept, folder):
     """A folder does not fill with what nobody asks for any more."""
     made_again(open_kept, "x")
     made_again(open_kept, "y")
     assert len(list(folder.glob("*.array"))) == 1
 
 
-def test_other_code_makes_all_again(open_kept: Callable[[], Kept], monkeypatch: pytest.MonkeyPatch):
+def test_other_code_makes_all_again(open_kept, monkeypatch):
     """What turns files into results may be another in the next version."""
     made_again(open_kept)
     monkeypatch.setattr(module, "_code", lambda: "another")
     assert made_again(open_kept) == [1, 1]
 
 
-def test_damaged_files_are_made_again(open_kept: Callable[[], Kept], folder: Path):
+def test_damaged_files_are_made_again(open_kept, folder):
     """Nothing of them is believed."""
     made_again(open_kept)
     for path in folder.iterdir():
@@ -87,21 +86,21 @@ def test_damaged_files_are_made_again(open_kept: Callable[[], Kept], folder: Pat
     assert made_again(open_kept) == [0, 0]
 
 
-def test_files_of_another_cell_are_not_believed(open_kept: Callable[[], Kept], folder: Path, tmp_path: Path):
+def test_files_of_another_cell_are_not_believed(open_kept, folder, tmp_path):
     """Whole as they are."""
     made_again(open_kept)
     folder.rename(folder.with_name("other"))
     assert made_again(lambda: Kept(tmp_path, "other", tmp_path / "other", {})) == [1, 1]
 
 
-def test_folder_that_allows_no_writing_keeps_nothing(open_kept: Callable[[], Kept], tmp_path: Path):
+def test_folder_that_allows_no_writing_keeps_nothing(open_kept, tmp_path):
     """And nothing fails: here a file stands where the folder would be."""
     (tmp_path / DERIVED).write_text("")
     assert made_again(open_kept) == [1, 1]
     assert made_again(open_kept) == [1, 1]
 
 
-def test_link_is_not_followed(open_kept: Callable[[], Kept], folder: Path, tmp_path: Path):
+def test_link_is_not_followed(open_kept, folder, tmp_path):
     """A stranger's folder may point anywhere: nothing is written there."""
     elsewhere = tmp_path / "elsewhere"
     elsewhere.mkdir()
@@ -111,7 +110,7 @@ def test_link_is_not_followed(open_kept: Callable[[], Kept], folder: Path, tmp_p
 
 
 @pytest.mark.parametrize("number", [None, 3, 0.1, True, float("inf"), np.float64(0.3)])
-def test_number_comes_back_as_it_was(open_kept: Callable[[], Kept], number: float | None):
+def test_number_comes_back_as_it_was(open_kept, number):
     """With its type, which decides how it is printed."""
     kept = open_kept()
     made = kept.number("it", [], lambda: number)
@@ -120,10 +119,10 @@ def test_number_comes_back_as_it_was(open_kept: Callable[[], Kept], number: floa
     assert json.dumps(found) == json.dumps(made) == json.dumps(number)
 
 
-def test_error_passes(open_kept: Callable[[], Kept]):
+def test_error_passes(open_kept):
     """Nothing is kept of it."""
 
-    def fail() -> float:
+    def fail():
         raise ValueError("no")
 
     with pytest.raises(ValueError, match="no"):
@@ -131,24 +130,24 @@ def test_error_passes(open_kept: Callable[[], Kept]):
     assert made_again(open_kept) == [1, 1]
 
 
-def test_digest_is_the_manifest_s(open_kept: Callable[[], Kept], tmp_path: Path):
+def test_digest_is_the_manifest_s(open_kept, tmp_path):
     """Who opens a cell has compared it with the file."""
     assert Kept(tmp_path, "cell", tmp_path / "cell", {"file": "abc"}).digest("file") == "abc"
 
 
-def test_digest_of_a_cell_without_any_is_taken(open_kept: Callable[[], Kept], tmp_path: Path):
+def test_digest_of_a_cell_without_any_is_taken(open_kept, tmp_path):
     """Version 0.1 wrote none down."""
     before = open_kept().digest("file")
     (tmp_path / "cell" / "file").write_text("CONTENT")
     assert open_kept().digest("file") != before
 
 
-def test_missing_file_has_no_digest(open_kept: Callable[[], Kept]):
+def test_missing_file_has_no_digest(open_kept):
     """Whoever reads it says that it is missing."""
     assert open_kept().digest("none") == ""
 
 
-def test_numbers_are_saved_once(open_kept: Callable[[], Kept], folder: Path):
+def test_numbers_are_saved_once(open_kept, folder):
     """Where none is new, nothing is written."""
     made_again(open_kept)
     before = (folder / VALUES).stat().st_mtime_ns

@@ -1,14 +1,9 @@
 """One function reads every folder that holds results."""
 
-from collections.abc import Callable
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from harness.errors import UsageError
-from harness.experiment.plan import Plan
-from harness.record.cell import Cell
 from harness.record.store import Store
 from harness.registry.registry import load_registry
 from harness.results import load_results
@@ -18,7 +13,7 @@ from tests.results.recordings.conftest import PAYS, record
 
 
 @pytest.fixture
-def loose(tmp_path: Path) -> Path:
+def loose(tmp_path):
     """Recordings by three rewards, three seeds each."""
     pays = {**PAYS, "half": lambda arm: arm / 2.0}
     for reward in pays:
@@ -27,7 +22,7 @@ def loose(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_recordings_are_cells_of_a_plan(loose: Path):
+def test_recordings_are_cells_of_a_plan(loose):
     """Each is done; the reward that was given first is the baseline."""
     results = load_results(loose)
     assert isinstance(results, Results)
@@ -38,7 +33,7 @@ def test_recordings_are_cells_of_a_plan(loose: Path):
     )
 
 
-def test_recordings_have_comparisons_and_returns(loose: Path):
+def test_recordings_have_comparisons_and_returns(loose):
     """Each reward against the first one, or every two; a table of returns for each manner."""
     results = load_results(loose)
     first = [("plain", "thrice"), ("plain", "half")]
@@ -49,7 +44,7 @@ def test_recordings_have_comparisons_and_returns(loose: Path):
     assert results.to_json()["format"] == 1
 
 
-def test_recordings_have_a_row_each(loose: Path):
+def test_recordings_have_a_row_each(loose):
     """In pandas, with what every reward paid."""
     pytest.importorskip("pandas")
     table = load_results(loose).to_pandas()
@@ -57,15 +52,13 @@ def test_recordings_have_a_row_each(loose: Path):
     assert {"return_plain", "behaviour_success"} <= set(table.columns)
 
 
-def test_a_folder_of_nothing_is_refused(tmp_path: Path):
+def test_a_folder_of_nothing_is_refused(tmp_path):
     """With what to name."""
     with pytest.raises(UsageError, match="is no experiment"):
         load_results(tmp_path)
 
 
-def test_recordings_beside_a_whole_experiment_are_refused(
-    loose: Path, make_cell: Callable[..., Cell], make_plan: Callable[..., Plan]
-):
+def test_recordings_beside_a_whole_experiment_are_refused(loose, make_cell, make_plan):
     """Its cells would be left out, or lose their baseline: it is named, and nothing is written."""
     Store.create(loose / "arm", make_plan(make_cell()))
     before = sorted(loose.rglob("*"))
@@ -74,7 +67,7 @@ def test_recordings_beside_a_whole_experiment_are_refused(
     assert sorted(loose.rglob("*")) == before
 
 
-def test_what_needs_an_arm_says_so(loose: Path):
+def test_what_needs_an_arm_says_so(loose):
     """And what to do instead."""
     with pytest.raises(UsageError, match=r"harness transfer needs traces of an arm.*: harness report .* compares"):
         plan_transfers(load_results(loose), None, load_registry())

@@ -1,25 +1,20 @@
 """Metrics that fail cost their own values; those that are chosen stand alone."""
 
 import json
-from collections.abc import Callable
-from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
 
-from harness.errors import PluginError, Unmeasured, UsageError
-from harness.experiment.plan import Plan
-from harness.record.cell import Cell
+from harness.errors import PluginError, UsageError
 from harness.record.manifest import Manifest
-from harness.record.store import Store
-from harness.registry.registry import Registry, load_registry
+from harness.registry.registry import load_registry
 from harness.report.document import report_text
 from harness.report.rows.behaviour import behaviour_grids
 from harness.results import Results
-from harness.results.measured import measure, value_of
-from harness.results.metrics import Unmeasurable, load_metrics, measure_of
+from harness.results.measured import measure
+from harness.results.metrics import load_metrics, measure_of
 from harness_plugins.committed.tables import write_cells
-from tests.results.folders import ARP, finish, only
+from tests.results.folders import only
 
 HOOKS = """
 import harness
@@ -82,23 +77,19 @@ REASONS = {
 
 
 @pytest.fixture
-def odd(install: Callable[..., str]) -> Registry:
+def odd(install):
     """All metrics, and some that fail in every way."""
     install("odd", HOOKS, code=CODE)
     return load_registry()
 
 
 @pytest.fixture
-def results(odd: Registry, make_cell: Callable[..., Cell], make_plan: Callable[..., Plan], tmp_path: Path) -> Results:
+def results(odd, both, made):
     """One seed of two rewards."""
-    cells = [make_cell(), make_cell(reward=ARP)]
-    store = Store.create(tmp_path / "experiment", make_plan(*cells))
-    for cell in cells:
-        finish(store, cell, [1.0, 0.5, 0.25])
-    return Results(store.folder, odd)
+    return made(both(1), lambda cell: {"distances": [1.0, 0.5, 0.25]}, plugins=odd)
 
 
-def test_each_failing_metric_says_why(results: Results):
+def test_each_failing_metric_says_why(results):
     """And no other is touched."""
     told = results.not_measured
     assert set(told) == set(REASONS)
@@ -109,7 +100,7 @@ def test_each_failing_metric_says_why(results: Results):
     assert {measured.own[name] for name in REASONS} == {None}
 
 
-def test_change_has_the_reason(results: Results):
+def test_change_has_the_reason(results):
     """In JSON, strictly; one that is only not defined has none."""
     behaviour = json.loads(report_text(results))["combinations"][0]["behaviour"]
     reasons = {it["name"]: it["reason"] for it in behaviour if it["manner"] == "deterministic"}
@@ -117,7 +108,7 @@ def test_change_has_the_reason(results: Results):
     assert reasons["success_rate"] == ""
 
 
-def test_row_shows_the_reason(results: Results):
+def test_row_shows_the_reason(results):
     """In table and page, in place of the values."""
     (grid, *_) = behaviour_grids(only(results))
     rows = {row[0]: row for row in grid.rows}
@@ -126,22 +117,16 @@ def test_row_shows_the_reason(results: Results):
     assert len(rows["half"][1]) <= 70
 
 
-def test_table_has_null_and_the_reason(results: Results):
-    """In results.parquet."""
+def test_tables_have_nothing_and_the_reason(results):
+    """In results.parquet, and in cells.csv of a summary."""
     row = pq.read_table(results.write_table()).to_pylist()[0]
-    assert row["raises"] is None
-    assert "raises: KeyError: 'no_such'" in row["not_measured"]
-    assert row["success_rate"] == 1.0
-
-
-def test_csv_has_nothing_and_the_reason(results: Results):
-    """In cells.csv of a summary."""
+    assert (row["raises"], row["success_rate"]) == (None, 1.0)
     head, first, *_ = write_cells(results).splitlines()
     assert head.endswith(",not_measured")
-    assert "raises: KeyError: 'no_such'" in first
+    assert all("raises: KeyError: 'no_such'" in told for told in (row["not_measured"], first))
 
 
-def test_chosen_metrics_stand_beside_those_that_decide(results: Results, odd: Registry):
+def test_chosen_metrics_stand_beside_those_that_decide(results, odd):
     """By their labels; nothing else fails then."""
     chosen = Results(results.folder, odd, metrics=["smoothness,work"])
     assert list(chosen.metrics) == ["success_rate", "time_to_target", "smoothness", "work"]
@@ -149,7 +134,7 @@ def test_chosen_metrics_stand_beside_those_that_decide(results: Results, odd: Re
     assert only(chosen).headline.robot
 
 
-def test_chosen_metric_that_is_broken_is_an_error(odd: Registry):
+def test_chosen_metric_that_is_broken_is_an_error(odd):
     """It was asked for."""
     with pytest.raises(PluginError, match="Metric 'half' of package odd"):
         load_metrics(odd, ["half"])
@@ -160,22 +145,14 @@ def test_chosen_metric_that_is_broken_is_an_error(odd: Registry):
 def test_interrupt_is_no_failure_of_a_metric():
     """Whoever presses Ctrl-C means it."""
 
-    def interrupted(trace: object) -> float:
+    def interrupted(trace):
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        value_of(interrupted, None)  # type: ignore[arg-type]
+        measure({"a": interrupted}, None)
 
 
-def test_measuring_goes_on_behind_a_failure():
-    """In the order of the metrics."""
-    metrics = {"a": Unmeasurable("gone"), "b": lambda trace: 2.0}
-    assert measure(metrics, None) == {"a": None, "b": 2.0}  # type: ignore[arg-type]
-    with pytest.raises(Unmeasured, match="gone"):
-        metrics["a"](None)  # type: ignore[arg-type]
-
-
-def test_error_of_the_task_is_told_by_its_name_and_unit(make_cell: Callable[..., Cell]):
+def test_error_of_the_task_is_told_by_its_name_and_unit(make_cell):
     """Of metrics that say that they measure it; others, and other tasks, keep their own."""
     metrics = load_metrics(load_registry(), ["final_distance", "work"])
     tilt = Manifest(make_cell(), status="done", error="tilt", unit="rad")

@@ -1,55 +1,49 @@
 """Cells that are compared and were made by several versions of one plugin."""
 
-from collections.abc import Callable
-from dataclasses import replace
+import pytest
 
-from harness.record.cell import Cell
 from harness.record.manifest import Manifest
 from harness.registry.choice import Choice
 from harness.results.measured import Mixture, mixtures_of
 
 OLD, NEW, OLDER = (digits + "0" * 56 for digits in ("9340a572", "f96dd784", "11112222"))
-CEM = Choice("cem", (), "cem")
+ARPS = tuple(Choice("arp", (("k2", k2),), f"arp:k2={k2}") for k2 in (1.0, 2.0))
 
 
-def _made(cell: Cell, **sources: str) -> Manifest:
-    return Manifest(cell, status="done", environment={"sources": sources} if sources else {})
-
-
-def test_versions_of_one_plugin_are_counted(make_cell: Callable[..., Cell]):
-    """The one that made most comes first."""
-    versions = [OLD, *[NEW] * 3]
-    made = [_made(make_cell(algorithm=CEM, seed=seed), algorithms=it) for seed, it in enumerate(versions)]
-    assert mixtures_of(made) == (Mixture("algorithms", "cem", {NEW: 3, OLD: 1}),)
-
-
-def test_newer_one_comes_first_of_as_many(make_cell: Callable[..., Cell]):
-    """It is the one that is installed now, most likely."""
-    made = [_made(make_cell(seed=seed), algorithms=it) for seed, it in enumerate((OLD, NEW))]
-    ran = [replace(it, started=f"2026-01-0{day}T00:00:00+00:00") for it, day in zip(made, (1, 2), strict=True)]
-    assert [list(mixture.cells) for mixture in mixtures_of(ran)] == [[NEW, OLD]]
-
-
-def test_two_rewards_have_two_sources(make_cell: Callable[..., Cell]):
-    """They are no mixture; neither are two settings of one reward."""
-    cells = [make_cell(), *(make_cell(reward=Choice("arp", (("k2", k2),), f"arp:k2={k2}")) for k2 in (1.0, 2.0))]
-    assert mixtures_of(map(_made, cells)) == ()
-    assert mixtures_of([_made(cells[0], rewards=OLD), *(_made(cell, rewards=NEW) for cell in cells[1:])]) == ()
-
-
-def test_cells_without_recorded_sources_tell_nothing(make_cell: Callable[..., Cell]):
-    """Nothing is known of them."""
-    assert mixtures_of([_made(make_cell()), _made(make_cell(seed=1), algorithms=NEW)]) == ()
-
-
-def test_mixture_is_one_sentence():
-    """With the first digits of both hashes, and what is not the same."""
-    assert Mixture("algorithms", "cem", {NEW: 6, OLD: 2}).text == (
-        "2 of 8 cells were made by another cem (9340a572; the others f96dd784): they are not the same algorithm"
+def _found(make_cell, *sources, rewards=None):
+    """Of a training a day; the reward of each where it is another."""
+    fields = [{"reward": it} if it else {} for it in rewards or [None] * len(sources)]
+    return mixtures_of(
+        Manifest(
+            make_cell(algorithm=Choice("cem", (), "cem"), seed=seed, **of),
+            status="done",
+            started=f"2026-01-0{seed + 1}T00:00:00+00:00",
+            environment={"sources": source} if source else {},
+        )
+        for seed, (source, of) in enumerate(zip(sources, fields, strict=True))
     )
 
 
-def test_every_other_version_is_named():
-    """Two of them here."""
-    told = Mixture("rewards", "arp", {NEW: 6, OLD: 1, OLDER: 1}).text
-    assert told.startswith("2 of 8 cells were made by another arp (9340a572, 11112222; the others f96dd784)")
+@pytest.mark.parametrize(
+    ("versions", "told"), [((OLD, NEW, NEW, NEW), {NEW: 3, OLD: 1}), ((OLD, NEW), {NEW: 1, OLD: 1})]
+)
+def test_versions_of_one_plugin_are_counted(make_cell, versions, told):
+    """The one that made most comes first; of as many the newer one, which is installed now, most likely."""
+    (found,) = _found(make_cell, *({"algorithms": it} for it in versions))
+    assert (found, [*found.cells]) == (Mixture("algorithms", "cem", told), [*told])
+
+
+def test_two_rewards_have_two_sources(make_cell):
+    """They are no mixture; neither are two settings of one reward, nor cells whose sources were not recorded."""
+    rewards = (None, *ARPS)
+    assert _found(make_cell, None, None, None, rewards=rewards) == ()
+    assert _found(make_cell, {"rewards": OLD}, {"rewards": NEW}, {"rewards": NEW}, rewards=rewards) == ()
+    assert _found(make_cell, None, {"algorithms": NEW}) == ()
+
+
+def test_mixture_is_one_sentence():
+    """With the first digits of every other version's hash, and what is not the same."""
+    assert Mixture("algorithms", "cem", {NEW: 6, OLD: 2}).text == (
+        "2 of 8 cells were made by another cem (9340a572; the others f96dd784): they are not the same algorithm"
+    )
+    assert " another arp (9340a572, 11112222; " in Mixture("rewards", "arp", {NEW: 6, OLD: 1, OLDER: 1}).text

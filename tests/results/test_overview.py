@@ -17,7 +17,7 @@ from harness.results.overview import (
 )
 
 
-def test_a_ratio_has_three_digits(subtests: pytest.Subtests):
+def test_a_ratio_has_three_digits(subtests):
     """All digits before the point below a million; no number where it says nothing."""
     rows = [
         (Ratio(1.2345), "1.23"),
@@ -74,7 +74,7 @@ def _decided(name: str | None) -> SimpleNamespace:
         ("success_rate while training", "success while training, 42 -> 61 %"),
     ],
 )
-def test_what_decided_is_named(name: str | None, told: str):
+def test_what_decided_is_named(name, told):
     """With its values where the table has no column for it."""
     assert decider_text(_decided(name)) == told
 

@@ -4,7 +4,6 @@ from itertools import product
 
 import pytest
 
-from harness.results import Results
 from harness.results.pairs import BOTH, FIRST, NEITHER, SECOND, Met, Pairs, kind_of, kinds_of
 from harness.results.replay import choose_pairs, shows_of
 
@@ -48,7 +47,7 @@ def test_where_all_end_alike_none_ends_otherwise():
 @pytest.mark.parametrize(
     ("differs", "middle"), [((3.0, 1.0, 2.0), 2), ((4.0, 1.0, 2.0, 3.0), 2), ((1.0, 1.0, 1.0), 1)], ids=str
 )
-def test_the_typical_pair_is_the_middle_one(differs: tuple[float, ...], middle: int):
+def test_the_typical_pair_is_the_middle_one(differs, middle):
     """Of its kind alone, by how much both differ; the lower of two middle ones, the middle of equal ones."""
     pairs = pairs_of(*[BOTH] * len(differs), SECOND, differs=(*differs, 0.0))
     assert pairs.typical(BOTH) == middle
@@ -64,7 +63,7 @@ def test_typical_pairs_are_chosen_before_others():
     assert sorted(chosen) == list(range(8))
 
 
-def test_pairs_of_an_arm_are_those_of_its_recorded_ends(recorded: Results):
+def test_pairs_of_an_arm_are_those_of_its_recorded_ends(recorded):
     """Counted anew from the episodes that are shown, which here are all."""
     (show,) = shows_of(recorded)
     assert show.pairs is not None

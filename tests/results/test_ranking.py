@@ -1,14 +1,13 @@
 """How the rewards of an experiment come in all its places."""
 
 import json
-from pathlib import Path
 from typing import Any
 
 import pytest
 
 from harness.eta.ranking import Agreement, Answer
 from harness.results import load_results
-from harness.results.ranking import Ranking, TaskRanking, ranking_of
+from harness.results.ranking import Ranking, ranking_of
 from tests.report.conftest import build_results
 from tests.results.folders import fail
 
@@ -21,7 +20,7 @@ def reaching(count: int) -> Any:
 
 
 @pytest.fixture(scope="module")
-def task(tmp_path_factory: pytest.TempPathFactory) -> TaskRanking:
+def task(tmp_path_factory):
     """Four seeds: the baseline never succeeds in MuJoCo and arp always; in Bullet it is the other way round."""
     reached = {"baseline": reaching(0), ("arp", "pybullet"): reaching(0), ("baseline", "pybullet"): reaching(4)}
     given = {"simulators": ("mujoco", "dm_control", "pybullet"), "engines": ENGINES, "seeds": 4}
@@ -30,7 +29,7 @@ def task(tmp_path_factory: pytest.TempPathFactory) -> TaskRanking:
     return task
 
 
-def test_rewards_come_by_success_in_each_place(task: TaskRanking):
+def test_rewards_come_by_success_in_each_place(task):
     """The baseline among them, over the seeds that all have."""
     assert task.rewards == ("baseline", "arp")
     assert [(place.simulator, place.engine) for place in task.places] == list(ENGINES.items())[:3]
@@ -38,7 +37,7 @@ def test_rewards_come_by_success_in_each_place(task: TaskRanking):
     assert {place.success.seeds for place in task.places} == {4}
 
 
-def test_rewards_come_by_eta_too(task: TaskRanking):
+def test_rewards_come_by_eta_too(task):
     """As published, and its behaviour part; the best first, for eta_N the smallest. Their order is that of success."""
     etas = task.places[0].etas
     assert set(etas) == {"eta_P", "eta_P behaviour", "eta_N", "eta_N behaviour"}
@@ -48,7 +47,7 @@ def test_rewards_come_by_eta_too(task: TaskRanking):
     assert [place.etas["eta_P"].tau for place in task.places] == [1.0, 1.0, -1.0]
 
 
-def test_places_are_compared_that_differ_in_one_alone(task: TaskRanking):
+def test_places_are_compared_that_differ_in_one_alone(task):
     """Here in the simulator."""
     assert [(pair.kind, pair.names) for pair in task.pairs] == [
         ("simulator", ("mujoco", "dm_control")),
@@ -58,14 +57,14 @@ def test_places_are_compared_that_differ_in_one_alone(task: TaskRanking):
     assert [pair.agreement.tau for pair in task.pairs] == [1.0, -1.0, -1.0]
 
 
-def test_simulators_of_one_engine_are_one_vote(task: TaskRanking):
+def test_simulators_of_one_engine_are_one_vote(task):
     """MuJoCo's agreement with itself counts nothing."""
     assert task.votes("simulator") == ("MuJoCo", "Bullet")
     assert task.between["simulator"] == Agreement(-1.0, -1.0, -1.0)
     assert task.has_engines
 
 
-def test_another_reward_would_have_been_chosen(task: TaskRanking):
+def test_another_reward_would_have_been_chosen(task):
     """Between MuJoCo and Bullet, both ways; not between two simulators of MuJoCo."""
     assert [it.answer for it in task.transplants] == [Answer.NO] * 2 + [Answer.YES] * 4
     forth = task.pairs[1].forth
@@ -73,7 +72,7 @@ def test_another_reward_would_have_been_chosen(task: TaskRanking):
     assert (task.count(Answer.YES), task.count(Answer.NOT_DECIDED)) == (4, 0)
 
 
-def test_without_recorded_engines_every_simulator_votes(tmp_path: Path):
+def test_without_recorded_engines_every_simulator_votes(tmp_path):
     """As in folders of older versions, and it is told. What has no engine is not taken for one that does not tell."""
     engines = {"dm_control": "MuJoCo", "kinematic": None}
     given = {"simulators": ("mujoco", *engines), "seeds": 1, "engines": engines, "reached": {"arp": reaching(4)}}
@@ -82,7 +81,7 @@ def test_without_recorded_engines_every_simulator_votes(tmp_path: Path):
     assert not task.has_engines
 
 
-def test_a_reward_that_is_not_in_every_place_is_left_out(tmp_path: Path):
+def test_a_reward_that_is_not_in_every_place_is_left_out(tmp_path):
     """Its cell failed in one. Seeds of the null control do not count."""
     given = {"proposed": {"arp": (9, 30), "relative": (9, 20)}, "simulators": ("mujoco", "pybullet"), "seeds": 1}
     results = build_results(tmp_path, a_a=True, **given)
@@ -101,14 +100,14 @@ def test_a_reward_that_is_not_in_every_place_is_left_out(tmp_path: Path):
         ({"proposed": {}, "simulators": ("mujoco", "pybullet")}, "has 1 reward in 2 places"),
     ],
 )
-def test_what_cannot_be_compared_says_why(tmp_path: Path, given: dict[str, Any], told: str):
+def test_what_cannot_be_compared_says_why(tmp_path, given, told):
     """One place, or one reward."""
     ranking = ranking_of(build_results(tmp_path, seeds=1, **given))
     assert ranking.tasks == ()
     assert told in ranking.note
 
 
-def test_json_is_plain_data(task: TaskRanking):
+def test_json_is_plain_data(task):
     """Finite numbers, names, lists."""
     data = json.loads(json.dumps(Ranking((task,)).to_json(), allow_nan=False))
     (told,) = data["tasks"]
@@ -119,7 +118,7 @@ def test_json_is_plain_data(task: TaskRanking):
     assert told["between_simulators"]["tau"] == -1.0
 
 
-def test_there_is_no_order_before_the_plan_is_trained_to_its_end(tmp_path: Path):
+def test_there_is_no_order_before_the_plan_is_trained_to_its_end(tmp_path):
     """Nor a choice that another place would answer otherwise; the reason says how much is to come."""
     reached = {"baseline": reaching(0), ("baseline", "pybullet"): reaching(4), ("arp", "pybullet"): reaching(0)}
     given = {"simulators": ("mujoco", "pybullet"), "reached": {**reached, "arp": reaching(4)}, "engines": ENGINES}

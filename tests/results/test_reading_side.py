@@ -21,7 +21,7 @@ def makers_loaded_by(module: str) -> set[str]:
     "module",
     ["harness.results", "harness.report.page.html", "harness.report.page.eta", "harness.score.compare"],
 )
-def test_reading_loads_nothing_that_acts(module: str):
+def test_reading_loads_nothing_that_acts(module):
     """No robot, no policy, no environment, no motion, no experiment and no Gymnasium."""
     assert makers_loaded_by(module) == set()
 

@@ -8,7 +8,7 @@ import pytest
 from harness.errors import SchemaError, UsageError
 from harness.record.folder import EVALUATION, SCENE, STOCHASTIC
 from harness.record.trace import read_trace, trace_of
-from harness.results import Results, replay
+from harness.results import replay
 from harness.results.replay import ShownCells, choose_episodes, first_show, show_cells, shows_of
 from harness_plugins.kit.metrics import recorded_trace
 
@@ -37,7 +37,7 @@ def test_every_way_to_end_is_chosen():
         assert {side[number] for number in chosen} == set(side)
 
 
-def test_the_evaluation_that_decides_is_shown(recorded: Results):
+def test_the_evaluation_that_decides_is_shown(recorded):
     """The one in the other manner, where that has more episodes."""
     (combination,) = recorded.combinations
     cells = tuple((cell,) for cell in recorded.done_cells)
@@ -48,7 +48,7 @@ def test_the_evaluation_that_decides_is_shown(recorded: Results):
     assert ShownCells(cells, "", (), more).files == [STOCHASTIC] * 2
 
 
-def test_an_episode_alone_has_the_metrics_of_the_whole(recorded: Results):
+def test_an_episode_alone_has_the_metrics_of_the_whole(recorded):
     """The mean over all episodes is that of the evaluation, where every episode has a value."""
     (show,) = shows_of(recorded)
     for side in show.sides:
@@ -62,7 +62,7 @@ def test_no_more_episodes_are_chosen_than_there_are():
     assert choose_episodes([[R, T]], 6) == [0, 1]
 
 
-def test_both_sides_of_a_show_begin_alike(recorded: Results):
+def test_both_sides_of_a_show_begin_alike(recorded):
     """The same poses, the same targets, under both rewards."""
     (show,) = shows_of(recorded)
     baseline, proposed = show.sides
@@ -73,7 +73,7 @@ def test_both_sides_of_a_show_begin_alike(recorded: Results):
         np.testing.assert_array_equal(one.target[0], other.target[0])
 
 
-def test_an_episode_is_what_was_recorded(recorded: Results):
+def test_an_episode_is_what_was_recorded(recorded):
     """Joint positions, distances and what was paid are those of the trace; the arm is where these say."""
     (show,) = shows_of(recorded)
     side = show.sides[1]
@@ -87,7 +87,7 @@ def test_an_episode_is_what_was_recorded(recorded: Results):
     assert episode.steps[-1] == len(rows) - 1
 
 
-def test_cells_are_shown_by_the_beginnings_of_their_ids(recorded: Results):
+def test_cells_are_shown_by_the_beginnings_of_their_ids(recorded):
     """In the order in which they are named."""
     ids = [manifest.cell.id for manifest in recorded.manifests]
     show = show_cells(recorded, [ids[1][:8], ids[0]], 2)
@@ -95,13 +95,13 @@ def test_cells_are_shown_by_the_beginnings_of_their_ids(recorded: Results):
     assert show.numbers == (1, 2)
 
 
-def test_an_id_that_no_cell_has_is_refused(recorded: Results):
+def test_an_id_that_no_cell_has_is_refused(recorded):
     """The message says where ids stand."""
     with pytest.raises(UsageError, match=r"results\.parquet"):
         show_cells(recorded, ["zz"])
 
 
-def test_cells_of_an_earlier_version_are_not_shown(recorded: Results):
+def test_cells_of_an_earlier_version_are_not_shown(recorded):
     """Without a scene there is nothing to draw; a film of nothing is refused."""
     for path in recorded.folder.glob(f"cells/*/{SCENE}"):
         path.unlink()
@@ -110,7 +110,7 @@ def test_cells_of_an_earlier_version_are_not_shown(recorded: Results):
         first_show(recorded, 3)
 
 
-def test_an_arm_of_other_joints_is_refused(recorded: Results):
+def test_an_arm_of_other_joints_is_refused(recorded):
     """A scene that does not belong to the recording is damaged."""
     for path in recorded.folder.glob(f"cells/*/{SCENE}"):
         path.write_text(

@@ -1,23 +1,21 @@
 """How an experiment with looks stands, from folders made by hand."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
-from harness.record.store import Store
+import pytest
+
 from harness.record.terms import Terms
-from harness.registry.registry import Registry
-from harness.results import Results
 from harness.results.standing import standing_of, told_manifests
 from harness.results.verdicts import Seen
 from tests.results.folders import fail
-from tests.results.in_looks import RACE, REWARDS, Folder
+from tests.results.in_looks import RACE, REWARDS
 
 TERMS = Terms((2, 4, 6), asked=2, margin=0.1)
 WIDE = replace(TERMS, margin=0.5)
 """Four trainings that end alike are enough to say that a difference is below this."""
 
 
-def test_at_first_all_rewards_wait_for_the_first_look(folder_of: Callable[[Terms], Folder]):
+def test_at_first_all_rewards_wait_for_the_first_look(folder_of):
     """Two seeds of each."""
     standing = folder_of(TERMS).standing
     assert standing.open == REWARDS
@@ -26,35 +24,27 @@ def test_at_first_all_rewards_wait_for_the_first_look(folder_of: Callable[[Terms
     assert standing.text == "0 of 2 decided, at most 18 trainings left"
 
 
-def test_a_look_is_over_when_all_of_its_cells_have_ended(folder_of: Callable[[Terms], Folder]):
-    """Then the next one comes."""
+@pytest.mark.parametrize(
+    ("trained", "failed", "look"),
+    [
+        ({"baseline": 2, "dense": 2, "arp": 2}, 0, 1),
+        ({"baseline": 2, "dense": 1}, 0, 0),
+        ({"baseline": 2, "dense": 2}, 2, 1),
+    ],
+    ids=["all", "some", "others failed"],
+)
+def test_a_look_is_over_when_all_of_its_cells_have_ended(folder_of, trained, failed, look):
+    """Then the next one comes: nothing waits for ever for a cell that failed."""
     folder = folder_of(TERMS)
-    for reward in REWARDS:
-        folder.train(reward, [0.5, 0.7])
-    standing = folder.standing
-    assert standing.look == 1
-    assert {cell.seed for cell in standing.next} == {100, 101, 102, 103}
-
-
-def test_a_look_that_is_not_complete_waits(folder_of: Callable[[Terms], Folder]):
-    """For the cells that are missing."""
-    folder = folder_of(TERMS)
-    folder.train("baseline", [0.5, 0.7])
-    folder.train("dense", [0.5])
-    assert folder.standing.look == 0
-
-
-def test_a_failed_cell_has_ended(folder_of: Callable[[Terms], Folder]):
-    """Nothing waits for it for ever."""
-    folder = folder_of(TERMS)
-    folder.train("baseline", [0.5, 0.7])
-    folder.train("dense", [0.5, 0.7])
-    for cell in folder.cells["arp"][:2]:
+    for reward, count in trained.items():
+        folder.train(reward, [0.5, 0.7][:count])
+    for cell in folder.cells["arp"][:failed]:
         fail(folder.store, cell, "it broke")
-    assert folder.standing.look == 1
+    assert folder.standing.look == look
+    assert {cell.seed for cell in folder.standing.next} == ({100, 101, 102, 103} if look else {100, 101})
 
 
-def test_who_is_decided_is_trained_no_further(folder_of: Callable[[Terms], Folder]):
+def test_who_is_decided_is_trained_no_further(folder_of):
     """The baseline goes on with the others."""
     folder = folder_of(TERMS)
     folder.train("baseline", [0.4, 0.5, 0.4, 0.5, 0.4, 0.5])
@@ -67,7 +57,7 @@ def test_who_is_decided_is_trained_no_further(folder_of: Callable[[Terms], Folde
     assert standing.text == "0 of 2 decided, 1 without an answer (all looks are used), at most 2 trainings left"
 
 
-def test_when_all_is_answered_nothing_is_left(folder_of: Callable[[Terms], Folder]):
+def test_when_all_is_answered_nothing_is_left(folder_of):
     """The baseline alone is not trained on."""
     folder = folder_of(WIDE)
     for reward in REWARDS:
@@ -78,7 +68,7 @@ def test_when_all_is_answered_nothing_is_left(folder_of: Callable[[Terms], Folde
     assert standing.text == "2 of 2 decided"
 
 
-def test_pending_cells_that_no_answer_waits_for_are_not_needed(folder_of: Callable[[Terms], Folder]):
+def test_pending_cells_that_no_answer_waits_for_are_not_needed(folder_of):
     """While one reward has no answer, those of the others; the baseline's are waited for."""
     folder = folder_of(WIDE)
     folder.train("baseline", [0.4, 0.4, 0.4, 0.4])
@@ -90,18 +80,13 @@ def test_pending_cells_that_no_answer_waits_for_are_not_needed(folder_of: Callab
     assert told == {("baseline", "pending"), ("arp", "pending"), ("dense", "not needed")}
 
 
-def test_an_experiment_that_trains_all_at_once_needs_every_cell(experiment: Store, registry: Registry):
-    """Its manifests are told as they are."""
-    results = Results(experiment.folder, registry)
-    assert told_manifests(results) == results.manifests
+def test_an_experiment_that_trains_all_at_once_needs_every_cell(experiment):
+    """Its manifests are told as they are, and it has no looks to stand at."""
+    assert told_manifests(experiment) == experiment.manifests
+    assert standing_of(experiment) is None
 
 
-def test_an_experiment_that_trains_all_at_once_has_no_standing(experiment: Store, registry: Registry):
-    """It has no looks."""
-    assert standing_of(Results(experiment.folder, registry)) is None
-
-
-def test_in_a_race_the_baseline_takes_part(folder_of: Callable[[Terms], Folder]):
+def test_in_a_race_the_baseline_takes_part(folder_of):
     """It can be the best, and it can leave."""
     folder = folder_of(RACE)
     folder.train("baseline", [0.0] * 4)
@@ -114,7 +99,7 @@ def test_in_a_race_the_baseline_takes_part(folder_of: Callable[[Terms], Folder])
     assert not standing.to_json()["race"]["is_close"]  # of four trainings none failed yet
 
 
-def test_seeds_of_later_looks_are_told_by_the_order_of_the_plan(folder_of: Callable[[Terms], Folder]):
+def test_seeds_of_later_looks_are_told_by_the_order_of_the_plan(folder_of):
     """Their numbers say nothing."""
     folder = folder_of(TERMS)
     for reward in REWARDS:

@@ -1,13 +1,10 @@
 """Where the end effector went in evaluation episodes."""
 
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from harness.experiment.plan import Plan
-from harness.record.cell import Cell
 from harness.record.folder import EVALUATION
 from harness.record.manifest import Manifest
 from harness.record.store import Store
@@ -24,10 +21,10 @@ REACHED = [(0, 0, 0, 1, 0), (1, 0, 0, 1, 1)]
 
 
 @pytest.fixture
-def recorded(tmp_path: Path, make_cell: Callable[..., Cell], make_plan: Callable[..., Plan]) -> Recorded:
+def recorded(tmp_path, make_cell, make_plan):
     """Evaluations by reward and seed, each a list of episodes, and the comparison of arp with the baseline."""
 
-    def record(**evaluations: dict[int, list[Points]]) -> tuple[Results, Comparison]:
+    def record(**evaluations):
         cells = {
             make_cell(reward=Choice(label, (), label), seed=seed): episodes
             for label, runs in evaluations.items()
@@ -59,7 +56,7 @@ def _rows(number: int, points: np.ndarray) -> np.ndarray:
     return rows
 
 
-def test_path_goes_from_the_start_to_the_target(recorded: Recorded):
+def test_path_goes_from_the_start_to_the_target(recorded):
     """Every row of an episode that reaches it, in order, and the target."""
     found = trajectories_of(
         *recorded(baseline={0: [[(0, 0, 0, 3, 0), (1, 2, 3, 3, 0), (2.98, 0, 0, 3, 1)]]}, arp={0: [REACHED]})
@@ -70,7 +67,7 @@ def test_path_goes_from_the_start_to_the_target(recorded: Recorded):
     assert path.reached
 
 
-def test_path_of_a_miss_goes_to_the_end(recorded: Recorded):
+def test_path_of_a_miss_goes_to_the_end(recorded):
     """Also where it was near before."""
     miss = [(0, 0, 0, 3, 0), (2, 0, 0, 3, 0), (1, 0, 0, 3, 0)]
     (path,) = trajectories_of(*recorded(baseline={0: [REACHED]}, arp={0: [miss]})).proposed
@@ -78,14 +75,14 @@ def test_path_of_a_miss_goes_to_the_end(recorded: Recorded):
     assert not path.reached
 
 
-def test_path_ends_where_the_target_is_reached_first(recorded: Recorded):
+def test_path_ends_where_the_target_is_reached_first(recorded):
     """Where the episode goes on with another target: the first one is kept."""
     on = [*REACHED, (2, 0, 0, 5, 0), (5, 0, 0, 5, 1)]
     (path,) = trajectories_of(*recorded(baseline={0: [on]}, arp={0: [REACHED]})).baseline
     assert (path.points[:, 0].tolist(), path.target.tolist()) == ([0, 1], [1, 0, 0])
 
 
-def test_first_seed_of_both_is_read(recorded: Recorded):
+def test_first_seed_of_both_is_read(recorded):
     """The first that was finished under both rewards; at most so many episodes of it."""
     other = [(7, 0, 0, 9, 0), (8, 0, 0, 9, 0)]
     rewards = {
@@ -98,11 +95,11 @@ def test_first_seed_of_both_is_read(recorded: Recorded):
     assert found.proposed[0].points[0, 0] == 7
 
 
-def test_no_pair_no_paths(recorded: Recorded):
+def test_no_pair_no_paths(recorded):
     """Without a seed that both rewards finished."""
     assert trajectories_of(*recorded(baseline={0: [REACHED]}, arp={1: [REACHED]})) is None
 
 
-def test_null_control_has_no_paths(recorded: Recorded):
+def test_null_control_has_no_paths(recorded):
     """It has one reward, and asks nothing about its behaviour."""
     assert trajectories_of(*recorded(baseline={0: [REACHED]})) is None

@@ -218,7 +218,7 @@ def test_looks_tell_which_seeds_count():
     asked = of_success("dense", 0.5, seeds=8)
     terms = Terms((4, 8), margin=0.001)
 
-    def look_of(it: Comparison, complete: int) -> tuple[Mapping[int, int], int]:
+    def look_of(it, complete):
         return {seed: int(seed >= 4) for seed in it.seeds}, complete
 
     (first,) = with_verdicts([asked], terms, lambda it: look_of(it, 1))

@@ -1,6 +1,6 @@
 """An environment whose rewards the tests know, and what writes files with it."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import gymnasium
@@ -36,12 +36,12 @@ def returns_of(episodes: Sequence[int]) -> list[float]:
 
 
 @pytest.fixture
-def counted() -> Callable[[], Counted]:
+def counted():
     """Makes the environment."""
     return Counted
 
 
 @pytest.fixture
-def counted_returns() -> Callable[[Sequence[int]], list[float]]:
+def counted_returns():
     """Returns of its episodes, by their numbers."""
     return returns_of

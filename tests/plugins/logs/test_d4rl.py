@@ -55,7 +55,7 @@ def read(text: str, **settings: object) -> Rows:
     return opened(text, **settings).rows()
 
 
-def test_episodes_end_where_the_flags_say(tmp_path: Path) -> None:
+def test_episodes_end_where_the_flags_say(tmp_path):
     """By terminals and by timeouts; steps are counted in each."""
     rows = read(write(tmp_path / "d.hdf5"))
     assert rows["episode"].tolist() == [0, 0, 0, 1, 2, 2, 2, 2]
@@ -64,7 +64,7 @@ def test_episodes_end_where_the_flags_say(tmp_path: Path) -> None:
     assert np.flatnonzero(rows["truncated"]).tolist() == [3, 7]
 
 
-def test_a_step_holds_what_was_seen_before_and_after_it(tmp_path: Path) -> None:
+def test_a_step_holds_what_was_seen_before_and_after_it(tmp_path):
     """After the last step of an episode nothing is known: the row behind it belongs to another one."""
     text = write(tmp_path / "d.hdf5")
     rows, seen = read(text), stored(text, "observations")
@@ -77,7 +77,7 @@ def test_a_step_holds_what_was_seen_before_and_after_it(tmp_path: Path) -> None:
     assert np.array_equal(rows["info/qpos"], stored(text, "infos/qpos"))
 
 
-def test_next_observations_are_what_was_seen_after_each_step(tmp_path: Path) -> None:
+def test_next_observations_are_what_was_seen_after_each_step(tmp_path):
     """Also after the last one of an episode, of which no row behind it tells."""
     after = np.concatenate([stored(write(tmp_path / "a.hdf5"), "observations")[1:], np.ones((1, 3), np.float32)])
     after[ENDS] = 7.0
@@ -86,7 +86,7 @@ def test_next_observations_are_what_was_seen_after_each_step(tmp_path: Path) -> 
     assert "seen" not in log
 
 
-def test_flags_in_the_wrong_rows_are_refused(tmp_path: Path) -> None:
+def test_flags_in_the_wrong_rows_are_refused(tmp_path):
     """The observation behind a step is not what was seen after it, and no flag says so: D4RL 137."""
     after = np.concatenate([stored(write(tmp_path / "a.hdf5"), "observations")[1:], np.ones((1, 3), np.float32)])
     after[ENDS] = 7.0
@@ -95,13 +95,13 @@ def test_flags_in_the_wrong_rows_are_refused(tmp_path: Path) -> None:
         opened(write(tmp_path / "d.hdf5", timeouts=moved, next_observations=after))
 
 
-def test_a_file_without_timeouts_is_refused(tmp_path: Path) -> None:
+def test_a_file_without_timeouts_is_refused(tmp_path):
     """An episode that was cut would go on in the next one: D4RL 137."""
     with pytest.raises(SchemaError, match=r"has no timeouts.* d4rl:horizon=1000:FILE"):
         opened(write(tmp_path / "d.hdf5", timeouts=None))
 
 
-def test_a_horizon_says_where_episodes_were_cut(tmp_path: Path) -> None:
+def test_a_horizon_says_where_episodes_were_cut(tmp_path):
     """Counted anew behind each that ended by itself, as D4RL's own reader does."""
     text = write(tmp_path / "d.hdf5", timeouts=None).replace("d4rl:", "d4rl:horizon=2:")
     rows = read(text)
@@ -109,7 +109,7 @@ def test_a_horizon_says_where_episodes_were_cut(tmp_path: Path) -> None:
     assert np.flatnonzero(rows["truncated"]).tolist() == [1, 4, 6]
 
 
-def test_without_timeouts_next_observations_say_where_episodes_end(tmp_path: Path) -> None:
+def test_without_timeouts_next_observations_say_where_episodes_end(tmp_path):
     """Where the row behind does not begin with what was seen."""
     after = np.concatenate([stored(write(tmp_path / "a.hdf5"), "observations")[1:], np.ones((1, 3), np.float32)])
     after[ENDS] = 7.0
@@ -117,26 +117,26 @@ def test_without_timeouts_next_observations_say_where_episodes_end(tmp_path: Pat
     assert rows["episode"].tolist() == [0, 0, 0, 1, 2, 2, 2, 2]
 
 
-def test_steps_of_an_episode_that_does_not_end_are_left_out(tmp_path: Path) -> None:
+def test_steps_of_an_episode_that_does_not_end_are_left_out(tmp_path):
     """And told: their return is not that of a whole episode."""
     log = opened(write(tmp_path / "d.hdf5", timeouts=np.arange(STEPS) == 3))
     assert len(log) == 4
     assert "Left out, since no row ends the episode: the last 4 steps" in log.facts.notes
 
 
-def test_terminals_that_stay_true_are_told(tmp_path: Path) -> None:
+def test_terminals_that_stay_true_are_told(tmp_path):
     """As antmaze has them, while the ant goes on."""
     log = opened(write(tmp_path / "d.hdf5", terminals=np.arange(STEPS) > 1))
     assert any("Episodes of a single step" in note and note.endswith(": 5") for note in log.facts.notes)
 
 
-def test_a_file_of_d3rlpy_is_refused(tmp_path: Path) -> None:
+def test_a_file_of_d3rlpy_is_refused(tmp_path):
     """Its rewards stand a row later in some versions, and its episodes lack their last observation: d3rlpy 98."""
     with pytest.raises(SchemaError, match=r"written by d3rlpy: it has episode_terminals"):
         opened(write(tmp_path / "d.hdf5", timeouts=None, episode_terminals=TERMINALS | TIMEOUTS))
 
 
-def test_a_reward_that_needs_the_last_observation_is_not_paid_there(tmp_path: Path) -> None:
+def test_a_reward_that_needs_the_last_observation_is_not_paid_there(tmp_path):
     """An episode of one step has one observation, and no other stands in for the second: d3rlpy 98."""
     found = audit_dataset(write(tmp_path / "d.hdf5"), {"after": lambda step: float(step.observation[0])})
     (reward,) = found.rewards
@@ -144,7 +144,7 @@ def test_a_reward_that_needs_the_last_observation_is_not_paid_there(tmp_path: Pa
     assert any(line.endswith("1 episodes (the first is 1)") for line in reward.unpaid)
 
 
-def test_success_stands_in_infos(tmp_path: Path) -> None:
+def test_success_stands_in_infos(tmp_path):
     """Found by its name, and by a threshold."""
     text = write(tmp_path / "d.hdf5", **{"infos/near": np.linspace(0.0, 1.0, STEPS)})
     assert read(text)["behaviour/success"].tolist() == [0.0, 0.0, 1.0] + [0.0] * 5
@@ -154,13 +154,13 @@ def test_success_stands_in_infos(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("key", ["rewards", "observations"])
-def test_arrays_of_other_lengths_are_refused(tmp_path: Path, key: str) -> None:
+def test_arrays_of_other_lengths_are_refused(tmp_path, key):
     """With the length of each."""
     with pytest.raises(SchemaError, match=r"rewards \d, terminals 8"):
         opened(write(tmp_path / "d.hdf5", **{key: np.zeros((STEPS - 1, 3) if key == "observations" else STEPS - 1)}))
 
 
-def test_links_to_other_files_are_refused(tmp_path: Path) -> None:
+def test_links_to_other_files_are_refused(tmp_path):
     """Whatever stands there."""
     text = write(tmp_path / "d.hdf5")
     with h5py.File(tmp_path / "d.hdf5", "a") as file:
@@ -170,7 +170,7 @@ def test_links_to_other_files_are_refused(tmp_path: Path) -> None:
         opened(text)
 
 
-def test_the_audit_ranks_as_a_computation_of_returns_does(tmp_path: Path) -> None:
+def test_the_audit_ranks_as_a_computation_of_returns_does(tmp_path):
     """By file alone, without its format: 20 episodes of 5 steps, of which every second one succeeds."""
     rng = np.random.default_rng(1)
     pay = rng.normal(size=100) + np.repeat(np.arange(20) % 2, 5) * 0.5
@@ -188,7 +188,7 @@ def test_the_audit_ranks_as_a_computation_of_returns_does(tmp_path: Path) -> Non
     assert found.rewards[0].by_success.value == pytest.approx(expected)
 
 
-def test_the_last_episode_may_be_cut_by_the_end_of_the_file(tmp_path: Path) -> None:
+def test_the_last_episode_may_be_cut_by_the_end_of_the_file(tmp_path):
     """No row behind it shows what was seen after its last step, as where a file has a million steps and no more."""
     after = np.concatenate([stored(write(tmp_path / "a.hdf5"), "observations")[1:], np.full((1, 3), 9.0, np.float32)])
     after[ENDS[:-1]] = 7.0
@@ -197,14 +197,14 @@ def test_the_last_episode_may_be_cut_by_the_end_of_the_file(tmp_path: Path) -> N
     assert "Left out, since no row ends the episode: the last 4 steps" in log.facts.notes
 
 
-def test_a_horizon_beside_timeouts_is_refused(tmp_path: Path) -> None:
+def test_a_horizon_beside_timeouts_is_refused(tmp_path):
     """One of them would be passed over."""
     text = write(tmp_path / "d.hdf5").replace("d4rl:", "d4rl:horizon=2:")
     with pytest.raises(UsageError, match=r"has timeouts, .* leave out horizon=2"):
         opened(text)
 
 
-def test_a_negative_horizon_is_refused(tmp_path: Path) -> None:
+def test_a_negative_horizon_is_refused(tmp_path):
     """Also where nothing else says how long episodes are."""
     text = write(tmp_path / "d.hdf5", timeouts=None).replace("d4rl:", "d4rl:horizon=-2:")
     with pytest.raises(UsageError, match="horizon=-2: after at least 1 step"):
@@ -220,13 +220,13 @@ def test_a_negative_horizon_is_refused(tmp_path: Path) -> None:
         ("next_observations", np.zeros((STEPS, 2)), r"next_observations are \[8, 2\], and observations \[8, 3\]"),
     ],
 )
-def test_arrays_that_are_not_what_they_are_called_are_refused(tmp_path: Path, key: str, values: Any, told: str) -> None:
+def test_arrays_that_are_not_what_they_are_called_are_refused(tmp_path, key, values, told):
     """The array is named."""
     with pytest.raises(SchemaError, match=told):
         opened(write(tmp_path / "d.hdf5", **{key: values}))
 
 
-def test_more_steps_than_are_held_are_refused_unread(tmp_path: Path) -> None:
+def test_more_steps_than_are_held_are_refused_unread(tmp_path):
     """A file may declare them without a byte of them."""
     text = write(tmp_path / "d.hdf5")
     with h5py.File(tmp_path / "d.hdf5", "a") as file:

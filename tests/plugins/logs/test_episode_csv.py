@@ -35,7 +35,7 @@ def read(path: Path, **settings: Any) -> Log:
     return log
 
 
-def test_episodes_of_gymnasiums_own_statistics_are_read(tmp_path: Path):
+def test_episodes_of_gymnasiums_own_statistics_are_read(tmp_path):
     """A script's usual table: what RecordEpisodeStatistics tells at the end of each episode."""
     env = gymnasium.wrappers.RecordEpisodeStatistics(gymnasium.make("Pendulum-v1", max_episode_steps=7))
     rows = []
@@ -64,7 +64,7 @@ def test_episodes_of_gymnasiums_own_statistics_are_read(tmp_path: Path):
         "i_episode\tscore\tl",
     ],
 )
-def test_names_that_people_use_give_the_same(tmp_path: Path, header: str):
+def test_names_that_people_use_give_the_same(tmp_path, header):
     """In any case, with commas, semicolons and tabs."""
     separator = next(sign for sign in ",;\t" if sign in header)
     log = read(written(tmp_path, header + "\n" + ROWS.replace(",", separator)))
@@ -73,7 +73,7 @@ def test_names_that_people_use_give_the_same(tmp_path: Path, header: str):
     assert log["time"].tolist() == [200, 380, 530]
 
 
-def test_the_order_of_columns_does_not_matter(tmp_path: Path):
+def test_the_order_of_columns_does_not_matter(tmp_path):
     """Nor further columns, an index among them."""
     text = ",length,loss,reward,episode\n0,200,,-9.5,0\n1,180,x,-7.25,1\n"
     log = read(written(tmp_path, text))
@@ -81,7 +81,7 @@ def test_the_order_of_columns_does_not_matter(tmp_path: Path):
     assert log["length"].tolist() == [200, 180]
 
 
-def test_success_and_a_measure_are_read(tmp_path: Path):
+def test_success_and_a_measure_are_read(tmp_path):
     """True and False too."""
     text = "episode,reward,success,distance\n0,-9.5,False,0.5\n1,-7.25,True,0.25\n"
     log = read(written(tmp_path, text), measure="distance")
@@ -90,9 +90,7 @@ def test_success_and_a_measure_are_read(tmp_path: Path):
     assert "length" not in log
 
 
-def test_tables_of_steps_and_of_others_are_not_recognised(
-    tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests
-):
+def test_tables_of_steps_and_of_others_are_not_recognised(tmp_path_factory, subtests):
     """A row that is a step may not be taken for an episode."""
     rows = [
         "reward\n1\n2\n",
@@ -112,7 +110,7 @@ def test_tables_of_steps_and_of_others_are_not_recognised(
             assert not is_recognised(written(tmp_path, text))
 
 
-def test_an_episode_that_stands_twice_is_refused_by_its_line(tmp_path: Path):
+def test_an_episode_that_stands_twice_is_refused_by_its_line(tmp_path):
     """Far down, where nobody looks first: the table is one of steps after all, or of two runs."""
     rows = "".join(f"{number},1.0\n" for number in range(2000))
     path = written(tmp_path, f"episode,reward\n{rows}1999,1.0\n")
@@ -121,7 +119,7 @@ def test_an_episode_that_stands_twice_is_refused_by_its_line(tmp_path: Path):
         EpisodeCsv().read(path)
 
 
-def test_numbers_that_begin_again_are_refused(tmp_path: Path):
+def test_numbers_that_begin_again_are_refused(tmp_path):
     """Two runs that were written one behind the other."""
     path = written(tmp_path, "episode,reward,length\n" + ROWS + ROWS)
     with pytest.raises(SchemaError, match="line 5: it goes back to episode 0: the file holds several runs"):
@@ -129,7 +127,7 @@ def test_numbers_that_begin_again_are_refused(tmp_path: Path):
 
 
 @pytest.mark.parametrize("name", ["seed", "run"])
-def test_a_column_of_runs_gives_a_log_for_each(tmp_path: Path, name: str):
+def test_a_column_of_runs_gives_a_log_for_each(tmp_path, name):
     """Whichever way the rows are mixed."""
     text = f"{name},episode,reward\n3,0,-1.0\n8,0,-2.0\n3,1,-1.5\n8,1,-2.5\n"
     logs = EpisodeCsv().read(written(tmp_path, text))
@@ -138,26 +136,26 @@ def test_a_column_of_runs_gives_a_log_for_each(tmp_path: Path, name: str):
     assert [log.facts.seed for log in logs] == ([3, 8] if name == "seed" else [None, None])
 
 
-def test_a_seed_of_each_episode_is_no_run(tmp_path: Path):
+def test_a_seed_of_each_episode_is_no_run(tmp_path):
     """Evaluations are often seeded one by one."""
     log = read(written(tmp_path, "episode,reward,seed\n0,-1.0,100\n1,-2.0,101\n2,-3.0,102\n"))
     assert len(log) == 3
 
 
-def test_episodes_of_several_envs_are_counted_in_each(tmp_path: Path):
+def test_episodes_of_several_envs_are_counted_in_each(tmp_path):
     """A column says which."""
     log = read(written(tmp_path, "env,episode,reward,length\n0,0,-1,5\n1,0,-2,6\n0,1,-3,7\n1,1,-4,8\n"))
     assert log["time"].tolist() == [5, 11, 18, 26]
 
 
-def test_episodes_that_are_missing_are_told_and_no_steps_are_made_up(tmp_path: Path):
+def test_episodes_that_are_missing_are_told_and_no_steps_are_made_up(tmp_path):
     """Only every tenth episode was written down."""
     log = read(written(tmp_path, "episode,reward,length\n0,-1.0,50\n10,-2.0,50\n20,-3.0,50\n"))
     assert "time" not in log
     assert "not every episode" in log.facts.thinned
 
 
-def test_steps_that_only_rise_are_those_of_all_episodes(tmp_path: Path):
+def test_steps_that_only_rise_are_those_of_all_episodes(tmp_path):
     """`steps` is the length of an episode for some, and what was done so far for others."""
     rows = "".join(f"{number},-1.0,{200 * (number + 1)}\n" for number in range(6))
     log = read(written(tmp_path, f"episode,reward,steps\n{rows}"))
@@ -165,7 +163,7 @@ def test_steps_that_only_rise_are_those_of_all_episodes(tmp_path: Path):
     assert "length" not in log
 
 
-def test_a_column_of_steps_of_the_training_is_time(tmp_path: Path):
+def test_a_column_of_steps_of_the_training_is_time(tmp_path):
     """And may not go back."""
     log = read(written(tmp_path, "episode,reward,total_steps\n0,-1.0,200\n1,-2.0,390\n"))
     assert log["time"].tolist() == [200, 390]
@@ -173,7 +171,7 @@ def test_a_column_of_steps_of_the_training_is_time(tmp_path: Path):
         read(written(tmp_path, "episode,reward,total_steps\n0,-1.0,200\n1,-2.0,190\n"))
 
 
-def test_a_damaged_row_is_refused_by_its_line(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
+def test_a_damaged_row_is_refused_by_its_line(tmp_path_factory, subtests):
     """Never read in part."""
     rows = [
         ("3,nan,150", "line 5: column 'reward' holds nan"),
@@ -191,20 +189,20 @@ def test_a_damaged_row_is_refused_by_its_line(tmp_path_factory: pytest.TempPathF
                 EpisodeCsv().read(path)
 
 
-def test_a_probability_of_success_is_refused(tmp_path: Path):
+def test_a_probability_of_success_is_refused(tmp_path):
     """An episode succeeds or not."""
     with pytest.raises(SchemaError, match=r"line 2: column 'success' is 0 or 1, and holds 0\.7"):
         read(written(tmp_path, "episode,reward,success\n0,1.0,0.7\n"))
 
 
-def test_a_last_line_that_does_not_end_is_left_out_and_told(tmp_path: Path):
+def test_a_last_line_that_does_not_end_is_left_out_and_told(tmp_path):
     """The last number of it may lack digits."""
     log = read(written(tmp_path, "episode,reward,length\n" + ROWS + "3,-1.0,15"))
     assert log["length"].tolist() == [200, 180, 150]
     assert "line 5 is cut off, or is being written: it is left out" in log.facts.notes
 
 
-def test_a_table_without_a_column_of_returns_is_told_how_to_name_it(tmp_path: Path):
+def test_a_table_without_a_column_of_returns_is_told_how_to_name_it(tmp_path):
     """With what there is."""
     path = written(tmp_path, "episode,points\n0,1.0\n1,2.0\n")
     with pytest.raises(UsageError, match=r"say reward=NAME. It has: episode, points"):

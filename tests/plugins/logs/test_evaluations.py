@@ -2,7 +2,6 @@
 
 import warnings
 import zipfile
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +29,7 @@ def saved(folder: Path, **arrays: Any) -> Path:
 
 
 @pytest.mark.parametrize("ways", [1, 2])
-def test_the_callback_of_the_library_is_read_as_it_holds_its_results(counted: Callable, tmp_path: Path, ways: int):
+def test_the_callback_of_the_library_is_read_as_it_holds_its_results(counted, tmp_path, ways):
     """Of one env for the evaluations and of two, against the callback's own lists."""
     pytest.importorskip("stable_baselines3", reason="needs the extra sb3")
     from stable_baselines3 import A2C
@@ -56,23 +55,21 @@ def test_the_callback_of_the_library_is_read_as_it_holds_its_results(counted: Ca
     assert log.facts.unit == "episode"
 
 
-def test_a_file_without_lengths_and_successes_has_returns(tmp_path: Path):
+def test_a_file_without_lengths_and_successes_has_returns(tmp_path):
     """As old versions wrote it, and environments that tell no success."""
     log = read(saved(tmp_path, timesteps=[5, 9], results=[[1.0, 2.0], [3.0, 4.0]]))
     assert log.columns == ("time", "reward/recorded")
     assert log["reward/recorded"].tolist() == [1.0, 2.0, 3.0, 4.0]
 
 
-def test_successes_of_other_episodes_are_left_out_and_told(tmp_path: Path):
+def test_successes_of_other_episodes_are_left_out_and_told(tmp_path):
     """Where not every evaluation has them, nobody knows whose they are."""
     log = read(saved(tmp_path, timesteps=[5, 9], results=[[1.0, 2.0], [3.0, 4.0]], successes=[[True, False]]))
     assert log.measures == ()
     assert any("successes are (1, 2), results (2, 2)" in note for note in log.facts.notes)
 
 
-def test_arrays_that_say_no_evaluations_are_refused(
-    tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests
-):
+def test_arrays_that_say_no_evaluations_are_refused(tmp_path_factory, subtests):
     """With the reason."""
     rows = [
         ({"timesteps": [5, 9], "results": [[1.0]]}, r"its results are \(1, 1\) of 2 evaluations"),
@@ -89,14 +86,14 @@ def test_arrays_that_say_no_evaluations_are_refused(
                 read(saved(tmp_path, **arrays))
 
 
-def test_no_pickle_is_opened(tmp_path: Path):
+def test_no_pickle_is_opened(tmp_path):
     """An array of objects runs code when it is loaded."""
     path = saved(tmp_path, timesteps=[5], results=np.array([[1.0, print]], dtype=object))
     with pytest.raises(SchemaError, match="allow_pickle=False"):
         read(path)
 
 
-def test_a_file_that_is_cut_is_refused(tmp_path: Path):
+def test_a_file_that_is_cut_is_refused(tmp_path):
     """It is written anew at each evaluation."""
     path = saved(tmp_path, timesteps=[5, 9], results=[[1.0], [2.0]])
     path.write_bytes(path.read_bytes()[:-40])
@@ -105,7 +102,7 @@ def test_a_file_that_is_cut_is_refused(tmp_path: Path):
         Evaluations().read(path)
 
 
-def test_a_file_that_unpacks_to_more_than_is_allowed_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_a_file_that_unpacks_to_more_than_is_allowed_is_refused(tmp_path, monkeypatch):
     """A few bytes of a zip can hold many."""
     path = tmp_path / "evaluations.npz"
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -116,7 +113,7 @@ def test_a_file_that_unpacks_to_more_than_is_allowed_is_refused(tmp_path: Path, 
         read(path)
 
 
-def test_arrays_of_others_are_not_recognised(tmp_path: Path):
+def test_arrays_of_others_are_not_recognised(tmp_path):
     """A data set, and a zip that is none."""
     np.savez(tmp_path / "data.npz", observations=[1.0], rewards=[2.0])
     (tmp_path / "e.npz").write_bytes(b"PK\x03\x04 and no more")

@@ -19,9 +19,7 @@ STRIDE = 7
 FOREIGN = ("monitor", "evaluations", "tensorboard", "tensorboard-csv", "progress-csv", "wandb-csv", "episode-csv")
 
 
-def test_an_example_is_recognised_by_its_own_format_alone(
-    tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests
-):
+def test_an_example_is_recognised_by_its_own_format_alone(tmp_path_factory, subtests):
     """Nobody has to say what it is."""
     for name in FOREIGN:
         with subtests.test(name=name):
@@ -61,16 +59,14 @@ OF_STEPS = {
     [*((rows, "episode-csv") for rows in HEADS.values()), *((rows, "steps-csv") for rows in OF_STEPS.values())],
     ids=[*HEADS, *OF_STEPS],
 )
-def test_a_table_is_recognised_by_one_format_alone(tmp_path: Path, rows: tuple[str, ...], name: str):
+def test_a_table_is_recognised_by_one_format_alone(tmp_path, rows, name):
     """Whoever reads all logs of a folder would read it twice."""
     path = tmp_path / "it.csv"
     path.write_text("\n".join([*rows, ""]))
     assert [other for other, it in FORMATS.items() if it.recognises(path, path.read_bytes())] == [name]
 
 
-def test_an_example_has_returns_or_success_in_every_row(
-    tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests
-):
+def test_an_example_has_returns_or_success_in_every_row(tmp_path_factory, subtests):
     """Through the door that all logs come in by, with finite numbers."""
     for name in FOREIGN:
         with subtests.test(name=name):
@@ -93,9 +89,7 @@ def read_or_refused(name: str, path: Path) -> tuple[Log, ...]:
     return ()
 
 
-def test_a_cut_file_is_refused_or_has_the_first_rows(
-    tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests
-):
+def test_a_cut_file_is_refused_or_has_the_first_rows(tmp_path_factory, subtests):
     """Wherever it is cut: no number is another, and what is missing is told, but where a row has just ended."""
     for name in FOREIGN:
         with subtests.test(name=name):
@@ -117,16 +111,14 @@ def test_a_cut_file_is_refused_or_has_the_first_rows(
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no named pipes")
 @pytest.mark.parametrize("name", FOREIGN)
-def test_a_pipe_that_nobody_writes_to_holds_nobody_up(tmp_path: Path, name: str):
+def test_a_pipe_that_nobody_writes_to_holds_nobody_up(tmp_path, name):
     """Whatever it is called."""
     path = tmp_path / "events.out.tfevents.1.csv"
     os.mkfifo(path)
     assert not read_or_refused(name, path)
 
 
-def test_bytes_that_mean_nothing_raise_our_own_errors_alone(
-    tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests
-):
+def test_bytes_that_mean_nothing_raise_our_own_errors_alone(tmp_path_factory, subtests):
     """Some of an example's bytes are others; what is still read is finite."""
     for name in FOREIGN:
         with subtests.test(name=name):

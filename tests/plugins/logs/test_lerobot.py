@@ -1,7 +1,6 @@
 """LeRobot's frames become logs of steps, whatever files and groups of rows they lie in."""
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pyarrow.parquet as pq
@@ -15,7 +14,7 @@ from tests.record.dataset.written import episode, opened, write_lerobot
 
 
 @pytest.mark.parametrize("version", ["v2.0", "v2.1", "v3.0"])
-def test_every_known_version_is_read(tmp_path: Path, version: str) -> None:
+def test_every_known_version_is_read(tmp_path, version):
     """Every known version is read."""
     rows = opened(f"lerobot:{write_lerobot(tmp_path / 'd', [episode(4), episode(3, 1)], version)}").rows()
     assert rows["episode"].tolist() == [0, 0, 0, 0, 1, 1, 1]
@@ -24,7 +23,7 @@ def test_every_known_version_is_read(tmp_path: Path, version: str) -> None:
 
 
 @pytest.mark.parametrize("rows", [2, 3, 5, 100])
-def test_batches_do_not_change_the_steps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, rows: int) -> None:
+def test_batches_do_not_change_the_steps(tmp_path, monkeypatch, rows):
     """Batches do not change the steps; what was seen after the last one of an episode is not known."""
     monkeypatch.setattr(sizes, "ROWS", rows)
     episodes = [episode(7), episode(1, 1), episode(4, 2)]
@@ -39,14 +38,14 @@ def test_batches_do_not_change_the_steps(tmp_path: Path, monkeypatch: pytest.Mon
 
 
 @pytest.mark.parametrize("rows", [2, 3, 100])
-def test_a_success_in_the_last_frame_counts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, rows: int) -> None:
+def test_a_success_in_the_last_frame_counts(tmp_path, monkeypatch, rows):
     """A success in the last frame counts."""
     monkeypatch.setattr(sizes, "ROWS", rows)
     folder = write_lerobot(tmp_path / "d", [episode(4, success=True), episode(4, 1)])
     assert opened(f"lerobot:{folder}")["behaviour/success"].tolist() == [0.0, 0.0, 0.0, 1.0] + [0.0] * 4
 
 
-def test_names_and_rewards_come_from_the_data_set(tmp_path: Path) -> None:
+def test_names_and_rewards_come_from_the_data_set(tmp_path):
     """Names and rewards come from the data set."""
     log = opened(f"lerobot:{write_lerobot(tmp_path / 'd', [episode(3)])}")
     assert (log.facts.names["observation"], log.rewards) == (tuple("abcdef"), ("recorded",))
@@ -57,7 +56,7 @@ def _frames(steps: int, **columns: object) -> dict[str, object]:
     return {"observation.state": np.ones((steps, 3)), "action": np.ones((steps, 2)), **columns}
 
 
-def test_several_episodes_that_are_stored_as_one_are_refused(tmp_path: Path) -> None:
+def test_several_episodes_that_are_stored_as_one_are_refused(tmp_path):
     """Twenty rollouts in one episode, as a recorder wrote that was not told of their ends: strands robots 708."""
     done = np.tile(np.arange(5) == 4, 20)
     folder = write_frames(tmp_path / "d", [_frames(100, **{"next.done": done})])
@@ -65,27 +64,27 @@ def test_several_episodes_that_are_stored_as_one_are_refused(tmp_path: Path) -> 
         opened(f"lerobot:{folder}").rows()
 
 
-def test_frames_after_the_end_that_say_so_belong_to_the_episode(tmp_path: Path) -> None:
+def test_frames_after_the_end_that_say_so_belong_to_the_episode(tmp_path):
     """A recorder goes on for some frames after a success, and each of them is done."""
     folder = write_frames(tmp_path / "d", [_frames(9, **{"next.done": np.arange(9) > 4}) for _ in range(2)])
     assert len(opened(f"lerobot:{folder}").rows(["episode"])) == 18
 
 
-def test_a_newer_version_is_one_line(tmp_path: Path) -> None:
+def test_a_newer_version_is_one_line(tmp_path):
     """A newer version is one line."""
     with pytest.raises(NewerFormat, match=r"version v4.0, and v2.0, v2.1, v3.0 are read: it is newer"):
         opened(f"lerobot:{write_lerobot(tmp_path / 'd', [episode(3)], codebase_version='v4.0')}")
 
 
 @pytest.mark.parametrize("column", ["action", "episode_index", "frame_index"])
-def test_a_missing_column_is_one_line(tmp_path: Path, column: str) -> None:
+def test_a_missing_column_is_one_line(tmp_path, column):
     """A missing column is one line."""
     folder = write_lerobot(tmp_path / "d", [episode(3)], drop=[column])
     with pytest.raises(SchemaError, match=f"tells of no column {column}"):
         opened(f"lerobot:{folder}")
 
 
-def test_a_column_that_only_the_metadata_has_is_one_line(tmp_path: Path) -> None:
+def test_a_column_that_only_the_metadata_has_is_one_line(tmp_path):
     """A column that only the metadata has is one line."""
     folder = write_lerobot(tmp_path / "d", [episode(3)])
     info = folder / "meta" / "info.json"
@@ -96,7 +95,7 @@ def test_a_column_that_only_the_metadata_has_is_one_line(tmp_path: Path) -> None
         opened(f"lerobot:{folder}").rows()
 
 
-def test_frames_that_do_not_follow_are_refused(tmp_path: Path) -> None:
+def test_frames_that_do_not_follow_are_refused(tmp_path):
     """Frames that do not follow are refused."""
     folder = write_lerobot(tmp_path / "d", [episode(5)])
     (path,) = folder.glob("data/*/*.parquet")
@@ -105,7 +104,7 @@ def test_frames_that_do_not_follow_are_refused(tmp_path: Path) -> None:
         opened(f"lerobot:{folder}").rows()
 
 
-def test_rows_of_another_width_are_refused(tmp_path: Path) -> None:
+def test_rows_of_another_width_are_refused(tmp_path):
     """Rows of another width are refused."""
     folder = write_lerobot(tmp_path / "d", [episode(5)])
     info = folder / "meta" / "info.json"
@@ -114,13 +113,13 @@ def test_rows_of_another_width_are_refused(tmp_path: Path) -> None:
         opened(f"lerobot:{folder}").rows()
 
 
-def test_no_data_set_is_one_line(tmp_path: Path) -> None:
+def test_no_data_set_is_one_line(tmp_path):
     """No data set is one line."""
     with pytest.raises(UsageError, match=r"meta/info\.json"):
         opened(f"lerobot:{tmp_path}")
 
 
-def test_a_folder_without_success_answers_as_far_as_it_can(tmp_path: Path) -> None:
+def test_a_folder_without_success_answers_as_far_as_it_can(tmp_path):
     """Recorded pay and functions are told apart, labels from a file rank them, and what is missing is said."""
     pay = np.random.default_rng(0).normal(size=(10, 6))
     episodes = [_frames(6, **{"next.reward": row, "observation.state": np.outer(row, np.ones(3))}) for row in pay]

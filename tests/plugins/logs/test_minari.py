@@ -1,7 +1,6 @@
 """Minari's files become logs of steps; what lies elsewhere or is newer is refused."""
 
 import sys
-from pathlib import Path
 
 import h5py
 import numpy as np
@@ -18,7 +17,7 @@ def read(text: str, **settings: object) -> Rows:
     return opened(text, **settings).rows()
 
 
-def test_an_episode_is_what_was_written(tmp_path: Path) -> None:
+def test_an_episode_is_what_was_written(tmp_path):
     """An episode is what was written."""
     one = episode(5, success=True)
     rows = read(f"minari:{write_minari(tmp_path / 'd', [one])}")
@@ -29,21 +28,21 @@ def test_an_episode_is_what_was_written(tmp_path: Path) -> None:
     assert (rows["step"].tolist(), rows["terminated"].tolist()) == ([1, 2, 3, 4, 5], [False] * 5)
 
 
-def test_infos_are_those_after_each_step(tmp_path: Path) -> None:
+def test_infos_are_those_after_each_step(tmp_path):
     """Infos are those after each step."""
     rows = read(f"minari:{write_minari(tmp_path / 'd', [episode(5, success=True)])}")
     assert rows["info/success"].tolist() == [False, False, False, False, True]
     assert rows["behaviour/success"].tolist() == [0.0, 0.0, 0.0, 0.0, 1.0]
 
 
-def test_a_data_set_is_found_by_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_data_set_is_found_by_its_name(tmp_path, monkeypatch):
     """A data set is found by its name."""
     write_minari(tmp_path / "a" / "reach-v0", [episode(3)])
     monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path))
     assert len(read("minari:a/reach-v0")) == 3
 
 
-def test_long_episodes_come_in_parts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_long_episodes_come_in_parts(tmp_path, monkeypatch):
     """Long episodes come in parts, which hold what was written."""
     monkeypatch.setattr(sizes, "ROWS", 4)
     one = episode(9, success=True)
@@ -55,7 +54,7 @@ def test_long_episodes_come_in_parts(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert [part["behaviour/success"].max() for part in parts] == [0.0, 0.0, 1.0]
 
 
-def test_parts_of_an_observation_are_columns(tmp_path: Path) -> None:
+def test_parts_of_an_observation_are_columns(tmp_path):
     """Those of a dict by their key, those of a tuple by their number."""
     one = {**episode(3), "observations": {"goal": np.ones((4, 3)), "both": (np.zeros((4, 2)), np.arange(4))}}
     rows = read(f"minari:{write_minari(tmp_path / 'd', [one])}")
@@ -64,7 +63,7 @@ def test_parts_of_an_observation_are_columns(tmp_path: Path) -> None:
     assert rows["before/observation/both/_index_1"].tolist() == [0, 1, 2]
 
 
-def test_pictures_are_left_out_and_told(tmp_path: Path) -> None:
+def test_pictures_are_left_out_and_told(tmp_path):
     """Pictures are left out and told."""
     one = {**episode(3), "observations": {"goal": np.ones((4, 3)), "camera": np.zeros((4, 9), np.uint8)}}
     space = (
@@ -76,38 +75,38 @@ def test_pictures_are_left_out_and_told(tmp_path: Path) -> None:
     assert found.facts.notes == ("Pictures and texts are left out: observations/camera",)
 
 
-def test_the_spec_is_text(tmp_path: Path) -> None:
+def test_the_spec_is_text(tmp_path):
     """The spec is text."""
     assert opened(f"minari:{write_minari(tmp_path / 'd', [episode(2)])}").facts.env == '{"id": "Arm-v0"}'
 
 
-def test_who_made_an_episode_is_told(tmp_path: Path) -> None:
+def test_who_made_an_episode_is_told(tmp_path):
     """Who made an episode is told."""
     folder = write_minari(tmp_path / "d", [episode(2, operator="ann"), episode(2, operator="bob")])
     assert read(f"minari:{folder}")["operator"].tolist() == ["ann", "ann", "bob", "bob"]
 
 
-def test_a_newer_version_is_one_line(tmp_path: Path) -> None:
+def test_a_newer_version_is_one_line(tmp_path):
     """A newer version is one line."""
     folder = write_minari(tmp_path / "d", [episode(2)], minari_version="0.6.0")
     with pytest.raises(NewerFormat, match=r"written by Minari 0.6, and versions up to 0.5 are read"):
         opened(f"minari:{folder}")
 
 
-def test_another_storage_is_one_line(tmp_path: Path) -> None:
+def test_another_storage_is_one_line(tmp_path):
     """Another storage is one line."""
     with pytest.raises(SchemaError, match="'arrow'"):
         opened(f"minari:{write_minari(tmp_path / 'd', [episode(2)], data_format='arrow')}")
 
 
-def test_no_data_set_says_where_it_was_looked_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_data_set_says_where_it_was_looked_for(tmp_path, monkeypatch):
     """No data set says where it was looked for."""
     monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path))
     with pytest.raises(UsageError, match="minari download a/b-v0"):
         opened("minari:a/b-v0")
 
 
-def test_a_missing_library_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_library_is_one_line(tmp_path, monkeypatch):
     """A missing library is one line."""
     folder = write_minari(tmp_path / "d", [episode(2)])
     monkeypatch.setitem(sys.modules, "h5py", None)
@@ -116,7 +115,7 @@ def test_a_missing_library_is_one_line(tmp_path: Path, monkeypatch: pytest.Monke
 
 
 @pytest.mark.parametrize("kind", ["external", "soft", "virtual"])
-def test_numbers_in_other_files_are_not_read(tmp_path: Path, kind: str) -> None:
+def test_numbers_in_other_files_are_not_read(tmp_path, kind):
     """Numbers in other files are not read."""
     folder = write_minari(tmp_path / "d", [episode(2)])
     with h5py.File(tmp_path / "other.hdf5", "w") as other:
@@ -136,21 +135,21 @@ def test_numbers_in_other_files_are_not_read(tmp_path: Path, kind: str) -> None:
         read(f"minari:{folder}")
 
 
-def test_an_episode_without_its_last_observation_is_refused(tmp_path: Path) -> None:
+def test_an_episode_without_its_last_observation_is_refused(tmp_path):
     """An episode without its last observation is refused."""
     one = {**episode(3), "observations": np.zeros((3, 6))}
     with pytest.raises(SchemaError, match="one observation more than actions"):
         read(f"minari:{write_minari(tmp_path / 'd', [one])}")
 
 
-def test_too_many_steps_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_too_many_steps_are_refused(tmp_path, monkeypatch):
     """Too many steps are refused."""
     monkeypatch.setattr(sizes, "MOST_VALUES", 40)
     with pytest.raises(SchemaError, match="numbers, 40 are allowed"):
         read(f"minari:{write_minari(tmp_path / 'd', [episode(3), episode(3)])}")
 
 
-def test_a_missing_key_of_success_names_those_there_are(tmp_path: Path) -> None:
+def test_a_missing_key_of_success_names_those_there_are(tmp_path):
     """A missing key of success names those there are."""
     with pytest.raises(UsageError, match=r"--success won: .* it has success"):
         opened(f"minari:{write_minari(tmp_path / 'd', [episode(3)])}", success="won")

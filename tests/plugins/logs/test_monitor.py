@@ -2,7 +2,7 @@
 
 import json
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -48,7 +48,7 @@ def written(folder: Path, text: str, name: str = "monitor.csv") -> Path:
     return path
 
 
-def test_returns_and_lengths_are_those_that_monitor_holds_in_memory(counted: Callable, tmp_path: Path):
+def test_returns_and_lengths_are_those_that_monitor_holds_in_memory(counted, tmp_path):
     """The file of the library against its own lists."""
     env = monitored(counted, tmp_path / "monitor.csv", 6)
     log = read(tmp_path / "monitor.csv")
@@ -58,9 +58,7 @@ def test_returns_and_lengths_are_those_that_monitor_holds_in_memory(counted: Cal
     assert log.facts.unit == "episode"
 
 
-def test_vec_monitor_of_several_envs_is_one_log(
-    counted: Callable, counted_returns: Callable[[Sequence[int]], list[float]], tmp_path: Path
-):
+def test_vec_monitor_of_several_envs_is_one_log(counted, counted_returns, tmp_path):
     """Episodes of three envs end together, in the order of the envs."""
     from stable_baselines3.common.vec_env import DummyVecEnv, VecMonitor
 
@@ -74,7 +72,7 @@ def test_vec_monitor_of_several_envs_is_one_log(
     assert log["time"].tolist() == [2, 4, 6, 9, 12, 15]
 
 
-def test_info_keywords_give_success_and_measures(counted: Callable, tmp_path: Path):
+def test_info_keywords_give_success_and_measures(counted, tmp_path):
     """True and False are 1 and 0; a column of text is left out, and told."""
     keys = ("is_success", "distance", "phase")
     monitored(counted, tmp_path / "monitor.csv", 4, info_keywords=keys)
@@ -85,7 +83,7 @@ def test_info_keywords_give_success_and_measures(counted: Callable, tmp_path: Pa
     assert any("phase" in note for note in log.facts.notes)
 
 
-def test_files_of_several_envs_tell_when_they_began_and_each_episode_ended(counted: Callable, tmp_path: Path):
+def test_files_of_several_envs_tell_when_they_began_and_each_episode_ended(counted, tmp_path):
     """Whoever joins the envs of one training, as the library's own reader does, needs both."""
     from stable_baselines3.common.env_util import make_vec_env
 
@@ -102,7 +100,7 @@ def test_files_of_several_envs_tell_when_they_began_and_each_episode_ended(count
     assert all(0.0 <= log["seconds"][0] < 60.0 for log in logs)
 
 
-def test_a_file_that_monitor_appended_to_is_read_whole(counted: Callable, counted_returns: Callable, tmp_path: Path):
+def test_a_file_that_monitor_appended_to_is_read_whole(counted, counted_returns, tmp_path):
     """`override_existing=False`, as in a job that is started again."""
     path = tmp_path / "monitor.csv"
     monitored(counted, path, 40)
@@ -112,9 +110,7 @@ def test_a_file_that_monitor_appended_to_is_read_whole(counted: Callable, counte
     assert any("goes back 1 times, first in line 43" in note for note in log.facts.notes)
 
 
-def test_a_file_without_a_header_is_read_as_issue_2282_of_the_library_has_it(
-    counted: Callable, counted_returns: Callable, tmp_path: Path
-):
+def test_a_file_without_a_header_is_read_as_issue_2282_of_the_library_has_it(counted, counted_returns, tmp_path):
     """`override_existing=False` of a file that was not there writes rows alone; its own reader refuses it."""
     path = tmp_path / "run.monitor.csv"
     monitored(counted, path, 3, override_existing=False, info_keywords=("is_success",))
@@ -125,21 +121,21 @@ def test_a_file_without_a_header_is_read_as_issue_2282_of_the_library_has_it(
     assert read(path, success="column 4")["behaviour/success"].tolist() == [0, 1, 0]
 
 
-def test_rows_that_run_into_one_another_are_refused_as_in_issue_647_of_the_library(tmp_path: Path):
+def test_rows_that_run_into_one_another_are_refused_as_in_issue_647_of_the_library(tmp_path):
     """Several processes write one file: a row holds the cells of two."""
     path = written(tmp_path, HEADER + "r,l,t\n140,141,32.65827\n\n61,62,36.887254181,182,39.867808\n61,62,41.61\n")
     with pytest.raises(SchemaError, match=r"monitor\.csv, line 5: it has 5 cells"):
         read(path)
 
 
-def test_two_files_joined_into_one_are_one_log(tmp_path: Path):
+def test_two_files_joined_into_one_are_one_log(tmp_path):
     """Both headers stand in it."""
     log = read(written(tmp_path, 2 * (HEADER + "r,l,t\n" + ROWS)))
     assert log["reward/recorded"].tolist() == [-3.5, -2.25, -1.0] * 2
     assert log["time"].tolist() == [10, 22, 31, 41, 53, 62]
 
 
-def test_two_environments_in_one_file_are_refused(tmp_path: Path):
+def test_two_environments_in_one_file_are_refused(tmp_path):
     """Their returns have nothing to do with one another."""
     text = HEADER + "r,l,t\n" + ROWS
     with pytest.raises(SchemaError, match="several environments: Other-v0, Toy-v0"):
@@ -147,14 +143,14 @@ def test_two_environments_in_one_file_are_refused(tmp_path: Path):
 
 
 @pytest.mark.parametrize("cut", ["-7.25,1", "-7.25,10,3.5", '-7.25,"10'])
-def test_a_last_line_that_does_not_end_is_left_out_and_told(tmp_path: Path, cut: str):
+def test_a_last_line_that_does_not_end_is_left_out_and_told(tmp_path, cut):
     """The training was killed, or still writes: even a full row may lack digits."""
     log = read(written(tmp_path, HEADER + "r,l,t\n" + ROWS + cut))
     assert log["reward/recorded"].tolist() == [-3.5, -2.25, -1.0]
     assert "line 6 is cut off, or is being written: it is left out" in log.facts.notes
 
 
-def test_a_damaged_row_is_refused_by_its_line(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
+def test_a_damaged_row_is_refused_by_its_line(tmp_path_factory, subtests):
     """Never read in part."""
     rows = [
         ("-1.0,9", "line 6: it has 2 cells"),
@@ -183,7 +179,7 @@ def test_a_damaged_row_is_refused_by_its_line(tmp_path_factory: pytest.TempPathF
     ],
     ids=["blank before the JSON", "Windows", "Windows, blank lines", "byte order mark"],
 )
-def test_other_ways_to_write_the_same_file_give_the_same(tmp_path: Path, text: str):
+def test_other_ways_to_write_the_same_file_give_the_same(tmp_path, text):
     """Older versions, and other systems."""
     log = read(written(tmp_path, text))
     assert log["reward/recorded"].tolist() == [-3.5, -2.25, -1.0]
@@ -191,39 +187,39 @@ def test_other_ways_to_write_the_same_file_give_the_same(tmp_path: Path, text: s
     assert log.facts.env == "Toy-v0"
 
 
-def test_a_header_that_names_no_environment_names_none(tmp_path: Path):
+def test_a_header_that_names_no_environment_names_none(tmp_path):
     """Monitor writes the text None, old versions null."""
     for name in ('"None"', "null"):
         text = f'#{{"t_start": 1, "env_id": {name}}}\nr,l,t\n{ROWS}'
         assert read(written(tmp_path, text)).facts.env == ""
 
 
-def test_a_file_without_an_episode_is_refused(tmp_path: Path):
+def test_a_file_without_an_episode_is_refused(tmp_path):
     """A training that has just begun."""
     with pytest.raises(SchemaError, match="no episode yet"):
         read(written(tmp_path, HEADER + "r,l,t\n"))
 
 
-def test_a_success_that_is_neither_0_nor_1_is_refused(tmp_path: Path):
+def test_a_success_that_is_neither_0_nor_1_is_refused(tmp_path):
     """A probability is no success."""
     text = HEADER + "r,l,t,is_success\n-1.0,9,1.0,0.5\n"
     with pytest.raises(SchemaError, match=r"line 3: column 'is_success' is 0 or 1, and holds 0\.5"):
         read(written(tmp_path, text))
 
 
-def test_a_column_of_success_that_is_not_there_is_told(tmp_path: Path):
+def test_a_column_of_success_that_is_not_there_is_told(tmp_path):
     """With what there is."""
     with pytest.raises(UsageError, match=r"has no 'succes'\. It has: r, l, t"):
         read(written(tmp_path, HEADER + "r,l,t\n" + ROWS), success="succes")
 
 
-def test_pay_among_the_further_columns_is_no_measure(tmp_path: Path):
+def test_pay_among_the_further_columns_is_no_measure(tmp_path):
     """What a term of the reward paid is part of the reward."""
     log = read(written(tmp_path, HEADER + "r,l,t,reward_ctrl,distance\n-1.0,9,1.0,-0.5,0.25\n"))
     assert log.measures == ("distance",)
 
 
-def test_tables_of_others_are_not_recognised(tmp_path: Path):
+def test_tables_of_others_are_not_recognised(tmp_path):
     """Nor a file of another name without a header."""
     for name, text in [("monitor.csv", "reward\n1\n2\n"), ("rows.csv", ROWS), ("x.csv", "# {\nr;l;t\n"), ("e", "")]:
         path = written(tmp_path, text, name)

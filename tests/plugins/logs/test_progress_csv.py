@@ -74,7 +74,7 @@ def written(folder: Path, text: str, name: str = "progress.csv") -> Path:
     return path
 
 
-def test_keys_that_come_later_stand_under_their_names(tmp_path: Path):
+def test_keys_that_come_later_stand_under_their_names(tmp_path):
     """Issue 774 of baselines: a table whose header grows on the way. The library pads the rows before."""
     reports = [
         {STEPS: 100, REWARD: -9.5},
@@ -89,21 +89,21 @@ def test_keys_that_come_later_stand_under_their_names(tmp_path: Path):
     assert any("2 points that lack one of these are left out" in note for note in log.facts.notes)
 
 
-def test_a_row_of_another_width_is_refused(tmp_path: Path):
+def test_a_row_of_another_width_is_refused(tmp_path):
     """Issue 774 of baselines, where nobody padded: every value behind the new key stands under another name."""
     path = written(tmp_path, f"aaa/new,{REWARD},{STEPS}\n-9.5,100\n1.0,-8.25,200\n")
     with pytest.raises(SchemaError, match=r"progress\.csv, line 2: it has 2 cells, and there are 3 columns"):
         read(path)
 
 
-def test_values_under_names_of_others_are_refused_by_the_counter(tmp_path: Path):
+def test_values_under_names_of_others_are_refused_by_the_counter(tmp_path):
     """As wide as the header, but in another order: steps are whole numbers, returns mostly not."""
     path = written(tmp_path, f"{REWARD},{STEPS}\n-9.5,100\n200,-8.25\n")
     with pytest.raises(SchemaError, match=r"line 3: column 'time/total_timesteps' counts from 0, and holds -8\.25"):
         read(path)
 
 
-def test_evaluations_in_rows_of_their_own_are_read_where_they_have_success(tmp_path: Path):
+def test_evaluations_in_rows_of_their_own_are_read_where_they_have_success(tmp_path):
     """EvalCallback dumps rows of its own into the same table."""
     reports = [
         {STEPS: 100, REWARD: -9.5},
@@ -116,7 +116,7 @@ def test_evaluations_in_rows_of_their_own_are_read_where_they_have_success(tmp_p
     assert read(tmp_path / "progress.csv", reward=REWARD)["time"].tolist() == [100, 200]
 
 
-def test_a_trial_of_rllib_is_read_as_rays_logger_flattens_it(tmp_path: Path):
+def test_a_trial_of_rllib_is_read_as_rays_logger_flattens_it(tmp_path):
     """Nested results, text with commas, and NaN before the first episode has ended."""
     results = [
         {
@@ -135,7 +135,7 @@ def test_a_trial_of_rllib_is_read_as_rays_logger_flattens_it(tmp_path: Path):
     assert "RLlib" in log.facts.format
 
 
-def test_a_trial_that_was_restored_has_its_later_rows_count(tmp_path: Path):
+def test_a_trial_that_was_restored_has_its_later_rows_count(tmp_path):
     """Issue 4187 of Ray: what was reported again after a checkpoint stands in the table twice."""
     steps, values = [1000, 2000, 3000, 2000, 3000], [1.0, 2.0, 3.0, 20.0, 30.0]
     results = [
@@ -147,7 +147,7 @@ def test_a_trial_that_was_restored_has_its_later_rows_count(tmp_path: Path):
     assert log["reward/recorded"].tolist() == [1.0, 20.0, 30.0]
 
 
-def test_a_restored_trial_that_reports_in_another_order_is_refused(tmp_path: Path):
+def test_a_restored_trial_that_reports_in_another_order_is_refused(tmp_path):
     """Ray writes its rows by the new order, under the old header."""
     results = [
         {"episode_reward_mean": -1.5, "timesteps_total": 1000},
@@ -159,14 +159,14 @@ def test_a_restored_trial_that_reports_in_another_order_is_refused(tmp_path: Pat
         read(path)
 
 
-def test_seed_and_environment_of_a_trial_stand_beside_it(tmp_path: Path):
+def test_seed_and_environment_of_a_trial_stand_beside_it(tmp_path):
     """In params.json, which Ray writes."""
     (tmp_path / "params.json").write_text(json.dumps({"env": "Hopper-v4", "seed": 11, "lr": 0.1}))
     path = written(tmp_path, "training_iteration,timesteps_total,episode_reward_mean\n1,1000,2.5\n")
     assert (read(path).facts.env, read(path).facts.seed) == ("Hopper-v4", 11)
 
 
-def test_a_header_longer_than_what_is_looked_at_first_is_recognised(tmp_path: Path):
+def test_a_header_longer_than_what_is_looked_at_first_is_recognised(tmp_path):
     """RLlib has hundreds of columns."""
     more = ",".join(f"info/learner/default_policy/statistic_{number}" for number in range(300))
     zeros = ",".join(["0"] * 300)
@@ -184,7 +184,7 @@ def test_a_header_longer_than_what_is_looked_at_first_is_recognised(tmp_path: Pa
         ("episode_reward_mean,timesteps_total", "RLlib"),
     ],
 )
-def test_tables_of_other_programs_are_found_by_their_columns(tmp_path: Path, header: str, program: str):
+def test_tables_of_other_programs_are_found_by_their_columns(tmp_path, header, program):
     """With environment steps from the column that the program counts them in; Spinning Up's has tabs."""
     separator = "\t" if "\t" in header else ","
     path = written(tmp_path, f"{header}\n-9.5{separator}100\n-8.25{separator}200\n")
@@ -194,21 +194,21 @@ def test_tables_of_other_programs_are_found_by_their_columns(tmp_path: Path, hea
     assert program in log.facts.format
 
 
-def test_a_table_that_counts_no_steps_has_iterations(tmp_path: Path):
+def test_a_table_that_counts_no_steps_has_iterations(tmp_path):
     """Until somebody says how many steps one has."""
     path = written(tmp_path, "training_iteration,episode_reward_mean\n1,2.5\n2,3.5\n")
     assert read(path)["iteration"].tolist() == [1, 2]
     assert read(path, per_step=4000)["time"].tolist() == [4000, 8000]
 
 
-def test_a_counter_without_a_number_is_passed_over(tmp_path: Path):
+def test_a_counter_without_a_number_is_passed_over(tmp_path):
     """RLlib has columns of older versions that nobody fills any more."""
     header = "num_env_steps_sampled_lifetime,timesteps_total,episode_reward_mean"
     path = written(tmp_path, f"{header}\n,1000,2.5\n,2000,3.5\n")
     assert read(path)["time"].tolist() == [1000, 2000]
 
 
-def test_a_last_line_that_does_not_end_is_left_out_and_told(tmp_path: Path):
+def test_a_last_line_that_does_not_end_is_left_out_and_told(tmp_path):
     """The training writes on."""
     log = read(written(tmp_path, f"{REWARD},{STEPS}\n-9.5,100\n-8.25,20"))
     assert log["time"].tolist() == [100]
@@ -216,25 +216,25 @@ def test_a_last_line_that_does_not_end_is_left_out_and_told(tmp_path: Path):
 
 
 @pytest.mark.parametrize("text", [f"{REWARD},{STEPS}\n", f"{REWARD},{STEPS}\n,100\n", f"{REWARD},{STEPS}\nnan,100\n"])
-def test_a_table_without_a_point_is_refused(tmp_path: Path, text: str):
+def test_a_table_without_a_point_is_refused(tmp_path, text):
     """No episode has ended yet."""
     with pytest.raises(SchemaError, match="has no point of rollout/ep_rew_mean"):
         read(written(tmp_path, text))
 
 
-def test_text_among_returns_is_refused_by_its_line(tmp_path: Path):
+def test_text_among_returns_is_refused_by_its_line(tmp_path):
     """A second header of another run, for one."""
     with pytest.raises(SchemaError, match="line 3: column 'rollout/ep_rew_mean' holds time/fps"):
         read(written(tmp_path, f"{REWARD},{STEPS}\n-9.5,100\ntime/fps,time\n"))
 
 
-def test_a_name_twice_in_the_header_is_refused(tmp_path: Path):
+def test_a_name_twice_in_the_header_is_refused(tmp_path):
     """Nobody knows which is meant."""
     with pytest.raises(SchemaError, match="names a column twice"):
         read(written(tmp_path, f"{REWARD},{STEPS},{REWARD}\n-9.5,100,2\n"))
 
 
-def test_a_column_may_be_named(tmp_path: Path):
+def test_a_column_may_be_named(tmp_path):
     """In a table that no program is known to write."""
     path = written(tmp_path, "updates,score,solved\n1,-9.5,0.5\n2,-8.25,0.75\n")
     assert not ProgressCsv().recognises(path, path.read_bytes())
@@ -244,7 +244,7 @@ def test_a_column_may_be_named(tmp_path: Path):
         ProgressCsv().read(path)
 
 
-def test_a_whole_number_of_points_is_held_against_numpys_reader(tmp_path: Path):
+def test_a_whole_number_of_points_is_held_against_numpys_reader(tmp_path):
     """500 reports with ten more columns, in random order."""
     generator = np.random.default_rng(0)
     names = [REWARD, STEPS, *(f"train/{number}" for number in range(10))]

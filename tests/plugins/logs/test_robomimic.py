@@ -49,7 +49,7 @@ def stored(path: Path, key: str) -> np.ndarray:
         return np.concatenate([np.asarray(file[f"data/demo_{number}/{key}"]) for number in range(len(LENGTHS))])
 
 
-def test_a_log_holds_what_was_written(tmp_path: Path) -> None:
+def test_a_log_holds_what_was_written(tmp_path):
     """What was seen before and after each step, what was done, and what was paid."""
     rows = opened(write(tmp_path / "d.hdf5")).rows()
     assert rows["episode"].tolist() == [0] * 3 + [1] * 5 + [2] * 4
@@ -65,7 +65,7 @@ def test_a_log_holds_what_was_written(tmp_path: Path) -> None:
         assert np.array_equal(rows[name], stored(tmp_path / "d.hdf5", key)), name
 
 
-def test_pictures_are_left_out_and_told(tmp_path: Path) -> None:
+def test_pictures_are_left_out_and_told(tmp_path):
     """The env is shown as text."""
     log = opened(write(tmp_path / "d.hdf5"))
     assert not any("image" in name for name in log.names)
@@ -73,7 +73,7 @@ def test_pictures_are_left_out_and_told(tmp_path: Path) -> None:
     assert (log.facts.pictures_left_out, json.loads(log.facts.env)) == (True, ARGS)
 
 
-def test_without_next_obs_the_last_step_is_not_seen(tmp_path: Path) -> None:
+def test_without_next_obs_the_last_step_is_not_seen(tmp_path):
     """The steps before it are followed by what the next one begins with."""
     rows = opened(write(tmp_path / "d.hdf5", drop=("next_obs",))).rows()
     seen = stored(tmp_path / "d.hdf5", "obs/robot0_eef_pos")
@@ -83,14 +83,14 @@ def test_without_next_obs_the_last_step_is_not_seen(tmp_path: Path) -> None:
     assert np.isnan(rows["observation/robot0_eef_pos"][last]).all()
 
 
-def test_a_file_of_states_alone_has_steps_and_actions(tmp_path: Path) -> None:
+def test_a_file_of_states_alone_has_steps_and_actions(tmp_path):
     """As robosuite's own script leaves it: neither rewards nor observations."""
     log = opened(write(tmp_path / "d.hdf5", drop=("obs", "next_obs", "rewards", "dones")))
     assert (log.rewards, len(log), log["action"].shape) == ((), 12, (12, 7))
     assert any(note.startswith("There are no numbers of obs") for note in log.facts.notes)
 
 
-def test_an_attribute_tells_success(tmp_path: Path) -> None:
+def test_an_attribute_tells_success(tmp_path):
     """Of the whole demonstration, in its last step; rewards and dones tell it if they are named."""
     text = write(tmp_path / "d.hdf5")
     told = opened(text)["behaviour/success"]
@@ -101,7 +101,7 @@ def test_an_attribute_tells_success(tmp_path: Path) -> None:
     )
 
 
-def test_a_filter_key_chooses_demonstrations(tmp_path: Path) -> None:
+def test_a_filter_key_chooses_demonstrations(tmp_path):
     """All are read without one, which is told."""
     text = write(tmp_path / "d.hdf5", masks={"train": ["demo_0", "demo_2"], "valid": ["demo_1"]})
     assert any(
@@ -113,14 +113,14 @@ def test_a_filter_key_chooses_demonstrations(tmp_path: Path) -> None:
         opened(text.replace("robomimic:", "robomimic:mask=trian:"))
 
 
-def test_a_filter_key_that_lists_what_is_not_there_is_refused(tmp_path: Path) -> None:
+def test_a_filter_key_that_lists_what_is_not_there_is_refused(tmp_path):
     """With the first of them."""
     text = write(tmp_path / "d.hdf5", masks={"train": ["demo_0", "demo_9"]})
     with pytest.raises(SchemaError, match="filter key train lists demo_9, which is not there"):
         opened(text.replace("robomimic:", "robomimic:mask=train:"))
 
 
-def test_another_total_is_refused(tmp_path: Path) -> None:
+def test_another_total_is_refused(tmp_path):
     """Unless a part is enough."""
     text = write(tmp_path / "d.hdf5", total=13)
     with pytest.raises(SchemaError, match="13 steps declared, 12 there"):
@@ -128,7 +128,7 @@ def test_another_total_is_refused(tmp_path: Path) -> None:
     assert len(opened(text, partial=True)) == 12
 
 
-def test_arrays_of_other_lengths_are_refused(tmp_path: Path) -> None:
+def test_arrays_of_other_lengths_are_refused(tmp_path):
     """With both numbers."""
     text = write(tmp_path / "d.hdf5")
     with h5py.File(tmp_path / "d.hdf5", "a") as file:
@@ -139,7 +139,7 @@ def test_arrays_of_other_lengths_are_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("kind", ["external", "soft"])
-def test_links_are_refused(tmp_path: Path, kind: str) -> None:
+def test_links_are_refused(tmp_path, kind):
     """Whatever they lead to."""
     text = write(tmp_path / "d.hdf5")
     with h5py.File(tmp_path / "d.hdf5", "a") as file:
@@ -152,7 +152,7 @@ def test_links_are_refused(tmp_path: Path, kind: str) -> None:
         opened(text).rows()
 
 
-def test_a_file_is_audited_without_its_format(tmp_path: Path) -> None:
+def test_a_file_is_audited_without_its_format(tmp_path):
     """A reward of the parts of an observation is paid each step."""
     write(tmp_path / "d.hdf5")
     found = audit_dataset(str(tmp_path / "d.hdf5"), {"up": lambda step: float(step.observation["robot0_eef_pos"][2])})
@@ -162,7 +162,7 @@ def test_a_file_is_audited_without_its_format(tmp_path: Path) -> None:
     assert reward.by_success.value == pytest.approx(np.mean(returns[1] > returns[[0, 2]]))
 
 
-def test_dones_in_the_middle_end_no_episode(tmp_path: Path) -> None:
+def test_dones_in_the_middle_end_no_episode(tmp_path):
     """Where they say that the task is done by now, the demonstration goes on."""
     text = write(tmp_path / "d.hdf5")
     with h5py.File(tmp_path / "d.hdf5", "a") as file:
@@ -173,7 +173,7 @@ def test_dones_in_the_middle_end_no_episode(tmp_path: Path) -> None:
     assert np.nansum(opened(text, success="dones")["behaviour/success"]) == 1 + 3 + 2
 
 
-def test_demonstrations_are_found_by_their_numbers(tmp_path: Path) -> None:
+def test_demonstrations_are_found_by_their_numbers(tmp_path):
     """Also behind zeros; steps are those of the group of that name."""
     text = write(tmp_path / "d.hdf5")
     pay = stored(tmp_path / "d.hdf5", "actions")
@@ -187,7 +187,7 @@ def test_demonstrations_are_found_by_their_numbers(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "told"), [("episode_1", "holds 'episode_1'"), ("demo_00", "demo_0 and demo_00, which have one number")]
 )
-def test_demonstrations_of_other_names_are_refused(tmp_path: Path, name: str, told: str) -> None:
+def test_demonstrations_of_other_names_are_refused(tmp_path, name, told):
     """They would be passed over."""
     text = write(tmp_path / "d.hdf5")
     with h5py.File(tmp_path / "d.hdf5", "a") as file:
@@ -196,7 +196,7 @@ def test_demonstrations_of_other_names_are_refused(tmp_path: Path, name: str, to
         opened(text)
 
 
-def test_what_one_demonstration_lacks_is_named(tmp_path: Path) -> None:
+def test_what_one_demonstration_lacks_is_named(tmp_path):
     """And not what the file is, which the user said."""
     text = write(tmp_path / "d.hdf5")
     with h5py.File(tmp_path / "d.hdf5", "a") as file:
@@ -205,14 +205,14 @@ def test_what_one_demonstration_lacks_is_named(tmp_path: Path) -> None:
         opened(text).rows()
 
 
-def test_the_env_is_told_on_one_line(tmp_path: Path) -> None:
+def test_the_env_is_told_on_one_line(tmp_path):
     """Robomimic's own script writes it with line breaks."""
     log = opened(write(tmp_path / "d.hdf5", env_args=json.dumps(ARGS, indent=4)))
     assert "\n" not in log.facts.env
     assert json.loads(log.facts.env) == ARGS
 
 
-def test_observations_of_two_shapes_are_refused(tmp_path: Path) -> None:
+def test_observations_of_two_shapes_are_refused(tmp_path):
     """What was seen after a step has the numbers of what was seen before it."""
     text = write(tmp_path / "d.hdf5")
     with h5py.File(tmp_path / "d.hdf5", "a") as file:
@@ -222,7 +222,7 @@ def test_observations_of_two_shapes_are_refused(tmp_path: Path) -> None:
         opened(text).rows()
 
 
-def test_a_filter_key_of_too_many_names_is_refused_unread(tmp_path: Path) -> None:
+def test_a_filter_key_of_too_many_names_is_refused_unread(tmp_path):
     """A file may declare them without a byte of them."""
     text = write(tmp_path / "d.hdf5")
     with h5py.File(tmp_path / "d.hdf5", "a") as file:
@@ -231,7 +231,7 @@ def test_a_filter_key_of_too_many_names_is_refused_unread(tmp_path: Path) -> Non
         opened(text)
 
 
-def test_a_file_that_is_cut_is_told_so(tmp_path: Path) -> None:
+def test_a_file_that_is_cut_is_told_so(tmp_path):
     """No format can say that it is its own."""
     write(tmp_path / "d.hdf5")
     whole = (tmp_path / "d.hdf5").read_bytes()

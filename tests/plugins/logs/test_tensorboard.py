@@ -1,7 +1,7 @@
 """Event files that TensorBoard's own writers, torch's and stable-baselines3 write, and what happens to such files."""
 
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -49,7 +49,7 @@ def curve(begin: int, end: int) -> list[tuple[int, float]]:
     return [(step, step / 4) for step in range(begin, end, 10)]
 
 
-def test_a_training_of_stable_baselines3_is_read_as_its_own_logger_dumped_it(counted: Callable, tmp_path: Path):
+def test_a_training_of_stable_baselines3_is_read_as_its_own_logger_dumped_it(counted, tmp_path):
     """Returns, lengths, success and steps, against what its csv logger wrote of the same training."""
     pytest.importorskip("stable_baselines3", reason="needs the extra sb3")
     from stable_baselines3 import A2C
@@ -71,7 +71,7 @@ def test_a_training_of_stable_baselines3_is_read_as_its_own_logger_dumped_it(cou
     assert "a mean over the last 100 episodes" in log.facts.thinned
 
 
-def test_all_of_20000_points_are_read_where_tensorboards_own_reader_keeps_10000(tmp_path: Path):
+def test_all_of_20000_points_are_read_where_tensorboards_own_reader_keeps_10000(tmp_path):
     """Issue 4047 of TensorBoard: exports of more than its sample are thinned without a word."""
     from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
 
@@ -86,7 +86,7 @@ def test_all_of_20000_points_are_read_where_tensorboards_own_reader_keeps_10000(
 
 
 @pytest.mark.parametrize("kind", ["torch", "tensorboard", "bare"])
-def test_scalars_of_every_writer_are_the_same(tmp_path: Path, kind: str):
+def test_scalars_of_every_writer_are_the_same(tmp_path, kind):
     """Torch's and old writers keep a simple value, new ones a tensor."""
     points = curve(0, 50)
     if kind == "bare":
@@ -103,7 +103,7 @@ def test_scalars_of_every_writer_are_the_same(tmp_path: Path, kind: str):
     assert log["reward/recorded"].tolist() == [0.0, 2.5, 5.0, 7.5, 10.0]
 
 
-def test_a_training_that_was_continued_has_its_later_file_count(tmp_path: Path):
+def test_a_training_that_was_continued_has_its_later_file_count(tmp_path):
     """From a checkpoint at step 60: what the first part logged from there on was not kept by the training."""
     write(tmp_path, {REWARD: curve(0, 100)}, stamp=1)
     write(tmp_path, {REWARD: [(step, -1.0) for step in range(60, 120, 10)]}, stamp=2)
@@ -113,7 +113,7 @@ def test_a_training_that_was_continued_has_its_later_file_count(tmp_path: Path):
     assert any("1 times it goes back" in note for note in log.facts.notes)
 
 
-def test_files_that_each_begin_anew_are_trainings_of_their_own(tmp_path: Path):
+def test_files_that_each_begin_anew_are_trainings_of_their_own(tmp_path):
     """Three seeds that were logged into one folder are not one training."""
     for seed in range(3):
         write(tmp_path, {REWARD: [(step, float(seed)) for step in (0, 10, 20)]}, stamp=seed)
@@ -123,14 +123,14 @@ def test_files_that_each_begin_anew_are_trainings_of_their_own(tmp_path: Path):
     assert all("holds 3 trainings" in note for log in logs for note in log.facts.notes if "folder" in note)
 
 
-def test_steps_that_go_back_inside_a_file_are_refused(tmp_path: Path):
+def test_steps_that_go_back_inside_a_file_are_refused(tmp_path):
     """Two seeds that one writer logged are not one training; a restart would have begun a file of its own."""
     write(tmp_path, {REWARD: [*curve(0, 50), *curve(10, 60)]})
     with pytest.raises(SchemaError, match="go from 40 to 10: several trainings log into one file"):
         read(tmp_path)
 
 
-def test_two_writers_of_one_training_are_one_log(tmp_path: Path):
+def test_two_writers_of_one_training_are_one_log(tmp_path):
     """One logs returns and another success, into files of their own."""
     write(tmp_path, {REWARD: curve(0, 50)}, stamp=1)
     write(tmp_path, {SUCCESS: [(step, 0.5) for step in range(0, 50, 10)]}, stamp=2)
@@ -138,7 +138,7 @@ def test_two_writers_of_one_training_are_one_log(tmp_path: Path):
 
 
 @pytest.mark.parametrize("lost", [1, 5, 13, 20, 30])
-def test_an_event_that_is_not_yet_whole_is_left_out_and_told(tmp_path: Path, lost: int):
+def test_an_event_that_is_not_yet_whole_is_left_out_and_told(tmp_path, lost):
     """The training writes on, or was killed."""
     path = write(tmp_path, {REWARD: curve(0, 100)})
     path.write_bytes(path.read_bytes()[:-lost])
@@ -147,7 +147,7 @@ def test_an_event_that_is_not_yet_whole_is_left_out_and_told(tmp_path: Path, los
     assert any("no whole event yet" in note for note in log.facts.notes)
 
 
-def test_events_that_are_written_while_it_is_read_are_no_damage(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_events_that_are_written_while_it_is_read_are_no_damage(tmp_path, monkeypatch):
     """The last event was not whole when the library came to it, and is when it is looked at again."""
     from tensorboard.backend.event_processing.event_file_loader import RawEventFileLoader
 
@@ -156,7 +156,7 @@ def test_events_that_are_written_while_it_is_read_are_no_damage(tmp_path: Path, 
     path.write_bytes(whole[:-30])
     load = RawEventFileLoader.Load
 
-    def load_then_grow(self: RawEventFileLoader) -> Iterator[bytes]:
+    def load_then_grow(self):
         yield from load(self)
         path.write_bytes(whole)
 
@@ -164,7 +164,7 @@ def test_events_that_are_written_while_it_is_read_are_no_damage(tmp_path: Path, 
     assert len(read(tmp_path)) == 9
 
 
-def test_a_tail_of_zeros_is_left_out_and_told(tmp_path: Path):
+def test_a_tail_of_zeros_is_left_out_and_told(tmp_path):
     """A disk that lost power leaves them."""
     path = write(tmp_path, {REWARD: curve(0, 100)})
     path.write_bytes(path.read_bytes() + bytes(300))
@@ -172,7 +172,7 @@ def test_a_tail_of_zeros_is_left_out_and_told(tmp_path: Path):
 
 
 @pytest.mark.parametrize("place", [60, 200, -20])
-def test_a_file_that_is_damaged_before_its_end_is_refused(tmp_path: Path, place: int):
+def test_a_file_that_is_damaged_before_its_end_is_refused(tmp_path, place):
     """A bit that fell over: its checksum does not fit any more."""
     path = write(tmp_path, {REWARD: curve(0, 100)})
     data = bytearray(path.read_bytes())
@@ -182,7 +182,7 @@ def test_a_file_that_is_damaged_before_its_end_is_refused(tmp_path: Path, place:
         read(tmp_path)
 
 
-def test_what_is_no_event_file_is_refused(tmp_path: Path):
+def test_what_is_no_event_file_is_refused(tmp_path):
     """Whatever its name says."""
     (tmp_path / "events.out.tfevents.1.host").write_text("step,value\n" + 100 * "1,2\n")
     with pytest.raises(SchemaError, match="is damaged from byte 0"):
@@ -198,7 +198,7 @@ def test_what_is_no_event_file_is_refused(tmp_path: Path):
         (("ray/tune/episode_reward_mean", "ray/tune/episode_len_mean"), "RLlib", "iteration"),
     ],
 )
-def test_tags_of_other_programs_are_found_by_a_table(tmp_path: Path, tags: tuple[str, str], program: str, thinned: str):
+def test_tags_of_other_programs_are_found_by_a_table(tmp_path, tags, program, thinned):
     """And what a value is, is told."""
     write(tmp_path, {tags[0]: curve(0, 30), tags[1]: [(0, 7.0), (10, 8.0), (20, 9.0)], "losses/v": curve(0, 30)})
     log = read(tmp_path)
@@ -209,7 +209,7 @@ def test_tags_of_other_programs_are_found_by_a_table(tmp_path: Path, tags: tuple
     assert any(f"reward/recorded from '{tags[0]}'" in note for note in log.facts.notes)
 
 
-def test_several_episodes_may_end_at_one_step(tmp_path: Path):
+def test_several_episodes_may_end_at_one_step(tmp_path):
     """CleanRL logs each, with its length."""
     write(
         tmp_path,
@@ -224,7 +224,7 @@ def test_several_episodes_may_end_at_one_step(tmp_path: Path):
     assert log["length"].tolist() == [5.0, 6.0, 7.0, 8.0]
 
 
-def test_cleanrl_tells_environment_algorithm_seed_and_budget(tmp_path: Path):
+def test_cleanrl_tells_environment_algorithm_seed_and_budget(tmp_path):
     """In the text of its hyperparameters, as its scripts write it by torch's writer."""
     tensorboard = pytest.importorskip("torch.utils.tensorboard")
     told = {"exp_name": "ppo", "seed": 7, "env_id": "Hopper-v4", "total_timesteps": 1000}
@@ -237,7 +237,7 @@ def test_cleanrl_tells_environment_algorithm_seed_and_budget(tmp_path: Path):
     assert (facts.env, facts.algorithm, facts.seed, facts.asked) == ("Hopper-v4", "ppo", 7, 1000)
 
 
-def test_the_folder_of_a_cleanrl_run_tells_its_seed(tmp_path: Path):
+def test_the_folder_of_a_cleanrl_run_tells_its_seed(tmp_path):
     """Where the text is not there."""
     folder = tmp_path / "Hopper-v4__sac_continuous__3__1700000000"
     write(folder, {"charts/episodic_return": curve(0, 30)})
@@ -245,7 +245,7 @@ def test_the_folder_of_a_cleanrl_run_tells_its_seed(tmp_path: Path):
     assert (facts.env, facts.algorithm, facts.seed) == ("Hopper-v4", "sac_continuous", 3)
 
 
-def test_iterations_are_no_environment_steps_until_somebody_says_how_many(tmp_path: Path):
+def test_iterations_are_no_environment_steps_until_somebody_says_how_many(tmp_path):
     """rsl_rl counts iterations, and logs nowhere how many steps one has."""
     write(tmp_path, {"Train/mean_reward": [(0, 1.0), (1, 2.0)]})
     log = read(tmp_path)
@@ -255,7 +255,7 @@ def test_iterations_are_no_environment_steps_until_somebody_says_how_many(tmp_pa
     assert read(tmp_path, per_step=98_304)["time"].tolist() == [0, 98_304]
 
 
-def test_rllib_counts_environment_steps_by_a_tag_of_its_own(tmp_path: Path):
+def test_rllib_counts_environment_steps_by_a_tag_of_its_own(tmp_path):
     """Its newer versions number events by iterations."""
     tags = {
         "ray/tune/env_runners/episode_return_mean": [(1, -5.0), (2, -4.0)],
@@ -267,7 +267,7 @@ def test_rllib_counts_environment_steps_by_a_tag_of_its_own(tmp_path: Path):
         read(tmp_path, per_step=4000)
 
 
-def test_a_curve_with_success_goes_before_one_without(tmp_path: Path):
+def test_a_curve_with_success_goes_before_one_without(tmp_path):
     """Success decides; what else is there is told."""
     write(tmp_path, {REWARD: curve(0, 30), "eval/mean_reward": [(20, 3.0)], "eval/success_rate": [(20, 0.75)]})
     log = read(tmp_path)
@@ -276,7 +276,7 @@ def test_a_curve_with_success_goes_before_one_without(tmp_path: Path):
     assert f"there are also curves of {REWARD}" in log.facts.notes
 
 
-def test_tags_may_be_named(tmp_path: Path):
+def test_tags_may_be_named(tmp_path):
     """One that no table knows, one that it would not have chosen, and one more measure."""
     points = {REWARD: curve(0, 30), "my/score": [(0, 5.0), (10, 6.0), (20, 7.0)], "my/reached": [(10, 0.5), (20, 1.0)]}
     write(tmp_path, {**points, "my/error": [(0, 3.0), (10, 2.0), (20, 1.0)]})
@@ -287,7 +287,7 @@ def test_tags_may_be_named(tmp_path: Path):
     assert any("1 points that lack one of these" in note for note in log.facts.notes)
 
 
-def test_lengths_that_some_points_lack_are_left_out_and_no_point_is(tmp_path: Path):
+def test_lengths_that_some_points_lack_are_left_out_and_no_point_is(tmp_path):
     """They decide nothing."""
     write(tmp_path, {REWARD: curve(0, 30), LENGTH: [(10, 5.0)]})
     log = read(tmp_path)
@@ -296,21 +296,21 @@ def test_lengths_that_some_points_lack_are_left_out_and_no_point_is(tmp_path: Pa
     assert f"'{LENGTH}' lacks values: it is left out" in log.facts.notes
 
 
-def test_success_alone_is_a_curve_too(tmp_path: Path):
+def test_success_alone_is_a_curve_too(tmp_path):
     """Where no return is logged."""
     write(tmp_path, {"reached": [(0, 0.25), (10, 0.5)]})
     log = read(tmp_path, success="reached")
     assert log.columns == ("iteration", "behaviour/success")
 
 
-def test_a_tag_that_is_not_there_is_told_with_what_is(tmp_path: Path):
+def test_a_tag_that_is_not_there_is_told_with_what_is(tmp_path):
     """And the nearest."""
     write(tmp_path, {REWARD: curve(0, 30)})
     with pytest.raises(UsageError, match=r"has no 'rollout/ep_rew'.*Did you mean 'rollout/ep_rew_mean'"):
         read(tmp_path, reward="rollout/ep_rew")
 
 
-def test_tags_that_nobody_knows_are_told(tmp_path: Path):
+def test_tags_that_nobody_knows_are_told(tmp_path):
     """A folder of another kind of training."""
     write(tmp_path, {"loss/train": curve(0, 30)})
     with pytest.raises(UsageError, match=r"no curve of returns .* reward=NAME. It has: loss/train"):
@@ -318,7 +318,7 @@ def test_tags_that_nobody_knows_are_told(tmp_path: Path):
 
 
 @pytest.mark.parametrize("value", [np.inf, -np.inf, 1e300])
-def test_values_beyond_all_returns_are_refused(tmp_path: Path, value: float):
+def test_values_beyond_all_returns_are_refused(tmp_path, value):
     """float32 makes an infinity of 1e300."""
     from tensorboard.summary import Writer
 
@@ -330,20 +330,20 @@ def test_values_beyond_all_returns_are_refused(tmp_path: Path, value: float):
         read(tmp_path)
 
 
-def test_nan_is_a_point_that_lacks_a_value(tmp_path: Path):
+def test_nan_is_a_point_that_lacks_a_value(tmp_path):
     """What programs log before the first episode has ended."""
     write(tmp_path, {REWARD: [(10, float("nan")), (20, 1.0)]})
     assert read(tmp_path)["time"].tolist() == [20]
 
 
-def test_a_success_that_is_no_share_is_refused(tmp_path: Path):
+def test_a_success_that_is_no_share_is_refused(tmp_path):
     """Percent would count a hundredfold."""
     write(tmp_path, {REWARD: [(10, 1.0)], SUCCESS: [(10, 37.0)]})
     with pytest.raises(SchemaError, match="behaviour/success is 37; it lies from 0 to 1"):
         read(tmp_path)
 
 
-def test_this_projects_own_tracker_is_read(tmp_path: Path):
+def test_this_projects_own_tracker_is_read(tmp_path):
     """What `--track tensorboard` has logged of a cell."""
     from harness.progress import RETURN, SUCCESS as SHARE
     from harness.tracker import TrackedCell
@@ -361,7 +361,7 @@ def test_this_projects_own_tracker_is_read(tmp_path: Path):
     assert log["behaviour/success"].tolist() == [0.25, 0.5]
 
 
-def test_other_folders_are_not_recognised(tmp_path: Path):
+def test_other_folders_are_not_recognised(tmp_path):
     """Nor files."""
     (tmp_path / "progress.csv").write_text("a\n1\n")
     assert not TensorBoard().recognises(tmp_path, b"")

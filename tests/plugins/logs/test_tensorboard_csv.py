@@ -29,7 +29,7 @@ def written(folder: Path, name: str, text: str = TEXT) -> Path:
 
 
 @pytest.mark.filterwarnings("ignore:html5lib's sanitizer:DeprecationWarning")  # TensorBoard's page imports it
-def test_what_the_page_itself_exports_is_read_and_said_to_be_a_sample(tmp_path: Path):
+def test_what_the_page_itself_exports_is_read_and_said_to_be_a_sample(tmp_path):
     """Issue 4047 of TensorBoard: of 3,000 points the export has 1,000."""
     pytest.importorskip("tensorboard", reason="needs the extra tensorboard")
     from tensorboard.backend.event_processing.data_provider import MultiplexerDataProvider
@@ -56,14 +56,14 @@ def test_what_the_page_itself_exports_is_read_and_said_to_be_a_sample(tmp_path: 
     assert log.facts.run == "base"
 
 
-def test_a_curve_of_success_is_success(tmp_path: Path):
+def test_a_curve_of_success_is_success(tmp_path):
     """By the name of the file."""
     log = read(written(tmp_path, "run_prop_3-tag-rollout_success_rate.csv"))
     assert log.columns == ("time", "behaviour/success")
     assert log.facts.run == "prop_3"
 
 
-def test_a_file_of_another_name_is_read_where_the_user_says_what_it_is(tmp_path: Path):
+def test_a_file_of_another_name_is_read_where_the_user_says_what_it_is(tmp_path):
     """Its columns do not tell."""
     path = written(tmp_path, "curve.csv")
     with pytest.raises(UsageError, match=r"say reward=NAME. It has: Wall time, Step, Value"):
@@ -72,7 +72,7 @@ def test_a_file_of_another_name_is_read_where_the_user_says_what_it_is(tmp_path:
     assert read(path, reward="Value", per_step=1)["time"].tolist() == [2048, 4096]
 
 
-def test_a_damaged_row_is_refused_by_its_line(tmp_path: Path):
+def test_a_damaged_row_is_refused_by_its_line(tmp_path):
     """Never read in part."""
     path = written(tmp_path, "run-a-tag-rollout_ep_rew_mean.csv", TEXT + "1.0,many,0.5\r\n")
     with pytest.raises(SchemaError, match="line 4: column 'Step' holds many"):

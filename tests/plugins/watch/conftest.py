@@ -1,7 +1,5 @@
 """Recordings of an env whose every number is known."""
 
-from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,7 +12,7 @@ Recorded = RecordRewards[Any, Any]
 
 
 @pytest.fixture(autouse=True)
-def written_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def written_at_once(monkeypatch):
     """Every step is on the disk when it has been taken, and a part is full after 16."""
     monkeypatch.setattr("harness.record.recording.recording_writer.SOONEST", 0.0)
     monkeypatch.setattr("harness.record.recording.recording_writer.LARGEST_SHARE", 1e9)
@@ -23,11 +21,11 @@ def written_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def record(tmp_path: Path) -> Iterator[Callable[..., Recorded]]:
+def record(tmp_path):
     """Get an env that records into a folder. Its episodes have three steps, pay 6, half by each term, and succeed."""
     made: list[Recorded] = []
 
-    def make(name: str = "runs/one", reward: str = "counted", **told: Any) -> Recorded:
+    def make(name="runs/one", reward="counted", **told):
         rewards = {reward: {"left": "left", "again": "left"}}
         given = {"behaviour": {"success": "final"}, "seed": 0, "pay": True, **told}
         env = RecordRewards(Counting(), tmp_path / name, trained_with=reward, rewards=rewards, **given)
@@ -41,10 +39,10 @@ def record(tmp_path: Path) -> Iterator[Callable[..., Recorded]]:
 
 
 @pytest.fixture
-def step() -> Callable[[Recorded, int], None]:
+def step():
     """Take steps in an env; an episode that ends is followed by the next."""
 
-    def take(env: Recorded, count: int) -> None:
+    def take(env, count):
         for _ in range(count):
             _, _, terminated, truncated, _ = env.step(np.zeros(1, np.float32))
             if terminated or truncated:

@@ -161,7 +161,7 @@ def test_no_colour_is_fixed():
     assert not re.search(r'#[0-9a-fA-F]{3,6}|rgb\(|(fill|stroke)="', drawn)
 
 
-def test_ticks_are_round_few_and_inside(subtests: pytest.Subtests):
+def test_ticks_are_round_few_and_inside(subtests):
     """At least two, whatever the span."""
     for high in [0.003, 1.0, 7.0, 99.0, 19_999.0, 2e6]:
         with subtests.test(high=high):

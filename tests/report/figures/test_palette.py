@@ -31,31 +31,31 @@ def _contrast(one: str, other: str) -> float:
 
 @pytest.mark.parametrize("scheme", [0, 1], ids=["light", "dark"])
 @pytest.mark.parametrize("name", WORDS)
-def test_words_can_be_read_on_either_screen(name: str, scheme: int) -> None:
+def test_words_can_be_read_on_either_screen(name, scheme):
     """On the page itself and on its shaded parts."""
     colours = _colours(scheme)
     assert min(_contrast(colours[name], colours[back]) for back in ("page", "shade")) >= READABLE
 
 
 @pytest.mark.parametrize("scheme", [0, 1], ids=["light", "dark"])
-def test_what_a_badge_says_can_be_read_on_its_area(scheme: int) -> None:
+def test_what_a_badge_says_can_be_read_on_its_area(scheme):
     """Each answer on the area of its colour."""
     colours = _colours(scheme)
     for name in ("helps", "hurts", "same", "unknown"):
         assert _contrast(colours[name], colours[f"{name}-area"]) >= READABLE, name
 
 
-def test_both_screens_have_the_same_names() -> None:
+def test_both_screens_have_the_same_names():
     """A colour that only one of them had would be missing on the other."""
     assert list(_colours(0)) == list(_colours(1))
 
 
-def test_a_film_has_the_colours_of_the_light_screen() -> None:
+def test_a_film_has_the_colours_of_the_light_screen():
     """Sides are named as in the style sheet."""
     assert [light_colours()[name] for name in SIDES] == [_colours(0)[name] for name in SIDES]
 
 
-def test_what_stands_beside_another_has_a_colour_of_its_own() -> None:
+def test_what_stands_beside_another_has_a_colour_of_its_own():
     """Ruler and behaviour, baseline and proposed, better and worse: six colours."""
     names = ("ruler", "behaviour", "baseline", "proposed", "helps", "hurts")
     assert len({light_colours()[name] for name in names}) == len(names)

@@ -3,8 +3,6 @@
 import math
 from itertools import pairwise
 
-import pytest
-
 from harness.eta.index import Ratio
 from harness.report.figures.ratio_axis import (
     FARTHEST,
@@ -19,7 +17,7 @@ from harness.report.figures.ratio_axis import (
 NEAR_ZERO = "I_N of the baseline is near zero beside I_P of the same runs"
 
 
-def test_ticks_are_few_and_hold_one(subtests: pytest.Subtests):
+def test_ticks_are_few_and_hold_one(subtests):
     """Wherever the axis ends, 1 is marked, and the marks are in order and have room."""
     for span in [(0.8, 1.2), (0.5, 2.0), (0.1, 3.0), (0.01, 40.0), (1e-9, 1e9), (0.97, 1.03)]:
         with subtests.test(span=span):
@@ -54,7 +52,7 @@ def test_endless_interval_is_cut():
     assert interval_ends(Ratio(2.0), low, high) is None
 
 
-def test_names_of_ticks_keep_apart(subtests: pytest.Subtests):
+def test_names_of_ticks_keep_apart(subtests):
     """By half a character or more, whatever the axis spans; 1 is always among them."""
     for low in [0.95, 0.5, 0.05, 0.001, 2e-4, 1e-5, 1e-8]:
         for high in [1.3, 2.0, 20.0, 3e3, 1e8]:

@@ -24,7 +24,7 @@ def regions(curve: list[float], kind: Kind = "accumulated"):
 
 
 @given(VALUES)
-def test_areas_add_up_to_that_between_the_curve_and_zero(curve: list[float]):
+def test_areas_add_up_to_that_between_the_curve_and_zero(curve):
     """Each on its side, with the exact places where the curve goes through 0."""
     fine = np.linspace(0.0, len(curve) - 1, 5040 * (len(curve) - 1) + 1)
     drawn = np.interp(fine, np.arange(len(curve)), curve)
@@ -42,7 +42,7 @@ def test_curve_goes_through_zero_between_two_steps():
 
 
 @pytest.mark.parametrize(("curve", "name"), [([-1.0, -2.0], OMEGA_1), ([1.0, 2.0], OMEGA_2)])
-def test_region_without_area_is_left_out(curve: list[float], name: str):
+def test_region_without_area_is_left_out(curve, name):
     """A curve that stays on one side has one region; one that is 0 has none."""
     assert list(regions(curve)) == [name]
     assert regions([0.0, 0.0]) == {}
@@ -71,7 +71,7 @@ def test_per_step_regions_meet_behind_the_crossover():
 
 
 @pytest.mark.parametrize(("curve", "name"), [([1.0, -1.0, -2.0], OMEGA_1), ([1.0, 0.0, 2.0], OMEGA_2)])
-def test_per_step_curve_without_crossover_is_one_region(curve: list[float], name: str):
+def test_per_step_curve_without_crossover_is_one_region(curve, name):
     """One that never comes back is all I_N, one that is never negative is all I_P."""
     found = regions(curve, "per-step")
     assert list(found) == [name]

@@ -27,13 +27,13 @@ def pages(folder: Path, rewards: int, **facts) -> tuple[str, str]:
 
 
 @pytest.fixture(scope="module")
-def of_two(tmp_path_factory) -> tuple[str, str]:
+def of_two(tmp_path_factory):
     """Two rewards: one comparison."""
     return pages(tmp_path_factory.mktemp("two"), 2)
 
 
 @pytest.fixture(scope="module")
-def of_four(tmp_path_factory) -> tuple[str, str]:
+def of_four(tmp_path_factory):
     """Four: three comparisons."""
     return pages(tmp_path_factory.mktemp("four"), 4)
 

@@ -23,18 +23,18 @@ def _page(folder: Path, **given) -> tuple[str, str]:
 
 
 @pytest.fixture(scope="module")
-def compared(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, str]:
+def compared(tmp_path_factory):
     """A reward with terms beside one without."""
     return _page(tmp_path_factory.mktemp("compared"))
 
 
 @pytest.fixture(scope="module")
-def alone(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, str]:
+def alone(tmp_path_factory):
     """The same reward, and nothing to compare it with."""
     return _page(tmp_path_factory.mktemp("alone"), baseline="none")
 
 
-def test_each_term_has_a_row(compared: tuple[str, str]):
+def test_each_term_has_a_row(compared):
     """Below what is learned, above the number."""
     page, words = compared
     assert '<a href="#terms">Terms</a>' in page
@@ -48,14 +48,14 @@ def test_each_term_has_a_row(compared: tuple[str, str]):
     assert all(f'<th scope="row">{term}</th>' in page for term in ("reach", "effort", "dock"))
 
 
-def test_a_term_that_never_pays_is_on_the_first_screen(compared: tuple[str, str]):
+def test_a_term_that_never_pays_is_on_the_first_screen(compared):
     """Before anything else is told of what the robot does."""
     page, words = compared
     assert "gentle: <code>dock</code> never paid in 900 steps." in page
     assert words.index("never paid in 900 steps") < words.index("Behaviour of the trained policies")
 
 
-def test_what_was_asked_of_a_reward_alone_comes_first(alone: tuple[str, str]):
+def test_what_was_asked_of_a_reward_alone_comes_first(alone):
     """Then how much was trained, and what it came to."""
     page, words = alone
     assert "<h1>What did gentle pay for?</h1>" in page
@@ -68,20 +68,20 @@ def test_what_was_asked_of_a_reward_alone_comes_first(alone: tuple[str, str]):
     assert places == sorted(places)
 
 
-def test_pay_stands_beside_behaviour(alone: tuple[str, str]):
+def test_pay_stands_beside_behaviour(alone):
     """Both over the training, in figures of one row."""
     page, _ = alone
     panels = page[page.index('<div class="panels">') :]
     assert panels.index("Success rate while learning") < panels.index("Return, as paid while learning")
 
 
-def test_nothing_is_called_better_or_worse(alone: tuple[str, str]):
+def test_nothing_is_called_better_or_worse(alone):
     """Nor compared."""
     _, words = alone
     assert not [it for it in ("better", "worse", "HELPS", "HURTS", "CANNOT TELL") if it in words]
 
 
-def test_no_link_leads_nowhere(alone: tuple[str, str], compared: tuple[str, str]):
+def test_no_link_leads_nowhere(alone, compared):
     """Each has its place on the page."""
     for page, _ in (alone, compared):
         links = {it for it in re.findall(r'href="#([^"]+)"', page) if not it.startswith("replay-")}  # made by a script

@@ -2,15 +2,11 @@
 
 import re
 import threading
-from collections.abc import Callable, Iterator
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 from harness.report.page.html import write_html
-from harness.results import Results
 from harness.results.replay import shows_of
 from harness.robot.kinematics import end_effector_position
 from harness.scene.picture import chain_of
@@ -25,14 +21,14 @@ VIEWS = ".replay-views canvas"
 
 
 @pytest.fixture
-def address(recorded: Results, tmp_path: Path) -> str:
+def address(recorded, tmp_path):
     """Of the report of an experiment."""
     write_html(recorded, tmp_path / "page.html")
     return (tmp_path / "page.html").as_uri()
 
 
 @pytest.fixture
-def page(show: Callable[..., Any], address: str) -> Iterator[Any]:
+def page(show, address):
     """The report at its first episode; an error or a request fails the test that opened it."""
     page = show(f"{address}#replay-1-1")
     page.wait_for_selector(f"{VIEWS}[data-tip]")
@@ -41,12 +37,12 @@ def page(show: Callable[..., Any], address: str) -> Iterator[Any]:
     assert [url for url in page.requests if not url.startswith("file:")] == []
 
 
-def test_the_arm_is_seen(page: Any):
+def test_the_arm_is_seen(page):
     """Each view holds many colours: ground, arm, target, way."""
     assert min(page.eval_on_selector_all(VIEWS, COLOURS)) > 100
 
 
-def test_the_drawn_arm_is_where_kinematics_says(page: Any, recorded: Results):
+def test_the_drawn_arm_is_where_kinematics_says(page, recorded):
     """The end effector of both sides, at the start and at the end of an episode."""
     (show,) = shows_of(recorded)
     for share, row in ((0, 0), (1, -1)):
@@ -60,7 +56,7 @@ def test_the_drawn_arm_is_where_kinematics_says(page: Any, recorded: Results):
         np.testing.assert_allclose(page.eval_on_selector_all(VIEWS, TIPS), expected, atol=1e-3)
 
 
-def test_play_moves_the_arm_to_the_end(page: Any):
+def test_play_moves_the_arm_to_the_end(page):
     """The button plays, says what it does next, and the episode ends by itself."""
     before = page.eval_on_selector_all(VIEWS, TIPS)
     page.select_option("[data-part=speed]", "5")
@@ -70,7 +66,7 @@ def test_play_moves_the_arm_to_the_end(page: Any):
     assert page.eval_on_selector_all(VIEWS, TIPS) != before
 
 
-def test_the_keyboard_is_enough(page: Any):
+def test_the_keyboard_is_enough(page):
     """Tab reaches every control, Enter plays, arrows scrub."""
     reached = set()
     page.focus("[data-part=episode]")
@@ -83,7 +79,7 @@ def test_the_keyboard_is_enough(page: Any):
     assert page.inner_text("[data-part=play]") == "Pause"
 
 
-def test_a_phone_loses_nothing(page: Any):
+def test_a_phone_loses_nothing(page):
     """At 390 px the views stand below one another, and nothing is wider than the screen."""
     page.set_viewport_size({"width": 390, "height": 844})
     page.wait_for_timeout(300)
@@ -93,14 +89,14 @@ def test_a_phone_loses_nothing(page: Any):
     assert page.evaluate(wide)
 
 
-def test_a_link_leads_to_an_episode(page: Any):
+def test_a_link_leads_to_an_episode(page):
     """#replay-1-3: the first comparison, its episode 3."""
     page.evaluate("location.hash = '#replay-1-3'")
     page.wait_for_timeout(300)
     assert page.eval_on_selector("[data-part=episode]", "it => it.selectedOptions[0].text").startswith("seed 0, 3:")
 
 
-def test_an_outcome_leads_to_an_episode_that_ended_so(page: Any):
+def test_an_outcome_leads_to_an_episode_that_ended_so(page):
     """Every part of the bars of both rewards; the replay names the outcome of that side."""
     found = 0
     for side, bar in enumerate(page.locator(".bars dd").all()[:2]):
@@ -116,7 +112,7 @@ def test_an_outcome_leads_to_an_episode_that_ended_so(page: Any):
     assert found >= 2
 
 
-def test_a_measure_leads_to_an_episode(page: Any):
+def test_a_measure_leads_to_an_episode(page):
     """Every link of the table of behaviour, pressed by Enter, to the episode that its title names."""
     links = page.locator(".grid.wide td a").all()
     assert len(links) >= 10
@@ -131,14 +127,14 @@ def test_a_measure_leads_to_an_episode(page: Any):
     assert page.evaluate("document.activeElement.dataset.part") == "play"
 
 
-def test_a_link_leads_back_to_its_episode(page: Any):
+def test_a_link_leads_back_to_its_episode(page):
     """Also where the address is that of the link already, but another episode has been chosen since."""
     page.select_option("[data-part=episode]", index=2)
     page.evaluate("document.querySelector('main a[href^=\"#replay-1-1-\"]').click()")
     assert page.inner_text("[data-part=told]").startswith("Episode 1 ")
 
 
-def test_a_cell_plays_its_pair(page: Any):
+def test_a_cell_plays_its_pair(page):
     """By a click, and by arrows and Enter; what is told says how often pairs end so."""
     cells = page.locator("[role=gridcell]")
     assert cells.count() == 4
@@ -151,7 +147,7 @@ def test_a_cell_plays_its_pair(page: Any):
     assert page.inner_text("[data-part=told]").startswith("Episode 2 ")
 
 
-def test_the_typical_pair_is_first(show: Callable[..., Any], address: str, recorded: Results):
+def test_the_typical_pair_is_first(show, address, recorded):
     """In the still and in the replay, with its share."""
     (shown,) = shows_of(recorded)
     page = show(address)
@@ -162,7 +158,7 @@ def test_the_typical_pair_is_first(show: Callable[..., Any], address: str, recor
     assert share.lower() in told
 
 
-def test_without_webgl_the_arm_is_a_line(show: Callable[..., Any], address: str):
+def test_without_webgl_the_arm_is_a_line(show, address):
     """The page says so in a sentence, and shows how the arm and its tip move."""
     page = show(f"{address}#replay-1-1", flags=NO_WEBGL)
     page.wait_for_selector(f"{VIEWS}[data-tip]")
@@ -175,7 +171,7 @@ def test_without_webgl_the_arm_is_a_line(show: Callable[..., Any], address: str)
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_nobody_is_kept_out(show: Callable[..., Any], barriers: Callable[[Any], list[str]], address: str, scheme: str):
+def test_nobody_is_kept_out(show, barriers, address, scheme):
     """Axe finds nothing serious on a page with a replay, everything unfolded."""
     page = show(address, scheme=scheme)
     page.evaluate("document.querySelectorAll('main details').forEach((part) => { part.open = true })")
@@ -183,9 +179,7 @@ def test_nobody_is_kept_out(show: Callable[..., Any], barriers: Callable[[Any], 
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_nobody_is_kept_out_of_the_watch_page(
-    show: Callable[..., Any], barriers: Callable[[Any], list[str]], recorded: Results, scheme: str
-):
+def test_nobody_is_kept_out_of_the_watch_page(show, barriers, recorded, scheme):
     """Axe finds nothing serious on what ``harness watch`` serves."""
     with open_server(Pages(recorded.folder), 0) as server:
         thread = threading.Thread(target=server.serve_forever)

@@ -8,16 +8,15 @@ import pytest
 from harness.eta.behaviour_change import Change, Quantity
 from harness.record.scene import Scene, SceneJoint, write_scene
 from harness.report.replay.links import BASELINE, PROPOSED, EpisodeLinks, links_of
-from harness.results import Results
 from harness.results.pairs import BOTH, FIRST, NEITHER, SECOND, Met, Pairs, kinds_of
-from harness.results.replay import Show, shows_of
+from harness.results.replay import shows_of
 
 ENDS = (("reached", "time-out", "ground", "reached"), ("time-out",) * 4)
 TIMES = ((1.0, 10.0, 10.0, 4.0), (10.0,) * 4)
 
 
 @pytest.fixture
-def show(recorded: Results) -> Show:
+def show(recorded):
     """Four episodes that end and last as `ENDS` and `TIMES` say, of both sides."""
     (show,) = shows_of(recorded)
     sides = tuple(
@@ -36,7 +35,7 @@ def show(recorded: Results) -> Show:
 
 
 @pytest.fixture
-def links(show: Show) -> EpisodeLinks:
+def links(show):
     """Of the second comparison of a page."""
     return EpisodeLinks(2, show)
 
@@ -46,35 +45,35 @@ def change(name: str, unit: str, baseline: float | None, proposed: float | None)
     return Change(Quantity(name, unit, "lower", "deterministic"), baseline, proposed, None, 1)
 
 
-def test_an_outcome_leads_to_the_first_episode_that_ended_so(links: EpisodeLinks):
+def test_an_outcome_leads_to_the_first_episode_that_ended_so(links):
     """The title names the episode, its seed and the outcome."""
     assert links.ending(BASELINE, "ground") == ("#replay-2-5-0", "Watch episode 5 of seed 0: ground")
 
 
-def test_an_outcome_that_no_shown_episode_has_leads_nowhere(links: EpisodeLinks):
+def test_an_outcome_that_no_shown_episode_has_leads_nowhere(links):
     """As one that only another seed has."""
     assert links.ending(PROPOSED, "ground") is None
 
 
-def test_a_mean_leads_to_the_nearest_episode(links: EpisodeLinks):
+def test_a_mean_leads_to_the_nearest_episode(links):
     """Of its own side, whose value the title tells."""
     link = links.showing(BASELINE, change("time_to_target", "s", 4.4, 10.0))
     assert link == ("#replay-2-9-0", "Watch episode 9 of seed 0: time to target 4.00, reached")
 
 
-def test_a_share_leads_to_an_episode_that_it_counts(links: EpisodeLinks):
+def test_a_share_leads_to_an_episode_that_it_counts(links):
     """However small it is."""
     link = links.showing(BASELINE, change("success_rate", "", 0.1, 0.0))
     assert link == ("#replay-2-1-0", "Watch episode 1 of seed 0: reached")
 
 
-def test_a_measure_that_no_episode_has_leads_nowhere(links: EpisodeLinks):
+def test_a_measure_that_no_episode_has_leads_nowhere(links):
     """Nor one without a mean."""
     assert links.showing(BASELINE, change("work", "J", 1.0, 1.0)) is None
     assert links.showing(BASELINE, change("time_to_target", "s", None, None)) is None
 
 
-def test_success_leads_to_a_success_or_to_a_failure(links: EpisodeLinks):
+def test_success_leads_to_a_success_or_to_a_failure(links):
     """Where nothing succeeds one sees how it fails."""
     told = {column: link.title for column, link in links.success.items()}
     assert told == {
@@ -83,7 +82,7 @@ def test_success_leads_to_a_success_or_to_a_failure(links: EpisodeLinks):
     }
 
 
-def test_every_kind_of_pair_has_a_link(links: EpisodeLinks):
+def test_every_kind_of_pair_has_a_link(links):
     """With its share, the most frequent one first, to the typical pair of it."""
     assert links.kinds == [
         ("neither reaches: 3 of 4 pairs", ("#replay-2-5-0", "Watch episode 5 of seed 0: ground | time-out")),
@@ -91,7 +90,7 @@ def test_every_kind_of_pair_has_a_link(links: EpisodeLinks):
     ]
 
 
-def test_the_still_is_the_typical_pair(links: EpisodeLinks):
+def test_the_still_is_the_typical_pair(links):
     """Its share is said, and how many end otherwise, one of which is a link away."""
     still = links.still
     assert (still.share, still.ends) == ("neither reaches: 3 of 4 pairs", ("baseline: ground", "arp: time-out"))
@@ -100,7 +99,7 @@ def test_the_still_is_the_typical_pair(links: EpisodeLinks):
     assert still.other.address == "#replay-2-1-0"
 
 
-def test_where_all_end_alike_nothing_ends_otherwise(show: Show):
+def test_where_all_end_alike_nothing_ends_otherwise(show):
     """No link to what does not occur."""
     assert show.pairs is not None
     alike = replace(show.pairs, met=tuple(it._replace(kind=NEITHER) for it in show.pairs.met))
@@ -108,7 +107,7 @@ def test_where_all_end_alike_nothing_ends_otherwise(show: Show):
     assert (still.share, still.otherwise, still.other) == ("neither reaches: 4 of 4 pairs", "", None)
 
 
-def test_comparisons_have_the_links_of_their_shows(recorded: Results):
+def test_comparisons_have_the_links_of_their_shows(recorded):
     """One without a show has none."""
     shows, combinations = shows_of(recorded), recorded.combinations
     (found,) = links_of(shows, combinations)

@@ -2,7 +2,6 @@
 
 import json
 import re
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +27,7 @@ def page_of(out: Path, **settings: Any) -> Path:
 
 
 @pytest.fixture(scope="module")
-def matrix(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def matrix(tmp_path_factory):
     """24 comparisons."""
     return page_of(tmp_path_factory.mktemp("matrix"), **MATRIX)
 
@@ -40,7 +39,7 @@ def shows_in(page: Path) -> list[dict[str, Any]]:
     return shows
 
 
-def test_page_of_24_comparisons_is_small(matrix: Path):
+def test_page_of_24_comparisons_is_small(matrix):
     """4 MB, with a replay of each, episodes of 100 steps among them."""
     shows = shows_in(matrix)
     assert len(shows) == 24
@@ -48,14 +47,14 @@ def test_page_of_24_comparisons_is_small(matrix: Path):
     assert matrix.stat().st_size <= 4e6
 
 
-def test_page_of_6_cells_is_small(tmp_path: Path):
+def test_page_of_6_cells_is_small(tmp_path):
     """3 MB."""
     page = page_of(tmp_path, **SINGLE)
     assert len(shows_in(page)) == 1
     assert page.stat().st_size <= 3e6
 
 
-def test_page_of_24_comparisons_is_short_and_soon_seen(show: Callable[..., Any], matrix: Path):
+def test_page_of_24_comparisons_is_short_and_soon_seen(show, matrix):
     """8 screens before anything is unfolded; painted within a second, one time of twelve on a busy machine."""
     painted, times = "performance.getEntriesByName('first-contentful-paint')", list[float]()
     while len(times) < 12 and min(times, default=1_000.0) >= 1_000.0:

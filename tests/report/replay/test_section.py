@@ -11,7 +11,6 @@ import pytest
 from harness.record.scene import scene_from_json
 from harness.report.page.html import write_html
 from harness.report.replay.section import replay_data, replay_of
-from harness.results import Results
 from harness.results.replay import shows_of
 from harness.robot.kinematics import end_effector_position
 from harness.scene.picture import chain_of
@@ -20,7 +19,7 @@ MANY = 24
 """Combinations of a page."""
 
 
-def test_joint_positions_survive_the_page(recorded: Results):
+def test_joint_positions_survive_the_page(recorded):
     """To 1e-4 rad, the distance to 0.1 mm: the arm's tip is within 0.2 mm of where it was."""
     (show,) = shows_of(recorded)
     data = json.loads(json.dumps(replay_data([show])))
@@ -34,13 +33,13 @@ def test_joint_positions_survive_the_page(recorded: Results):
     np.testing.assert_allclose(far, episode.distance, atol=2e-4)
 
 
-def test_an_arm_is_told_once(recorded: Results):
+def test_an_arm_is_told_once(recorded):
     """However many sides and comparisons show it."""
     shows = shows_of(recorded) * 3
     assert len(replay_data(shows)["scenes"]) == 1
 
 
-def test_a_target_is_told_where_it_changes(recorded: Results):
+def test_a_target_is_told_where_it_changes(recorded):
     """The first frame of each, and where it is."""
     (show,) = shows_of(recorded)
     targets = show.sides[0].episodes[0].target.copy()
@@ -53,7 +52,7 @@ def test_a_target_is_told_where_it_changes(recorded: Results):
     np.testing.assert_allclose(then[1:], targets[5], atol=1e-5)
 
 
-def test_names_of_strangers_are_escaped(recorded: Results):
+def test_names_of_strangers_are_escaped(recorded):
     """A reward's name opens no tag: neither in what is seen nor in the data."""
     (show,) = shows_of(recorded)
     evil = "</script><img src=x onerror=alert(1)>"
@@ -64,7 +63,7 @@ def test_names_of_strangers_are_escaped(recorded: Results):
     assert replay.html.count("</script>") == 1
 
 
-def test_nothing_is_requested(recorded: Results):
+def test_nothing_is_requested(recorded):
     """No address in markup, style or script, but the name of the SVG namespace; no handler in an attribute."""
     replay = replay_of(shows_of(recorded))
     assert replay is not None
@@ -75,7 +74,7 @@ def test_nothing_is_requested(recorded: Results):
     )
 
 
-def test_controls_have_names(recorded: Results):
+def test_controls_have_names(recorded):
     """Buttons and fields say what they do, also to who does not see them."""
     replay = replay_of(shows_of(recorded))
     assert replay is not None
@@ -91,7 +90,7 @@ def test_there_is_no_replay_of_nothing():
     assert replay_of([]) is None
 
 
-def test_the_report_holds_the_replay(recorded: Results, tmp_path):
+def test_the_report_holds_the_replay(recorded, tmp_path):
     """Its section, its data and its script."""
     write_html(recorded, tmp_path / "page.html")
     page = (tmp_path / "page.html").read_text(encoding="utf-8")
@@ -100,7 +99,7 @@ def test_the_report_holds_the_replay(recorded: Results, tmp_path):
 
 
 @pytest.mark.parametrize(("count", "most"), [(1, 120_000), (MANY, 1_000_000)])
-def test_the_replay_is_small(recorded: Results, count: int, most: int):
+def test_the_replay_is_small(recorded, count, most):
     """One comparison, and as many as a large matrix has, of full length."""
     (show,) = shows_of(recorded)
     long = tuple(

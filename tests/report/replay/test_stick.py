@@ -5,13 +5,12 @@ import re
 import numpy as np
 
 from harness.report.replay.stick import draw_sticks, joints_of
-from harness.results import Results
 from harness.results.replay import shows_of
 from harness.robot.kinematics import end_effector_position
 from harness.scene.picture import chain_of
 
 
-def test_the_line_ends_where_kinematics_says(recorded: Results):
+def test_the_line_ends_where_kinematics_says(recorded):
     """At the start and the end of an episode."""
     (show,) = shows_of(recorded)
     for row in (0, -1):
@@ -21,7 +20,7 @@ def test_the_line_ends_where_kinematics_says(recorded: Results):
         np.testing.assert_allclose(joints_of(side.scene, qpos)[-1], expected, atol=1e-9)
 
 
-def test_each_side_is_drawn_in_one_scale(recorded: Results):
+def test_each_side_is_drawn_in_one_scale(recorded):
     """A line through the foot, all joints and the end effector; a ring at the target."""
     (show,) = shows_of(recorded)
     drawn = draw_sticks(show.sides, 0)

@@ -239,7 +239,7 @@ def test_heading_says_which_curve_the_indices_are_of(build):
     assert headings == ["accumulated reward", "per-step reward"]
 
 
-def test_numbers_have_three_significant_digits(subtests: pytest.Subtests):
+def test_numbers_have_three_significant_digits(subtests):
     """Three significant digits, an exponent only far from 1, and n/a for what is no number."""
     rows = [
         (0.21173264, "0.212"),

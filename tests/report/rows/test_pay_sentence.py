@@ -57,7 +57,7 @@ def test_nothing_compared_has_no_pay(build):
     assert pay_of(combination) is None
 
 
-def test_nearly_all_is_more_than_nine_tenths(subtests: pytest.Subtests):
+def test_nearly_all_is_more_than_nine_tenths(subtests):
     """Of the change, whichever way the behaviour goes."""
     rows = [
         (1.0, 0.05, True),

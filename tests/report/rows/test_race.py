@@ -1,15 +1,11 @@
 """A race for the best reward, as the terminal and the page show it."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from io import StringIO
-from pathlib import Path
 
 import pytest
 from rich.console import Console, Group
 
-from harness.experiment.plan import Plan
-from harness.record.cell import Cell
 from harness.record.terms import Terms
 from harness.registry.registry import load_registry
 from harness.report.figures.race import draw_race
@@ -22,13 +18,13 @@ from tests.results.in_looks import RACE, Folder, folder_in_looks
 
 
 @pytest.fixture
-def folder(make_cell: Callable[..., Cell], make_plan: Callable[..., Plan], tmp_path: Path) -> Folder:
+def folder(make_cell, make_plan, tmp_path):
     """Three rewards, nothing done yet."""
     return folder_in_looks(RACE, make_cell, make_plan, load_registry(), tmp_path)
 
 
 @pytest.fixture
-def over(folder: Folder) -> Folder:
+def over(folder):
     """`dense` has beaten both others."""
     folder.train("baseline", [0.0] * 4)
     folder.train("dense", [0.9] * 4)
@@ -43,19 +39,19 @@ def told_of(folder: Folder) -> RaceTold:
     return told
 
 
-def test_before_the_first_look_there_is_nothing_to_tell(folder: Folder):
+def test_before_the_first_look_there_is_nothing_to_tell(folder):
     """Nor to print."""
     assert race_told(folder.results) is None
     assert race_lines(folder.results) == []
 
 
-def test_the_best_is_named_with_what_the_test_promises(over: Folder):
+def test_the_best_is_named_with_what_the_test_promises(over):
     """In one line."""
     sentence = "BEST: dense. All others are worse. The test is made to err in at most 5 % of such races."
     assert told_of(over).sentence == sentence
 
 
-def test_the_best_comes_first_and_the_others_say_who_beat_them(over: Folder):
+def test_the_best_comes_first_and_the_others_say_who_beat_them(over):
     """A row for each reward, the baseline too."""
     rows = {row[0]: row[1:] for row in told_of(over).grid.rows}
     assert list(rows) == ["dense", "arp", "baseline"]
@@ -63,7 +59,7 @@ def test_the_best_comes_first_and_the_others_say_who_beat_them(over: Folder):
     assert rows["baseline"][0] == "worse than dense"
 
 
-def test_the_number_stands_beside_its_ruler(over: Folder):
+def test_the_number_stands_beside_its_ruler(over):
     """What a reward says of its own trainings decides nothing."""
     rows = {row[0]: row for row in told_of(over).grid.rows}
     assert rows["baseline"][4:] == ("", "")
@@ -71,7 +67,7 @@ def test_the_number_stands_beside_its_ruler(over: Folder):
     assert rows["arp"][4:] == pay_texts(pay)[1:3]
 
 
-def test_rewards_that_are_as_good_are_named_together(make_cell, make_plan, tmp_path: Path):
+def test_rewards_that_are_as_good_are_named_together(make_cell, make_plan, tmp_path):
     """Within five points of the best: 28 trainings that end alike say so."""
     folder = folder_in_looks(replace(RACE, looks=(28,)), make_cell, make_plan, load_registry(), tmp_path)
     folder.train("baseline", [0.0] * 28)
@@ -82,7 +78,7 @@ def test_rewards_that_are_as_good_are_named_together(make_cell, make_plan, tmp_p
     assert told.sentence.endswith("baseline is worse.")
 
 
-def test_a_race_that_goes_on_says_how_it_stands(folder: Folder):
+def test_a_race_that_goes_on_says_how_it_stands(folder):
     """And how many trainings may be left."""
     for reward in ("baseline", "dense", "arp"):
         folder.train(reward, [0.2, 0.8])
@@ -90,14 +86,14 @@ def test_a_race_that_goes_on_says_how_it_stands(folder: Folder):
     assert told_of(folder).sentence.endswith("At most 6 trainings are left.")
 
 
-def test_looks_that_ran_out_leave_the_question_open(folder: Folder):
+def test_looks_that_ran_out_leave_the_question_open(folder):
     """No word of better or worse."""
     for reward in ("baseline", "dense", "arp"):
         folder.train(reward, [0.2, 0.8, 0.5, 0.4])
     assert told_of(folder).sentence.startswith("CANNOT TELL after 4 seeds which is best")
 
 
-def test_where_no_training_left_a_number_nothing_is_best(folder: Folder):
+def test_where_no_training_left_a_number_nothing_is_best(folder):
     """All of them left."""
     for cells in folder.cells.values():
         for cell in cells:
@@ -107,7 +103,7 @@ def test_where_no_training_left_a_number_nothing_is_best(folder: Folder):
 
 
 @pytest.mark.parametrize("width", [60, 80, 120])
-def test_the_table_fits(over: Folder, width: int):
+def test_the_table_fits(over, width):
     """Into a terminal of this width."""
     output = StringIO()
     Console(file=output, width=width).print(Group(*race_lines(over.results)))
@@ -115,7 +111,7 @@ def test_the_table_fits(over: Folder, width: int):
     assert "BEST: dense" in output.getvalue()
 
 
-def test_the_figure_has_a_line_for_each_that_ends_where_it_left(over: Folder):
+def test_the_figure_has_a_line_for_each_that_ends_where_it_left(over):
     """With its name, and after how many seeds that was."""
     chart = draw_race(told_of(over))
     assert {mark.text for mark in chart.marks if type(mark).__name__ == "Note"} == {
@@ -125,7 +121,7 @@ def test_the_figure_has_a_line_for_each_that_ends_where_it_left(over: Folder):
     }
 
 
-def test_a_summary_tells_of_the_race(over: Folder, tmp_path: Path):
+def test_a_summary_tells_of_the_race(over, tmp_path):
     """With its table and its figure."""
     write_summary(over.results, tmp_path / "told")
     page = (tmp_path / "told" / "summary.md").read_text()
@@ -134,12 +130,12 @@ def test_a_summary_tells_of_the_race(over: Folder, tmp_path: Path):
     assert "left at 4" in (tmp_path / "told" / "figures" / "race.svg").read_text()
 
 
-def test_the_question_is_which_is_best(over: Folder):
+def test_the_question_is_which_is_best(over):
     """And not whether each is better than the baseline."""
     assert question(over.results) == "Which reward makes the robot behave best: baseline, dense or arp?"
 
 
-def test_without_a_race_the_question_is_about_each(make_cell, make_plan, tmp_path: Path):
+def test_without_a_race_the_question_is_about_each(make_cell, make_plan, tmp_path):
     """As ever."""
     folder = folder_in_looks(Terms((2, 4)), make_cell, make_plan, load_registry(), tmp_path)
     assert race_told(folder.results) is None

@@ -16,26 +16,26 @@ def _mean(*values: float):
 
 
 @pytest.fixture(name="alone")
-def _alone(make_cell) -> TermsPaid:
+def _alone(make_cell):
     reach = TermPaid("reach", _mean(-9.0, -8.0, -7.0), _mean(-2.0, -2.0, -2.0), _mean(-1.0, -2.0, -3.0), random=-20.0)
     dock = TermPaid("dock", _mean(0.0), _mean(0.0), _mean(0.0), never=True)
     return TermsPaid(Group.of(make_cell()), "gentle", "", 3, 30_720, (reach, dock))
 
 
 @pytest.fixture(name="compared")
-def _compared(alone: TermsPaid) -> TermsPaid:
+def _compared(alone):
     reach, dock = alone.terms
     beside = replace(reach, others=_mean(-4.0), behaviour=_mean(2.0), ruler=_mean(0.5))
     return replace(alone, baseline="own", terms=(beside, replace(dock, others=_mean(0.0), behaviour=_mean(0.0))))
 
 
-def test_only_columns_that_are_known_are_shown(alone: TermsPaid, compared: TermsPaid):
+def test_only_columns_that_are_known_are_shown(alone, compared):
     """A reward alone stands beside nothing."""
     assert terms_grid(alone).headings == ("an episode", "start", "end", "evaluation", "random")
     assert terms_grid(compared).headings[4:] == ("with own", "random", "behaviour", "ruler")
 
 
-def test_an_interval_stands_below_its_mean(alone: TermsPaid):
+def test_an_interval_stands_below_its_mean(alone):
     """None without a width, which would be taken for certainty."""
     first, interval, *others = terms_grid(alone).rows
     assert first == ("reach", "-8.00", "-2.00", "-2.00", "-20.0")
@@ -44,32 +44,32 @@ def test_an_interval_stands_below_its_mean(alone: TermsPaid):
     assert [row[0] for row in others] == ["dock"]
 
 
-def test_a_term_that_never_paid_is_said(alone: TermsPaid):
+def test_a_term_that_never_paid_is_said(alone):
     """With all steps of all trainings, also at a glance."""
     assert "`dock` never paid in 30,720 steps." in terms_grid(alone).notes
     assert never_texts(SimpleNamespace(terms=[alone])) == ["gentle: `dock` never paid in 30,720 steps."]
 
 
-def test_a_term_that_pays_in_the_evaluations_alone_is_said_so(alone: TermsPaid):
+def test_a_term_that_pays_in_the_evaluations_alone_is_said_so(alone):
     """No training had it, but the table beside the sentence has a number."""
     reach, dock = alone.terms
     found = replace(alone, terms=(reach, replace(dock, evaluation=_mean(0.0, 1.0))))
     assert "`dock` never paid in 30,720 steps of training, only in the evaluations." in terms_grid(found).notes
 
 
-def test_a_term_of_weight_0_has_a_reason(alone: TermsPaid):
+def test_a_term_of_weight_0_has_a_reason(alone):
     """It cannot pay."""
     found = replace(alone, reward="gentle:dock=0")
     assert "`dock` never paid in 30,720 steps: its weight is 0." in terms_grid(found).notes
 
 
-def test_no_share_raises_an_alarm(alone: TermsPaid):
+def test_no_share_raises_an_alarm(alone):
     """A term that pays nearly all is what its author asked for."""
     told = " ".join(terms_grid(alone).notes)
     assert not [word for word in ("dominat", "share", "better", "worse", "%") if word in told]
 
 
-def test_what_changed_most_is_told(alone: TermsPaid, compared: TermsPaid):
+def test_what_changed_most_is_told(alone, compared):
     """Over the training, or beside the baseline's trainings; nothing of a single term."""
     assert changed_text(alone) == (
         "`reach` changed most: -8.00 an episode at the start of the trainings, -2.00 at their end."
@@ -81,7 +81,7 @@ def test_what_changed_most_is_told(alone: TermsPaid, compared: TermsPaid):
     assert changed_text(replace(alone, terms=alone.terms[:1])) == ""
 
 
-def test_the_path_is_told(compared: TermsPaid):
+def test_the_path_is_told(compared):
     """On which behaviour adds up."""
     notes = " ".join(terms_grid(compared).notes)
     assert "one of the two paths: behaviour under gentle, the ruler on the episodes of own's trainings." in notes

@@ -52,7 +52,7 @@ def built(build):
     return cache(lambda case: build(**CASES[case]))
 
 
-def test_nothing_is_cut(built, subtests: pytest.Subtests):
+def test_nothing_is_cut(built, subtests):
     """Every value stands whole in the table, indices of ten and more digits included, and so does every note."""
     for case in CASES:
         for width in [60, 80, 100]:

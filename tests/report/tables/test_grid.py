@@ -2,7 +2,6 @@
 
 from io import StringIO
 
-import pytest
 from rich.console import Console
 
 from harness.report.rows.ratios import Grid
@@ -22,7 +21,7 @@ def printed(grid: Grid, width: int) -> str:
     return output.getvalue()
 
 
-def test_columns_stand_in_as_few_tables_as_fit(subtests: pytest.Subtests):
+def test_columns_stand_in_as_few_tables_as_fit(subtests):
     """Names take 14 characters at least, and a value 11 and a gap of 2."""
     for width, tables in [(100, 1), (66, 1), (65, 2), (40, 2), (39, 4), (20, 4)]:
         with subtests.test(width=width, tables=tables):
@@ -35,7 +34,7 @@ def test_tables_are_of_about_the_same_size():
     assert divide_columns(five, 45) == [range(1, 3), range(3, 6)]
 
 
-def test_every_value_and_every_word_is_whole(subtests: pytest.Subtests):
+def test_every_value_and_every_word_is_whole(subtests):
     """However narrow the window is, and no line is longer than it."""
     for width in range(24, 120, 5):
         with subtests.test(width=width):

@@ -1,6 +1,5 @@
 from io import StringIO
 
-import pytest
 from rich.console import Console
 
 from harness.report.tables.overview import overview_table
@@ -18,7 +17,7 @@ def printed(results, width=80, **console):
     return output.getvalue()
 
 
-def test_nothing_is_cut(build, subtests: pytest.Subtests):
+def test_nothing_is_cut(build, subtests):
     """One line holds the answer and both etas, whatever they are."""
     for width in [60, 80, 120]:
         for case in CASES:

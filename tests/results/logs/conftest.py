@@ -1,30 +1,30 @@
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from harness.log.open_log import find_logs
 from harness.registry.registry import load_registry
-from harness.results.logs.trainings import Sorted, sort_logs
+from harness.results.logs.trainings import sort_logs
 
 Write = Callable[..., Path]
 
 
 @pytest.fixture
-def monitor(tmp_path: Path) -> Write:
+def monitor(tmp_path):
     """Writes a file as stable-baselines3's Monitor does: the name below the folder, then a number an episode."""
 
     def write(
-        name: str,
-        returns: Sequence[float] = (1.0, 2.0, 4.0),
+        name,
+        returns=(1.0, 2.0, 4.0),
         *,
-        lengths: Sequence[int] = (),
-        success: Sequence[bool] = (),
-        started: float = 1.7e9,
-        env: str = "Toy-v0",
-        at: Sequence[float] = (),
-    ) -> Path:
+        lengths=(),
+        success=(),
+        started=1.7e9,
+        env="Toy-v0",
+        at=(),
+    ):
         path = tmp_path / name
         path.parent.mkdir(parents=True, exist_ok=True)
         steps = lengths or [10] * len(returns)
@@ -40,6 +40,6 @@ def monitor(tmp_path: Path) -> Write:
 
 
 @pytest.fixture
-def sort(tmp_path: Path) -> Callable[..., Sorted]:
+def sort(tmp_path):
     """Sorts all logs of the folder."""
     return lambda *given, **more: sort_logs(tmp_path, find_logs(tmp_path, load_registry()).logs, *given, **more)

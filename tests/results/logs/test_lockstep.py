@@ -36,13 +36,13 @@ def processes(rng, count: int = 4, episodes: int = 20) -> list[Log]:
 
 
 @given(st.integers(0, 10_000))
-def test_environments_of_one_training_go_together(seed: int):
+def test_environments_of_one_training_go_together(seed):
     """Whatever their episodes are like, and though their processes were begun one after the other."""
     assert in_lockstep(environments(np.random.default_rng(seed))) is True
 
 
 @given(st.integers(0, 10_000))
-def test_processes_that_were_begun_together_do_not(seed: int):
+def test_processes_that_were_begun_together_do_not(seed):
     """Their clocks drift apart by more than a step."""
     assert in_lockstep(processes(np.random.default_rng(seed))) is False
 
@@ -77,7 +77,7 @@ def test_without_times_nobody_can_tell():
 
 
 @pytest.mark.parametrize("kind", ["DummyVecEnv", "one after the other"])
-def test_files_of_stable_baselines3(tmp_path: Path, kind: str):
+def test_files_of_stable_baselines3(tmp_path, kind):
     """Its own environments, stepped by its own batch, or each by itself."""
     env_util = pytest.importorskip("stable_baselines3.common.env_util")
     rng = np.random.default_rng(0)

@@ -40,7 +40,7 @@ def test_the_order_of_names_says_nothing(layout, rewards, seeds, data):
     assert told(data.draw(st.permutations(names))) == told(names)
 
 
-def test_what_is_a_seed_and_what_is_not(subtests: pytest.Subtests):
+def test_what_is_a_seed_and_what_is_not(subtests):
     """Versions, decimal numbers and numbers that all share belong to the reward, or to nothing."""
     rows = [
         (["v1/0", "v1/1", "v2/0", "v2/1"], ["v1", "v1", "v2", "v2"], [0, 1, 0, 1]),

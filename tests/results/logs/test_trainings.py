@@ -57,7 +57,7 @@ def test_files_of_one_training_are_no_seeds(monitor, sort):
     assert keys(sort("{reward}/{seed}")) == [(name, seed, 1) for name in ("base", "arp") for seed in range(3)]
 
 
-def test_what_lies_below_the_folder_of_such_a_training_is_its_own(monitor, sort, tmp_path: Path):
+def test_what_lies_below_the_folder_of_such_a_training_is_its_own(monitor, sort, tmp_path):
     """The table of progress that stable-baselines3's logger wrote beside the files of the environments."""
     for name in ("base", "arp"):
         batch(monitor, name, paid=len(name))
@@ -80,7 +80,7 @@ def test_environments_with_names_of_seeds_are_refused(monitor, sort):
     assert keys(sort("{reward}/env_{seed}")) == [("base", 0, 1), ("base", 1, 1)]
 
 
-def test_a_copy_of_an_environments_file_counts_once(monitor, sort, tmp_path: Path):
+def test_a_copy_of_an_environments_file_counts_once(monitor, sort, tmp_path):
     """It is no further environment: steps and episodes would count twice."""
     batch(monitor, "base", paid=1)
     (tmp_path / "base/3.monitor.csv").write_bytes((tmp_path / "base/0.monitor.csv").read_bytes())
@@ -117,7 +117,7 @@ def test_a_doubtful_folder_is_read_as_those_beside_it(monitor, sort):
     assert keys(sort()) == [("base", 0, 3), ("arp", 0, 2)]
 
 
-def test_files_of_one_folder_have_its_name(monitor, sort, tmp_path: Path):
+def test_files_of_one_folder_have_its_name(monitor, sort, tmp_path):
     """Where the folder of a reward itself is named, templates fit as they do from above."""
     for seed in range(2):
         monitor(f"{seed}.monitor.csv", [seed, 1, 3])
@@ -125,7 +125,7 @@ def test_files_of_one_folder_have_its_name(monitor, sort, tmp_path: Path):
     assert keys(sort("{reward}")) == [(tmp_path.name, 0, 2)]
 
 
-def test_a_training_and_its_evaluations_are_one(monitor, sort, tmp_path: Path):
+def test_a_training_and_its_evaluations_are_one(monitor, sort, tmp_path):
     """A tree of the RL zoo: Monitor files of environments, and ``evaluations.npz`` beside them."""
     for seed in (1, 2):
         batch(monitor, f"ppo/Toy-v0_{seed}", paid=seed, envs=2, started=1.7e9 + 1e4 * seed)
@@ -147,7 +147,7 @@ def test_monitor_files_of_evaluations_are_left_out(monitor, sort):
     assert found.notes[0].startswith("Left out: 4 of Monitor that are called evaluations")
 
 
-def test_the_finest_log_of_a_training_is_read(monitor, tmp_path: Path, sort):
+def test_the_finest_log_of_a_training_is_read(monitor, tmp_path, sort):
     """Episodes tell more than the points of the same training; what is left out is told."""
     logs = []
     for seed in range(2):
@@ -158,7 +158,7 @@ def test_the_finest_log_of_a_training_is_read(monitor, tmp_path: Path, sort):
     assert "Left out: 2 of TensorBoard" in found.notes[-1]
 
 
-def test_a_log_of_success_comes_before_a_finer_one(tmp_path: Path, monitor, sort):
+def test_a_log_of_success_comes_before_a_finer_one(tmp_path, monitor, sort):
     """Monitor without success beside points that tell it: the points are read."""
     monitor("base_0/monitor.csv")
     points = curve(tmp_path / "base_0/PPO_1").add({"behaviour/success": np.array([0.0, 0.5, 1.0])})
@@ -166,13 +166,13 @@ def test_a_log_of_success_comes_before_a_finer_one(tmp_path: Path, monitor, sort
     assert [log.facts.unit for log in found.trainings[0].logs] == ["point"]
 
 
-def test_what_a_log_tells_itself_counts_more_than_its_name(tmp_path: Path):
+def test_what_a_log_tells_itself_counts_more_than_its_name(tmp_path):
     """A reward and a seed in the log are believed, whatever the file is called."""
     logs = [curve(tmp_path / f"x{number}", trained_with="arp", seed=7 - number) for number in range(2)]
     assert keys(sort_logs(tmp_path, logs)) == [("arp", 6, 1), ("arp", 7, 1)]
 
 
-def test_runs_of_one_file_are_sorted_by_their_own_names(tmp_path: Path):
+def test_runs_of_one_file_are_sorted_by_their_own_names(tmp_path):
     """An exported chart holds several trainings."""
     names = ["base-seed0", "base-seed1", "prop-seed0", "prop-seed1"]
     logs = [
@@ -217,7 +217,7 @@ def test_the_baseline_can_be_named(monitor, sort):
         sort(baseline="arpp")
 
 
-def test_files_are_sorted_by_their_names_alone(tmp_path: Path):
+def test_files_are_sorted_by_their_names_alone(tmp_path):
     """Nothing is read; where names say no reward, it has the folder's name."""
     files = [tmp_path / name for name in ("base/0.csv", "base/1.csv", "arp/0.csv")]
     assert {name: len(of) for name, of in sort_files(tmp_path, files).items()} == {"base": 2, "arp": 1}

@@ -88,7 +88,7 @@ def record(
 
 
 @pytest.fixture
-def study_folder(tmp_path: Path) -> Path:
+def study_folder(tmp_path):
     """Six seeds of two rewards: `thrice` teaches to pull better arms."""
     for seed in range(6):
         record(tmp_path / f"plain-{seed}", "plain", seed, np.linspace(0.0, 0.4 + 0.01 * seed, 40))

@@ -20,12 +20,12 @@ ARMS = np.linspace(0.0, 1.0, 20)
 
 
 @pytest.fixture
-def training(tmp_path) -> Log:
+def training(tmp_path):
     """A training that was recorded."""
     return read_recording(record(tmp_path / "a", "plain", 0, ARMS))
 
 
-def test_the_reward_that_taught_is_no_difference(training: Log):
+def test_the_reward_that_taught_is_no_difference(training):
     """Nor is anything else that is no step."""
     other = replace(training, facts=replace(training.facts, trained_with="thrice", seed=5, versions={"numpy": "9"}))
     assert likeness_of(other).digest == likeness_of(training).digest != ""
@@ -40,20 +40,20 @@ CHANGES: dict[str, Callable[[Log], dict[str, Any]]] = {
 
 
 @pytest.mark.parametrize("change", CHANGES)
-def test_any_step_is_a_difference(training: Log, change: str):
+def test_any_step_is_a_difference(training, change):
     """In its last bit."""
     other = training.add(CHANGES[change](training))
     assert likeness_of(other).digest != likeness_of(training).digest
 
 
-def test_a_name_is_a_difference(training: Log):
+def test_a_name_is_a_difference(training):
     """The numbers are the same."""
     other = training.renamed({"behaviour/arm": "behaviour/other"})
     other = replace(other, facts=replace(training.facts, behaviour=("other", "success")))
     assert likeness_of(other).digest != likeness_of(training).digest
 
 
-def test_numbers_that_never_change_tell_nothing(training: Log):
+def test_numbers_that_never_change_tell_nothing(training):
     """A training in which nothing was ever paid is like any other such, whatever the learner did."""
     zeros = {name: np.zeros(len(training)) for name in training.names if name.startswith(("reward/", "behaviour/"))}
     assert likeness_of(training.add(zeros)).digest == ""
@@ -111,7 +111,7 @@ def test_a_reward_that_is_not_known_everywhere_is_compared_where_it_is(tmp_path)
 
 
 @pytest.mark.parametrize("ends", [False, True])
-def test_an_offset_is_no_ruler_where_an_episode_terminated(training: Log, ends: bool):
+def test_an_offset_is_no_ruler_where_an_episode_terminated(training, ends):
     """In one that was cut only, it pays every episode the same."""
     lines = likeness_of(training.add({"terminated": training["truncated"] & ends})).lines
     rescaling = rescaling_of([lines["plain", "thrice"]])
@@ -119,7 +119,7 @@ def test_an_offset_is_no_ruler_where_an_episode_terminated(training: Log, ends: 
     assert (rescaling.is_ruler, rescaling.can_end) == (not ends, ends)
 
 
-def test_likeness_comes_back_from_json(training: Log):
+def test_likeness_comes_back_from_json(training):
     """As it was kept."""
     likeness = likeness_of(training.add({"terminated": training["truncated"]}))
     assert Likeness.from_json(likeness.to_json()) == likeness
@@ -134,7 +134,7 @@ def test_likeness_comes_back_from_json(training: Log):
         (lambda arms: arms**2, False),
     ],
 )
-def test_where_only_the_scale_differs_the_answer_says_so(tmp_path, pays, is_told: bool):
+def test_where_only_the_scale_differs_the_answer_says_so(tmp_path, pays, is_told):
     """Beside the answer of a comparison whose behaviour differs: on the card, and in the terminal."""
     rewards = {"plain": lambda arms: arms + 1.0, "other": pays}
     for seed in range(6):

@@ -12,7 +12,6 @@ import harness
 from harness.eta.scored_sums import BB, BK, KB, KK
 from harness.report.rows.comparison import basis_text
 from harness.results.recordings.runs import EVALUATION, LAST, TRAINING
-from harness.results.recordings.study import Study
 from tests.results.recordings.conftest import load_study
 
 PULLS, EPISODES, SEEDS = 4, 10, 6
@@ -69,7 +68,7 @@ def train(folder: Path, reward: str, seed: int, evaluated: bool = False) -> None
 
 
 @pytest.fixture(scope="module")
-def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
+def study(tmp_path_factory):
     """Three rewards, six seeds each, and an evaluation of every policy."""
     folder = tmp_path_factory.mktemp("bandit")
     for reward in ("plain", "scaled", "shifted"):

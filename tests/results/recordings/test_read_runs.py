@@ -21,7 +21,7 @@ def evaluated(folder: Path, acted: str, after: int) -> Path:
 
 
 @pytest.mark.parametrize("after", [1, 2, 1000])
-def test_an_evaluation_during_the_training_is_no_final_one(tmp_path: Path, after: int):
+def test_an_evaluation_during_the_training_is_no_final_one(tmp_path, after):
     """However early it was: after one step too."""
     run = read_runs(evaluated(tmp_path, "deterministic", after)).members["plain", 0]
     assert (run.evaluation, run.other) == (None, None)
@@ -29,7 +29,7 @@ def test_an_evaluation_during_the_training_is_no_final_one(tmp_path: Path, after
 
 
 @pytest.mark.parametrize("acted", ["deterministic", "stochastic"])
-def test_one_manner_alone_decides(tmp_path: Path, acted: str):
+def test_one_manner_alone_decides(tmp_path, acted):
     """Where the policy was evaluated in no other."""
     run = read_runs(evaluated(tmp_path, acted, 0)).members["plain", 0]
     assert run.evaluation is not None
@@ -37,7 +37,7 @@ def test_one_manner_alone_decides(tmp_path: Path, acted: str):
     assert run.other is None
 
 
-def test_an_experiment_among_recordings_is_named(tmp_path: Path):
+def test_an_experiment_among_recordings_is_named(tmp_path):
     """Whatever reads all of them refuses it, the audit too."""
     record(tmp_path / "loose", "plain", 0, [0.1])
     (tmp_path / "theirs").mkdir()
@@ -46,7 +46,7 @@ def test_an_experiment_among_recordings_is_named(tmp_path: Path):
         read_all(tmp_path)
 
 
-def test_an_experiment_itself_is_read(tmp_path: Path):
+def test_an_experiment_itself_is_read(tmp_path):
     """Its own plan lies in the folder, not below it."""
     record(tmp_path / "cells" / "one", "plain", 0, [0.1])
     (tmp_path / "plan.json").touch()
@@ -59,7 +59,7 @@ def told(folder: Path) -> str:
     return "\n".join(read_runs(folder).notes)
 
 
-def test_an_evaluation_that_was_cut_off_does_not_count(tmp_path: Path):
+def test_an_evaluation_that_was_cut_off_does_not_count(tmp_path):
     """It is told by name, and how much of it there is; a whole one counts."""
     evaluated(tmp_path, "deterministic", 0)
     assert "left out" not in told(tmp_path)
@@ -72,7 +72,7 @@ def test_an_evaluation_that_was_cut_off_does_not_count(tmp_path: Path):
     assert [run.path for run in read_runs(tmp_path).members["thrice", 0].before] == [whole]
 
 
-def test_a_training_that_was_cut_off_is_not_compared(tmp_path: Path):
+def test_a_training_that_was_cut_off_is_not_compared(tmp_path):
     """Nor is its evaluation; a repetition with the same seed takes its place."""
     evaluated(tmp_path, "deterministic", 0)
     record(tmp_path / "thrice" / "2", "thrice", 2, [0.1], asked=15)
@@ -83,7 +83,7 @@ def test_a_training_that_was_cut_off_is_not_compared(tmp_path: Path):
     assert read_runs(tmp_path).members["thrice", 2].evaluation is not None
 
 
-def test_where_nothing_whole_is_left_the_reasons_are_told(tmp_path: Path):
+def test_where_nothing_whole_is_left_the_reasons_are_told(tmp_path):
     """In the line that says that there is nothing to report."""
     record(tmp_path / "plain", "plain", 0, [0.1], closed=False, asked=15)
     record(tmp_path / "thrice", "thrice", 0, [0.1], asked=15)
@@ -91,7 +91,7 @@ def test_where_nothing_whole_is_left_the_reasons_are_told(tmp_path: Path):
         read_runs(tmp_path)
 
 
-def test_an_old_evaluation_that_was_never_closed_is_told(tmp_path: Path):
+def test_an_old_evaluation_that_was_never_closed_is_told(tmp_path):
     """How many episodes it was to have is not known, so that it counts."""
     evaluated(tmp_path, "deterministic", 0)
     facts = tmp_path / "plain" / "evaluation" / facts_name(0)
@@ -100,7 +100,7 @@ def test_an_old_evaluation_that_was_never_closed_is_told(tmp_path: Path):
     assert "after 3 episodes" in told(tmp_path)
 
 
-def test_trainings_of_unequal_length_are_told_with_what_evaluates_them(tmp_path: Path):
+def test_trainings_of_unequal_length_are_told_with_what_evaluates_them(tmp_path):
     """They are cut to the shortest, and their evaluations cannot be."""
     evaluated(tmp_path, "deterministic", 0)
     record(tmp_path / "longer", "plain", 1, [0.1] * 4, asked=20)
@@ -109,7 +109,7 @@ def test_trainings_of_unequal_length_are_told_with_what_evaluates_them(tmp_path:
 
 
 @pytest.mark.parametrize(("other", "episodes", "is_told"), [(7, 3, False), (8, 3, True), (8, 2, False)])
-def test_policies_that_met_other_starts_are_told(tmp_path: Path, other: int, episodes: int, is_told: bool):
+def test_policies_that_met_other_starts_are_told(tmp_path, other, episodes, is_told):
     """Where as many episodes began otherwise."""
     for reward, starts, count in (("plain", 7, 3), ("thrice", other, episodes)):
         record(tmp_path / reward, reward, 0, [0.1, 0.2, 0.3])

@@ -18,12 +18,12 @@ from tests.results.recordings.conftest import load_study
 
 
 @pytest.fixture
-def opened(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
+def opened(monkeypatch):
     """How often each Parquet file is opened."""
     counts: Counter[str] = Counter()
     real = pq.ParquetFile
 
-    def open_file(path: Path, **options: object) -> pq.ParquetFile:
+    def open_file(path, **options):
         counts[str(path)] += 1
         return real(path, **options)
 
@@ -35,14 +35,14 @@ def _told(folder: Path) -> str:
     return json.dumps(load_study(folder).to_json())
 
 
-def test_first_report_opens_each_file_once(study_folder: Path, opened: Counter[str]):
+def test_first_report_opens_each_file_once(study_folder, opened):
     """For its episodes, and for what each reward paid."""
     load_study(study_folder)
     files = [str(path) for path in study_folder.rglob("steps-*.parquet")]
     assert opened == dict.fromkeys(files, 1)
 
 
-def test_second_report_opens_no_file_and_says_the_same(study_folder: Path, opened: Counter[str]):
+def test_second_report_opens_no_file_and_says_the_same(study_folder, opened):
     """All of it is kept."""
     first = _told(study_folder)
     opened.clear()
@@ -50,14 +50,14 @@ def test_second_report_opens_no_file_and_says_the_same(study_folder: Path, opene
     assert not opened
 
 
-def test_report_says_the_same_without_what_is_kept(study_folder: Path):
+def test_report_says_the_same_without_what_is_kept(study_folder):
     """The folder may be removed at any time."""
     first = _told(study_folder)
     shutil.rmtree(study_folder / DERIVED)
     assert _told(study_folder) == first
 
 
-def test_only_the_recording_that_changed_is_read_again(study_folder: Path, opened: Counter[str]):
+def test_only_the_recording_that_changed_is_read_again(study_folder, opened):
     """The digests of its files are not the same."""
     load_study(study_folder)
     opened.clear()
@@ -68,7 +68,7 @@ def test_only_the_recording_that_changed_is_read_again(study_folder: Path, opene
     assert {Path(path).parent.name for path in opened} == {"plain-0"}
 
 
-def test_damaged_file_is_found_although_everything_is_kept(study_folder: Path):
+def test_damaged_file_is_found_although_everything_is_kept(study_folder):
     """It is one line of the report."""
     load_study(study_folder)
     (part,) = (study_folder / "plain-0").glob("steps-*.parquet")
@@ -78,7 +78,7 @@ def test_damaged_file_is_found_although_everything_is_kept(study_folder: Path):
     assert "plain-0" in "".join(load_study(study_folder).runs.damaged)
 
 
-def test_folder_that_allows_no_writing_is_read_all_the_same(study_folder: Path, opened: Counter[str]):
+def test_folder_that_allows_no_writing_is_read_all_the_same(study_folder, opened):
     """Of a reward that is asked for later, its column alone is read."""
     (study_folder / DERIVED).write_text("a file in the place of the folder")
     results = RecordingResults(study_folder, study_folder / "plain-0")
@@ -89,7 +89,7 @@ def test_folder_that_allows_no_writing_is_read_all_the_same(study_folder: Path, 
     assert sum(opened.values()) == 2
 
 
-def test_columns_that_are_not_asked_for_are_not_read(study_folder: Path, monkeypatch: pytest.MonkeyPatch):
+def test_columns_that_are_not_asked_for_are_not_read(study_folder, monkeypatch):
     """But for those by which steps are seen to follow one another."""
     asked: list[str] = []
     monkeypatch.setattr(recorded_training, "read_part", lambda *given: asked.extend(given[2]) or read_part(*given))
@@ -97,7 +97,7 @@ def test_columns_that_are_not_asked_for_are_not_read(study_folder: Path, monkeyp
     assert asked == ["time", "env", "episode", "step", "reward_thrice"]
 
 
-def test_what_is_kept_is_what_was_recorded(study_folder: Path):
+def test_what_is_kept_is_what_was_recorded(study_folder):
     """Facts, episodes and likeness, also after a way through files."""
     fresh = RecordingResults(study_folder, study_folder / "plain-0")
     numbers = fresh.episodes.numbers
@@ -108,7 +108,7 @@ def test_what_is_kept_is_what_was_recorded(study_folder: Path):
     np.testing.assert_array_equal(kept.episodes.numbers, numbers)
 
 
-def test_folder_without_a_recording_is_refused(tmp_path: Path):
+def test_folder_without_a_recording_is_refused(tmp_path):
     """As by the reader."""
     with pytest.raises(SchemaError, match="is no recording of a training"):
         _ = RecordingResults(tmp_path, tmp_path / "nothing").facts

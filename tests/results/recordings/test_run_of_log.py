@@ -50,7 +50,7 @@ def _steps(rows: int, **more: np.ndarray) -> Log:
 
 
 @pytest.mark.parametrize("rows", [1, 2, 7, 1_000])
-def test_episodes_of_steps_do_not_depend_on_pieces(rows: int, monkeypatch: pytest.MonkeyPatch):
+def test_episodes_of_steps_do_not_depend_on_pieces(rows, monkeypatch):
     """To the last bit: what an episode was paid in one piece goes on in the next."""
     log = _steps(200)
     pieces = Log.pieces

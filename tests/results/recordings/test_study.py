@@ -494,7 +494,7 @@ def test_place_without_a_study_shows_why(study_folder):
 
 
 @pytest.fixture
-def unlike(tmp_path: Path) -> Path:
+def unlike(tmp_path):
     """Four trainings by one reward and three by the other, none of whose seeds is the same."""
     for seed in range(4):
         record(tmp_path / f"plain-{seed}", "plain", seed, np.linspace(0.0, 0.4 + 0.01 * seed, 40))
@@ -503,26 +503,26 @@ def unlike(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_trainings_without_a_common_seed_have_learning_curves(unlike: Path):
+def test_trainings_without_a_common_seed_have_learning_curves(unlike):
     """All of them, as in the answer."""
     study = load_study(unlike)
     learning = study.trainings.learning(study.comparisons[0])
     assert [curve.points["arm"][0].value.seeds for curve in (learning.baseline, learning.proposed)] == [4, 3]
 
 
-def test_trainings_without_a_common_seed_say_what_the_verdict_rests_on(unlike: Path):
+def test_trainings_without_a_common_seed_say_what_the_verdict_rests_on(unlike):
     """It does not need one."""
     (comparison,) = load_study(unlike).comparisons
     assert "rests on the training itself" in basis_text(comparison)
 
 
-def test_the_smallest_p_is_that_of_both_numbers_of_trainings(unlike: Path):
+def test_the_smallest_p_is_that_of_both_numbers_of_trainings(unlike):
     """Four against three: one way in 35."""
     (told,) = load_study(unlike).to_json()["comparisons"]
     assert told["smallest_p"] == pytest.approx(1 / 35)
 
 
-def test_an_unfinished_plan_has_no_verdict_yet(study_folder: Path):
+def test_an_unfinished_plan_has_no_verdict_yet(study_folder):
     """What it will rest on is told all the same."""
     (comparison,) = load_study(study_folder).comparisons
     assert basis_text(replace(comparison, answer=replace(comparison.answer, ruling=Ruling(missing=2)))).startswith(

@@ -9,7 +9,7 @@ import pytest
 from harness.record.recording.facts import Failure
 from harness.record.recording.recorded_training import read_recording, weighed
 from harness.record.recording.recording_writer import write_recording
-from harness.results import Results, load_results
+from harness.results import load_results
 from tests.results.recordings.conftest import PULLS, record
 
 CALM = {"near": lambda arm: arm, "calm": lambda arm: -0.5 * arm, "dock": lambda arm: 0.0 * arm}
@@ -36,7 +36,7 @@ def _record(folder: Path, trained_with: str, seed: int, arms: np.ndarray, **fact
 
 
 @pytest.fixture(name="folder")
-def _folder(tmp_path: Path) -> Path:
+def _folder(tmp_path):
     for seed in range(3):
         for reward, end in (("bold", 0.4), ("calm", 0.8)):
             place = _record(tmp_path / f"{reward}-{seed}", reward, seed, np.linspace(0.0, end + 0.01 * seed, 20))
@@ -46,17 +46,17 @@ def _folder(tmp_path: Path) -> Path:
 
 
 @pytest.fixture(name="results")
-def _results(folder: Path) -> Results:
+def _results(folder):
     return load_results(folder)
 
 
-def test_each_reward_that_taught_is_told_by_term(results: Results):
+def test_each_reward_that_taught_is_told_by_term(results):
     """The baseline alone, the other one beside it."""
     told = {it.reward: (it.baseline, [term.name for term in it.terms]) for it in results.terms}
     assert told == {"bold": ("", ["near"]), "calm": ("bold", ["near", "calm", "dock"])}
 
 
-def test_stages_are_those_of_the_columns(results: Results):
+def test_stages_are_those_of_the_columns(results):
     """Worked out from the arms: an episode pulls one arm five times; the first two of 20 episodes are the start."""
     near = results.terms[1].terms[0]
     ends = np.array([0.8, 0.81, 0.82])
@@ -66,7 +66,7 @@ def test_stages_are_those_of_the_columns(results: Results):
     assert near.evaluation.mean == pytest.approx(PULLS * ends.mean())
 
 
-def test_a_reward_with_weights_is_compared_by_term(folder: Path):
+def test_a_reward_with_weights_is_compared_by_term(folder):
     """The baseline's recordings have the terms, but no column of the reward with these weights."""
     for path in [*folder.glob("calm-*/evaluation"), *folder.glob("calm-?")]:
         label = "calm:calm=3"
@@ -82,7 +82,7 @@ def test_a_reward_with_weights_is_compared_by_term(folder: Path):
     assert [it.behaviour.mean for it in heavy.terms] == pytest.approx([own - others, -1.5 * (own - others), 0.0])
 
 
-def test_behaviour_and_ruler_by_term_add_up(results: Results):
+def test_behaviour_and_ruler_by_term_add_up(results):
     """To what the evaluations of both rewards are paid."""
     calm = results.terms[1]
     own, others = PULLS * 0.81, PULLS * 0.41
@@ -94,12 +94,12 @@ def test_behaviour_and_ruler_by_term_add_up(results: Results):
     assert sum(it.behaviour.mean or 0.0 for it in calm.terms) == pytest.approx(total, rel=1e-12)
 
 
-def test_a_term_that_never_pays_is_named(results: Results):
+def test_a_term_that_never_pays_is_named(results):
     """In all steps of all trainings of the reward."""
     assert [(it.never, it.steps) for it in results.terms] == [((), 300), (("dock",), 300)]
 
 
-def test_a_reward_that_was_given_up_tells_no_terms_of_that_training(folder: Path):
+def test_a_reward_that_was_given_up_tells_no_terms_of_that_training(folder):
     """The others are told."""
     broken = folder / "calm-2"
     recording = read_recording(broken).load()
@@ -117,7 +117,7 @@ def test_a_reward_that_was_given_up_tells_no_terms_of_that_training(folder: Path
     )
 
 
-def test_one_reward_alone_is_told(tmp_path: Path):
+def test_one_reward_alone_is_told(tmp_path):
     """What it paid and what the agent did, at the start, at the end and in the evaluations."""
     for seed in range(3):
         _record(tmp_path / str(seed), "calm", seed, np.linspace(0.0, 1.0, 20))
@@ -130,6 +130,6 @@ def test_one_reward_alone_is_told(tmp_path: Path):
     assert alone.paid.end.mean == pytest.approx(PULLS * 0.5 * np.linspace(0.0, 1.0, 20)[-2:].mean())
 
 
-def test_two_rewards_are_not_alone(results: Results):
+def test_two_rewards_are_not_alone(results):
     """They are compared."""
     assert (results.alone, len(results.combinations)) == ((), 1)
