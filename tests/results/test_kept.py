@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 import harness.results.kept as module
-from harness.record.folder import DERIVED
-from harness.results.kept import VALUES, Kept
+from harness.results.kept import Kept
 
 REWARDS = np.array([0.0, -0.1, 0.3])
 
@@ -35,7 +34,7 @@ def _open_kept(tmp_path):
 
 @pytest.fixture(name="folder")
 def _folder(tmp_path):
-    return tmp_path / DERIVED / "cell"
+    return tmp_path / "derived" / "cell"
 
 
 def made_again(open_kept: Callable[[], Kept], made_of: str = "x") -> list[int]:
@@ -95,7 +94,7 @@ def test_files_of_another_cell_are_not_believed(open_kept, folder, tmp_path):
 
 def test_folder_that_allows_no_writing_keeps_nothing(open_kept, tmp_path):
     """And nothing fails: here a file stands where the folder would be."""
-    (tmp_path / DERIVED).write_text("")
+    (tmp_path / "derived").write_text("")
     assert made_again(open_kept) == [1, 1]
     assert made_again(open_kept) == [1, 1]
 
@@ -104,7 +103,7 @@ def test_link_is_not_followed(open_kept, folder, tmp_path):
     """A stranger's folder may point anywhere: nothing is written there."""
     elsewhere = tmp_path / "elsewhere"
     elsewhere.mkdir()
-    (tmp_path / DERIVED).symlink_to(elsewhere, target_is_directory=True)
+    (tmp_path / "derived").symlink_to(elsewhere, target_is_directory=True)
     made_again(open_kept)
     assert list(elsewhere.iterdir()) == []
 
@@ -150,6 +149,6 @@ def test_missing_file_has_no_digest(open_kept):
 def test_numbers_are_saved_once(open_kept, folder):
     """Where none is new, nothing is written."""
     made_again(open_kept)
-    before = (folder / VALUES).stat().st_mtime_ns
+    before = (folder / "values").stat().st_mtime_ns
     made_again(open_kept)
-    assert (folder / VALUES).stat().st_mtime_ns == before
+    assert (folder / "values").stat().st_mtime_ns == before

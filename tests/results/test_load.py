@@ -6,8 +6,7 @@ import pytest
 from harness.errors import UsageError
 from harness.record.store import Store
 from harness.registry.registry import load_registry
-from harness.results import load_results
-from harness.results.results import Results
+from harness.results import Results, load_results
 from harness_plugins.transfer.jobs import plan_transfers
 from tests.results.recordings.conftest import PAYS, record
 

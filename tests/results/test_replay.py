@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from harness.errors import SchemaError, UsageError
-from harness.record.folder import EVALUATION, SCENE, STOCHASTIC
 from harness.record.trace import read_trace, trace_of
 from harness.results import replay
 from harness.results.replay import ShownCells, choose_episodes, first_show, show_cells, shows_of
@@ -41,11 +40,11 @@ def test_the_evaluation_that_decides_is_shown(recorded):
     """The one in the other manner, where that has more episodes."""
     (combination,) = recorded.combinations
     cells = tuple((cell,) for cell in recorded.done_cells)
-    assert ShownCells(cells, "", (), combination).files == [EVALUATION] * 2
+    assert ShownCells(cells, "", (), combination).files == ["evaluation.parquet"] * 2
     more = replace(
         combination, measured=replace(combination.measured, episodes={"deterministic": 1, "stochastic": 100})
     )
-    assert ShownCells(cells, "", (), more).files == [STOCHASTIC] * 2
+    assert ShownCells(cells, "", (), more).files == ["stochastic.parquet"] * 2
 
 
 def test_an_episode_alone_has_the_metrics_of_the_whole(recorded):
@@ -77,7 +76,7 @@ def test_an_episode_is_what_was_recorded(recorded):
     """Joint positions, distances and what was paid are those of the trace; the arm is where these say."""
     (show,) = shows_of(recorded)
     side = show.sides[1]
-    trace = read_trace(recorded.folder / "cells" / side.cells[0] / EVALUATION)
+    trace = read_trace(recorded.folder / "cells" / side.cells[0] / "evaluation.parquet")
     rows, episode = trace.episodes[0], side.episodes[0]
     kept = rows[episode.steps]
     np.testing.assert_array_equal(episode.qpos, trace["qpos"][kept])
@@ -103,7 +102,7 @@ def test_an_id_that_no_cell_has_is_refused(recorded):
 
 def test_cells_of_an_earlier_version_are_not_shown(recorded):
     """Without a scene there is nothing to draw; a film of nothing is refused."""
-    for path in recorded.folder.glob(f"cells/*/{SCENE}"):
+    for path in recorded.folder.glob("cells/*/scene.json"):
         path.unlink()
     assert shows_of(recorded) == ()
     with pytest.raises(UsageError, match="earlier version"):
@@ -112,7 +111,7 @@ def test_cells_of_an_earlier_version_are_not_shown(recorded):
 
 def test_an_arm_of_other_joints_is_refused(recorded):
     """A scene that does not belong to the recording is damaged."""
-    for path in recorded.folder.glob(f"cells/*/{SCENE}"):
+    for path in recorded.folder.glob("cells/*/scene.json"):
         path.write_text(
             path.read_text().replace(
                 '"joints":[{', '"joints":[{"frame":[1,0,0,0,0,1,0,0,0,0,1,0],"axis":[0,0,1],"slides":false},{'

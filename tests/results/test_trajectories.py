@@ -1,22 +1,15 @@
 """Where the end effector went in evaluation episodes."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 
-from harness.record.folder import EVALUATION
 from harness.record.manifest import Manifest
 from harness.record.store import Store
 from harness.record.trace import COLUMN, SCALARS, TraceWriter
 from harness.registry.choice import Choice
-from harness.results import Results, load_results
-from harness.results.comparison import Comparison, Group
-from harness.results.trajectories import EPISODES, trajectories_of
+from harness.results import Comparison, Group, load_results
+from harness.results.trajectories import trajectories_of
 
-Points = list[tuple[float, float, float, float, float]]
-"""Of an episode: end effector x, y, z, target x, whether it is reached."""
-Recorded = Callable[..., tuple[Results, Comparison]]
 REACHED = [(0, 0, 0, 1, 0), (1, 0, 0, 1, 1)]
 
 
@@ -34,7 +27,7 @@ def recorded(tmp_path, make_cell, make_plan):
         for cell, episodes in cells.items():
             folder = store.cell_folder(cell)
             folder.mkdir(parents=True)
-            with TraceWriter(folder / EVALUATION, dof=1, action_size=1) as writer:
+            with TraceWriter(folder / "evaluation.parquet", dof=1, action_size=1) as writer:
                 for number, points in enumerate(episodes):
                     writer.append(_rows(number, np.array(points, float)))
             Manifest(cell, status="done").write(folder)
@@ -87,11 +80,11 @@ def test_first_seed_of_both_is_read(recorded):
     other = [(7, 0, 0, 9, 0), (8, 0, 0, 9, 0)]
     rewards = {
         "baseline": {0: [REACHED], 1: [REACHED], 2: [REACHED]},
-        "arp": {2: [REACHED], 1: [other] * (EPISODES + 5)},
+        "arp": {2: [REACHED], 1: [other] * 35},
     }
     found = trajectories_of(*recorded(**rewards))
     assert found.seed == 1
-    assert len(found.proposed) == EPISODES
+    assert len(found.proposed) == 30
     assert found.proposed[0].points[0, 0] == 7
 
 

@@ -1,24 +1,26 @@
 """The questions of an experiment, and their answers beside each comparison."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from harness.eta.behaviour_change import TRAINING, change_of
-from harness.eta.swaps import swaps_of
 from harness.record.terms import Terms
-from harness.results.comparison import Behaviour, Comparison, StepChange, still_to_come
+from harness.results.comparison import Behaviour, StepChange, still_to_come
 from harness.results.verdicts import with_verdicts
-from tests.results.told import SUCCESS, comparison, rates
+from tests.results.told import SUCCESS, change, comparison, rates
 
 PLACES = ("mujoco", "pybullet", "drake", "physx")
 
 
-def of_success(proposed: str, mean: float, place: str = "mujoco", seed: int = 0, seeds: int = 6) -> Comparison:
+def of_success(proposed, mean, place="mujoco", seed=0, seeds=6):
     """A comparison with a baseline that succeeds in half of the episodes."""
     return comparison(proposed, {"success_rate": rates(0.5, mean, seeds, seed=seed)}, place)
+
+
+def changed(found, *changes, **fields):
+    """The comparison with other measures."""
+    return replace(found, measured=replace(found.measured, changes=changes, **fields))
 
 
 def test_one_comparison_is_one_question():
@@ -71,9 +73,7 @@ def test_a_null_control_is_no_question():
 
 def test_a_comparison_without_values_is_no_question():
     """It has no ruling that decides, and takes nothing from the others."""
-    empty = comparison("arp", {"time_to_target": rates(0.5, 0.5)})
-    empty = replace(empty, measured=replace(empty.measured, changes=()))
-    found = with_verdicts([of_success("dense", 0.9), empty])
+    found = with_verdicts([of_success("dense", 0.9), changed(of_success("arp", 0.5))])
     assert found[0].answer.ruling.asked == 1
     assert not found[1].answer.ruling.is_decided
 
@@ -91,16 +91,13 @@ def test_places_with_other_units_are_put_together_relative_to_the_baseline():
     times = {"time_to_target": 1.0 + rates(0.9, 0.1)}
     one = comparison("dense", times, "mujoco")
     other = comparison("dense", {"time_to_target": 1000.0 * times["time_to_target"]}, "pybullet")
-    change = other.measured.changes[0]
-    other = replace(
-        other, measured=replace(other.measured, changes=(replace(change, measure=change.measure._replace(unit="ms")),))
-    )
-    found = with_verdicts([one, other])
-    (measure,) = found[0].answer.pool.measures
+    ((first,), (second,)) = (it.measured.changes for it in (one, other))
+    other = changed(other, replace(second, measure=second.measure._replace(unit="ms")))
+    pool = with_verdicts([one, other])[0].answer.pool
+    (measure,) = pool.measures
     assert measure.is_relative
-    change = one.measured.changes[0]
-    assert measure.difference == pytest.approx(change.proposed / change.baseline - 1.0)
-    assert found[0].answer.pool.headline.answer == "helps"
+    assert measure.difference == pytest.approx(first.proposed / first.baseline - 1.0)
+    assert pool.headline.answer == "helps"
 
 
 def test_a_place_is_not_told_while_the_answer_over_all_places_is_open():
@@ -139,43 +136,30 @@ def test_what_does_not_decide_is_a_hint():
     assert found.answer.claims == 1
 
 
-def speeds(mean: float) -> Mapping[str, object]:
-    """A comparison whose final policies are alike, and one learned sooner."""
-    return {"values": {"success_rate": rates(0.5, 0.5)}, "speed": rates(0.3, mean, seed=5)}
-
-
-def test_success_while_training_decides_with_the_others():
-    """One question of three measures, at 5 %."""
-    (found,) = with_verdicts([comparison("dense", **speeds(0.8))])
-    assert found.answer.ruling.level == 0.05
-    assert len(found.answer.ruling.of_measures) == 2
-    assert found.headline.answer == "learns faster"
-
-
-def test_who_learns_slower_is_told_so():
-    """As carefully as who learns faster."""
-    (found,) = with_verdicts([comparison("dense", **speeds(0.0))])
-    assert found.headline.answer == "learns slower"
+@pytest.mark.parametrize(("mean", "answer"), [(0.8, "learns faster"), (0.0, "learns slower")])
+def test_success_while_training_decides_with_the_others(mean, answer):
+    """One question of two measures, at 5 %: the final policies are alike."""
+    speed = rates(0.3, mean, seed=5)
+    (found,) = with_verdicts([comparison("dense", {"success_rate": rates(0.5, 0.5)}, speed=speed)])
+    assert (found.answer.ruling.level, len(found.answer.ruling.of_measures)) == (0.05, 2)
+    assert found.headline.answer == answer
 
 
 def test_success_over_the_training_that_decides_anyway_counts_once():
     """Recordings without evaluations have nothing else."""
     found = comparison("dense", {"success_rate": rates(0.5, 0.9)}, speed=rates(0.3, 0.8))
-    found = replace(found, measured=replace(found.measured, changes=found.measured.changes[1:], decided_in=TRAINING))
+    found = changed(found, *found.measured.changes[1:], decided_in="while training")
     assert found.decisive_changes == found.measured.changes
 
 
 def test_a_measure_without_a_value_in_some_training_does_not_decide():
     """Those that have one are a selection."""
     found = comparison("dense", {"success_rate": rates(0.5, 0.5), "time_to_target": 3.0 + rates(0.9, 0.1)})
-    short = replace(found.measured.changes[1], without=(0, 1))
-    (found,) = with_verdicts(
-        [replace(found, measured=replace(found.measured, changes=(found.measured.changes[0], short)))]
-    )
-    assert len(found.answer.ruling.of_measures) == 1
-    (alone,) = with_verdicts(
-        [replace(found, measured=replace(found.measured, changes=(short,), deciding=("time_to_target",)))]
-    )
+    success, time = found.measured.changes
+    short = replace(time, without=(0, 1))
+    (both,) = with_verdicts([changed(found, success, short)])
+    assert len(both.answer.ruling.of_measures) == 1
+    (alone,) = with_verdicts([changed(found, short, deciding=("time_to_target",))])
     assert alone.headline.answer == "cannot tell"
     assert "has no value in 1 of 7 trainings with dense" in alone.headline.robot
 
@@ -189,10 +173,8 @@ def test_a_measure_that_one_place_lacks_decides_in_none():
 
 def test_trainings_without_a_partner_count():
     """Ten of the baseline against five."""
-    ten, five = rates(0.5, 0.5, 10), rates(0.5, 0.7, 5)
-    change = change_of(SUCCESS, dict(enumerate(ten[0])), dict(enumerate(five[1])), swaps_of(range(10)))
-    found = comparison("dense", {"success_rate": five})
-    (found,) = with_verdicts([replace(found, measured=replace(found.measured, changes=(change,)))])
+    ten, five = rates(0.5, 0.5, 10)[0], rates(0.5, 0.7, 5)[1]
+    (found,) = with_verdicts([changed(of_success("dense", 0.7), change(SUCCESS, (ten, five), range(10)))])
     assert found.decisive.counts == (10, 5)
     assert found.answer.ruling.p == pytest.approx(1 / 3003)
 
@@ -218,42 +200,25 @@ def test_looks_tell_which_seeds_count():
     asked = of_success("dense", 0.5, seeds=8)
     terms = Terms((4, 8), margin=0.001)
 
-    def look_of(it, complete):
-        return {seed: int(seed >= 4) for seed in it.seeds}, complete
+    def ruled(it, complete):
+        return with_verdicts([it], terms, lambda it: ({s: int(s >= 4) for s in it.seeds}, complete))[0].answer.ruling
 
-    (first,) = with_verdicts([asked], terms, lambda it: look_of(it, 1))
-    (second,) = with_verdicts([asked], terms, lambda it: look_of(it, 2))
     few = np.array([it[:4] for it in asked.measured.changes[0].values])
-    (alone,) = with_verdicts([comparison("dense", {"success_rate": few})], terms, lambda it: look_of(it, 1))
-    assert first.answer.ruling == alone.answer.ruling
-    assert first.answer.ruling != second.answer.ruling
+    assert ruled(asked, 1) == ruled(comparison("dense", {"success_rate": few}), 1)
+    assert ruled(asked, 1) != ruled(asked, 2)
 
 
 def test_hints_of_an_unfinished_plan_say_no_word():
     """They keep their p, which whoever looks on may read; nothing is called better or worse."""
-    hint = SUCCESS._replace(manner="stochastic")
     it = of_success("dense", 0.9)
-    values = [dict(enumerate(side)) for side in rates(0.5, 0.9)]
-    hinted = replace(
-        it, measured=replace(it.measured, changes=(*it.measured.changes, change_of(hint, *values, swaps_of(range(6)))))
-    )
+    (decides,) = it.measured.changes
+    hint = change(SUCCESS._replace(manner="stochastic"), rates(0.5, 0.9), range(6))
+    hinted = changed(it, decides, hint, along=(StepChange(500, (decides,)),))
     (ended,), (interim,) = with_verdicts([hinted]), with_verdicts([hinted], to_come=1)
     assert [found.measured.changes[-1].direction for found in (ended, interim)] == ["better", ""]
     assert ended.measured.changes[-1].corrected == interim.measured.changes[-1].corrected
-
-
-def test_an_evaluation_on_the_way_of_an_unfinished_plan_hints_at_nothing():
-    """No more than the last one does."""
-    it = of_success("dense", 0.9)
-    there = replace(it, measured=replace(it.measured, along=(StepChange(500, it.measured.changes),)))
-    (ended,), (interim,) = with_verdicts([there]), with_verdicts([there], to_come=1)
     assert [found.measured.along[0].answer for found in (ended, interim)] == ["better", "cannot tell"]
-
-
-def test_what_decides_has_no_p_before_the_end():
-    """Not even that of its own seeds."""
-    (found,) = with_verdicts([of_success("dense", 0.9)], to_come=1)
-    assert (found.decisive.p, found.decisive.corrected) == (None, None)
+    assert (interim.decisive.p, interim.decisive.corrected) == (None, None)
 
 
 def test_a_plan_of_looks_is_never_unfinished():

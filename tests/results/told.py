@@ -5,14 +5,15 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from harness.arrays import Float
-from harness.eta.behaviour_change import TRAINING, Change, Quantity, change_of
+from harness.eta.behaviour_change import Change, Quantity, change_of
 from harness.eta.swaps import swaps_of
 from harness.registry.choice import Choice
-from harness.results.comparison import Behaviour, Comparison, Group
+from harness.results import Comparison, Group
+from harness.results.comparison import Behaviour
 
 SUCCESS = Quantity("success_rate", "", "higher", "deterministic", 100)
 TIME = Quantity("time_to_target", "s", "lower", "deterministic")
-SPEED = Quantity("success_rate", "", "higher", TRAINING, 100)
+SPEED = Quantity("success_rate", "", "higher", "while training", 100)
 
 
 def comparison(
@@ -38,11 +39,8 @@ def comparison(
         fields: Others of the comparison.
     """
     seeds = tuple(range(first_seed, first_seed + next(iter(values.values())).shape[1]))
-    changes = [
-        _change({"success_rate": SUCCESS, "time_to_target": TIME}[name], it, seeds) for name, it in values.items()
-    ]
-    if speed is not None:
-        changes.append(_change(SPEED, speed, seeds))
+    given = [({"success_rate": SUCCESS, "time_to_target": TIME}[name], it) for name, it in values.items()]
+    given += [] if speed is None else [(SPEED, speed)]
     group = Group(
         "fd100", Choice("reach", (), "reach"), Choice("sac", (), "sac"), steps, 100,
         simulator=Choice(place, (), place),
@@ -53,7 +51,7 @@ def comparison(
         proposed,
         seeds,
         trained=(seeds, seeds),
-        measured=Behaviour(tuple(changes), episodes={"deterministic": 100}),
+        measured=Behaviour(tuple(change(measure, it, seeds) for measure, it in given), episodes={"deterministic": 100}),
         **fields,
     )
 
@@ -64,6 +62,7 @@ def rates(mean: float, other: float, seeds: int = 6, spread: float = 0.05, seed:
     return np.clip(values, 0.0, 1.0)
 
 
-def _change(measure: Quantity, values: Float, seeds: Sequence[int]) -> Change:
-    one, other = (dict(zip(seeds, side.tolist(), strict=True)) for side in values)
+def change(measure: Quantity, values: Float, seeds: Sequence[int]) -> Change:
+    """Of the values of the seeds under both rewards, (2, seeds)."""
+    one, other = (dict(zip(seeds, map(float, side), strict=False)) for side in values)
     return change_of(measure, one, other, swaps_of(seeds))

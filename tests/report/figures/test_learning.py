@@ -2,7 +2,6 @@
 
 import pytest
 
-from harness.eta.headline import SUCCESS
 from harness.report.figures.chart import Area, Line
 from harness.report.figures.learning import describe_learning, draw_learning
 from harness.report.rows.ratios import format_number
@@ -25,7 +24,7 @@ def _bands(chart):
 
 def test_curves_pass_through_the_means(learning):
     """In the report's colours."""
-    curves = _named(draw_learning(learning, SUCCESS))
+    curves = _named(draw_learning(learning, "success_rate"))
     assert (curves["baseline"].x, curves["baseline"].y) == ([10, 20, 40], [0.25, 0.5, 0.75])
     assert (curves["arp"].x, curves["arp"].y) == ([10, 20, 40], [0.5, 0.75, 0.75])
     assert [curves[name].colour for name in ("baseline", "arp")] == ["baseline", "proposed"]
@@ -33,27 +32,20 @@ def test_curves_pass_through_the_means(learning):
 
 def test_random_actions_are_a_dotted_line(learning):
     """Across the whole figure."""
-    floor = _named(draw_learning(learning, SUCCESS))["random actions"]
+    floor = _named(draw_learning(learning, "success_rate"))["random actions"]
     assert (floor.x, floor.y, floor.dash) == ([0, 40], [0.0, 0.0], "2 4")
 
 
 def test_bands_go_around_the_intervals(learning):
     """Along the upper ends and back along the lower ones; of one seed there is none."""
-    bands = _bands(draw_learning(learning, SUCCESS))
+    bands = _bands(draw_learning(learning, "success_rate"))
     assert [band.x for band in bands] == [[10, 20, 40, 40, 20, 10]] * 2
     assert len(bands[0].y) == 6
 
 
-def test_one_seed_has_no_band(build):
-    """There is no interval to draw."""
-    results = build(seeds=1, learned={10: 1})
-    chart = draw_learning(results.learning(results.combinations[0]), SUCCESS)
-    assert [band.x for band in _bands(chart)] == [[], []]
-
-
 def test_caption_says_where_the_curves_go(learning):
     """In words, for those who cannot see it."""
-    assert describe_learning(learning, SUCCESS) == (
+    assert describe_learning(learning, "success_rate") == (
         "baseline 25.0% after 10 steps, 75.0% after 40 steps; "
         "arp 50.0% after 10 steps, 75.0% after 40 steps; random actions 0.0%."
     )
@@ -61,7 +53,7 @@ def test_caption_says_where_the_curves_go(learning):
 
 def test_what_is_no_share_has_an_axis_of_numbers(learning):
     """From the lowest to the highest value; words and dots tell numbers too."""
-    chart = draw_learning(learning, SUCCESS, format_number)
+    chart = draw_learning(learning, "success_rate", format_number)
     assert chart.y.low < min(value for band in _bands(chart) for value in band.y) < chart.y.high < 2.0
     assert not [text for _, text in chart.y.ticks if "%" in text]
-    assert "baseline 0.250 after 10 steps" in describe_learning(learning, SUCCESS, format_number)
+    assert "baseline 0.250 after 10 steps" in describe_learning(learning, "success_rate", format_number)

@@ -51,11 +51,8 @@ def test_both_screens_have_the_same_names():
 
 
 def test_a_film_has_the_colours_of_the_light_screen():
-    """Sides are named as in the style sheet."""
-    assert [light_colours()[name] for name in SIDES] == [_colours(0)[name] for name in SIDES]
-
-
-def test_what_stands_beside_another_has_a_colour_of_its_own():
-    """Ruler and behaviour, baseline and proposed, better and worse: six colours."""
+    """Sides are named as in the style sheet; what stands beside another has a colour of its own."""
+    found = light_colours()
+    assert [found[name] for name in SIDES] == [_colours(0)[name] for name in SIDES]
     names = ("ruler", "behaviour", "baseline", "proposed", "helps", "hurts")
-    assert len({light_colours()[name] for name in names}) == len(names)
+    assert len({found[name] for name in names}) == len(names)

@@ -5,8 +5,6 @@ from itertools import pairwise
 
 from harness.eta.index import Ratio
 from harness.report.figures.ratio_axis import (
-    FARTHEST,
-    ROOM,
     interval_ends,
     is_drawable,
     named_ticks,
@@ -47,7 +45,7 @@ def test_endless_interval_is_cut():
     """An interval far beyond the ratios ends with the axis; the ratio keeps its place."""
     wide = Ratio(2.0, 1.0, 1e30)
     low, high = ratio_range([wide])
-    assert 2.0 * FARTHEST < high < 3.0 * FARTHEST
+    assert 60.0 < high < 90.0
     assert interval_ends(wide, low, high) == (1.0, high)
     assert interval_ends(Ratio(2.0), low, high) is None
 
@@ -59,14 +57,10 @@ def test_names_of_ticks_keep_apart(subtests):
             with subtests.test(low=low, high=high):
                 named = named_ticks(low, high)
                 ends = [
-                    (ROOM * math.log(value / low) / math.log(high / low) + sign * len(name) / 2)
+                    (26 * math.log(value / low) / math.log(high / low) + sign * len(name) / 2)
                     for value, name in named
                     for sign in (-1, 1)
                 ]
                 assert min((right - left for left, right in pairwise(ends[1:-1])), default=1.0) >= 0.5
                 assert "1" in {name for _, name in named}
-
-
-def test_long_powers_are_short():
-    """Digits where they are few."""
     assert [name for _, name in named_ticks(1e-7, 1e7)] == ["1e-6", "0.001", "1", "1,000", "1e6"]

@@ -46,12 +46,6 @@ def test_missing_part_is_a_word_in_the_figure(build):
     assert sorted(note.text for note in marks(drawn["eta_P"], Note)) == ["1.89", *["n/a"] * 6]
 
 
-def test_one_seed_has_points_without_bars(build):
-    """Without an interval there is no bar."""
-    _, drawn = figures(build(seeds=1))
-    assert marks(drawn["eta_N"], Line) == []
-
-
 def test_parts_are_told_apart_by_colour_and_shape(build):
     """Those of a single path are open."""
     _, drawn = figures(build())
@@ -59,12 +53,6 @@ def test_parts_are_told_apart_by_colour_and_shape(build):
     ruler, behaviour = ("ruler", "square"), ("behaviour", "diamond")
     paths = [(*part, True) for part in (ruler, behaviour)] * 2
     assert looks == [("ink", "circle", False), (*ruler, False), (*behaviour, False), *paths]
-
-
-def test_no_parts_no_figure(build):
-    """What could not be split has no figure."""
-    _, drawn = figures(build(proposed={"gone": (9, 30)}))
-    assert set(drawn.values()) == {None}
 
 
 def test_words_say_the_same(build):

@@ -5,13 +5,7 @@ from harness.eta.splits import SumSplit
 from harness.report.figures.chart import Dots, Line, Note
 from harness.report.figures.sum_split import describe_sum, draw_sum
 
-
-def mean(value, low=None, high=None):
-    """A mean over seeds with its interval."""
-    return SeedMean(value, low, high)
-
-
-SPLIT = SumSplit(mean(10.0, 8.0, 12.0), mean(7.0, 6.0, 8.0), mean(3.0, -1.0, 7.0))
+SPLIT = SumSplit(SeedMean(10.0, 8.0, 12.0), SeedMean(7.0, 6.0, 8.0), SeedMean(3.0, -1.0, 7.0))
 
 
 def test_each_part_has_a_point_a_bar_and_its_number_beside_it():
@@ -27,23 +21,18 @@ def test_each_part_has_a_point_a_bar_and_its_number_beside_it():
     assert [it.x for it in marks if isinstance(it, Line)][1:] == [[8.0, 12.0], [6.0, 8.0], [-1.0, 7.0]]
 
 
-def test_zero_is_always_in_the_picture():
-    """Nothing changed there."""
-    axis = draw_sum(SumSplit(mean(10.0), mean(7.0), mean(3.0))).x
-    assert axis.low < 0.0
-    assert axis.high > 10.0
-
-
-def test_one_seed_has_no_bar():
-    """Nor a bracket."""
-    marks = draw_sum(SumSplit(mean(10.0), mean(7.0), mean(3.0))).marks
-    assert [it.text for it in marks if isinstance(it, Note)] == ["10.0", "7.00", "3.00"]
-    assert sum(isinstance(it, Line) for it in marks) == 1
+def test_one_seed_has_no_bar_nor_a_bracket():
+    """But zero is in the picture, always: nothing changed there."""
+    chart = draw_sum(SumSplit(SeedMean(10.0), SeedMean(7.0), SeedMean(3.0)))
+    assert [it.text for it in chart.marks if isinstance(it, Note)] == ["10.0", "7.00", "3.00"]
+    assert sum(isinstance(it, Line) for it in chart.marks) == 1
+    assert chart.x.low < 0.0
+    assert chart.x.high > 10.0
 
 
 def test_what_is_not_split_is_not_drawn():
     """There is nothing but the change, which the table has."""
-    assert draw_sum(SumSplit(mean(10.0), mean(None), mean(None))) is None
+    assert draw_sum(SumSplit(SeedMean(10.0), SeedMean(None), SeedMean(None))) is None
 
 
 def test_it_is_told_in_words():

@@ -26,33 +26,24 @@ def named(charts):
     return found
 
 
-def test_path_is_seen_from_above_and_from_the_side(figures):
-    """Once x and y, once x and z."""
+def test_paths_are_seen_from_above_and_from_the_side(figures):
+    """Once x and y, once x and z; the line is broken between one episode and the next."""
     above, side = named(figures[1])["reached"]
     assert (above.x[:2], above.y[:2]) == ([0.0, 0.123456], [1.0, 1.5])
     assert (side.x[:2], side.y[:2]) == ([0.0, 0.123456], [2.0, 2.5])
-
-
-def test_misses_are_told_apart_by_colour_and_shape(figures):
-    """Another line, with a mark where each ends; without a miss there is neither."""
-    marks = named(figures[0])
-    hit, miss = marks["reached"][0], marks["missed"][0]
-    assert hit.colour != miss.colour
-    assert (bool(hit.dash), bool(miss.dash)) == (False, True)
-    assert (marks["missed: its end"][0].x, marks["missed: its end"][0].y) == ([5.0, 5.0], [-1.0, -1.0])
-    assert set(named(figures[1])) == {"reached", "start", "target"}
-
-
-def test_paths_do_not_touch_one_another(figures):
-    """The line is broken between one episode and the next."""
     np.testing.assert_array_equal(named(figures[0])["missed"][0].x, [0.0, 5.0, np.nan, 0.0, 5.0, np.nan])
 
 
-def test_every_start_and_target_is_marked(figures):
-    """Of hits and misses."""
-    marks = named(figures[0])
-    assert [marks[name][0].x for name in ("start", "target")] == [[0.0, 0.0, 0.0], [-1.0, 0.1, -1.0]]
-    assert marks["start"][0].shape != marks["target"][0].shape
+def test_misses_are_told_apart_by_colour_and_shape(figures):
+    """Another line, with a mark where each ends; every start and target is marked, of hits and misses."""
+    marks = {name: of[0] for name, of in named(figures[0]).items()}
+    hit, miss = marks["reached"], marks["missed"]
+    assert hit.colour != miss.colour
+    assert (bool(hit.dash), bool(miss.dash)) == (False, True)
+    assert (marks["missed: its end"].x, marks["missed: its end"].y) == ([5.0, 5.0], [-1.0, -1.0])
+    assert [marks[name].x for name in ("start", "target")] == [[0.0, 0.0, 0.0], [-1.0, 0.1, -1.0]]
+    assert marks["start"].shape != marks["target"].shape
+    assert set(named(figures[1])) == {"reached", "start", "target"}
 
 
 def test_axes_are_equal_and_hold_everything(figures):

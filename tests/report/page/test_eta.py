@@ -1,12 +1,10 @@
 """Recorded runs compared, as a page."""
 
 import re
-import sys
 from dataclasses import replace
 
 import pytest
 
-from harness.errors import UsageError
 from harness.report.page.eta import draw_groups, write_eta_page
 from harness.report.typography import to_html
 
@@ -59,29 +57,3 @@ def test_labels_are_escaped(compare, tmp_path):
     """A reward's label is text."""
     given = replace(compare(), rewards={"baseline": "<script>alert(1)</script>", "proposed": "arp"})
     assert "<script>alert" not in read_page(given, tmp_path / "eta.html")
-
-
-def test_failed_write_leaves_the_old_page(compare, tmp_path, monkeypatch):
-    """Whole, with nothing beside it: the page is written beside it and renamed."""
-
-    def refuse(source, target):
-        raise OSError(28, "No space left on device")
-
-    folder = tmp_path / "pages"
-    folder.mkdir()
-    read_page(compare(), folder / "eta.html")
-    before = (folder / "eta.html").read_bytes()
-    monkeypatch.setattr("os.replace", refuse)
-    with pytest.raises(UsageError, match=r"eta\.html' cannot be written: No space left on device"):
-        write_eta_page(compare(kind="per-step"), folder / "eta.html")
-    assert [file.name for file in folder.iterdir()] == ["eta.html"]
-    assert (folder / "eta.html").read_bytes() == before
-
-
-def test_missing_library_names_the_extra(compare, tmp_path, monkeypatch):
-    """Nothing is written."""
-    comparison = compare()
-    monkeypatch.setitem(sys.modules, "jinja2", None)
-    with pytest.raises(UsageError, match=r"pip install 'fd100-harness\[report\]'"):
-        write_eta_page(comparison, tmp_path / "eta.html")
-    assert not (tmp_path / "eta.html").exists()

@@ -12,18 +12,7 @@ def test_shares_make_one(build):
     assert [bar.who for bar in bars] == ["Baseline", "Proposed", "Random"]
     assert [[part.kind for part in bar.parts] for bar in bars] == [["reached", "time-out"]] * 2 + [["ground"]]
     assert [sum(part.share for part in bar.parts) for bar in bars] == pytest.approx([1.0] * 3)
-
-
-def test_words_tell_every_share(build):
-    """For those who cannot see the bar."""
-    (combination,) = build().combinations
-    assert outcome_bars(combination)[0].told == "reached 75.0%, ground 0.0%, time-out 25.0%"
-
-
-def test_nothing_measured_no_bars(build):
-    """Without a finished pair."""
-    (combination,) = build(seeds=1, ended={("arp", 0): ("failed", "it broke")}).combinations
-    assert outcome_bars(combination) == []
+    assert bars[0].told == "reached 75.0%, ground 0.0%, time-out 25.0%"
 
 
 def test_obstacles_are_told_apart_from_the_ground():

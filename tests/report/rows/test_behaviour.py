@@ -11,6 +11,11 @@ def only(results):
     return combination
 
 
+def measured(combination, **fields):
+    """Where something else was measured."""
+    return replace(combination, measured=replace(combination.measured, **fields))
+
+
 def rows_of(combination):
     """The rows of the manner that decides."""
     return behaviour_grids(combination)[0].rows
@@ -56,12 +61,6 @@ def test_number_without_unit_above_one_is_no_percentage(build):
     assert behaviour_row(count) == ("jerks", "0.500", "2.00", "[1.00, 2.00]", "n/a", "lower", "n/a", "")
 
 
-def test_unit_that_the_name_says_is_not_said_again(build):
-    """Steps to the target are steps, a distance is in metres."""
-    names = [row[0] for row in rows_of(only(build()))]
-    assert {"steps to target", "final distance [m]"} <= set(names)
-
-
 def test_manner_that_decides_comes_first(build):
     """Whatever the order in which they were measured; the title says how policies acted, and how often."""
     combination = only(build(learned={10: 1}))
@@ -75,10 +74,7 @@ def test_manner_that_decides_comes_first(build):
         replace(it, measure=it.measure._replace(manner="stochastic")) if it.measure.manner == "while training" else it
         for it in combination.measured.changes
     )
-    drawn = replace(
-        combination,
-        measured=replace(combination.measured, changes=changes, episodes={"deterministic": 1, "stochastic": 100}),
-    )
+    drawn = measured(combination, changes=changes, episodes={"deterministic": 1, "stochastic": 100})
     assert [grid.title.split(", ", 1)[-1] for grid in behaviour_grids(drawn)] == [
         "stochastic, 100 episodes per seed",
         "deterministic, 1 episode per seed",
@@ -110,15 +106,7 @@ def test_every_evaluation_has_its_hint(build):
 
 def test_all_of_the_budget_is_told_in_one_manner(build):
     """That of the evaluations while learning, whatever decides after the training."""
-    combination = only(build(learned={10: 1}))
-    drawn = replace(
-        combination, measured=replace(combination.measured, episodes={"deterministic": 4, "stochastic": 100})
-    )
+    drawn = measured(only(build(learned={10: 1})), episodes={"deterministic": 4, "stochastic": 100})
     grid = along_grid(drawn)
     assert grid.title == "Along the budget of training, deterministic"
     assert grid.rows[-1][1] == "75.0%"
-
-
-def test_nothing_along_the_budget_without_evaluations(build):
-    """The end alone is no curve."""
-    assert along_grid(only(build())).rows == []

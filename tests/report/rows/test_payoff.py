@@ -51,7 +51,6 @@ def test_page_tells_the_story(build, tmp_path):
     write_html(build(), tmp_path / "report.html", audits(baseline=TEMPTED, arp=SOUND))
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "What the rewards pay for" in page
-    assert "What the rewards pay for" in page
     assert (
         page.index('id="number"')
         < page.index("arp: Finishing pays most.")

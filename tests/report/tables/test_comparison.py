@@ -24,6 +24,7 @@ CASES = {
     "near zero": {"baseline": (9, 9), "proposed": {"arp": (1, 3_000)}, "seeds": 2},
     "paths disagree": {"baseline": (9, 12), "proposed": {"arp": (1, 20)}},
     "never positive": {"baseline": (39, 0)},
+    "wide returns": {"proposed": dict.fromkeys(["arp", "relative", "adaptive", "sparse"], (9, 30))},
 }
 
 
@@ -58,7 +59,7 @@ def test_nothing_is_cut(built, subtests):
         for width in [60, 80, 100]:
             with subtests.test(case=case, width=width):
                 results = built(case)
-                (combination,) = results.combinations
+                combination, *_ = results.combinations
                 text = printed(results, width)
                 for grid in grids_of(combination):
                     assert all(value in text for row in grid.rows for value in row[1:])
@@ -134,22 +135,11 @@ def test_answer_is_bold(build):
 
 
 def test_ruler_and_behaviour_are_explained_once(build):
-    """However many combinations there are, one sentence says what ruler and behaviour mean."""
-    text = squeezed(printed(build(simulators=("mujoco", "pybullet"))))
-    assert text.count(SPLIT) == 1
-
-
-def test_what_is_not_split_is_not_explained(build):
-    """Where no reward could score the other's runs, there is no ruler to explain."""
-    text = squeezed(printed(build(proposed={"gone": (9, 30)})))
-    assert "No reward 'gone'" in text
-    assert SPLIT not in text
-
-
-def test_what_p_means_is_told_once(build):
-    """However many combinations there are."""
+    """However many combinations there are, one sentence says what ruler and behaviour mean, one what p does."""
     results = build(simulators=("mujoco", "pybullet"))
-    assert squeezed(printed(results)).count(what_decides(results)) == 1
+    text = squeezed(printed(results))
+    assert text.count(SPLIT) == text.count(what_decides(results)) == 1
+    assert SPLIT not in squeezed(printed(build(proposed={"gone": (9, 30)})))
 
 
 def test_command_for_more_seeds_stands_under_the_answer(build):
@@ -174,24 +164,15 @@ def test_no_finished_pair_is_said(build):
     assert "ruler" not in text
 
 
-def test_failed_cell_is_listed_with_its_reason(build):
-    """A failed cell has a line with its title and its reason."""
-    text = printed(build(ended={("arp", 1): ("failed", "SimulationDiverged: qpos is not finite")}))
-    assert "failed: mujoco · sac · arp · seed 1: SimulationDiverged: qpos is not finite" in squeezed(text)
-    assert "6 cells: 5 done, 1 failed" in text
-
-
-def test_pending_and_skipped_cells_are_counted(build):
-    """Cells that did not run are counted by reason."""
-    ended = {("arp", 1): ("pending", ""), ("arp", 2): ("pending", ""), ("arp", 0): ("skipped", "sac cannot")}
+def test_cells_that_are_not_done_are_told(build):
+    """A failed one with its title and its reason, which is no markup; others are counted by reason."""
+    reason = "SimulationDiverged: [bold]no[/bold] [m]"
+    ended = {("arp", 1): ("pending", ""), ("arp", 2): ("failed", reason), ("arp", 0): ("skipped", "sac cannot")}
     text = printed(build(ended=ended))
-    assert "2 pending: not run yet" in text
+    assert f"failed: mujoco · sac · arp · seed 2: {reason}" in squeezed(text)
+    assert "6 cells: 3 done" in text
+    assert "1 pending: not run yet" in text
     assert "1 skipped: sac cannot" in text
-
-
-def test_markup_in_a_reason_is_text(build):
-    """What looks like rich markup is printed as it is."""
-    assert "[bold]no[/bold] [m]" in printed(build(ended={("arp", 1): ("failed", "[bold]no[/bold] [m]")}))
 
 
 def test_returns_under_every_reward_are_shown(build):
@@ -206,14 +187,6 @@ def test_returns_under_every_reward_are_shown(build):
 def test_manner_of_evaluation_is_shown(build, manner):
     """Whether policies drew their actions."""
     assert f"trained policies, {manner}, 4 episodes" in printed(build(deterministic=manner == "deterministic"))
-
-
-def test_wide_returns_are_not_cut(build):
-    """Many trainings stand below one another."""
-    proposed = dict.fromkeys(["arp", "relative", "adaptive", "sparse"], (9, 30))
-    text = printed(build(proposed=proposed))
-    assert "…" not in text
-    assert all(label in text for label in proposed)
 
 
 def test_mixture_is_marked(mixed):

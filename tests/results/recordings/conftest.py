@@ -11,9 +11,9 @@ from harness.log import in_memory
 from harness.record.recording.facts import Failure, TrainingFacts
 from harness.record.recording.recording_writer import write_recording
 from harness.registry.registry import load_registry
+from harness.results import Results
 from harness.results.recordings.read_runs import LooseStore
 from harness.results.recordings.study import Study
-from harness.results.results import Results
 
 PAYS: Mapping[str, Callable[[np.ndarray], np.ndarray]] = {
     "plain": lambda arms: arms + 1.0,

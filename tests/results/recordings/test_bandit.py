@@ -1,5 +1,6 @@
 """From an env to a verdict, with actions that are known beforehand: ruler and behaviour come out as they must."""
 
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -9,12 +10,11 @@ import pytest
 from gymnasium.spaces import Box
 
 import harness
-from harness.eta.scored_sums import BB, BK, KB, KK
 from harness.report.rows.comparison import basis_text
-from harness.results.recordings.runs import EVALUATION, LAST, TRAINING
 from tests.results.recordings.conftest import load_study
 
 PULLS, EPISODES, SEEDS = 4, 10, 6
+TRAINING, LAST, EVALUATION = "over the training", "in its last fifth", "in evaluations"
 FACTOR, BONUS = 3.0, 2.0
 """`scaled` pays FACTOR times as much as the env, `shifted` BONUS more for each pull."""
 
@@ -116,7 +116,7 @@ def test_the_index_of_the_summed_reward_is_split_by_the_same_ruler(study):
     comparison = study.comparisons[0]
     assert list(comparison.number.index_splits) == ["eta_P"]
     assert comparison.number.index_splits["eta_P"].ruler.value == pytest.approx(FACTOR, abs=1e-9)
-    assert set(comparison.curves) == {BB, KK, BK, KB}
+    assert set(comparison.curves) == {*product(("baseline", "proposed"), repeat=2)}
 
 
 def test_evaluations_decide_where_they_were_recorded(study):

@@ -10,7 +10,6 @@ import pyarrow.parquet as pq
 import pytest
 
 from harness.errors import SchemaError
-from harness.record.folder import DERIVED
 from harness.record.recording import recorded_training
 from harness.record.recording.recorded_training import read_part, read_recording
 from harness.results.recordings.recording_results import RecordingResults
@@ -53,7 +52,7 @@ def test_second_report_opens_no_file_and_says_the_same(study_folder, opened):
 def test_report_says_the_same_without_what_is_kept(study_folder):
     """The folder may be removed at any time."""
     first = _told(study_folder)
-    shutil.rmtree(study_folder / DERIVED)
+    shutil.rmtree(study_folder / "derived")
     assert _told(study_folder) == first
 
 
@@ -80,7 +79,7 @@ def test_damaged_file_is_found_although_everything_is_kept(study_folder):
 
 def test_folder_that_allows_no_writing_is_read_all_the_same(study_folder, opened):
     """Of a reward that is asked for later, its column alone is read."""
-    (study_folder / DERIVED).write_text("a file in the place of the folder")
+    (study_folder / "derived").write_text("a file in the place of the folder")
     results = RecordingResults(study_folder, study_folder / "plain-0")
     results.keep()
     opened.clear()
