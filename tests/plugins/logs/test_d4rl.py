@@ -77,28 +77,20 @@ def test_a_step_holds_what_was_seen_before_and_after_it(tmp_path):
     assert np.array_equal(rows["info/qpos"], stored(text, "infos/qpos"))
 
 
+def followed(tmp_path, last=1.0):
+    """What was seen after each step; after the last one of an episode 7, as no row behind it tells."""
+    seen = stored(write(tmp_path / "a.hdf5"), "observations")
+    after = np.concatenate([seen[1:], np.full((1, 3), last, np.float32)])
+    after[ENDS if last == 1.0 else ENDS[:-1]] = 7.0
+    return after
+
+
 def test_next_observations_are_what_was_seen_after_each_step(tmp_path):
     """Also after the last one of an episode, of which no row behind it tells."""
-    after = np.concatenate([stored(write(tmp_path / "a.hdf5"), "observations")[1:], np.ones((1, 3), np.float32)])
-    after[ENDS] = 7.0
+    after = followed(tmp_path)
     log = opened(write(tmp_path / "d.hdf5", next_observations=after))
     assert np.array_equal(log["observation"], after)
     assert "seen" not in log
-
-
-def test_flags_in_the_wrong_rows_are_refused(tmp_path):
-    """The observation behind a step is not what was seen after it, and no flag says so: D4RL 137."""
-    after = np.concatenate([stored(write(tmp_path / "a.hdf5"), "observations")[1:], np.ones((1, 3), np.float32)])
-    after[ENDS] = 7.0
-    moved = np.isin(np.arange(STEPS), [4, 7])
-    with pytest.raises(SchemaError, match=r"row 3 ends no episode .* the flags stand in the wrong rows"):
-        opened(write(tmp_path / "d.hdf5", timeouts=moved, next_observations=after))
-
-
-def test_a_file_without_timeouts_is_refused(tmp_path):
-    """An episode that was cut would go on in the next one: D4RL 137."""
-    with pytest.raises(SchemaError, match=r"has no timeouts.* d4rl:horizon=1000:FILE"):
-        opened(write(tmp_path / "d.hdf5", timeouts=None))
 
 
 def test_a_horizon_says_where_episodes_were_cut(tmp_path):
@@ -111,8 +103,7 @@ def test_a_horizon_says_where_episodes_were_cut(tmp_path):
 
 def test_without_timeouts_next_observations_say_where_episodes_end(tmp_path):
     """Where the row behind does not begin with what was seen."""
-    after = np.concatenate([stored(write(tmp_path / "a.hdf5"), "observations")[1:], np.ones((1, 3), np.float32)])
-    after[ENDS] = 7.0
+    after = followed(tmp_path)
     rows = read(write(tmp_path / "d.hdf5", timeouts=None, next_observations=after))
     assert rows["episode"].tolist() == [0, 0, 0, 1, 2, 2, 2, 2]
 
@@ -130,12 +121,6 @@ def test_terminals_that_stay_true_are_told(tmp_path):
     assert any("Episodes of a single step" in note and note.endswith(": 5") for note in log.facts.notes)
 
 
-def test_a_file_of_d3rlpy_is_refused(tmp_path):
-    """Its rewards stand a row later in some versions, and its episodes lack their last observation: d3rlpy 98."""
-    with pytest.raises(SchemaError, match=r"written by d3rlpy: it has episode_terminals"):
-        opened(write(tmp_path / "d.hdf5", timeouts=None, episode_terminals=TERMINALS | TIMEOUTS))
-
-
 def test_a_reward_that_needs_the_last_observation_is_not_paid_there(tmp_path):
     """An episode of one step has one observation, and no other stands in for the second: d3rlpy 98."""
     found = audit_dataset(write(tmp_path / "d.hdf5"), {"after": lambda step: float(step.observation[0])})
@@ -151,13 +136,6 @@ def test_success_stands_in_infos(tmp_path):
     assert read(text, success="near>0.5")["behaviour/success"].tolist() == [0.0] * 4 + [1.0] * 4
     with pytest.raises(UsageError, match=r"--success won: .* it has"):
         opened(text, success="won")
-
-
-@pytest.mark.parametrize("key", ["rewards", "observations"])
-def test_arrays_of_other_lengths_are_refused(tmp_path, key):
-    """With the length of each."""
-    with pytest.raises(SchemaError, match=r"rewards \d, terminals 8"):
-        opened(write(tmp_path / "d.hdf5", **{key: np.zeros((STEPS - 1, 3) if key == "observations" else STEPS - 1)}))
 
 
 def test_links_to_other_files_are_refused(tmp_path):
@@ -190,40 +168,53 @@ def test_the_audit_ranks_as_a_computation_of_returns_does(tmp_path):
 
 def test_the_last_episode_may_be_cut_by_the_end_of_the_file(tmp_path):
     """No row behind it shows what was seen after its last step, as where a file has a million steps and no more."""
-    after = np.concatenate([stored(write(tmp_path / "a.hdf5"), "observations")[1:], np.full((1, 3), 9.0, np.float32)])
-    after[ENDS[:-1]] = 7.0
+    after = followed(tmp_path, 9.0)
     log = opened(write(tmp_path / "d.hdf5", timeouts=np.arange(STEPS) == 3, next_observations=after))
     assert len(log) == 4
     assert "Left out, since no row ends the episode: the last 4 steps" in log.facts.notes
 
 
-def test_a_horizon_beside_timeouts_is_refused(tmp_path):
-    """One of them would be passed over."""
-    text = write(tmp_path / "d.hdf5").replace("d4rl:", "d4rl:horizon=2:")
-    with pytest.raises(UsageError, match=r"has timeouts, .* leave out horizon=2"):
-        opened(text)
-
-
-def test_a_negative_horizon_is_refused(tmp_path):
-    """Also where nothing else says how long episodes are."""
-    text = write(tmp_path / "d.hdf5", timeouts=None).replace("d4rl:", "d4rl:horizon=-2:")
-    with pytest.raises(UsageError, match="horizon=-2: after at least 1 step"):
-        opened(text)
+SHORT = np.zeros(STEPS - 1)
 
 
 @pytest.mark.parametrize(
-    ("key", "values", "told"),
+    ("arrays", "horizon", "told"),
     [
-        ("terminals", np.full(STEPS, np.nan), "terminals holds nan in row 0"),
-        ("timeouts", np.arange(STEPS), "timeouts holds 2 in row 2"),
-        ("rewards", np.array([b"1"] * STEPS), r"rewards holds no rows of at most 16,384 numbers, but \[8\] of \|S1"),
-        ("next_observations", np.zeros((STEPS, 2)), r"next_observations are \[8, 2\], and observations \[8, 3\]"),
+        ({"rewards": SHORT}, "", r"rewards \d, terminals 8"),
+        ({"observations": np.zeros((STEPS - 1, 3))}, "", r"rewards \d, terminals 8"),
+        ({"terminals": np.full(STEPS, np.nan)}, "", "terminals holds nan in row 0"),
+        ({"timeouts": np.arange(STEPS)}, "", "timeouts holds 2 in row 2"),
+        (
+            {"rewards": np.array([b"1"] * STEPS)},
+            "",
+            r"rewards holds no rows of at most 16,384 numbers, but \[8\] of \|S1",
+        ),
+        ({"next_observations": np.zeros((STEPS, 2))}, "", r"next_observations are \[8, 2\], and observations \[8, 3\]"),
+        ({"timeouts": None}, "", r"has no timeouts.* d4rl:horizon=1000:FILE"),
+        ({}, "horizon=2:", r"has timeouts, .* leave out horizon=2"),
+        ({"timeouts": None}, "horizon=-2:", "horizon=-2: after at least 1 step"),
+        (
+            {"timeouts": None, "episode_terminals": TERMINALS | TIMEOUTS},
+            "",
+            "written by d3rlpy: it has episode_terminals",
+        ),
     ],
 )
-def test_arrays_that_are_not_what_they_are_called_are_refused(tmp_path, key, values, told):
-    """The array is named."""
-    with pytest.raises(SchemaError, match=told):
-        opened(write(tmp_path / "d.hdf5", **{key: values}))
+def test_what_does_not_tell_its_episodes_is_refused(tmp_path, arrays, horizon, told):
+    """By its array, or by what is given beside it.
+
+    An episode that was cut would go on in the next one (D4RL 137). Rewards of d3rlpy stand a row later in some
+    versions, and its episodes lack their last observation (d3rlpy 98).
+    """
+    with pytest.raises((SchemaError, UsageError), match=told):
+        opened(write(tmp_path / "d.hdf5", **arrays).replace("d4rl:", f"d4rl:{horizon}"))
+
+
+def test_flags_in_the_wrong_rows_are_refused(tmp_path):
+    """The observation behind a step is not what was seen after it, and no flag says so: D4RL 137."""
+    moved = np.isin(np.arange(STEPS), [4, 7])
+    with pytest.raises(SchemaError, match=r"row 3 ends no episode .* the flags stand in the wrong rows"):
+        opened(write(tmp_path / "d.hdf5", timeouts=moved, next_observations=followed(tmp_path)))
 
 
 def test_more_steps_than_are_held_are_refused_unread(tmp_path):

@@ -9,16 +9,9 @@ import numpy as np
 import pytest
 
 from harness.errors import SchemaError
-from harness.log import Log
-from harness.log.format import HEAD
-from harness_plugins.logs.evaluations import Evaluations
+from tests.plugins.logs.reading import Reader
 
-
-def read(path: Path) -> Log:
-    """The one log of a file that the format recognises."""
-    assert Evaluations().recognises(path, path.read_bytes()[:HEAD])
-    [log] = Evaluations().read(path)
-    return log
+read = Reader("evaluations")
 
 
 def saved(folder: Path, **arrays: Any) -> Path:
@@ -97,9 +90,9 @@ def test_a_file_that_is_cut_is_refused(tmp_path):
     """It is written anew at each evaluation."""
     path = saved(tmp_path, timesteps=[5, 9], results=[[1.0], [2.0]])
     path.write_bytes(path.read_bytes()[:-40])
-    assert not Evaluations().recognises(path, path.read_bytes()[:HEAD])
+    assert not read.is_recognised(path)
     with pytest.raises(SchemaError, match=r"no readable evaluations\.npz"):
-        Evaluations().read(path)
+        read.make().read(path)
 
 
 def test_a_file_that_unpacks_to_more_than_is_allowed_is_refused(tmp_path, monkeypatch):
@@ -118,4 +111,4 @@ def test_arrays_of_others_are_not_recognised(tmp_path):
     np.savez(tmp_path / "data.npz", observations=[1.0], rewards=[2.0])
     (tmp_path / "e.npz").write_bytes(b"PK\x03\x04 and no more")
     for path in tmp_path.iterdir():
-        assert not Evaluations().recognises(path, path.read_bytes()[:HEAD])
+        assert not read.is_recognised(path)

@@ -9,11 +9,10 @@ import pytest
 from harness.errors import HarnessError
 from harness.log import Log
 from harness.log.format import HEAD
-from harness.log.open_log import formats_of, open_logs
+from harness.log.open_log import open_logs
 from harness.registry.registry import load_registry
+from tests.plugins.logs.reading import FORMATS
 
-REGISTRY = load_registry()
-FORMATS = formats_of(REGISTRY)
 STRIDE = 7
 """Bytes from one cut to the next; rows are longer."""
 FOREIGN = ("monitor", "evaluations", "tensorboard", "tensorboard-csv", "progress-csv", "wandb-csv", "episode-csv")
@@ -71,7 +70,7 @@ def test_an_example_has_returns_or_success_in_every_row(tmp_path_factory, subtes
     for name in FOREIGN:
         with subtests.test(name=name):
             tmp_path = tmp_path_factory.mktemp("case")
-            for log in open_logs(FORMATS[name].write_example(tmp_path), REGISTRY):
+            for log in open_logs(FORMATS[name].write_example(tmp_path), load_registry()):
                 assert len(log) > 1
                 assert "reward/recorded" in log
                 assert all(np.isfinite(log[column]).all() for column in log.columns)

@@ -10,19 +10,12 @@ import numpy as np
 import pytest
 
 from harness.errors import SchemaError, UsageError
-from harness.log import Log
-from harness.log.format import HEAD
-from harness_plugins.logs.progress_csv import ProgressCsv
+from tests.plugins.logs.reading import Reader
 
 REWARD, STEPS = "rollout/ep_rew_mean", "time/total_timesteps"
 
-
-def read(path: Path, **settings: Any) -> Log:
-    """The one log of a file that the format recognises."""
-    progress = ProgressCsv(**settings)
-    assert progress.recognises(path, path.read_bytes()[:HEAD])
-    [log] = progress.read(path)
-    return log
+read = Reader("progress-csv", "progress.csv")
+written = read.written
 
 
 def logged(folder: Path, reports: Sequence[Mapping[str, Any]]) -> Path:
@@ -65,13 +58,6 @@ def flattened(nested: Mapping[str, Any]) -> dict[str, Any]:
         inner = {key: value for key, value in flat.items() if isinstance(value, dict)}
         flat = plain | {f"{key}/{name}": value for key, of in inner.items() for name, value in of.items()}
     return flat
-
-
-def written(folder: Path, text: str, name: str = "progress.csv") -> Path:
-    """A file with this text."""
-    path = folder / name
-    path.write_text(text, encoding="utf-8")
-    return path
 
 
 def test_keys_that_come_later_stand_under_their_names(tmp_path):
@@ -147,18 +133,6 @@ def test_a_trial_that_was_restored_has_its_later_rows_count(tmp_path):
     assert log["reward/recorded"].tolist() == [1.0, 20.0, 30.0]
 
 
-def test_a_restored_trial_that_reports_in_another_order_is_refused(tmp_path):
-    """Ray writes its rows by the new order, under the old header."""
-    results = [
-        {"episode_reward_mean": -1.5, "timesteps_total": 1000},
-        {"timesteps_total": 2000, "episode_reward_mean": -0.5},
-    ]
-    path = by_ray(tmp_path, results, starts=[0, 1])
-    assert path.read_text().splitlines()[2] == "2000,-0.5"
-    with pytest.raises(SchemaError, match=r"line 3: column 'timesteps_total' counts from 0, and holds -0\.5"):
-        read(path)
-
-
 def test_seed_and_environment_of_a_trial_stand_beside_it(tmp_path):
     """In params.json, which Ray writes."""
     (tmp_path / "params.json").write_text(json.dumps({"env": "Hopper-v4", "seed": 11, "lr": 0.1}))
@@ -208,13 +182,6 @@ def test_a_counter_without_a_number_is_passed_over(tmp_path):
     assert read(path)["time"].tolist() == [1000, 2000]
 
 
-def test_a_last_line_that_does_not_end_is_left_out_and_told(tmp_path):
-    """The training writes on."""
-    log = read(written(tmp_path, f"{REWARD},{STEPS}\n-9.5,100\n-8.25,20"))
-    assert log["time"].tolist() == [100]
-    assert "line 3 is cut off, or is being written: it is left out" in log.facts.notes
-
-
 @pytest.mark.parametrize("text", [f"{REWARD},{STEPS}\n", f"{REWARD},{STEPS}\n,100\n", f"{REWARD},{STEPS}\nnan,100\n"])
 def test_a_table_without_a_point_is_refused(tmp_path, text):
     """No episode has ended yet."""
@@ -222,26 +189,14 @@ def test_a_table_without_a_point_is_refused(tmp_path, text):
         read(written(tmp_path, text))
 
 
-def test_text_among_returns_is_refused_by_its_line(tmp_path):
-    """A second header of another run, for one."""
-    with pytest.raises(SchemaError, match="line 3: column 'rollout/ep_rew_mean' holds time/fps"):
-        read(written(tmp_path, f"{REWARD},{STEPS}\n-9.5,100\ntime/fps,time\n"))
-
-
-def test_a_name_twice_in_the_header_is_refused(tmp_path):
-    """Nobody knows which is meant."""
-    with pytest.raises(SchemaError, match="names a column twice"):
-        read(written(tmp_path, f"{REWARD},{STEPS},{REWARD}\n-9.5,100,2\n"))
-
-
 def test_a_column_may_be_named(tmp_path):
     """In a table that no program is known to write."""
     path = written(tmp_path, "updates,score,solved\n1,-9.5,0.5\n2,-8.25,0.75\n")
-    assert not ProgressCsv().recognises(path, path.read_bytes())
-    [log] = ProgressCsv(reward="score", success="solved").read(path)
+    assert not read.is_recognised(path)
+    [log] = read.make(reward="score", success="solved").read(path)
     assert log["behaviour/success"].tolist() == [0.5, 0.75]
     with pytest.raises(UsageError, match="no curve of returns that is known"):
-        ProgressCsv().read(path)
+        read.make().read(path)
 
 
 def test_a_whole_number_of_points_is_held_against_numpys_reader(tmp_path):
