@@ -82,12 +82,21 @@ class Learning:
         return {
             "metrics": {
                 name: {
-                    **{side: [_point_to_json(point) for point in curve.points[name]] for side, curve in sides.items()},
+                    **{
+                        side: [{"steps": point.steps, **point.value.to_json()} for point in curve.points[name]]
+                        for side, curve in sides.items()
+                    },
                     "random": self.random[name],
                 }
                 for name in self.random
             },
-            "runs": {side: [_run_to_json(run) for run in curve.runs] for side, curve in sides.items()},
+            "runs": {
+                side: [
+                    {"seed": run.seed, "evaluations": [{"steps": steps, **values} for steps, values in run.moments]}
+                    for run in curve.runs
+                ]
+                for side, curve in sides.items()
+            },
         }
 
 
@@ -136,11 +145,3 @@ def _point(moments: list[Moment], metric: str, seeds: int, episodes: int | None,
     missing = None if len(values) == seeds else f"{seeds - len(values)} of {seeds} seeds have no value here"
     steps = round(sum(moment.steps for moment in moments) / len(moments))
     return Point(steps, mean_over_seeds(values, missing, episodes, bounds))
-
-
-def _point_to_json(point: Point) -> dict[str, Any]:
-    return {"steps": point.steps, **point.value.to_json()}
-
-
-def _run_to_json(run: LearningRun) -> dict[str, Any]:
-    return {"seed": run.seed, "evaluations": [{"steps": steps, **values} for steps, values in run.moments]}

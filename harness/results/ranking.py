@@ -11,7 +11,6 @@ from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
-from harness.eta.behaviour_change import Change
 from harness.eta.headline import SUCCESS
 from harness.eta.ranking import (
     PLACES,
@@ -236,17 +235,17 @@ def _find(results: Results, group: Group, cells: Sequence[Cell]) -> _Found:
     episodes = {manner: min(it.episodes[manner] for it in measured.values()) for manner in manners}
     compared = next((it for it in results.combinations if it.group == group and it.seeds), None)
     manner = compared.manner if compared else deciding_manner(group.deterministic, episodes)
-    success = compared.decisive.name if compared and compared.decisive and _is_share(compared.decisive) else SUCCESS
+    success = (
+        compared.decisive.name
+        if compared and compared.decisive and compared.decisive.measure.episodes is not None
+        else SUCCESS
+    )
     runs: dict[str, dict[int, float]] = {}
     for cell, it in measured.items():
         value = it.manners.get(manner, {}).get(success)
         if value is not None:
             runs.setdefault(cell.reward.label, {})[cell.seed] = value
     return _Found(group, runs, episodes.get(manner, 0), _engine(results, cells))
-
-
-def _is_share(change: Change) -> bool:
-    return change.measure.episodes is not None
 
 
 def _engine(results: Results, cells: Sequence[Cell]) -> str | None:

@@ -101,11 +101,12 @@ class TermsPaid:
     @property
     def most_changed(self) -> TermPaid | None:
         """The term that changed most: beside the baseline's trainings, else over its own; None where none changed."""
-        known = [(abs(change), it) for it in self.terms if (change := self._change_of(it))]
+        known = [
+            (abs(change), it)
+            for it in self.terms
+            if (change := it.behaviour.mean if self.is_compared else it.over_training)
+        ]
         return max(known, key=lambda pair: pair[0])[1] if known else None
-
-    def _change_of(self, term: TermPaid) -> float | None:
-        return term.behaviour.mean if self.is_compared else term.over_training
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""

@@ -48,7 +48,14 @@ class Asked:
     @cached_property
     def question(self) -> Question:
         """The values, scaled so that higher is better and places can be put together."""
-        return question_of(self.changes, [[_scale_of(change) for change in changes] for changes in self.changes])
+        # Higher is better; what is no share counts relative to its size, so that places can be put together.
+        return question_of(
+            self.changes,
+            [
+                [(1.0 if change.measure.better == "higher" else -1.0) / size_of(change) for change in changes]
+                for changes in self.changes
+            ],
+        )
 
     def together(self) -> tuple[Together, ...]:
         """The measures, means over places; none where places have other ones."""
@@ -144,23 +151,14 @@ def _asked(family: Iterable[Comparison]) -> list[Asked]:
 def _in_all(members: Sequence[Comparison]) -> tuple[tuple[Change, ...], ...]:
     """By place, the measures that decide in all places; the first ones that do where their names differ."""
     of_places = [it.decisive_changes for it in members]
-    kinds = [[_kind(change) for change in changes] for changes in of_places]
+    # What a measure is whatever the manner in its place: success at the end, or success while training.
+    kinds = [[(change.name, change.measure.is_while_training) for change in changes] for changes in of_places]
     shared = [kind for kind in kinds[0] if all(kind in others for others in kinds)]
     if not shared:
         return tuple(changes[:1] for changes in of_places)
     return tuple(
         tuple(changes[of.index(kind)] for kind in shared) for changes, of in zip(of_places, kinds, strict=True)
     )
-
-
-def _kind(change: Change) -> tuple[str, bool]:
-    """What a measure is whatever the manner in its place: success at the end, or success while training."""
-    return change.name, change.measure.is_while_training
-
-
-def _scale_of(change: Change) -> float:
-    """Higher is better; what is no share counts relative to its size, so that places can be put together."""
-    return (1.0 if change.measure.better == "higher" else -1.0) / size_of(change)
 
 
 ENDED = ("done", "failed", "damaged", "skipped")

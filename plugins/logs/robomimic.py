@@ -36,7 +36,6 @@ from ..datasets.dataset import (
 )
 from ..datasets.hdf5_parts import (
     MOST_BYTES,
-    Array,
     Budget,
     Stretch,
     array_of,
@@ -193,12 +192,12 @@ def _keys_seen(path: Path, demo: Any) -> tuple[tuple[str, ...], tuple[str, ...]]
         return (), ()
     seen = group_of(path, demo, "obs")
     arrays = {key: array_of(path, seen, key) for key in seen}
-    read = [key for key, it in arrays.items() if it.shape and it.holds_numbers and not _is_picture(it)]
+    read = [
+        key
+        for key, it in arrays.items()
+        if it.shape and it.holds_numbers and not (it.dtype == np.uint8 and len(it.shape) == 4)
+    ]
     return tuple(read), tuple(key for key in arrays if key not in read)
-
-
-def _is_picture(array: Array) -> bool:
-    return array.dtype == np.uint8 and len(array.shape) == 4
 
 
 def _notes(

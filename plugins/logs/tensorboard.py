@@ -69,8 +69,14 @@ class TensorBoard(CurveSettings):
         if not names:
             raise SchemaError(f"{path} holds no event file with numbers")
         curve = self.chosen(path, names)
-        for file in files:
-            _require_one_training(file, curve.main)
+        for file in files:  # steps only rise in one: a training that is continued begins another
+            steps = np.array(file.series.get(curve.main, _Series()).steps)
+            back = np.flatnonzero(np.diff(steps) < 0.0)
+            if len(back):
+                way = f"{steps[back[0]]:,.0f} to {steps[back[0] + 1]:,.0f}"
+                raise SchemaError(
+                    f"{file.path}: the steps of '{curve.main}' go from {way}: several trainings log into one file"
+                )
         trainings = _trainings(files, curve.main)
         return tuple(self._log(path, curve, parts, len(trainings)) for parts in trainings)
 
@@ -186,19 +192,6 @@ def _hyperparameters(value: Any) -> dict[str, str]:
     text = b"".join(value.tensor.string_val).decode("utf-8", "replace")
     rows = [line.strip("|").split("|") for line in text.splitlines()]
     return {row[0].strip(): row[1].strip() for row in rows if len(row) == 2}
-
-
-def _require_one_training(file: _File, tag: str) -> None:
-    """See that steps only rise in a file: a training that is continued begins another one.
-
-    Raises:
-        SchemaError: They go back.
-    """
-    steps = np.array(file.series.get(tag, _Series()).steps)
-    back = np.flatnonzero(np.diff(steps) < 0.0)
-    if len(back):
-        way = f"{steps[back[0]]:,.0f} to {steps[back[0] + 1]:,.0f}"
-        raise SchemaError(f"{file.path}: the steps of '{tag}' go from {way}: several trainings log into one file")
 
 
 def _trainings(files: Sequence[_File], tag: str) -> list[list[_File]]:

@@ -71,7 +71,10 @@ def describe_curve(curve: LearningCurve, random: float | None, metric: str, text
 def _draw(curves: Sequence[tuple[LearningCurve, str, Shape]], floor: float | None, metric: str, text: Text) -> Chart:
     last = max((point.steps for curve, _, _ in curves for point in curve.known(metric)), default=1)
     bands = [_band(curve.band(metric), colour) for curve, colour, _ in curves]
-    lines = [_line(curve.reward, curve.known(metric), colour) for curve, colour, _ in curves]
+    lines = [
+        Line(*_means(curve.known(metric)), colour, curve.reward, width=2.5, in_legend=True)
+        for curve, colour, _ in curves
+    ]
     dots = [_dots(curve.known(metric), colour, shape, text) for curve, colour, shape in curves]
     if floor is not None:
         lines.append(Line([0, last], [floor, floor], "random", "random actions", dash="2 4", in_legend=True))
@@ -111,10 +114,6 @@ def _band(there: list[tuple[int, float, float]], colour: str) -> Area:
     back = there[::-1]
     ends = [*(high for _, _, high in there), *(low for _, low, _ in back)]
     return Area([steps for steps, _, _ in [*there, *back]], ends, colour)
-
-
-def _line(reward: str, points: list[Point], colour: str) -> Line:
-    return Line(*_means(points), colour, reward, width=2.5, in_legend=True)
 
 
 def _dots(points: list[Point], colour: str, shape: Shape, text: Text) -> Dots:

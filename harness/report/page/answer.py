@@ -98,17 +98,16 @@ def pool_cards(comparisons: Sequence[Comparison]) -> list[Card]:
 def _card(
     names: Names, found: Headline, lead: str, changes: Sequence[Compared], ruling: Ruling, where: str = ""
 ) -> Card:
-    by = [at for at, change in enumerate(changes) if _decides(found, ruling, at, change)]
+    by = [
+        at
+        for at, change in enumerate(changes)
+        if (ruling.passes(at) if found.answer is Answer.MIXED else found.decided_by == key_of(change))
+    ]
     order = [*by, *(at for at in range(len(changes)) if at not in by)]
     rows = tuple(_row(changes[at], at, ruling, at in by) for at in order)
     seen = short_seen_text(names, changes) if changes else ""
     sure = _sure(names, found.answer, changes, ruling, by, where) if changes else ""
     return Card(names.proposed, word_of(found.answer), badge_of(found.answer), lead, rows, sure, seen)
-
-
-def _decides(found: Headline, ruling: Ruling, at: int, change: Compared) -> bool:
-    """Whether the answer rests on a measure."""
-    return ruling.passes(at) if found.answer is Answer.MIXED else found.decided_by == key_of(change)
 
 
 def _sure(

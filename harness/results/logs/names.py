@@ -262,7 +262,7 @@ def in_lockstep(logs: Iterable[Log]) -> bool | None:
     ends = _ends_of([*logs])
     if ends is None:
         return None
-    if _are_one_after_the_other(ends):
+    if any(ends.at[ends.file == number].max() < ends.last_begun for number in np.unique(ends.file)):
         return False
     late = _latest_disorder(ends)
     if late > CLOCK:
@@ -288,11 +288,6 @@ def _ends_of(logs: Sequence[Log]) -> _Ends | None:
     order = np.lexsort((at, steps))
     per_step = float((at.max() - began.min()) / steps.max())
     return _Ends(steps[order], at[order], file[order], float(began.max()), per_step)
-
-
-def _are_one_after_the_other(ends: _Ends) -> bool:
-    """Whether a file was full before another one was begun."""
-    return any(ends.at[ends.file == number].max() < ends.last_begun for number in np.unique(ends.file))
 
 
 def _latest_disorder(ends: _Ends) -> float:

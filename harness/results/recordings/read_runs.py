@@ -220,7 +220,8 @@ def runs_of(
     notes += _told_notes(everything)
     at_random = random or next((it for it in evaluated if it.facts.acted == ACTED_AT_RANDOM), None)
     return Runs(
-        group or _group_of(env, shortest),
+        group
+        or Group(BROUGHT.robot, Choice(env, (), env), UNKNOWN_ALGORITHM, shortest, 0, simulator=BROUGHT.simulator),
         rewards,
         trained,
         _in_order([deciding, *(run.facts.behaviour for run in members.values())]),
@@ -243,11 +244,6 @@ def _told_notes(runs: Iterable[Run]) -> list[str]:
         for line in run.facts.notes:
             told.setdefault(line.partition(",")[0], f"{run.path}: {line}")
     return [*told.values()]
-
-
-def _group_of(env: str, steps: int) -> Group:
-    """What is known of recordings that no experiment made: the env, and how long the shortest of them is."""
-    return Group(BROUGHT.robot, Choice(env, (), env), UNKNOWN_ALGORITHM, steps, 0, simulator=BROUGHT.simulator)
 
 
 def _rescaled(rewards: Sequence[str], runs: Collection[Run]) -> dict[tuple[str, str], Rescaling]:

@@ -253,7 +253,13 @@ def studies_of(results: Records, shown: Sequence[str] | None = None) -> tuple[Pl
     return tuple(
         PlaceStudy(group, tuple(cells), studies[group], "")
         if group in studies
-        else PlaceStudy(group, tuple(cells), None, str(read[group]), _notes(results, cells))
+        else PlaceStudy(
+            group,
+            tuple(cells),
+            None,
+            str(read[group]),
+            tuple(f"{cell.title}: {note}" for cell in cells if (note := results.manifest(cell).note)),
+        )
         for group, cells in results.groups.items()
     )
 
@@ -277,7 +283,3 @@ def _recordings_of(results: Records, cell: Cell) -> list[Path]:
     """Those that the cell itself left."""
     folder, done = results.store.cell_folder(cell), results.manifest(cell)
     return [path for path in sorted(recordings_in(folder)) if is_named(done, path.relative_to(folder).as_posix())]
-
-
-def _notes(results: Records, cells: Sequence[Cell]) -> tuple[str, ...]:
-    return tuple(f"{cell.title}: {note}" for cell in cells if (note := results.manifest(cell).note))
