@@ -1,6 +1,5 @@
 """A log: its rows in pieces, whole and in part; columns that are kept; episodes of steps."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +7,7 @@ import pytest
 
 from harness.errors import SchemaError, UsageError
 from harness.log import Log, LogFacts, in_memory
-from harness.log.log import Columns, episode_rows
+from harness.log.log import episode_rows
 
 FACTS = LogFacts(path=Path("runs/a.log"), format="made up")
 
@@ -19,7 +18,7 @@ class Source:
     def __init__(self, rows: int = 10) -> None:
         self.rows, self.asked = rows, list[tuple[str, ...]]()
 
-    def __call__(self, names: tuple[str, ...]) -> Iterator[Columns]:
+    def __call__(self, names: tuple[str, ...]):
         """Column ``a`` counts rows, ``b`` tens of them."""
         self.asked.append(names)
         whole = {"a": np.arange(self.rows), "b": 10 * np.arange(self.rows)}

@@ -1,6 +1,5 @@
 """A log whose columns get other names, or stay in memory."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -8,13 +7,12 @@ import pytest
 
 from harness.errors import UsageError
 from harness.log import Failed, Log, LogFacts
-from harness.log.log import Columns
 
 
 def _log(passes: list[tuple[str, ...]]) -> Log:
     """Four rows in two tables; every pass over them is noted."""
 
-    def read(names: tuple[str, ...]) -> Iterator[Columns]:
+    def read(names: tuple[str, ...]):
         passes.append(names)
         for begin in (0, 2):
             yield {name: np.arange(begin, begin + 2) + len(name) for name in names}

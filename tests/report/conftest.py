@@ -12,15 +12,11 @@ import numpy as np
 import pytest
 
 from harness.errors import UsageError
-from harness.experiment.plan import Plan
+from harness.experiment import Plan
 from harness.log import Log
-from harness.record.cell import Cell
-from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, TRACE
-from harness.record.manifest import Manifest, Status
-from harness.record.store import Store
-from harness.record.trace import COLUMN, FLAGS, INTEGERS, SCALARS, TraceWriter, trace_of
-from harness.registry.choice import Choice, choose
-from harness.registry.registry import Registry, load_registry
+from harness.record import COLUMN, EVALUATION, RANDOM, SCALARS, TRACE, Cell, Manifest, Store, TraceWriter, trace_of
+from harness.record.trace import FLAGS, INTEGERS
+from harness.registry import Choice, Registry, choose, load_registry
 from harness.results import Results, load_results
 from harness.score.compare import compare_logs
 from harness.score.open_steps import match_steps
@@ -97,7 +93,7 @@ def build_results(
     proposed: Mapping[str, Run] = {"arp": DIP_AND_CLIMB},
     seeds: int = 3,
     simulators: tuple[str, ...] = ("mujoco",),
-    ended: Mapping[tuple[str, int], tuple[Status, str]] = {},
+    ended: Mapping[tuple[str, int], tuple[str, str]] = {},
     environment: dict[str, Any] = ENVIRONMENT,
     reached: Mapping[str | tuple[str, str], Evaluation] = {},
     engines: Mapping[str, str | None] = {},
@@ -181,7 +177,7 @@ def _write_done(
 
 def _write_learned(store: Store, cell: Cell, steps: int, reached: int) -> None:
     """An evaluation during training."""
-    folder = store.cell_folder(cell) / EVALUATIONS
+    folder = store.cell_folder(cell) / "evaluations"
     folder.mkdir(parents=True, exist_ok=True)
     _write_trace(folder / f"{steps}.parquet", _evaluation([9] * reached), cell.reward)
 

@@ -6,20 +6,18 @@ changed there: none may be false, and none may have to be reconciled with the nu
 
 import math
 import textwrap
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from harness.eta.behaviour_change import TRAINING, Change, Quantity, change_of
-from harness.eta.swaps import swaps_of
-from harness.record.cell import BROUGHT
-from harness.record.terms import FIRST, Terms
-from harness.registry.choice import Choice
-from harness.report.page.answer import Card, card_of, pool_card
-from harness.results.comparison import Behaviour, Comparison, Group
+from harness.eta import TRAINING, Change, Quantity, change_of, swaps_of
+from harness.record import Terms
+from harness.registry import Choice
+from harness.report.page.answer import card_of, pool_card
+from harness.results import Behaviour, Comparison, Group
 from harness.results.overview import decider_text
-from harness.results.verdicts import LookOf, with_verdicts
+from harness.results.verdicts import with_verdicts
 
 SUCCESS = Quantity("success_rate", "", "higher", "deterministic", 100)
 TIME = Quantity("time_to_target", "s", "lower", "deterministic", bounds=(0.0, math.inf))
@@ -28,6 +26,7 @@ COST = Quantity("energy_balance", "J", "lower", "deterministic")
 HORIZON = 5.0
 """The time that a failed episode counts, in seconds."""
 WIDTH = 110
+FIRST = Terms()
 
 Trainings = Sequence[float]
 Sides = tuple[Trainings, Trainings]
@@ -50,7 +49,7 @@ class Situation:
     title: str
     places: Mapping[str, Mapping[Quantity, Sides]]
     terms: Terms = FIRST
-    look_of: LookOf | None = None
+    look_of: Callable | None = None
     to_come: int = 0
     fields: Mapping[str, object] = field(default_factory=dict)
 
@@ -81,7 +80,7 @@ def alike(count: int, other: int | None = None) -> Sides:
     return around(0.52, 0.08, count, 1), around(0.514, 0.07, other or count, 2)
 
 
-def in_looks(complete: int, ends: Sequence[int]) -> LookOf:
+def in_looks(complete: int, ends: Sequence[int]) -> Callable:
     """So many looks are complete, each with so many seeds."""
 
     def looks(comparison: Comparison) -> tuple[Mapping[int, int], int]:
@@ -218,7 +217,7 @@ def _comparison(place: str, measures: Mapping[Quantity, Sides], situation: Situa
     changes = tuple(_change(measure, sides) for measure, sides in measures.items())
     trained = tuple(tuple(range(count)) for count in changes[0].counts)
     simulator = Choice(place, (), place) if place else None
-    robot = "fd100" if place else BROUGHT.robot
+    robot = "fd100" if place else "(environment)"
     group = Group(robot, Choice("reach", (), "reach"), Choice("sac", (), "sac"), 100_000, 100, simulator=simulator)
     shared = min(trained, key=len)
     measured = replace(Behaviour(changes, episodes={"deterministic": 100}), **situation.fields)
@@ -245,7 +244,7 @@ def told(situation: Situation) -> str:
     return "\n".join([f"## {situation.title}", *blocks])
 
 
-def _block(title: str, answer: str, decider: str, sentence: str, card: Card) -> str:
+def _block(title: str, answer: str, decider: str, sentence: str, card) -> str:
     rows = "; ".join(f"{row.name}{row.note and f' [{row.note}]'} {row.value}" for row in card.rows)
     lines = [
         *([f"[{title}]"] if title else []),

@@ -8,7 +8,7 @@ from urllib.parse import unquote, urlparse
 
 import pytest
 
-from harness.report.page.html import write_html
+from harness.report import write_html
 from tests.report.conftest import build_results
 
 pytestmark = pytest.mark.slow

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from harness.report.facts import shared_facts
+from harness.report import shared_facts
 
 
 def test_shared_facts_stand_once(build):

@@ -6,7 +6,7 @@ import time
 import numpy as np
 import pytest
 
-from harness.recorder.record_rewards import RecordRewards
+import harness
 from harness_plugins.watch.watch import Pages, address_of, open_server
 from tests.recorder.conftest import Counting
 
@@ -19,8 +19,8 @@ LATEST = 5.0
 def env(tmp_path):
     """An env that records a training of two terms."""
     rewards = {"counted": {"left": "left", "again": "left"}, "a-<b>long</b>-name-of-a-reward": "left"}
-    given = {"behaviour": {"success": "final"}, "seed": 0, "steps_asked": 5_000}
-    env = RecordRewards(Counting(), tmp_path / "runs/one", trained_with="counted", rewards=rewards, pay=True, **given)
+    given = {"behaviour": {"success": "final"}, "seed": 0, "steps_asked": 5_000, "pay": True}
+    env = harness.RecordRewards(Counting(), tmp_path / "runs/one", trained_with="counted", rewards=rewards, **given)
     env.reset(seed=0)
     yield env
     env.close()

@@ -11,19 +11,13 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from harness.eta.verdict.ruling import Ruling
+from harness.eta import Ruling
 from harness.executor import CellOptions
-from harness.experiment.plan import check_experiment, expand
+from harness.experiment import check_experiment, expand
 from harness.experiment.run_cell import run_cell
-from harness.record.recording.recorded_training import read_recording
-from harness.record.store import Store
-from harness.registry.given import read_given
-from harness.registry.registry import load_registry
-from harness.report.document import report_text
-from harness.report.page.html import write_html
-from harness.report.rows.race import race_told
-from harness.report.tables.comparison import comparison_table
-from harness.report.tables.overview import overview_table
+from harness.record import Store, read_recording
+from harness.registry import load_registry, read_given
+from harness.report import comparison_table, overview_table, race_told, report_text, write_html
 from harness.results import Results, load_results
 from harness_plugins.committed import write_summary
 

@@ -3,7 +3,7 @@
 import re
 from pathlib import Path
 
-from harness.eta.headline import Answer
+from harness.eta import Answer
 from tests.report.situations import SITUATIONS, judged, whole_text
 
 REVIEWED = Path(__file__).with_name("situations.txt")

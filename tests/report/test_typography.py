@@ -3,7 +3,8 @@
 import pytest
 from hypothesis import given, strategies as st
 
-from harness.report.typography import Piece, pieces_of, to_html, typeset
+from harness.report import typeset
+from harness.report.typography import Piece, pieces_of, to_html
 
 
 def test_a_sign_is_set(subtests):

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from harness.experiment.plan import check_experiment, expand
-from harness.record.store import Store
-from harness.registry.registry import load_registry
+from harness.experiment import check_experiment, expand
+from harness.record import Store
+from harness.registry import load_registry
 from harness.results import Results
 from tests.results.folders import ARP, ARP_RUNS, BASELINE, BASELINE_RUNS, finish
 from tests.results.gentle import run_gentle

@@ -6,11 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from harness.record.cell import Cell
-from harness.record.manifest import Manifest
-from harness.record.store import Store
-from harness.record.trace import COLUMN, SCALARS, TraceWriter
-from harness.registry.choice import Choice
+from harness.record import COLUMN, SCALARS, Cell, Manifest, Store, TraceWriter
+from harness.registry import Choice
 from harness.results import Results
 
 BASELINE = Choice("baseline", (), "baseline")

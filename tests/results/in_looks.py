@@ -4,11 +4,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from harness.record.store import Store
-from harness.record.terms import Terms
-from harness.registry.choice import Choice
-from harness.results import Results
-from harness.results.standing import standing_of
+from harness.record import Store, Terms
+from harness.registry import Choice
+from harness.results import Results, standing_of
 from tests.results.folders import BASELINE_RUNS, finish
 
 RACE = Terms((2, 4), asked=3, margin=0.1, race=True)

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from harness.record.trace import read_trace
+from harness.record import read_trace
 from harness.results import load_results
 from tests.results.gentle import GENTLE, run_gentle
 

@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 import harness.results.cell_results as module
-from harness.record.manifest import read_manifest
+from harness.record import read_manifest, read_trace
 from harness.record.merge import merge
-from harness.record.trace import read_trace
-from harness.report.document import report_text
+from harness.report import report_text
 from harness.results import Group, Results
 from harness.score.installed_reward import InstalledReward
 from harness_plugins.committed.tables import write_cells

@@ -6,12 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.eta.headline import Answer
-from harness.eta.verdict.ruling import Ruling
+from harness.eta import Answer, Ruling
 from harness.record.cell import BROUGHT
-from harness.registry.choice import Choice
-from harness.results import Group
-from harness.results.comparison import StepChange
+from harness.registry import Choice
+from harness.results import Group, StepChange
 from harness.results.verdicts import with_verdicts
 from tests.results.told import SUCCESS, change, comparison, rates
 

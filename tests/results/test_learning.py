@@ -2,7 +2,7 @@
 
 import pytest
 
-from harness.registry.choice import Choice
+from harness.registry import Choice
 from harness.results import Group
 from harness.results.learning import LearningCurve, LearningRun, Moment, learning_points
 from tests.report.conftest import build_results

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from harness.errors import UsageError
-from harness.record.store import Store
-from harness.registry.registry import load_registry
+from harness.record import Store
+from harness.registry import load_registry
 from harness.results import Results, load_results
 from harness_plugins.transfer.jobs import plan_transfers
 from tests.results.recordings.conftest import PAYS, record

@@ -6,13 +6,11 @@ import pyarrow.parquet as pq
 import pytest
 
 from harness.errors import PluginError, UsageError
-from harness.record.manifest import Manifest
-from harness.registry.registry import load_registry
-from harness.report.document import report_text
-from harness.report.rows.behaviour import behaviour_grids
-from harness.results import Results
-from harness.results.measured import measure
-from harness.results.metrics import load_metrics, measure_of
+from harness.record import Manifest
+from harness.registry import load_registry
+from harness.report import behaviour_grids, report_text
+from harness.results import Results, load_metrics, measure
+from harness.results.metrics import measure_of
 from harness_plugins.committed.tables import write_cells
 from tests.results.folders import only
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from harness.record.manifest import Manifest
-from harness.registry.choice import Choice
+from harness.record import Manifest
+from harness.registry import Choice
 from harness.results.measured import Mixture, mixtures_of
 
 OLD, NEW, OLDER = (digits + "0" * 56 for digits in ("9340a572", "f96dd784", "11112222"))

@@ -4,8 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from harness.eta.behaviour_change import Change, Quantity
-from harness.eta.index import Ratio
+from harness.eta import Change, Quantity, Ratio
 from harness.results.overview import (
     Overview,
     decider_text,

@@ -4,8 +4,9 @@ from itertools import product
 
 import pytest
 
-from harness.results.pairs import BOTH, FIRST, NEITHER, SECOND, Met, Pairs, kind_of, kinds_of
-from harness.results.replay import choose_pairs, shows_of
+from harness.results import Pairs, shows_of
+from harness.results.pairs import BOTH, FIRST, NEITHER, SECOND, Met, kind_of, kinds_of
+from harness.results.replay import choose_pairs
 
 KINDS = kinds_of("reach", "arp", "es")
 

@@ -3,8 +3,7 @@
 import json
 from dataclasses import replace
 
-from harness.eta.headline import Answer
-from harness.eta.verdict.ruling import Ruling
+from harness.eta import Answer, Ruling
 from harness.results.pool import Pool
 from harness.results.verdicts import with_verdicts
 from tests.results.told import comparison, rates

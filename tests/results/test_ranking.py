@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
-from harness.eta.ranking import Agreement, Answer
-from harness.results import load_results
-from harness.results.ranking import Ranking, ranking_of
+from harness.eta import Agreement, Answer
+from harness.results import load_results, ranking_of
+from harness.results.ranking import Ranking
 from tests.report.conftest import build_results
 from tests.results.folders import fail
 

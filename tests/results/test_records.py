@@ -3,10 +3,10 @@
 import pyarrow.parquet as pq
 import pytest
 
-from harness.experiment.plan import Plan
+from harness.experiment import Plan
+from harness.record import Store
 from harness.record.cell import BROUGHT
-from harness.record.store import Store
-from harness.registry.choice import Choice
+from harness.registry import Choice
 from harness.report.rows.comparison import remarks_on_cells
 from harness.results import load_results
 from tests.results.folders import ARP, fail

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from harness.errors import SchemaError, UsageError
-from harness.record.trace import read_trace, trace_of
-from harness.results import replay
-from harness.results.replay import ShownCells, choose_episodes, first_show, show_cells, shows_of
+from harness.record import read_trace, trace_of
+from harness.results import first_show, replay, show_cells, shows_of
+from harness.results.replay import ShownCells, choose_episodes
 from harness_plugins.kit.metrics import recorded_trace
 
 R, G, T = "reached", "ground", "time-out"

@@ -10,7 +10,7 @@ import pytest
 
 import harness
 from harness.errors import UsageError
-from harness.record.store import Store
+from harness.record import Store
 from harness.results import load_results
 from harness.results.table import comparison_rows
 from tests.results.folders import ARP, fail

@@ -5,8 +5,8 @@ import json
 import numpy as np
 import pytest
 
-from harness.record.trace import read_trace
-from harness.registry.choice import Choice
+from harness.record import read_trace
+from harness.registry import Choice
 from harness.score.scorer import pay_log
 
 

@@ -5,10 +5,9 @@ from importlib.metadata import entry_points
 
 import numpy as np
 
-from harness.eta.curve import curve_of
-from harness.registry.choice import choose
-from harness.registry.registry import load_registry
-from harness.results.score_matrix import score_matrices
+from harness.eta import curve_of
+from harness.registry import choose, load_registry
+from harness.results import score_matrices
 from tests.results.folders import ARP_RUNS, BASELINE_RUNS, paid
 from tests.results.test_traces import BROKEN
 

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from harness.record.terms import Terms
-from harness.results.standing import standing_of, told_manifests
+from harness.record import Terms
+from harness.results import standing_of, told_manifests
 from harness.results.verdicts import Seen
 from tests.results.folders import fail
 from tests.results.in_looks import RACE, REWARDS

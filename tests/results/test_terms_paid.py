@@ -8,7 +8,7 @@ from weakref import WeakSet
 import numpy as np
 import pytest
 
-from harness.record.trace import read_trace
+from harness.record import read_trace
 from harness.results import Group, load_results
 from harness.results.by_term import ByTerm, TermMeans
 from harness.results.terms_paid import terms_paid

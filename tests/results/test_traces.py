@@ -7,10 +7,8 @@ from importlib.metadata import entry_points
 import numpy as np
 import pytest
 
-from harness.eta.curve import curve_of
-from harness.eta.swaps import corrected_p
-from harness.registry.choice import Choice
-from harness.registry.registry import load_registry
+from harness.eta import corrected_p, curve_of
+from harness.registry import Choice, load_registry
 from harness.results import load_results
 from tests.results.folders import ARP, ARP_RUNS, BASELINE, BASELINE_RUNS, fail, only, paid
 

@@ -3,12 +3,9 @@
 import numpy as np
 import pytest
 
-from harness.record.manifest import Manifest
-from harness.record.store import Store
-from harness.record.trace import COLUMN, SCALARS, TraceWriter
-from harness.registry.choice import Choice
-from harness.results import Comparison, Group, load_results
-from harness.results.trajectories import trajectories_of
+from harness.record import COLUMN, SCALARS, Manifest, Store, TraceWriter
+from harness.registry import Choice
+from harness.results import Comparison, Group, load_results, trajectories_of
 
 REACHED = [(0, 0, 0, 1, 0), (1, 0, 0, 1, 1)]
 

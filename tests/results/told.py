@@ -5,11 +5,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from harness.arrays import Float
-from harness.eta.behaviour_change import Change, Quantity, change_of
-from harness.eta.swaps import swaps_of
-from harness.registry.choice import Choice
-from harness.results import Comparison, Group
-from harness.results.comparison import Behaviour
+from harness.eta import Change, Quantity, change_of, swaps_of
+from harness.registry import Choice
+from harness.results import Behaviour, Comparison, Group
 
 SUCCESS = Quantity("success_rate", "", "higher", "deterministic", 100)
 TIME = Quantity("time_to_target", "s", "lower", "deterministic")

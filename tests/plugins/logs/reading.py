@@ -5,7 +5,7 @@ from typing import Any
 
 from harness.log import Log
 from harness.log.open_log import formats_of
-from harness.registry.registry import load_registry
+from harness.registry import load_registry
 
 FORMATS = formats_of(load_registry())
 

@@ -18,7 +18,7 @@ def read(text: str, **settings: object) -> Rows:
 
 
 def test_an_episode_is_what_was_written(tmp_path):
-    """An episode is what was written."""
+    """An episode is what was written; infos are those after each step."""
     one = episode(5, success=True)
     rows = read(f"minari:{write_minari(tmp_path / 'd', [one])}")
     assert np.array_equal(rows["before/observation"], one["observations"][:-1])
@@ -26,11 +26,6 @@ def test_an_episode_is_what_was_written(tmp_path):
     assert np.array_equal(rows["action"], one["actions"])
     assert np.array_equal(rows["reward/recorded"], one["rewards"])
     assert (rows["step"].tolist(), rows["terminated"].tolist()) == ([1, 2, 3, 4, 5], [False] * 5)
-
-
-def test_infos_are_those_after_each_step(tmp_path):
-    """Infos are those after each step."""
-    rows = read(f"minari:{write_minari(tmp_path / 'd', [episode(5, success=True)])}")
     assert rows["info/success"].tolist() == [False, False, False, False, True]
     assert rows["behaviour/success"].tolist() == [0.0, 0.0, 0.0, 0.0, 1.0]
 
@@ -75,28 +70,28 @@ def test_pictures_are_left_out_and_told(tmp_path):
     assert found.facts.notes == ("Pictures and texts are left out: observations/camera",)
 
 
-def test_the_spec_is_text(tmp_path):
-    """The spec is text."""
-    assert opened(f"minari:{write_minari(tmp_path / 'd', [episode(2)])}").facts.env == '{"id": "Arm-v0"}'
-
-
 def test_who_made_an_episode_is_told(tmp_path):
-    """Who made an episode is told."""
+    """Who made an episode is told; the spec is text."""
     folder = write_minari(tmp_path / "d", [episode(2, operator="ann"), episode(2, operator="bob")])
-    assert read(f"minari:{folder}")["operator"].tolist() == ["ann", "ann", "bob", "bob"]
+    log = opened(f"minari:{folder}")
+    assert log["operator"].tolist() == ["ann", "ann", "bob", "bob"]
+    assert log.facts.env == '{"id": "Arm-v0"}'
 
 
-def test_a_newer_version_is_one_line(tmp_path):
-    """A newer version is one line."""
-    folder = write_minari(tmp_path / "d", [episode(2)], minari_version="0.6.0")
-    with pytest.raises(NewerFormat, match=r"written by Minari 0.6, and versions up to 0.5 are read"):
-        opened(f"minari:{folder}")
-
-
-def test_another_storage_is_one_line(tmp_path):
-    """Another storage is one line."""
-    with pytest.raises(SchemaError, match="'arrow'"):
-        opened(f"minari:{write_minari(tmp_path / 'd', [episode(2)], data_format='arrow')}")
+@pytest.mark.parametrize(
+    ("more", "attributes", "error", "told"),
+    [
+        ({}, {"minari_version": "0.6.0"}, NewerFormat, "written by Minari 0.6, and versions up to 0.5 are read"),
+        ({}, {"data_format": "arrow"}, SchemaError, "'arrow'"),
+        ({"observations": np.zeros((2, 6))}, {}, SchemaError, "one observation more than actions"),
+    ],
+    ids=["newer", "another storage", "without its last observation"],
+)
+def test_what_is_not_read_is_one_line(tmp_path, more, attributes, error, told):
+    """What is not read is one line."""
+    folder = write_minari(tmp_path / "d", [{**episode(2), **more}], **attributes)
+    with pytest.raises(error, match=told):
+        read(f"minari:{folder}")
 
 
 def test_no_data_set_says_where_it_was_looked_for(tmp_path, monkeypatch):
@@ -133,13 +128,6 @@ def test_numbers_in_other_files_are_not_read(tmp_path, kind):
             group.create_virtual_dataset("rewards", layout)
     with pytest.raises(SchemaError, match="not followed"):
         read(f"minari:{folder}")
-
-
-def test_an_episode_without_its_last_observation_is_refused(tmp_path):
-    """An episode without its last observation is refused."""
-    one = {**episode(3), "observations": np.zeros((3, 6))}
-    with pytest.raises(SchemaError, match="one observation more than actions"):
-        read(f"minari:{write_minari(tmp_path / 'd', [one])}")
 
 
 def test_too_many_steps_are_refused(tmp_path, monkeypatch):

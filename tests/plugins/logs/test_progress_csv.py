@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from harness.errors import SchemaError, UsageError
@@ -197,18 +196,3 @@ def test_a_column_may_be_named(tmp_path):
     assert log["behaviour/success"].tolist() == [0.5, 0.75]
     with pytest.raises(UsageError, match="no curve of returns that is known"):
         read.make().read(path)
-
-
-def test_a_whole_number_of_points_is_held_against_numpys_reader(tmp_path):
-    """500 reports with ten more columns, in random order."""
-    generator = np.random.default_rng(0)
-    names = [REWARD, STEPS, *(f"train/{number}" for number in range(10))]
-    reports = [
-        {name: (row + 1) * 64 if name == STEPS else float(generator.normal()) for name in generator.permutation(names)}
-        for row in range(500)
-    ]
-    path = logged(tmp_path, reports)
-    told = np.genfromtxt(path, delimiter=",", names=True, deletechars="")
-    log = read(path)
-    assert log["reward/recorded"] == pytest.approx(told[REWARD], rel=1e-6)
-    assert log["time"].tolist() == told[STEPS].tolist()

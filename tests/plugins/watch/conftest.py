@@ -5,10 +5,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.recorder.record_rewards import RecordRewards
+import harness
 from tests.recorder.conftest import Counting
-
-Recorded = RecordRewards[Any, Any]
 
 
 @pytest.fixture(autouse=True)
@@ -23,12 +21,12 @@ def written_at_once(monkeypatch):
 @pytest.fixture
 def record(tmp_path):
     """Get an env that records into a folder. Its episodes have three steps, pay 6, half by each term, and succeed."""
-    made: list[Recorded] = []
+    made: list[Any] = []
 
     def make(name="runs/one", reward="counted", **told):
         rewards = {reward: {"left": "left", "again": "left"}}
         given = {"behaviour": {"success": "final"}, "seed": 0, "pay": True, **told}
-        env = RecordRewards(Counting(), tmp_path / name, trained_with=reward, rewards=rewards, **given)
+        env = harness.RecordRewards(Counting(), tmp_path / name, trained_with=reward, rewards=rewards, **given)
         env.reset(seed=0)
         made.append(env)
         return env

@@ -8,8 +8,9 @@ import pytest
 
 from harness.record.blocks import Block
 from harness_plugins.watch import cards
-from harness_plugins.watch.cards import POINTS, card_of, curves_of, rows_of
+from harness_plugins.watch.cards import card_of, curves_of, rows_of
 from harness_plugins.watch.trainings import Training
+from harness_plugins.watch.watch import drawn
 
 
 def blocks_of(count, pay=1.0, episodes=8, behaviour=0.5):
@@ -63,8 +64,8 @@ def test_terms_have_a_figure_of_their_own(training):
 def test_points_are_means_of_episodes(training):
     """At most 20, each of 8 episodes at least, none left out: by hand of 100 blocks of 2 episodes."""
     curves = curves_of(replace(training, blocks=blocks_of(100, episodes=2)))
-    assert len(curves.steps) == POINTS
-    assert curves.pay == tuple(sum(range(5 * it + 1, 5 * it + 6)) / 5 for it in range(POINTS))
+    assert len(curves.steps) == 20
+    assert curves.pay == tuple(sum(range(5 * it + 1, 5 * it + 6)) / 5 for it in range(20))
     assert curves.steps[-1] == 10_000
     short = curves_of(replace(training, blocks=blocks_of(3, episodes=1)))
     assert (short.pay, short.steps) == ((2.0,), (300.0,))
@@ -106,8 +107,6 @@ def test_a_failure_tells_its_reason(training):
 
 def test_names_of_strangers_are_text(training):
     """In every place where they stand."""
-    from harness_plugins.watch.watch import drawn
-
     evil = '<script>"&\u202e'
     terms = ((evil, (1.0,) * 4), ("b", (2.0,) * 4))
     one = replace(training, place=evil, reward=evil, name=evil, measure=evil, note=evil, terms=terms)

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from harness.record.recording.recorded_training import read_recording
-from harness.results.recordings.episodes import episodes_of
+from harness.record import read_recording
+from harness.results import episodes_of
 from harness_plugins.watch import recorded
 from harness_plugins.watch.recorded import OpenEpisodes, Recording
 

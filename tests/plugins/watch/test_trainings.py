@@ -5,8 +5,8 @@ import shutil
 import pytest
 
 from harness.errors import UsageError
-from harness.record.recording.facts import TrainingFacts
-from harness_plugins.watch.trainings import MEASURED_AFTER, MOST, RecordingsSource, newest, source_of
+from harness.record import TrainingFacts
+from harness_plugins.watch.trainings import RecordingsSource, newest, source_of
 
 
 def test_a_training_is_seen_while_it_is_recorded(record, step, tmp_path):
@@ -56,7 +56,7 @@ def test_time_left_is_that_of_the_slowest(record, step, tmp_path):
     source = RecordingsSource(tmp_path / "runs", lambda: now[0])
     assert source.look().left == ""
     step(env, 30)
-    now[0] = MEASURED_AFTER - 1.0
+    now[0] = 2.0
     assert source.look().left == ""
     now[0] = 10.0
     assert source.look().left == "About 80 s left."
@@ -100,7 +100,7 @@ def test_what_is_nothing_is_refused(tmp_path, name):
 def test_running_ones_are_drawn_first():
     """Then the newest others, in the order in which they stand."""
     is_running = [number in {0, 5} for number in range(100)]
-    assert newest(range(100), is_running) == [0, 5, *range(100 - MOST + 2, 100)]
+    assert newest(range(100), is_running) == [0, 5, *range(100 - 24 + 2, 100)]
     assert newest(range(3), [False] * 3) == [0, 1, 2]
 
 

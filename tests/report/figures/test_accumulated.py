@@ -1,8 +1,9 @@
 import numpy as np
 import pytest
 
+from harness.report import Dots, Line
 from harness.report.figures.accumulated import draw_panels
-from harness.report.figures.chart import Area, Dots, Flag, Line, Word
+from harness.report.figures.chart import Area, Flag, Word
 
 
 def panels(results):

@@ -4,8 +4,11 @@ import re
 
 import pytest
 
-from harness.eta.behaviour_change import Change, Quantity
-from harness.report.figures.forest import REACH, WIDTH, draw_part, draw_strip, draw_trainings
+from harness.eta import Change, Quantity
+from harness.report.figures.forest import draw_part, draw_strip, draw_trainings
+
+MIDDLE, REACH = 84.0, 74.0
+"""Where no difference is, and how far from it the farthest end of a row, [px]."""
 
 
 def change(better, low, high, corrected=None):
@@ -18,7 +21,7 @@ def change(better, low, high, corrected=None):
 
 def place(strip):
     """Of the dot, from the middle."""
-    return float(re.search(r'cx="([\d.]+)"', strip)[1]) - WIDTH / 2
+    return float(re.search(r'cx="([\d.]+)"', strip)[1]) - MIDDLE
 
 
 def test_better_is_to_the_right():
@@ -55,7 +58,7 @@ def test_without_a_difference_there_is_nothing():
 def test_a_part_is_a_bar_from_no_change(size, left, width):
     """To the right if it is above 0, as long as its share of the largest; a part that is 0 is still seen."""
     drawn = re.search(r'x="([\d.]+)" y="4" width="([\d.]+)"', draw_part(size, 4.0, "ruler"))
-    assert float(drawn[1]) - WIDTH / 2 == pytest.approx(left, abs=0.1)
+    assert float(drawn[1]) - MIDDLE == pytest.approx(left, abs=0.1)
     assert float(drawn[2]) == pytest.approx(width, abs=0.1)
 
 
@@ -67,6 +70,6 @@ def test_nothing_at_all_can_be_drawn_too():
 def test_trainings_have_what_is_better_on_the_right():
     """Also where less is; where all are the same they stand in the middle."""
     drawn = [draw_trainings([1.0, 3.0], (1.0, 3.0), better, "baseline") for better in ("higher", "lower")]
-    places = [[float(at) - WIDTH / 2 for at in re.findall(r'cx="([\d.]+)"', svg)] for svg in drawn]
+    places = [[float(at) - MIDDLE for at in re.findall(r'cx="([\d.]+)"', svg)] for svg in drawn]
     assert places == [[-REACH, REACH], [REACH, -REACH]]
-    assert f'cx="{WIDTH / 2:.1f}"' in draw_trainings([2.0], (2.0, 2.0), "higher", "baseline")
+    assert f'cx="{MIDDLE:.1f}"' in draw_trainings([2.0], (2.0, 2.0), "higher", "baseline")

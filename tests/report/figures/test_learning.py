@@ -2,9 +2,8 @@
 
 import pytest
 
-from harness.report.figures.chart import Area, Line
-from harness.report.figures.learning import describe_learning, draw_learning
-from harness.report.rows.ratios import format_number
+from harness.report import Line, describe_learning, draw_learning, format_number
+from harness.report.figures.chart import Area
 
 
 @pytest.fixture

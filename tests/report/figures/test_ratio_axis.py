@@ -3,7 +3,7 @@
 import math
 from itertools import pairwise
 
-from harness.eta.index import Ratio
+from harness.eta import Ratio
 from harness.report.figures.ratio_axis import (
     interval_ends,
     is_drawable,

@@ -4,14 +4,15 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from harness.eta.curve import Kind, curve_of
-from harness.report.figures.accumulated import OMEGA_1, OMEGA_2, regions_of
-from harness.report.figures.panel import CurvePanel, panel_of
+from harness.eta import Kind, curve_of
+from harness.report.figures.accumulated import regions_of
+from harness.report.figures.panel import panel_of
 
+OMEGA_1, OMEGA_2 = "Ω₁", "Ω₂"
 VALUES = st.lists(st.integers(-9, 9).map(float), min_size=2, max_size=40)
 
 
-def panel(curve: list[float], kind: Kind = "accumulated") -> CurvePanel:
+def panel(curve: list[float], kind: Kind = "accumulated"):
     """One run whose curve this is."""
     rewards = np.array(curve) if kind == "per-step" else np.diff(curve, prepend=0.0)
     whole = curve_of([rewards], kind)

@@ -1,8 +1,8 @@
 import numpy as np
 
-from harness.report.figures.chart import Dots, Line, Note, Word
+from harness.report import Dots, Line, describe_split
+from harness.report.figures.chart import Note, Word
 from harness.report.figures.split import draw_split
-from harness.report.figures.split_rows import describe_split
 
 
 def figures(results):

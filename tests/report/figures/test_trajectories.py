@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from harness.report.figures.chart import Line
-from harness.report.figures.trajectories import POINTS, describe_trajectories, draw_trajectories
-from harness.results.trajectories import Trajectories, Trajectory
+from harness.report import Line
+from harness.report.figures.trajectories import describe_trajectories, draw_trajectories
+from harness.results import Trajectories, Trajectory
 
 HIT = Trajectory(np.array([[0.0, 1.0, 2.0], [0.123456, 1.5, 2.5]]), np.array([0.1, 1.5, 2.5]), reached=True)
 MISS = Trajectory(np.array([[0.0, 0.0, 0.0], [5.0, -1.0, 3.0]]), np.array([-1.0, 0.0, 0.0]), reached=False)
@@ -61,7 +61,7 @@ def test_long_path_is_thinned():
     walk = np.linspace([0.0, 0.0, 0.0], [1.0, 2.0, 3.0], 5_001)
     long = Trajectory(walk, walk[-1], reached=True)
     above, _ = named(draw_trajectories(Trajectories(0, (long,), (HIT,)))[0])["reached"]
-    assert len(above.x) == POINTS + 1  # the gap behind it
+    assert len(above.x) == 30 + 1  # the gap behind it
     assert (above.x[0], above.x[-2]) == (0.0, 1.0)
 
 

@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from harness.eta.headline import Answer
-from harness.eta.verdict.ruling import Ruling
+from harness.eta import Answer, Ruling
 from harness.report.page.answer import card_of, groups_of, pool_cards
 
 HELPED = {"arp": lambda seed: (5, 6, 7, 8), "baseline": lambda seed: (8, 9)}

@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import pytest
 
-from harness.report.page.eta import draw_groups, write_eta_page
+from harness.report import write_eta_page
+from harness.report.page.eta import draw_groups
 from harness.report.typography import to_html
 
 

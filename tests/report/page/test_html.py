@@ -7,12 +7,9 @@ from html.parser import HTMLParser
 import pytest
 
 from harness.errors import UsageError
-from harness.report.figures.split_rows import describe_split
+from harness.report import SPLIT, describe_split, question, scales_text, typeset, write_html
 from harness.report.page.comparison import describe_comparison
-from harness.report.page.html import write_html
-from harness.report.rows.comparison import question
-from harness.report.rows.ratios import SPLIT, scales_text
-from harness.report.typography import to_html, typeset
+from harness.report.typography import to_html
 from harness.results import load_results
 from tests.report.conftest import MIXTURE
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.report.page.html import write_html
+from harness.report import write_html
 from harness.results import load_results
 from tests.results.recordings.conftest import PAYS, record
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.report.page.html import write_html
+from harness.report import write_html
 from harness.results import load_results
 from tests.results.gentle import GENTLE, run_gentle
 

@@ -6,11 +6,11 @@ import threading
 import numpy as np
 import pytest
 
-from harness.report.page.html import write_html
-from harness.results.replay import shows_of
+from harness.report import write_html
+from harness.results import shows_of
 from harness.robot.kinematics import end_effector_position
 from harness.scene.picture import chain_of
-from harness_plugins.watch.watch import HOST, Pages, open_server
+from harness_plugins.watch.watch import Pages, open_server
 from tests.report.conftest import NO_WEBGL
 
 pytestmark = pytest.mark.slow
@@ -184,7 +184,7 @@ def test_nobody_is_kept_out_of_the_watch_page(show, barriers, recorded, scheme):
     with open_server(Pages(recorded.folder), 0) as server:
         thread = threading.Thread(target=server.serve_forever)
         thread.start()
-        page = show(f"http://{HOST}:{server.server_port}/", scheme=scheme)
+        page = show(f"http://127.0.0.1:{server.server_port}/", scheme=scheme)
         page.wait_for_selector(f"{VIEWS}[data-tip]")
         found = barriers(page)
         server.shutdown()

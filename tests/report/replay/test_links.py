@@ -5,12 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.eta.behaviour_change import Change, Quantity
+from harness.eta import Change, Quantity
 from harness.record.scene import Scene, SceneJoint, write_scene
-from harness.report.replay.links import BASELINE, PROPOSED, EpisodeLinks, links_of
-from harness.results.pairs import BOTH, FIRST, NEITHER, SECOND, Met, Pairs, kinds_of
-from harness.results.replay import shows_of
+from harness.report.replay.links import EpisodeLinks, links_of
+from harness.results import Pairs, shows_of
+from harness.results.pairs import Met, kinds_of
 
+BASELINE, PROPOSED = range(2)
+BOTH, FIRST, SECOND, NEITHER = range(4)
 ENDS = (("reached", "time-out", "ground", "reached"), ("time-out",) * 4)
 TIMES = ((1.0, 10.0, 10.0, 4.0), (10.0,) * 4)
 

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 import harness
-from harness.report.page.html import write_html
+from harness.report import write_html
 from harness.results import load_results
 
 pytestmark = pytest.mark.slow

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from harness.record.scene import scene_from_json
-from harness.report.page.html import write_html
-from harness.report.replay.section import replay_data, replay_of
-from harness.results.replay import shows_of
+from harness.report import replay_of, write_html
+from harness.report.replay.section import replay_data
+from harness.results import shows_of
 from harness.robot.kinematics import end_effector_position
 from harness.scene.picture import chain_of
 

@@ -2,7 +2,8 @@
 
 from dataclasses import replace
 
-from harness.report.rows.behaviour import along_grid, behaviour_grids, behaviour_row
+from harness.report import along_grid, behaviour_grids
+from harness.report.rows.behaviour import behaviour_row
 
 
 def only(results):

@@ -3,18 +3,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.eta.index import Ratio
-from harness.eta.splits import Split, SplitPath
-from harness.report.rows.comparison import advice, claims_text, compared_text, interim_text, what_decides
-from harness.report.rows.ratios import (
-    format_number,
-    index_grid,
-    path_grid,
-    ratio_grid,
-    ratio_with_interval,
-    split_grid,
-    sum_grid,
-)
+from harness.eta import Ratio, Split
+from harness.eta.splits import SplitPath
+from harness.report import format_number, what_decides
+from harness.report.rows.comparison import advice, claims_text, compared_text, interim_text
+from harness.report.rows.ratios import index_grid, path_grid, ratio_grid, ratio_with_interval, split_grid, sum_grid
 
 
 def only(results):

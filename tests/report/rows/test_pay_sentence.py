@@ -6,8 +6,8 @@ import re
 import numpy as np
 import pytest
 
+from harness.report import format_number
 from harness.report.rows.pay_sentence import PayPart, PaySentence, pay_of
-from harness.report.rows.ratios import format_number
 from harness.results import load_results
 from tests.results.recordings.conftest import PAYS, record
 

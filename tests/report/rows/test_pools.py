@@ -2,7 +2,7 @@
 
 from types import SimpleNamespace
 
-from harness.record.terms import Terms
+from harness.record import Terms
 from harness.report.rows.pools import grown_text, joined_text
 
 

@@ -6,15 +6,14 @@ from io import StringIO
 import pytest
 from rich.console import Console, Group
 
-from harness.record.terms import Terms
-from harness.registry.registry import load_registry
+from harness.record import Terms
+from harness.registry import load_registry
+from harness.report import question, race_told
 from harness.report.figures.race import draw_race
-from harness.report.rows.comparison import question
-from harness.report.rows.race import RaceTold, race_told
 from harness.report.tables.overview import race_lines
-from harness.results.overview import pay_texts
+from harness.results import pay_texts
 from harness_plugins.committed import write_summary
-from tests.results.in_looks import RACE, Folder, folder_in_looks
+from tests.results.in_looks import RACE, folder_in_looks
 
 
 @pytest.fixture
@@ -32,7 +31,7 @@ def over(folder):
     return folder
 
 
-def told_of(folder: Folder) -> RaceTold:
+def told_of(folder):
     """The race in words."""
     told = race_told(folder.results)
     assert told is not None

@@ -6,10 +6,9 @@ from io import StringIO
 import pytest
 from rich.console import Console
 
-from harness.eta.ranking import order_rewards
-from harness.report.page.html import write_html
+from harness.eta import order_rewards
+from harness.report import ranking_table, write_html
 from harness.report.rows.ranking import Rank, lines_of, task_rows
-from harness.report.tables.ranking import ranking_table
 from harness.results.ranking import EtaOrder, Place, compare_places
 
 REWARDS = {"arp": (9, 30), "relative": (9, 20)}

@@ -1,6 +1,6 @@
 """Returns under every reward, as text."""
 
-from harness.report.rows.returns import return_grid
+from harness.report import return_grid
 
 
 def _matrix(results):

@@ -5,10 +5,10 @@ from types import SimpleNamespace
 
 import pytest
 
-from harness.eta.seed_mean import mean_over_seeds
-from harness.report.rows.terms import changed_text, never_texts, terms_grid
-from harness.results.comparison import Group
-from harness.results.terms_paid import TermPaid, TermsPaid
+from harness.eta import mean_over_seeds
+from harness.report import terms_grid
+from harness.report.rows.terms import changed_text, never_texts
+from harness.results import Group, TermPaid, TermsPaid
 
 
 def _mean(*values: float):

@@ -6,11 +6,9 @@ from io import StringIO
 import pytest
 from rich.console import Console
 
-from harness.report.rows.behaviour import along_grid, behaviour_grids
-from harness.report.rows.comparison import what_decides
-from harness.report.rows.ratios import SPLIT, index_grid, ratio_grid, split_grid, sum_grid
+from harness.report import SPLIT, along_grid, behaviour_grids, comparison_table, what_decides
+from harness.report.rows.ratios import index_grid, ratio_grid, split_grid, sum_grid
 from harness.report.rows.returns import EXPLANATION
-from harness.report.tables.comparison import comparison_table
 from tests.report.conftest import MIXTURE
 
 CASES = {

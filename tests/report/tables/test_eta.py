@@ -6,8 +6,9 @@ from io import StringIO
 import pytest
 from rich.console import Console
 
-from harness.report.rows.ratios import index_grid, ratio_grid, scales_text, split_grid
-from harness.report.tables.eta import UNKNOWN, comparison_title, eta_table, runs_text
+from harness.report import eta_table, scales_text
+from harness.report.rows.ratios import index_grid, ratio_grid, split_grid
+from harness.report.tables.eta import UNKNOWN, comparison_title, runs_text
 
 
 def printed(comparison, width=80):

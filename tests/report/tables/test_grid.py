@@ -4,7 +4,7 @@ from io import StringIO
 
 from rich.console import Console
 
-from harness.report.rows.ratios import Grid
+from harness.report import Grid
 from harness.report.tables.grid import divide_columns, show_grid
 
 GRID = Grid(

@@ -2,8 +2,8 @@ from io import StringIO
 
 from rich.console import Console
 
-from harness.report.tables.overview import overview_table
-from harness.results.overview import pay_texts
+from harness.report import overview_table
+from harness.results import pay_texts
 from tests.report.tables.test_comparison import CASES, squeezed
 
 REWARDS = {"arp": (9, 30), "relative": (9, 20), "scaled:factor=1.5": (9, 30)}

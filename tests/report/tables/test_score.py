@@ -5,9 +5,10 @@ from io import StringIO
 import pytest
 from rich.console import Console
 
-from harness.registry.choice import choose
-from harness.report.tables.score import score_grids, score_table
-from harness.results.score_matrix import score_matrices
+from harness.registry import choose
+from harness.report import score_table
+from harness.report.tables.score import score_grids
+from harness.results import score_matrices
 
 
 @pytest.fixture

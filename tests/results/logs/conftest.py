@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from harness.log.open_log import find_logs
-from harness.registry.registry import load_registry
-from harness.results.logs.trainings import sort_logs
+from harness.registry import load_registry
+from harness.results import sort_logs
 
 Write = Callable[..., Path]
 

@@ -6,7 +6,7 @@ from hypothesis import given, strategies as st
 
 from harness.log import Log, LogFacts, in_memory
 from harness.log.open_log import find_logs
-from harness.registry.registry import load_registry
+from harness.registry import load_registry
 from harness.results.logs.names import in_lockstep
 
 

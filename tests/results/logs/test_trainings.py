@@ -5,7 +5,7 @@ import pytest
 
 from harness.errors import UsageError
 from harness.log import LogFacts, in_memory
-from harness.results.logs.trainings import sort_files, sort_logs
+from harness.results import sort_files, sort_logs
 
 
 def keys(found):

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from harness.log import in_memory
-from harness.record.recording.facts import Failure, TrainingFacts
+from harness.record import TrainingFacts
+from harness.record.recording.facts import Failure
 from harness.record.recording.recording_writer import write_recording
-from harness.registry.registry import load_registry
+from harness.registry import load_registry
 from harness.results import Results
 from harness.results.recordings.read_runs import LooseStore
 from harness.results.recordings.study import Study

@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.eta.headline import Answer
-from harness.eta.rescaling import rescaling_of
+from harness.eta import Answer, rescaling_of
 from harness.log import Log
-from harness.record.recording.recorded_training import read_recording
+from harness.record import read_recording
+from harness.report import beside_answer
 from harness.report.page.answer import card_of
-from harness.report.rows.comparison import UNLIKE_STARTS, beside_answer, scale_text
+from harness.report.rows.comparison import UNLIKE_STARTS, scale_text
 from harness.results.recordings.recording_results import Likeness, likeness_of
 from tests.results.recordings.conftest import load_study, record
 

@@ -10,7 +10,7 @@ import pytest
 from gymnasium.spaces import Box
 
 import harness
-from harness.report.rows.comparison import basis_text
+from harness.report import basis_text
 from tests.results.recordings.conftest import load_study
 
 PULLS, EPISODES, SEEDS = 4, 10, 6

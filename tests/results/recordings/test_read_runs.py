@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from harness.errors import UsageError
-from harness.record.recording.facts import TrainingFacts
+from harness.record import TrainingFacts
 from harness.record.recording.recorded_training import facts_name
 from harness.results.recordings.read_runs import read_all, read_runs
 from tests.results.recordings.conftest import PAYS, record

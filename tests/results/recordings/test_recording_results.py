@@ -10,8 +10,9 @@ import pyarrow.parquet as pq
 import pytest
 
 from harness.errors import SchemaError
+from harness.record import read_recording
 from harness.record.recording import recorded_training
-from harness.record.recording.recorded_training import read_part, read_recording
+from harness.record.recording.recorded_training import read_part
 from harness.results.recordings.recording_results import RecordingResults
 from tests.results.recordings.conftest import load_study
 

@@ -5,9 +5,10 @@ import numpy as np
 import pytest
 
 from harness.errors import UsageError
-from harness.eta.verdict.ruling import Ruling
-from harness.record.recording.facts import OWN_SOURCE, Source, TrainingFacts
-from harness.report.rows.comparison import basis_text
+from harness.eta import Ruling
+from harness.record import TrainingFacts
+from harness.record.recording.facts import OWN_SOURCE, Source
+from harness.report import basis_text
 from harness.results.recordings.read_runs import read_runs
 from harness.results.recordings.study import PlaceStudy, studies_of_runs
 from tests.results.recordings.conftest import PAYS, PULLS, load_study, record

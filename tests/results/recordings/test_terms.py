@@ -6,8 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from harness.record import read_recording
 from harness.record.recording.facts import Failure
-from harness.record.recording.recorded_training import read_recording, weighed
+from harness.record.recording.recorded_training import weighed
 from harness.record.recording.recording_writer import write_recording
 from harness.results import load_results
 from tests.results.recordings.conftest import PULLS, record

@@ -12,7 +12,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from harness import RecordRewards
-from harness.record.recording.recorded_training import is_recording, read_recording
+from harness.record import read_recording
+from harness.record.recording.recorded_training import is_recording
 from tests.plugins.watch.cases.plain import LEARNERS
 from tests.plugins.watch.cases.table import CASES, WORLDS, Case
 
