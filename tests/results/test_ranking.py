@@ -5,7 +5,8 @@ from typing import Any
 
 import pytest
 
-from harness.eta import Agreement, Answer
+from harness.eta import Agreement
+from harness.eta.ranking import Answer
 from harness.results import load_results, ranking_of
 from harness.results.ranking import Ranking
 from tests.report.conftest import build_results
