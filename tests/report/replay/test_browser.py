@@ -8,7 +8,7 @@ import pytest
 
 from harness.report import write_html
 from harness.results import shows_of
-from harness.robot.kinematics import end_effector_position
+from harness.robot import end_effector_position
 from harness.scene.picture import chain_of
 from harness_plugins.watch.watch import Pages, open_server
 from tests.report.conftest import NO_WEBGL

@@ -6,7 +6,7 @@ import numpy as np
 
 from harness.report.replay.stick import draw_sticks, joints_of
 from harness.results import shows_of
-from harness.robot.kinematics import end_effector_position
+from harness.robot import end_effector_position
 from harness.scene.picture import chain_of
 
 
