@@ -38,11 +38,14 @@ DRAWS = {"task-starts", "task-targets", "task-targets-in-reach", "task-targets-c
 LARGE = ("sb3-sac", "her", "td3", "dqn", "ddqn")
 """Their default networks take long to train; `SMALLER` ones show the same in most checks."""
 SMALLER = {"net_arch": (16,), "batch_size": 32}
-LONG = {"algo-learns", "algo-acts-as-trained", "algo-checkpoint-silent", "algo-resume"}
-"""Whole trainings of half a minute, or several; `test_checkpoint_mutants` runs the last two with small networks."""
-ALIKE = {"algo-every-env", "algo-same-seed", "algo-other-seed", "algo-budget"}
+TWICE = {"algo-checkpoint-silent", "algo-resume"}
+"""Several trainings; `test_checkpoint_mutants` does them with small networks in every run."""
+LONG = {"algo-learns", "algo-acts-as-trained"} | TWICE
+"""Whole trainings of up to half a minute."""
+ALIKE = {"algo-every-env", "algo-same-seed", "algo-other-seed", "algo-budget", "algo-goes-on"}
 """The trainings of `her`, `td3` and `ddqn` are those of `sb3-sac` and `dqn`, which show these, with another update."""
-SLOW = {"ppo": {"algo-learns"}, "sb3-sac": LONG, "dqn": LONG, **dict.fromkeys(("her", "td3", "ddqn"), LONG | ALIKE)}
+SLOW = {"sac-fast": TWICE, "ppo": {"algo-learns"} | TWICE, "spg": TWICE, "sb3-sac": LONG, "dqn": LONG}
+SLOW |= dict.fromkeys(("her", "td3", "ddqn"), LONG | ALIKE)
 SERVO = {"pybullet": {"sim-servo"}}
 """All checks once more with the other drives; the other engines show them in every run, and this one opens slowly."""
 

@@ -19,6 +19,10 @@ from harness.registry import Registry, choose
 ELSEWHERE = ("ray", "ray:fetch=true", "slurm:cluster=local", "slurm:memory=0.5")
 
 
+# submitit does not wait for the processes that it starts in Slurm's place.
+pytestmark = pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+
+
 @pytest.fixture(params=["processes", *(pytest.param(name, marks=pytest.mark.slow) for name in ELSEWHERE)])
 def executor(request: pytest.FixtureRequest, toys: Registry) -> Any:
     """Where its library is installed, and a cluster runs where it needs one."""
