@@ -116,11 +116,6 @@ def point_heights(robot: Robot, qpos: Float) -> Float:
     return np.vstack([link_frames(robot.chain, qpos)[1:, 2, 3], robot.end_effector(qpos)[:, 2]])
 
 
-def lowest_points(robot: Robot, qpos: Float) -> Float:
-    """The lowest of the `point_heights`, (n,), [m]."""
-    return np.asarray(point_heights(robot, qpos).min(axis=0))
-
-
 class Pace(NamedTuple):
     """How fast a swing may be: shares of each joint's maxima."""
 

@@ -14,23 +14,27 @@ FEW = ("--episodes", 6, "--budget", 0)
 
 
 def test_the_table_names_all_policies_and_marks_the_best(harness):
-    """One row for each scripted policy, the best marked."""
+    """One row for each scripted policy, the best marked; plain words; without --sim no engine is used."""
     answer = harness("audit", "--reward", "baseline", *FEW)
     assert answer.status == 0
     assert "creep paid most" in answer.out
+    assert "Not finishing pays more than finishing: creep earns" in answer.out
+    assert "no simulator: joints move exactly as commanded" in answer.out
     for policy in ("finish", "hover", "oscillate", "hold", "random"):
         assert f"\n{policy} " in answer.out
 
 
-def test_the_verdict_is_in_plain_words(harness):
-    """The baseline is said to pay for not finishing."""
-    out = harness("audit", "--reward", "baseline", *FEW).out
-    assert "Not finishing pays more than finishing: creep earns" in out
-
-
 def test_noise_on_actions_tells_a_knifes_edge(harness):
-    """Creeping earns many times what finishing does, and less than that where actions are disturbed."""
+    """Creeping earns many times what finishing does, and less than that where actions are disturbed.
+
+    Everything on standard output is one object, and holds what the table shows.
+    """
     data = json.loads(harness("audit", "--reward", "baseline", "--json", *FEW).out)
+    names = ("reward", "against", "task", "robot", "episodes", "best")
+    assert [data[name] for name in names] == ["baseline", "baseline", "fd100-reach", "fd100", 6, "creep"]
+    assert data["distance"]["value"] == 0.0
+    assert data["verdict"][0].startswith("Not finishing pays more")
+    assert {row["gamma"] for row in data["not_finishing_pays"]} == {1.0, 0.95}
     assert data["verdict"][1].startswith("FRAGILE: with action noise 0.05 ")
     still, noisy = ({row["policy"]: row["total"] for row in data[key]} for key in ("policies", "disturbed_policies"))
     assert still["creep"] > 10.0 * still["finish"]
@@ -84,11 +88,6 @@ def test_measures_come_from_a_file_of_any_name(harness, hover):
     assert "--measure needs an ENVIRONMENT" in refused.err
 
 
-def test_it_says_that_no_engine_was_used(harness):
-    """Without --sim joints move exactly as commanded."""
-    assert "no simulator: joints move exactly as commanded" in harness("audit", "--reward", "baseline", *FEW).out
-
-
 def test_properties_and_distance_are_shown(harness):
     """Each with its evidence."""
     out = " ".join(harness("audit", "--reward", "arp:k2=2", *FEW).out.split())
@@ -103,27 +102,6 @@ def test_properties_and_distance_are_shown(harness):
         assert text in out
 
 
-def test_json_is_one_object(harness):
-    """Everything on standard output is the object, and holds what the table shows."""
-    answer = harness("audit", "--reward", "baseline", "--json", *FEW)
-    data = json.loads(answer.out)
-    assert (data["reward"], data["against"], data["task"], data["robot"]) == (
-        "baseline", "baseline", "fd100-reach", "fd100",
-    )  # fmt: skip
-    assert data["episodes"] == 6
-    assert data["best"] == "creep"
-    assert data["distance"]["value"] == 0.0
-    assert data["verdict"][0].startswith("Not finishing pays more")
-    assert {row["gamma"] for row in data["not_finishing_pays"]} == {1.0, 0.95}
-
-
-def test_a_simulator_can_be_named(harness):
-    """--sim takes what is registered."""
-    data = json.loads(harness("audit", "--reward", "baseline", "--sim", "ideal", "--json", *FEW).out)
-    assert data["simulator"] == "ideal"
-    assert data["best"] == "creep"
-
-
 def test_the_baseline_pays_for_creeping_in_an_engine_too(harness):
     """With MuJoCo, where nothing holds quite still, not finishing pays more all the same."""
     pytest.importorskip("mujoco")
@@ -133,17 +111,11 @@ def test_the_baseline_pays_for_creeping_in_an_engine_too(harness):
 
 
 def test_the_task_can_be_another(harness):
-    """--task takes overrides, and they change what is earned."""
-    call = ("audit", "--reward", "baseline", "--json", *FEW)
+    """--task takes overrides, and they change what is earned; --gamma is the learner's, --sim what is registered."""
+    call = ("audit", "--reward", "baseline", "--sim", "ideal", "--gamma", "0.9", "--json", *FEW)
     short = json.loads(harness(*call, "--task", "fd100-reach:horizon=30").out)
-    assert short["task"] == "fd100-reach:horizon=30"
+    assert (short["task"], short["simulator"], short["gamma"]) == ("fd100-reach:horizon=30", "ideal", 0.9)
     assert {row["policy"]: row["steps"] for row in short["policies"]}["hover"] == 30.0
-
-
-def test_the_discount_can_be_another(harness):
-    """--gamma is the learner's."""
-    data = json.loads(harness("audit", "--reward", "baseline", "--gamma", "0.9", "--json", *FEW).out)
-    assert data["gamma"] == 0.9
 
 
 def test_a_scaled_reward_is_no_other(harness):

@@ -5,17 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness_plugins.parity.classes import (
-    CREEP,
-    NEAR,
-    class_motions,
-    draw_fast,
-    draw_singular,
-    in_order,
-    shares_told,
-    told_by,
-)
-from harness_plugins.parity.motions import CLEARANCE, GroundClearance, lowest_points, point_heights
+from harness_plugins.parity.classes import class_motions, draw_fast, draw_singular, shares_told, told_by
+from harness_plugins.parity.motions import GroundClearance, point_heights
+
+CLEARANCE = 0.1
 
 
 @pytest.fixture(scope="module")
@@ -25,11 +18,10 @@ def motions(each_robot):
 
 
 def test_there_are_three_classes_beside_smooth_ones_and_dives(motions, each_robot):
-    """All of one shape, and in the order in which they are shown."""
+    """All of one shape."""
     assert {name: motion.shape for name, motion in motions.items()} == dict.fromkeys(
         ("slow", "fast", "singular"), (61, 2, each_robot.dof)
     )
-    assert list(in_order({"contact": 0, "fast": 0, "slow": 0})) == ["slow", "fast", "contact"]
 
 
 def test_limits_are_kept(motions, each_robot):
@@ -40,15 +32,15 @@ def test_limits_are_kept(motions, each_robot):
         assert told.acceleration <= 1.0 + 1e-9, name
         assert (each_robot.lower <= motion).all(), name
         assert (motion <= each_robot.upper).all(), name
-        heights = lowest_points(each_robot, motion.reshape(-1, each_robot.dof))
+        heights = point_heights(each_robot, motion.reshape(-1, each_robot.dof))
         assert heights.min() >= CLEARANCE * each_robot.reach - 1e-12, name
 
 
 def test_slow_is_slow_and_fast_is_at_the_limits(motions, each_robot):
     """Fast joints have their largest speed most of the time, and turn at their largest acceleration."""
     slow, fast = (told_by(each_robot, motions[name], 0.1) for name in ("slow", "fast"))
-    assert slow.speed <= CREEP.speed + 1e-9
-    assert slow.acceleration <= CREEP.acceleration + 1e-9
+    assert slow.speed <= 0.2 + 1e-9
+    assert slow.acceleration <= 0.1 + 1e-9
     assert (fast.speed, fast.acceleration) == (pytest.approx(1.0), pytest.approx(1.0))
     speed, _ = shares_told(each_robot, motions["fast"], 0.1)
     assert np.mean(speed[1:] > 0.99) > 0.2
@@ -57,7 +49,7 @@ def test_slow_is_slow_and_fast_is_at_the_limits(motions, each_robot):
 def test_singular_motions_stay_near_a_singular_pose(motions, each_robot):
     """Its smallest singular value is far below that of home."""
     motion = motions["singular"]
-    assert np.abs(motion - motion[0]).max() <= NEAR + 1e-9
+    assert np.abs(motion - motion[0]).max() <= 0.15 + 1e-9
     home = np.linalg.svd(each_robot.jacobian(each_robot.home), compute_uv=False)[-1]
     values = np.linalg.svd(each_robot.jacobian(motion[0]), compute_uv=False)[:, -1]
     assert (values < 0.02 * each_robot.reach).all()

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from harness_plugins.parity.difference import GRACE, compare_contacts, first_contacts
+from harness_plugins.parity.difference import compare_contacts, first_contacts
 
-ROWS = 20
+ROWS, GRACE = 20, 5
 
 
 def touching(*firsts):

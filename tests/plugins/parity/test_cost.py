@@ -7,7 +7,9 @@ import pytest
 
 from harness_plugins.parity import performance
 from harness_plugins.parity.motions import smooth_motions
-from harness_plugins.parity.performance import LONGEST_TURN, TURNS, Failure, Stopwatch, time_in_turns
+from harness_plugins.parity.performance import Failure, Stopwatch, time_in_turns
+
+TURNS, LONGEST_TURN = 8, 50
 
 
 @pytest.fixture

@@ -8,16 +8,12 @@ import pytest
 from harness.robot import build_solids, link_frames
 from harness_plugins.parity.classes import class_motions
 from harness_plugins.parity.motions import (
-    ACCELERATION,
-    CLEARANCE,
-    SPEED,
     GroundClearance,
-    lowest_points,
     point_heights,
     smooth_motions,
 )
 
-PERIOD = 0.1
+PERIOD, CLEARANCE = 0.1, 0.1
 
 
 def speeds(motion, period=PERIOD):
@@ -33,15 +29,15 @@ def test_limits_are_kept(each_robot, steps, period):
     assert (each_robot.lower <= motion).all()
     assert (motion <= each_robot.upper).all()
     speed = speeds(motion, period)
-    assert (np.abs(speed) <= SPEED * each_robot.max_speed * (1 + 1e-9)).all()
+    assert (np.abs(speed) <= 0.8 * each_robot.max_speed * (1 + 1e-9)).all()
     change = np.abs(np.diff(speed, axis=0)) / period
-    assert (change <= ACCELERATION * each_robot.max_acceleration * (1 + 1e-9)).all()
+    assert (change <= 0.6 * each_robot.max_acceleration * (1 + 1e-9)).all()
 
 
 def test_every_joint_really_moves(each_robot):
     """In each motion a joint gets to a third of what it may at least; in the best of eight to nearly all of it."""
     share = np.abs(speeds(smooth_motions(each_robot, 0, 8, 200, PERIOD).motions)).max(axis=0) / (
-        SPEED * each_robot.max_speed
+        0.8 * each_robot.max_speed
     )
     assert share.min() > 1 / 3
     assert (share.max(axis=0) > 0.9).all()
@@ -50,7 +46,7 @@ def test_every_joint_really_moves(each_robot):
 def test_motions_stay_clear_of_the_ground(each_robot):
     """Joints and tip keep a tenth of the reach above it."""
     motion = smooth_motions(each_robot, 3, 8, 200, PERIOD).motions.reshape(-1, each_robot.dof)
-    assert lowest_points(each_robot, motion).min() >= CLEARANCE * each_robot.reach
+    assert point_heights(each_robot, motion).min() >= CLEARANCE * each_robot.reach
 
 
 def test_a_seed_gives_the_same_motions(robot):
@@ -65,7 +61,7 @@ def test_lowest_point_is_the_lowest_of_tip_and_joints(robot):
     """Stretched out straight up the second joint is lowest; head down the tip is."""
     folded = robot.home.copy()
     folded[1] = robot.upper[1]
-    heights = lowest_points(robot, np.stack([np.zeros(robot.dof), folded]))
+    heights = point_heights(robot, np.stack([np.zeros(robot.dof), folded])).min(axis=0)
     assert 0.0 < heights[0] <= robot.end_effector(np.zeros(robot.dof))[2]
     assert heights[1] == pytest.approx(robot.end_effector(folded)[2])
 
