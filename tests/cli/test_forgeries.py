@@ -82,12 +82,7 @@ def test_absurd_values_are_foreseen(
     harness: Callable[..., Any], genuine: Path, tmp_path: Path, subtests: pytest.Subtests
 ):
     """Damage is one row or one line; no command ends with what nobody foresaw, nor one that reads what another kept."""
-    commands = [
-        ("verify",),
-        ("report", "--details"),
-        ("report", "--json"),
-        ("report", "--summary", tmp_path / "records"),
-    ]
+    commands = [("verify",), ("report", "--details"), ("report", "--json", "--summary", tmp_path / "records")]
     for name, forge in ABSURD.items():
         folder = copied(genuine, tmp_path / "it")
         forge(folder)
