@@ -3,10 +3,12 @@
 from typing import TYPE_CHECKING, Any
 
 from harness.face import look_up
+from harness.results.comparison import Comparison, Group
+from harness.results.load import load_results
+from harness.results.results import Results
 
 if TYPE_CHECKING:
-    from harness.results.comparison import Behaviour, Comparison, Group, StepChange
-    from harness.results.load import load_results
+    from harness.results.comparison import Behaviour, StepChange
     from harness.results.logs.trainings import sort_files, sort_logs
     from harness.results.measured import measure
     from harness.results.metrics import load_metrics
@@ -15,7 +17,6 @@ if TYPE_CHECKING:
     from harness.results.ranking import ranking_of
     from harness.results.recordings.episodes import episodes_of
     from harness.results.replay import first_show, show_cells, shows_of
-    from harness.results.results import Results
     from harness.results.score_matrix import score_matrices
     from harness.results.standing import standing_of, told_manifests
     from harness.results.terms_paid import TermPaid, TermsPaid
@@ -50,8 +51,7 @@ __all__ = [
 ]
 
 _HOMES = {
-    "comparison": "Behaviour Comparison Group StepChange",
-    "load": "load_results",
+    "comparison": "Behaviour StepChange",
     "logs.trainings": "sort_files sort_logs",
     "measured": "measure",
     "metrics": "load_metrics",
@@ -60,7 +60,6 @@ _HOMES = {
     "ranking": "ranking_of",
     "recordings.episodes": "episodes_of",
     "replay": "first_show show_cells shows_of",
-    "results": "Results",
     "score_matrix": "score_matrices",
     "standing": "standing_of told_manifests",
     "terms_paid": "TermPaid TermsPaid",
